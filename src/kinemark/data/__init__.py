@@ -1,0 +1,40 @@
+"""What passes between stages: frozen records of arrays, shape and unit beside every field.
+
+C cameras, F frames, M markers, D detections, P points. Arrays in a record are read-only.
+"""
+
+from .analog import Analog, ForcePlate
+from .angles import Angles
+from .arrays import same
+from .cloud import Cloud, Tracks
+from .detections import Detections, Validity
+from .errors import KinemarkError
+from .events import Events
+from .markerset import MarkerSet
+from .matches import Matches
+from .rig import PARAMETERS, Camera, Rig
+from .trajectories import Origin, Path, Trajectories
+from .trial import Step, Trial
+
+__all__ = [
+    "PARAMETERS",
+    "Analog",
+    "Angles",
+    "Camera",
+    "Cloud",
+    "Detections",
+    "Events",
+    "ForcePlate",
+    "KinemarkError",
+    "MarkerSet",
+    "Matches",
+    "Origin",
+    "Path",
+    "Rig",
+    "Step",
+    "Tracks",
+    "Trajectories",
+    "Trial",
+    "Validity",
+    "same",
+]

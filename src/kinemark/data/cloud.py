@@ -1,0 +1,105 @@
+"""3D points of every frame, first without and then with an identity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .arrays import check_offsets, column, set_columns
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cloud:
+    """P reconstructed points over F frames, sorted by frame.
+
+    Attributes:
+        rate: frames a second, Hz.
+        start: (F+1) rows start[f]:start[f+1] are frame f.
+        xyz: (P, 3) mm.
+        cov: (P, 3, 3) mm².
+        residual: (P) RMS reprojection error, px.
+        view: (P, C) row in `Detections` of each camera's image, −1 where it does not see the point.
+    """
+
+    rate: float
+    start: NDArray[np.int64]
+    xyz: NDArray[np.float64]
+    cov: NDArray[np.float64]
+    residual: NDArray[np.float64]
+    view: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        n = len(self.xyz)
+        set_columns(
+            self,
+            start=column("start", self.start, np.int64, None),
+            xyz=column("xyz", self.xyz, np.float64, n, 3),
+            cov=column("cov", self.cov, np.float64, n, 3, 3),
+            residual=column("residual", self.residual, np.float64, n),
+            view=column("view", self.view, np.int64, n, None),
+        )
+        check_offsets("start", self.start, n)
+
+    def __len__(self) -> int:
+        return len(self.xyz)
+
+    def __getitem__(self, f: int) -> NDArray[np.float64]:
+        """A view of xyz: the points of frame f, (n, 3) mm."""
+        return self.xyz[self.rows(f)]
+
+    def rows(self, f: int) -> slice:
+        """The rows of frame f."""
+        return slice(int(self.start[f]), int(self.start[f + 1]))
+
+    @property
+    def n_frames(self) -> int:
+        """F."""
+        return len(self.start) - 1
+
+    @property
+    def frame(self) -> NDArray[np.int64]:
+        """(P) the frame of each row."""
+        return np.repeat(np.arange(self.n_frames), np.diff(self.start))
+
+    def keep(self, mask: NDArray[np.bool_]) -> Cloud:
+        """Only the rows where `mask` (P) is true."""
+        before = np.concatenate([[0], np.cumsum(mask)])
+        return replace(
+            self,
+            start=before[self.start],
+            xyz=self.xyz[mask],
+            cov=self.cov[mask],
+            residual=self.residual[mask],
+            view=self.view[mask],
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tracks:
+    """A cloud whose points have an identity.
+
+    Attributes:
+        cloud: the points.
+        id: (P) track of each point, counted from 0; −1 for none. A track has at most one point a frame.
+    """
+
+    cloud: Cloud
+    id: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        set_columns(self, id=column("id", self.id, np.int64, len(self.cloud)))
+        named = self.id >= 0
+        pairs = np.column_stack([self.cloud.frame, self.id])[named]
+        if len(np.unique(pairs, axis=0)) != len(pairs):
+            raise ValueError("a track has two points in one frame")
+
+    def __len__(self) -> int:
+        """How many tracks there are."""
+        return int(self.id.max(initial=-1)) + 1
+
+    @property
+    def lengths(self) -> NDArray[np.int64]:
+        """Points of each track."""
+        return np.bincount(self.id[self.id >= 0], minlength=len(self))

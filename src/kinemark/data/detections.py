@@ -1,0 +1,145 @@
+"""What the cameras saw: 2D points of all cameras and frames, ragged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .arrays import check_offsets, column, set_columns
+
+
+class Validity(IntEnum):
+    """Whether a detection goes on to matching, and why not (KISS 2.2, 2.3.4)."""
+
+    VALID = 0
+    TOO_SMALL = 1
+    TOO_LARGE = 2
+    NOT_ROUND = 3
+    AT_EDGE = 4
+    MASKED = 5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Detections:
+    """Marker images of C cameras over F frames, D in all, sorted by camera, then frame.
+
+    Attributes:
+        cameras: (C) names.
+        rate: frames a second, Hz.
+        start: (C, F+1) rows start[c, f]:start[c, f+1] are camera c in frame f.
+        uv: (D, 2) centroids as the lens drew them (distorted), px.
+        cov: (D, 2, 2) their covariance, px²; NaN where the source does not say.
+        area: (D) px²; width, height: (D) px; peak: (D) grey level; NaN where the source does not say.
+        validity: (D) a `Validity` each.
+    """
+
+    cameras: tuple[str, ...]
+    rate: float
+    start: NDArray[np.int64]
+    uv: NDArray[np.float64]
+    cov: NDArray[np.float64]
+    area: NDArray[np.float64]
+    width: NDArray[np.float64]
+    height: NDArray[np.float64]
+    peak: NDArray[np.float64]
+    validity: NDArray[np.uint8]
+
+    def __post_init__(self) -> None:
+        n = len(self.uv)
+        set_columns(
+            self,
+            cameras=tuple(self.cameras),
+            start=column("start", self.start, np.int64, len(self.cameras), None),
+            uv=column("uv", self.uv, np.float64, n, 2),
+            cov=column("cov", self.cov, np.float64, n, 2, 2),
+            area=column("area", self.area, np.float64, n),
+            width=column("width", self.width, np.float64, n),
+            height=column("height", self.height, np.float64, n),
+            peak=column("peak", self.peak, np.float64, n),
+            validity=column("validity", self.validity, np.uint8, n),
+        )
+        check_offsets("start", self.start, n)
+
+    @classmethod
+    def build(
+        cls,
+        cameras: tuple[str, ...],
+        rate: float,
+        counts: ArrayLike,
+        uv: ArrayLike,
+        cov: ArrayLike | None = None,
+        **shape: ArrayLike,
+    ) -> Detections:
+        """From counts (C, F) and rows in order of camera, then frame; what is not given is NaN, and valid."""
+        counts = np.asarray(counts, np.int64)
+        uv = np.asarray(uv, np.float64).reshape(-1, 2)
+        unknown = np.full(len(uv), np.nan)
+        ends = np.cumsum(counts.reshape(-1)).reshape(counts.shape)
+        return cls(
+            cameras=cameras,
+            rate=rate,
+            start=np.column_stack([ends[:, -1:] - counts.sum(1, keepdims=True), ends])
+            if counts.shape[1]
+            else np.zeros((len(counts), 1), np.int64),
+            uv=uv,
+            cov=np.full((len(uv), 2, 2), np.nan) if cov is None else np.asarray(cov, np.float64),
+            area=np.asarray(shape.get("area", unknown), np.float64),
+            width=np.asarray(shape.get("width", unknown), np.float64),
+            height=np.asarray(shape.get("height", unknown), np.float64),
+            peak=np.asarray(shape.get("peak", unknown), np.float64),
+            validity=np.asarray(shape.get("validity", np.zeros(len(uv))), np.uint8),
+        )
+
+    def __len__(self) -> int:
+        return len(self.uv)
+
+    def __getitem__(self, camera_frame: tuple[int, int]) -> NDArray[np.float64]:
+        """A view of uv: what camera c saw in frame f, (n, 2) px."""
+        return self.uv[self.rows(*camera_frame)]
+
+    def rows(self, c: int, f: int) -> slice:
+        """The rows of camera c in frame f."""
+        return slice(int(self.start[c, f]), int(self.start[c, f + 1]))
+
+    @property
+    def n_frames(self) -> int:
+        """F."""
+        return self.start.shape[1] - 1
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """(C, F) detections a camera and frame."""
+        return np.diff(self.start, axis=1)
+
+    @property
+    def camera(self) -> NDArray[np.int64]:
+        """(D) the camera of each row."""
+        return np.repeat(np.arange(len(self.cameras)), self.counts.sum(1))
+
+    @property
+    def frame(self) -> NDArray[np.int64]:
+        """(D) the frame of each row."""
+        return np.repeat(np.tile(np.arange(self.n_frames), len(self.cameras)), self.counts.reshape(-1))
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """(D) whether the row goes on to matching."""
+        return self.validity == Validity.VALID
+
+    def keep(self, mask: NDArray[np.bool_]) -> Detections:
+        """Only the rows where `mask` (D) is true."""
+        before = np.concatenate([[0], np.cumsum(mask)])
+        columns = {
+            f.name: getattr(self, f.name)[mask] for f in fields(self) if f.name not in ("cameras", "rate", "start")
+        }
+        return replace(self, start=before[self.start], **columns)
+
+    def frames(self, first: int, stop: int) -> Detections:
+        """Frames first … stop − 1, counted from 0."""
+        first, stop, _ = slice(first, stop).indices(self.n_frames)
+        frame = self.frame
+        part = self.keep((frame >= first) & (frame < stop))
+        return replace(part, start=part.start[:, first : max(first, stop) + 1])

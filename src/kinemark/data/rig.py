@@ -1,0 +1,130 @@
+"""Cameras and the rig they form.
+
+A world point X (mm) is seen by a camera at pixel (u, v):
+
+    x_cam = R X + t                      world → camera, mm                            (1)
+    (x, y) = x_cam[:2] / x_cam[2]        normalised image plane                        (2)
+    (x', y') = lens(x, y; k1 k2 p1 p2 k3)   OpenCV's radial and tangential terms       (3)
+    (u, v, 1) = K (x', y', 1)            px; (0, 0) is the centre of the top-left pixel  (4)
+
+K[1, 1] is negative where the digitiser counts v upwards, so that R stays a rotation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .arrays import column, set_columns
+
+PARAMETERS = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "rx", "ry", "rz", "tx", "ty", "tz")
+"""Order of the camera parameters in `Rig.cov`; (rx, ry, rz) is a small turn about the camera's own
+axes, R ← exp([r]×) R, in rad; t in mm; the others as in K (px) and the lens terms."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Camera:
+    """One camera.
+
+    Attributes:
+        name: its name in the session and in the files.
+        size: (2,) image width and height, px; (0, 0) where unknown.
+        K: (3, 3) upper triangular, K[2, 2] = 1, px.
+        distortion: (5,) k1 k2 p1 p2 k3.
+        R: (3, 3) rotation world → camera.
+        t: (3,) translation world → camera, mm.
+        cov: (15, 15) covariance of `PARAMETERS`; zero rows for those held fixed, all zero where unknown.
+        residual: RMS reprojection error of its calibration, px; NaN where unknown.
+    """
+
+    name: str
+    size: NDArray[np.int64]
+    K: NDArray[np.float64]
+    R: NDArray[np.float64]
+    t: NDArray[np.float64]
+    distortion: NDArray[np.float64] = field(default_factory=lambda: np.zeros(5))
+    cov: NDArray[np.float64] = field(default_factory=lambda: np.zeros((15, 15)))
+    residual: float = float("nan")
+
+    def __post_init__(self) -> None:
+        set_columns(
+            self,
+            size=column("size", self.size, np.int64, 2),
+            K=column("K", self.K, np.float64, 3, 3),
+            R=column("R", self.R, np.float64, 3, 3),
+            t=column("t", self.t, np.float64, 3),
+            distortion=column("distortion", self.distortion, np.float64, 5),
+            cov=column("cov", self.cov, np.float64, 15, 15),
+        )
+        if not np.isfinite(self.K).all() or abs(self.K[2, 2] - 1) > 1e-9 or self.K[0, 0] * self.K[1, 1] == 0:
+            raise ValueError(f"camera {self.name}: K must be finite with K[2, 2] = 1 and focal lengths, found {self.K}")
+        if np.abs(self.R @ self.R.T - np.eye(3)).max() > 1e-6 or np.linalg.det(self.R) < 0:
+            raise ValueError(f"camera {self.name}: R must be a rotation, found {self.R}")
+
+    @property
+    def P(self) -> NDArray[np.float64]:
+        """(3, 4) projection of homogeneous world points, mm, to pixels of an ideal lens."""
+        return self.K @ np.column_stack([self.R, self.t])
+
+    @property
+    def centre(self) -> NDArray[np.float64]:
+        """(3,) the optical centre in the world, mm."""
+        return -self.R.T @ self.t
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rig:
+    """Calibrated cameras in one world.
+
+    Attributes:
+        cameras: the cameras, in the session's order.
+        method: how the rig was calibrated, in words; empty where unknown.
+        volume: (2, 3) least and greatest corner of the control volume, mm; NaN where not given.
+    """
+
+    cameras: tuple[Camera, ...]
+    method: str = ""
+    volume: NDArray[np.float64] = field(default_factory=lambda: np.full((2, 3), np.nan))
+
+    def __post_init__(self) -> None:
+        set_columns(self, cameras=tuple(self.cameras), volume=column("volume", self.volume, np.float64, 2, 3))
+        if len(set(self.names)) != len(self.names):
+            raise ValueError(f"camera names must differ, found {self.names}")
+
+    def __len__(self) -> int:
+        return len(self.cameras)
+
+    def __iter__(self) -> Iterator[Camera]:
+        return iter(self.cameras)
+
+    def __getitem__(self, c: int) -> Camera:
+        return self.cameras[c]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The cameras' names (C)."""
+        return tuple(camera.name for camera in self.cameras)
+
+    @property
+    def P(self) -> NDArray[np.float64]:
+        """(C, 3, 4) projections for ideal lenses, px from mm."""
+        return np.array([camera.P for camera in self.cameras]).reshape(-1, 3, 4)
+
+    @property
+    def centres(self) -> NDArray[np.float64]:
+        """(C, 3) optical centres, mm."""
+        return np.array([camera.centre for camera in self.cameras]).reshape(-1, 3)
+
+    def select(self, names: Sequence[str]) -> Rig:
+        """The rig of these cameras, in this order.
+
+        Raises:
+            ValueError: a name is not in the rig.
+        """
+        missing = [name for name in names if name not in self.names]
+        if missing:
+            raise ValueError(f"cameras {missing} are not in the calibration, which has {list(self.names)}")
+        return Rig(tuple(self.cameras[self.names.index(name)] for name in names), self.method, self.volume)

@@ -1,0 +1,133 @@
+"""Markers through time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import IntEnum
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .arrays import column, set_columns
+
+
+class Origin(IntEnum):
+    """Where a sample comes from."""
+
+    MISSING = 0
+    MEASURED = 1
+    FILLED = 2
+    EDITED = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """One marker over F frames.
+
+    Attributes:
+        name: its label; `*1`, `*2`, … for tracks without one.
+        xyz: (F, 3) mm, NaN where missing.
+        cov: (F, 3, 3) mm², NaN where unknown.
+        origin: (F) an `Origin` each.
+        residual: (F) mm as a C3D file states it, or px after our reconstruction; NaN where unknown.
+        cameras: (F) bit c is set when camera c saw the marker; 0 where unknown.
+    """
+
+    name: str
+    xyz: NDArray[np.float64]
+    cov: NDArray[np.float64]
+    origin: NDArray[np.uint8]
+    residual: NDArray[np.float64]
+    cameras: NDArray[np.uint32]
+
+    def __post_init__(self) -> None:
+        n = len(self.xyz)
+        set_columns(
+            self,
+            xyz=column("xyz", self.xyz, np.float64, n, 3),
+            cov=column("cov", self.cov, np.float64, n, 3, 3),
+            origin=column("origin", self.origin, np.uint8, n),
+            residual=column("residual", self.residual, np.float64, n),
+            cameras=column("cameras", self.cameras, np.uint32, n),
+        )
+        missing = np.isnan(self.xyz).any(1)
+        if (missing != (self.origin == Origin.MISSING)).any():
+            raise ValueError(f"marker {self.name}: xyz must be NaN exactly where origin is MISSING")
+
+    @classmethod
+    def measured(cls, name: str, xyz: ArrayLike, **columns: ArrayLike) -> Path:
+        """A path whose finite samples are all measured; a partly NaN sample is missing; other columns are unknown."""
+        xyz = np.array(xyz, np.float64)
+        missing = ~np.isfinite(xyz).all(1)
+        xyz[missing] = np.nan
+        return cls(
+            name=name,
+            xyz=xyz,
+            cov=np.asarray(columns.get("cov", np.full((len(xyz), 3, 3), np.nan)), np.float64),
+            origin=np.where(missing, Origin.MISSING, Origin.MEASURED).astype(np.uint8),
+            residual=np.asarray(columns.get("residual", np.full(len(xyz), np.nan)), np.float64),
+            cameras=np.asarray(columns.get("cameras", np.zeros(len(xyz))), np.uint32),
+        )
+
+    def __len__(self) -> int:
+        return len(self.xyz)
+
+    @property
+    def gaps(self) -> list[tuple[int, int]]:
+        """First and last-plus-one frame of each run of missing samples between two seen ones."""
+        seen = np.flatnonzero(self.origin != Origin.MISSING)
+        return [(int(a) + 1, int(b)) for a, b in pairwise(seen) if b - a > 1]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trajectories:
+    """All markers of a trial, of one length and rate.
+
+    Attributes:
+        paths: one a marker; an edit replaces one and shares the others.
+        rate: frames a second, Hz.
+        first_frame: number of the first frame in the recording it came from, as C3D counts, from 1.
+    """
+
+    paths: tuple[Path, ...]
+    rate: float
+    first_frame: int = 1
+
+    def __post_init__(self) -> None:
+        set_columns(self, paths=tuple(self.paths))
+        if len({len(path) for path in self.paths}) > 1:
+            raise ValueError(f"paths must be of one length, found {sorted({len(p) for p in self.paths})}")
+
+    def __len__(self) -> int:
+        return len(self.paths)
+
+    def __iter__(self) -> Iterator[Path]:
+        return iter(self.paths)
+
+    def __getitem__(self, name: str) -> Path:
+        for path in self.paths:
+            if path.name == name:
+                return path
+        raise KeyError(f"no marker {name!r}; there are {', '.join(self.names)}")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(M) markers' names."""
+        return tuple(path.name for path in self.paths)
+
+    @property
+    def n_frames(self) -> int:
+        """F."""
+        return len(self.paths[0]) if self.paths else 0
+
+    @property
+    def xyz(self) -> NDArray[np.float64]:
+        """(M, F, 3) mm, marker-major, NaN where missing."""
+        return np.array([path.xyz for path in self.paths]).reshape(len(self.paths), -1, 3)
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """(F) seconds from the first frame."""
+        return np.arange(self.n_frames) / self.rate

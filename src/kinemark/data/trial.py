@@ -1,0 +1,56 @@
+"""All of one capture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from .analog import Analog, ForcePlate
+from .arrays import set_columns
+from .events import Events
+from .trajectories import Trajectories
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One stage as it was run: enough to tell whether it must be run again.
+
+    Attributes:
+        stage: "detect", "match", …
+        method: name of the method; parameters: its fields.
+        version: of Kinemark.
+        input: hash of all that went in.
+        seconds: how long it took.
+    """
+
+    stage: str
+    method: str
+    parameters: Mapping[str, Any]
+    version: str
+    input: str
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """One capture.
+
+    Attributes:
+        name: of the trial.
+        trajectories: the markers.
+        analog: channels, one record a rate; plates: force plates; events.
+        source: what the file held besides, in that file format's own record, so that writing gives it back.
+        steps: how the trial was made.
+    """
+
+    name: str
+    trajectories: Trajectories
+    analog: tuple[Analog, ...] = ()
+    plates: tuple[ForcePlate, ...] = ()
+    events: Events = field(default_factory=Events)
+    source: Any = None
+    steps: tuple[Step, ...] = ()
+
+    def __post_init__(self) -> None:
+        set_columns(self, analog=tuple(self.analog), plates=tuple(self.plates), steps=tuple(self.steps))

@@ -1,0 +1,43 @@
+"""Cameras, lenses, the DLT, epipolar lines, triangulation and rigid alignment."""
+
+from .align import rigid_align
+from .camera import (
+    distort,
+    normalised,
+    parameter_jacobian,
+    point_jacobian,
+    project,
+    project_all,
+    rays,
+    to_camera,
+    undistort,
+)
+from .dlt import camera_from_dlt, decompose, fit_dlt, from_dlt, to_dlt
+from .epipolar import epipolar_constants, epipolar_lines, fundamental, line_distance
+from .triangulate import Triangulated, refine, solve3, triangulate
+
+__all__ = [
+    "Triangulated",
+    "camera_from_dlt",
+    "decompose",
+    "distort",
+    "epipolar_constants",
+    "epipolar_lines",
+    "fit_dlt",
+    "from_dlt",
+    "fundamental",
+    "line_distance",
+    "normalised",
+    "parameter_jacobian",
+    "point_jacobian",
+    "project",
+    "project_all",
+    "rays",
+    "refine",
+    "rigid_align",
+    "solve3",
+    "to_camera",
+    "to_dlt",
+    "triangulate",
+    "undistort",
+]

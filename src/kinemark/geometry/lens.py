@@ -1,0 +1,64 @@
+"""Lens distortion on the normalised image plane (Brown 1966, with OpenCV's names and order).
+
+With r² = x² + y² and the terms k1 k2 p1 p2 k3
+
+    g  = 1 + k1 r² + k2 r⁴ + k3 r⁶                                       (1)
+    x' = x g + 2 p1 x y + p2 (r² + 2 x²)                                 (2)
+    y' = y g + p1 (r² + 2 y²) + 2 p2 x y                                 (3)
+
+(2) and (3) have no closed inverse; `undistort` solves them by Newton's method with the Jacobian of
+`jacobian`, which converges in three or four steps wherever the model is one to one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+NEWTON_STEPS = 12
+
+
+def distort(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Where the lens draws the ideal point: (…, 2) → (…, 2), normalised; `k` is (5,)."""
+    k1, k2, p1, p2, k3 = k
+    x, y = xy[..., 0], xy[..., 1]
+    r2 = x * x + y * y
+    g = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))  # (1)
+    drawn_x = x * g + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)  # (2)
+    drawn_y = y * g + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y  # (3)
+    return np.stack([drawn_x, drawn_y], -1)
+
+
+def jacobian(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
+    """d(x', y') / d(x, y) of `distort`: (…, 2) → (…, 2, 2)."""
+    k1, k2, p1, p2, k3 = k
+    x, y = xy[..., 0], xy[..., 1]
+    r2 = x * x + y * y
+    g = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    dg = k1 + r2 * (2 * k2 + 3 * k3 * r2)  # dg / d(r²)
+    cross = 2 * x * y * dg + 2 * p1 * x + 2 * p2 * y
+    xx = g + 2 * x * x * dg + 2 * p1 * y + 6 * p2 * x
+    yy = g + 2 * y * y * dg + 6 * p1 * y + 2 * p2 * x
+    return np.stack([np.stack([xx, cross], -1), np.stack([cross, yy], -1)], -2)
+
+
+def undistort(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The ideal point that the lens draws at `xy`: (…, 2) → (…, 2); NaN where the model has no inverse there."""
+    if not np.any(k):
+        return xy.copy()
+    ideal = xy.copy()
+    with np.errstate(all="ignore"):  # points outside the model's range run away and become NaN below
+        for _ in range(NEWTON_STEPS):
+            off = distort(ideal, k) - xy
+            ideal = ideal - solve2(jacobian(ideal, k), off)
+            if not np.nanmax(np.abs(off), initial=0.0) > 1e-13:
+                break
+        folded = np.linalg.det(np.nan_to_num(jacobian(ideal, k))) <= 0
+        wrong = ~(np.abs(distort(ideal, k) - xy).max(-1) < 1e-9) | folded
+    return np.where(wrong[..., None], np.nan, ideal)
+
+
+def solve2(A: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """x of A x = b for many 2 × 2 systems, (…, 2, 2) and (…, 2); faster than LAPACK on so small ones."""
+    a, c, d, e = A[..., 0, 0], A[..., 0, 1], A[..., 1, 0], A[..., 1, 1]
+    return np.stack([e * b[..., 0] - c * b[..., 1], a * b[..., 1] - d * b[..., 0]], -1) / (a * e - c * d)[..., None]

@@ -1,0 +1,113 @@
+"""A point in space from its images in two or more cameras.
+
+A camera with rows p1, p2, p3 of P sees X at the ideal pixel (u, v) when
+
+    (p1 − u p3) · (X, 1) = 0,   (p2 − v p3) · (X, 1) = 0                 (1)  KISS eq. 7, Swamidas eq. 3.8
+
+Written for n cameras, (1) is B X = D (2) with the least squares solution X = (BᵀB)⁻¹ BᵀD (3): KISS eq. 9–10,
+Swamidas eq. 3.9–3.12. Cameras that do not see the point give rows of zeros (4), so that one batch serves every
+pattern of visibility. (3) minimises no distance in the image, so a far camera weighs more than it should.
+
+`refine` minimises Σ (uv − project(X))ᵀ C⁻¹ (uv − project(X)) (5), distortion included, by Gauss-Newton steps from
+(3). C is the covariance of each centroid plus what the camera's own calibration leaves open,
+C = C_centroid + J_θ C_θ J_θᵀ (6), and the inverse of the normal matrix, (Σ Jᵀ C⁻¹ J)⁻¹ (7), is the covariance of X.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Camera, Rig
+from .camera import parameter_jacobian, point_jacobian, project
+from .lens import solve2
+
+Array = NDArray[np.float64]
+
+
+class Triangulated(NamedTuple):
+    """Refined points: xyz (N, 3) mm; cov (N, 3, 3) mm²; off (N, C, 2) px, seen minus reprojected, NaN unseen."""
+
+    xyz: Array
+    cov: Array
+    off: Array
+
+
+def triangulate(uv: Array, P: Array) -> Array:
+    """World points (N, 3) mm from ideal pixels uv (N, C, 2), NaN where unseen, and projections P (C, 3, 4), by (3).
+
+    Fewer than two views, or rays that are parallel, give NaN.
+    """
+    P = P / np.linalg.norm(P[:, 2, :3], axis=-1)[:, None, None]
+    rows = P[:, :2] - uv[..., None] * P[:, 2:]  # (1)  (N, C, 2, 4)
+    seen = ~np.isnan(uv[..., 0])
+    rows = np.where(seen[..., None, None], rows, 0.0).reshape(len(uv), 2 * len(P), 4)  # (4)
+    B, D = rows[..., :3], -rows[..., 3]  # (2)
+    normal = np.matmul(B.transpose(0, 2, 1), B)
+    return np.where((seen.sum(1) >= 2)[:, None], solve3(normal, np.einsum("nij,ni->nj", B, D)), np.nan)  # (3)
+
+
+def refine(rig: Rig, xyz: Array, uv: Array, cov: Array, *, steps: int = 3) -> Triangulated:
+    """The most likely points by (5), from first guesses xyz (N, 3) mm.
+
+    Args:
+        rig: C cameras; where one has a parameter covariance, (6) adds it.
+        xyz: (N, 3) from `triangulate`.
+        uv: (N, C, 2) pixels as the lens drew them, NaN where unseen.
+        cov: (N, C, 2, 2) their covariance, px².
+        steps: Gauss-Newton steps; two bring a good first guess to the micrometre.
+    """
+    seen = ~np.isnan(uv[..., 0]) & ~np.isnan(xyz[:, :1])
+    weight = [_weight(camera, xyz[s], cov[s, c]) for c, (camera, s) in enumerate(zip(rig, seen.T, strict=True))]
+    for _ in range(steps):
+        normal, pull = _normal_equations(rig, xyz, uv, seen, weight)
+        xyz = xyz + solve3(normal, pull)
+    normal, _ = _normal_equations(rig, xyz, uv, seen, weight)
+    off = np.full(uv.shape, np.nan)
+    for c, camera in enumerate(rig):
+        off[seen[:, c], c] = uv[seen[:, c], c] - project(camera, xyz[seen[:, c]])
+    return Triangulated(xyz, inverse3(normal), off)  # (7)
+
+
+def _weight(camera: Camera, xyz: Array, cov: Array) -> Array:
+    """C⁻¹ (n, 2, 2) of (6)."""
+    if camera.cov.any():
+        J = parameter_jacobian(camera, xyz)
+        cov = cov + J @ camera.cov @ J.transpose(0, 2, 1)  # (6)
+    eye = np.broadcast_to(np.eye(2), cov.shape)
+    return np.stack([solve2(cov, eye[..., 0]), solve2(cov, eye[..., 1])], -1)
+
+
+def _normal_equations(
+    rig: Rig, xyz: Array, uv: Array, seen: NDArray[np.bool_], weight: list[Array]
+) -> tuple[Array, Array]:
+    """Σ Jᵀ C⁻¹ J (N, 3, 3) and Σ Jᵀ C⁻¹ (uv − project) (N, 3)."""
+    normal, pull = np.zeros((len(xyz), 3, 3)), np.zeros((len(xyz), 3))
+    for c, (camera, s) in enumerate(zip(rig, seen.T, strict=True)):
+        J = point_jacobian(camera, xyz[s])
+        JtW = J.transpose(0, 2, 1) @ weight[c]
+        normal[s] += JtW @ J
+        pull[s] += (JtW @ (uv[s, c] - project(camera, xyz[s]))[..., None])[..., 0]
+    return normal, pull
+
+
+def inverse3(A: Array) -> Array:
+    """Inverses of many symmetric 3 × 3 matrices (…, 3, 3) by cofactors; NaN where singular."""
+    a, b, c = A[..., 0, 0], A[..., 0, 1], A[..., 0, 2]
+    d, e, f = A[..., 1, 1], A[..., 1, 2], A[..., 2, 2]
+    rows = [[d * f - e * e, c * e - b * f, b * e - c * d], [a * f - c * c, b * c - a * e], [a * d - b * b]]
+    det = a * rows[0][0] + b * rows[0][1] + c * rows[0][2]
+    scale = np.abs(a * d * f) + 1e-300
+    det = np.where(np.abs(det) > 1e-13 * scale, det, np.nan)
+    (aa, ab, ac), (bb, bc), (cc,) = rows
+    return (
+        np.stack([np.stack([aa, ab, ac], -1), np.stack([ab, bb, bc], -1), np.stack([ac, bc, cc], -1)], -2)
+        / det[..., None, None]
+    )
+
+
+def solve3(A: Array, b: Array) -> Array:
+    """x (…, 3) of A x = b for many symmetric 3 × 3 systems; NaN where singular."""
+    return (inverse3(A) @ b[..., None])[..., 0]

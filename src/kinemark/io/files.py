@@ -1,0 +1,49 @@
+"""Writing so that nothing half-written is ever left, and reading so that the limits are known."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..data import KinemarkError
+
+
+@contextmanager
+def replacing(path: Path | str) -> Iterator[Path]:
+    """A temporary path beside `path`, renamed to it when the block ends well and removed when it does not.
+
+    Raises:
+        KinemarkError: the folder cannot be written.
+    """
+    path = Path(path)
+    beside = path.with_name(f".{path.name}.{os.getpid()}.part{path.suffix}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        yield beside
+        beside.replace(path)
+    except OSError as error:
+        raise KinemarkError(f"{path} cannot be written: {error}. Choose a folder that you may write to.") from error
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def read_bytes(path: Path | str, *, most: int = 2 << 30) -> bytes:
+    """The whole of a file.
+
+    Raises:
+        KinemarkError: it is absent, a folder, empty, unreadable or larger than `most` bytes.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise KinemarkError(f"{path} is not a file. Check the path.")
+    size = path.stat().st_size
+    if size == 0:
+        raise KinemarkError(f"{path} is empty. Export or copy it again.")
+    if size > most:
+        raise KinemarkError(f"{path} has {size} bytes; the most that is read is {most}. Split the recording.")
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise KinemarkError(f"{path} cannot be read: {error}") from error

@@ -1,0 +1,168 @@
+"""Tracking by extrapolation (KISS 4.3).
+
+From each track's last points the next one is predicted by the ladder of `signal.extrapolation`. Among the points of the
+next frame that lie in a search region about the prediction, the track takes one, by the assignment that is cheapest for
+all tracks together. Points that no track takes start tracks of their own.
+
+KISS searches a sphere. Here the region follows from the rate 1/T and from the covariances: after n missed frames a
+prediction is off by the acceleration a that the fit does not know, and the points scatter,
+
+    s = a ((n + 1) T)² / 2 + scatter                                     (1)
+    S = C_point + C_last Σ w² + s² I                                     (2)
+    |x − x̂|²_S = (x − x̂)ᵀ S⁻¹ (x − x̂) ≤ reach²                          (3)
+
+with the weights w of the extrapolation. Where good views make a point sure to the millimetre, (3) is a sphere of radius
+reach · s; where two cameras look along nearly the same line, it is long in that direction. A single point, of which
+no motion is known, may move v T: s = v T / reach.
+
+KISS ends a track at its first miss and afterwards blends tracks that end and start within two fields. Here a track that
+finds no point follows its own prediction for as long (`patience`), which comes to the same and needs no second pass.
+
+One image is one marker: a point that shares an image with a point of an older track is a ghost of it and starts
+nothing. At the end short tracks, most of them ghosts, lose their identity.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Cloud, Tracks
+from ..geometry import solve3
+from ..signal import PAST, assign, extrapolate, gain
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class ExtrapolationLadder:
+    """Parameters of the method.
+
+    Attributes:
+        reach: half size of the search region, standard deviations; of (3).
+        speed: greatest speed of a marker of which one point is known, mm/s; v.
+        acceleration: usual acceleration that the fit does not foresee, mm/s²; a of (1).
+        scatter: of the points about their paths beyond their covariance, mm; of (1).
+        patience: how long a track without points goes on, s; KISS's two fields of 50 Hz are 0.04 s.
+        shortest: tracks of fewer points than this lose their identity.
+    """
+
+    reach: float = 5.0
+    speed: float = 5000.0
+    acceleration: float = 10_000.0
+    scatter: float = 3.0
+    patience: float = 0.04
+    shortest: int = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Active:
+    """Tracks that may still grow.
+
+    Attributes:
+        id: (T) identity; known: (T) points so far; missed: (T) frames since the last.
+        past: (T, 5, 3) last positions, predictions among them, mm; cov: (T, 3, 3) of the last point, mm².
+    """
+
+    id: Ints
+    known: Ints
+    missed: Ints
+    past: Floats
+    cov: Floats
+
+
+def track(cloud: Cloud, *, method: ExtrapolationLadder = ExtrapolationLadder()) -> Tracks:
+    """The cloud with identities, numbered in the order in which the tracks begin."""
+    identity = np.full(len(cloud), -1)
+    active = _none()
+    patience = round(method.patience * cloud.rate)
+    n_tracks = 0
+    for f in range(cloud.n_frames):
+        rows = cloud.rows(f)
+        points, cov, view = cloud.xyz[rows], cloud.cov[rows], cloud.view[rows]
+        predicted = extrapolate(active.past, active.known)
+        which, taken = _claim(active, predicted, points, cov, view, cloud.rate, method)
+        fresh = _unclaimed(view, taken)
+        identity[rows][taken] = active.id[which]
+        identity[rows][fresh] = np.arange(n_tracks, n_tracks + len(fresh))
+        n_tracks += len(fresh)
+        grown = _advance(active, predicted, points, cov, which, taken, patience)
+        active = _begin(grown, identity[rows][fresh], points[fresh], cov[fresh])
+    return Tracks(cloud, _without_short(identity, method.shortest))
+
+
+def _none() -> Active:
+    """No tracks."""
+    zero = np.zeros(0, np.int64)
+    return Active(zero, zero, zero, np.zeros((0, PAST, 3)), np.zeros((0, 3, 3)))
+
+
+def _claim(
+    active: Active, predicted: Floats, points: Floats, cov: Floats, view: Ints, rate: float, method: ExtrapolationLadder
+) -> tuple[Ints, Ints]:
+    """Which tracks take which points; of two that share an image, the younger track goes without."""
+    stray = method.acceleration * ((active.missed + 1) / rate) ** 2 / 2 + method.scatter  # (1)
+    stray = np.where(active.known > 1, stray, method.speed / rate / method.reach)
+    own = active.cov * gain(active.known)[:, None, None] + np.eye(3) * stray[:, None, None] ** 2
+    off = points - predicted[:, None]
+    squared = (off * solve3(own[:, None] + cov, off)).sum(-1)  # (3)
+    which, taken = assign(squared, np.full(len(active.id), method.reach**2))
+    oldest = np.argsort(-active.known[which], kind="stable")
+    which, taken = which[oldest], taken[oldest]
+    alone = _first_users(view[taken])
+    return which[alone], taken[alone]
+
+
+def _first_users(view: Ints) -> NDArray[np.bool_]:
+    """Rows (n) of views (n, C) none of whose images an earlier row uses."""
+    used: set[int] = set()
+    alone = np.zeros(len(view), bool)
+    for k, images in enumerate(view.tolist()):
+        own = {image for image in images if image >= 0}
+        alone[k] = used.isdisjoint(own)
+        if alone[k]:
+            used |= own
+    return alone
+
+
+def _unclaimed(view: Ints, taken: Ints) -> Ints:
+    """Points that may start tracks: those without an image of a point that is taken."""
+    images = view[taken]
+    shared = np.isin(view, images[images >= 0]).any(1)
+    return np.flatnonzero(~shared)
+
+
+def _advance(
+    active: Active, predicted: Floats, points: Floats, cov: Floats, which: Ints, taken: Ints, patience: int
+) -> Active:
+    """The tracks one frame on: with the point taken or, for as long as `patience` lasts, with the prediction."""
+    here, known, missed, last = predicted.copy(), active.known.copy(), active.missed + 1, active.cov.copy()
+    here[which], last[which] = points[taken], cov[taken]
+    known[which] += 1
+    missed[which] = 0
+    past = np.concatenate([active.past[:, 1:], here[:, None]], 1)
+    alive = missed <= patience
+    return Active(active.id[alive], known[alive], missed[alive], past[alive], last[alive])
+
+
+def _begin(active: Active, identity: Ints, points: Floats, cov: Floats) -> Active:
+    """The active tracks and new ones of a single point each."""
+    n = len(points)
+    return Active(
+        np.concatenate([active.id, identity]),
+        np.concatenate([active.known, np.ones(n, np.int64)]),
+        np.concatenate([active.missed, np.zeros(n, np.int64)]),
+        np.concatenate([active.past, np.repeat(points[:, None], PAST, 1)]),
+        np.concatenate([active.cov, cov]),
+    )
+
+
+def _without_short(identity: Ints, least: int) -> Ints:
+    """Identities renumbered without tracks of fewer than `least` points; −1 stays."""
+    lengths = np.bincount(identity[identity >= 0], minlength=1)
+    long = lengths >= least
+    number = np.where(long, np.cumsum(long) - 1, -1)
+    return np.where(identity >= 0, number[identity], -1)

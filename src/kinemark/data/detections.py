@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 
@@ -20,6 +21,10 @@ class Validity(IntEnum):
     NOT_ROUND = 3
     AT_EDGE = 4
     MASKED = 5
+
+
+NOT_ROWS = ("cameras", "rate", "start")
+"""Fields of `Detections` that are not one value a row."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,12 +134,23 @@ class Detections:
         """(D) whether the row goes on to matching."""
         return self.validity == Validity.VALID
 
+    def select(self, names: Sequence[str]) -> Detections:
+        """Only the cameras of these names, in this order.
+
+        Raises:
+            ValueError: a name is not among the cameras.
+        """
+        if missing := [name for name in names if name not in self.cameras]:
+            raise ValueError(f"cameras {missing} are not among {list(self.cameras)}")
+        chosen = [self.cameras.index(name) for name in names]
+        rows = np.concatenate([np.arange(self.start[c, 0], self.start[c, -1]) for c in chosen] or [np.zeros(0, int)])
+        columns = {f.name: getattr(self, f.name)[rows] for f in fields(self) if f.name not in NOT_ROWS}
+        return Detections.build(tuple(names), self.rate, self.counts[chosen], **columns)
+
     def keep(self, mask: NDArray[np.bool_]) -> Detections:
         """Only the rows where `mask` (D) is true."""
         before = np.concatenate([[0], np.cumsum(mask)])
-        columns = {
-            f.name: getattr(self, f.name)[mask] for f in fields(self) if f.name not in ("cameras", "rate", "start")
-        }
+        columns = {f.name: getattr(self, f.name)[mask] for f in fields(self) if f.name not in NOT_ROWS}
         return replace(self, start=before[self.start], **columns)
 
     def frames(self, first: int, stop: int) -> Detections:

@@ -125,7 +125,7 @@ class Trajectories:
     @property
     def xyz(self) -> NDArray[np.float64]:
         """(M, F, 3) mm, marker-major, NaN where missing."""
-        return np.array([path.xyz for path in self.paths]).reshape(len(self.paths), -1, 3)
+        return np.array([path.xyz for path in self.paths]).reshape(len(self.paths), self.n_frames, 3)
 
     @property
     def time(self) -> NDArray[np.float64]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..data import KinemarkError
@@ -26,7 +26,8 @@ def replacing(path: Path | str) -> Iterator[Path]:
     except OSError as error:
         raise KinemarkError(f"{path} cannot be written: {error}. Choose a folder that you may write to.") from error
     finally:
-        beside.unlink(missing_ok=True)
+        with suppress(OSError):  # such as a parent that is a file, which the error above has told already
+            beside.unlink(missing_ok=True)
 
 
 def read_bytes(path: Path | str, *, most: int = 2 << 30) -> bytes:

@@ -1,0 +1,5 @@
+"""`python -m kinemark`."""
+
+from .cli import main
+
+main()

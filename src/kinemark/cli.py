@@ -1,0 +1,155 @@
+"""The command line: a few lines a command, each over one function of the library."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import App, Parameter
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from .data import KinemarkError
+from .demo import demo as run_demo
+from .formats import convert as convert_file
+from .formats import describe
+from .pipeline import Progress as Told
+from .report.text import summary
+from .session import Session
+from .simulate import Scene
+from .simulate import simulate as simulate_session
+from .version import __version__
+
+app = App(
+    name="kinemark", help="Marker-based optical motion capture, from images to trajectories.", version=__version__
+)
+errors = Console(stderr=True)
+
+Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the results for a machine.")]
+
+
+@contextmanager
+def progress() -> Iterator[Told]:
+    """Bars on the terminal, one a stage; nothing where the output goes to a file."""
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description:<12}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=errors, disable=not errors.is_terminal) as bars:
+        tasks: dict[str, int] = {}
+
+        def tell(stage: str, done: int, total: int) -> None:
+            if stage not in tasks or bars.tasks[tasks[stage]].completed > done:
+                tasks[stage] = bars.add_task(stage, total=total)
+            bars.update(tasks[stage], completed=done, total=total)
+
+        yield tell
+
+
+@app.command
+def demo(folder: Path = Path("demo"), *, json: Json = False) -> None:
+    """Simulate a gait laboratory, process its images, and compare with the truth.
+
+    Args:
+        folder: where the session goes.
+        json: print the figures for a machine.
+    """
+    with progress() as tell:
+        result = run_demo(folder, progress=tell)
+    _print(result.figures() if json else result.text())
+    if not result.passed:
+        raise KinemarkError("The demo did not reach what it should; see the figures above.")
+
+
+@app.command
+def run(session: Path, *trials: str, json: Json = False) -> None:
+    """Process a session: calibrate, detect, match, reconstruct, track, and write C3D and report.
+
+    Args:
+        session: a folder with a session.toml, or such a file.
+        trials: names of the trials to process; all where none is given.
+        json: print the figures for a machine.
+    """
+    with progress() as tell:
+        results = Session.open(session).run(trials, progress=tell)
+    if json:
+        _print({name: result.quality for name, result in results.items()})
+        return
+    for result in results.values():
+        did = ", ".join(result.computed) or "nothing: all is unchanged"
+        _print(f"{summary(result.quality)}\n\ncomputed: {did}\nresults:  {result.folder}")
+
+
+@app.command
+def info(*files: Path, json: Json = False) -> None:
+    """Say what is in files: C3D, TDF, TRC, CSV, rig TOML, DLT, HDF5, video, images or a session.
+
+    Args:
+        files: one or more.
+        json: print it for a machine.
+    """
+    found = {str(file): describe(file) for file in files}
+    if json:
+        _print(found)
+        return
+    for file, facts in found.items():
+        _print("\n".join([file, *(f"  {key}: {value}" for key, value in facts.items())]))
+
+
+@app.command
+def convert(
+    source: Path,
+    target: Path,
+    *,
+    what: Literal["trajectories", "detections", "rig"] | None = None,
+    length_unit: Literal["mm", "cm", "m", "in"] | None = None,
+    rate_hz: float | None = None,
+) -> None:
+    """Convert between formats: trajectories (C3D, TRC, CSV), rigs (TOML, DLT CSV), detections (HDF5, CSV), from TDF.
+
+    Args:
+        source: the file to read.
+        target: the file to write; an existing one is not replaced.
+        what: which part, where the names do not tell.
+        length_unit: of a rig file that does not say it.
+        rate_hz: of detections or trajectories in a CSV file, which does not say it.
+    """
+    convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz)
+    _print(f"{target}: " + ", ".join(f"{key} {value}" for key, value in describe(target).items()))
+
+
+@app.command
+def simulate(folder: Path, *, scene: Annotated[Scene | None, Parameter(name="*")] = None) -> None:
+    """Make a session of a virtual laboratory, with images and exact truth, ready for `kinemark run`.
+
+    Args:
+        folder: a new or empty folder.
+        scene: what is simulated.
+    """
+    with progress() as tell:
+        simulate_session(folder, scene=scene or Scene(), progress=tell)
+    _print(f"{folder}/session.toml is written. Next: kinemark run {folder}")
+
+
+def _print(value: object) -> None:
+    """Text as it is, anything else as JSON."""
+    sys.stdout.write((value if isinstance(value, str) else json.dumps(value, indent=1)) + "\n")
+
+
+def main() -> None:
+    """The command `kinemark`."""
+    try:
+        app()
+    except KinemarkError as error:
+        errors.print(f"kinemark: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        sys.exit(1)
+    except KeyboardInterrupt:
+        errors.print("stopped; what was finished is kept, and the next run goes on from there")
+        sys.exit(130)

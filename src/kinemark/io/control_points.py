@@ -1,0 +1,79 @@
+"""Control points: where they are in the world, and where an operator pointed at them in the images.
+
+The CSV file has the columns `name, x_mm, y_mm, z_mm` and, for every camera, `{camera}_u_px, {camera}_v_px`; cells are
+empty where a camera does not see the point. A TOML file of hanging rods has `units`, `marker_diameter` and for every
+rod `[[rod]]` a `name` and its `markers`, a list of `[x, y, z]`.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..calibrate import Rods, rods_from_toml
+from ..data import Detections, KinemarkError
+from .text import read_text
+
+SNAP = 8.0  # px; an operator points within this distance of a marker's centre
+
+
+class ControlPoints(NamedTuple):
+    """xyz (N, 3) mm; uv (C, N, 2) px, NaN unseen; cov (C, N, 2, 2) px², or None where nothing states it."""
+
+    xyz: NDArray[np.float64]
+    uv: NDArray[np.float64]
+    cov: NDArray[np.float64] | None
+
+
+def read_rods(path: Path) -> Rods:
+    """Hanging rods from a TOML file.
+
+    Raises:
+        KinemarkError: the file is absent or not understood.
+    """
+    try:
+        return rods_from_toml(read_text(path))
+    except KinemarkError as error:
+        raise KinemarkError(f"{path}: {error}") from error
+
+
+def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | None = None) -> ControlPoints:
+    """Control points of a CSV file; with detections, each place is moved to the nearest marker within `SNAP`.
+
+    Raises:
+        KinemarkError: a column is missing, a cell is no number, or no marker is where the operator pointed.
+    """
+    rows = list(csv.DictReader(read_text(path).splitlines()))
+    wanted = ["x_mm", "y_mm", "z_mm", *(f"{c}_{axis}_px" for c in cameras for axis in "uv")]
+    if missing := [name for name in wanted if not rows or name not in rows[0]]:
+        raise KinemarkError(f"{path} lacks the columns {', '.join(missing)}. Add them; cells may be empty.")
+    try:
+        table = np.array([[float(row[name] or "nan") for name in wanted] for row in rows])
+    except (TypeError, ValueError) as error:
+        raise KinemarkError(f"{path} has a cell that is no number: {error}. Correct it.") from error
+    xyz, uv = table[:, :3], table[:, 3:].reshape(len(table), len(cameras), 2).transpose(1, 0, 2)
+    if not np.isfinite(xyz).all():
+        raise KinemarkError(f"{path} has a control point without x, y and z. Fill them in.")
+    return ControlPoints(xyz, uv, None) if seen is None else _snapped(path, xyz, uv, seen)
+
+
+def _snapped(path: Path, xyz: NDArray[np.float64], uv: NDArray[np.float64], seen: Detections) -> ControlPoints:
+    """The control points at the markers' centroids."""
+    exact, cov = np.full(uv.shape, np.nan), np.full((*uv.shape, 2), np.nan)
+    for c, camera in enumerate(seen.cameras):
+        rows = seen.rows(c, 0)
+        for n in np.flatnonzero(np.isfinite(uv[c]).all(1)):
+            distance = np.linalg.norm(seen.uv[rows] - uv[c, n], axis=1)
+            if not distance.min(initial=np.inf) <= SNAP:
+                raise KinemarkError(
+                    f"{path}: camera {camera} has no marker within {SNAP:g} px of point {n + 1} at {uv[c, n]}. "
+                    "Correct the place, or empty its cells."
+                )
+            nearest = rows.start + int(distance.argmin())
+            exact[c, n], cov[c, n] = seen.uv[nearest], seen.cov[nearest]
+    return ControlPoints(xyz, exact, cov)

@@ -1,0 +1,127 @@
+"""The figures of the markers: where each was seen, how it moved and how exactly it is known."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from ..data import Origin, Trajectories
+from .markers import sample_deviation
+from .theme import HUES, STATES, axis_style, empty, figure, hue, label
+from .thin import blocks, envelope
+
+SAMPLES = 180_000
+"""Most samples in the figure of trajectories, all markers and axes together."""
+COLUMNS = 1200
+"""Most columns in the timeline."""
+
+ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
+NO_MARKERS = "There are no trajectories to draw."
+
+
+def trajectories_figure(trajectories: Trajectories) -> go.Figure:
+    """x, y, z against time, one line a marker, broken at gaps; the legend shows and hides markers."""
+    if not trajectories.n_frames:
+        return empty(NO_MARKERS)
+    rows = make_subplots(rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.03)
+    style = figure(720, showlegend=True, margin={"l": 60, "r": 20, "t": 44, "b": 48}).layout
+    fig = go.Figure(rows).update_layout({k: style[k] for k in style if not k.endswith("axis")})
+    most = max(200, SAMPLES // (3 * len(trajectories)))
+    single = "lines+markers" if trajectories.n_frames == 1 else "lines"
+    for m, path in enumerate(trajectories):
+        for axis in range(3):
+            frame, values = envelope(path.xyz[:, axis], most)
+            fig.add_scatter(
+                x=(frame / trajectories.rate).astype(np.float32), y=values.astype(np.float32), mode=single,
+                line={"color": hue(m), "width": 1.5}, connectgaps=False, name=label(path.name),
+                legendgroup=str(m), showlegend=axis == 0, row=axis + 1, col=1,
+                hovertemplate="%{x:.3f} s: %{y:.1f} mm",
+            )  # fmt: skip
+    for axis, name in enumerate("xyz", 1):
+        fig.update_yaxes(**axis_style(), title_text=f"{name} (mm)", row=axis, col=1)
+        fig.update_xaxes(**axis_style(), title_text="time (s)" if axis == 3 else None, row=axis, col=1)
+    return fig.update_layout(updatemenus=[_all_or_none()])
+
+
+def _all_or_none() -> dict[str, Any]:
+    buttons = [
+        {"label": "show all", "method": "restyle", "args": [{"visible": True}]},
+        {"label": "hide all", "method": "restyle", "args": [{"visible": "legendonly"}]},
+    ]
+    place = {"x": 0, "y": 1.01, "xanchor": "left", "yanchor": "bottom", "pad": {"t": 0, "b": 4}}
+    return {"type": "buttons", "direction": "right", "showactive": False, "buttons": buttons, **place}
+
+
+def timeline_figure(trajectories: Trajectories) -> go.Figure:
+    """A row a marker, the least complete at the top: measured, filled, edited or missing through time.
+
+    Where a column stands for several frames it shows the worst of them, so that no gap is hidden.
+    """
+    if not trajectories.n_frames:
+        return empty(NO_MARKERS)
+    worst_last = np.array([Origin.MEASURED, Origin.EDITED, Origin.FILLED, Origin.MISSING])
+    rank = np.argsort(worst_last)[np.array([path.origin for path in trajectories])]
+    state = worst_last[np.asarray(blocks(rank, COLUMNS)).max(-1)]
+    order = np.argsort([(path.origin != Origin.MISSING).sum() for path in trajectories], kind="stable")[::-1]
+    names = [label(trajectories.names[m]) for m in order]
+    k = -(-trajectories.n_frames // state.shape[1])
+    fig = figure(110 + 17 * len(trajectories), margin={"l": 110, "t": 40})
+    fig.add_heatmap(
+        z=state[order].astype(np.uint8), x0=0, dx=k / trajectories.rate, y0=0, dy=1, zmin=-0.5, zmax=3.5, ygap=2,
+        colorscale=_steps(), showscale=False, hovertemplate="%{y}: %{x:.2f} s<extra></extra>",
+    )  # fmt: skip
+    for name, colour in STATES.items():
+        style = {"color": colour, "symbol": "square", "size": 11}
+        fig.add_scatter(x=[None], y=[None], mode="markers", marker=style, name=name, showlegend=True)
+    fig.update_yaxes(tickvals=list(range(len(names))), ticktext=names, ticks="", showgrid=False, tickfont={"size": 11})
+    fig.update_xaxes(title_text="time (s)", showgrid=False)
+    return fig.update_layout(showlegend=True, legend=ABOVE)
+
+
+def _steps() -> list[list[Any]]:
+    """A colour scale with one flat step for each `Origin`."""
+    colours = list(STATES.values())
+    return [[(i + j) / len(colours), colour] for i, colour in enumerate(colours) for j in (0, 1)]
+
+
+def uncertainty_figure(trajectories: Trajectories) -> go.Figure:
+    """Standard deviation of one axis through time: the middle marker and the band that holds nine of ten markers."""
+    sd = np.array([sample_deviation(path) for path in trajectories]).reshape(len(trajectories), trajectories.n_frames)
+    known = np.isfinite(sd).any(0)
+    if not known.any():
+        return empty("The uncertainty of the positions is not known.")
+    low, middle, high = np.full((3, sd.shape[1]), np.nan)
+    low[known], middle[known], high[known] = np.nanquantile(sd[:, known], [0.05, 0.5, 0.95], axis=0)
+    fig = figure(320, showlegend=True, legend=ABOVE)
+    for values, name, colour in ((high, "95 %", HUES[5]), (middle, "median", HUES[0]), (low, "5 %", HUES[5])):
+        frame, thinned = envelope(values, 2000)
+        fig.add_scatter(
+            x=frame / trajectories.rate, y=thinned.astype(np.float32), name=name, connectgaps=False,
+            mode="lines" if len(frame) > 1 else "markers", line={"color": colour, "width": 1.6},
+            hovertemplate="%{x:.3f} s: %{y:.2f} mm",
+        )  # fmt: skip
+    fig.update_yaxes(title_text="σ per axis (mm)", range=[0, 1.1 * float(np.nanquantile(high, 0.99))])
+    return fig.update_xaxes(title_text="time (s)")
+
+
+def exactness_figure(markers: list[dict[str, Any]]) -> go.Figure:
+    """A place a marker, in the trial's order: the standard deviation foretold and the jitter found."""
+    series = (("σ foretold by the covariance", "sd_per_axis_mean_mm"), ("jitter found", "jitter_mm"))
+    if not any(marker[key] is not None for marker in markers for _, key in series):
+        return empty("Neither covariance nor jitter of the markers is known.")
+    fig = figure(360, showlegend=True, legend=ABOVE)
+    for i, (name, key) in enumerate(series):
+        fig.add_scatter(
+            x=list(range(len(markers))),
+            y=[marker[key] for marker in markers],
+            mode="markers",
+            marker={"color": HUES[i], "symbol": ("circle", "diamond")[i], "size": 9},
+            name=name,
+            hovertemplate="%{x}: %{y:.2f} mm",
+        )
+    names = [label(marker["name"]) for marker in markers]
+    fig.update_xaxes(tickvals=list(range(len(names))), ticktext=names, ticks="", tickfont={"size": 11}, tickangle=-60)
+    return fig.update_yaxes(title_text="mm per axis", rangemode="tozero")

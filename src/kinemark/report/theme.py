@@ -1,0 +1,70 @@
+"""Colours and layout that all figures share.
+
+The hues are those of Okabe and Ito (2008), which people with any colour vision tell apart; yellow, too pale on
+white, is left out. Beyond seven, the same hues come darker and paler.
+"""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Any
+
+import plotly.graph_objects as go
+
+HUES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#4D4D4D")
+SHADES = ((0, 0.0), (0, 0.45), (255, 0.45))
+"""Towards black or white, and how far; dashes would look like missing samples."""
+LONGEST = 24
+"""Most letters of a name in a figure."""
+INK, FAINT, GRID = "#1C2733", "#66727F", "#E4E8EC"
+STATES = {"missing": "#D9DEE3", "measured": "#0072B2", "filled": "#E69F00", "edited": "#CC79A7"}
+"""Colour of each `Origin`, in its order."""
+
+
+def hue(i: int) -> str:
+    """Colour of the i-th camera or marker; after each seven the same hues come darker, then paler."""
+    rgb = [int(HUES[i % len(HUES)][k : k + 2], 16) for k in (1, 3, 5)]
+    towards, by = SHADES[i // len(HUES) % len(SHADES)]
+    return "#" + "".join(f"{round(value + by * (towards - value)):02X}" for value in rgb)
+
+
+def label(name: str) -> str:
+    """A name given by the user as Plotly may show it: markup in it stays text, and too long a name is cut."""
+    return escape(name if len(name) <= LONGEST else name[: LONGEST - 1] + "…") or " "
+
+
+def axis_style() -> dict[str, Any]:
+    """Of every axis in two dimensions."""
+    return {
+        "gridcolor": GRID,
+        "zerolinecolor": GRID,
+        "linecolor": FAINT,
+        "ticks": "outside",
+        "tickcolor": GRID,
+        "automargin": True,
+        "title": {"standoff": 10},
+    }
+
+
+def figure(height: int, **layout: Any) -> go.Figure:
+    """An empty figure in the house style, `height` px high."""
+    base = {
+        "template": "none",
+        "height": height,
+        "margin": {"l": 60, "r": 20, "t": 24, "b": 48},
+        "paper_bgcolor": "white",
+        "plot_bgcolor": "white",
+        "font": {"family": "system-ui, 'Segoe UI', Roboto, Helvetica, Arial, sans-serif", "size": 13, "color": INK},
+        "xaxis": axis_style(),
+        "yaxis": axis_style(),
+        "hoverlabel": {"bgcolor": "white", "font": {"color": INK}},
+        "legend": {"itemsizing": "constant", "font": {"size": 12}},
+        "showlegend": False,
+    }
+    return go.Figure(layout=base).update_layout(**layout)
+
+
+def empty(message: str) -> go.Figure:
+    """A low frame that says why there is nothing to draw."""
+    blank = figure(110, xaxis={"visible": False}, yaxis={"visible": False})
+    return blank.add_annotation(text=message, showarrow=False, font={"color": FAINT, "size": 14}, x=0.5, y=0.5)

@@ -1,0 +1,40 @@
+"""Numbers and lists as a reader wants them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+def number(value: float | None, decimals: int | None = None) -> str:
+    """With that many decimals, or all it has up to six digits; hard spaces between thousands; a dash if unknown."""
+    if value is None:
+        return "–"
+    text = f"{value:,.6g}" if decimals is None else f"{value:,.{decimals}f}"
+    negative_zero = not text.strip("-0.")
+    return (text.removeprefix("-") if negative_zero else text).replace(",", "\u00a0")
+
+
+def percent(share: float | None) -> str:
+    """A share in per cent with one decimal, never rounded to nothing or to all; a dash for what is unknown."""
+    if share is None:
+        return "–"
+    if share in (0, 1):
+        return f"{100 * share:.0f}\u00a0%"
+    bound = "< " if share < 0.001 else "> " if share > 0.999 else ""
+    return f"{bound}{100 * min(max(share, 0.001), 0.999):.1f}\u00a0%"
+
+
+def measure(value: float | None, decimals: int, unit: str) -> str:
+    """A number with its unit, or a dash."""
+    return "–" if value is None else f"{number(value, decimals)}\u00a0{unit}"
+
+
+def count(n: int, one: str, many: str = "") -> str:
+    """`1 marker`, `2 markers`."""
+    return f"{number(n)} {one if n == 1 else many or one + 's'}"
+
+
+def some(kind: str, names: Sequence[str], most: int = 6) -> str:
+    """`marker a`, `markers a, b and 3 more`."""
+    listed = ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+    return f"{kind if len(names) == 1 else kind + 's'} {listed}"

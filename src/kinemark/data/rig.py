@@ -61,7 +61,8 @@ class Camera:
         )
         if not np.isfinite(self.K).all() or abs(self.K[2, 2] - 1) > 1e-9 or self.K[0, 0] * self.K[1, 1] == 0:
             raise ValueError(f"camera {self.name}: K must be finite with K[2, 2] = 1 and focal lengths, found {self.K}")
-        if np.abs(self.R @ self.R.T - np.eye(3)).max() > 1e-6 or np.linalg.det(self.R) < 0:
+        bounded = (np.abs(self.R) < 2).all()  # false for NaN as well
+        if not bounded or np.abs(self.R @ self.R.T - np.eye(3)).max() > 1e-6 or np.linalg.det(self.R) < 0:
             raise ValueError(f"camera {self.name}: R must be a rotation, found {self.R}")
 
     @property

@@ -1,0 +1,151 @@
+"""Detections as CSV: `camera, frame, u_px, v_px`, optionally `area_px2`, `var_u_px2`, `var_v_px2`; frames from 0."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Detections, KinemarkError
+from .files import replacing
+from .text import bad_line, numbers, plain, read_text, whole
+
+NEEDED = ("camera", "frame", "u_px", "v_px")
+VARIANCES = ("var_u_px2", "var_v_px2")
+OPTIONAL = ("area_px2", *VARIANCES)
+ROWS_AT_ONCE = 65536
+MOST_COUNTS = 10_000_000
+
+
+def read_detections_csv(
+    path: Path | str, *, rate: float, cameras: Sequence[str] | None = None, n_frames: int | None = None
+) -> Detections:
+    """Detections of all cameras, sorted by camera and frame and otherwise as the file orders them.
+
+    Args:
+        path: the file; its columns and rows may come in any order.
+        rate: frames a second, Hz; the file does not say it.
+        cameras: names in the session's order; without it, in the order in which the file first names them.
+        n_frames: of the recording; without it, up to the last frame in which something was seen.
+
+    Raises:
+        KinemarkError: the file is absent, a column is missing or unknown, a cell is no number, a camera is not in
+            `cameras` or a frame not below `n_frames`.
+    """
+    reader = csv.reader(io.StringIO(read_text(path), newline=""))
+    names: dict[str, int] = {name: c for c, name in enumerate(cameras or ())}
+    try:
+        heading = [cell.strip() for cell in next(reader, [])]
+        check_heading(path, heading)
+        rows = ((reader.line_num, row) for row in reader if row)
+        parts = list(chunks(path, rows, heading, names, cameras is None))
+    except csv.Error as error:
+        raise bad_line(path, reader.line_num, f"{error}") from error
+    line = np.concatenate([np.zeros(0, np.int64), *(lines for lines, _ in parts)])
+    table = np.concatenate([np.zeros((0, len(heading))), *(values for _, values in parts)])
+    column = dict(zip(heading, table.T, strict=True))
+    frame = whole(path, line.tolist(), column["frame"], "frame")
+    check_rows(path, line, column, frame, n_frames)
+    total = n_frames if n_frames is not None else int(frame.max(initial=-1)) + 1
+    if len(names) * total > max(MOST_COUNTS, 100 * len(table)):
+        raise KinemarkError(f"{path} has only {len(table)} detections in {total} frames; frames count from 0.")
+    camera = column["camera"].astype(np.int64)
+    counts = np.bincount(camera * total + frame, minlength=len(names) * total).reshape(len(names), total)
+    order = np.lexsort([frame, camera])
+    uv = np.column_stack([column["u_px"], column["v_px"]])[order]
+    area = {"area": column["area_px2"][order]} if "area_px2" in column else {}
+    return Detections.build(tuple(names), rate, counts, uv, covariance(column, order), **area)
+
+
+def check_heading(path: Path | str, heading: list[str]) -> None:
+    """The columns that must be there, and no unknown one."""
+    if unknown := [cell for cell in heading if cell not in NEEDED + OPTIONAL]:
+        raise bad_line(path, 1, f"unknown column {unknown[0]!r}; known are {', '.join(NEEDED + OPTIONAL)}. Remove it.")
+    if missing := [cell for cell in NEEDED if cell not in heading]:
+        raise bad_line(path, 1, f"has no column {missing[0]!r}; wanted are {', '.join(NEEDED)}")
+    if len(set(heading)) != len(heading) or (VARIANCES[0] in heading) != (VARIANCES[1] in heading):
+        raise bad_line(path, 1, f"columns must differ and var_u_px2, var_v_px2 come together; found {heading}")
+
+
+def chunks(
+    path: Path | str, rows: Iterator[tuple[int, list[str]]], heading: list[str], names: dict[str, int], add: bool
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
+    """Line numbers and rows as numbers, some at a time; cameras as their index in `names`, which grows when `add`."""
+    at = heading.index("camera")
+    while pairs := list(islice(rows, ROWS_AT_ONCE)):
+        for line, row in pairs:
+            if len(row) != len(heading):
+                raise bad_line(path, line, f"has {len(row)} cells, wanted {len(heading)}")
+            name = row[at].strip()
+            if name not in names and not add:
+                raise bad_line(path, line, f"camera {name!r} is not one of {', '.join(names)}")
+            row[at] = str(names.setdefault(name, len(names)))
+        lines = [line for line, _ in pairs]
+        yield np.array(lines, np.int64), table(path, lines, [row for _, row in pairs])
+
+
+def table(path: Path | str, lines: Sequence[int], rows: list[list[str]]) -> NDArray[np.float64]:
+    """Rows of equal length as numbers: all at once, and line by line only where that fails or cells are empty."""
+    try:
+        return np.array(rows, dtype=np.float64)
+    except ValueError:
+        return numbers(path, lines, rows, len(rows[0]))
+
+
+def check_rows(
+    path: Path | str,
+    line: NDArray[np.int64],
+    column: dict[str, NDArray[np.float64]],
+    frame: NDArray[np.int64],
+    n_frames: int | None,
+) -> None:
+    """Frames within the recording, finite centroids, no negative variance."""
+    last = int(frame.max(initial=0)) if n_frames is None else n_frames - 1
+    checks: list[tuple[NDArray[np.bool_], str]] = [
+        ((frame < 0) | (frame > last), f"frame is not one of 0 … {last}"),
+        (~np.isfinite(column["u_px"] + column["v_px"]), "u_px or v_px is missing. Leave out what was not seen."),
+        *((column[name] < 0, f"{name} is negative") for name in VARIANCES if name in column),
+    ]
+    for wrong, what in checks:
+        if wrong.any():
+            raise bad_line(path, int(line[wrong][0]), what)
+
+
+def covariance(column: dict[str, NDArray[np.float64]], order: NDArray[np.int64]) -> NDArray[np.float64] | None:
+    """(D, 2, 2) px² without correlation; NaN in rows that do not say it, None where no row does."""
+    if VARIANCES[0] not in column:
+        return None
+    variance = np.column_stack([column[name] for name in VARIANCES])[order]
+    known = np.asarray(np.isfinite(variance).all(1))
+    return np.where(known[:, None, None], variance[:, :, None] * np.eye(2), np.nan)
+
+
+def write_detections_csv(path: Path | str, detections: Detections) -> None:
+    """Write the valid detections, every digit kept; area and variances where any is known.
+
+    Covariances between u and v, widths, heights, peaks and what was found invalid have no place here; HDF5 keeps them.
+
+    Raises:
+        KinemarkError: the file cannot be written.
+    """
+    kept = detections.keep(detections.valid)
+    columns = {
+        "camera": np.array(kept.cameras, object)[kept.camera].tolist(),
+        "frame": kept.frame.tolist(),
+        "u_px": list(map(plain, kept.uv[:, 0].tolist())),
+        "v_px": list(map(plain, kept.uv[:, 1].tolist())),
+    }
+    optional = dict(zip(OPTIONAL, (kept.area, kept.cov[:, 0, 0], kept.cov[:, 1, 1]), strict=True))
+    variances_known = np.isfinite(kept.cov).any()
+    for name, values in optional.items():
+        if variances_known if name in VARIANCES else np.isfinite(values).any():
+            columns[name] = list(map(plain, values.tolist()))
+    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*columns.values(), strict=True))

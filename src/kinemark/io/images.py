@@ -1,0 +1,239 @@
+"""The images of one camera as a source of grey frames: a sequence of files, a video or a single image.
+
+An interlaced frame holds two fields taken one after the other: its rows 0, 2, … (top) and 1, 3, … (bottom). Each
+becomes a frame of half the height. Line k of a top field is row 2k, line k of a bottom field row 2k + 1 = 2 (k + ½), so
+a point at v in a bottom field lies at v + ½ in the lines of the top field: that ½ is `v_offset`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from fractions import Fraction
+from itertools import islice, pairwise
+from pathlib import Path
+from typing import Any, Literal
+
+import av
+import numpy as np
+
+from ..data import KinemarkError
+from .files import read_bytes, replacing
+from .pixels import MOST_PIXELS, Image, check_pixels, grey
+from .video import VideoInfo, decode_video, probe_video
+
+Interlaced = Literal[False, "top", "bottom"]
+MAGIC = (
+    (b"\x89PNG\r\n\x1a\n", "png"),
+    (b"II*\0", "tiff"),
+    (b"MM\0*", "tiff"),
+    (b"\xff\xd8\xff", "mjpeg"),
+    (b"BM", "bmp"),
+    (b"P1", "pbm"),
+    (b"P2", "pgm"),
+    (b"P3", "ppm"),
+    (b"P4", "pbm"),
+    (b"P5", "pgm"),
+    (b"P6", "ppm"),
+)
+NUMBER = re.compile(r"%(0\d+)?d")
+
+
+@dataclass(frozen=True, slots=True)
+class ImageSource:
+    """The frames of one camera.
+
+    Attributes:
+        paths: the image files in order, or the one video.
+        size: width and height of a frame, px; of a field where interlaced.
+        n_frames: how many frames there are; two an image where interlaced.
+        rate: Hz; None for image files, which do not say it.
+        interlaced: which field comes first, "top" or "bottom"; False for whole frames.
+        video: what the video says of itself; None for image files.
+    """
+
+    paths: tuple[Path, ...]
+    size: tuple[int, int]
+    n_frames: int
+    rate: float | None
+    interlaced: Interlaced = False
+    video: VideoInfo | None = None
+
+    def __len__(self) -> int:
+        return self.n_frames
+
+    def __iter__(self) -> Iterator[Image]:
+        return self.frames()
+
+    def v_offset(self, f: int) -> float:
+        """What to add to v in frame f so that both fields share one image plane: 0, or 0.5 px (field lines)."""
+        bottom = (f % 2 == 0) if self.interlaced == "bottom" else (f % 2 == 1)
+        return 0.5 if self.interlaced and bottom else 0.0
+
+    def frames(self) -> Iterator[Image]:
+        """The frames (H, W), uint8 or uint16, decoded as they are asked for.
+
+        Raises:
+            KinemarkError: an image is damaged or unlike the first, or the video ends too early.
+        """
+        for image in decode_video(self.paths[0], self.video) if self.video else decode_images(self.paths):
+            if not self.interlaced:
+                yield image
+                continue
+            top, bottom = image[0::2].copy(), image[1::2].copy()
+            yield from (top, bottom) if self.interlaced == "top" else (bottom, top)
+
+    def batches(self, n: int) -> Iterator[Image]:
+        """The frames, n at a time: (n, H, W), the last batch mostly shorter.
+
+        Raises:
+            ValueError: n is not positive.
+            KinemarkError: as `frames`.
+        """
+        if n < 1:
+            raise ValueError(f"n is {n}, wanted at least 1")
+        frames = self.frames()
+        while batch := list(islice(frames, n)):
+            yield np.stack(batch)
+
+
+def open_images(pattern: Path | str, *, interlaced: Interlaced = False) -> ImageSource:
+    """The frames that a pattern names.
+
+    Args:
+        pattern: a file (image or video); a printf pattern such as `cam1/%06d.png`, whose numbers must be without
+            gaps; or a glob such as `cam1/*.png`, taken in natural order (`2.png` before `10.png`).
+        interlaced: "top" or "bottom" for the field that was taken first; False for whole frames.
+
+    Raises:
+        ValueError: `interlaced` is something else.
+        KinemarkError: no file matches, a number is missing, or the first file is neither image nor video.
+    """
+    if interlaced not in (False, "top", "bottom"):
+        raise ValueError(f"interlaced is {interlaced!r}, wanted False, 'top' or 'bottom'")
+    paths = files_of(Path(pattern))
+    video = None if codec_of(paths[0]) else probe_video(paths[0])
+    if video and len(paths) > 1:
+        raise KinemarkError(f"{pattern} matches {len(paths)} videos, wanted one a camera. Narrow the pattern.")
+    if video:
+        (width, height), n, rate = video.size, video.n_frames, video.rate
+    else:
+        (height, width), n, rate = read_image(paths[0]).shape, len(paths), None
+    if not interlaced:
+        return ImageSource(paths, (width, height), n, rate, False, video)
+    if height % 2:
+        raise KinemarkError(f"{pattern} has {height} rows, wanted an even number: it is not interlaced.")
+    return ImageSource(paths, (width, height // 2), 2 * n, 2 * rate if rate else None, interlaced, video)
+
+
+def files_of(pattern: Path) -> tuple[Path, ...]:
+    """The files that a pattern names, in order; at least one."""
+    if pattern.is_file():
+        return (pattern,)
+    if NUMBER.search(pattern.name):
+        return numbered(pattern)
+    names = (p for p in pattern.parent.glob("*") if fnmatchcase(p.name, pattern.name))
+    found = sorted((p for p in names if p.is_file() and not p.name.startswith(".")), key=natural)
+    if not found:
+        raise KinemarkError(f"{pattern} names no file. Check the folder and the pattern.")
+    return tuple(found)
+
+
+def natural(path: Path) -> tuple[list[tuple[int, str]], str]:
+    """A key by which numbers in names sort as numbers."""
+    parts = re.split(r"([0-9]+)", path.name)
+    return [(int(p), "") if k % 2 else (-1, p) for k, p in enumerate(parts) if p], path.name
+
+
+def numbered(pattern: Path) -> tuple[Path, ...]:
+    """The files of a printf pattern, by number.
+
+    Raises:
+        KinemarkError: the pattern has more than one number, no file matches, or a number is missing.
+    """
+    pieces = NUMBER.split(pattern.name)
+    if len(pieces) != 3:
+        raise KinemarkError(f"{pattern} has more than one %d, wanted one number. Write the others out.")
+    width = int(pieces[1] or 0)
+    before, after = (re.escape(piece.replace("%%", "%")) for piece in (pieces[0], pieces[2]))
+    name = re.compile(rf"{before}([0-9]{{{max(width, 1)}}}|[1-9][0-9]{{{max(width, 1)},17}}){after}")
+    found = {int(m[1]): p for p in pattern.parent.glob("*") if (m := name.fullmatch(p.name)) and p.is_file()}
+    if not found:
+        raise KinemarkError(f"{pattern} names no file. Check the folder and the pattern.")
+    numbers = sorted(found)
+    if numbers[-1] - numbers[0] + 1 != len(numbers):
+        gap = next(a + 1 for a, b in pairwise(numbers) if b != a + 1)
+        raise KinemarkError(
+            f"{pattern} has {len(numbers)} files from {numbers[0]} to {numbers[-1]}; {gap} is the first one missing. "
+            "Restore it, or use a glob if gaps are meant."
+        )
+    return tuple(found[k] for k in numbers)
+
+
+def codec_of(path: Path) -> str | None:
+    """The decoder for an image file, by its first bytes; None if it is not an image."""
+    try:
+        with path.open("rb") as file:
+            start = file.read(8)
+    except OSError as error:
+        raise KinemarkError(f"{path} cannot be read: {error}") from error
+    return next((codec for magic, codec in MAGIC if start.startswith(magic)), None)
+
+
+def read_image(path: Path | str) -> Image:
+    """(H, W) grey values of an image file: PNG, TIFF (its first page), JPEG, BMP, PGM, PPM or PBM.
+
+    Raises:
+        KinemarkError: the file is absent, empty, damaged or no such image.
+    """
+    path = Path(path)
+    data = read_bytes(path, most=4 * MOST_PIXELS)
+    if (codec := codec_of(path)) is None:
+        raise KinemarkError(f"{path} is not a PNG, TIFF, JPEG, BMP, PGM, PPM or PBM image. Convert it to PNG.")
+    try:
+        context = av.CodecContext.create(codec, "r")
+        # FFmpeg's TIFF decoder calls ordinary files damaged when it is strict
+        strict = {} if codec == "tiff" else {"err_detect": "crccheck+explode"}
+        context.options = {"max_pixels": str(MOST_PIXELS), **strict}
+        frames = [*context.decode(av.Packet(data)), *context.decode(None)]  # type: ignore[attr-defined]
+    except (av.FFmpegError, MemoryError) as error:
+        raise KinemarkError(f"{path} is a damaged {codec} image ({error}). Copy it again.") from error
+    if len(frames) != 1 or frames[0].is_corrupt:
+        raise KinemarkError(f"{path} is a damaged {codec} image: it gives {len(frames)} whole frames. Copy it again.")
+    check_pixels(str(path), frames[0].width, frames[0].height)
+    return grey(frames[0], str(path))
+
+
+def decode_images(paths: tuple[Path, ...]) -> Iterator[Image]:
+    """Image files of one size and depth, one by one."""
+    first: Image | None = None
+    for path in paths:
+        image = read_image(path)
+        first = image if first is None else first
+        if image.shape != first.shape or image.dtype != first.dtype:
+            raise KinemarkError(
+                f"{path} is {image.dtype} {image.shape}, {paths[0].name} is {first.dtype} {first.shape}. "
+                "Keep images of different cameras or modes apart."
+            )
+        yield image
+
+
+def write_png(path: Path | str, image: Image) -> None:
+    """Write grey values (H, W), uint8 or uint16, as PNG.
+
+    Raises:
+        ValueError: `image` has another shape or dtype.
+        KinemarkError: the file cannot be written.
+    """
+    if image.ndim != 2 or image.dtype not in (np.uint8, np.uint16) or not image.size:
+        raise ValueError(f"image must be (height, width) of uint8 or uint16, found {image.dtype} {image.shape}")
+    depth = "gray" if image.dtype == np.uint8 else "gray16be"
+    context = av.CodecContext.create("png", "w")
+    context.height, context.width = image.shape
+    context.pix_fmt, context.time_base = depth, Fraction(1)
+    pixels: Any = np.ascontiguousarray(image)
+    packets = [*context.encode(av.VideoFrame.from_ndarray(pixels, format=depth)), *context.encode(None)]
+    with replacing(path) as beside:
+        beside.write_bytes(b"".join(map(bytes, packets)))

@@ -1,0 +1,181 @@
+"""Rigs as TOML, in the layout shared by anipose, caliscope and Pose2Sim.
+
+One table a camera: name, size (px), matrix, distortions (OpenCV's k1 k2 p1 p2 k3), rotation (a Rodrigues vector,
+world → camera) and translation. `[metadata]` says the unit of length and how the rig came about. What the shared layout
+has no place for (the rotation's last digits, covariance, volume) stands below `[kinemark]`, which others ignore.
+"""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from ..data import Camera, KinemarkError, Rig
+from .files import replacing
+from .text import read_text
+
+TO_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
+NOT_CAMERAS = ("metadata", "kinemark")
+SAME_TURN = 1e-9
+LARGEST = 1e100  # what may be squared without overflow
+MOST_CAMERAS = 1024
+
+
+def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:
+    """The rig of a calibration file; translations become mm.
+
+    Args:
+        path: the file.
+        length_unit: "mm", "cm" or "m", for a file whose `[metadata]` does not say `units`.
+
+    Raises:
+        ValueError: `length_unit` is another word.
+        KinemarkError: the file is no TOML, has no cameras, no unit, or a camera that the model cannot express.
+    """
+    if length_unit is not None and length_unit not in TO_MM:
+        raise ValueError(f"length_unit is {length_unit!r}, wanted one of {', '.join(TO_MM)}")
+    try:
+        document = tomllib.loads(read_text(path))
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise KinemarkError(f"{path} is not valid TOML: {error}. Correct that line.") from error
+    metadata, own = (table if isinstance(table := document.get(k, {}), dict) else {} for k in NOT_CAMERAS)
+    tables = {k: v for k, v in document.items() if isinstance(v, dict) and k not in NOT_CAMERAS and "matrix" in v}
+    if not 0 < len(tables) <= MOST_CAMERAS:
+        raise KinemarkError(
+            f"{path} has {len(tables)} cameras, wanted tables with `matrix`, `rotation`, `translation`."
+        )
+    scale = TO_MM[unit_of(path, metadata, length_unit)]
+    try:
+        cameras = tuple(camera(f"{path}, [{k}]", k, v, table_of(own, k), scale) for k, v in tables.items())
+        volume = (
+            array(f"{path}, [kinemark]", own, "volume_mm", (2, 3)) if "volume_mm" in own else np.full((2, 3), np.nan)
+        )
+        return Rig(cameras, str(metadata.get("method", "")), volume)
+    except ValueError as error:
+        raise KinemarkError(f"{path}: {error}. Correct the file or calibrate again.") from error
+
+
+def unit_of(path: Path | str, metadata: Mapping[str, Any], length_unit: str | None) -> str:
+    """The unit that the file or the caller states; not two different ones."""
+    stated = metadata.get("units")
+    unit = stated if stated is not None else length_unit
+    if unit is None:
+        raise KinemarkError(
+            f"{path} does not say the unit of its translations. Set `length_unit` in [calibration] to mm, cm or m."
+        )
+    if unit not in TO_MM or (length_unit is not None and length_unit != unit):
+        raise KinemarkError(
+            f"{path} states units = {stated!r}, wanted {length_unit or ', '.join(TO_MM)}. "
+            "Correct the file, or `length_unit` in [calibration]."
+        )
+    return str(unit)
+
+
+def table_of(own: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    """The sub-table of `[kinemark]` for one camera; empty where there is none."""
+    table = own.get(key, {})
+    return table if isinstance(table, dict) else {}
+
+
+def camera(where: str, key: str, table: Mapping[str, Any], own: Mapping[str, Any], scale: float) -> Camera:
+    """One camera from its table and our own beside it."""
+    if table.get("fisheye") not in (None, False):
+        raise KinemarkError(f"{where}: fisheye lenses are not supported. Calibrate with the ordinary lens model.")
+    R = Rotation.from_rotvec(array(where, table, "rotation", (3,))).as_matrix()
+    if "rotation_matrix" in own:
+        exact = array(where, own, "rotation_matrix", (3, 3))
+        # an edited Rodrigues vector counts; the matrix only adds the digits that the vector lost
+        R = exact if np.abs(exact - R).max() < SAME_TURN else R
+    size = array(where, table, "size", (2,)) if "size" in table else np.zeros(2)
+    if (size < 0).any() or (size > 2**31).any() or (size != np.floor(size)).any():
+        raise KinemarkError(f"{where}: size is {size.tolist()}, wanted width and height in whole pixels.")
+    return Camera(
+        name=str(table.get("name", key)),
+        size=size.astype(np.int64),
+        K=array(where, table, "matrix", (3, 3)),
+        R=R,
+        t=array(where, table, "translation", (3,)) * scale,
+        distortion=distortion(where, table),
+        cov=array(where, own, "covariance", (15, 15)) if "covariance" in own else np.zeros((15, 15)),
+        residual=float(array(where, own, "residual_px", ())) if "residual_px" in own else np.nan,
+    )
+
+
+def distortion(where: str, table: Mapping[str, Any]) -> NDArray[np.float64]:
+    """(5,) k1 k2 p1 p2 k3 from four or five terms; further ones only if they are zero."""
+    terms = array(where, table, "distortions", None) if "distortions" in table else np.zeros(5)
+    if terms.ndim != 1 or len(terms) < 4 or terms[5:].any():
+        raise KinemarkError(f"{where}: distortions are {terms.tolist()}, wanted k1 k2 p1 p2 or k1 k2 p1 p2 k3.")
+    return np.concatenate([terms, [0.0]])[:5]
+
+
+def array(where: str, table: Mapping[str, Any], key: str, shape: tuple[int, ...] | None) -> NDArray[np.float64]:
+    """The numbers of one key, of this shape; finite unless it is a residual or volume, where NaN means unknown."""
+    try:
+        values = np.array(table[key], np.float64)
+    except (KeyError, ValueError, TypeError, OverflowError) as error:
+        raise KinemarkError(
+            f"{where}: {key} is {table.get(key, 'absent')!r}, wanted numbers. Calibrate again."
+        ) from error
+    if shape is not None and values.shape != shape:
+        raise KinemarkError(f"{where}: {key} has shape {values.shape}, wanted {shape}.")
+    if key not in ("residual_px", "volume_mm") and not (np.abs(values) < LARGEST).all():
+        raise KinemarkError(f"{where}: {key} is not finite or too large: {values.tolist()}. Calibrate again.")
+    return values
+
+
+def write_rig_toml(path: Path | str, rig: Rig) -> None:
+    """Write a rig so that `read_rig_toml` gives back the same one, to the last bit.
+
+    Raises:
+        KinemarkError: the file cannot be written.
+    """
+    parts = [camera_text(f"cam_{c}", camera) for c, camera in enumerate(rig)]
+    residuals = [camera.residual for camera in rig]
+    parts.append(table_text("metadata", units="mm", method=rig.method, residuals_px=residuals))
+    parts.append(table_text("kinemark", volume_mm=rig.volume))
+    parts += [own_text(f"kinemark.cam_{c}", camera) for c, camera in enumerate(rig)]
+    with replacing(path) as beside:
+        beside.write_text("\n".join(parts), encoding="utf-8", newline="\n")
+
+
+def camera_text(key: str, camera: Camera) -> str:
+    """The table that all programs share."""
+    return table_text(
+        key,
+        name=camera.name,
+        size=camera.size,
+        matrix=camera.K,
+        distortions=camera.distortion,
+        rotation=Rotation.from_matrix(camera.R).as_rotvec(),
+        translation=camera.t,
+        fisheye=False,
+    )
+
+
+def own_text(key: str, camera: Camera) -> str:
+    """The table that only Kinemark reads."""
+    return table_text(key, rotation_matrix=camera.R, residual_px=camera.residual, covariance=camera.cov)
+
+
+def table_text(key: str, **values: str | bool | float | ArrayLike) -> str:
+    """One TOML table; floats with every digit."""
+    return f"[{key}]\n" + "".join(f"{name} = {toml(value)}\n" for name, value in values.items())
+
+
+def toml(value: Any) -> str:
+    """A value as TOML text."""
+    if isinstance(value, str):
+        # JSON's strings are TOML's, but for DEL, which TOML wants escaped
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    plain = value.tolist() if isinstance(value, np.ndarray) else value
+    return f"[{', '.join(map(toml, plain))}]" if isinstance(plain, list) else repr(plain)

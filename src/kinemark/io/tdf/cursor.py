@@ -1,0 +1,112 @@
+"""Walking through a TDF file without ever leaving it.
+
+A TDF file is little endian: a header of 64 bytes (16 of signature, int32 version, int32 entries), then one
+entry of 288 bytes a block: int32 type, format, offset and size, and what we do not need. Format 0 is an empty entry.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from ...data import KinemarkError
+from ..files import read_bytes
+
+SIGNATURE = bytes.fromhex("824b6041d31184ca6000b6ac16680c08")
+HEADER, ENTRY = 64, 288
+SPARE_BYTES, SPARSENESS = 1 << 26, 64
+"""A block may unfold to 64 MiB, or to 64 times its file: enough for the sparsest real tracks, too little for harm."""
+
+
+@dataclass(slots=True)
+class Cursor:
+    """A place in one block; every read is checked against the block's end."""
+
+    name: str
+    data: memoryview
+    format: int
+    file_size: int
+    at: int = 0
+
+    def take(self, dtype: DTypeLike, n: int = 1) -> NDArray[Any]:
+        """The next n values.
+
+        Raises:
+            KinemarkError: n is negative or the block ends before.
+        """
+        size = np.dtype(dtype).itemsize * n
+        if n < 0 or self.at + size > len(self.data):
+            raise self.bad(f"has {len(self.data) - self.at} bytes left where {n} values of {dtype} are promised")
+        self.at += size
+        return np.frombuffer(self.data[self.at - size : self.at], dtype)
+
+    def integer(self) -> int:
+        """The next int32."""
+        return int(self.take("<i4")[0])
+
+    def real(self) -> float:
+        """The next float32."""
+        return float(self.take("<f4")[0])
+
+    def text(self, n: int = 256) -> str:
+        """The next n bytes as a label, up to the first zero byte."""
+        return self.take("u1", n).tobytes().split(b"\0")[0].decode("cp1252", "replace").strip()
+
+    def room(self, *shape: int) -> None:
+        """Check that an array of float64 of this shape may be made.
+
+        Raises:
+            KinemarkError: a dimension is negative, or the array is out of all proportion to the file.
+        """
+        if min(shape) < 0 or float(np.prod(shape, dtype=float)) * 8 > max(SPARE_BYTES, SPARSENESS * self.file_size):
+            raise self.bad(f"promises {' × '.join(map(str, shape))} values, out of proportion to its size")
+
+    def rate(self) -> float:
+        """The next int32 as samples a second."""
+        if (rate := self.integer()) <= 0:
+            raise self.bad(f"states a rate of {rate} Hz, wanted a positive one")
+        return float(rate)
+
+    def wanted(self, *formats: int) -> None:
+        """Check the block's format."""
+        if self.format not in formats:
+            raise self.bad(f"has format {self.format}; the formats read are {', '.join(map(str, formats))}")
+
+    def bad(self, what: str) -> KinemarkError:
+        """The error that says what is wrong with this block."""
+        return KinemarkError(
+            f"{self.name} {what}. Export the recording again, or leave this part out with the parameter `parts`."
+        )
+
+
+def blocks(path: Path | str) -> dict[int, Cursor]:
+    """The first block of every type.
+
+    Raises:
+        KinemarkError: the file is absent, empty, truncated, or no TDF of version 1.
+    """
+    data = memoryview(read_bytes(path))
+    if bytes(data[:16]) != SIGNATURE or len(data) < HEADER:
+        raise KinemarkError(f"{path} is not a TDF file: it does not begin with the signature of BTS. Check the path.")
+    version, n = np.frombuffer(data[16:24], "<i4")
+    if version != 1 or not 0 <= n <= (len(data) - HEADER) // ENTRY:
+        raise KinemarkError(
+            f"{path} has version {version} with {n} blocks in {len(data)} bytes, wanted version 1 with all its blocks. "
+            "Copy or export it again."
+        )
+    entries = np.frombuffer(data[HEADER : HEADER + n * ENTRY], "<i4").reshape(n, ENTRY // 4)[:, :4]
+    found: dict[int, Cursor] = {}
+    for kind, form, offset, size in entries.tolist():
+        if form != 0 and kind not in found:
+            if offset < HEADER or size < 0 or offset + size > len(data):
+                raise KinemarkError(
+                    f"{path} is truncated: its block of type {kind} lies at bytes {offset} … {offset + size}, "
+                    f"the file has {len(data)}. Copy it again."
+                )
+            name = f"{path}: the block of type {kind}"
+            found[kind] = Cursor(name, data[offset : offset + size], form, len(data))
+    return found

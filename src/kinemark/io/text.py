@@ -1,0 +1,75 @@
+"""Text files of numbers: reading their lines and cells, naming the line that is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import KinemarkError
+from .files import read_bytes
+
+MOST_BYTES = 1 << 29
+
+
+def read_text(path: Path | str) -> str:
+    """A text file in UTF-8, or in Windows' Latin where it is not.
+
+    Raises:
+        KinemarkError: it is absent, empty, larger than 512 MiB, or binary.
+    """
+    data = read_bytes(path, most=MOST_BYTES)
+    if b"\0" in data[:4096]:
+        raise KinemarkError(f"{path} is a binary file, wanted text. Check the path.")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("cp1252", "replace")
+
+
+def bad_line(path: Path | str, line: int, what: str) -> KinemarkError:
+    """The error that names a line, counted from 1."""
+    return KinemarkError(f"{path}, line {line}: {what}")
+
+
+def numbers(path: Path | str, lines: Sequence[int], cells: Sequence[Sequence[str]], width: int) -> NDArray[np.float64]:
+    """(N, width) the cells of N lines as numbers; an empty cell is NaN.
+
+    Args:
+        path: for the message.
+        lines: (N) number of each line, for the message.
+        cells: (N) rows of text; empty cells beyond `width` are ignored.
+        width: columns.
+
+    Raises:
+        KinemarkError: a row has another number of cells, or a cell is no number; the message has the line.
+    """
+    table = np.full((len(cells), width), np.nan)
+    for k, row in enumerate(cells):
+        if len(row) < width or any(cell.strip() for cell in row[width:]):
+            raise bad_line(path, lines[k], f"has {len(row)} cells, wanted {width}")
+        try:
+            table[k] = [float(cell) if cell.strip() else np.nan for cell in row[:width]]
+        except ValueError as error:
+            raise bad_line(path, lines[k], f"{error}. Empty cells mean missing.") from error
+    return table
+
+
+def whole(path: Path | str, lines: Sequence[int], values: NDArray[np.float64], name: str) -> NDArray[np.int64]:
+    """Numbers that must be whole, as integers.
+
+    Raises:
+        KinemarkError: one of them is missing or has a fraction.
+    """
+    wrong = ~(np.abs(values) < 2**53) | (values != np.floor(values))
+    if wrong.any():
+        k = int(np.flatnonzero(wrong)[0])
+        raise bad_line(path, lines[k], f"{name} is {values[k]:g}, wanted a whole number")
+    return values.astype(np.int64)
+
+
+def plain(value: float) -> str:
+    """The shortest text that reads back as the same number; empty for NaN."""
+    return "" if value != value else repr(float(value))

@@ -10,7 +10,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
-from .data import Cloud, Detections, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
+import numpy as np
+
+from .data import Analog, Cloud, Detections, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
 from .detect import Centroids
 from .io.c3d import write_c3d
 from .io.records import load, save
@@ -122,14 +124,37 @@ def run(
     outputs = [folder / f"{folder.name}.c3d", folder / "quality.json", folder / "report.html"]
     if ledger.computed or not all(path.is_file() for path in outputs):
         progress("write", 0, 1)
-        trial = replace(source.beside or Trial("", trajectories), name=folder.name, trajectories=trajectories)
-        write_c3d(outputs[0], replace(trial, steps=steps))
+        beside = source.beside or Trial("", trajectories)
+        analog = alongside(beside.analog, trajectories.rate, detections.n_frames)
+        trial = replace(beside, name=folder.name, trajectories=trajectories, analog=analog, steps=steps)
+        write_c3d(outputs[0], trial)
         write_quality(outputs[1], figures)
         write_report(
             outputs[2], quality=figures, rig=rig, detections=detections, tracks=tracks, trajectories=trajectories
         )
         progress("write", 1, 1)
     return Results(folder, rig, detections, tracks, trajectories, figures, steps, tuple(ledger.computed))
+
+
+def alongside(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Analog, ...]:
+    """Channels as a C3D file can hold them: one record, as many samples to every frame, from the first to the last.
+
+    Channels whose rate is no multiple of the frame rate, or that start later, are left out; they stay in their own file.
+    What was recorded beyond the last frame is cut, and what is missing before it is NaN.
+    """
+    fitting = [a for a in analog if a.start == 0 and a.rate % rate == 0]
+    if not fitting:
+        return ()
+    fastest = max(a.rate for a in fitting)
+    samples = round(fastest / rate) * n_frames
+    rows = []
+    for a in fitting:
+        held = np.repeat(a.values, fastest // a.rate, axis=1)[:, :samples] if fastest % a.rate == 0 else None
+        if held is not None:
+            rows.append((a, np.pad(held, ((0, 0), (0, samples - held.shape[1])), constant_values=np.nan)))
+    names = tuple(name for a, _ in rows for name in a.names)
+    units = tuple(unit for a, _ in rows for unit in a.units)
+    return (Analog(names, units, fastest, np.concatenate([values for _, values in rows])),)
 
 
 def _stages(

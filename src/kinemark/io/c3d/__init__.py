@@ -1,0 +1,28 @@
+"""C3D, the format in which laboratories exchange recordings: see `docs/files-c3d.md`."""
+
+from .document import C3D, with_parameters
+from .header import HeaderEvent
+from .numbers import ByteOrder
+from .parameters import Group, Parameter
+from .reading import decode_document, read_document
+from .storing import document_of, write_c3d
+from .trial import markers, read_c3d, trial_of
+from .writing import encode_document, write_document
+
+__all__ = [
+    "C3D",
+    "ByteOrder",
+    "Group",
+    "HeaderEvent",
+    "Parameter",
+    "decode_document",
+    "document_of",
+    "encode_document",
+    "markers",
+    "read_c3d",
+    "read_document",
+    "trial_of",
+    "with_parameters",
+    "write_c3d",
+    "write_document",
+]

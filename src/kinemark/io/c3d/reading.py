@@ -1,0 +1,131 @@
+"""A C3D file from disk, as it stands."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data import KinemarkError
+from ..files import read_bytes
+from .document import C3D, has_unsigned_analog
+from .header import Header, byte_order, decode_header, parameter_offset
+from .layout import Layout, layout_of
+from .numbers import ByteOrder, decode_floats, decode_words
+from .parameters import BLOCK, Group, decode_parameters
+
+MOST_BLOCKS = 65535
+
+
+def read_document(path: Path | str, *, partial: bool = False) -> C3D:
+    """All that a C3D file holds, in the file's own units and conventions.
+
+    Args:
+        path: the file.
+        partial: read what there is of a file that was cut off or damaged, and say in `notes` what is not.
+            Otherwise such a file is refused.
+
+    Raises:
+        KinemarkError: the file is none, not C3D, contradicts itself, or has lost something and `partial` is false.
+    """
+    return decode_document(read_bytes(path), name=str(path), partial=partial)
+
+
+def decode_document(raw: bytes, *, name: str, partial: bool = False) -> C3D:
+    """As `read_document`, from the bytes of the file; `name` is for messages."""
+    start = parameter_offset(raw, name=name)
+    order = byte_order(raw, start, name=name)
+    header = decode_header(raw, order)
+    stated = (header.data_block - 1) * BLOCK
+    sound = start < stated <= len(raw)
+    groups, lost, odd = decode_parameters(raw[start + 4 : stated if sound else start + MOST_BLOCKS * BLOCK], order)
+    doc = _without_data(header, order, groups, name)
+    end = stated if sound else _data_start(doc, header, start, raw, name)
+    layout = layout_of(header, doc, len(raw) - end)
+    size = (4 if doc.floats else 2) * layout.width
+    held = min(layout.frames, (len(raw) - end) // size) if size else layout.frames
+    if held < layout.frames:
+        lost = (*lost, f"frames {held + 1} to {layout.frames} of {layout.frames}, for the file ends")
+    if lost and not partial:
+        raise KinemarkError(
+            f"{name} ({len(raw)} bytes) is cut off or damaged. Unreadable: {'; '.join(lost)}. "
+            "Copy or export it again, or read what is left with partial=True."
+        )
+    oddities = _oddities(doc, header, layout, end, len(raw) - end - size * layout.frames)
+    notes = (*(f"unreadable: {what}" for what in lost), *odd, *oddities)
+    doc = replace(doc, first_frame=layout.first_frame, data_block=end // BLOCK + 1, notes=notes)
+    return _with_data(doc, replace(layout, frames=held), np.frombuffer(raw, np.uint8, size * held, end))
+
+
+def _without_data(header: Header, order: ByteOrder, groups: tuple[Group, ...], name: str) -> C3D:
+    """The document with all but its points and analog."""
+    none = np.zeros((0, 0))
+    bare = C3D(order, True, 0.0, np.zeros((0, 0, 3)), none, none, 0, groups)
+    scales = (bare.number("POINT", "SCALE", 0.0), header.scale)
+    scale = next((s for s in scales if math.isfinite(s) and s != 0), 0.0)
+    if scale == 0:
+        raise KinemarkError(f"{name} states the scale {header.scale}: whether it holds floats or integers is unknown.")
+    rates = (bare.number("POINT", "RATE", 0.0), header.rate)
+    return replace(
+        bare,
+        floats=scale < 0,
+        scale=abs(scale),
+        rate=next((rate for rate in rates if math.isfinite(rate) and rate > 0), 0.0),
+        max_gap=header.max_gap,
+        header_events=header.events,
+        reserved=header.reserved,
+    )
+
+
+def _data_start(doc: C3D, header: Header, start: int, raw: bytes, name: str) -> int:
+    """First byte of the data where the header's pointer is useless."""
+    block = int(np.nan_to_num(_unsigned(doc, "POINT", "DATA_START") or 0))
+    if not start < (block - 1) * BLOCK <= len(raw):
+        raise KinemarkError(
+            f"{name} has {len(raw)} bytes, but its data begin in block {header.data_block} by the header and in block "
+            f"{block} by POINT:DATA_START (of 512 bytes, from 1). Copy or export it again."
+        )
+    return (block - 1) * BLOCK
+
+
+def _oddities(doc: C3D, header: Header, layout: Layout, end: int, rest: int) -> tuple[str, ...]:
+    """Where the file contradicts itself, in words."""
+    said = {
+        "block of the data": (end // BLOCK + 1, header.data_block, _unsigned(doc, "POINT", "DATA_START")),
+        "points": (layout.points, header.n_points, _unsigned(doc, "POINT", "USED")),
+        "frames": (layout.frames, header.last - header.first + 1, _unsigned(doc, "POINT", "FRAMES")),
+        "analog channels": (layout.channels, layout.channels, _unsigned(doc, "ANALOG", "USED")),
+    }
+    notes = [
+        f"{what}: the header says {ours}, the parameters {theirs}; taken as {taken}"
+        for what, (taken, ours, theirs) in said.items()
+        if ours != taken or theirs not in (None, taken)
+    ]
+    if not doc.groups:
+        notes.append("no parameters; all is taken from the header")
+    if rest >= BLOCK:
+        notes.append(f"{rest} bytes after the last frame are not read")
+    return tuple(notes)
+
+
+def _unsigned(doc: C3D, group: str, name: str) -> float | None:
+    parameter = doc.get(group, name)
+    return float(parameter.unsigned[0]) if parameter is not None and parameter.unsigned.size else None
+
+
+def _with_data(doc: C3D, layout: Layout, raw: NDArray[np.uint8]) -> C3D:
+    """The document with its points and analog taken from the bytes of whole frames."""
+    f, m, a, s = layout.frames, layout.points, layout.channels, layout.samples
+    numbers: NDArray[Any] = decode_floats(raw, doc.order) if doc.floats else decode_words(raw, doc.order)
+    frames = numbers.reshape(f, layout.width)
+    points = frames[:, : 4 * m].reshape(f, m, 4)
+    xyz = points[..., :3].astype(np.float64)
+    analog = frames[:, 4 * m :].reshape(f, s, a).transpose(2, 0, 1).reshape(a, f * s)
+    if not doc.floats:
+        xyz *= doc.scale
+        analog = analog.view(np.uint16) if has_unsigned_analog(doc) else analog
+    return replace(doc, points=xyz, word=points[..., 3], analog=analog, samples=s)

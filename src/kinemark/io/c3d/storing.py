@@ -1,0 +1,99 @@
+"""A trial as a C3D document, with all that its own file held besides.
+
+What the trial and its source agree on is taken from the source, number by number; so an untouched trial gives its
+file back, gaps coded as they were. What differs is written anew: gaps as zeros with −1, residual and cameras in the
+fourth number, names at the end of their tables.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path as FilePath
+
+import numpy as np
+
+from ...data import Trial
+from ...version import __version__
+from .document import C3D, with_parameters
+from .numbers import ByteOrder
+from .parameters import Parameter
+from .storing_analog import with_analog, with_plates
+from .storing_points import with_points
+from .tables import matched, rows_from, with_numbers, with_text
+from .trial import events_of
+from .writing import with_counts, write_document
+
+
+def write_c3d(
+    path: FilePath | str, trial: Trial, *, order: ByteOrder | None = None, floats: bool | None = None
+) -> None:
+    """Write a trial as a C3D file.
+
+    What C3D has no place for is not written: covariances, the steps, cameras beyond the seventh, and whether a sample
+    was filled when the marker's cameras are unknown.
+
+    Args:
+        path: the file.
+        trial: what to write; a trial that came from a C3D file keeps all that its file held.
+        order: processor whose numbers to write; the source's, or Intel.
+        floats: floats or 16-bit integers; as the source, or floats.
+
+    Raises:
+        ValueError: the trial holds what C3D cannot, such as channels of several rates.
+        KinemarkError: the file cannot be written.
+    """
+    write_document(path, document_of(trial, order=order, floats=floats))
+
+
+def document_of(trial: Trial, *, order: ByteOrder | None = None, floats: bool | None = None) -> C3D:
+    """The document that `write_c3d` writes.
+
+    Raises:
+        ValueError: as `write_c3d`.
+    """
+    own = isinstance(trial.source, C3D)
+    source: C3D = trial.source if own else _blank()
+    floats = source.floats if floats is None else floats
+    doc = replace(source, order=source.order if order is None else order, rate=trial.trajectories.rate)
+    doc = with_points(doc, source, trial, floats=floats)
+    doc = with_analog(doc, source, trial, floats=floats)
+    doc = with_events(with_plates(doc, trial.plates), trial)
+    changed = doc.points.shape != source.points.shape or doc.analog.shape != source.analog.shape
+    return with_counts(doc) if changed or not own else doc
+
+
+def with_events(doc: C3D, trial: Trial) -> C3D:
+    """The document with the trial's events in the EVENT group, and none in the header where they changed."""
+    old, new = events_of(doc), trial.events
+    if (old.label, old.side) == (new.label, new.side) and np.array_equal(old.time, new.time, equal_nan=True):
+        return doc
+    keys = [list(zip(e.label, e.side, e.time.tolist(), strict=True)) for e in (new, old)]
+    rows = matched(*([str(key) for key in part] for part in keys))
+    doc = with_parameters(replace(doc, header_events=()), "EVENT", [Parameter.whole("USED", len(new))])
+    for name, texts in (("CONTEXTS", new.side), ("LABELS", new.label)):
+        doc = with_text(doc, "EVENT", name, texts, rows, doc.texts("EVENT", name))
+    for name in ("DESCRIPTIONS", "SUBJECTS"):
+        had = doc.texts("EVENT", name)
+        if had:
+            picked = [had[r] if 0 <= r < len(had) else "" for r in rows]
+            doc = with_text(doc, "EVENT", name, picked, rows, had)
+    for name in ("ICON_IDS", "GENERIC_FLAGS"):
+        if doc.get("EVENT", name) is not None:
+            doc = with_numbers(doc, "EVENT", name, rows_from(doc.numbers("EVENT", name), rows, 0), whole=True)
+    minutes = np.floor(new.time / 60)
+    return with_numbers(doc, "EVENT", "TIMES", np.column_stack([minutes, new.time - 60 * minutes]))
+
+
+def _blank() -> C3D:
+    """A document without points, with the groups of a file of our own in the order that readers know."""
+    none = np.zeros((0, 0))
+    doc = C3D(ByteOrder.INTEL, True, 0.0, np.zeros((0, 0, 3)), none, none, 0, ())
+    point = [Parameter.text("UNITS", "mm"), Parameter.text("X_SCREEN", "+X"), Parameter.text("Y_SCREEN", "+Z")]
+    empty = [Parameter.text("LABELS", []), Parameter.text("DESCRIPTIONS", [])]
+    doc = with_parameters(doc, "POINT", [*point, *empty])
+    doc = with_parameters(doc, "ANALOG", [Parameter.real("GEN_SCALE", 1.0), *empty])
+    doc = with_parameters(doc, "FORCE_PLATFORM", [Parameter.whole("USED", 0)])
+    doc = with_parameters(doc, "EVENT", [Parameter.whole("USED", 0)])
+    doc = with_parameters(doc, "TRIAL", [])
+    names = (("COMPANY", "Kinemark"), ("SOFTWARE", "Kinemark"), ("VERSION_LABEL", __version__))
+    return with_parameters(doc, "MANUFACTURER", [Parameter.text(name, text) for name, text in names])

@@ -1,0 +1,166 @@
+"""Analog channels and force plates of a trial in a C3D document."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data import Analog, ForcePlate, Trial, same
+from .document import C3D, has_unsigned_analog, with_parameters
+from .parameters import Parameter
+from .points import mm_per_unit
+from .storing_points import FULL_SCALE
+from .tables import matched, rows_from, with_descriptions, with_numbers, with_text
+from .trial import analog_names, analog_of, analog_scaling, plates_of
+
+
+def with_analog(doc: C3D, source: C3D, trial: Trial, *, floats: bool) -> C3D:
+    """The document with the trial's channels; `source` gives the raw numbers and scales that still hold.
+
+    Raises:
+        ValueError: several rates, a rate that is no multiple of the frames', other times than the frames', or missing
+            samples where the file is to hold integers.
+    """
+    if not trial.analog:
+        unused = not source.samples or not len(source.analog)
+        return replace(doc, analog=source.analog) if unused else replace(doc, samples=0)
+    analog = _together(trial, len(doc.points))
+    samples, had = analog.values.shape[1] // max(1, len(doc.points)), analog_names(source)
+    rows = matched(analog.names, had)
+    factor, offset = (rows_from(a, rows, x) for a, x in zip(analog_scaling(source), (1.0, 0.0), strict=True))
+    raw, kept = _kept(analog, source, rows, trial.trajectories.first_frame - source.first_frame, samples)
+    factor[(factor == 0) & ~kept.all(1)] = 1.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        raw = np.where(kept, raw, analog.values / factor[:, None] + offset[:, None])
+    if floats:
+        raw = raw.astype(np.float32).astype(np.float64)
+    else:
+        raw = _integers(analog, raw, source, factor, offset, np.asarray(~kept.any(1)))
+    doc = replace(doc, analog=raw, samples=samples)
+    doc = with_text(doc, "ANALOG", "LABELS", analog.names, rows, had)
+    units = (*doc.texts("ANALOG", "UNITS"), *[""] * len(had))[: len(had)]
+    doc = with_text(doc, "ANALOG", "UNITS", analog.units, rows, units)
+    doc = with_descriptions(doc, "ANALOG", rows, len(had))
+    return _with_scaling(doc, rows, factor, offset)
+
+
+def _together(trial: Trial, n_frames: int) -> Analog:
+    """All channels as one record that begins and ends with the frames."""
+    first, rate = trial.analog[0], trial.trajectories.rate
+    samples = max(1, round(first.rate / rate))
+    wanted = n_frames * samples
+    for analog in trial.analog:
+        if abs(analog.rate - samples * rate) > 1e-3 * analog.rate or abs(analog.start * analog.rate) > 0.5:
+            raise ValueError(
+                f"analog at {analog.rate} Hz from {analog.start} s does not fit frames at {rate} Hz: C3D holds one "
+                "rate, a multiple of the frames', from the first frame on; resample it or leave it out"
+            )
+        if analog.values.shape[1] > wanted:
+            raise ValueError(f"analog has {analog.values.shape[1]} samples, {n_frames} frames hold {wanted}; cut it")
+    values = [np.pad(a.values, ((0, 0), (0, wanted - a.values.shape[1])), constant_values=np.nan) for a in trial.analog]
+    names = tuple(name for analog in trial.analog for name in analog.names)
+    units = tuple(unit for analog in trial.analog for unit in analog.units)
+    return Analog(names, units, first.rate, np.concatenate(values))
+
+
+def _kept(
+    analog: Analog, source: C3D, rows: list[int], shift: int, samples: int
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Raw numbers (A, N) of the source, and where its values are those of the trial, so that they stand."""
+    old, raw = analog_of(source), np.zeros(analog.values.shape)
+    kept = np.zeros(raw.shape, np.bool_)
+    if old is None or samples != source.samples:
+        return raw, kept
+    at = np.arange(analog.values.shape[1]) + shift * samples
+    there = np.flatnonzero((at >= 0) & (at < old.values.shape[1]))
+    for i, row in enumerate(rows):
+        if row >= 0:
+            new, was = analog.values[i, there], old.values[row, at[there]]
+            kept[i, there] = (new == was) | (np.isnan(new) & np.isnan(was))
+            raw[i, there] = source.analog[row, at[there]]
+    return raw, kept
+
+
+def _integers(
+    analog: Analog,
+    raw: NDArray[np.float64],
+    source: C3D,
+    factor: NDArray[np.float64],
+    offset: NDArray[np.float64],
+    fresh: NDArray[np.bool_],
+) -> NDArray[np.float64]:
+    """Raw numbers as integers; channels that do not fit get a factor and an offset of their own, in place."""
+    if not np.isfinite(analog.values).all():
+        raise ValueError("analog has missing samples, which integers cannot hold; write floats")
+    unsigned, general = has_unsigned_analog(source), _general(source)
+    counts, least = np.rint(raw), 0 if unsigned else -32768
+    odd = (counts < least).any(1) | (counts > least + 65535).any(1) | fresh
+    if source.floats:
+        odd |= (raw != counts).any(1)
+    most = np.abs(analog.values).max(1, initial=0.0) / FULL_SCALE
+    factor[odd] = (np.where(most > 0, most, 1.0) / general).astype(np.float32)[odd] * general
+    offset[odd] = 32768.0 if unsigned else 0.0
+    counts[odd] = np.rint(analog.values[odd] / factor[odd, None] + offset[odd, None])
+    return counts
+
+
+def _general(doc: C3D) -> float:
+    """ANALOG:GEN_SCALE where it can be divided by, else 1."""
+    general = doc.number("ANALOG", "GEN_SCALE", 1.0)
+    return general if math.isfinite(general) and general != 0 else 1.0
+
+
+def _with_scaling(doc: C3D, rows: list[int], factor: NDArray[np.float64], offset: NDArray[np.float64]) -> C3D:
+    """The document with these factors and offsets, and the other columns of its channels in the new order."""
+    if same(analog_scaling(doc), (factor, offset)) and rows == list(range(len(rows))):
+        return doc
+    general = _general(doc)
+    doc = with_parameters(doc, "ANALOG", [Parameter.real("GEN_SCALE", general)])
+    doc = with_numbers(doc, "ANALOG", "SCALE", factor / general)
+    doc = with_numbers(doc, "ANALOG", "OFFSET", offset, whole=True)
+    if (gain := doc.get("ANALOG", "GAIN")) is not None and not gain.is_text:
+        doc = with_numbers(doc, "ANALOG", "GAIN", rows_from(doc.numbers("ANALOG", "GAIN"), rows, 1.0), whole=True)
+    return doc
+
+
+def with_plates(doc: C3D, plates: tuple[ForcePlate, ...]) -> C3D:
+    """The document with these force plates, whose channels it holds.
+
+    Raises:
+        ValueError: a channel of a plate is not among the analog channels.
+    """
+    if same(plates_of(doc), plates):
+        return doc
+    factor, names = mm_per_unit(doc), analog_names(doc)
+    if lacking := sorted({c for plate in plates for c in plate.channels} - set(names)):
+        raise ValueError(f"force plates name the channels {lacking}, which the analog data lack; there are {names}")
+    width = max((len(plate.channels) for plate in plates), default=0)
+    numbers = [[names.index(c) + 1 for c in plate.channels] for plate in plates]
+    table = [row + [0] * (width - len(row)) for row in numbers]
+    if len(plates) > 255:
+        raise ValueError(f"C3D holds 255 force plates, found {len(plates)}")
+    parameters = [
+        Parameter.whole("USED", len(plates)),
+        Parameter.whole("TYPE", [plate.type for plate in plates]),
+        Parameter.whole("CHANNEL", np.array(table, np.int64).reshape(len(plates), width)),
+        Parameter.real("CORNERS", np.array([plate.corners / factor for plate in plates]).reshape(-1, 4, 3)),
+        Parameter.real("ORIGIN", np.array([plate.origin / factor for plate in plates]).reshape(-1, 3)),
+    ]
+    if doc.get("FORCE_PLATFORM", "ZERO") is None:
+        parameters.append(Parameter.whole("ZERO", [1, 0]))
+    if any(plate.calibration is not None for plate in plates):
+        parameters.append(Parameter.real("CAL_MATRIX", _matrices(plates)))
+    return with_parameters(doc, "FORCE_PLATFORM", parameters)
+
+
+def _matrices(plates: tuple[ForcePlate, ...]) -> NDArray[np.float64]:
+    """(plates, columns, rows) calibrations; zeros where a plate has none."""
+    known = [plate.calibration for plate in plates if plate.calibration is not None]
+    out = np.zeros((len(plates), max(c.shape[1] for c in known), max(c.shape[0] for c in known)))
+    for table, plate in zip(out, plates, strict=True):
+        if plate.calibration is not None:
+            table[: plate.calibration.shape[1], : plate.calibration.shape[0]] = plate.calibration.T
+    return out

@@ -1,0 +1,125 @@
+"""A C3D file to disk, as the document says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..files import replacing
+from .document import C3D, has_unsigned_analog, with_parameters
+from .header import Header, encode_header
+from .layout import Layout, layout_of
+from .numbers import encode_floats, encode_words
+from .parameters import BLOCK, Parameter, encode_parameters
+
+
+def write_document(path: Path | str, doc: C3D) -> None:
+    """Write the document; parameters that count points, channels or frames are put right where they are not.
+
+    Raises:
+        ValueError: the document holds what C3D cannot.
+        KinemarkError: the file cannot be written.
+    """
+    raw = encode_document(doc)
+    with replacing(path) as beside:
+        beside.write_bytes(raw)
+
+
+def encode_document(doc: C3D) -> bytes:
+    """The bytes of the file; the inverse of `decode_document`."""
+    layout = _layout(doc)
+    m = layout.points
+    if not (
+        0 <= m <= 65535 and len(doc.analog) <= 65535 and 0 <= doc.samples <= 65535 and 0 <= doc.first_frame < 2**31
+    ):
+        raise ValueError(f"C3D holds 65 535 points, channels and samples a frame, found {layout}")
+    data = _encode_data(doc)
+    if layout.first_frame + layout.frames <= 65535:  # else some readers count frames by the size of the file
+        data += bytes(-len(data) % BLOCK)
+    if not _counts_agree(doc, layout, len(data)):
+        doc = with_counts(doc)
+    doc, section = _placed(doc)
+    spare = bytes((doc.data_block - 1) * BLOCK - BLOCK - len(section))
+    return b"".join([encode_header(_header(doc, layout), doc.order), section, spare, data])
+
+
+def _header(doc: C3D, layout: Layout) -> Header:
+    numbers, last = layout.channels * layout.samples, layout.first_frame + layout.frames - 1
+    counts = (layout.points, numbers & 0xFFFF, min(layout.first_frame, 65535), max(0, min(last, 65535)), doc.max_gap)
+    scale = -doc.scale if doc.floats else doc.scale
+    return Header(*counts, scale, doc.data_block, doc.samples, doc.rate, doc.header_events, doc.reserved)
+
+
+def _counts_agree(doc: C3D, layout: Layout, size: int) -> bool:
+    """Whether a reader will find the shape, the format, the scale and the rate that the document has."""
+    signed = doc.number("POINT", "SCALE", -doc.scale if doc.floats else doc.scale)
+    scale_agrees = np.float32(signed) == np.float32(-doc.scale if doc.floats else doc.scale)
+    rate_agrees = np.float32(doc.number("POINT", "RATE", doc.rate)) == np.float32(doc.rate)
+    return scale_agrees and rate_agrees and layout_of(_header(doc, layout), doc, size) == layout
+
+
+def _layout(doc: C3D) -> Layout:
+    return Layout(doc.points.shape[1], len(doc.analog), doc.samples, len(doc.points), doc.first_frame)
+
+
+def with_counts(doc: C3D) -> C3D:
+    """The document with the parameters that say how many, from when, how often and in which format."""
+    layout = _layout(doc)
+    first, frames = layout.first_frame, layout.frames
+    ends = [[n & 0xFFFF, n >> 16] for n in (first, max(first + frames - 1, 0))]
+    point = [
+        Parameter.whole("USED", layout.points),
+        Parameter.whole("FRAMES", min(frames, 65535)),
+        Parameter.real("SCALE", -doc.scale if doc.floats else doc.scale),
+        Parameter.real("RATE", doc.rate),
+        Parameter.whole("DATA_START", doc.data_block),
+    ]
+    if frames > 65535 or doc.get("POINT", "LONG_FRAMES") is not None:
+        point.append(Parameter.real("LONG_FRAMES", frames))
+    doc = with_parameters(doc, "POINT", point)
+    analog = [Parameter.whole("USED", layout.channels), Parameter.real("RATE", doc.rate * layout.samples)]
+    doc = with_parameters(doc, "ANALOG", analog)
+    trial = [Parameter.whole(f"ACTUAL_{which}_FIELD", n) for which, n in zip(("START", "END"), ends, strict=True)]
+    return with_parameters(doc, "TRIAL", trial)
+
+
+def _placed(doc: C3D) -> tuple[C3D, bytes]:
+    """The document with a data block behind its parameters, and these encoded with their head."""
+    body = encode_parameters(doc.groups, doc.order)
+    needed = 2 + -(-(len(body) + 4) // BLOCK)
+    if needed > 65535:
+        raise ValueError(f"the parameters take {len(body)} bytes; C3D has room for 33 million")
+    moved = replace(doc, data_block=max(needed, doc.data_block))
+    pointer = doc.get("POINT", "DATA_START")
+    if pointer is not None and moved.data_block != doc.data_block:
+        moved = with_parameters(
+            moved, "POINT", [Parameter.whole("DATA_START", np.full(pointer.values.shape, moved.data_block))]
+        )
+        body = encode_parameters(moved.groups, doc.order)
+    return moved, bytes([1, 0x50, min(moved.data_block - 2, 255), doc.order]) + body
+
+
+def _encode_data(doc: C3D) -> bytes:
+    f, m, _ = doc.points.shape
+    a, s = len(doc.analog), doc.samples
+    frames = np.empty((f, 4 * m + a * s), np.float32 if doc.floats else np.int64)
+    points = frames[:, : 4 * m].reshape(f, m, 4)
+    samples = doc.analog.reshape(a, f, s).transpose(1, 2, 0).reshape(f, s * a)
+    if doc.floats:
+        points[..., :3], points[..., 3], frames[:, 4 * m :] = doc.points, doc.word, samples
+        return encode_floats(frames.reshape(-1), doc.order).tobytes()
+    points[..., :3] = _whole("points", doc.points / doc.scale)
+    points[..., 3] = _whole("word", doc.word)
+    frames[:, 4 * m :] = _whole("analog", samples, 0 if has_unsigned_analog(doc) else -32768)
+    return encode_words(frames.reshape(-1), doc.order).tobytes()
+
+
+def _whole(name: str, values: NDArray[np.float64], least: int = -32768) -> NDArray[np.float64]:
+    """The nearest integers of 16 bits from `least` on."""
+    whole = np.rint(values)
+    if not ((whole >= least) & (whole <= least + 65535)).all():
+        raise ValueError(f"{name} holds numbers beyond {least} … {least + 65535}; enlarge the scale or write floats")
+    return whole

@@ -122,9 +122,8 @@ def main() -> None:
     leds = np.array([len(frame) for frame in off])
     rms = np.array([np.sqrt((frame**2).mean()) for frame in off])
     print(f"{cloud.n_frames} frames, {len(cloud) / cloud.n_frames:.2f} points a frame, {len(result.tracks)} tracks")
-    print(
-        f"frames reconstructed, with {FEWEST} or more of the 15 LEDs in place: {len(off)}; with all 15: {(leds == 15).sum()}"
-    )
+    print(f"frames reconstructed, with {FEWEST} or more of the 15 LEDs in place: {len(off)}")
+    print(f"  with all 15: {(leds == 15).sum()}")
     print("  (naive: all 15 are seen by all cameras in 421 frames)")
     print(
         f"rigid fit to the pattern: {np.sqrt((np.concatenate(off) ** 2).mean()):.2f} mm RMS (naive, those 421: 2.53),"

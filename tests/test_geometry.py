@@ -186,10 +186,10 @@ def test_triangulation_returns_the_point_for_every_pattern_of_views():
 def test_triangulation_is_the_least_squares_solution_of_kiss_equation_10():
     rig = ring(4, lens=np.zeros(5))
     uv = project_all(rig, POINTS[:1]).transpose(1, 0, 2) + RNG.normal(size=(1, 4, 2))
-    P = rig.P / np.linalg.norm(rig.P[:, 2, :3], axis=1)[:, None, None]
-    rows = np.concatenate([P[:, 0] - uv[0, :, :1] * P[:, 2], P[:, 1] - uv[0, :, 1:] * P[:, 2]])
-    theirs = np.linalg.lstsq(rows[:, :3], -rows[:, 3])[0]
-    assert np.abs(triangulate(uv, rig.P)[0] - theirs).max() < 1e-6
+    L = to_dlt(rig.P)
+    rows = np.concatenate([L[:, 4 * k : 4 * k + 3] - uv[0, :, k, None] * L[:, 8:] for k in (0, 1)])
+    right = np.concatenate([uv[0, :, k] - L[:, 4 * k + 3] for k in (0, 1)])
+    assert np.abs(triangulate(uv, from_dlt(L))[0] - np.linalg.lstsq(rows, right)[0]).max() < 1e-6
 
 
 def test_two_cameras_in_one_place_give_nan():

@@ -40,7 +40,6 @@ def triangulate(uv: Array, P: Array) -> Array:
 
     Fewer than two views, or rays that are parallel, give NaN.
     """
-    P = P / np.linalg.norm(P[:, 2, :3], axis=-1)[:, None, None]
     rows = P[:, :2] - uv[..., None] * P[:, 2:]  # (1)  (N, C, 2, 4)
     seen = ~np.isnan(uv[..., 0])
     rows = np.where(seen[..., None, None], rows, 0.0).reshape(len(uv), 2 * len(P), 4)  # (4)

@@ -139,8 +139,8 @@ def run(
 def alongside(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Analog, ...]:
     """Channels as a C3D file can hold them: one record, as many samples to every frame, from the first to the last.
 
-    Channels whose rate is no multiple of the frame rate, or that start later, are left out; they stay in their own file.
-    What was recorded beyond the last frame is cut, and what is missing before it is NaN.
+    Channels whose rate is no multiple of the frame rate, or that start later, are left out; they stay in their own
+    file. What was recorded beyond the last frame is cut, and what is missing before it is NaN.
     """
     fitting = [a for a in analog if a.start == 0 and a.rate % rate == 0]
     if not fitting:

@@ -1,4 +1,4 @@
-"""Points from all their images by least squares (KISS 4.2), weighted by the images' covariances.
+"""Points from all their images by least squares (KISS 4.2), weighted by what each image is worth.
 
 The linear solution of KISS eq. 10 is the first guess, and `geometry.refine` the answer: it weighs every image by its
 own covariance and by what the calibration of its camera leaves open, and gives the covariance of the point.
@@ -9,6 +9,18 @@ deviation s in px of each image coordinate, a point seen by n cameras has 2n −
     Σ |off|² ~ s² χ²(2n − 3)                                             (1)
 
 so s² is the median of Σ |off|² over the median of χ², a value that wrong matches hardly move.
+
+A centroid can be worse than its covariance says: a part of the marker is hidden, or another marker touches it. Images
+whose area says so are given more variance (`hidden`), and what remains is met by heavy tails: the error of an image, d of its
+own standard deviations, is taken to follow Student's t with ν degrees of freedom in its plane, so that an image whose
+d is large counts as one of covariance
+
+    C (ν + d²) / (ν + 2)                                                 (2)
+
+found by reweighting until it settles. Images that agree keep C.
+
+A sphere's centroid is not the projection of its centre, and no lens is exactly its model; what these leave is a
+hundredth of a pixel (`model_sd`), and no covariance is believed below that.
 """
 
 from __future__ import annotations
@@ -20,11 +32,13 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from ..data import Cloud, Detections, Matches, Rig
-from ..geometry import refine, triangulate, undistort
+from ..geometry import Triangulated, refine, triangulate, undistort
+from .hidden import hidden_variance
 
 Floats = NDArray[np.float64]
 
 FALLBACK_SD = 0.2  # px; a usual centroid's, for recordings in which no point is seen by three cameras
+REWEIGHTINGS = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,11 +47,15 @@ class LeastSquares:
 
     Attributes:
         centroid_sd: standard deviation of a centroid that states none, px; None: estimated from the data by (1).
+        model_sd: what the camera model leaves out, px; added to every image.
+        tails: ν of (2); small means that wild images are expected; 0 for plain least squares.
         within_volume: drop points outside the rig's control volume, where it has one.
         volume_margin: how far outside a point may lie, mm.
     """
 
     centroid_sd: float | None = None
+    model_sd: float = 0.01
+    tails: float = 4.0
     within_volume: bool = True
     volume_margin: float = 100.0
 
@@ -46,24 +64,31 @@ def reconstruct(matches: Matches, detections: Detections, rig: Rig, *, method: L
     """The points of all matches, in the order of their frames; residuals in px, covariances in mm²."""
     seen: NDArray[np.bool_] = matches.view >= 0
     uv = np.where(seen[..., None], detections.uv[matches.view], np.nan)
-    cov = detections.cov[matches.view]
     ideal = np.stack([undistort(camera, uv[:, c]) for c, camera in enumerate(rig)], 1)
     guess = triangulate(ideal, rig.P)
-    unknown = np.isnan(cov).any((-1, -2))
-    if (unknown & seen).any():
-        sd = method.centroid_sd or _centroid_sd(rig, guess, uv)
-        cov = np.where(unknown[..., None, None], np.eye(2) * sd**2, cov)
-    point = refine(rig, guess, uv, cov)
-    residual = np.sqrt(np.nansum(point.off**2, axis=(1, 2)) / seen.sum(1))
+    area = np.where(seen, detections.area[matches.view], np.nan)
+    cov = _centroid_cov(detections.cov[matches.view], rig, guess, uv, method)
+    beside = hidden_variance(rig, guess, area) + method.model_sd**2
+    cov = cov + beside[..., None, None] * np.eye(2)
+    point = _robust(rig, guess, uv, cov, method.tails)
     cloud = Cloud(
         rate=detections.rate,
         start=np.searchsorted(matches.frame, np.arange(matches.n_frames + 1)),
         xyz=point.xyz,
         cov=point.cov,
-        residual=residual,
+        residual=np.sqrt(np.nansum(point.off**2, axis=(1, 2)) / seen.sum(1)),
         view=matches.view,
     )
     return cloud.keep(np.isfinite(point.xyz).all(1) & _inside(point.xyz, rig, method))
+
+
+def _centroid_cov(cov: Floats, rig: Rig, guess: Floats, uv: Floats, method: LeastSquares) -> Floats:
+    """Covariances (P, C, 2, 2) px² of the images, by (1) where they state none."""
+    unknown = np.isnan(cov).any((-1, -2))
+    if not (unknown & ~np.isnan(uv[..., 0])).any():
+        return cov
+    sd = method.centroid_sd or _centroid_sd(rig, guess, uv)
+    return np.where(unknown[..., None, None], np.eye(2) * sd**2, cov)
 
 
 def _centroid_sd(rig: Rig, guess: Floats, uv: Floats) -> float:
@@ -72,8 +97,30 @@ def _centroid_sd(rig: Rig, guess: Floats, uv: Floats) -> float:
     three = (freedom >= 3) & np.isfinite(guess).all(1)
     if not three.any():
         return FALLBACK_SD
-    off = refine(rig, guess[three], uv[three], np.broadcast_to(np.eye(2), (*uv[three].shape, 2))).off
+    off = refine(rig, guess[three], uv[three], np.broadcast_to(np.eye(2), (*uv[three].shape, 2)), steps=2).off
     return float(np.sqrt(np.median(np.nansum(off**2, axis=(1, 2)) / chi2.median(freedom[three]))))
+
+
+def _robust(rig: Rig, guess: Floats, uv: Floats, cov: Floats, tails: float) -> Triangulated:
+    """The points with heavy-tailed images by (2); those whose images agree are done after one pass."""
+    point = refine(rig, guess, uv, cov, steps=2)
+    wild = np.flatnonzero((_squared(point.off, cov) > 2 + tails).any(1)) if tails else np.zeros(0, np.int64)
+    if not len(wild):
+        return point
+    xyz, own, off = point.xyz[wild], cov[wild], point.off[wild]
+    for _ in range(REWEIGHTINGS):
+        widened = np.maximum((tails + _squared(off, own)) / (tails + 2), 1.0)  # (2)
+        again = refine(rig, xyz, uv[wild], own * np.nan_to_num(widened, nan=1.0)[..., None, None], steps=1)
+        xyz, off = again.xyz, again.off
+    point.xyz[wild], point.cov[wild], point.off[wild] = again
+    return point
+
+
+def _squared(off: Floats, cov: Floats) -> Floats:
+    """d² (P, C) of images off by (P, C, 2) px with covariances (P, C, 2, 2)."""
+    (a, b), d = (cov[..., 0, 0], cov[..., 0, 1]), cov[..., 1, 1]
+    x, y = off[..., 0], off[..., 1]
+    return (d * x * x - 2 * b * x * y + a * y * y) / (a * d - b * b)
 
 
 def _inside(xyz: Floats, rig: Rig, method: LeastSquares) -> NDArray[np.bool_]:

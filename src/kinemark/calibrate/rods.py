@@ -1,0 +1,116 @@
+"""The calibration frame: straight rods that hang around the volume, each with markers in its own spacing (KISS 3.3)."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import KinemarkError
+
+UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
+MOST_RODS = 16
+MOST_MARKERS = 12
+BEND = 0.02
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rods:
+    """R rods of K markers each, as surveyed.
+
+    Attributes:
+        names: (R).
+        xyz: (R, K, 3) the markers' centres in the laboratory, in order along each rod, mm.
+        marker_diameter: of the markers, mm; NaN where not given.
+    """
+
+    names: tuple[str, ...]
+    xyz: NDArray[np.float64]
+    marker_diameter: float = float("nan")
+
+    def __post_init__(self) -> None:
+        xyz = np.array(self.xyz, np.float64)
+        if xyz.ndim != 3 or xyz.shape[0] != len(self.names) or xyz.shape[1] < 4 or xyz.shape[2] != 3:
+            raise ValueError(
+                f"xyz has shape {xyz.shape}, wanted ({len(self.names)}, at least 4, 3): markers of each rod"
+            )
+        if not np.isfinite(xyz).all():
+            raise ValueError("xyz must be finite")
+        xyz.flags.writeable = False
+        object.__setattr__(self, "xyz", xyz)
+        object.__setattr__(self, "names", tuple(self.names))
+
+    @property
+    def along(self) -> NDArray[np.float64]:
+        """(R, K) place of each marker along its rod, from its first marker, mm."""
+        axis = self.xyz[:, -1] - self.xyz[:, 0]
+        axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
+        return np.einsum("rki,ri->rk", self.xyz - self.xyz[:, :1], axis)
+
+
+def rods_from_toml(text: str) -> Rods:
+    """The frame described as `units = "mm"`, `marker_diameter = 25.0`, and a `[[rod]]` each with `name` and `markers`.
+
+    Raises:
+        KinemarkError: no such description, or rods that are not straight or have unequal numbers of markers.
+    """
+    try:
+        table = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise KinemarkError(f"The description of the rods is no TOML: {error}.") from None
+    units = table.get("units", "mm")
+    if not isinstance(units, str) or units not in UNITS:
+        raise KinemarkError(f"The rods' units are {units!r}, wanted one of {', '.join(UNITS)}.")
+    entries = table.get("rod")
+    if not isinstance(entries, list) or not 2 <= len(entries) <= MOST_RODS:
+        raise KinemarkError(f"The description must have 2 to {MOST_RODS} tables [[rod]] with a name and markers.")
+    parts = [_rod(k, entry) for k, entry in enumerate(entries)]
+    lengths = sorted({len(xyz) for _, xyz in parts})
+    if len(lengths) > 1:
+        raise KinemarkError(f"The rods have {lengths} markers, wanted equally many on each.")
+    rods = Rods(
+        tuple(name for name, _ in parts),
+        np.array([xyz for _, xyz in parts]) * UNITS[units],
+        _diameter(table.get("marker_diameter")) * UNITS[units],
+    )
+    _check_straight(rods)
+    return rods
+
+
+def _rod(k: int, entry: Any) -> tuple[str, NDArray[np.float64]]:
+    name = str(entry.get("name", k + 1)) if isinstance(entry, dict) else str(k + 1)
+    try:
+        xyz = np.array(entry["markers"], np.float64)
+    except (KeyError, TypeError, ValueError, OverflowError):
+        xyz = np.zeros(0)
+    if xyz.ndim != 2 or xyz.shape[1] != 3 or not 4 <= len(xyz) <= MOST_MARKERS or not np.isfinite(xyz).all():
+        raise KinemarkError(
+            f"Rod {name}: markers must be 4 to {MOST_MARKERS} finite places [x, y, z] in order along it."
+        )
+    return name, xyz
+
+
+def _diameter(value: Any) -> float:
+    if value is None:
+        return float("nan")
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1e6:
+        raise KinemarkError(f"marker_diameter is {value!r}, wanted a length above 0.")
+    return float(value)
+
+
+def _check_straight(rods: Rods) -> None:
+    for name, xyz, s in zip(rods.names, rods.xyz, rods.along, strict=True):
+        length = float(np.linalg.norm(xyz[-1] - xyz[0]))
+        if not length > 0 or (np.diff(s) <= 0).any():
+            raise KinemarkError(f"Rod {name}: its markers must be given in order along it.")
+        foot = xyz[0] + s[:, None] * (xyz[-1] - xyz[0]) / length
+        bend = np.linalg.norm(xyz - foot, axis=1)
+        if bend.max() > BEND * length:
+            k = int(bend.argmax())
+            raise KinemarkError(
+                f"Rod {name} is not straight: marker {k + 1} lies {bend[k]:.1f} mm off the line from the first to the "
+                "last. Check its coordinates."
+            )

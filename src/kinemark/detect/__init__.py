@@ -1,0 +1,7 @@
+"""From images to marker centroids."""
+
+from .frames import Blobs, detect_frames
+from .method import Centroids
+from .recording import Source, detect
+
+__all__ = ["Blobs", "Centroids", "Source", "detect", "detect_frames"]

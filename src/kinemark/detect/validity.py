@@ -1,0 +1,36 @@
+"""Which groups are noise, and which are no valid marker (KISS 2.2, 2.3.3, 2.3.4).
+
+Noise, lone pixels and groups one pixel wide or high, is removed before anything is computed of it: an
+image may have thousands of such specks, and nobody wants them in a file. Everything else is kept, with
+the reason if it does not go on to matching, so that the user sees what was left out and why.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Validity
+from .grouping import Groups
+from .method import Centroids
+
+
+def remove_noise(groups: Groups, *, method: Centroids) -> Groups:
+    """Only the groups at least `min_width` wide and high."""
+    wide = groups.right - groups.left + 1 >= method.min_width
+    high = groups.bottom - groups.top + 1 >= method.min_width
+    return groups.keep(wide & high)
+
+
+def judge(groups: Groups, *, height: int, width: int, method: Centroids) -> NDArray[np.uint8]:
+    """(G) a `Validity` for each group of frames of this height and width; the first reason that holds."""
+    w, h = groups.right - groups.left + 1, groups.bottom - groups.top + 1
+    edge = (groups.left == 0) | (groups.right == width - 1)
+    edge |= (groups.top % height == 0) | (groups.bottom % height == height - 1)
+    reasons = {
+        Validity.TOO_LARGE: groups.area > method.max_area,
+        Validity.AT_EDGE: edge,
+        Validity.TOO_SMALL: groups.area < method.min_area,
+        Validity.NOT_ROUND: np.maximum(w, h) > method.max_aspect * np.minimum(w, h),
+    }
+    return np.select(list(reasons.values()), list(reasons), Validity.VALID).astype(np.uint8)

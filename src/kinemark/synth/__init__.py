@@ -1,0 +1,49 @@
+"""The virtual laboratory: cameras, moving subjects, their images, and the exact truth beside them."""
+
+from .arm import arm
+from .cameras import VOLUME, focal_pixels, look_at, place_camera, ring
+from .gait import walking
+from .laboratory import rods_toml, write_calibration, write_session
+from .motions import circle_over_cylinder, elbow_flexion, tilted_rectangle
+from .observe import Observed, Sight, observe, truth
+from .optics import Optics
+from .render import film, interlace, render
+from .sphere import Ellipse, sphere_ellipse
+from .subjects import Capsules, Subject, from_trajectories, still
+from .targets import Rods, calibration_box, control_frame, dot_grid, thrown_ball, wand
+
+__all__ = [
+    "VOLUME",
+    "Capsules",
+    "Ellipse",
+    "Observed",
+    "Optics",
+    "Rods",
+    "Sight",
+    "Subject",
+    "arm",
+    "calibration_box",
+    "circle_over_cylinder",
+    "control_frame",
+    "dot_grid",
+    "elbow_flexion",
+    "film",
+    "focal_pixels",
+    "from_trajectories",
+    "interlace",
+    "look_at",
+    "observe",
+    "place_camera",
+    "render",
+    "ring",
+    "rods_toml",
+    "sphere_ellipse",
+    "still",
+    "thrown_ball",
+    "tilted_rectangle",
+    "truth",
+    "walking",
+    "wand",
+    "write_calibration",
+    "write_session",
+]

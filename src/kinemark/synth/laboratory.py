@@ -1,0 +1,206 @@
+"""A session folder as a real laboratory would leave it, with the truth beside it.
+
+    folder/session.toml            what everything is
+    folder/rods.toml               the control frame as a surveyor measured it (or points.csv for other targets)
+    folder/calib/{camera}.png      one image of it a camera
+    folder/walk01/{camera}.mkv     the trial, a video a camera
+    folder/truth.npz               names, xyz, visibility and the rig that really took the images
+
+Nothing else here says where a marker truly is: whoever evaluates a reconstruction reads `truth.npz`, and only he.
+Images are written by functions that the caller hands in, so that this package depends on no file format.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import KinemarkError, Rig
+from .observe import truth
+from .optics import Optics
+from .render import film, interlace, render
+from .subjects import Subject
+from .targets import Rods, control_frame
+
+Image = NDArray[np.uint8]
+WriteFrames = Callable[[Path, Iterable[Image], float], None]
+"""Writes images (H, W) to a video file at a rate in Hz."""
+WriteImage = Callable[[Path, Image], None]
+"""Writes one image (H, W) to a file."""
+
+
+def write_session(
+    folder: Path | str,
+    subject: Subject,
+    rig: Rig,
+    *,
+    write_frames: WriteFrames,
+    write_image: WriteImage,
+    name: str = "virtual laboratory",
+    trial: str = "walk01",
+    target: Rods | Subject | None = None,
+    optics: Optics = Optics(),  # noqa: B008  frozen
+    strobes: bool = False,
+    interlaced: bool = False,
+    suffix: str = ".mkv",
+    seed: int = 0,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """A new session folder: a calibration image and a trial of every camera, `session.toml` and `truth.npz`.
+
+    Args:
+        folder: to make; it may exist if it is empty.
+        subject: of the trial.
+        rig: the cameras; its `volume` goes into the session.
+        write_frames: writes a video; called as write_frames(path, images, rate).
+        write_image: writes one image; called as write_image(path, image).
+        name: of the session.
+        trial: name of the trial and its folder.
+        target: to calibrate with, rods or control points; by default the control frame of the rig's volume.
+        optics: how bright, sharp and noisy the images are.
+        strobes: whether the other cameras' lights are seen.
+        interlaced: whether two frames of the subject are woven into one image, as in 50 Hz video.
+        suffix: of the video files.
+        seed: of all noise.
+        progress: called with videos done and videos in all.
+
+    Returns:
+        The path of `session.toml`.
+
+    Raises:
+        KinemarkError: the folder holds something already, or cannot be made.
+        ValueError: the trial's name cannot be a folder's.
+    """
+    folder = Path(folder)
+    if not trial or Path(trial).name != trial or trial in (".", "..", "calib", "results"):
+        raise ValueError(f"trial is {trial!r}, wanted a name that can be a folder of its own")
+    _make_empty(folder, (trial, "calib"))
+    target = control_frame(rig.volume) if target is None else target
+    write_calibration(folder, rig, target, write_image=write_image, optics=optics, strobes=strobes, seed=seed)
+    for c, camera in enumerate(rig):
+        images = film(camera, subject, optics=optics, strobes=_lights(rig, c, strobes), seed=seed + 1 + c)
+        video = folder / trial / f"{camera.name}{suffix}"
+        write_frames(video, interlace(images) if interlaced else images, subject.rate / (2 if interlaced else 1))
+        if progress is not None:
+            progress(c + 1, len(rig))
+    _write_truth(folder / "truth.npz", rig, subject)
+    lines = _session_lines(subject, rig, name, trial, isinstance(target, Rods), interlaced, suffix)
+    _write_text(folder / "session.toml", lines)
+    return folder / "session.toml"
+
+
+def write_calibration(
+    folder: Path,
+    rig: Rig,
+    target: Rods | Subject,
+    *,
+    write_image: WriteImage,
+    optics: Optics = Optics(),  # noqa: B008  frozen
+    strobes: bool = False,
+    seed: int = 0,
+) -> None:
+    """`rods.toml` or `points.csv` and `calib/{camera}.png` in an existing folder."""
+    if isinstance(target, Rods):
+        _write_text(folder / "rods.toml", rods_toml(target))
+    else:
+        _write_text(folder / "points.csv", points_csv(target, rig))
+    balls = target.subject if isinstance(target, Rods) else target
+    rng = np.random.default_rng(seed)
+    for c, camera in enumerate(rig):
+        lights = _lights(rig, c, strobes)
+        image = render(camera, balls.xyz[:, 0], balls.radius_mm, optics=optics, strobes=lights, rng=rng)
+        write_image(folder / "calib" / f"{camera.name}.png", image)
+
+
+def rods_toml(rods: Rods) -> Iterator[str]:
+    """Lines of `rods.toml`: units, marker_diameter and one [[rod]] a rod."""
+    yield 'units = "mm"'
+    yield f"marker_diameter = {float(rods.marker_diameter)!r}"
+    for name, xyz in zip(rods.names, rods.xyz.tolist(), strict=True):
+        yield from ("", "[[rod]]", f"name = {_quoted(name)}", "markers = [", *(f"  {marker}," for marker in xyz), "]")
+
+
+def points_csv(target: Subject, rig: Rig) -> Iterator[str]:
+    """Lines of `points.csv`: name and place of every control point, and the pixel where an operator points at it.
+
+    Pointing is to the nearest pixel, and the cells of a camera that does not see the point are empty.
+    """
+    yield ",".join(["name", "x_mm", "y_mm", "z_mm", *(f"{c}_{axis}_px" for c in rig.names for axis in "uv")])
+    sight = truth(rig, target)
+    for m, name in enumerate(target.names):
+        seen = zip(sight.uv[:, m, 0], sight.visible[:, m, 0], strict=True)
+        pointed = [f"{p:.0f}" if visible > 0.5 else "" for uv, visible in seen for p in uv]
+        yield ",".join([name, *(repr(x) for x in target.xyz[m, 0].tolist()), *pointed])
+
+
+def _session_lines(
+    subject: Subject, rig: Rig, name: str, trial: str, rods: bool, interlaced: bool, suffix: str
+) -> Iterator[str]:
+    yield f"name = {_quoted(name)}"
+    yield f"rate_hz = {float(subject.rate)!r}"
+    if np.isfinite(rig.volume).all():
+        yield f"volume_mm = {rig.volume.tolist()}"
+    yield from ("", "[cameras]", f"names = [{', '.join(_quoted(n) for n in rig.names)}]")
+    yield f"interlaced = {str(interlaced).lower()}"
+    way = 'control_frame = { rods = "rods.toml"' if rods else 'control_points = { points = "points.csv"'
+    yield from ("", "[calibration]", way + ', images = "calib/{camera}.png" }')
+    yield from ("", "[[trials]]", f"name = {_quoted(trial)}", f"images = {_quoted(trial + '/{camera}' + suffix)}")
+
+
+def _quoted(text: str) -> str:
+    """A TOML basic string, which JSON's strings are."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _lights(rig: Rig, c: int, strobes: bool) -> NDArray[np.float64] | None:
+    """(C − 1, 3) mm the other cameras' lights."""
+    return np.delete(rig.centres, c, axis=0) if strobes else None
+
+
+def _write_truth(path: Path, rig: Rig, subject: Subject) -> None:
+    """The markers and their visibility, and the rig as arrays, in the layout of the `Rig` and `Sight` records."""
+    sight = truth(rig, subject)
+    columns = {
+        "names": np.array(subject.names),
+        "rate": np.array(subject.rate),
+        "xyz": subject.xyz,
+        "radius_mm": subject.radius_mm,
+        "links": subject.links,
+        "uv": sight.uv,
+        "visible": sight.visible,
+        "cameras": np.array(rig.names),
+        "size": np.array([camera.size for camera in rig]),
+        "K": np.array([camera.K for camera in rig]),
+        "distortion": np.array([camera.distortion for camera in rig]),
+        "R": np.array([camera.R for camera in rig]),
+        "t": np.array([camera.t for camera in rig]),
+    }
+    if subject.angles is not None:
+        columns |= {"joints": np.array(subject.angles.joints), "angles_deg": subject.angles.deg}
+    with _beside(path).open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **columns)
+    _beside(path).replace(path)
+
+
+def _make_empty(folder: Path, parts: tuple[str, ...]) -> None:
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise KinemarkError(f"{folder} exists already and nothing in it is overwritten. Name a new folder.")
+    try:
+        for part in parts:
+            (folder / part).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise KinemarkError(f"{folder} cannot be made: {error}. Choose a place that you may write to.") from error
+
+
+def _write_text(path: Path, lines: Iterable[str]) -> None:
+    """All or nothing."""
+    _beside(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    _beside(path).replace(path)
+
+
+def _beside(path: Path) -> Path:
+    return path.with_name(f".{path.name}.part")

@@ -1,0 +1,175 @@
+"""The control frame: rods known by their spacings, whatever else is in the image."""
+
+import numpy as np
+import pytest
+
+from kinemark.calibrate import Rods, calibrate_control_frame, identify_markers, recognise_control_frame, rods_from_toml
+from kinemark.calibrate.spacing import WORST, spacing_errors
+from kinemark.data import Detections, KinemarkError, Validity
+from kinemark.geometry import project, project_all
+from kinemark.synth import ring
+from kinemark.synth.targets import control_frame
+
+HUNG = control_frame()
+RODS = Rods(HUNG.names, HUNG.xyz)
+LENS = (-0.1, 0.0, 0.0, 0.0, 0.0)
+
+
+def seen(camera, rng, *, noise=0.1, strays=0):
+    """Markers (4, 6, 2) as a camera sees them, and all points (n, 2) in any order, strays among them."""
+    uv = project(camera, RODS.xyz) + rng.normal(0, noise, (4, 6, 2))
+    points = np.concatenate([uv.reshape(-1, 2), rng.uniform(0, camera.size, (strays, 2))])
+    return uv, rng.permutation(points)
+
+
+@pytest.mark.parametrize(("k1", "strays"), [(0.0, 0), (-0.1, 3), (-0.25, 2), (0.0, 30)])
+def test_all_rods_are_known_from_all_around(k1, strays):
+    rng = np.random.default_rng(strays)
+    for camera in ring(8, start_deg=11, distortion=(k1, 0, 0, 0, 0)):
+        uv, points = seen(camera, rng, strays=strays)
+        np.testing.assert_array_equal(recognise_control_frame(points, RODS), uv)
+
+
+@pytest.mark.parametrize("roll_deg", [30, 90, 180])
+def test_rods_need_not_be_upright_in_the_image(roll_deg):
+    turn = np.radians(roll_deg)
+    T = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    uv, points = seen(ring(3, distortion=LENS)[1], np.random.default_rng(1))
+    np.testing.assert_allclose(recognise_control_frame(points @ T.T, RODS), uv @ T.T)
+
+
+def test_hidden_markers_are_missing_and_the_others_known():
+    rng = np.random.default_rng(2)
+    for camera in ring(6, distortion=LENS):
+        uv, _ = seen(camera, rng)
+        hidden = rng.permutation(4 * 6)[:2]
+        uv.reshape(-1, 2)[hidden] = np.nan
+        points = uv.reshape(-1, 2)[np.isfinite(uv.reshape(-1, 2)[:, 0])]
+        np.testing.assert_array_equal(recognise_control_frame(points, RODS), uv)
+
+
+def test_a_rod_that_lost_half_its_markers_is_found_by_the_others():
+    uv, _ = seen(ring(1, distortion=LENS)[0], np.random.default_rng(3))
+    uv[2, [0, 3, 4]] = np.nan
+    points = uv[np.isfinite(uv[..., 0])]
+    np.testing.assert_array_equal(recognise_control_frame(points, RODS), uv)
+
+
+def test_order_of_the_points_does_not_matter():
+    _, points = seen(ring(1)[0], np.random.default_rng(4), strays=4)
+    order = np.random.default_rng(5).permutation(len(points))
+    one, other = identify_markers(points, RODS), identify_markers(points[order], RODS)
+    np.testing.assert_array_equal(order[other], one)
+
+
+def test_a_projective_map_leaves_spacings_without_error_and_no_other_rod_has_them():
+    rng = np.random.default_rng(6)
+    for rod in range(4):
+        s = RODS.along[rod]
+        a, b, c = rng.uniform(0.1, 0.4), rng.uniform(-500, 500), rng.uniform(-2e-4, 2e-4)
+        q = (a * s + b) / (c * s + 1)
+        errors = [spacing_errors(RODS.along[r], q) for r in range(4)]
+        assert errors[rod] < 1e-6 and min(errors[:rod] + errors[rod + 1 :]) > 5
+        assert spacing_errors(s, q[::-1]) > 5
+    assert spacing_errors(s, 1 / (s - s.mean() + 1)) == WORST  # half of the rod behind the camera
+
+
+def test_two_rods_or_none_are_refused_with_the_number_found():
+    uv, points = seen(ring(1)[0], np.random.default_rng(7))
+    with pytest.raises(KinemarkError, match=r"Among 12 points, 2 of 4 rods .*Check"):
+        recognise_control_frame(uv[:2].reshape(-1, 2), RODS)
+    for few in (points[:0], points[:3], np.full((30, 2), 7.0)):
+        with pytest.raises(KinemarkError, match="0 of 4 rods"):
+            recognise_control_frame(few, RODS)
+    with pytest.raises(KinemarkError, match=r"101 points .* 24 markers"):
+        recognise_control_frame(np.random.default_rng(0).uniform(0, 500, (101, 2)), RODS)
+
+
+def test_rods_with_other_spacings_are_not_recognised():
+    even = np.linspace(0, 1, 6)[:, None]
+    ladder = RODS.xyz[:, :1] + even * (RODS.xyz[:, -1:] - RODS.xyz[:, :1])
+    for camera in ring(3):
+        with pytest.raises(KinemarkError, match="no three of them fit one camera"):
+            recognise_control_frame(project(camera, ladder).reshape(-1, 2), RODS)
+
+
+def as_detections(rig, rng, strays):
+    points = [seen(camera, rng, noise=0.05, strays=strays)[1] for camera in rig]
+    counts = [[len(p)] for p in points]
+    n = sum(len(p) for p in points)
+    return Detections.build(rig.names, 1.0, counts, np.concatenate(points), np.tile(np.eye(2) * 0.05**2, (n, 1, 1)))
+
+
+def test_one_frame_of_all_cameras_gives_the_rig():
+    rng, rig = np.random.default_rng(9), ring(6, distortion=LENS)
+    found = calibrate_control_frame(as_detections(rig, rng, 2), RODS, sizes=[camera.size for camera in rig])
+    assert found.names == rig.names and max(camera.residual for camera in found) < 0.12
+    inside = rng.uniform([300, 200, 200], [2100, 1200, 1700], (50, 3))
+    assert np.sqrt(np.mean((project_all(found, inside) - project_all(rig, inside)) ** 2)) < 0.05
+
+
+def test_invalid_detections_take_no_part_and_errors_name_the_camera():
+    rig = ring(2)
+    detections = as_detections(rig, np.random.default_rng(10), 0)
+    validity = np.where(detections.camera == 1, Validity.TOO_LARGE, Validity.VALID)
+    spoilt = Detections.build(rig.names, 1.0, detections.counts, detections.uv, validity=validity)
+    with pytest.raises(KinemarkError, match=r"Camera cam2: Among 0 points, 0 of 4 rods"):
+        calibrate_control_frame(spoilt, RODS, sizes=[(0, 0)] * 2)
+    with pytest.raises(ValueError, match="frame is 1"):
+        calibrate_control_frame(detections, RODS, sizes=[(0, 0)] * 2, frame=1)
+
+
+def toml(units="mm", scale=1.0, rods=RODS, extra="marker_diameter = 25.0"):
+    parts = [
+        f'[[rod]]\nname = "{name}"\nmarkers = {(xyz * scale).tolist()}'
+        for name, xyz in zip(rods.names, rods.xyz, strict=True)
+    ]
+    return "\n".join([f'units = "{units}"', extra, *parts])
+
+
+@pytest.mark.parametrize(("units", "scale"), [("mm", 1.0), ("cm", 0.1), ("m", 0.001)])
+def test_rods_from_toml_are_in_millimetres(units, scale):
+    rods = rods_from_toml(toml(units, scale))
+    assert rods.names == RODS.names
+    np.testing.assert_allclose(rods.xyz, RODS.xyz)
+    np.testing.assert_allclose(rods.marker_diameter, 25.0 / scale)
+    assert np.isnan(rods_from_toml(toml(extra="")).marker_diameter)
+
+
+BENT = RODS.xyz.copy()
+BENT[1, 2, 0] += 100
+MIXED = RODS.xyz[:, [0, 2, 1, 3, 4, 5]]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", r"2 to 16 tables \[\[rod\]\]"),
+        ("units = [", "no TOML"),
+        ("x = " + "[" * 5000, "no TOML"),
+        ('units = "ell"', "units"),
+        ("units = 3", "units"),
+        ("rod = 5", "rod"),
+        ("[[rod]]\n[[rod]]", "Rod 1: markers"),
+        ('[[rod]]\nname="A"\nmarkers=[[1,2,3],[1,2]]\n[[rod]]', "Rod A: markers"),
+        ('[[rod]]\nmarkers="x"\n[[rod]]', "Rod 1: markers"),
+        ("[[rod]]\nmarkers=[[0,0,nan],[0,0,1],[0,0,2],[0,0,3]]\n[[rod]]", "finite"),
+        ("rod = [1, 2]", "Rod 1: markers"),
+        (toml(extra="marker_diameter = -1"), "marker_diameter"),
+        (toml(rods=Rods(RODS.names, BENT)), "Rod B is not straight: marker 3"),
+        (toml(rods=Rods(RODS.names, MIXED)), "in order"),
+        (toml() + '\n[[rod]]\nname="E"\nmarkers=[[0,0,0],[0,0,1],[0,0,2],[0,0,3]]', "equally many"),
+    ],
+)
+def test_descriptions_that_are_none(text, says):
+    with pytest.raises(KinemarkError, match=says):
+        rods_from_toml(text)
+
+
+def test_rods_hold_what_they_say():
+    with pytest.raises(ValueError, match="xyz has shape"):
+        Rods(("A",), RODS.xyz)
+    with pytest.raises(ValueError, match="finite"):
+        Rods(RODS.names, RODS.xyz * np.nan)
+    with pytest.raises(ValueError, match="read-only"):
+        RODS.xyz[0, 0, 0] = 1

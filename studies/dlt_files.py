@@ -61,9 +61,10 @@ def runner(folder: Path) -> None:
     def difference(lines: Floats, images: list[Floats]) -> Floats:
         return np.linalg.norm(runner_at(lines, images, len(stored), P) - stored, axis=-1)[5:-5]
 
-    best = minimize(
-        lambda lines: difference(lines, still).mean(), start, method="Nelder-Mead", options={"adaptive": True}
-    )
+    def mean_difference(lines: Floats) -> float:
+        return float(difference(lines, still).mean())
+
+    best = minimize(mean_difference, start.ravel(), method="Nelder-Mead", options={"adaptive": True})
     for text, images, known in (("as digitised", films, 5.4), ("shifted by the fixed marks", still, 1.4)):
         mean = difference(best.x, images).mean()
         print(f"  mean difference from the stored coordinates, {text}: {mean:.2f} mm (known: {known})")

@@ -111,7 +111,7 @@ def shift_cameras(detections: Detections, frames: int) -> Detections:
     """The detections with camera c moved by c times so many frames, around the end."""
     orders = [np.roll(np.arange(detections.n_frames), frames * c) for c in range(len(detections.cameras))]
     counts = [detections.counts[c][order] for c, order in enumerate(orders)]
-    uv = [detections[c, f] for c, order in enumerate(orders) for f in order]
+    uv = [detections[c, f] for c, order in enumerate(orders) for f in order.tolist()]
     return Detections.build(detections.cameras, detections.rate, counts, np.concatenate(uv))
 
 
@@ -163,7 +163,7 @@ def report(rig: Rig, detections: Detections, cloud: Cloud, tracks: Tracks, refer
     found = {name: score(tracks, xyz, within=NEAR, xyz=place) for name, place in placed.items()}
     cut = {name: score(tracks, pieces, within=NEAR, xyz=place) for name, place in placed.items()}
     other = {n: extras(tracks, found[n].owner >= 0) for n in lenses}
-    rows = [
+    rows: list[tuple[str, str, str, list[float], int]] = [
         ("recall within 5 mm, %", "90.2", "≥ 98", [100 * found[n].recall for n in lenses], 1),
         ("median distance, mm", "1.07", "≤ 0.5", [found[n].median for n in lenses], 2),
         ("95th percentile, mm", "", "", [found[n].p95 for n in lenses], 2),

@@ -1,5 +1,102 @@
-"""Kinemark: marker-based optical motion capture."""
+"""Kinemark: marker-based optical motion capture, from camera images to 3D trajectories.
 
+The stages, each `stage(data, …, method=Method(…)) -> data`:
+
+    rig = read_rig_toml("rig.toml")
+    seen = detect([open_images(f"walk/{c}.mkv") for c in rig.names], cameras=rig.names, rate=50.0)
+    cloud = reconstruct(match(seen, rig), seen, rig)
+    trajectories = to_trajectories(track(cloud))
+    write_c3d("walk.c3d", Trial("walk", trajectories))
+
+A whole session with its report: `from kinemark.session import Session`.
+"""
+
+from .calibrate import ControlPoints, Rods, calibrate_control_frame, calibrate_control_points
+from .data import (
+    Analog,
+    Camera,
+    Cloud,
+    Detections,
+    Events,
+    ForcePlate,
+    KinemarkError,
+    MarkerSet,
+    Matches,
+    Origin,
+    Path,
+    Rig,
+    Tracks,
+    Trajectories,
+    Trial,
+    Validity,
+)
+from .detect import Centroids, detect
+from .geometry import project, refine, triangulate, undistort
+from .io.c3d import read_c3d, write_c3d
+from .io.detections_csv import read_detections_csv, write_detections_csv
+from .io.dlt_csv import read_dlt_csv, write_dlt_csv
+from .io.images import open_images
+from .io.records import load, save
+from .io.rig_toml import read_rig_toml, write_rig_toml
+from .io.tdf import read_tdf
+from .io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
+from .io.trc import read_trc, write_trc
+from .match import EpipolarTriplets, match
+from .reconstruct import LeastSquares, reconstruct
+from .score import score
+from .track import ExtrapolationLadder, to_trajectories, track
 from .version import __version__
 
-__all__ = ["__version__"]
+__all__ = [
+    "Analog",
+    "Camera",
+    "Centroids",
+    "Cloud",
+    "ControlPoints",
+    "Detections",
+    "EpipolarTriplets",
+    "Events",
+    "ExtrapolationLadder",
+    "ForcePlate",
+    "KinemarkError",
+    "LeastSquares",
+    "MarkerSet",
+    "Matches",
+    "Origin",
+    "Path",
+    "Rig",
+    "Rods",
+    "Tracks",
+    "Trajectories",
+    "Trial",
+    "Validity",
+    "__version__",
+    "calibrate_control_frame",
+    "calibrate_control_points",
+    "detect",
+    "load",
+    "match",
+    "open_images",
+    "project",
+    "read_c3d",
+    "read_detections_csv",
+    "read_dlt_csv",
+    "read_rig_toml",
+    "read_tdf",
+    "read_trajectories_csv",
+    "read_trc",
+    "reconstruct",
+    "refine",
+    "save",
+    "score",
+    "to_trajectories",
+    "track",
+    "triangulate",
+    "undistort",
+    "write_c3d",
+    "write_detections_csv",
+    "write_dlt_csv",
+    "write_rig_toml",
+    "write_trajectories_csv",
+    "write_trc",
+]

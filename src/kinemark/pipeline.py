@@ -149,7 +149,7 @@ def alongside(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Ana
     samples = round(fastest / rate) * n_frames
     rows = []
     for a in fitting:
-        held = np.repeat(a.values, fastest // a.rate, axis=1)[:, :samples] if fastest % a.rate == 0 else None
+        held = np.repeat(a.values, round(fastest / a.rate), axis=1)[:, :samples] if fastest % a.rate == 0 else None
         if held is not None:
             rows.append((a, np.pad(held, ((0, 0), (0, samples - held.shape[1])), constant_values=np.nan)))
     names = tuple(name for a, _ in rows for name in a.names)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from .data import Tracks
 from .signal import assign
@@ -85,7 +85,7 @@ def score(tracks: Tracks, truth: Floats, *, within: float = 10.0, xyz: Floats | 
         rmse=float(np.sqrt((off**2).sum(1).mean())) if near.any() else float("nan"),
         median=float(np.median(distance[near])) if near.any() else float("nan"),
         p95=float(np.percentile(distance[near], 95)) if near.any() else float("nan"),
-        coverage=float((squared <= chi2.ppf(0.95, 3)).mean()) if near.any() else float("nan"),
+        coverage=float((squared <= 2 * gammaincinv(1.5, 0.95)).mean()) if near.any() else float("nan"),
         swaps=len(changes(tracks, owner, truth)),
         pieces=_pieces(tracks, owner, len(truth)),
     )

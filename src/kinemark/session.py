@@ -145,7 +145,7 @@ class Session:
             found = tdf.detections
             beside = Trial(trial.name, Trajectories((), found.rate), tdf.analog, tdf.plates, tdf.events)
         elif path.suffix.lower() == ".csv":
-            found = read_detections_csv(path, rate=self._rate(trial, None), cameras=rig.names)
+            found = read_detections_csv(path, rate=self._rate(trial, None))
         else:
             record = load(path)
             if not isinstance(record, Detections):

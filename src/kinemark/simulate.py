@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -74,7 +74,7 @@ class Scene:
             if not len(trajectories):
                 raise KinemarkError(f"{self.c3d} has no markers. Name a file that has.")
             return from_trajectories(trajectories)
-        timing = {"duration_s": self.seconds, "rate": self.rate_hz}
+        timing: dict[str, Any] = {"duration_s": self.seconds, "rate": self.rate_hz}
         makers: dict[Motion, Callable[[], Subject]] = {
             "walk": lambda: walking(**timing, seed=self.seed, speed_mm_s=WALKING_SPEED, wobble_mm=1.0),
             "feeding": lambda: arm("feeding", **timing),
@@ -87,7 +87,11 @@ class Scene:
 
     def rig(self, subject: Subject) -> Rig:
         """Cameras all round: about the walkway of 2.4 × 1.4 × 2 m, or as near as another subject needs."""
-        options = {"focal_px": self.focal_px, "size": self.size_px, "distortion": (self.barrel, 0.0, 0.0, 0.0, 0.0)}
+        options: dict[str, Any] = {
+            "focal_px": self.focal_px,
+            "size": self.size_px,
+            "distortion": (self.barrel, 0.0, 0.0, 0.0, 0.0),
+        }
         if self.motion == "walk" and self.c3d is None:
             return ring(self.cameras, **options)
         low, high = np.nanmin(subject.xyz, axis=(0, 1)) - 150, np.nanmax(subject.xyz, axis=(0, 1)) + 150

@@ -11,9 +11,9 @@ deviation s in px of each image coordinate, a point seen by n cameras has 2n −
 so s² is the median of Σ |off|² over the median of χ², a value that wrong matches hardly move.
 
 A centroid can be worse than its covariance says: a part of the marker is hidden, or another marker touches it. Images
-whose area says so are given more variance (`hidden`), and what remains is met by heavy tails: the error of an image, d of its
-own standard deviations, is taken to follow Student's t with ν degrees of freedom in its plane, so that an image whose
-d is large counts as one of covariance
+whose area says so are given more variance (`hidden`), and what remains is met by heavy tails: the error of an image,
+d of its own standard deviations, is taken to follow Student's t with ν degrees of freedom in its plane, so that an
+image whose d is large counts as one of covariance
 
     C (ν + d²) / (ν + 2)                                                 (2)
 
@@ -29,7 +29,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from ..data import Cloud, Detections, Matches, Rig
 from ..geometry import Triangulated, refine, triangulate, undistort
@@ -84,7 +84,7 @@ def reconstruct(matches: Matches, detections: Detections, rig: Rig, *, method: L
 
 def _centroid_cov(cov: Floats, rig: Rig, guess: Floats, uv: Floats, method: LeastSquares) -> Floats:
     """Covariances (P, C, 2, 2) px² of the images, by (1) where they state none."""
-    unknown = np.isnan(cov).any((-1, -2))
+    unknown: NDArray[np.bool_] = np.isnan(cov).any((-1, -2))
     if not (unknown & ~np.isnan(uv[..., 0])).any():
         return cov
     sd = method.centroid_sd or _centroid_sd(rig, guess, uv)
@@ -93,12 +93,12 @@ def _centroid_cov(cov: Floats, rig: Rig, guess: Floats, uv: Floats, method: Leas
 
 def _centroid_sd(rig: Rig, guess: Floats, uv: Floats) -> float:
     """s of (1), px, from the points that three or more cameras see."""
-    freedom = 2 * (~np.isnan(uv[..., 0])).sum(1) - 3
-    three = (freedom >= 3) & np.isfinite(guess).all(1)
+    freedom: NDArray[np.int64] = 2 * (~np.isnan(uv[..., 0])).sum(1) - 3
+    three = (freedom >= 3) & ~np.isnan(guess[:, 0])
     if not three.any():
         return FALLBACK_SD
     off = refine(rig, guess[three], uv[three], np.broadcast_to(np.eye(2), (*uv[three].shape, 2)), steps=2).off
-    return float(np.sqrt(np.median(np.nansum(off**2, axis=(1, 2)) / chi2.median(freedom[three]))))
+    return float(np.sqrt(np.median(np.nansum(off**2, axis=(1, 2)) / (2 * gammaincinv(freedom[three] / 2, 0.5)))))
 
 
 def _robust(rig: Rig, guess: Floats, uv: Floats, cov: Floats, tails: float) -> Triangulated:

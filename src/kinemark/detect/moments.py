@@ -16,8 +16,8 @@ noise, g = `shot`) moves ū by (x − ū) / S a grey level, and b moves it by �
 with x = (x, y), m background pixels and A the number of white pixels. (4) is what would remain without
 noise. Where the m pixels around differ by more than noise, their excess of variance e is the skirt of a
 blurred marker, or a neighbour, cut through at radius r = √(A / π) + 1.5: it pulls as a noise of variance e on
-that circle would. And pixels are squares: on sharp discs of 5, 8 and 12 px that leaves 0.0044, 0.0025 and
-0.0016 px, or 0.02 / diameter.
+that circle would. And pixels are squares: on sharp discs of 5, 8 and 12 px that leaves 0.0041, 0.0021 and
+0.0012 px, no more than 0.02 / diameter, and half of that at a blur of half a pixel.
 
 Within a line a widened group is one stretch of pixels L … R (gaps inside are filled), and the sums of
 1, x and x² over a stretch are polynomials of L and R (5); only Σ I and Σ I x need the pixels themselves.

@@ -84,7 +84,7 @@ def reconstruct(matches: Matches, detections: Detections, rig: Rig, *, method: L
 
 def _centroid_cov(cov: Floats, rig: Rig, guess: Floats, uv: Floats, method: LeastSquares) -> Floats:
     """Covariances (P, C, 2, 2) px² of the images, by (1) where they state none."""
-    unknown: NDArray[np.bool_] = np.isnan(cov).any((-1, -2))
+    unknown = np.isnan(cov[..., 0, 0])
     if not (unknown & ~np.isnan(uv[..., 0])).any():
         return cov
     sd = method.centroid_sd or _centroid_sd(rig, guess, uv)

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from kinemark.calibrate import Rods, calibrate_control_frame, identify_markers, recognise_control_frame, rods_from_toml
+from kinemark.calibrate import calibrate_control_frame, identify_markers, recognise_control_frame
 from kinemark.calibrate.spacing import WORST, spacing_errors
-from kinemark.data import Detections, KinemarkError, Validity
+from kinemark.data import Detections, KinemarkError, Rods, Validity
 from kinemark.geometry import project, project_all
+from kinemark.io.rods_toml import rods_from_toml
 from kinemark.synth import ring
 from kinemark.synth.targets import control_frame
 
-HUNG = control_frame()
-RODS = Rods(HUNG.names, HUNG.xyz)
+RODS = control_frame()
 LENS = (-0.1, 0.0, 0.0, 0.0, 0.0)
 
 

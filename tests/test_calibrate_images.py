@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from kinemark.calibrate import Rods, calibrate_control_frame
+from kinemark.calibrate import calibrate_control_frame
 from kinemark.detect import detect
 from kinemark.geometry import project_all, triangulate, undistort
 from kinemark.synth import render, ring
@@ -30,7 +30,7 @@ def test_images_of_the_rods_give_cameras_that_are_true_within_their_error_bars()
     others = [np.delete(rig.centres, c, 0) for c in range(3)]
     images = [render(c, xyz, hung.marker_diameter / 2, strobes=s, rng=rng) for c, s in zip(rig, others, strict=True)]
     seen = detect([Image(image) for image in images], cameras=rig.names, rate=1.0)
-    found = calibrate_control_frame(seen, Rods(hung.names, hung.xyz), sizes=[camera.size for camera in rig])
+    found = calibrate_control_frame(seen, hung, sizes=[camera.size for camera in rig])
     assert max(camera.residual for camera in found) < 0.02
     inside = rng.uniform([300, 200, 200], [2100, 1200, 1700], (50, 3))
     assert np.abs(project_all(found, inside) - project_all(rig, inside)).max() < 0.03

@@ -11,6 +11,7 @@ from kinemark.synth import (
     Subject,
     control_frame,
     from_trajectories,
+    hung,
     look_at,
     observe,
     render,
@@ -163,7 +164,7 @@ def test_absent_outside_and_behind_are_not_seen():
 
 
 def test_control_frame_is_wholly_seen():
-    observed = observe(RIG, control_frame().subject)
+    observed = observe(RIG, hung(control_frame()))
     assert (observed.detections.counts == 24).all()
 
 

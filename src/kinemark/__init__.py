@@ -11,7 +11,7 @@ The stages, each `stage(data, …, method=Method(…)) -> data`:
 A whole session with its report: `from kinemark.session import Session`.
 """
 
-from .calibrate import ControlPoints, Rods, calibrate_control_frame, calibrate_control_points
+from .calibrate import ControlPoints, calibrate_control_frame, calibrate_control_points
 from .data import (
     Analog,
     Camera,
@@ -25,6 +25,7 @@ from .data import (
     Origin,
     Path,
     Rig,
+    Rods,
     Tracks,
     Trajectories,
     Trial,

@@ -16,12 +16,13 @@ from .calibrate import calibrate_control_frame, calibrate_control_points
 from .data import Camera, Detections, KinemarkError, Rig, Step, Trajectories, Trial
 from .detect import Centroids, detect
 from .geometry import camera_from_dlt
-from .io.control_points import read_control_points, read_rods
+from .io.control_points import read_control_points
 from .io.detections_csv import read_detections_csv
 from .io.dlt_csv import read_dlt_csv
 from .io.images import ImageSource, open_images
 from .io.records import load
 from .io.rig_toml import read_rig_toml, write_rig_toml
+from .io.rods_toml import read_rods
 from .io.tdf import read_tdf
 from .ledger import Ledger, digest, file_key
 from .pipeline import Methods, Progress, Results, Source, run, silent

@@ -2,14 +2,11 @@
 
 from .control_frame import calibrate_control_frame, identify_markers, recognise_control_frame
 from .control_points import ControlPoints, calibrate_control_points
-from .rods import Rods, rods_from_toml
 
 __all__ = [
     "ControlPoints",
-    "Rods",
     "calibrate_control_frame",
     "calibrate_control_points",
     "identify_markers",
     "recognise_control_frame",
-    "rods_from_toml",
 ]

@@ -22,11 +22,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 
-from ..data import Camera, Detections, KinemarkError, Rig
+from ..data import Camera, Detections, KinemarkError, Rig, Rods
 from ..geometry import decompose, fit_dlt, from_dlt, project
 from .control_points import ControlPoints, calibrate_control_points, free_parameters
 from .resection import resect
-from .rods import Rods
 from .spacing import Reading, readings
 
 MOST_POINTS = 100

@@ -13,6 +13,7 @@ from .events import Events
 from .markerset import MarkerSet
 from .matches import Matches
 from .rig import PARAMETERS, Camera, Rig
+from .rods import Rods
 from .trajectories import Origin, Path, Trajectories
 from .trial import Step, Trial
 
@@ -31,6 +32,7 @@ __all__ = [
     "Origin",
     "Path",
     "Rig",
+    "Rods",
     "Step",
     "Tracks",
     "Trajectories",

@@ -1,8 +1,7 @@
 """Control points: where they are in the world, and where an operator pointed at them in the images.
 
 The CSV file has the columns `name, x_mm, y_mm, z_mm` and, for every camera, `{camera}_u_px, {camera}_v_px`; cells are
-empty where a camera does not see the point. A TOML file of hanging rods has `units`, `marker_diameter` and for every
-rod `[[rod]]` a `name` and its `markers`, a list of `[x, y, z]`.
+empty where a camera does not see the point.
 """
 
 from __future__ import annotations
@@ -15,14 +14,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..calibrate import Rods, rods_from_toml
 from ..data import Detections, KinemarkError
 from .text import read_text
 
 SNAP = 8.0  # px; an operator points within this distance of a marker's centre
 
 
-class ControlPoints(NamedTuple):
+class Digitised(NamedTuple):
     """xyz (N, 3) mm; uv (C, N, 2) px, NaN unseen; cov (C, N, 2, 2) px², or None where nothing states it."""
 
     xyz: NDArray[np.float64]
@@ -30,19 +28,7 @@ class ControlPoints(NamedTuple):
     cov: NDArray[np.float64] | None
 
 
-def read_rods(path: Path) -> Rods:
-    """Hanging rods from a TOML file.
-
-    Raises:
-        KinemarkError: the file is absent or not understood.
-    """
-    try:
-        return rods_from_toml(read_text(path))
-    except KinemarkError as error:
-        raise KinemarkError(f"{path}: {error}") from error
-
-
-def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | None = None) -> ControlPoints:
+def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | None = None) -> Digitised:
     """Control points of a CSV file; with detections, each place is moved to the nearest marker within `SNAP`.
 
     Raises:
@@ -59,10 +45,10 @@ def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | N
     xyz, uv = table[:, :3], table[:, 3:].reshape(len(table), len(cameras), 2).transpose(1, 0, 2)
     if not np.isfinite(xyz).all():
         raise KinemarkError(f"{path} has a control point without x, y and z. Fill them in.")
-    return ControlPoints(xyz, uv, None) if seen is None else _snapped(path, xyz, uv, seen)
+    return Digitised(xyz, uv, None) if seen is None else _snapped(path, xyz, uv, seen)
 
 
-def _snapped(path: Path, xyz: NDArray[np.float64], uv: NDArray[np.float64], seen: Detections) -> ControlPoints:
+def _snapped(path: Path, xyz: NDArray[np.float64], uv: NDArray[np.float64], seen: Detections) -> Digitised:
     """The control points at the markers' centroids."""
     exact, cov = np.full(uv.shape, np.nan), np.full((*uv.shape, 2), np.nan)
     for c, camera in enumerate(seen.cameras):
@@ -76,4 +62,4 @@ def _snapped(path: Path, xyz: NDArray[np.float64], uv: NDArray[np.float64], seen
                 )
             nearest = rows.start + int(distance.argmin())
             exact[c, n], cov[c, n] = seen.uv[nearest], seen.cov[nearest]
-    return ControlPoints(xyz, exact, cov)
+    return Digitised(xyz, exact, cov)

@@ -10,7 +10,7 @@ from .optics import Optics
 from .render import film, interlace, render
 from .sphere import Ellipse, sphere_ellipse
 from .subjects import Capsules, Subject, from_trajectories, still
-from .targets import Rods, calibration_box, control_frame, dot_grid, thrown_ball, wand
+from .targets import calibration_box, control_frame, dot_grid, hung, thrown_ball, wand
 
 __all__ = [
     "VOLUME",
@@ -18,7 +18,6 @@ __all__ = [
     "Ellipse",
     "Observed",
     "Optics",
-    "Rods",
     "Sight",
     "Subject",
     "arm",
@@ -30,6 +29,7 @@ __all__ = [
     "film",
     "focal_pixels",
     "from_trajectories",
+    "hung",
     "interlace",
     "look_at",
     "observe",

@@ -19,12 +19,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import KinemarkError, Rig
+from ..data import KinemarkError, Rig, Rods
 from .observe import truth
 from .optics import Optics
 from .render import film, interlace, render
 from .subjects import Subject
-from .targets import Rods, control_frame
+from .targets import control_frame, hung
 
 Image = NDArray[np.uint8]
 WriteFrames = Callable[[Path, Iterable[Image], float], None]
@@ -108,7 +108,7 @@ def write_calibration(
         _write_text(folder / "rods.toml", rods_toml(target))
     else:
         _write_text(folder / "points.csv", points_csv(target, rig))
-    balls = target.subject if isinstance(target, Rods) else target
+    balls = hung(target) if isinstance(target, Rods) else target
     rng = np.random.default_rng(seed)
     for c, camera in enumerate(rig):
         lights = _lights(rig, c, strobes)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..data.arrays import column, set_columns
+from ..data import Rods
 from .cameras import VOLUME
 from .subjects import Capsules, Subject, pairs, still
 from .wobble import smooth_noise
@@ -20,37 +19,9 @@ SPACINGS = ((550, 200, 150, 600, 250), (350, 250, 650, 150, 350), (150, 450, 550
 row; of all gaps in steps of 50 mm these four sets keep them well apart, upside down too (by 0.29 in the logarithm)."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Rods:
-    """Hanging rods, each with the same number of markers in a spacing of its own (KISS 3.3).
-
-    Attributes:
-        names: (N) such as "A".
-        xyz: (N, K, 3) markers of every rod from its top down, mm.
-        marker_diameter: mm.
-    """
-
-    names: tuple[str, ...]
-    xyz: Array
-    marker_diameter: float
-
-    def __post_init__(self) -> None:
-        set_columns(self, names=tuple(self.names), xyz=column("xyz", self.xyz, np.float64, len(self.names), None, 3))
-
-    @property
-    def marker_names(self) -> tuple[str, ...]:
-        """(N·K) "A1" is the top marker of rod A."""
-        return tuple(f"{name}{k + 1}" for name in self.names for k in range(self.xyz.shape[1]))
-
-    @property
-    def subject(self) -> Subject:
-        """The rods as something to look at, one frame long."""
-        return still(self.marker_names, self.xyz.reshape(-1, 3), radius_mm=self.marker_diameter / 2)
-
-    def table(self) -> dict[str, object]:
-        """Plain data in the layout of `rods.toml`: units, marker_diameter, and a `rod` list of name and markers."""
-        rods = [{"name": name, "markers": xyz.tolist()} for name, xyz in zip(self.names, self.xyz, strict=True)]
-        return {"units": "mm", "marker_diameter": self.marker_diameter, "rod": rods}
+def hung(rods: Rods) -> Subject:
+    """The rods as something to look at, one frame long."""
+    return still(rods.marker_names, rods.xyz.reshape(-1, 3), radius_mm=rods.marker_diameter / 2)
 
 
 def control_frame(volume: ArrayLike = VOLUME, *, marker_diameter: float = 25.0, floor_gap: float = 125.0) -> Rods:

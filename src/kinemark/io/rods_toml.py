@@ -1,15 +1,16 @@
-"""The calibration frame: straight rods that hang around the volume, each with markers in its own spacing (KISS 3.3)."""
+"""Hanging rods as TOML: `units`, `marker_diameter`, and for each rod a table `[[rod]]` with `name` and `markers`."""
 
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import KinemarkError
+from ..data import KinemarkError, Rods
+from .text import read_text
 
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 MOST_RODS = 16
@@ -17,38 +18,17 @@ MOST_MARKERS = 12
 BEND = 0.02
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Rods:
-    """R rods of K markers each, as surveyed.
+def read_rods(path: Path) -> Rods:
+    """The rods that a file describes.
 
-    Attributes:
-        names: (R).
-        xyz: (R, K, 3) the markers' centres in the laboratory, in order along each rod, mm.
-        marker_diameter: of the markers, mm; NaN where not given.
+    Raises:
+        KinemarkError: the file is absent, or as in `rods_from_toml`.
     """
-
-    names: tuple[str, ...]
-    xyz: NDArray[np.float64]
-    marker_diameter: float = float("nan")
-
-    def __post_init__(self) -> None:
-        xyz = np.array(self.xyz, np.float64)
-        if xyz.ndim != 3 or xyz.shape[0] != len(self.names) or xyz.shape[1] < 4 or xyz.shape[2] != 3:
-            raise ValueError(
-                f"xyz has shape {xyz.shape}, wanted ({len(self.names)}, at least 4, 3): markers of each rod"
-            )
-        if not np.isfinite(xyz).all():
-            raise ValueError("xyz must be finite")
-        xyz.flags.writeable = False
-        object.__setattr__(self, "xyz", xyz)
-        object.__setattr__(self, "names", tuple(self.names))
-
-    @property
-    def along(self) -> NDArray[np.float64]:
-        """(R, K) place of each marker along its rod, from its first marker, mm."""
-        axis = self.xyz[:, -1] - self.xyz[:, 0]
-        axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
-        return np.einsum("rki,ri->rk", self.xyz - self.xyz[:, :1], axis)
+    text = read_text(path)
+    try:
+        return rods_from_toml(text)
+    except KinemarkError as error:
+        raise KinemarkError(f"{path}: {error}") from None
 
 
 def rods_from_toml(text: str) -> Rods:

@@ -1,0 +1,67 @@
+"""The studies on real recordings still print the figures that the documentation quotes."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from shared import ROOT, shared_data
+
+STUDIES = Path(__file__).parents[1] / "studies"
+
+
+def printed(study, *arguments):
+    """What a study prints."""
+    done = subprocess.run(
+        [sys.executable, STUDIES / f"{study}.py", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={"KINEMARK_DATA": str(ROOT)},
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def figures(text, row):
+    """The last numbers of the line that begins with `row`."""
+    line = next(line for line in text.splitlines() if line.strip().startswith(row))
+    return [float(x) for x in re.findall(r"-?\d+\.?\d*(?:e-?\d+)?", line.split(row, 1)[1])]
+
+
+def test_a_clinical_gait_trial():
+    shared_data("cameras/gait9_bts/gait9.tdf")
+    text = printed("gait_trial")
+    assert figures(text, "recall within 5 mm, %")[-1] >= 98
+    assert figures(text, "median distance, mm")[-1] <= 0.5
+    assert figures(text, "swaps")[-2:] == [0, 0]
+    assert figures(text, "tracks per continuous reference piece")[-1] < 1.2
+    assert figures(text, "against each other in time,")[0] <= 0.2
+    exact, division = figures(text, "exact inverse (Kinemark)"), figures(text, "one division (the reference)")
+    assert all(a < b for a, b in zip(exact, division, strict=True))
+
+
+def test_infrared_footage(tmp_path):
+    shared_data("cameras/ir_4cam_footage")
+    text = printed("infrared_footage", tmp_path / "session")
+    assert figures(text, "frames reconstructed, with 12 or more of the 15 LEDs in place:")[0] > 900
+    assert figures(text, "0.0 to   0.0:")[0] < 2.53
+
+
+KNOWN = {
+    "0.35  1.68": [1.20],
+    "0.86  0.33": [0.19, 0.31, 0.34],
+    "mean difference from the stored coordinates, as digitised:": [5.40],
+    "mean difference from the stored coordinates, shifted by the fixed marks:": [1.44],
+    "wand of 0.66 m: median": [0.6602],
+    "thrown object: |g| =": [10.03],
+}
+
+
+def test_dlt_files():
+    shared_data("cameras/dltdv_thermal_3cam")
+    text = printed("dlt_files")
+    for row, expected in KNOWN.items():
+        assert figures(text, row)[: len(expected)] == pytest.approx(expected, abs=0.02), row
+    assert figures(text, "largest difference from the stored coordinates:")[0] < 1e-6

@@ -23,10 +23,10 @@ from kinemark.data import (
 from kinemark.geometry import project
 from kinemark.report import quality, summary, write_quality, write_report
 from kinemark.report.advice import CHECKS
-from kinemark.report.markers import in_view, jitter
+from kinemark.report.markers import completeness, in_view, jitter, markers_worn
 from kinemark.report.page import figures as page_figures
 from kinemark.report.plain import plain, runs
-from kinemark.report.scene import corners, scene
+from kinemark.report.scene import corners, scene, upwards
 from kinemark.report.thin import blocks, envelope
 from kinemark.report.words import number, percent, some
 
@@ -411,3 +411,31 @@ def test_plain_is_json_without_nan():
 
 def test_runs_of_true_values():
     assert runs(np.array([1, 1, 0, 0, 1, 0, 1], bool)) == [(0, 2), (4, 5), (6, 7)]
+
+
+def pieces(at):
+    """Trajectories of one marker each, seen only in the frames given, over 100 frames."""
+    paths = []
+    for k, (first, stop) in enumerate(at):
+        xyz = np.full((100, 3), np.nan)
+        xyz[first:stop] = [k, 0, 0]
+        paths.append(Path.measured(f"*{k + 1}", xyz))
+    return Trajectories(tuple(paths), 100.0)
+
+
+def test_unlabelled_pieces_are_counted_as_the_markers_that_they_make():
+    """Two markers in five pieces are two markers, complete but for what lies between the pieces."""
+    broken = pieces([(0, 100), (0, 20), (25, 50), (50, 75), (80, 100)])
+    assert markers_worn(broken) == 2
+    assert completeness(broken) == pytest.approx(190 / 200)
+    named = Trajectories(tuple(replace(p, name=p.name[1:]) for p in broken), 100.0)
+    assert markers_worn(named) == 5
+    assert completeness(named) == pytest.approx(190 / 500)
+
+
+def test_the_scene_stands_on_its_floor_whichever_axis_points_up():
+    rig = ring(4)
+    assert upwards(rig) == 2
+    turn = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])  # z up becomes y up
+    turned = replace(rig, cameras=tuple(replace(c, R=c.R @ turn.T) for c in rig))
+    assert upwards(turned) == 1

@@ -21,6 +21,8 @@ USED_SHARE = 0.6
 """Share of a camera's valid detections that should belong to a point."""
 COMPLETE_AMBER, COMPLETE_RED = 0.97, 0.8
 """Share of samples that are present while the subject is in view."""
+PIECES = 1.3
+"""Tracks a marker above which they count as broken."""
 LONG_GAP_S = 0.2
 """A gap that interpolation should not bridge unseen: a fifth of a gait cycle."""
 FILLED_SHARE = 0.1
@@ -55,6 +57,8 @@ def verdict(figures: Figures) -> dict[str, Any]:
 def _sentences(figures: Figures) -> Iterator[str]:
     recording, markers = figures["recording"], figures["trajectories"]
     cameras, followed = count(len(figures["cameras"]), "camera"), count(markers["count"], "marker")
+    if markers["unlabelled"] and markers["count"] != markers["markers_worn"]:
+        followed = f"about {count(markers['markers_worn'], 'marker')}, in {count(markers['count'], 'track')},"
     length = f"{measure(recording['duration_s'], 2, 's')} ({count(recording['frames'], 'frame')}"
     yield f"{cameras} followed {followed} for {length} at {number(recording['rate_hz'])}\u00a0Hz)."
     if markers["samples"]:
@@ -200,10 +204,19 @@ def _incomplete(figures: Figures) -> Iterator[Remark]:
         return
     markers = [m for m in figures["trajectories"]["markers"] if m["completeness_in_view_share"] < COMPLETE_AMBER]
     worst = [m["name"] for m in sorted(markers, key=lambda m: float(m["completeness_in_view_share"]))]
-    what = f"Only {percent(complete)} of the marker positions are there while the subject is in view; "
+    what = f"Only {percent(complete)} of the marker positions are there while the subject is in view"
     do = "See under Markers where they are missing; add or turn cameras to cover those places."
     severity = "red" if complete < COMPLETE_RED else "amber"
-    yield from _say(severity, f"{what}the least complete: {some('marker', worst)}.", do)
+    unlabelled = figures["trajectories"]["unlabelled"]
+    least = "" if unlabelled else f"; the least complete: {some('marker', worst)}"
+    yield from _say(severity, f"{what}{least}.", do)
+
+
+def _pieces(figures: Figures) -> Iterator[Remark]:
+    tracks, worn = figures["trajectories"]["count"], figures["trajectories"]["markers_worn"]
+    if figures["trajectories"]["unlabelled"] and tracks > PIECES * max(worn, 1):
+        what = f"{tracks} tracks for about {count(worn, 'marker')}: a marker that was hidden for long begins a new one."
+        yield from _say("amber", what, "Give the pieces of a marker one name, and fill what is missing between them.")
 
 
 def _long_gaps(figures: Figures) -> Iterator[Remark]:
@@ -269,5 +282,5 @@ def worst_cameras(figures: Figures) -> list[str]:
 
 CHECKS = (
     *(_nothing, _blind, _unlike_others, _residual, _calibration, _unused, _few_views, _absent),
-    *(_incomplete, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
+    *(_incomplete, _pieces, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
 )

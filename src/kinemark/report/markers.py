@@ -55,17 +55,38 @@ def present(trajectories: Trajectories) -> Mask:
     return np.asarray(np.isfinite(positions(trajectories)).all(axis=2), np.bool_)
 
 
+def unlabelled(trajectories: Trajectories) -> bool:
+    """Whether most trajectories are tracks without a marker's name, `*1`, `*2`, …: pieces of markers."""
+    return sum(path.name.startswith("*") for path in trajectories) > len(trajectories) / 2
+
+
+def markers_worn(trajectories: Trajectories) -> int:
+    """How many markers there are: all ever seen; of unlabelled tracks, as many as nine in ten frames do not exceed."""
+    seen = present(trajectories)
+    if not unlabelled(trajectories):
+        return int(seen.any(axis=1).sum())
+    at_once = seen.sum(axis=0)
+    return round(float(np.quantile(at_once, 0.9))) if at_once.size else 0
+
+
 def in_view(trajectories: Trajectories) -> tuple[int, int]:
-    """First and last-plus-one frame in which three in four of the markers that ever appear are there.
+    """First and last-plus-one frame in which three in four of the markers are there.
 
     Both ends of the trial where no frame has so many.
     """
     seen = present(trajectories)
-    seen = seen[seen.any(axis=1)]
     if not seen.size:
         return 0, 0
-    frames = np.flatnonzero(seen.mean(0) >= IN_VIEW)
+    frames = np.flatnonzero(seen.sum(0) >= max(IN_VIEW * markers_worn(trajectories), 1))
     return (int(frames[0]), int(frames[-1]) + 1) if frames.size else (0, seen.shape[1])
+
+
+def completeness(trajectories: Trajectories) -> float:
+    """Share of the markers' positions that are there while the subject is in view; NaN without any."""
+    seen, (first, stop) = present(trajectories), in_view(trajectories)
+    worn = markers_worn(trajectories) if unlabelled(trajectories) else len(trajectories)
+    there = np.minimum(seen[:, first:stop].sum(axis=0), worn)
+    return share(there.sum(), worn * (stop - first))
 
 
 def marker_figures(trajectories: Trajectories) -> list[dict[str, Any]]:
@@ -81,13 +102,15 @@ def trajectory_figures(trajectories: Trajectories, markers: list[dict[str, Any]]
     origin = np.array([path.origin for path in trajectories]).reshape(seen.shape)
     return {
         "count": len(trajectories),
+        "unlabelled": unlabelled(trajectories),
+        "markers_worn": markers_worn(trajectories),
         "samples": seen.sum(),
         "missing_samples": (~seen).sum(),
         "filled_samples": (origin == Origin.FILLED).sum(),
         "edited_samples": (origin == Origin.EDITED).sum(),
         "completeness_share": share(seen.sum(), seen.size),
         "in_view_frames": [first, stop],
-        "completeness_in_view_share": share(seen[:, first:stop].sum(), seen[:, first:stop].size),
+        "completeness_in_view_share": completeness(trajectories),
         "gaps": sum(marker["gaps"] for marker in markers),
         "longest_gap_frames": max((marker["longest_gap_frames"] for marker in markers), default=0),
         "longest_gap_s": max((marker["longest_gap_s"] for marker in markers), default=0.0),

@@ -29,7 +29,8 @@ def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:
     seen = xyz[present(trajectories)]
     extent = _extent(rig, seen)
     fig = figure(680, margin={"l": 0, "r": 0, "t": 36, "b": 0}, showlegend=bool(len(seen)), legend={"y": 1})
-    _floor(fig, extent)
+    up = upwards(rig)
+    _floor(fig, extent, up)
     if np.isfinite(rig.volume).all():
         _box(fig, rig.volume)
     target = np.median(seen, axis=0) if len(seen) else extent.mean(0)
@@ -40,9 +41,15 @@ def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:
     if len(seen):
         _markers(fig, trajectories)
     axes = {f"{a}axis": {"title": f"{a} (mm)", "backgroundcolor": "#F7F9FA", "gridcolor": "#DDE3E8"} for a in "xyz"}
-    look = {"eye": _eye(extent), "center": {"x": 0, "y": 0, "z": -0.1}, "projection": {"type": "perspective"}}
+    look = {
+        "eye": _eye(extent, up),
+        "up": dict(zip("xyz", np.eye(3)[up].tolist(), strict=True)),
+        "center": dict(zip("xyz", (-0.1 * np.eye(3)[up]).tolist(), strict=True)),
+        "projection": {"type": "perspective"},
+    }
+    drag = "turntable" if up == 2 else "orbit"  # Plotly's turntable turns about z alone
     wide = {"domain": {"x": [0, 0.87 if len(seen) else 1]}}
-    return fig.update_layout(scene={**axes, **wide, "aspectmode": "data", "camera": look, "dragmode": "turntable"})
+    return fig.update_layout(scene={**axes, **wide, "aspectmode": "data", "camera": look, "dragmode": drag})
 
 
 def corners(camera: Camera, depth: float) -> Array:
@@ -61,17 +68,27 @@ def _extent(rig: Rig, seen: Array) -> Array:
     return np.array([everything.min(0), everything.max(0)])
 
 
-def _eye(extent: Array) -> dict[str, float]:
+def upwards(rig: Rig) -> int:
+    """The world's axis that points up: that of the cameras' own upward sides on average; z where they do not agree."""
+    if not len(rig):
+        return 2
+    mean = np.mean([-np.sign(camera.K[1, 1]) * camera.R[1] for camera in rig], axis=0)
+    return int(mean.argmax()) if mean.max() > 0.3 else 2
+
+
+def _eye(extent: Array, up: int) -> dict[str, float]:
     """From where all of `extent` is seen; Plotly measures in the geometric mean of the three widths."""
     width = np.maximum(extent[1] - extent[0], 1.0)
     away = 1.2 * float(np.linalg.norm(width)) / float(np.prod(width)) ** (1 / 3)
-    return dict(zip("xyz", away * np.array([0.55, -0.7, 0.45]), strict=True))
+    return dict(zip("xyz", away * np.roll([0.55, -0.7, 0.45], up - 2), strict=True))
 
 
-def _floor(fig: go.Figure, extent: Array) -> None:
-    (x0, y0, _), (x1, y1, _) = extent
+def _floor(fig: go.Figure, extent: Array, up: int) -> None:
+    (a0, b0, _), (a1, b1, _) = np.roll(extent, 2 - up, axis=1)
+    corner = np.array([[a0, b0, 0], [a1, b0, 0], [a1, b1, 0], [a0, b1, 0]])
+    x, y, z = np.roll(corner, up - 2, axis=1).T
     fig.add_mesh3d(
-        x=[x0, x1, x1, x0], y=[y0, y0, y1, y1], z=[0, 0, 0, 0], i=[0, 0], j=[1, 2], k=[2, 3],
+        x=x, y=y, z=z, i=[0, 0], j=[1, 2], k=[2, 3],
         color="#B8C2CC", opacity=0.25, hoverinfo="skip", showlegend=False,
     )  # fmt: skip
 

@@ -133,10 +133,12 @@ def _marker_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
 def _recording_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
     recording, points, timing = quality["recording"], quality["points"], quality["timing"]
     tracks = f"{count(quality['tracks']['count'], 'track')}, {number(points['per_frame_mean'], 1)} points a frame"
+    trajectories = quality["trajectories"]
+    worn = trajectories["markers_worn"] if trajectories["unlabelled"] else trajectories["count"]
     few = f"{percent(points['fewer_than_3_cameras_share'])} of points in fewer than three"
     frames = f"{count(recording['frames'], 'frame')} at {number(recording['rate_hz'])} Hz"
     return [
-        (number(quality["trajectories"]["count"]), "markers", tracks),
+        (number(worn), "markers", tracks),
         (number(len(quality["cameras"])), "cameras", few),
         (measure(recording["duration_s"], 2, "s"), "recorded", frames),
         (

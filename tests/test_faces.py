@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 from laboratory import observe, ring
+from shared import shared_data
 from test_tracking import swarm
 
 import kinemark
@@ -195,6 +196,50 @@ def test_the_library_alone_goes_from_detections_to_trajectories(tmp_path):
     rig, points = ring(4), swarm(n=4, frames=30)
     seen, _ = observe(rig, points, noise=0.1)
     cloud = kinemark.reconstruct(kinemark.match(seen, rig), seen, rig)
-    trajectories = kinemark.to_trajectories(kinemark.track(cloud))
+    trajectories = kinemark.to_trajectories(kinemark.track(cloud), rig)
     kinemark.write_c3d(tmp_path / "walk.c3d", kinemark.Trial("walk", trajectories))
     assert len(kinemark.read_c3d(tmp_path / "walk.c3d").trajectories) == 4
+
+
+def test_scenes_that_cannot_be_are_refused_and_leave_nothing(tmp_path):
+    for wrong in ({"seconds": -1}, {"rate_hz": 0}, {"focal_px": 0}, {"size_px": (0, 10)}, {"cameras": 1}):
+        with pytest.raises(KinemarkError, match=next(iter(wrong))):
+            simulate(tmp_path / "s", scene=Scene(**wrong))
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_simulation_that_is_cut_off_leaves_nothing(tmp_path):
+    def stop(*told):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate(tmp_path / "s", scene=SMALL, progress=stop)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_bts_file_becomes_a_c3d_file(tmp_path):
+    source = shared_data("cameras/gait9_bts/gait9.tdf")
+    convert(source, tmp_path / "gait.c3d")
+    trial = read_c3d(tmp_path / "gait.c3d")
+    assert "sacrum" in trial.trajectories.names
+    assert len(trial.plates) == 2
+    with pytest.raises(KinemarkError, match="Say which with --what"):
+        convert(source, tmp_path / "gait.csv")
+
+
+def test_only_positions_go_into_a_trc_file(tmp_path):
+    source = shared_data("mocap3d/pig_gait_child/HC030A05.c3d")
+    convert(source, tmp_path / "walk.trc")
+    assert not [name for name in read_trc(tmp_path / "walk.trc").names if name.endswith(("Angles", "Moment", "Power"))]
+    with pytest.raises(KinemarkError, match="no markers"):
+        convert(next(shared_data("mocap3d/c3d_malformed").glob("Mega*")), tmp_path / "none.trc")
+
+
+def test_unknown_files_are_said_to_be_unknown(tmp_path):
+    (tmp_path / "a.mot").write_text("x")
+    with pytest.raises(KinemarkError, match="no known kind"):
+        describe(tmp_path / "a.mot")
+    detections, _ = observe(ring(2), swarm(n=1, frames=2))
+    kinemark.write_detections_csv(tmp_path / "d.csv", detections)
+    with pytest.raises(KinemarkError, match="--rate-hz"):
+        convert(tmp_path / "d.csv", tmp_path / "d.h5")

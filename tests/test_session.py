@@ -10,7 +10,7 @@ from laboratory import observe, ring
 from shared import shared_data
 from test_tracking import swarm
 
-from kinemark.data import Analog, KinemarkError
+from kinemark.data import Analog, ForcePlate, KinemarkError, Trial
 from kinemark.detect import detect
 from kinemark.geometry import project_all, to_dlt
 from kinemark.io.c3d import read_c3d
@@ -20,7 +20,7 @@ from kinemark.io.dlt_csv import write_dlt_csv
 from kinemark.io.images import open_images, write_png
 from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
 from kinemark.io.video import write_video
-from kinemark.pipeline import alongside
+from kinemark.pipeline import alongside, together
 from kinemark.score import score
 from kinemark.session import Session
 from kinemark.settings import METHODS, read_settings
@@ -281,3 +281,67 @@ def test_a_bts_file_is_a_whole_session(tmp_path):
     assert len(trial.plates) == 2
     assert "Fz1" in trial.analog[0].names
     assert Path(tmp_path / "results/one/report.html").stat().st_size > 1_000_000
+
+
+def test_another_rate_is_another_input(folder):
+    assert run(folder).trajectories.rate == 100
+    result = run(changed(folder, "rate_hz = 100.0", "rate_hz = 200.0"))
+    assert result.computed[0] == "detect"
+    assert read_c3d(folder / "results/one/one.c3d").trajectories.rate == 200
+
+
+def test_outputs_that_were_not_written_are_written_by_the_next_run(folder, monkeypatch):
+    run(folder)
+    changed(folder, "[calibration]", "[track]\nshortest = 1000\n[calibration]")
+
+    def fail(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("kinemark.pipeline.write_c3d", fail)
+        with pytest.raises(KeyboardInterrupt):
+            run(folder)
+    assert run(folder).computed == ()
+    assert len(read_c3d(folder / "results/one/one.c3d").trajectories) == 0
+    run(changed(folder, 'name = "test"', 'name = "renamed"'))
+    assert json.loads((folder / "results/one/quality.json").read_text())["session"] == "renamed"
+
+
+@pytest.mark.parametrize("name", ["..", ".", "a/b", "rig.toml", "a\\u0000b", "x" * 200])
+def test_a_trial_cannot_write_outside_its_results(folder, name):
+    with pytest.raises(KinemarkError, match=r"trials.0.name"):
+        run(changed(folder, 'name = "one"', f'name = "{name}"'))
+
+
+def test_a_control_volume_reaches_the_calibration(folder):
+    changed(folder, "[calibration]", "volume_mm = [[0, 0, 0], [2400, 1400, 2000]]\n[calibration]")
+    Session.open(folder).calibrate()
+    assert read_rig_toml(folder / "results/rig.toml").volume.tolist() == [[0, 0, 0], [2400, 1400, 2000]]
+    with pytest.raises(KinemarkError, match="least corner first"):
+        Session.open(changed(folder, "[[0, 0, 0], [2400", "[[9000, 0, 0], [2400"))
+
+
+def test_a_recording_is_not_a_session(folder):
+    with pytest.raises(KinemarkError, match="is a recording, not a session"):
+        Session.open(folder / "one.csv")
+
+
+def test_cameras_of_one_name_are_refused(folder):
+    with pytest.raises(KinemarkError, match="names must differ"):
+        run(changed(folder, "[calibration]", '[cameras]\nnames = ["c0", "c0"]\n[calibration]'))
+
+
+def test_a_rate_that_the_videos_contradict_is_a_doubt(filmed):
+    folder, _ = filmed
+    assert not run(folder).quality["notes"]
+    figures = run(changed(folder, "rate_hz = 50.0", "rate_hz = 500.0")).quality
+    assert "500 Hz and the videos say otherwise: c0 50 Hz" in figures["notes"][0]
+    assert figures["verdict"]["grade"] != "green"
+
+
+def test_plates_go_with_their_channels(folder):
+    plate = ForcePlate(2, np.zeros((4, 3)), np.zeros(3), ("late",))
+    late = Analog(("late",), ("N",), 1000.0, np.zeros((1, 400)), start=0.5)
+    result = run(folder)
+    whole = together(Trial("t", result.trajectories, (late,), (plate,)), result.trajectories)
+    assert (whole.analog, whole.plates) == ((), ())

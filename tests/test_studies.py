@@ -1,5 +1,6 @@
 """The studies on real recordings still print the figures that the documentation quotes."""
 
+import os
 import re
 import subprocess
 import sys
@@ -18,7 +19,7 @@ def printed(study, *arguments):
         capture_output=True,
         text=True,
         check=False,
-        env={"KINEMARK_DATA": str(ROOT)},
+        env={**os.environ, "KINEMARK_DATA": str(ROOT)},
     )
     assert done.returncode == 0, done.stderr
     return done.stdout

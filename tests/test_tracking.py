@@ -103,7 +103,7 @@ def test_nothing_seen_is_no_error(frames):
     nothing = Detections.build(rig.names, 100.0, np.zeros((3, frames), int), np.zeros((0, 2)))
     cloud = reconstruct(match(nothing, rig), nothing, rig)
     tracks = track(cloud)
-    assert len(cloud) == len(tracks) == len(to_trajectories(tracks)) == 0
+    assert len(cloud) == len(tracks) == len(to_trajectories(tracks, rig)) == 0
     assert cloud.n_frames == frames
 
 
@@ -232,7 +232,7 @@ def test_tracks_become_paths_with_all_they_know():
     hide = np.zeros((2, 30), bool)
     hide[0, 10:12] = True
     tracks = tracked(points, hide=hide)
-    trajectories = to_trajectories(tracks)
+    trajectories = to_trajectories(tracks, ring(6))
     assert trajectories.names == ("*1", "*2")
     assert trajectories.xyz.shape == (2, 30, 3)
     path = next(p for p in trajectories if p.gaps)
@@ -282,3 +282,167 @@ def test_going_over_to_a_path_that_begins_where_another_ends_is_no_swap():
     result = score(tracks, truth)
     assert (result.swaps, result.recall) == (0, 1.0)
     assert changes(tracks, result.owner, truth) == []
+
+
+def spoiled(rig, points, shift, *, area=None, seed=0):
+    """Detections of points (M, F, 3) in which the first camera's images are moved by `shift` px in any direction."""
+    detections, _ = observe(rig, points, noise=0.05, seed=seed)
+    first = slice(detections.start[0, 0], detections.start[0, -1])
+    turn = np.random.default_rng(seed).uniform(0, 2 * np.pi, first.stop - first.start)
+    uv = detections.uv.copy()
+    uv[first] += shift * np.column_stack([np.cos(turn), np.sin(turn)])
+    size = np.full(len(uv), np.nan) if area is None else apparent_area(rig, detections, 12.5)
+    if area is not None:
+        size[first] *= area
+    return replace(detections, uv=uv, area=size)
+
+
+def apparent_area(rig, detections, radius):
+    """Area (D) px² of spheres of this radius, mm, at the distance of the volume's middle."""
+    scale = np.array([c.K[0, 0] / np.linalg.norm(c.centre - [0, 0, 900]) for c in rig])
+    return np.pi * (radius * scale[detections.camera]) ** 2
+
+
+def errors(detections, rig, points, **method):
+    """Distances mm of the reconstructed points from the nearest truth, and their χ²."""
+    cloud = reconstruct(match(detections, rig), detections, rig, method=LeastSquares(**method))
+    off = cloud.xyz[:, None] - points[:, cloud.frame].transpose(1, 0, 2)
+    off = off[np.arange(len(off)), np.linalg.norm(off, axis=-1).argmin(1)]
+    return np.linalg.norm(off, axis=1), (off * np.linalg.solve(cloud.cov, off[..., None])[..., 0]).sum(1)
+
+
+def test_one_wild_camera_hardly_moves_a_point():
+    rig, points = ring(6), swarm(n=6, frames=20)
+    clean = errors(spoiled(rig, points, 0.0), rig, points)[0]
+    plain = errors(spoiled(rig, points, 1.2), rig, points, tails=0.0)[0]
+    robust, squared = errors(spoiled(rig, points, 1.2), rig, points)
+    assert np.median(plain) > 3 * np.median(clean)
+    assert np.median(robust) < 1.3 * np.median(clean)
+    assert (squared < 7.8).mean() > 0.85
+
+
+def test_heavy_tails_cost_nothing_where_all_cameras_agree():
+    rig, points = ring(6), swarm(n=6, frames=20)
+    plain, robust = (errors(spoiled(rig, points, 0.0), rig, points, tails=t)[0] for t in (0.0, 4.0))
+    assert robust.mean() < 1.05 * plain.mean()
+
+
+def test_an_image_that_shows_half_a_marker_counts_less_and_says_so():
+    """With three cameras no residual tells which is wrong, but the area does."""
+    rig, points = ring(6).select(["c0", "c2", "c4"]), np.repeat([[[0.0, 0, 900]]], 200, 1)
+    blind, blind_squared = errors(spoiled(rig, points, 0.8), rig, points, tails=0.0)
+    seeing, squared = errors(spoiled(rig, points, 0.8, area=0.5), rig, points, tails=0.0)
+    assert np.median(seeing) < 0.5 * np.median(blind)
+    assert (blind_squared < 7.8).mean() < 0.5
+    assert (squared < 7.8).mean() > 0.9
+
+
+def test_whole_images_of_one_marker_are_believed():
+    rig, points = ring(4), np.repeat([[[0.0, 0, 900]]], 50, 1)
+    with_area, without = (errors(spoiled(rig, points, 0.0, area=a), rig, points)[1] for a in (1.0, None))
+    assert np.allclose(with_area, without, rtol=1e-6)
+
+
+def test_a_ghost_that_shares_an_image_starts_no_track():
+    """Two markers and the ghost of their crossed rays; the ghost would live as long as they do."""
+    xyz = np.array([[0.0, 0, 900], [300, 0, 900], [150, 80, 900]])
+    views = np.array([[0, 3, 6], [1, 4, 7], [0, 4, -1]])
+    frames = 30
+    cloud = Cloud(
+        100.0,
+        np.arange(frames + 1) * 3,
+        np.tile(xyz, (frames, 1)),
+        np.tile(0.01 * np.eye(3), (3 * frames, 1, 1)),
+        np.zeros(3 * frames),
+        np.concatenate([np.where(views >= 0, views + 8 * f, -1) for f in range(frames)]),
+    )
+    late = cloud.keep(~((cloud.frame == 0) & (np.arange(len(cloud)) % 3 == 2)))  # the markers are there first
+    tracks = track(late)
+    assert len(tracks) == 2
+    assert tracks.lengths.tolist() == [frames, frames]
+
+
+def test_a_track_does_not_take_a_ghost_of_an_older_one():
+    """While marker B is hidden, a ghost beside its prediction shares an image with A, which is older."""
+    frames, hidden = 30, range(15, 18)
+    rows, views, counts = [], [], []
+    for f in range(frames):
+        here = [[0.0, 0, 900]] if f < 3 else [[0.0, 0, 900], [40.0, 0, 900]]  # A is there first
+        images = [[2 * f, 100 + 2 * f], [2 * f + 1, 101 + 2 * f]][: len(here)]
+        if f in hidden:
+            here[1], images[1] = [41.0, 0, 900], [2 * f, 101 + 2 * f]
+        rows += here
+        views += images
+        counts.append(len(here))
+    n = len(rows)
+    start = np.concatenate([[0], np.cumsum(counts)])
+    cov = np.tile(0.01 * np.eye(3), (n, 1, 1))
+    tracks = track(Cloud(100.0, start, np.array(rows), cov, np.zeros(n), np.array(views)))
+    assert tracks.lengths.tolist() == [frames, frames - 3 - len(hidden)]
+
+
+@pytest.mark.parametrize("rate", [50.0, 100.0, 250.0])
+def test_patience_is_a_time_whatever_the_rate(rate):
+    points = np.repeat([[[0.0, 0, 900]]], round(rate), 1)
+    for seconds, pieces in ((0.08, 1), (0.16, 2)):
+        hide = np.zeros(points.shape[:2], bool)
+        hide[0, 20 : 20 + round(seconds * rate)] = True
+        method = ExtrapolationLadder(patience=0.12)
+        assert len(tracked(points, rate=rate, hide=hide, method=method)) == pieces
+
+
+def test_pairs_are_taken_within_their_band_only():
+    """Two cameras whose images of one point are 1.5 px off their epipolar lines."""
+    rig = ring(6).select(["c0", "c2"])
+    detections, _ = observe(rig, np.array([[[0.0, 0, 900]]]))
+    uv = detections.uv.copy()
+    uv[1, 1] += 1.5
+    off = replace(detections, uv=uv)
+    assert len(match(off, rig, method=EpipolarTriplets(pair_band=1.0))) == 0
+    assert len(match(off, rig, method=EpipolarTriplets(pair_band=2.0))) == 1
+
+
+def test_blocks_of_frames_do_not_change_the_matches(monkeypatch):
+    rig, points = ring(4), swarm(n=6, frames=20)
+    detections, _ = observe(rig, points, noise=0.1)
+    whole = match(detections, rig)
+    monkeypatch.setattr("kinemark.match.epipolar.BLOCK", 7)
+    assert same(match(detections, rig), whole)
+
+
+def test_frames_full_of_noise_are_refused_before_memory_is():
+    rig = ring(2)
+    uv = np.random.default_rng(0).uniform(0, 1000, (2400, 2))
+    with pytest.raises(KinemarkError, match="1200 points in frame 0"):
+        match(Detections.build(rig.names, 100.0, [[1200], [1200]], uv), rig)
+
+
+def test_camera_bits_and_residuals_of_paths_are_those_of_their_points():
+    rig, points = ring(5), swarm(n=1, frames=20)
+    detections, _ = observe(rig, points, noise=0.1)
+    without = detections.keep(detections.camera != 1)
+    cloud = reconstruct(match(without, rig), without, rig)
+    (path,) = to_trajectories(track(cloud), rig)
+    assert (path.cameras == 0b11101).all()
+    span = np.mean([np.linalg.norm(c.centre - [0, 0, 900]) / c.K[0, 0] for c in rig])  # mm a pixel, about
+    assert np.allclose(path.residual / cloud.residual, span, rtol=0.3)
+    assert (path.cov == cloud.cov).all()
+
+
+@pytest.mark.parametrize(
+    ("method", "wrong"),
+    [
+        (ExtrapolationLadder, {"reach": 0.0}),
+        (ExtrapolationLadder, {"scatter": float("nan")}),
+        (ExtrapolationLadder, {"patience": 1e300}),
+        (ExtrapolationLadder, {"shortest": 0}),
+        (EpipolarTriplets, {"search_radius": -1.0}),
+        (EpipolarTriplets, {"candidates": 0}),
+        (LeastSquares, {"tails": -2.0}),
+        (LeastSquares, {"centroid_sd": 0.0}),
+        (LeastSquares, {"model_sd": float("nan")}),
+    ],
+)
+def test_parameters_that_mean_nothing_are_refused(method, wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        method(**wrong)

@@ -5,7 +5,7 @@ The stages, each `stage(data, …, method=Method(…)) -> data`:
     rig = read_rig_toml("rig.toml")
     seen = detect([open_images(f"walk/{c}.mkv") for c in rig.names], cameras=rig.names, rate=50.0)
     cloud = reconstruct(match(seen, rig), seen, rig)
-    trajectories = to_trajectories(track(cloud))
+    trajectories = to_trajectories(track(cloud), rig)
     write_c3d("walk.c3d", Trial("walk", trajectories))
 
 A whole session with its report: `from kinemark.session import Session`.

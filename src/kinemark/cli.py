@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -88,19 +89,27 @@ def run(session: Path, *trials: str, json: Json = False) -> None:
 
 
 @app.command
-def info(*files: Path, json: Json = False) -> None:
+def info(file: Path, *files: Path, json: Json = False) -> None:
     """Say what is in files: C3D, TDF, TRC, CSV, rig TOML, DLT, HDF5, video, images or a session.
 
     Args:
-        files: one or more.
+        file: one file or folder.
+        files: and others.
         json: print it for a machine.
     """
-    found = {str(file): describe(file) for file in files}
+    found: dict[str, dict[str, object]] = {}
+    for one in (file, *files):
+        try:
+            found[str(one)] = describe(one)
+        except KinemarkError as error:  # one bad file keeps nobody from seeing the others
+            found[str(one)] = {"error": str(error)}
     if json:
         _print(found)
-        return
-    for file, facts in found.items():
-        _print("\n".join([file, *(f"  {key}: {value}" for key, value in facts.items())]))
+    else:
+        for name, facts in found.items():
+            _print("\n".join([name, *(f"  {key}: {value}" for key, value in facts.items())]))
+    if any("error" in facts for facts in found.values()):
+        sys.exit(1)
 
 
 @app.command
@@ -122,7 +131,7 @@ def convert(
         rate_hz: of detections or trajectories in a CSV file, which does not say it.
     """
     convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz)
-    _print(f"{target}: " + ", ".join(f"{key} {value}" for key, value in describe(target).items()))
+    _print(f"{target} is written. What it holds: kinemark info {target}")
 
 
 @app.command
@@ -141,6 +150,7 @@ def simulate(folder: Path, *, scene: Annotated[Scene | None, Parameter(name="*")
 def _print(value: object) -> None:
     """Text as it is, anything else as JSON."""
     sys.stdout.write((value if isinstance(value, str) else json.dumps(value, indent=1)) + "\n")
+    sys.stdout.flush()
 
 
 def main() -> None:
@@ -149,6 +159,9 @@ def main() -> None:
         app()
     except KinemarkError as error:
         errors.print(f"kinemark: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        sys.exit(1)
+    except BrokenPipeError:  # whoever read the output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
     except KeyboardInterrupt:
         errors.print("stopped; what was finished is kept, and the next run goes on from there")

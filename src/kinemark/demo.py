@@ -23,13 +23,14 @@ class Demonstration:
     Attributes:
         results: of the trial.
         score: against the truth; markers: how many there were.
-        seconds: the whole took.
+        seconds: the whole took; simulated: whether the images were made in it.
     """
 
     results: Results
     score: Score
     markers: int
     seconds: float
+    simulated: bool
 
     @property
     def passed(self) -> bool:
@@ -61,7 +62,8 @@ class Demonstration:
             f"  samples recovered   {100 * s.recall:.1f} %, {s.extra_per_frame:.3f} points a frame that are no marker\n"
             f"  3D RMSE             {s.rmse:.3f} mm\n"
             f"  95 % ellipsoids     hold the truth in {100 * s.coverage:.1f} % of samples\n"
-            f"  time                {self.seconds:.1f} s, the simulation and its images included\n\n"
+            f"  time                {self.seconds:.1f} s"
+            f"{', the simulation and its images included' if self.simulated else ''}\n\n"
             f"trajectories  {self.results.folder / (self.results.folder.name + '.c3d')}\n"
             f"report        {self.results.folder / 'report.html'}"
         )
@@ -76,10 +78,11 @@ def demo(folder: Path, *, scene: Scene | None = None, progress: Progress = silen
         KinemarkError: the folder holds something else, or the session cannot be run.
     """
     began = time.perf_counter()
-    if not (folder / FILE).is_file() or not (folder / "truth.npz").is_file():
+    fresh = not (folder / FILE).is_file() or not (folder / "truth.npz").is_file()
+    if fresh:
         simulate(folder, scene=scene, progress=progress)
     session = Session.open(folder)
-    (results,) = session.run(progress=progress).values()
+    results = next(iter(session.run(progress=progress).values()))
     with np.load(folder / "truth.npz", allow_pickle=False) as truth:
         xyz = truth["xyz"]
-    return Demonstration(results, score(results.tracks, xyz), len(xyz), time.perf_counter() - began)
+    return Demonstration(results, score(results.tracks, xyz), len(xyz), time.perf_counter() - began, fresh)

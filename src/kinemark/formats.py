@@ -8,22 +8,26 @@ from typing import Any, Literal
 
 import numpy as np
 
-from .data import Cloud, Detections, KinemarkError, Matches, Rig, Tracks, Trial
+from .data import Cloud, Detections, KinemarkError, Matches, Rig, Rods, Tracks, Trajectories, Trial
 from .geometry import to_dlt
-from .io.c3d import read_c3d, write_c3d
+from .io.c3d import markers, read_c3d, write_c3d
 from .io.detections_csv import read_detections_csv, write_detections_csv
 from .io.dlt_csv import read_dlt_csv, write_dlt_csv
 from .io.images import ImageSource, open_images
 from .io.records import load, save
 from .io.rig_toml import read_rig_toml, write_rig_toml
+from .io.rods_toml import read_rods
 from .io.tdf import Tdf, read_tdf
 from .io.text import read_text
 from .io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .io.trc import read_trc, write_trc
+from .pipeline import together
 from .session import FILE, Session, rig_of_dlt
 from .track import to_trajectories
 
+UNSAID = 1.0  # Hz; stands where a detections CSV does not say its rate
 What = Literal["trajectories", "detections", "rig"]
+IMAGES = (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".mkv", ".mp4", ".avi", ".mov", ".mpg", ".m4v")
 WRITERS = {
     "trajectories": (".c3d", ".trc", ".csv"),
     "detections": (".h5", ".csv"),
@@ -48,6 +52,13 @@ def read(path: Path, *, what: What | None = None, length_unit: str | None = None
         ".csv": lambda: _read_csv(path, what, length_unit, rate_hz),
         ".h5": lambda: load(path),
     }
+    if path.name == "rods.toml":
+        return read_rods(path)
+    if suffix not in readers and suffix not in IMAGES:
+        raise KinemarkError(
+            f"{path} is of no known kind. Known are sessions, {', '.join(readers)}, and images and videos as "
+            f"{', '.join(IMAGES)}."
+        )
     return readers.get(suffix, lambda: open_images(path))()
 
 
@@ -55,7 +66,7 @@ def _read_csv(path: Path, what: What | None, length_unit: str | None, rate_hz: f
     """A CSV file: its first line tells detections and trajectories from DLT parameters."""
     head = read_text(path).split("\n", 1)[0]
     if what == "detections" or (what is None and "u_px" in head):
-        return read_detections_csv(path, rate=rate_hz or 1.0)
+        return read_detections_csv(path, rate=rate_hz or UNSAID)
     if what == "trajectories" or (what is None and "_x_mm" in head):
         return Trial(path.stem, read_trajectories_csv(path, rate=rate_hz))
     return read_dlt_csv(path) if length_unit is None else rig_of_dlt(path, (), length_unit)
@@ -78,6 +89,7 @@ def describe(path: Path) -> dict[str, Any]:
         Tracks: lambda t: {"holds": "tracks", "frames": t.cloud.n_frames, "tracks": len(t), "points": len(t.cloud)},
         ImageSource: _images,
         Session: _session,
+        Rods: lambda r: {"holds": "hanging rods", "rods": ", ".join(r.names), "markers on each": r.xyz.shape[1]},
         np.ndarray: lambda L: {"holds": "DLT parameters", "cameras": len(L)},
     }
     return describers[type(found)](found)
@@ -109,6 +121,10 @@ def convert(
     if isinstance(found, np.ndarray):
         raise KinemarkError(f"{source} holds DLT parameters of an unknown unit. Say --length-unit m or mm.")
     have = _parts(source, found)
+    if rate_hz is not None and not 0 < rate_hz < np.inf:
+        raise KinemarkError(f"--rate-hz is {rate_hz}, wanted a number above 0.")
+    if isinstance(found, Detections) and found.rate == UNSAID and rate_hz is None and source.suffix.lower() == ".csv":
+        raise KinemarkError(f"{source} does not say its frame rate. Say --rate-hz.")
     suffix = target.suffix.lower()
     fits = [kind for kind in have if suffix in WRITERS[kind] and what in (None, kind)]
     if len(fits) != 1:
@@ -123,27 +139,41 @@ def convert(
 def _parts(source: Path, found: Any) -> dict[What, Any]:
     """What of a record can be written elsewhere."""
     if isinstance(found, Tdf):
-        trial = found.trajectories and Trial(source.stem, found.trajectories, found.analog, found.plates, found.events)
+        trial = found.trajectories and _whole_trial(source.stem, found)
         parts: dict[What, Any] = {"trajectories": trial, "detections": found.detections, "rig": found.rig}
         return {kind: part for kind, part in parts.items() if part is not None}
     if isinstance(found, Tracks):
-        return {"trajectories": Trial(source.stem, to_trajectories(found))}
+        return {"trajectories": Trial(source.stem, to_trajectories(found, None))}
     kinds: dict[type, What] = {Trial: "trajectories", Detections: "detections", Rig: "rig"}
     return {kinds[type(found)]: found} if type(found) in kinds else {}
+
+
+def _whole_trial(name: str, tdf: Tdf) -> Trial:
+    """The markers of a BTS file with its channels as a C3D file can hold them."""
+    assert tdf.trajectories is not None  # the caller has looked
+    return together(Trial(name, tdf.trajectories, tdf.analog, tdf.plates, tdf.events), tdf.trajectories)
 
 
 def _write(kind: What, part: Any, target: Path) -> None:
     """One part to a file."""
     writers: dict[tuple[str, str], Callable[[], None]] = {
         ("trajectories", ".c3d"): lambda: write_c3d(target, part),
-        ("trajectories", ".trc"): lambda: write_trc(target, part.trajectories),
-        ("trajectories", ".csv"): lambda: write_trajectories_csv(target, part.trajectories),
+        ("trajectories", ".trc"): lambda: write_trc(target, _positions(target, part)),
+        ("trajectories", ".csv"): lambda: write_trajectories_csv(target, _positions(target, part)),
         ("detections", ".h5"): lambda: save(target, part),
         ("detections", ".csv"): lambda: write_detections_csv(target, part),
         ("rig", ".toml"): lambda: write_rig_toml(target, part),
         ("rig", ".csv"): lambda: _write_dlt(target, part),
     }
     writers[kind, target.suffix.lower()]()
+
+
+def _positions(target: Path, trial: Trial) -> Trajectories:
+    """The markers of a trial, without the angles, moments and powers that a C3D file keeps among them."""
+    positions = markers(trial)
+    if not len(positions):
+        raise KinemarkError(f"The source has no markers, and {target.suffix} holds nothing else. Convert to .c3d.")
+    return positions
 
 
 def _write_dlt(target: Path, rig: Rig) -> None:
@@ -157,11 +187,13 @@ def _write_dlt(target: Path, rig: Rig) -> None:
 
 def _trial(trial: Trial) -> dict[str, Any]:
     """A C3D, TRC or CSV trial."""
-    t = trial.trajectories
+    t = markers(trial)
+    others = len(trial.trajectories) - len(t)
     gaps = [stop - first for path in t for first, stop in path.gaps]
     return {
         "holds": "a trial",
         "markers": f"{len(t)}: {', '.join(t.names)}" if t.names else 0,
+        **({"angles, moments and the like": others} if others else {}),
         "frames": t.n_frames,
         "first frame": t.first_frame,
         "rate": f"{t.rate:g} Hz",
@@ -201,7 +233,7 @@ def _detections(d: Detections) -> dict[str, Any]:
         "holds": "2D points",
         "cameras": ", ".join(d.cameras),
         "frames": d.n_frames,
-        "rate": f"{d.rate:g} Hz",
+        "rate": f"{d.rate:g} Hz" if d.rate != UNSAID else "not said",
         "points": f"{len(d)}, {len(d) / max(d.n_frames * len(d.cameras), 1):.1f} a camera and frame",
     }
 

@@ -107,9 +107,18 @@ class Ledger:
         self._write()
         return record, key
 
+    def stands(self, stage: str, key: str) -> bool:
+        """Whether a stage was done with this key in the last run."""
+        return stage in self.old and self.old[stage].input == key
+
+    def note(self, stage: str, key: str) -> None:
+        """Write down that a stage without a record of its own is done."""
+        self.steps.append(Step(stage, "", {}, __version__, key, 0.0))
+        self._write()
+
     def _loaded(self, stage: str, key: str, file: str, load: Callable[[Path], Record]) -> Record | None:
         """The record of an unchanged stage, or None where it must be made."""
-        if stage not in self.old or self.old[stage].input != key or not (self.folder / file).is_file():
+        if not self.stands(stage, key) or not (self.folder / file).is_file():
             return None
         try:
             return load(self.folder / file)

@@ -50,11 +50,13 @@ class Source:
     Attributes:
         key: changes when the input does.
         detections: reads or detects them, given the method and a progress callback.
+        doubts: what contradicts itself in the input, for the report.
         beside: analog channels, force plates and events of the same recording, in a trial without markers.
     """
 
     key: str
     detections: Callable[[Centroids, Progress], Detections]
+    doubts: tuple[str, ...] = ()
     beside: Trial | None = None
 
 
@@ -109,8 +111,8 @@ def run(
     """
     methods = methods or Methods()
     ledger = Ledger.open(folder)
-    detections, tracks = _stages(ledger, source, rig, methods, progress)
-    trajectories = to_trajectories(tracks)
+    detections, tracks, key = _stages(ledger, source, rig, methods, progress)
+    trajectories = to_trajectories(tracks, rig)
     steps = tuple(ledger.steps)
     figures = quality(
         session=session,
@@ -120,20 +122,26 @@ def run(
         tracks=tracks,
         trajectories=trajectories,
         steps=(*calibration, *steps),
+        notes=source.doubts,
     )
     outputs = [folder / f"{folder.name}.c3d", folder / "quality.json", folder / "report.html"]
-    if ledger.computed or not all(path.is_file() for path in outputs):
+    key = digest(key, session, source.doubts, [(step.input, step.method) for step in calibration])
+    if not ledger.stands("write", key) or not all(path.is_file() for path in outputs):
         progress("write", 0, 1)
         beside = source.beside or Trial("", trajectories)
-        analog = alongside(beside.analog, trajectories.rate, detections.n_frames)
-        trial = replace(beside, name=folder.name, trajectories=trajectories, analog=analog, steps=steps)
-        write_c3d(outputs[0], trial)
+        write_c3d(outputs[0], replace(together(beside, trajectories), name=folder.name, steps=steps))
         write_quality(outputs[1], figures)
         write_report(
             outputs[2], quality=figures, rig=rig, detections=detections, tracks=tracks, trajectories=trajectories
         )
         progress("write", 1, 1)
+    ledger.note("write", key)  # only now: what was cut off before is written again
     return Results(folder, rig, detections, tracks, trajectories, figures, steps, tuple(ledger.computed))
+
+
+def _whole(ratio: float) -> bool:
+    """Whether a ratio of rates is a whole number."""
+    return abs(ratio - round(ratio)) < 1e-6 and round(ratio) >= 1
 
 
 def alongside(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Analog, ...]:
@@ -142,14 +150,14 @@ def alongside(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Ana
     Channels whose rate is no multiple of the frame rate, or that start later, are left out; they stay in their own
     file. What was recorded beyond the last frame is cut, and what is missing before it is NaN.
     """
-    fitting = [a for a in analog if a.start == 0 and a.rate % rate == 0]
+    fitting = [a for a in analog if a.start == 0 and _whole(a.rate / rate)]
     if not fitting:
         return ()
     fastest = max(a.rate for a in fitting)
     samples = round(fastest / rate) * n_frames
     rows = []
     for a in fitting:
-        held = np.repeat(a.values, round(fastest / a.rate), axis=1)[:, :samples] if fastest % a.rate == 0 else None
+        held = np.repeat(a.values, round(fastest / a.rate), axis=1)[:, :samples] if _whole(fastest / a.rate) else None
         if held is not None:
             rows.append((a, np.pad(held, ((0, 0), (0, samples - held.shape[1])), constant_values=np.nan)))
     names = tuple(name for a, _ in rows for name in a.names)
@@ -159,8 +167,8 @@ def alongside(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Ana
 
 def _stages(
     ledger: Ledger, source: Source, rig: Rig, methods: Methods, progress: Progress
-) -> tuple[Detections, Tracks]:
-    """The stages in their order, each from its file where that still holds."""
+) -> tuple[Detections, Tracks, str]:
+    """The stages in their order, each from its file where that still holds; and the key of the last."""
 
     def told(stage: str, make: Callable[[], Record]) -> Callable[[], Record]:
         def made() -> Record:
@@ -198,7 +206,7 @@ def _stages(
         save=save,
         load=_reader(Cloud),
     )
-    tracks, _ = ledger.do(
+    tracks, key = ledger.do(
         "track",
         methods.track,
         key,
@@ -207,7 +215,15 @@ def _stages(
         save=save,
         load=_reader(Tracks),
     )
-    return detections, tracks
+    return detections, tracks, key
+
+
+def together(beside: Trial, trajectories: Trajectories) -> Trial:
+    """The trajectories with what was recorded beside them, as far as a C3D file can hold it."""
+    analog = alongside(beside.analog, trajectories.rate, trajectories.n_frames)
+    kept = {name for a in analog for name in a.names}
+    plates = tuple(plate for plate in beside.plates if set(plate.channels) <= kept)
+    return replace(beside, trajectories=trajectories, analog=analog, plates=plates)
 
 
 def _reader(kind: type[Record]) -> Callable[[Path], Record]:

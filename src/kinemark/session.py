@@ -26,7 +26,7 @@ from .io.rods_toml import read_rods
 from .io.tdf import read_tdf
 from .ledger import Ledger, digest, file_key
 from .pipeline import Methods, Progress, Results, Source, run, silent
-from .settings import Settings, TrialEntry, read_settings
+from .settings import ADVICE, Settings, TrialEntry, read_settings
 
 FILE = "session.toml"
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
@@ -53,6 +53,8 @@ class Session:
         """
         path = Path(path)
         file = path / FILE if path.is_dir() else path
+        if file.is_file() and file.suffix.lower() != ".toml":
+            raise KinemarkError(f"{file} is a recording, not a session: write a {FILE} that names it. {ADVICE}")
         return cls(file.parent, read_settings(file))
 
     @property
@@ -134,7 +136,8 @@ class Session:
             )
 
         files = [path for source in images.values() for path in source.paths]
-        return Source(digest(file_key(*files), rig.names, rate, str(self.settings.cameras.first_field)), detections)
+        key = digest(file_key(*files), rig.names, rate, str(self.settings.cameras.first_field))
+        return Source(key, detections, doubts=_doubts(images, rate))
 
     def _detections_source(self, path: Path, trial: TrialEntry, rig: Rig) -> Source:
         """Detections that were made before, by us or by another system."""
@@ -157,12 +160,18 @@ class Session:
             raise KinemarkError(
                 f"{path} says {found.rate:g} Hz and session.toml rate_hz = {rate:g}. Correct or remove rate_hz."
             )
+        if not len(found):
+            raise KinemarkError(f"{path} has no 2D points. Check that it was written to the end.")
         if missing := sorted(set(rig.names) - set(found.cameras)):
             raise KinemarkError(
                 f"{path} has cameras {', '.join(found.cameras)}, and the calibration also {', '.join(missing)}. "
-                "Name in [cameras] those that both have."
+                "Call them alike in both, and name in [cameras] those to be used."
             )
-        return Source(digest(file_key(path), rig.names), lambda method, progress: found.select(rig.names), beside)
+        return Source(
+            digest(file_key(path), rig.names, found.rate),
+            lambda method, progress: found.select(rig.names),
+            beside=beside,
+        )
 
     def _rate(self, trial: TrialEntry, stated: float | None) -> float:
         """Frames a second: as the settings say, else as the file does."""
@@ -246,6 +255,18 @@ class Session:
     def _with_volume(self, rig: Rig) -> Rig:
         """The rig with the control volume of the settings, where they have one."""
         return rig if self.settings.volume_mm is None else replace(rig, volume=np.array(self.settings.volume_mm))
+
+
+def _doubts(images: dict[str, ImageSource], rate: float) -> tuple[str, ...]:
+    """Where the videos' own frame rates contradict the one that is used."""
+    others = {name: s.rate for name, s in images.items() if s.rate and abs(s.rate - rate) > 0.01 * rate}
+    if not others:
+        return ()
+    said = ", ".join(f"{name} {stated:g} Hz" for name, stated in others.items())
+    return (
+        f"The session says {rate:g} Hz and the videos say otherwise: {said}. Times and speeds are as right as rate_hz; "
+        "high-speed cameras often store a slower rate, and a field of interlaced video is a frame.",
+    )
 
 
 def rig_of_dlt(file: Path, names: Sequence[str], unit: str | None) -> Rig:

@@ -26,6 +26,11 @@ METHODS: dict[str, dict[str, type]] = {
 }
 """The methods of each stage under their names in a session file; the first is the default."""
 
+ADVICE = "A session is a folder with a session.toml, saved as UTF-8; docs/session.md shows one."
+
+RESERVED = (".", "..", "rig.toml", "steps.json")
+"""What a trial cannot be called, since results are kept by these names."""
+
 Unit = Literal["mm", "cm", "m", "in"]
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -41,6 +46,14 @@ class Cameras(Strict):
 
     names: tuple[str, ...] = ()
     interlaced: bool | Literal["top", "bottom"] = False
+
+    @field_validator("names")
+    @classmethod
+    def distinct(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+        """Two cameras of one name could not be told apart."""
+        if len(set(names)) != len(names):
+            raise ValueError(f"names must differ, found {list(names)}")
+        return names
 
     @property
     def first_field(self) -> Literal[False, "top", "bottom"]:
@@ -83,9 +96,17 @@ class Calibration(Strict):
 class TrialEntry(Strict):
     """`[[trials]]`: images or detections."""
 
-    name: str = Field(pattern=r"^[^/\\]+$")
+    name: str
     images: str | None = None
     detections: Path | None = None
+
+    @field_validator("name")
+    @classmethod
+    def folder(cls, name: str) -> str:
+        """Results go into a folder of this name."""
+        if not name.isprintable() or Path(name).name != name or len(name) > 100 or name in RESERVED:
+            raise ValueError(f"the name must be one that a folder can have, and not {', '.join(RESERVED)}")
+        return name
 
     @model_validator(mode="after")
     def one_source(self) -> TrialEntry:
@@ -115,6 +136,14 @@ class Settings(Strict):
     def chosen(cls, table: Any, info: Any) -> Any:
         """The method that a stage's table names, with its parameters."""
         return method_of(info.field_name, table) if isinstance(table, dict) else table
+
+    @field_validator("volume_mm")
+    @classmethod
+    def box(cls, volume: Any) -> Any:
+        """The first corner is the lesser one."""
+        if volume is not None and not all(a < b for a, b in zip(*volume, strict=True)):
+            raise ValueError("wants the least corner first, then the greatest")
+        return volume
 
     @field_validator("trials")
     @classmethod
@@ -151,14 +180,21 @@ def read_settings(path: Path) -> Settings:
     Raises:
         KinemarkError: it is absent, no TOML, or says something that is not understood; all such places are named.
     """
-    if not path.is_file():
-        raise KinemarkError(f"{path} is not there. Write one, or make one to look at with: kinemark simulate FOLDER")
     try:
+        if not path.is_file():
+            raise KinemarkError(
+                f"{path} is not there. Write one, or make one to look at with: kinemark simulate FOLDER"
+            )
         return Settings.model_validate(tomllib.loads(path.read_text("utf-8")))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise KinemarkError(f"{path} is not UTF-8 text: {error.reason}. {ADVICE}") from error
+    except tomllib.TOMLDecodeError as error:
         raise KinemarkError(f"{path} is not TOML: {error}. Correct that line.") from error
+    except OSError as error:
+        raise KinemarkError(f"{path} cannot be read: {error}") from error
     except ValidationError as error:
-        lines = "\n".join(f"  {_said(row)}" for row in error.errors())
+        rows = [row for row in error.errors() if row["loc"] != ("trials",) or len(error.errors()) == 1]
+        lines = "\n".join(f"  {_said(row)}" for row in rows)
         raise KinemarkError(f"{path} has settings that are not understood:\n{lines}") from error
 
 

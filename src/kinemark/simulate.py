@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import pathlib
+import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from .data import KinemarkError, Rig
+from .data import KinemarkError, Path, Rig, Trajectories
 from .io.c3d import markers, read_c3d
 from .io.images import write_png
 from .io.video import write_video
@@ -39,8 +40,8 @@ class Scene:
         motion: a walk with 15 markers, an arm with 7 that feeds or drinks, or one of Swamidas' three motions.
         c3d: a C3D file whose markers move instead.
         cameras: how many, in a ring.
-        seconds: how long.
-        rate_hz: frames (fields, if interlaced) a second.
+        seconds: how long; of a C3D file, at most.
+        rate_hz: frames (fields, if interlaced) a second; a C3D file has its own.
         focal_px: focal length.
         size_px: width and height of the images.
         barrel: lens distortion k1; negative bends outwards.
@@ -51,7 +52,7 @@ class Scene:
     """
 
     motion: Motion = "walk"
-    c3d: Path | None = None
+    c3d: pathlib.Path | None = None
     cameras: int = 6
     seconds: float = 2.0
     rate_hz: float = 50.0
@@ -63,6 +64,20 @@ class Scene:
     strobes: bool = False
     seed: int = 1
 
+    def check(self) -> None:
+        """Refuse what cannot be simulated.
+
+        Raises:
+            KinemarkError: a number is not positive, or a single camera is asked for.
+        """
+        wanted = {"seconds": self.seconds, "rate_hz": self.rate_hz, "focal_px": self.focal_px}
+        if wrong := [f"{name} is {value}" for name, value in wanted.items() if not value > 0]:
+            raise KinemarkError(f"{', '.join(wrong)}, wanted more than 0.")
+        if min(self.size_px) < 16 or self.noise < 0:
+            raise KinemarkError(f"size_px is {self.size_px} and noise {self.noise}, wanted at least 16 and 0.")
+        if self.cameras < 2:
+            raise KinemarkError(f"cameras is {self.cameras}, and a point in space needs two.")
+
     def subject(self) -> Subject:
         """The markers and limbs that move.
 
@@ -73,7 +88,7 @@ class Scene:
             trajectories = markers(read_c3d(self.c3d))
             if not len(trajectories):
                 raise KinemarkError(f"{self.c3d} has no markers. Name a file that has.")
-            return from_trajectories(trajectories)
+            return from_trajectories(_first_seconds(trajectories, self.seconds))
         timing: dict[str, Any] = {"duration_s": self.seconds, "rate": self.rate_hz}
         makers: dict[Motion, Callable[[], Subject]] = {
             "walk": lambda: walking(**timing, seed=self.seed, speed_mm_s=WALKING_SPEED, wobble_mm=1.0),
@@ -101,11 +116,18 @@ class Scene:
         return ring(self.cameras, radius=away, height=heights, target=middle, volume=[low, high], **options)
 
 
+def _first_seconds(trajectories: Trajectories, seconds: float) -> Trajectories:
+    """The beginning of a recording."""
+    stop = max(round(seconds * trajectories.rate), 1)
+    paths = tuple(Path.measured(path.name, path.xyz[:stop]) for path in trajectories)
+    return Trajectories(paths, trajectories.rate)
+
+
 WALKING_SPEED = 850.0
 """mm/s; slow enough for two seconds, with the feet before and behind, to stay within the 2.4 m of the volume."""
 
 
-def simulate(folder: Path, *, scene: Scene | None = None, progress: Progress = silent) -> Path:
+def simulate(folder: pathlib.Path, *, scene: Scene | None = None, progress: Progress = silent) -> pathlib.Path:
     """A new session folder with rendered images, a control frame to calibrate with, and the exact truth.
 
     Args:
@@ -120,23 +142,35 @@ def simulate(folder: Path, *, scene: Scene | None = None, progress: Progress = s
         KinemarkError: the folder holds something already.
     """
     scene = scene or Scene()
+    scene.check()
     subject = scene.subject()
     rig = scene.rig(subject)
     box = scene.motion != "walk" or scene.c3d is not None
     side = (rig.volume[1] - rig.volume[0]).max()
     corner = rig.volume.mean(0) - side / 2
-    return write_session(
-        folder,
-        subject,
-        rig,
-        write_frames=write_video,
-        write_image=write_png,
-        name=f"simulated {scene.c3d.stem if scene.c3d else scene.motion}",
-        trial="walk01" if not box else "trial01",
-        target=calibration_box(side, corner=corner) if box else None,
-        optics=Optics(read_noise=scene.noise),
-        strobes=scene.strobes,
-        interlaced=scene.interlaced,
-        seed=scene.seed,
-        progress=lambda done, total: progress("simulate", done, total),
-    )
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise KinemarkError(f"{folder} exists already and nothing in it is overwritten. Name a new folder.")
+    part = folder.absolute().with_name(f".{folder.absolute().name}.part")
+    shutil.rmtree(part, ignore_errors=True)  # of a simulation that was cut off
+    try:
+        write_session(
+            part,
+            subject,
+            rig,
+            write_frames=write_video,
+            write_image=write_png,
+            name=f"simulated {scene.c3d.stem if scene.c3d else scene.motion}",
+            trial="walk01" if not box else "trial01",
+            target=calibration_box(side, corner=corner) if box else None,
+            optics=Optics(read_noise=scene.noise),
+            strobes=scene.strobes,
+            interlaced=scene.interlaced,
+            seed=scene.seed,
+            progress=lambda done, total: progress("simulate", done, total),
+        )
+        if folder.exists():
+            folder.rmdir()
+        part.rename(folder)
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+    return folder / "session.toml"

@@ -39,8 +39,21 @@ def check_offsets(name: str, start: NDArray[np.int64], total: int) -> None:
         ValueError: the offsets do not cut `total` rows into consecutive pieces.
     """
     flat = start.reshape(-1)
+    if start.ndim == 2 and (start[1:, :1] != start[:-1, -1:]).any():
+        raise ValueError(f"{name} must go on where the row before ends")
     if start.shape[-1] < 1 or (np.diff(flat) < 0).any() or (flat.size and (flat[0] != 0 or flat[-1] != total)):
         raise ValueError(f"{name} must rise from 0 to the number of rows, {total}; found {flat[:1]} … {flat[-1:]}")
+
+
+def check_positive(**values: float | None) -> None:
+    """Parameters must be finite and above zero; None is left out.
+
+    Raises:
+        ValueError: one is not; the message names it.
+    """
+    for name, value in values.items():
+        if value is not None and not 0 < value < np.inf:
+            raise ValueError(f"{name} is {value}, wanted a number above 0")
 
 
 def same(a: Any, b: Any) -> bool:

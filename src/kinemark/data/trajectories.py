@@ -31,7 +31,7 @@ class Path:
         xyz: (F, 3) mm, NaN where missing.
         cov: (F, 3, 3) mm², NaN where unknown.
         origin: (F) an `Origin` each.
-        residual: (F) mm as a C3D file states it, or px after our reconstruction; NaN where unknown.
+        residual: (F) how far the rays of its cameras pass from it, RMS, mm; as a C3D file states it; NaN where unknown.
         cameras: (F) bit c is set when camera c saw the marker; 0 where unknown.
     """
 

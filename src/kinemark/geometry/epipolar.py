@@ -27,7 +27,8 @@ def fundamental(P1: NDArray[np.float64], P2: NDArray[np.float64]) -> NDArray[np.
     turn = P2[:, :3] @ np.linalg.inv(P1[:, :3])
     ex, ey, ez = P2[:, 3] - turn @ P1[:, 3]
     F = np.array([[0, -ez, ey], [ez, 0, -ex], [-ey, ex, 0]]) @ turn  # (1)
-    return np.asarray(F / np.linalg.norm(F))
+    size = np.linalg.norm(F)
+    return np.asarray(F / (size if size > 0 else np.nan))  # NaN: cameras in one place share no epipolar lines
 
 
 def epipolar_constants(L1: NDArray[np.float64], L2: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -34,14 +34,20 @@ def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | N
     Raises:
         KinemarkError: a column is missing, a cell is no number, or no marker is where the operator pointed.
     """
-    rows = list(csv.DictReader(read_text(path).splitlines()))
+    try:
+        reader = csv.DictReader(read_text(path).splitlines())
+        rows, heading = list(reader), reader.fieldnames or ()
+    except csv.Error as error:
+        raise KinemarkError(f"{path} is no CSV file: {error}. Save it again.") from error
     wanted = ["x_mm", "y_mm", "z_mm", *(f"{c}_{axis}_px" for c in cameras for axis in "uv")]
-    if missing := [name for name in wanted if not rows or name not in rows[0]]:
+    if missing := [name for name in wanted if name not in heading]:
         raise KinemarkError(f"{path} lacks the columns {', '.join(missing)}. Add them; cells may be empty.")
     try:
         table = np.array([[float(row[name] or "nan") for name in wanted] for row in rows])
     except (TypeError, ValueError) as error:
         raise KinemarkError(f"{path} has a cell that is no number: {error}. Correct it.") from error
+    if not len(table):
+        raise KinemarkError(f"{path} has a heading and no control points. Add them, one a line.")
     xyz, uv = table[:, :3], table[:, 3:].reshape(len(table), len(cameras), 2).transpose(1, 0, 2)
     if not np.isfinite(xyz).all():
         raise KinemarkError(f"{path} has a control point without x, y and z. Fill them in.")

@@ -64,6 +64,8 @@ def read_detections_csv(
 
 def check_heading(path: Path | str, heading: list[str]) -> None:
     """The columns that must be there, and no unknown one."""
+    if len(heading) == 1 and ";" in heading[0]:
+        raise bad_line(path, 1, "cells are separated by semicolons. Save it with commas, and points in numbers.")
     if unknown := [cell for cell in heading if cell not in NEEDED + OPTIONAL]:
         raise bad_line(path, 1, f"unknown column {unknown[0]!r}; known are {', '.join(NEEDED + OPTIONAL)}. Remove it.")
     if missing := [cell for cell in NEEDED if cell not in heading]:

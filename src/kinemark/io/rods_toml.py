@@ -16,6 +16,7 @@ UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 MOST_RODS = 16
 MOST_MARKERS = 12
 BEND = 0.02
+LARGEST = 100.0  # m; no laboratory hangs rods further apart
 
 
 def read_rods(path: Path) -> Rods:
@@ -57,6 +58,10 @@ def rods_from_toml(text: str) -> Rods:
         _diameter(table.get("marker_diameter")) * UNITS[units],
     )
     _check_straight(rods)
+    if (size := float(np.ptp(rods.xyz, axis=(0, 1)).max()) / 1000) > LARGEST:
+        raise KinemarkError(
+            f"The rods hang {size:.0f} m apart by their coordinates and units = {units!r}. Correct these."
+        )
     return rods
 
 

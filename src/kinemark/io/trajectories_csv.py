@@ -64,7 +64,7 @@ def rate_of(path: Path | str, time: NDArray[np.float64]) -> float:
     """Frames a second; see `read_trajectories_csv`."""
     span = time[-1] - time[0] if len(time) > 1 else np.nan
     if not 0 < span < np.inf:
-        raise KinemarkError(f"{path} does not tell its rate: time_s does not rise. Set the parameter `rate`.")
+        raise KinemarkError(f"{path} does not tell its rate: time_s does not rise. Say it with rate or --rate-hz.")
     return float(f"{(len(time) - 1) / span:.12g}")
 
 

@@ -31,12 +31,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError, Matches, Rig
+from ..data.arrays import check_positive
 from ..geometry import fundamental, triangulate, undistort
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-BLOCK = 512  # frames matched together: bounds the memory, and is enough to share numpy's overhead
+BLOCK = 512  # frames matched together, enough to share numpy's overhead
+CELLS = 1 << 24  # pairs of images in a block, at most: bounds the memory
+MOST = 1000  # images of one camera and frame; more are noise, and their pairs would take hours
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +60,14 @@ class EpipolarTriplets:
     candidates: int = 5
     pairs: Literal["none", "best", "all"] = "all"
     pair_band: float = 1.0
+
+    def __post_init__(self) -> None:
+        check_positive(
+            search_band=self.search_band,
+            search_radius=self.search_radius,
+            candidates=self.candidates,
+            pair_band=self.pair_band,
+        )
 
 
 class Seen(NamedTuple):
@@ -105,8 +116,16 @@ def _blocks(detections: Detections, rig: Rig) -> Iterator[Seen]:
         own = slice(start[c, 0], start[c, -1])
         uv[own] = undistort(camera, detections.uv[own])
     uv[~valid] = np.nan
-    for first in range(0, detections.n_frames, BLOCK):
-        cut = start[:, first : first + BLOCK + 1]
+    most = int(detections.counts.max(initial=1))
+    if most > MOST:
+        c, f = np.argwhere(detections.counts == most)[0]
+        raise KinemarkError(
+            f"Camera {rig.names[c]} has {most} points in frame {f}, wanted at most {MOST}: they are noise. "
+            "Raise the threshold, or leave that frame out."
+        )
+    block = min(BLOCK, max(CELLS // most**2, 1))
+    for first in range(0, detections.n_frames, block):
+        cut = start[:, first : first + block + 1]
         yield Seen(uv, [_padded(rows) for rows in cut])
 
 

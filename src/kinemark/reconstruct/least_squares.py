@@ -17,7 +17,8 @@ image whose d is large counts as one of covariance
 
     C (ν + d²) / (ν + 2)                                                 (2)
 
-found by reweighting until it settles. Images that agree keep C.
+found by six reweightings. They are only made where an image is off by more than d² = ν + 2, and never narrow: images
+that agree keep C.
 
 A sphere's centroid is not the projection of its centre, and no lens is exactly its model; what these leave is a
 hundredth of a pixel (`model_sd`), and no covariance is believed below that.
@@ -32,6 +33,7 @@ from numpy.typing import NDArray
 from scipy.special import gammaincinv
 
 from ..data import Cloud, Detections, Matches, Rig
+from ..data.arrays import check_positive
 from ..geometry import Triangulated, refine, triangulate, undistort
 from .hidden import hidden_variance
 
@@ -58,6 +60,12 @@ class LeastSquares:
     tails: float = 4.0
     within_volume: bool = True
     volume_margin: float = 100.0
+
+    def __post_init__(self) -> None:
+        check_positive(centroid_sd=self.centroid_sd)
+        for name in ("model_sd", "tails", "volume_margin"):
+            if not 0 <= getattr(self, name) < np.inf:
+                raise ValueError(f"{name} is {getattr(self, name)}, wanted 0 or more")
 
 
 def reconstruct(matches: Matches, detections: Detections, rig: Rig, *, method: LeastSquares = LeastSquares()) -> Cloud:

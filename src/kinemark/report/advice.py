@@ -21,6 +21,8 @@ USED_SHARE = 0.6
 """Share of a camera's valid detections that should belong to a point."""
 COMPLETE_AMBER, COMPLETE_RED = 0.97, 0.8
 """Share of samples that are present while the subject is in view."""
+STRETCH = 0.06
+"""How far the focal lengths along u and v may differ, or differ from 2:1 in fields of interlaced video."""
 PIECES = 1.3
 """Tracks a marker above which they count as broken."""
 LONG_GAP_S = 0.2
@@ -114,9 +116,7 @@ def _nothing(figures: Figures) -> Iterator[Remark]:
         )
     elif not figures["trajectories"]["samples"]:
         what = "3D points were reconstructed, but no trajectory came of them."
-        yield from _say(
-            "red", what, "Check the parameters of [track]: the largest step, and the shortest track that is kept."
-        )
+        yield from _say("red", what, "Check the parameters of [track]: shortest, and speed; and rate_hz.")
 
 
 def _blind(figures: Figures) -> Iterator[Remark]:
@@ -271,8 +271,23 @@ def _unnamed(figures: Figures) -> Iterator[Remark]:
 def _left_over(figures: Figures) -> Iterator[Remark]:
     inside = figures["points"]["in_a_track_share"]
     if inside is not None and inside < 0.9:
-        what = f"{percent(1 - inside)} of the 3D points belong to no track: ghosts or reflections."
-        yield from _say("info", what, "Harmless when few; otherwise ask for more cameras a point in [match].")
+        what = f"{percent(1 - inside)} of the 3D points belong to no track: ghosts, or markers that were lost."
+        do = "Click them in the scene: if they follow the subject, check rate_hz and the parameters of [track]."
+        yield from _say("amber", what, do)
+
+
+def _doubtful(figures: Figures) -> Iterator[Remark]:
+    for note in figures["notes"]:
+        yield from _say("amber", note, "Correct the one that is wrong.")
+
+
+def _stretched(figures: Figures) -> Iterator[Remark]:
+    """A control frame with wrong measures gives pixels that are not square; those of fields are half as high."""
+    ratios = {c["name"]: c["focal_px"][0] / c["focal_px"][1] for c in figures["cameras"]}
+    odd = [name for name, ratio in ratios.items() if min(abs(ratio - 1), abs(ratio - 2)) > STRETCH]
+    if odd:
+        what = f"The pixels of {some('camera', odd)} would not be square by this calibration."
+        yield from _say("amber", what, "Check the coordinates of the control points, unless the sensor is such.")
 
 
 def worst_cameras(figures: Figures) -> list[str]:
@@ -282,5 +297,5 @@ def worst_cameras(figures: Figures) -> list[str]:
 
 CHECKS = (
     *(_nothing, _blind, _unlike_others, _residual, _calibration, _unused, _few_views, _absent),
-    *(_incomplete, _pieces, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
+    *(_incomplete, _pieces, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over, _doubtful, _stretched),
 )

@@ -151,7 +151,7 @@ def _exactness(path: Path) -> dict[str, float]:
         "sd_per_axis_mean_mm": mean(sd),
         "sd_per_axis_95_mm": quantile(sd, 0.95),
         "jitter_mm": jitter(path.xyz),
-        "residual_mean_px": mean(path.residual),
+        "residual_mean_mm": mean(path.residual),
     }
 
 

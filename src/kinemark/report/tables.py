@@ -68,7 +68,7 @@ def _saw(camera: dict[str, Any]) -> list[str]:
 def marker_table(markers: list[dict[str, Any]], *, gap_s: float) -> str:
     """A row a marker; those never seen or with a gap longer than `gap_s` are marked."""
     head = ["marker", "samples", "missing", "filled", "edited", "complete", "in view", "seen from–to (s)"]
-    head += ["gaps", "longest", "σ (mm)", "σ 95 % (mm)", "jitter (mm)", "residual (px)", "cameras"]
+    head += ["gaps", "longest", "σ (mm)", "σ 95 % (mm)", "jitter (mm)", "residual (mm)", "cameras"]
     marked = [not marker["samples"] or marker["longest_gap_s"] > gap_s for marker in markers]
     return table(head, [_marker(marker) for marker in markers], marked=marked)
 
@@ -78,7 +78,7 @@ def _marker(marker: dict[str, Any]) -> list[str]:
     shares = [percent(marker[f"completeness_{key}share"]) for key in ("", "in_view_")]
     span = "–".join(number(marker[f"{key}_seen_s"], 2) for key in ("first", "last")) if marker["samples"] else "never"
     longest = f"{number(marker['longest_gap_frames'])} ({measure(marker['longest_gap_s'], 2, 's')})"
-    keys = ("sd_per_axis_mean_mm", "sd_per_axis_95_mm", "jitter_mm", "residual_mean_px")
+    keys = ("sd_per_axis_mean_mm", "sd_per_axis_95_mm", "jitter_mm", "residual_mean_mm")
     exact = [number(marker[key], 2) for key in keys] + [number(marker["cameras_mean"], 1)]
     return [marker["name"], *samples, *shares, span, number(marker["gaps"]), longest if marker["gaps"] else "–", *exact]
 
@@ -157,12 +157,6 @@ def warning_list(warnings: list[dict[str, str]]) -> str:
         for w in warnings
     )
     return f'<ul class="warnings">{items}</ul>' if items else "<p>Nothing in this trial asks for attention.</p>"
-
-
-def note_list(notes: Sequence[str]) -> str:
-    """Sentences passed on to the reader."""
-    items = "".join(f'<li class="info"><span class="tag">note</span><div>{escape(note)}</div></li>' for note in notes)
-    return f'<ul class="warnings">{items}</ul>' if items else ""
 
 
 def paragraphs(texts: Iterable[str]) -> str:

@@ -17,7 +17,6 @@ def summary(quality: dict[str, Any]) -> str:
     lines += [
         f"  {warning['severity'].upper():5s} {warning['what']} {warning['do']}" for warning in quality["warnings"]
     ]
-    lines += [f"  NOTE  {note}" for note in quality["notes"]]
     if quality["timing"]["total_s"]:
         timing = quality["timing"]
         lines += ["", f"  {number(timing['total_s'], 1)} s of computing, {number(timing['frames_per_s'], 1)} frames/s."]

@@ -13,7 +13,7 @@ prediction is off by the acceleration a that the fit does not know, and the poin
 
 with the weights w of the extrapolation. Where good views make a point sure to the millimetre, (3) is a sphere of radius
 reach · s; where two cameras look along nearly the same line, it is long in that direction. A single point, of which
-no motion is known, may move v T: s = v T / reach.
+no motion is known, may move v T a frame: s = (n + 1) v T / reach.
 
 KISS ends a track at its first miss and afterwards blends tracks that end and start within two fields. Here a track that
 finds no point follows its own prediction for as long (`patience`), which comes to the same and needs no second pass.
@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Cloud, Tracks
+from ..data.arrays import check_positive
 from ..geometry import solve3
 from ..signal import PAST, assign, extrapolate, gain
 
@@ -56,6 +57,13 @@ class ExtrapolationLadder:
     scatter: float = 3.0
     patience: float = 0.04
     shortest: int = 10
+
+    def __post_init__(self) -> None:
+        check_positive(reach=self.reach, speed=self.speed, scatter=self.scatter, shortest=self.shortest)
+        if not 0 <= self.acceleration < np.inf or not 0 <= self.patience <= 60:
+            raise ValueError(
+                f"acceleration is {self.acceleration} and patience {self.patience}, wanted 0 or more, and at most 60 s"
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +113,7 @@ def _claim(
 ) -> tuple[Ints, Ints]:
     """Which tracks take which points; of two that share an image, the younger track goes without."""
     stray = method.acceleration * ((active.missed + 1) / rate) ** 2 / 2 + method.scatter  # (1)
-    stray = np.where(active.known > 1, stray, method.speed / rate / method.reach)
+    stray = np.where(active.known > 1, stray, method.speed * (active.missed + 1) / rate / method.reach)
     own = active.cov * gain(active.known)[:, None, None] + np.eye(3) * stray[:, None, None] ** 2
     off = points - predicted[:, None]
     squared = (off * solve3(own[:, None] + cov, off)).sum(-1)  # (3)

@@ -20,7 +20,6 @@ class Validity(IntEnum):
     TOO_LARGE = 2
     NOT_ROUND = 3
     AT_EDGE = 4
-    MASKED = 5
 
 
 NOT_ROWS = ("cameras", "rate", "start")

@@ -187,7 +187,7 @@ def test_trajectories_are_marker_major_and_of_one_length():
 
 def test_wrong_shapes_say_what_was_wanted():
     with pytest.raises(ValueError, match=r"uv has shape \(3,\), wanted"):
-        Detections(("a",), 1.0, [[0, 3]], np.zeros(3), *(np.zeros(3) for _ in range(6)))
+        Detections(("a",), 1.0, [[0, 3]], np.zeros(3), *(np.zeros(3) for _ in range(7)))
     with pytest.raises(ValueError, match="rotation"):
         type(ring(2)[0])("x", [0, 0], np.eye(3), 2 * np.eye(3), np.zeros(3))
     with pytest.raises(ValueError, match="differ"):

@@ -20,6 +20,7 @@ class Validity(IntEnum):
     TOO_LARGE = 2
     NOT_ROUND = 3
     AT_EDGE = 4
+    MASKED = 5
 
 
 NOT_ROWS = ("cameras", "rate", "start")
@@ -38,6 +39,8 @@ class Detections:
         cov: (D, 2, 2) their covariance, px²; NaN where the source does not say.
         area: (D) px²; width, height: (D) px; peak: (D) grey level; NaN where the source does not say.
         validity: (D) a `Validity` each.
+        merged: (D) whether markers lie on each other in this image: it was separated from another by a fit, or it may
+            be more markers than one.
     """
 
     cameras: tuple[str, ...]
@@ -50,6 +53,7 @@ class Detections:
     height: NDArray[np.float64]
     peak: NDArray[np.float64]
     validity: NDArray[np.uint8]
+    merged: NDArray[np.bool_]
 
     def __post_init__(self) -> None:
         n = len(self.uv)
@@ -64,6 +68,7 @@ class Detections:
             height=column("height", self.height, np.float64, n),
             peak=column("peak", self.peak, np.float64, n),
             validity=column("validity", self.validity, np.uint8, n),
+            merged=column("merged", self.merged, np.bool_, n),
         )
         check_offsets("start", self.start, n)
 
@@ -77,7 +82,7 @@ class Detections:
         cov: ArrayLike | None = None,
         **shape: ArrayLike,
     ) -> Detections:
-        """From counts (C, F) and rows in order of camera, then frame; what is not given is NaN, and valid."""
+        """From counts (C, F) and rows in order of camera, then frame; not given: NaN, valid, not merged."""
         counts = np.asarray(counts, np.int64)
         uv = np.asarray(uv, np.float64).reshape(-1, 2)
         unknown = np.full(len(uv), np.nan)
@@ -95,6 +100,7 @@ class Detections:
             height=np.asarray(shape.get("height", unknown), np.float64),
             peak=np.asarray(shape.get("peak", unknown), np.float64),
             validity=np.asarray(shape.get("validity", np.zeros(len(uv))), np.uint8),
+            merged=np.asarray(shape.get("merged", np.zeros(len(uv))), np.bool_),
         )
 
     def __len__(self) -> int:

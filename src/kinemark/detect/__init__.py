@@ -1,6 +1,7 @@
 """From images to marker centroids."""
 
-from .frames import Blobs, detect_frames
+from .blobs import Blobs
+from .frames import detect_frames
 from .method import Centroids
 from .recording import Source, detect
 

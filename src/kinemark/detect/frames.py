@@ -1,49 +1,23 @@
-"""One batch of frames, from grey levels to centroids: the steps of KISS section 2 in their order."""
+"""Stacks of frames, from grey levels to detections, by whichever method."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import KinemarkError, Validity
-from .grouping import Groups, group_runs
-from .method import Centroids, check_images, grey_scale
-from .moments import Moments, measure, outline_centroids
-from .noise import background
-from .runs import bright_cells, white_runs
-from .validity import judge, remove_noise
+from .blobs import Blobs, joined
+from .centroids import detect_centroids
+from .method import Centroids, check_images
 
 PIXELS = 20 << 20  # looked at in one go: enough to share what NumPy costs a call, little enough for the cache
-MOST_CELLS = 1 << 18
-MOST_GROUPS = 10_000
 
-
-class Blobs(NamedTuple):
-    """Detections of n frames, sorted by frame; the columns are those of `data.Detections`.
-
-    Attributes:
-        counts: (n) detections a frame.
-        uv: (D, 2) px; cov: (D, 2, 2) px², NaN for TOO_LARGE ones.
-        area: (D) px², rim pixels counted by their brightness, white pixels for TOO_LARGE ones; width, height: (D) px,
-            of the white pixels; peak: (D) grey level of the image, NaN for TOO_LARGE ones.
-        validity: (D) a `Validity` each.
-    """
-
-    counts: NDArray[np.int64]
-    uv: NDArray[np.float64]
-    cov: NDArray[np.float64]
-    area: NDArray[np.float64]
-    width: NDArray[np.float64]
-    height: NDArray[np.float64]
-    peak: NDArray[np.float64]
-    validity: NDArray[np.uint8]
-
-
-def joined(parts: list[Blobs]) -> Blobs:
-    """The detections of consecutive batches as one."""
-    return Blobs(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+DETECTORS: dict[type, Callable[[NDArray[np.uint8 | np.uint16], int, Any], Blobs]] = {
+    Centroids: detect_centroids,
+}
+"""What does each method: called with frames (n, H, W), the number of the first, and the method."""
 
 
 def detect_frames(images: NDArray[np.uint8 | np.uint16], *, method: Centroids | None = None) -> Blobs:
@@ -57,69 +31,4 @@ def detect_frames(images: NDArray[np.uint8 | np.uint16], *, method: Centroids | 
     check_images(images)
     step = max(1, PIXELS // images[0].size) if len(images) else 1
     starts = range(0, max(len(images), 1), step)
-    return joined([_detect_batch(np.ascontiguousarray(images[k : k + step]), k, method) for k in starts])
-
-
-def _detect_batch(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids) -> Blobs:
-    """Markers in consecutive frames (n, H, W), of which the first has this number."""
-    n, height, width = images.shape
-    threshold = np.floor(method.threshold * grey_scale(images.dtype))
-    tall = images.reshape(n * height, width)
-    cells = bright_cells(tall, threshold)
-    if len(cells[0]) > MOST_CELLS and n > 1:  # bright frames: fewer at a time, for memory's sake
-        half = n // 2
-        return joined([_detect_batch(images[:half], first, method), _detect_batch(images[half:], first + half, method)])
-    groups = group_runs(white_runs(tall, cells, threshold), height=height, width=width)
-    _check_number(groups, first, n, method)
-    groups = remove_noise(groups, method=method)
-    validity = judge(groups, height=height, width=width, method=method)
-    uv, cov, area, peak = _moments(images, groups, validity, threshold, method)
-    return Blobs(
-        counts=np.bincount(groups.frame, minlength=n),
-        uv=uv,
-        cov=cov,
-        area=area,
-        width=(groups.right - groups.left + 1).astype(np.float64),
-        height=(groups.bottom - groups.top + 1).astype(np.float64),
-        peak=peak,
-        validity=validity,
-    )
-
-
-def _moments(
-    images: NDArray[np.uint8 | np.uint16],
-    groups: Groups,
-    validity: NDArray[np.uint8],
-    threshold: float,
-    method: Centroids,
-) -> Moments:
-    """Grey-weighted centroids, save for what is too large to be a marker."""
-    scale = grey_scale(images.dtype)
-    level, variance = background(images)
-    if method.noise is not None:
-        variance = np.full_like(variance, (method.noise * scale) ** 2)
-    marker = validity != Validity.TOO_LARGE
-    fine = measure(
-        images,
-        groups if marker.all() else groups.keep(marker),
-        threshold=threshold,
-        level=level,
-        variance=variance,
-        shot=method.shot * scale,
-    )
-    if marker.all():
-        return fine
-    g = len(marker)
-    uv, cov = outline_centroids(groups, height=images.shape[1]), np.full((g, 2, 2), np.nan)
-    area, peak = groups.area.astype(np.float64), np.full(g, np.nan)
-    uv[marker], cov[marker], area[marker], peak[marker] = fine
-    return Moments(uv, cov, area, peak)
-
-
-def _check_number(groups: Groups, first: int, n: int, method: Centroids) -> None:
-    counts = np.bincount(groups.frame, minlength=n)
-    if counts.max(initial=0) > MOST_GROUPS:
-        raise KinemarkError(
-            f"Frame {first + counts.argmax()} of the images has {counts.max()} white groups of pixels at threshold "
-            f"{method.threshold:g}, wanted at most {MOST_GROUPS}: the threshold lies in the noise. Raise it."
-        )
+    return joined([DETECTORS[type(method)](np.ascontiguousarray(images[k : k + step]), k, method) for k in starts])

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
-from .frames import Blobs, detect_frames, joined
+from .blobs import Blobs, joined
+from .frames import detect_frames
 from .method import Centroids
 
 BATCH = 16

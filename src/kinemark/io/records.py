@@ -25,7 +25,7 @@ SEAL, SEAL_SIZE = b"kinemark record, sha256 ", 512
 Record = Detections | Matches | Cloud | Tracks
 RECORDS: dict[str, type[Record]] = {kind.__name__: kind for kind in (Detections, Matches, Cloud, Tracks)}
 TYPES: dict[type[Record], dict[str, str]] = {
-    Detections: {"start": "i8", "validity": "u1"},
+    Detections: {"start": "i8", "validity": "u1", "merged": "b1"},
     Matches: {"frame": "i8", "view": "i8"},
     Cloud: {"start": "i8", "view": "i8"},
     Tracks: {"id": "i8"},

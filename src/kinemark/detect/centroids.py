@@ -11,10 +11,10 @@ from .grouping import Groups, group_runs
 from .method import Centroids, grey_scale
 from .moments import Moments, measure, outline_centroids
 from .noise import background
-from .runs import bright_cells, white_runs
+from .runs import find_runs
 from .validity import judge, remove_noise
 
-MOST_CELLS = 1 << 18
+MOST_RUNS = 1 << 18
 MOST_GROUPS = 10_000
 
 
@@ -23,13 +23,13 @@ def detect_centroids(images: NDArray[np.uint8 | np.uint16], first: int, method: 
     n, height, width = images.shape
     threshold = np.floor(method.threshold * grey_scale(images.dtype))
     tall = images.reshape(n * height, width)
-    cells = bright_cells(tall, threshold)
-    if len(cells[0]) > MOST_CELLS and n > 1:  # bright frames: fewer at a time, for memory's sake
+    runs = find_runs(tall, threshold, most=MOST_RUNS if n > 1 else None)
+    if len(runs.y) == MOST_RUNS and n > 1:  # bright frames: fewer at a time, for memory's sake
         half = n // 2
         return joined(
             [detect_centroids(images[:half], first, method), detect_centroids(images[half:], first + half, method)]
         )
-    groups = group_runs(white_runs(tall, cells, threshold), height=height, width=width)
+    groups = group_runs(runs, height=height, width=width)
     _check_number(groups, first, n, method)
     groups = remove_noise(groups, method=method)
     validity = judge(groups, height=height, width=width, method=method)

@@ -8,6 +8,8 @@ first − 1 or after. With
 both rising in scan order, these are consecutive: from the first run with b' ≥ a + (W + 2) − 1 to the last
 with a' ≤ b + (W + 2) + 1 (2), and two binary searches find them for all runs at once. A line is left free
 after each frame, so that no group reaches from one frame into the next.
+
+The compiled kernel goes through the runs once and unites those that touch (union and find).
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
+from .compiled import library
 from .runs import Runs
 
 
@@ -44,13 +47,22 @@ class Groups(NamedTuple):
 
     def keep(self, mask: NDArray[np.bool_]) -> Groups:
         """The groups where `mask` (G) is true."""
+        if mask.all():
+            return self
         sizes = np.diff(self.start)
         runs = Runs(*(column[np.repeat(mask, sizes)] for column in self.runs))
         return Groups(np.concatenate([[0], np.cumsum(sizes[mask])]), runs, *(column[mask] for column in self[2:]))
 
 
 def group_runs(runs: Runs, *, height: int, width: int) -> Groups:
-    """Groups of touching runs of frames of this height and width, px."""
+    """Groups of touching runs, which are in scan order, of frames of this height and width, px."""
+    if kernel := library():
+        sorted_runs, start, box = kernel.groups(*runs, height)
+        return Groups(start, Runs(*sorted_runs), *box)
+    return _plain_groups(runs, height, width)
+
+
+def _plain_groups(runs: Runs, height: int, width: int) -> Groups:
     n = len(runs.y)
     if n == 0:
         none = np.zeros(0, np.int64)

@@ -12,6 +12,8 @@ A frame whose background is clipped at black shows less noise than its bright pi
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,12 +30,20 @@ def background(images: NDArray[np.uint8 | np.uint16]) -> tuple[NDArray[np.float6
     step = max(1, h // LINES)
     lines = images[:, step // 2 :: step, : w // width * width]
     count = lines.shape[1] * (w // width)
-    stretches = lines.reshape(n, count, width)[:, :, : span + 1].astype(np.int64)
+    stretches = lines.reshape(n, lines.shape[1], w // width, width)[..., : span + 1].astype(np.int64)
+    stretches = stretches.reshape(n, count, span + 1)
     few = stretches[:, :, ::4]
-    level = np.median(few.reshape(n, count * few.shape[2]), axis=1)
+    level = _median(few.reshape(n, count * few.shape[2]))
     if span == 0:
         return level, np.full(n, 1 / 12)
     k = span * 2 / 3 if span > 1 else 1.0  # (2)
-    spread = (np.diff(stretches, axis=2) ** 2).mean(2) / 2
-    variance = np.median(spread, axis=1) / (1 - 2 / (9 * k)) ** 3  # (1)
+    d = np.diff(stretches, axis=2)
+    spread = np.einsum("nsk,nsk->ns", d, d) / (2 * span)
+    variance = _median(spread) / (1 - 2 / (9 * k)) ** 3  # (1)
     return level, np.maximum(variance, 1 / 12)  # rounding to whole levels alone has 1/12
+
+
+def _median(values: NDArray[Any]) -> NDArray[np.float64]:
+    """Median of each row (n, k); for few values sorting is faster than `np.median`."""
+    ordered, k = np.sort(values, axis=1), values.shape[1]
+    return (ordered[:, (k - 1) // 2] + ordered[:, k // 2]) / 2.0

@@ -103,6 +103,7 @@ def test_chains_of_near_images_are_one():
     row = still(tuple("abcd"), [[0, 0, 0], [4, 0, 0], [8, 0, 0], [30, 0, 0]], radius_mm=1.0)
     observed = observe(type(RIG)((camera,)), row, merge_px=5.0)
     assert sorted(observed.merged) == [1, 3]
+    np.testing.assert_array_equal(observed.detections.merged, observed.merged > 1)
 
 
 def test_merging_loses_no_marker():

@@ -33,4 +33,4 @@ class Blobs(NamedTuple):
 
 def joined(parts: list[Blobs]) -> Blobs:
     """The detections of consecutive batches as one."""
-    return Blobs(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    return parts[0] if len(parts) == 1 else Blobs(*(np.concatenate(column) for column in zip(*parts, strict=True)))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,8 @@ from .method import Centroids, grey_scale
 from .moments import Moments, measure, outline_centroids
 from .noise import background
 from .runs import find_runs
+from .saturation import without_clipped
+from .separate import separated
 from .validity import judge, remove_noise
 
 MOST_RUNS = 1 << 18
@@ -20,58 +24,67 @@ MOST_GROUPS = 10_000
 
 def detect_centroids(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids) -> Blobs:
     """Markers in consecutive frames (n, H, W), of which the first has this number."""
+    if not method.inverted:
+        return _bright(images, first, method)
+    white = np.iinfo(images.dtype).max
+    bright = replace(method, inverted=False)
+    found = _bright(np.invert(images), first, bright, white - method.threshold * grey_scale(images.dtype))
+    return found._replace(peak=white - found.peak)
+
+
+def _bright(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids, level: float | None = None) -> Blobs:
+    """Bright markers; `level` is the threshold in the images' own grey levels where it is not the method's."""
     n, height, width = images.shape
-    threshold = np.floor(method.threshold * grey_scale(images.dtype))
+    threshold = np.floor(method.threshold * grey_scale(images.dtype) if level is None else level)
     tall = images.reshape(n * height, width)
     runs = find_runs(tall, threshold, most=MOST_RUNS if n > 1 else None)
     if len(runs.y) == MOST_RUNS and n > 1:  # bright frames: fewer at a time, for memory's sake
         half = n // 2
         return joined(
-            [detect_centroids(images[:half], first, method), detect_centroids(images[half:], first + half, method)]
+            [_bright(images[:half], first, method, level), _bright(images[half:], first + half, method, level)]
         )
     groups = group_runs(runs, height=height, width=width)
     _check_number(groups, first, n, method)
     groups = remove_noise(groups, method=method)
-    validity = judge(groups, height=height, width=width, method=method)
-    uv, cov, area, peak = _moments(images, groups, validity, threshold, method)
-    return Blobs(
-        counts=np.bincount(groups.frame, minlength=n),
-        uv=uv,
-        cov=cov,
-        area=area,
-        width=(groups.right - groups.left + 1).astype(np.float64),
-        height=(groups.bottom - groups.top + 1).astype(np.float64),
-        peak=peak,
-        validity=validity,
-        merged=np.zeros(len(uv), np.bool_),
-    )
+    ground, variance = background(images)
+    if method.noise is not None:
+        variance = np.full_like(variance, (method.noise * grey_scale(images.dtype)) ** 2)
+    blobs = _whole(images, groups, threshold, ground, variance, method)
+    return separated(images, groups, blobs, threshold=threshold, variance=variance, method=method)
 
 
-def _moments(
+def _whole(
     images: NDArray[np.uint8 | np.uint16],
     groups: Groups,
-    validity: NDArray[np.uint8],
     threshold: float,
+    ground: NDArray[np.float64],
+    variance: NDArray[np.float64],
     method: Centroids,
-) -> Moments:
-    """Grey-weighted centroids, save for what is too large to be a marker."""
-    scale = grey_scale(images.dtype)
-    level, variance = background(images)
-    if method.noise is not None:
-        variance = np.full_like(variance, (method.noise * scale) ** 2)
+) -> Blobs:
+    """Each group as one marker at its grey-weighted centroid, save for what is too large to be a marker."""
+    n, height, width = images.shape
+    shot = method.shot * grey_scale(images.dtype)
+    validity = judge(groups, height=height, width=width, method=method)
     marker = validity != Validity.TOO_LARGE
-    fine = measure(
-        images,
-        groups if marker.all() else groups.keep(marker),
-        threshold=threshold,
-        level=level,
-        variance=variance,
-        shot=method.shot * scale,
+    some = groups if marker.all() else groups.keep(marker)
+    fine = measure(images, some, threshold=threshold, level=ground, variance=variance, shot=shot)
+    if not marker.all():
+        fine = _with_large(fine, groups, marker, height)
+    blobs = Blobs(
+        counts=np.bincount(groups.frame, minlength=n),
+        **fine._asdict(),
+        width=(groups.right - groups.left + 1).astype(np.float64),
+        height=(groups.bottom - groups.top + 1).astype(np.float64),
+        validity=validity,
+        merged=np.zeros(len(validity), np.bool_),
     )
-    if marker.all():
-        return fine
+    return without_clipped(images, groups, blobs, ground=ground, variance=variance, shot=shot)
+
+
+def _with_large(fine: Moments, groups: Groups, marker: NDArray[np.bool_], height: int) -> Moments:
+    """The moments of markers, and of all other groups what their white pixels say."""
     g = len(marker)
-    uv, cov = outline_centroids(groups, height=images.shape[1]), np.full((g, 2, 2), np.nan)
+    uv, cov = outline_centroids(groups, height=height), np.full((g, 2, 2), np.nan)
     area, peak = groups.area.astype(np.float64), np.full(g, np.nan)
     uv[marker], cov[marker], area[marker], peak[marker] = fine
     return Moments(uv, cov, area, peak)

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+MOST_DISCS = 5
+"""More discs on each other than this are not told apart: their fit would be a guess."""
+
 BITS_16 = 257.0
 """How often the grey scale of 8 bits (white is 255) goes into that of 16 bits (65 535)."""
 
@@ -20,7 +23,10 @@ class Centroids:
     4095 / 257 = 15.9.
 
     Attributes:
-        threshold: pixels brighter than this are white, grey levels.
+        threshold: pixels brighter than this are white, grey levels; where `inverted`, pixels darker than this.
+        inverted: the markers are dark on bright ground.
+        relative: instead of `threshold`, the share of the way from a camera's background to its bright level (its dark
+            one where `inverted`), measured once from the camera's first frames that show something; 0.5 is halfway.
         min_area: markers with fewer white pixels are TOO_SMALL, px².
         max_area: markers with more are TOO_LARGE (strobes, lamps, windows), px².
         min_width: groups narrower or lower than this are noise and leave no detection, px.
@@ -28,6 +34,11 @@ class Centroids:
             interlaced video halves the height of a round marker, hence the room.
         noise: standard deviation of the grey level of a dark pixel; None: measured in every frame.
         shot: variance that each grey level above the background adds (photon noise), grey levels.
+        aspect: height of a round marker's image by its width; None: 0.5 for the fields of interlaced video, else 1.
+        most_discs: overlapping markers are told apart up to this many in a group; 1: not at all.
+        hidden: put a disc of which a part is hidden where the centre of the whole disc is, if the fit is sure of it.
+        edge_sd: markers at the image's edge are valid if a fit knows their centre within this standard deviation, px;
+            0: they never are.
     """
 
     threshold: float = 60.0
@@ -37,6 +48,12 @@ class Centroids:
     max_aspect: float = 2.5
     noise: float | None = None
     shot: float = 0.0
+    inverted: bool = False
+    relative: float | None = None
+    aspect: float | None = None
+    most_discs: int = 3
+    hidden: bool = True
+    edge_sd: float = 0.0
 
     def __post_init__(self) -> None:
         if not 0 <= self.threshold < 255:
@@ -49,6 +66,14 @@ class Centroids:
             raise ValueError(f"max_aspect is {self.max_aspect}, wanted at least 1")
         if not self.shot >= 0 or not (self.noise is None or self.noise >= 0):
             raise ValueError(f"noise and shot are {self.noise} and {self.shot}, wanted 0 or more")
+        if not (self.relative is None or 0 < self.relative < 1):
+            raise ValueError(f"relative is {self.relative}, wanted a share above 0 and below 1, or None")
+        if not (self.aspect is None or 0.1 <= self.aspect <= 10):
+            raise ValueError(f"aspect is {self.aspect}, wanted 0.1 to 10, or None")
+        if not 1 <= self.most_discs <= MOST_DISCS:
+            raise ValueError(f"most_discs is {self.most_discs}, wanted 1 to {MOST_DISCS}")
+        if not self.edge_sd >= 0:
+            raise ValueError(f"edge_sd is {self.edge_sd}, wanted 0 px or more")
 
 
 def grey_scale(dtype: DTypeLike) -> float:

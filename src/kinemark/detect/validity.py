@@ -23,14 +23,18 @@ def remove_noise(groups: Groups, *, method: Centroids) -> Groups:
 
 
 def judge(groups: Groups, *, height: int, width: int, method: Centroids) -> NDArray[np.uint8]:
-    """(G) a `Validity` for each group of frames of this height and width; the first reason that holds."""
+    """(G) a `Validity` for each group of frames of this height and width."""
     w, h = groups.right - groups.left + 1, groups.bottom - groups.top + 1
     edge = (groups.left == 0) | (groups.right == width - 1)
-    edge |= (groups.top % height == 0) | (groups.bottom % height == height - 1)
+    top = groups.frame * height
+    edge |= (groups.top == top) | (groups.bottom == top + height - 1)
     reasons = {
-        Validity.TOO_LARGE: groups.area > method.max_area,
-        Validity.AT_EDGE: edge,
-        Validity.TOO_SMALL: groups.area < method.min_area,
         Validity.NOT_ROUND: np.maximum(w, h) > method.max_aspect * np.minimum(w, h),
+        Validity.TOO_SMALL: groups.area < method.min_area,
+        Validity.AT_EDGE: edge,
+        Validity.TOO_LARGE: groups.area > method.max_area,
     }
-    return np.select(list(reasons.values()), list(reasons), Validity.VALID).astype(np.uint8)
+    validity = np.full(len(w), Validity.VALID, np.uint8)
+    for reason, holds in reasons.items():  # the last one counts
+        validity[holds] = reason
+    return validity

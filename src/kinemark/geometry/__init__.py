@@ -14,6 +14,7 @@ from .camera import (
 )
 from .dlt import camera_from_dlt, decompose, fit_dlt, from_dlt, to_dlt
 from .epipolar import epipolar_constants, epipolar_lines, fundamental, line_distance
+from .sphere import sphere_offset
 from .triangulate import Triangulated, refine, solve3, triangulate
 
 __all__ = [
@@ -36,6 +37,7 @@ __all__ = [
     "refine",
     "rigid_align",
     "solve3",
+    "sphere_offset",
     "to_camera",
     "to_dlt",
     "triangulate",

@@ -20,8 +20,10 @@ image whose d is large counts as one of covariance
 found by six reweightings. They are only made where an image is off by more than d² = ν + 2, and never narrow: images
 that agree keep C.
 
-A sphere's centroid is not the projection of its centre, and no lens is exactly its model; what these leave is a
-hundredth of a pixel (`model_sd`), and no covariance is believed below that.
+The centroid of a sphere's image is not the projection of its centre. Where the diameter of the markers is given, what
+`geometry.sphere_offset` says of the first solution is taken from every image, and the point solved again (3). Otherwise
+that, and what any lens differs from its model, is taken to be a hundredth of a pixel (`model_sd`), below which no
+covariance is believed.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ from scipy.special import gammaincinv
 
 from ..data import Cloud, Detections, Matches, Rig
 from ..data.arrays import check_positive
-from ..geometry import Triangulated, refine, triangulate, undistort
+from ..geometry import Triangulated, refine, sphere_offset, triangulate, undistort
 from .hidden import hidden_variance
 
 Floats = NDArray[np.float64]
@@ -53,6 +55,7 @@ class LeastSquares:
         tails: ν of (2); small means that wild images are expected; 0 for plain least squares.
         within_volume: drop points outside the rig's control volume, where it has one.
         volume_margin: how far outside a point may lie, mm.
+        marker_diameter: of the marker spheres, mm, for (3); None: not corrected.
     """
 
     centroid_sd: float | None = None
@@ -60,9 +63,10 @@ class LeastSquares:
     tails: float = 4.0
     within_volume: bool = True
     volume_margin: float = 100.0
+    marker_diameter: float | None = None
 
     def __post_init__(self) -> None:
-        check_positive(centroid_sd=self.centroid_sd)
+        check_positive(centroid_sd=self.centroid_sd, marker_diameter=self.marker_diameter)
         for name in ("model_sd", "tails", "volume_margin"):
             if not 0 <= getattr(self, name) < np.inf:
                 raise ValueError(f"{name} is {getattr(self, name)}, wanted 0 or more")
@@ -72,8 +76,10 @@ def reconstruct(matches: Matches, detections: Detections, rig: Rig, *, method: L
     """The points of all matches, in the order of their frames; residuals in px, covariances in mm²."""
     seen: NDArray[np.bool_] = matches.view >= 0
     uv = np.where(seen[..., None], detections.uv[matches.view], np.nan)
-    ideal = np.stack([undistort(camera, uv[:, c]) for c, camera in enumerate(rig)], 1)
-    guess = triangulate(ideal, rig.P)
+    guess = _linear(rig, uv)
+    if method.marker_diameter is not None:
+        uv = uv - _sphere_offsets(rig, guess, method.marker_diameter)  # (3)
+        guess = _linear(rig, uv)
     area = np.where(seen, detections.area[matches.view], np.nan)
     cov = _centroid_cov(detections.cov[matches.view], rig, guess, uv, method)
     beside = hidden_variance(rig, guess, area) + method.model_sd**2
@@ -88,6 +94,16 @@ def reconstruct(matches: Matches, detections: Detections, rig: Rig, *, method: L
         view=matches.view,
     )
     return cloud.keep(np.isfinite(point.xyz).all(1) & _inside(point.xyz, rig, method))
+
+
+def _linear(rig: Rig, uv: Floats) -> Floats:
+    """First solutions (P, 3) mm of images (P, C, 2) px."""
+    return triangulate(np.stack([undistort(camera, uv[:, c]) for c, camera in enumerate(rig)], 1), rig.P)
+
+
+def _sphere_offsets(rig: Rig, xyz: Floats, diameter: float) -> Floats:
+    """(P, C, 2) px by which centroids are off; 0 where that is not defined, as the point is at or behind a camera."""
+    return np.nan_to_num(np.stack([sphere_offset(camera, xyz, diameter=diameter) for camera in rig], 1))
 
 
 def _centroid_cov(cov: Floats, rig: Rig, guess: Floats, uv: Floats, method: LeastSquares) -> Floats:
@@ -136,4 +152,4 @@ def _inside(xyz: Floats, rig: Rig, method: LeastSquares) -> NDArray[np.bool_]:
     if not method.within_volume or np.isnan(rig.volume).any():
         return np.ones(len(xyz), bool)
     low, high = rig.volume
-    return ((xyz >= low - method.volume_margin) & (xyz <= high + method.volume_margin)).all(1)
+    return np.asarray(((xyz >= low - method.volume_margin) & (xyz <= high + method.volume_margin)).all(1))

@@ -185,5 +185,7 @@ def _collect(rig: Rig, subject: Subject, cameras: list[Rows], noise_px: float, s
     _, marker, merged, uv, area = (np.concatenate(column) for column in zip(*cameras, strict=True))
     cov = np.broadcast_to(noise_px**2 * np.eye(2), (len(uv), 2, 2))
     across = 2 * np.sqrt(area / np.pi)
-    detections = Detections.build(rig.names, subject.rate, counts, uv, cov, area=area, width=across, height=across)
+    detections = Detections.build(
+        rig.names, subject.rate, counts, uv, cov, area=area, width=across, height=across, merged=merged > 1
+    )
     return Observed(detections, marker, merged, sight)

@@ -1,0 +1,294 @@
+"""Shapes fitted to the grey levels of small patches, many patches at once.
+
+A shape is an outline with a signed distance s(x), positive inside, in px. Blurred by a Gaussian of standard deviation w
+(the lens's blur, and 1/12 px² of the pixel), its light at a pixel is, where the outline is nearly straight over w,
+
+    U(x) = Φ(s(x) / w),    I(x) = b + A U(x)                              (1)
+
+with Φ the normal distribution function. Two outlines with unit gradients g₁, g₂ that both must hold (an intersection)
+are two half planes near the corner where they cross; their blurred light is the chance that two normal variables with
+correlation ρ = g₁ · g₂ both hold (Plackett 1954), with h = s₁ / w and k = s₂ / w
+
+    Φ₂(h, k; ρ) = Φ(h) Φ(k) + (1/2π) ∫ exp(−(h² + k² − 2 h k sin θ) / (2 cos² θ)) dθ,   0 ≤ θ ≤ asin ρ
+    ∂Φ₂ / ∂h = φ(h) Φ((k − ρ h) / √(1 − ρ²))                              (2)
+
+where the integral matters only near the corner. A union is what is not outside of all: 1 − Φ₂(−h, −k; ρ) of the two
+outlines that are nearest or deepest there (3).
+
+    discs     s = rᵢ − |x − cᵢ|, by (3)                                                   (4)
+    ellipse   q = |M (x − c)| with M symmetric, s = (1 − q) / |∇q|                        (5)
+    motion    a disc that moves by v while the shutter is open: the mean of (1) over c + t v, −½ ≤ t ≤ ½   (6)
+    cut       a disc and the half plane x cos θ + y sin θ < h, by (2)                      (7)
+
+The shape, w, A and b are found together by Levenberg and Marquardt's method on Σ (grey − I)² weighted by 1 / variance
+of the pixel. Where the sensor is at its white, the model is held at white as well and such a pixel says nothing unless
+the model disagrees (8).
+
+A marker brighter on one side has the light A (1 + a x + b y) U (9), found from the fit without a and b by one linear
+step for all parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+Floats = NDArray[np.float64]
+
+STEPS = 12
+SMALL_STEP = 1e-3  # px; a tenth of what any noise leaves
+SMALL_GAIN = 0.01  # of χ² a pixel; a tenth of a standard deviation of one parameter
+HOPELESS = 0.03  # of χ²; a step that gains less leads nowhere near a χ² that is far below
+NODES, NODE_WEIGHTS = (half / 2 for half in np.polynomial.legendre.leggauss(7))
+CORNER = 3.5  # w; farther from one of two outlines the other is alone
+NODES_CORNER, WEIGHTS_CORNER = (
+    (np.polynomial.legendre.leggauss(6)[0] + 1) / 2,
+    np.polynomial.legendre.leggauss(6)[1] / 2,
+)
+MOST_CONDITION = 1e12
+WIDTHS = (0.25, 3.0)  # px; of the blur w
+INVERSE_ROOT_2PI = 0.3989422804014327
+
+
+class Patches(NamedTuple):
+    """n patches of N pixels each, filled up with pixels of weight 0.
+
+    Attributes:
+        x, y: (n, N) places, px, such that discs are round.
+        grey: (n, N) grey levels.
+        weight: (n, N) 1 / variance of each pixel; 0 where it belongs to something else or lies outside the image.
+        white: (n) level at which the sensor is saturated; inf where it is not.
+    """
+
+    x: Floats
+    y: Floats
+    grey: Floats
+    weight: Floats
+    white: Floats
+
+    def take(self, index: NDArray[np.integer] | NDArray[np.bool_]) -> Patches:
+        """Some of the patches."""
+        return Patches(*(column[index] for column in self))
+
+
+class Light(NamedTuple):
+    """U (n, N) of a shape, its derivatives by the shape's parameters (n, p, N), and by w (n, N)."""
+
+    cover: Floats
+    by_shape: Floats
+    by_width: Floats
+
+
+class Fit(NamedTuple):
+    """What fits best: p parameters of the shape, then w, A and b.
+
+    Attributes:
+        parameters: (n, p + 3).
+        cov: (n, p + 3, p + 3) by the weights; NaN where the pixels do not determine them, or the fit was given up.
+        chi2: (n) weighted sum of squares.
+        model: (n, N) grey levels.
+    """
+
+    parameters: Floats
+    cov: Floats
+    chi2: Floats
+    model: Floats
+
+
+Shape = Callable[[Floats, Floats, Patches], Light]
+"""Light from parameters (n, p) and w (n) over patches."""
+
+
+def fit(shape: Shape, start: Floats, patches: Patches, *, wanted: Floats | None = None) -> Fit:
+    """The shape's parameters that explain each patch best, from start (n, p + 3).
+
+    A fit that is above the χ² `wanted` (n) and hardly gets better is given up.
+    """
+    p = start.copy()
+    model, J = _image(shape, p, patches)
+    chi2 = _chi2(model, patches)
+    wanted = np.full(len(p), np.inf) if wanted is None else wanted
+    used = np.maximum((patches.weight > 0).sum(1), 1)
+    damping, busy = np.full(len(p), 1e-3), np.arange(len(p))
+    for _ in range(STEPS):
+        if not len(busy):
+            break
+        part = patches if len(busy) == len(p) else patches.take(busy)
+        step = _step(J[busy], model[busy], part, damping[busy])
+        tried = _held(p[busy] + step)
+        new_model, new_J = _image(shape, tried, part)
+        new_chi2 = _chi2(new_model, part)
+        gain = chi2[busy] - new_chi2
+        better = gain >= 0
+        good = busy[better]
+        p[good], model[good], J[good], chi2[good] = tried[better], new_model[better], new_J[better], new_chi2[better]
+        damping[busy] = np.where(better, damping[busy] * 0.2, damping[busy] * 10.0)
+        small = np.where(
+            new_chi2 > wanted[busy], HOPELESS * new_chi2, SMALL_GAIN * np.maximum(1.0, new_chi2 / used[busy])
+        )
+        still = (np.abs(step[:, :-2]).max(1) < SMALL_STEP) | (gain < small)
+        done = (better & still) | (damping[busy] > 1e6)
+        busy = busy[~done]
+    return Fit(p, _covariance(J, patches, chi2 <= wanted), chi2, model)
+
+
+def _covariance(J: Floats, patches: Patches, some: NDArray[np.bool_]) -> Floats:
+    """(n, p, p) the inverse of the normal matrix, NaN where that is singular and for all but some (n)."""
+    cov = np.full((len(J), J.shape[1], J.shape[1]), np.nan)
+    some = some & np.isfinite(J).all((1, 2))
+    H, d = _scaled(_normal(J[some], patches.take(some)))
+    inverse = np.linalg.inv(H + 1e-14 * np.eye(H.shape[1]))
+    known = np.linalg.norm(H, axis=(1, 2)) * np.linalg.norm(inverse, axis=(1, 2)) < MOST_CONDITION
+    cov[some] = np.where(known[:, None, None], inverse / (d[:, :, None] * d[:, None]), np.nan)
+    return cov
+
+
+def lit_from_a_side(shape: Shape, found: Fit, patches: Patches) -> Fit:
+    """The fit with brightness that also rises along x and along y, by one linear step (9); no covariance."""
+    model, J = _image(shape, found.parameters, patches)
+    bright = model - found.parameters[:, -1, None]
+    rising = [bright * (at - at.mean(1, keepdims=True)) for at in (patches.x, patches.y)]
+    J = np.concatenate([J, np.stack(rising, 1)], 1)
+    change = np.einsum("np,npk->nk", _step(J, model, patches, np.zeros(len(J))), J)
+    better = _chi2(model + change, patches) < found.chi2
+    model = model + np.where(better[:, None], change, 0.0)
+    return Fit(found.parameters, np.full_like(found.cov, np.nan), _chi2(model, patches), model)
+
+
+def discs(p: Floats, w: Floats, patches: Patches) -> Light:
+    """(4): p (n, 3k) holds x, y and r of each disc."""
+    n, k = len(p), p.shape[1] // 3
+    x, y, r = (p[:, i::3, None] for i in range(3))
+    dx, dy = patches.x[:, None] - x, patches.y[:, None] - y
+    far = np.sqrt(dx * dx + dy * dy) + 1e-9
+    s, gx, gy = r - far, dx / far, dy / far
+    rim, width = w[:, None, None], w[:, None]
+    steep = _bell(s / rim)
+    if k == 1:
+        share, cover = np.ones_like(s), ndtr(s[:, 0] / width)
+    else:
+        two = np.argsort(-s, axis=1)[:, :2] if k > 2 else None
+        (a, b), (ax, bx), (ay, by) = (
+            (g if two is None else np.take_along_axis(g, two, 1)).transpose(1, 0, 2) for g in (s, gx, gy)
+        )
+        outside, of_a, of_b = _both(-a / width, -b / width, ax * bx + ay * by)  # (3)
+        share = np.stack([of_a, of_b], 1)
+        if two is not None:
+            of_both, share = share, np.zeros_like(s)
+            np.put_along_axis(share, two, of_both, 1)
+        cover = 1 - outside
+    slope = share * steep / rim
+    by_shape = np.stack([slope * gx, slope * gy, slope], 2).reshape(n, 3 * k, -1)
+    return Light(cover, by_shape, -(slope * s).sum(1) / width)
+
+
+def ellipse(p: Floats, w: Floats, patches: Patches) -> Light:
+    """(5): p (n, 5) holds x, y and M's xx, xy and yy."""
+    x, y, xx, xy, yy = (column[:, None] for column in p.T)
+    dx, dy = patches.x - x, patches.y - y
+    mx, my = xx * dx + xy * dy, xy * dx + yy * dy
+    q = np.sqrt(mx * mx + my * my) + 1e-9
+    qx, qy = (xx * mx + xy * my) / q, (xy * mx + yy * my) / q
+    steepness = np.sqrt(qx * qx + qy * qy) + 1e-9
+    s = (1 - q) / steepness
+    rim = w[:, None]
+    slope = _bell(s / rim) / rim
+    by_q = np.stack([-qx, -qy, mx * dx / q, (mx * dy + my * dx) / q, my * dy / q], 1)
+    return Light(ndtr(s / rim), -by_q * (slope / steepness)[:, None], -slope * s / rim)
+
+
+def motion(p: Floats, w: Floats, patches: Patches) -> Light:
+    """(6): p (n, 5) holds x, y, r and v."""
+    total: list[Floats] = []
+    for t, weight in zip(NODES, NODE_WEIGHTS, strict=True):
+        moved = np.stack([p[:, 0] + t * p[:, 3], p[:, 1] + t * p[:, 4], p[:, 2]], 1)
+        cover, by, by_width = discs(moved, w, patches)
+        parts = [cover[:, None], by, t * by[:, :2], by_width[:, None]]
+        both = weight * np.concatenate(parts, 1)
+        total = [both] if not total else [total[0] + both]
+    return Light(total[0][:, 0], total[0][:, 1:-1], total[0][:, -1])
+
+
+def cut(p: Floats, w: Floats, patches: Patches) -> Light:
+    """(7): p (n, 5) holds x, y, r, θ and h."""
+    x, y, r, turn, h = (column[:, None] for column in p.T)
+    dx, dy = patches.x - x, patches.y - y
+    far = np.sqrt(dx * dx + dy * dy) + 1e-9
+    c, s = np.cos(turn), np.sin(turn)
+    s1, s2 = r - far, h - (patches.x * c + patches.y * s)
+    rim = w[:, None]
+    U, of_1, of_2 = _both(s1 / rim, s2 / rim, (dx * c + dy * s) / far)  # (2)
+    k1, k2 = of_1 * _bell(s1 / rim) / rim, of_2 * _bell(s2 / rim) / rim
+    by_shape = [k1 * dx / far, k1 * dy / far, k1, k2 * (patches.x * s - patches.y * c), k2]
+    return Light(U, np.stack(by_shape, 1), -(k1 * s1 + k2 * s2) / rim)
+
+
+def _both(h: Floats, k: Floats, rho: Floats) -> tuple[Floats, Floats, Floats]:
+    """(2) and its derivatives by h and k, ρ held, both without the factor φ."""
+    rho = np.clip(rho, -0.999, 0.999)
+    a, b = ndtr(h), ndtr(k)
+    of_h, of_k = b.copy(), a.copy()
+    both = a * b
+    near = np.flatnonzero((np.abs(h) < CORNER) & (np.abs(k) < CORNER))
+    x, y, r = h.reshape(-1)[near], k.reshape(-1)[near], rho.reshape(-1)[near]
+    root = np.sqrt(1 - r * r)
+    of_h.reshape(-1)[near], of_k.reshape(-1)[near] = ndtr((y - r * x) / root), ndtr((x - r * y) / root)
+    end = np.arcsin(r)
+    theta = end * NODES_CORNER[:, None]
+    sine = np.sin(theta)
+    kernel = np.exp((x * y * sine - (x * x + y * y) / 2) / (1 - sine * sine))
+    both.reshape(-1)[near] += end / (2 * np.pi) * (WEIGHTS_CORNER @ kernel)
+    return both, of_h, of_k
+
+
+def _bell(z: Floats) -> Floats:
+    """The normal density."""
+    return np.asarray(INVERSE_ROOT_2PI * np.exp(-0.5 * z * z))
+
+
+def _image(shape: Shape, p: Floats, patches: Patches) -> tuple[Floats, Floats]:
+    """Grey levels (n, N) by (1), and their derivatives (n, p + 3, N)."""
+    w, A, b = p[:, -3], p[:, -2, None], p[:, -1, None]
+    light = shape(p[:, :-3], w, patches)
+    last = [A * light.by_width, light.cover, np.ones_like(light.cover)]
+    J = np.concatenate([A[:, None] * light.by_shape, np.stack(last, 1)], 1)
+    model = b + A * light.cover
+    white = patches.white[:, None]
+    if np.isfinite(white).any():
+        J *= (model < white)[:, None]  # (8)
+        model = np.minimum(model, white)
+    return model, J
+
+
+def _chi2(model: Floats, patches: Patches) -> Floats:
+    off = patches.grey - model
+    return np.asarray((patches.weight * off * off).sum(1))
+
+
+def _normal(J: Floats, patches: Patches) -> Floats:
+    return np.asarray((J * patches.weight[:, None]) @ J.transpose(0, 2, 1))
+
+
+def _scaled(H: Floats) -> tuple[Floats, Floats]:
+    """H with ones along its diagonal, and the roots of what it was."""
+    d = np.sqrt(np.maximum(np.einsum("nii->ni", H), 1e-12))
+    return H / (d[:, :, None] * d[:, None]), d
+
+
+def _step(J: Floats, model: Floats, patches: Patches, damping: Floats) -> Floats:
+    """Levenberg and Marquardt's step (n, p + 3)."""
+    H, d = _scaled(_normal(J, patches))
+    pull = np.einsum("npk,nk->np", J, patches.weight * (patches.grey - model)) / d
+    H = H + (damping[:, None, None] + 1e-9) * np.eye(H.shape[1])
+    return np.asarray(np.clip(np.linalg.solve(H, pull[..., None])[..., 0] / d, -50, 50))
+
+
+def _held(p: Floats) -> Floats:
+    """The parameters with w within its bounds and A above 1."""
+    p[:, -3] = np.clip(p[:, -3], *WIDTHS)
+    p[:, -2] = np.maximum(p[:, -2], 1.0)
+    return p

@@ -1,0 +1,70 @@
+"""A threshold relative to a camera's own levels.
+
+The background b is the median of all pixels, and its noise σ the distance from there down to the quantile that a normal
+distribution has at one standard deviation; markers are too few to move either. What stands out is brighter than
+b + max(6 σ, 3 levels) (1). The bright level p is found by turns (Ridler and Calvard 1978, with a median for the mean):
+
+    p ← median of the pixels brighter than (b + p) / 2                    (2)
+
+from the mean of what stands out, so that the rims of markers do not darken it, and strobes and lamps do not brighten it
+as long as they have fewer pixels than the markers. The threshold is b + `relative` (p − b) (3). Images of dark markers
+on bright ground are turned to their negative first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kiss import KissNearest, KissScanning
+from .method import Centroids, grey_scale
+
+AnyMethod = TypeVar("AnyMethod", bound=Centroids | KissScanning | KissNearest)
+
+FRAMES = 16
+LEAST = 4  # pixels a frame that must stand out
+TURNS = 20
+
+
+def levelled(method: AnyMethod, images: NDArray[np.uint8 | np.uint16]) -> AnyMethod | None:
+    """The method with the absolute threshold that its relative one means for these frames (n, H, W).
+
+    None where nothing stands out from the background in them. A method without `relative` is returned as it is.
+    """
+    if method.relative is None:
+        return method
+    white = np.iinfo(images.dtype).max
+    counts = np.zeros(white + 1, np.int64)
+    chosen = images[np.unique(np.linspace(0, len(images) - 1, FRAMES).astype(int))] if len(images) else images
+    for image in chosen:
+        counts += np.bincount(image.reshape(-1), minlength=white + 1)
+    found = levels(counts[::-1] if method.inverted else counts, frames=len(chosen))
+    if found is None:
+        return None
+    level = found[0] + method.relative * (found[1] - found[0])  # (3)
+    threshold = (white - level if method.inverted else level) / grey_scale(images.dtype)
+    return replace(method, threshold=float(np.clip(threshold, 0, 254.99)), relative=None)
+
+
+def levels(counts: NDArray[np.int64], *, frames: int) -> tuple[float, float] | None:
+    """Background and bright level of images with `counts` (L) pixels of each grey level; None if nothing is bright."""
+    total = np.cumsum(counts)
+    if frames == 0:
+        return None
+    b, below = (float(np.searchsorted(total, share * total[-1])) for share in (0.5, 0.1587))
+    floor = int(b + max(6 * (b - below), 3.0))  # (1)
+    grey = np.arange(len(counts))
+    out = counts * (grey > floor)
+    if out.sum() < LEAST * frames:
+        return None
+    p = float((out * grey).sum() / out.sum())
+    for _ in range(TURNS):
+        above = np.cumsum(out * (grey > (b + p) / 2))
+        after = float(np.searchsorted(above, 0.5 * above[-1]))  # (2)
+        if after == p:
+            break
+        p = after
+    return b, p

@@ -1,0 +1,211 @@
+"""Static masks: parts of a camera's images in which nothing is a marker, such as opposite strobes and reflections.
+
+A mask is polygons; a pixel is masked when its centre lies within one, that is, when a ray from there to the left
+crosses the outline an odd number of times (1). A side from (x₁, y₁) to (x₂, y₂) is crossed by line y when y₁ ≤ y < y₂,
+at x = x₁ + (y − y₁) (x₂ − x₁) / (y₂ − y₁) (2), so that corners count once.
+
+The share of a detection within the mask is that of `PLACES` of the ellipse with its width and height. In interlaced
+recordings masks, like detections, are in the lines of a field, so that they are half as high as in the whole image.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import distance_transform_edt
+
+from ..data import KinemarkError, Validity
+from .blobs import Blobs
+from .kiss import KissNearest, KissScanning
+from .method import Centroids, check_images, grey_scale
+from .source import BATCH, Source
+
+MOSTLY = 0.5
+_TURN = np.arange(24) * 2 * np.pi / 24
+_RINGS = [r * np.stack([np.cos(_TURN), np.sin(_TURN)], -1)[::step] for r, step in ((0.33, 6), (0.67, 2), (1, 1))]
+PLACES = np.concatenate([np.zeros((1, 2)), *_RINGS])
+"""Places that share out the area of the unit disc."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Masks:
+    """Masks of C cameras.
+
+    Attributes:
+        cameras: (C) names.
+        sizes: (C, 2) width and height of their images, px; of a field where interlaced.
+        polygons: for each camera its polygons, (n, 2) px each, closed by themselves.
+    """
+
+    cameras: tuple[str, ...]
+    sizes: NDArray[np.int64]
+    polygons: tuple[tuple[NDArray[np.float64], ...], ...]
+
+    def __post_init__(self) -> None:
+        sizes = np.array(self.sizes, np.int64).reshape(-1, 2)
+        polygons = tuple(tuple(_polygon(p) for p in own) for own in self.polygons)
+        if len(set(self.cameras)) != len(self.cameras):
+            raise ValueError(f"cameras are {list(self.cameras)}, wanted each name once")
+        if not len(self.cameras) == len(sizes) == len(polygons):
+            raise ValueError(
+                f"there are {len(self.cameras)} cameras, {len(sizes)} sizes and {len(polygons)} lists of polygons, "
+                "wanted one each"
+            )
+        if (sizes < 1).any():
+            raise ValueError(f"sizes are {sizes.tolist()}, wanted a width and height of at least 1 px")
+        sizes.flags.writeable = False
+        for name, value in (("cameras", tuple(self.cameras)), ("sizes", sizes), ("polygons", polygons)):
+            object.__setattr__(self, name, value)
+
+    def __len__(self) -> int:
+        """How many cameras have a mask."""
+        return len(self.cameras)
+
+    def pixels(self, camera: str) -> NDArray[np.bool_]:
+        """(H, W) whether each pixel of a camera is masked.
+
+        Raises:
+            ValueError: there is no mask of that camera.
+        """
+        if camera not in self.cameras:
+            raise ValueError(f"camera {camera!r} is not among those with a mask, {list(self.cameras)}")
+        c = self.cameras.index(camera)
+        width, height = (int(n) for n in self.sizes[c])
+        mask = np.zeros((height, width), np.bool_)
+        for polygon in self.polygons[c]:
+            mask |= rasterised(polygon, width, height)
+        return mask
+
+
+def rasterised(polygon: NDArray[np.float64], width: int, height: int) -> NDArray[np.bool_]:
+    """(height, width) whether the centre of each pixel lies in a polygon (n, 2) px, by (1)."""
+    crossed = np.zeros((height, width + 1), np.bool_)
+    for (x1, y1), (x2, y2) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        if y1 > y2:
+            x1, y1, x2, y2 = x2, y2, x1, y1
+        y = np.arange(max(int(np.ceil(y1)), 0), min(int(np.ceil(y2)), height))
+        if len(y):
+            x = np.ceil(x1 + (y - y1) * (x2 - x1) / (y2 - y1))  # (2)
+            crossed[y, np.clip(x, 0, width).astype(np.int64)] ^= True
+    return np.logical_xor.accumulate(crossed[:, :width], axis=1)
+
+
+def learn_masks(
+    sources: Sequence[Source],
+    *,
+    cameras: Sequence[str],
+    method: Centroids | KissScanning | KissNearest | None = None,
+    share: float = 0.1,
+    grow: float = 3.0,
+) -> Masks:
+    """The masks that an empty recording shows: what is white in it, with no marker there, is none.
+
+    Args:
+        sources: what each camera recorded of the empty volume.
+        cameras: their names.
+        method: says which pixels are white.
+        share: of the frames in which a pixel must be white, from above 0 to 1.
+        grow: by how much masks reach farther than that, px.
+
+    Raises:
+        ValueError: not one name a source, a parameter is out of range, or the method's threshold is relative, as
+            it would be measured on strobes.
+        KinemarkError: a recording has no frames.
+    """
+    method = method or Centroids()
+    if len(sources) != len(cameras):
+        raise ValueError(f"there are {len(sources)} sources and {len(cameras)} camera names, wanted one each")
+    if not 0 < share <= 1 or not 0 <= grow < np.inf:
+        raise ValueError(
+            f"share and grow are {share} and {grow}, wanted a share above 0 and at most 1, and 0 px or more"
+        )
+    if isinstance(method, Centroids) and method.relative is not None:
+        raise ValueError(
+            f"relative is {method.relative}, wanted None: an empty recording has no markers to measure it by. "
+            "Say a threshold"
+        )
+    masks = [_often_white(source, name, method, share, grow) for source, name in zip(sources, cameras, strict=True)]
+    sizes = np.array([mask.shape[::-1] for mask in masks]).reshape(-1, 2)
+    return Masks(tuple(cameras), sizes, tuple(rectangles(mask) for mask in masks))
+
+
+def combined_masks(first: Masks, second: Masks) -> Masks:
+    """What either masks.
+
+    Raises:
+        KinemarkError: a camera has images of one size in the one and of another in the other.
+    """
+    names = first.cameras + tuple(name for name in second.cameras if name not in first.cameras)
+    sizes, polygons = [], []
+    for name in names:
+        places = [(m, m.cameras.index(name)) for m in (first, second) if name in m.cameras]
+        found = [(m.sizes[c], m.polygons[c]) for m, c in places]
+        if any((size != found[0][0]).any() for size, _ in found):
+            raise KinemarkError(
+                f"The masks of camera {name} are for images of {_by(found[0][0])} and {_by(found[1][0])} px. "
+                "Draw or learn them for one size."
+            )
+        sizes.append(found[0][0])
+        polygons.append(sum((own for _, own in found), ()))
+    return Masks(names, np.array(sizes).reshape(-1, 2), tuple(polygons))
+
+
+def masked(blobs: Blobs, mask: NDArray[np.bool_]) -> Blobs:
+    """The detections, those mostly within the mask (H, W) MASKED and those that touch it merged.
+
+    Their v counts in lines of the image that the mask is for, before fields are put on one plane.
+    """
+    if not len(blobs.uv) or not mask.any():
+        return blobs
+    half = np.stack([blobs.width, blobs.height], -1) / 2
+    places = np.rint(blobs.uv[:, None] + half[:, None] * PLACES).astype(np.int64)
+    u, v = (np.clip(places[..., i], 0, mask.shape[1 - i] - 1) for i in (0, 1))
+    share = mask[v, u].mean(1)
+    validity = np.where(share > MOSTLY, np.uint8(Validity.MASKED), blobs.validity)
+    return blobs._replace(validity=validity, merged=blobs.merged | ((share > 0) & (share <= MOSTLY)))
+
+
+def rectangles(mask: NDArray[np.bool_]) -> tuple[NDArray[np.float64], ...]:
+    """Rectangles (4, 2) px that cover exactly the masked pixels: equal runs of consecutive lines as one."""
+    step = np.diff(mask.astype(np.int8), axis=1, prepend=0, append=0)
+    line, left = np.nonzero(step == 1)
+    right = np.nonzero(step == -1)[1]
+    order = np.lexsort((line, right, left))
+    line, left, right = line[order], left[order], right[order]
+    fresh = np.ones(len(line), np.bool_)
+    fresh[1:] = (left[1:] != left[:-1]) | (right[1:] != right[:-1]) | (line[1:] != line[:-1] + 1)
+    first = np.flatnonzero(fresh)
+    last = np.append(first[1:], len(line))[: len(first)] - 1
+    sides = zip(left[first] - 0.5, right[first] - 0.5, line[first] - 0.5, line[last] + 0.5, strict=True)
+    return tuple(np.array([(x1, y1), (x2, y1), (x2, y2), (x1, y2)]) for x1, x2, y1, y2 in sides)
+
+
+def _often_white(
+    source: Source, name: str, method: Centroids | KissScanning | KissNearest, share: float, grow: float
+) -> NDArray[np.bool_]:
+    """(H, W) the pixels that are white in at least this share of a camera's frames, grown."""
+    white, frames = None, 0
+    for images in source.batches(BATCH):
+        check_images(images)
+        level = method.threshold * grey_scale(images.dtype)
+        now = (images < level if method.inverted else images > level).sum(0)
+        white, frames = now if white is None else white + now, frames + len(images)
+    if white is None:
+        raise KinemarkError(f"Camera {name}: the recording of the empty volume has no frames. Record some.")
+    mask = np.asarray(white >= max(share * frames, 1))
+    return np.asarray(distance_transform_edt(~mask) <= grow) if mask.any() else mask
+
+
+def _polygon(points: ArrayLike) -> NDArray[np.float64]:
+    polygon = np.array(points, np.float64)
+    if polygon.ndim != 2 or polygon.shape[1] != 2 or len(polygon) < 3 or not np.isfinite(polygon).all():
+        raise ValueError(f"a polygon has shape {polygon.shape}, wanted three or more finite corners (x, y), px")
+    polygon.flags.writeable = False
+    return polygon
+
+
+def _by(size: NDArray[np.int64]) -> str:
+    return f"{size[0]} × {size[1]}"

@@ -1,0 +1,117 @@
+"""Which threshold parts the markers of some images from their noise.
+
+With b the median of all pixels and σ the noise of the dark ones (`noise`), let N(c) be the number of groups of pixels
+brighter than b + c, in all the images together, that are at least two pixels wide and high and have a pixel brighter
+than b + 2 c: what noise and the texture of a background raise above a threshold is barely above it. Still, low
+thresholds find folds, reflections and glows that hold several markers together, and above the dimmest markers N falls
+one by one; between lies a stretch in which it hardly changes. So c runs over
+
+    c_k = c_0 q^k,   c_0 = max(3 σ, 2 levels)                            (1)
+
+up to half the brightest pixel, and of all stretches k₁ … k₂ with
+
+    max N − min N ≤ 0.1 max N + 0.25 n                                   (2)
+
+for n images, and N ≥ n / 2, the gap between noise and markers is the one with the greatest
+
+    (√c₂ − √c₁) log(1 + N̄ / n)                                           (A)
+
+which measures brightness so that photon noise is even, and prefers many markers to a few strobes. It is the stability
+under a change of threshold by which Matas, Chum, Urban and Pajdla 2002 find regions, here of all groups at once.
+
+The threshold is taken at 0.4 of the groups' median peak (3): low enough to leave the rim of a marker in its group, high
+enough to part it from its glow and from its neighbour. Where that lies outside the gap, it is moved to its upper end,
+at which even the dimmest marker has twice the contrast, or to a tenth inside its lower one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .grouping import Groups, group_runs
+from .kiss.white import pixels_of
+from .noise import background
+from .runs import find_runs
+
+STEPS = 36
+MOST_RUNS = 200_000  # in all images; a threshold with more lies in the noise
+SHARE = 0.4
+
+
+class Gap(NamedTuple):
+    """Grey levels of the images' own kind.
+
+    background: median b. noise: standard deviation σ of dark pixels. low, high: the gap's ends, NaN without one. peak:
+    median peak of the groups in it. brightest: of all pixels. threshold: (3). groups: a frame, at the threshold.
+    """
+
+    background: float
+    noise: float
+    low: float
+    high: float
+    peak: float
+    brightest: float
+    threshold: float
+    groups: float
+
+
+def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> Gap:
+    """The gap between noise and markers of frames (n, H, W)."""
+    level, variance = background(images)
+    b, sigma, top = float(np.median(level)), float(np.sqrt(np.median(variance))), float(images.max())
+    least = max(3 * sigma, 2.0)  # (1)
+    none = Gap(b, sigma, np.nan, np.nan, np.nan, top, np.nan, 0.0)
+    if top - b <= 4 * least:
+        return none
+    contrasts = np.geomspace(least, (top - b) / 2, STEPS)
+    numbers = np.array([len(_standing_out(images, b, c)[1]) for c in contrasts])
+    stretch = _stable_stretch(contrasts, numbers, len(images))
+    if stretch is None:
+        return none
+    low, high = contrasts[stretch[0]], contrasts[stretch[1]]
+    peak = float(np.median(_standing_out(images, b, low)[1])) - b
+    c = float(np.clip(SHARE * peak, min(1.1 * low, high), high))  # (3)
+    return Gap(b, sigma, b + low, b + high, b + peak, top, b + c, len(_standing_out(images, b, c)[1]) / len(images))
+
+
+def groups_above(images: NDArray[np.uint8 | np.uint16], level: float) -> Groups:
+    """Groups of pixels brighter than `level` in frames (n, H, W), at least two pixels wide and high."""
+    n, height, width = images.shape
+    runs = find_runs(images.reshape(n * height, width), np.floor(level), most=MOST_RUNS)
+    groups = group_runs(runs, height=height, width=width)
+    return groups.keep((groups.right > groups.left) & (groups.bottom > groups.top))
+
+
+def peaks_of(images: NDArray[np.uint8 | np.uint16], groups: Groups) -> NDArray[np.float64]:
+    """(G) the brightest pixel of each group."""
+    if len(groups.area) == 0:
+        return np.zeros(0)
+    line, column = pixels_of(*(side.astype(np.int64, copy=False) for side in groups.runs))
+    grey = images.reshape(-1, images.shape[2])[line, column]
+    return np.maximum.reduceat(grey, np.cumsum(groups.area) - groups.area).astype(np.float64)
+
+
+def _standing_out(images: NDArray[np.uint8 | np.uint16], b: float, c: float) -> tuple[Groups, NDArray[np.float64]]:
+    """Groups brighter than b + c with a pixel brighter than b + 2 c, and their peaks; none where there are too many."""
+    groups = groups_above(images, b + c)
+    if len(groups.runs.y) > MOST_RUNS // 2:
+        groups = groups.keep(np.zeros(len(groups.area), np.bool_))
+    peak = peaks_of(images, groups)
+    return groups.keep(peak > b + 2 * c), peak[peak > b + 2 * c]
+
+
+def _stable_stretch(c: NDArray[np.float64], numbers: NDArray[np.int64], n: int) -> tuple[int, int] | None:
+    """First and last step of the stretch of (2) with the greatest (A)."""
+    best, greatest = None, 0.0
+    for first in range(len(c)):
+        for last in range(first + 1, len(c)):
+            part = numbers[first : last + 1]
+            if part.min() < n / 2 or part.max() - part.min() > 0.1 * part.max() + 0.25 * n:  # (2)
+                break
+            worth = float((np.sqrt(c[last]) - np.sqrt(c[first])) * np.log1p(part.mean() / n))  # (A)
+            if worth > greatest:
+                best, greatest = (first, last), worth
+    return best

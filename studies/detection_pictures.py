@@ -1,0 +1,97 @@
+"""Pictures of what detection makes of an image: SVG panels of white pixels, and PNG files of grey levels."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinemark.data import Validity
+from kinemark.detect import Blobs
+
+Images = NDArray[np.uint8]
+
+VALID, SEPARATED, INVALID = "#16b455", "#e09a00", "#e02828"
+GAP, CAPTION = 12, 16
+
+
+def panels(white: NDArray[np.bool_], results: Sequence[tuple[str, Blobs | None]], *, columns: int = 3) -> str:
+    """An SVG with the white pixels (H, W) once a result, its detections framed: their rectangles about their centroids.
+
+    Valid ones are green, those cut out of a larger group yellow, invalid ones red.
+    """
+    height, width = white.shape
+    step_x, step_y = width + GAP, height + GAP + CAPTION
+    rows = -(-len(results) // columns)
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {columns * step_x} {rows * step_y}" '
+        f'width="{columns * step_x}" font-family="sans-serif" font-size="11">',
+        f'<defs><path id="white" d="{_runs(white)}" fill="#cfd6de"/></defs>',
+        '<rect width="100%" height="100%" fill="#fff"/>',
+    ]
+    for k, (caption, blobs) in enumerate(results):
+        lines += [
+            f'<g transform="translate({k % columns * step_x + GAP / 2} {k // columns * step_y + CAPTION})">',
+            f'<text y="-4">{caption}</text>',
+            f'<rect width="{width}" height="{height}" fill="#10151c"/><use href="#white"/>',
+            *(_frames(blobs) if blobs else ()),
+            "</g>",
+        ]
+    return "\n".join([*lines, "</svg>", ""])
+
+
+def _runs(white: NDArray[np.bool_]) -> str:
+    """The white pixels as the path of an SVG, a rectangle a run."""
+    edges = np.diff(np.pad(white, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    (y, first), (_, end) = np.nonzero(edges == 1), np.nonzero(edges == -1)
+    return "".join(f"M{a} {v}h{b - a}v1h{a - b}z" for v, a, b in zip(y, first, end, strict=True))
+
+
+def _frames(blobs: Blobs) -> list[str]:
+    """A rectangle and a dot for each detection."""
+    shapes = []
+    for (u, v), w, h, validity, merged in zip(
+        blobs.uv + 0.5, blobs.width, blobs.height, blobs.validity, blobs.merged, strict=True
+    ):
+        colour = INVALID if validity != Validity.VALID else SEPARATED if merged else VALID
+        shapes.append(
+            f'<rect x="{u - w / 2 - 1:.1f}" y="{v - h / 2 - 1:.1f}" width="{w + 2:.0f}" height="{h + 2:.0f}" '
+            f'fill="none" stroke="{colour}" stroke-width="1.2"/>'
+            f'<circle cx="{u:.1f}" cy="{v:.1f}" r="1.3" fill="{colour}"/>'
+        )
+    return shapes
+
+
+def write_picture(path: Path, image: Images, blobs: Blobs, zoom: int = 3) -> None:
+    """A PNG of the image (H, W) with the rectangles of the detections: valid green, separated yellow, invalid red."""
+    picture = np.repeat(np.repeat(image, zoom, 0), zoom, 1)[..., None].repeat(3, -1)
+    colours = np.where(
+        blobs.validity[:, None] > 0, (255, 40, 40), np.where(blobs.merged[:, None], (255, 210, 0), (0, 230, 0))
+    )
+    for (u, v), w, h, colour in zip(blobs.uv, blobs.width, blobs.height, colours, strict=True):
+        left, right = (int(np.clip(zoom * (u + s * (w / 2 + 1) + 0.5), 0, picture.shape[1] - 1)) for s in (-1, 1))
+        top, bottom = (int(np.clip(zoom * (v + s * (h / 2 + 1) + 0.5), 0, picture.shape[0] - 1)) for s in (-1, 1))
+        picture[[top, bottom], left : right + 1] = picture[top : bottom + 1, [left, right]] = colour
+        picture[int(zoom * (v + 0.5)), int(zoom * (u + 0.5)) - 2 : int(zoom * (u + 0.5)) + 3] = colour
+    path.write_bytes(png(picture))
+
+
+def png(picture: Images) -> bytes:
+    """An RGB picture (H, W, 3) as a PNG file."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    height, width, _ = picture.shape
+    lines = np.pad(picture.reshape(height, 3 * width), ((0, 0), (1, 0)))
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", header)
+        + chunk(b"IDAT", zlib.compress(lines.tobytes()))
+        + chunk(b"IEND", b"")
+    )

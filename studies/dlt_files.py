@@ -1,4 +1,4 @@
-"""The eleven-parameter DLT on three published recordings, against the figures known for them.
+"""The eleven-parameter DLT on published recordings, against the figures known for them.
 
 1. `resection_5cam`: hundreds of control points a camera (flydra); a fresh fit and its residual.
 2. `kinemat_running_3cam`: three film cameras, six control points, a runner with 24 markers and three fixed marks. The
@@ -6,6 +6,8 @@
    line of time for each camera and images by the fixed marks. The stored coordinates were smoothed.
 3. `dltdv_thermal_3cam`: stored coefficients, pixels and coordinates of DLTdv; a wand of known length and a thrown
    object of easyWand, whose lens terms are undone first.
+4. `bad_control_frame_8cam`: a control frame whose fifth pole stands elsewhere than the survey says; what the judgement
+   of it and of the first two says.
 
 Run: python studies/dlt_files.py
 """
@@ -21,13 +23,16 @@ from scipy.interpolate import CubicSpline
 from scipy.io import loadmat
 from scipy.optimize import minimize
 
+from kinemark.calibrate import control_point_quality, judge_control_points, reference_shift
 from kinemark.data import Camera
 from kinemark.geometry import fit_dlt, from_dlt, triangulate, undistort
 from kinemark.io.dlt_csv import read_dlt_csv, read_dltdv_xy, read_dltdv_xyz
 
 Floats = NDArray[np.float64]
+Case = tuple[str, Floats, Floats, tuple[int, int]]
 
 MARKERS = 24  # of the runner; the three fixed marks come behind them
+DIGITISED = 10.0  # units by which an operator misses a fixed mark, at most
 
 
 def rms_residual(L: Floats, xyz: Floats, uv: Floats) -> float:
@@ -53,7 +58,11 @@ def runner(folder: Path) -> None:
     print("\nkinemat_running_3cam: RMS residual of the DLT, digitiser units (known: 0.35  1.68  1.20)")
     print("  " + "  ".join(f"{r:.2f}" for r in residuals))
     films = [np.loadtxt(folder / f"r1cam{c}.raw").reshape(-1, MARKERS + 3, 2) for c in (1, 2, 3)]
-    still = [film - (film[:, MARKERS:] - m[6:]).mean(1, keepdims=True) for film, m in zip(films, marks, strict=True)]
+    shifts = [
+        reference_shift(m[None, 6:], film[None, :, MARKERS:], tolerance=DIGITISED)[0]
+        for film, m in zip(films, marks, strict=True)
+    ]
+    still = [film - shift[:, None] for film, shift in zip(films, shifts, strict=True)]
     stored = loadmat(folder / "result.mat")["H"].reshape(-1, MARKERS + 3, 5)[:, :MARKERS, :3]
     P = from_dlt(L)
     start = np.concatenate([line_of_time(film, stored, p) for film, p in zip(still, P, strict=True)])
@@ -110,6 +119,44 @@ def bats(folder: Path) -> None:
     print(f"  thrown object: |g| = {g:.2f} m/s² from {seen.sum()} frames (known: 10.03)")
 
 
+def judgements(root: Path) -> None:
+    """Whether control point calibrations are good, in Kinemark's words."""
+    print("\njudgement of control points")
+    for name, xyz, uv, size in (six_points(root), moving_light(root), five_poles(root)):
+        fit = control_point_quality([f"cam{c + 1}" for c in range(len(uv))], [size] * len(uv), xyz, uv)
+        grade, sentences, _ = judge_control_points(fit)
+        print(f"  {name}: {grade}")
+        for sentence in sentences[:2]:
+            print(f"    {sentence}")
+
+
+def six_points(root: Path) -> Case:
+    folder = root / "kinemat_running_3cam"
+    uv = np.stack([np.loadtxt(folder / f"r1cam{c}.cal")[:6] for c in (1, 2, 3)])
+    return "kinemat_running_3cam", np.loadtxt(folder / "calframe.txt"), uv, (0, 0)
+
+
+def moving_light(root: Path) -> Case:
+    """Places that several cameras saw are one point."""
+    folder = root / "resection_5cam/tests/sample_calibration"
+    tables = [np.loadtxt(folder / f"cam{c}.points4cal.dat") for c in range(1, 6)]
+    xyz, which = np.unique(np.concatenate([t[:, :3] for t in tables]).round(6), axis=0, return_inverse=True)
+    uv = np.full((5, len(xyz), 2), np.nan)
+    camera = np.repeat(np.arange(5), [len(t) for t in tables])
+    uv[camera, which.ravel()] = np.concatenate([t[:, 4:6] for t in tables])
+    return "resection_5cam", xyz, uv, (656, 491)
+
+
+def five_poles(root: Path) -> Case:
+    folder = root / "bad_control_frame_8cam"
+    xyz = 1000 * np.loadtxt(folder / "ref3d_realworld/ref3d_realworld.csv", delimiter=",")
+    rows = [
+        np.loadtxt(folder / f"pixelcorrds/c0{c}_markers_1_line.csv", delimiter=",", skiprows=1, ndmin=2)[0, 1:]
+        for c in range(1, 9)
+    ]
+    return "bad_control_frame_8cam", xyz, np.stack(rows).reshape(8, -1, 2), (1920, 1080)
+
+
 def easy_points(easy: object, uv: Floats) -> Floats:
     """Points (N, M, 3) m from easyWand's pixels (N, M, C, 2), through its lens terms and coefficients."""
     n_cameras = uv.shape[2]
@@ -128,6 +175,7 @@ def main() -> None:
     resection(recording("cameras/resection_5cam/tests/sample_calibration"))
     runner(recording("cameras/kinemat_running_3cam"))
     bats(recording("cameras/dltdv_thermal_3cam"))
+    judgements(recording("cameras"))
 
 
 if __name__ == "__main__":

@@ -1,12 +1,73 @@
-"""From markers at known places to calibrated cameras."""
+"""From markers at known places, or a wand waved about, to calibrated cameras, and how good they are.
 
+control_points/   cameras from surveyed points: fit, refusals, errors left out, judgement
+control_frame/    the hanging rods, recognised in an image
+wand/, bundle/    a stick with markers, all cameras at once
+quality/          how exactly a rig places markers, where, and without which camera
+linearisation, lens_choice, plane_views, grid, lattice, chessboard, aspect   lenses from plane grids; aspect ratio
+reference_marker  shifts of the images since the calibration
+resection         least squares of one camera
+world             turning and scaling a rig into the laboratory
+assign            which dot is which point of a known body, from a few that were picked by hand
+"""
+
+from .aspect import AspectRatio, aspect_ratio
+from .assign import assign_points
+from .bundle import Bundle, BundleFit, calibrate_points, calibrate_sticks
+from .chessboard import find_corners
 from .control_frame import calibrate_control_frame, identify_markers, recognise_control_frame
-from .control_points import ControlPoints, calibrate_control_points
+from .control_points import (
+    ControlFit,
+    ControlPoints,
+    Dlt,
+    Judgement,
+    calibrate_control_points,
+    control_point_quality,
+    judge_control_points,
+)
+from .grid import order_grid, part_of_grid
+from .linearisation import GridView, LensFit, Linearisation, linearise, straightness
+from .quality import map_volume, predicted_covariance
+from .reference_marker import MarkShift, corrected, find_marks, mark_shift, reference_shift
+from .wand import Wand, WandLengths, by_place, calibrate_wand, wand_lengths, wand_points
 
 __all__ = [
+    "AspectRatio",
+    "Bundle",
+    "BundleFit",
+    "ControlFit",
     "ControlPoints",
+    "Dlt",
+    "GridView",
+    "Judgement",
+    "LensFit",
+    "Linearisation",
+    "MarkShift",
+    "Wand",
+    "WandLengths",
+    "aspect_ratio",
+    "assign_points",
+    "by_place",
     "calibrate_control_frame",
     "calibrate_control_points",
+    "calibrate_points",
+    "calibrate_sticks",
+    "calibrate_wand",
+    "control_point_quality",
+    "corrected",
+    "find_corners",
+    "find_marks",
     "identify_markers",
+    "judge_control_points",
+    "linearise",
+    "map_volume",
+    "mark_shift",
+    "order_grid",
+    "part_of_grid",
+    "predicted_covariance",
     "recognise_control_frame",
+    "reference_shift",
+    "straightness",
+    "wand_lengths",
+    "wand_points",
 ]

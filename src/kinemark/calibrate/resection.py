@@ -13,6 +13,14 @@ lowers χ² = Σ r_iᵀ Q_i⁻¹ r_i (2) until it no longer falls. The parameter
 itself uncertain: an error divided by its root is distributed as t with ν degrees of freedom, whose
 variance is ν / (ν − 2), so the last factor keeps the stated variance true on average when points are few. For ν
 below 3 that variance does not exist, and the factor stays at that of ν = 3.
+
+The lens of a linearised camera is known in pixels, and its focal length is not. With f ← m f for both focal lengths and
+
+    k1 ← m² k1,   k2 ← m⁴ k2,   p1 ← m p1,   p2 ← m p2,   k3 ← m⁶ k3      (4)
+
+the lens bends pixels as before, since x ← x / m on the normalised plane. Then ln m takes the place of fx and fy:
+`tied`. What the linearisation itself leaves open, Σ_L of the held parameters, moves the fitted ones along, by
+(B A⁻¹ Bᵀ Jᵀ Q⁻¹ J − 1) δ_L (5), with B = ∂ parameters / ∂ free ones.
 """
 
 from __future__ import annotations
@@ -28,6 +36,7 @@ from ..data import Camera
 from ..geometry import parameter_jacobian, project
 
 STEPS = 100
+FOCAL_POWERS = np.array([1.0, 1, 0, 0, 2, 4, 1, 1, 6, 0, 0, 0, 0, 0, 0])  # of m in each of `data.PARAMETERS`, (4)
 
 
 class Fit(NamedTuple):
@@ -45,19 +54,21 @@ def resect(
     cov: NDArray[np.float64],
     *,
     free: NDArray[np.bool_],
+    tied: bool = False,
     steps: int = STEPS,
 ) -> Fit:
     """The camera near `start` that sees points (N, 3) mm at pixels (N, 2) of covariance (N, 2, 2).
 
-    `free` (15) tells which of `data.PARAMETERS` may change. `Camera.cov` and `Camera.residual` are set. Where `start`
+    `free` (15) tells which of `data.PARAMETERS` may change; where `tied`, the focal lengths do by (4), and `start.cov`
+    is that of the held lens. `Camera.cov` and `Camera.residual` are set. Where `start`
     has points behind it, it is returned as it is, with residuals of NaN.
     """
     whiten = np.linalg.inv(np.linalg.cholesky(cov))  # whiten · r has unit covariance
     camera, chi2, damping = start, _chi2(start, xyz, uv, whiten), 1e-3
     for _ in range(steps if np.isfinite(chi2) else 0):
-        A, g = _normal(camera, xyz, uv, whiten, free)
+        A, g = _normal(camera, xyz, uv, whiten, free, tied)
         step = np.asarray(np.linalg.lstsq(A + damping * np.diag(np.diag(A)), g)[0], np.float64)  # (1)
-        tried = moved(camera, free, step)
+        tried = moved(camera, free, step, tied=tied)
         lower = _chi2(tried, xyz, uv, whiten)
         if lower < chi2:
             settled = chi2 - lower <= 1e-13 * chi2
@@ -71,24 +82,38 @@ def resect(
     residual = uv - project(camera, xyz)
     if not np.isfinite(chi2):
         return Fit(camera, residual, np.full(len(xyz), np.nan))
-    A, _ = _normal(camera, xyz, uv, whiten, free)
     camera = replace(
         camera,
-        cov=_covariance(A, chi2, 2 * len(xyz), free),
+        cov=_covariance(camera, start, xyz, whiten, chi2, free, tied),
         residual=float(np.sqrt((residual**2).sum(1).mean())),
     )
     return Fit(camera, residual, np.linalg.norm(np.einsum("nij,nj->ni", whiten, residual), axis=1))
 
 
-def moved(camera: Camera, free: NDArray[np.bool_], step: NDArray[np.float64]) -> Camera:
-    """The camera with `step` added to its free parameters."""
-    p = np.zeros(15)
-    p[free] = step
-    K = camera.K.copy()
-    K[0, 0], K[1, 1] = K[0, 0] + p[0], K[1, 1] + p[1]
-    K[:2, 2] += p[2:4]
+def directions(camera: Camera, free: NDArray[np.bool_], tied: bool) -> NDArray[np.float64]:
+    """B (15, p): how `data.PARAMETERS` change with the free ones, or with ln m and the rest of them."""
+    if not tied:
+        return np.eye(15)[:, free]
+    values = np.concatenate([[camera.K[0, 0], camera.K[1, 1], 0, 0], camera.distortion, np.zeros(6)])
+    rest = free.copy()
+    rest[:9] = False
+    return np.column_stack([FOCAL_POWERS * values, np.eye(15)[:, rest]])
+
+
+def moved(camera: Camera, free: NDArray[np.bool_], step: NDArray[np.float64], *, tied: bool = False) -> Camera:
+    """The camera with `step` added to its free parameters; where `tied`, the first is ln m."""
+    p, K, distortion = np.zeros(15), camera.K.copy(), camera.distortion
+    if tied:
+        m = np.exp(np.clip(step[0], -1, 1))  # no step changes the focal length more than e times
+        K[:2, :2] *= m
+        distortion = distortion * m ** FOCAL_POWERS[4:9]  # (4)
+        p[9:][free[9:]] = step[1:]
+    else:
+        p[free] = step
+        K[0, 0], K[1, 1] = K[0, 0] + p[0], K[1, 1] + p[1]
+        K[:2, 2] += p[2:4]
     R = Rotation.from_rotvec(p[9:12]).as_matrix() @ camera.R
-    return replace(camera, K=K, distortion=camera.distortion + p[4:9], R=R, t=camera.t + p[12:])
+    return replace(camera, K=K, distortion=distortion + p[4:9], R=R, t=camera.t + p[12:])
 
 
 def _chi2(camera: Camera, xyz: NDArray[np.float64], uv: NDArray[np.float64], whiten: NDArray[np.float64]) -> float:
@@ -104,18 +129,53 @@ def _normal(
     uv: NDArray[np.float64],
     whiten: NDArray[np.float64],
     free: NDArray[np.bool_],
+    tied: bool,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """A (p, p) and g (p) of (1)."""
-    J = (whiten @ parameter_jacobian(camera, xyz)[..., free]).reshape(2 * len(xyz), -1)
+    J = (whiten @ parameter_jacobian(camera, xyz) @ directions(camera, free, tied)).reshape(2 * len(xyz), -1)
     r = np.einsum("nij,nj->ni", whiten, uv - project(camera, xyz)).ravel()
     return J.T @ J, J.T @ r
 
 
-def _covariance(A: NDArray[np.float64], chi2: float, n: int, free: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """(15, 15) with zero rows for what is held, from n equations."""
-    scale = 1 / np.sqrt(np.maximum(np.diag(A), 1e-300))  # the parameters differ by 10⁸ in size
-    inverse = scale[:, None] * np.linalg.pinv(A * scale * scale[:, None], hermitian=True) * scale
-    nu = n - int(free.sum())
-    cov = np.zeros((15, 15))
-    cov[np.ix_(free, free)] = inverse * chi2 / max(nu, 1) * max(nu, 3) / (max(nu, 3) - 2)  # (3)
-    return cov
+def _covariance(
+    camera: Camera,
+    start: Camera,
+    xyz: NDArray[np.float64],
+    whiten: NDArray[np.float64],
+    chi2: float,
+    free: NDArray[np.bool_],
+    tied: bool,
+) -> NDArray[np.float64]:
+    """(15, 15) with zero rows for what is held and known."""
+    J = (whiten @ parameter_jacobian(camera, xyz)).reshape(-1, 15)
+    B = directions(camera, free, tied)
+    inverse = scaled_inverse(B.T @ J.T @ J @ B)
+    nu = len(J) - B.shape[1]
+    cov = B @ inverse @ B.T * (chi2 / max(nu, 1) * max(nu, 3) / (max(nu, 3) - 2))  # (3)
+    if tied and start.cov.any():
+        along = B @ inverse @ B.T @ J.T @ J - np.eye(15)  # (5)
+        cov = cov + along @ lens_covariance(start, camera) @ along.T
+    return np.asarray(cov)
+
+
+def scaled_inverse(A: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Inverse of a normal matrix (p, p) whose parameters differ by 10⁸ in size; of the null space, zero."""
+    scale = 1 / np.sqrt(np.maximum(np.diag(A), 1e-300))
+    inverse = np.linalg.pinv(A * scale * scale[:, None], hermitian=True)
+    return np.asarray(scale[:, None] * inverse * scale)
+
+
+def lens_covariance(lens: Camera, camera: Camera) -> NDArray[np.float64]:
+    """(15, 15) of the held parameters of `camera`, as its linearised `lens` left them open; that of ln m is taken out.
+
+    An error of the lens's own focal length, d ln f, does not move its pixels if the terms follow by (4), so that only
+    δk − power · k · d ln f counts, and of fx and fy what sets them apart.
+    """
+    f = np.array([lens.K[0, 0], lens.K[1, 1]])
+    values = np.concatenate([f, [0, 0], lens.distortion, np.zeros(6)])
+    mean_focal = np.zeros(15)
+    mean_focal[:2] = 0.5 / f
+    m = float(np.mean([camera.K[0, 0], camera.K[1, 1]] / f))
+    T = (m**FOCAL_POWERS)[:, None] * (np.eye(15) - np.outer(FOCAL_POWERS * values, mean_focal))
+    T[9:] = 0.0
+    return np.asarray(T @ lens.cov @ T.T)

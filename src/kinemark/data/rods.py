@@ -12,11 +12,12 @@ from .arrays import column, set_columns
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rods:
-    """R rods of K markers each, as surveyed.
+    """R rods of up to K markers each, as surveyed.
 
     Attributes:
         names: (R) such as "A".
-        xyz: (R, K, 3) the markers' centres in the laboratory, in order along each rod, mm.
+        xyz: (R, K, 3) the markers' centres in the laboratory, in order along each rod, mm; NaN behind the last one of a
+            rod that has fewer than K.
         marker_diameter: of the markers, mm; NaN where not given.
     """
 
@@ -26,15 +27,30 @@ class Rods:
 
     def __post_init__(self) -> None:
         set_columns(self, names=tuple(self.names), xyz=column("xyz", self.xyz, np.float64, len(self.names), None, 3))
-        if self.xyz.shape[1] < 4 or not np.isfinite(self.xyz).all():
-            raise ValueError(f"xyz has shape {self.xyz.shape}, wanted at least 4 markers a rod, all finite")
+        fewest = int(self.present.sum(1).min(initial=self.xyz.shape[1]))
+        ends_with_nan = (np.diff(self.present.astype(int), axis=1) <= 0).all() and not np.isinf(self.xyz).any()
+        if fewest < 4 or not ends_with_nan:
+            raise ValueError(
+                f"xyz has shape {self.xyz.shape} and rods of {fewest} markers or more, wanted at least 4 a rod, all "
+                "finite, and NaN only behind the last"
+            )
+
+    @property
+    def present(self) -> NDArray[np.bool_]:
+        """(R, K) whether the rod has that many markers."""
+        return np.asarray(np.isfinite(self.xyz).all(-1))
+
+    @property
+    def axes(self) -> NDArray[np.float64]:
+        """(R, 3) direction of each rod, from its first marker to its last."""
+        last = self.present.sum(1) - 1
+        axis = self.xyz[np.arange(len(last)), last] - self.xyz[:, 0]
+        return np.asarray(axis / np.linalg.norm(axis, axis=1, keepdims=True))
 
     @property
     def along(self) -> NDArray[np.float64]:
         """(R, K) place of each marker along its rod, from its first marker, mm."""
-        axis = self.xyz[:, -1] - self.xyz[:, 0]
-        axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
-        return np.einsum("rki,ri->rk", self.xyz - self.xyz[:, :1], axis)
+        return np.asarray(np.einsum("rki,ri->rk", self.xyz - self.xyz[:, :1], self.axes))
 
     @property
     def marker_names(self) -> tuple[str, ...]:

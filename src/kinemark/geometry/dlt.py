@@ -56,18 +56,29 @@ def fit_dlt(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> NDArray[np.flo
     xyz, uv = xyz[seen], uv[seen]
     if len(xyz) < 6:
         raise KinemarkError(f"{len(xyz)} control points are seen, and a camera needs six. Place or find more of them.")
-    T, U = _normalising(xyz), _normalising(uv)
-    X = np.column_stack([xyz, np.ones(len(xyz))]) @ T.T
-    u, v, _ = U @ np.column_stack([uv, np.ones(len(uv))]).T
-    zero = np.zeros_like(X)
-    A = np.concatenate([np.hstack([X, zero, -u[:, None] * X]), np.hstack([zero, X, -v[:, None] * X])])  # (2), L12 free
-    _, s, Vt = np.linalg.svd(A)
+    A, T, U = equations(xyz, uv)
+    _, s, Vt = np.linalg.svd(A.reshape(-1, 12), full_matrices=False)
     if s[10] < 1e-7 * s[0]:
         raise KinemarkError(
             f"The {len(xyz)} control points lie in a plane (or repeat), and no camera follows from that. "
             "Use points spread through the whole volume."
         )
     return to_dlt(np.linalg.inv(U) @ Vt[-1].reshape(3, 4) @ T)
+
+
+def equations(
+    xyz: NDArray[np.float64], uv: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """(2) with L12 free, (N, 2, 12), for coordinates normalised by T (4, 4) and U (3, 3).
+
+    The vector that it takes to nearly nothing is P', and P = U⁻¹ P' T.
+    """
+    T, U = _normalising(xyz), _normalising(uv)
+    X = np.column_stack([xyz, np.ones(len(xyz))]) @ T.T
+    x = np.column_stack([uv, np.ones(len(uv))]) @ U.T
+    zero = np.zeros_like(X)
+    rows = [np.hstack([X, zero, -x[:, :1] * X]), np.hstack([zero, X, -x[:, 1:2] * X])]
+    return np.stack(rows, 1), T, U
 
 
 def decompose(

@@ -21,11 +21,12 @@ SNAP = 8.0  # px; an operator points within this distance of a marker's centre
 
 
 class Digitised(NamedTuple):
-    """xyz (N, 3) mm; uv (C, N, 2) px, NaN unseen; cov (C, N, 2, 2) px², or None where nothing states it."""
+    """xyz (N, 3) mm; uv (C, N, 2) px, NaN unseen; cov (C, N, 2, 2) px², or None where nothing states it; names (N)."""
 
     xyz: NDArray[np.float64]
     uv: NDArray[np.float64]
     cov: NDArray[np.float64] | None
+    names: tuple[str, ...] = ()
 
 
 def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | None = None) -> Digitised:
@@ -51,7 +52,9 @@ def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | N
     xyz, uv = table[:, :3], table[:, 3:].reshape(len(table), len(cameras), 2).transpose(1, 0, 2)
     if not np.isfinite(xyz).all():
         raise KinemarkError(f"{path} has a control point without x, y and z. Fill them in.")
-    return Digitised(xyz, uv, None) if seen is None else _snapped(path, xyz, uv, seen)
+    names = tuple((row.get("name") or str(n + 1)).strip() for n, row in enumerate(rows))
+    found = Digitised(xyz, uv, None) if seen is None else _snapped(path, xyz, uv, seen)
+    return found._replace(names=names)
 
 
 def _snapped(path: Path, xyz: NDArray[np.float64], uv: NDArray[np.float64], seen: Detections) -> Digitised:

@@ -131,15 +131,20 @@ def array(where: str, table: Mapping[str, Any], key: str, shape: tuple[int, ...]
     return values
 
 
-def write_rig_toml(path: Path | str, rig: Rig) -> None:
+def write_rig_toml(path: Path | str, rig: Rig, *, metadata: Mapping[str, Any] | None = None) -> None:
     """Write a rig so that `read_rig_toml` gives back the same one, to the last bit.
+
+    Args:
+        path: of the file.
+        rig: the cameras.
+        metadata: texts and numbers for people and other programs, into `[metadata]`; they are not read back.
 
     Raises:
         KinemarkError: the file cannot be written.
     """
     parts = [camera_text(f"cam_{c}", camera) for c, camera in enumerate(rig)]
     residuals = [camera.residual for camera in rig]
-    parts.append(table_text("metadata", units="mm", method=rig.method, residuals_px=residuals))
+    parts.append(table_text("metadata", units="mm", method=rig.method, residuals_px=residuals, **(metadata or {})))
     parts.append(table_text("kinemark", volume_mm=rig.volume))
     parts += [own_text(f"kinemark.cam_{c}", camera) for c, camera in enumerate(rig)]
     with replacing(path) as beside:

@@ -36,7 +36,7 @@ def rods_from_toml(text: str) -> Rods:
     """The frame described as `units = "mm"`, `marker_diameter = 25.0`, and a `[[rod]]` each with `name` and `markers`.
 
     Raises:
-        KinemarkError: no such description, or rods that are not straight or have unequal numbers of markers.
+        KinemarkError: no such description, or rods that are not straight.
     """
     try:
         table = tomllib.loads(text)
@@ -49,16 +49,15 @@ def rods_from_toml(text: str) -> Rods:
     if not isinstance(entries, list) or not 2 <= len(entries) <= MOST_RODS:
         raise KinemarkError(f"The description must have 2 to {MOST_RODS} tables [[rod]] with a name and markers.")
     parts = [_rod(k, entry) for k, entry in enumerate(entries)]
-    lengths = sorted({len(xyz) for _, xyz in parts})
-    if len(lengths) > 1:
-        raise KinemarkError(f"The rods have {lengths} markers, wanted equally many on each.")
+    longest = max(len(xyz) for _, xyz in parts)
+    padded = [np.pad(xyz, ((0, longest - len(xyz)), (0, 0)), constant_values=np.nan) for _, xyz in parts]
     rods = Rods(
         tuple(name for name, _ in parts),
-        np.array([xyz for _, xyz in parts]) * UNITS[units],
+        np.array(padded) * UNITS[units],
         _diameter(table.get("marker_diameter")) * UNITS[units],
     )
     _check_straight(rods)
-    if (size := float(np.ptp(rods.xyz, axis=(0, 1)).max()) / 1000) > LARGEST:
+    if (size := float(np.ptp(rods.xyz[rods.present], axis=0).max()) / 1000) > LARGEST:
         raise KinemarkError(
             f"The rods hang {size:.0f} m apart by their coordinates and units = {units!r}. Correct these."
         )
@@ -87,7 +86,8 @@ def _diameter(value: Any) -> float:
 
 
 def _check_straight(rods: Rods) -> None:
-    for name, xyz, s in zip(rods.names, rods.xyz, rods.along, strict=True):
+    for name, places, s, there in zip(rods.names, rods.xyz, rods.along, rods.present, strict=True):
+        xyz, s = places[there], s[there]
         length = float(np.linalg.norm(xyz[-1] - xyz[0]))
         if not length > 0 or (np.diff(s) <= 0).any():
             raise KinemarkError(f"Rod {name}: its markers must be given in order along it.")

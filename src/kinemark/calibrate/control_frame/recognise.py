@@ -11,30 +11,41 @@
 
 The slack begins at `tolerance` and grows until the rods are found. Points that belong to no rod (strobes of other
 cameras, reflections) take part in nothing but failed readings.
+
+A rod that hangs elsewhere than described, or a marker that sits elsewhere on it, is found by no camera, and the others
+suffice. Two rods that hang at each other's places leave too few: then each pair is exchanged in turn, moved across
+its direction, and the pair with which a camera fits is named.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import combinations, product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 
-from ..data import Camera, Detections, KinemarkError, Rig, Rods
-from ..geometry import decompose, fit_dlt, from_dlt, project
-from .control_points import ControlPoints, calibrate_control_points, free_parameters
-from .resection import resect
-from .spacing import Reading, readings
+from ...data import Camera, Detections, KinemarkError, Rig, Rods
+from ...geometry import decompose, fit_dlt, from_dlt, project, undistort
+from ..control_points import ControlFit, ControlPoints, calibrate_control_points, control_point_quality, free_parameters
+from ..control_points.camera import Method
+from ..resection import resect
+from .spacing import Reading, fewest_markers, readings
 
 MOST_POINTS = 100
 MOST_IN_ROW = 10
 READINGS_A_ROD = 8
 TRIALS = 300
+TRIALS_EXCHANGED = 12
+TRIALS_FEWER = 40
 ENOUGH = 5
 SLACK = (1.0, 3.0, 9.0)
 TOLERANCE = 3.0
+DOUBTFUL = 0.15
+MUCH_BETTER = 0.25
 
 
 def calibrate_control_frame(
@@ -44,7 +55,9 @@ def calibrate_control_frame(
     sizes: ArrayLike,
     frame: int = 0,
     tolerance: float = TOLERANCE,
-    method: ControlPoints | None = None,
+    method: Method | None = None,
+    lenses: Sequence[Camera] | None = None,
+    diameter: float | None = None,
 ) -> Rig:
     """The rig from one frame in which cameras of image sizes (C, 2) px see the calibration frame.
 
@@ -55,11 +68,57 @@ def calibrate_control_frame(
         frame: which of the detections' frames.
         tolerance: as in `recognise_control_frame`.
         method: how the cameras are fitted once the markers are known.
+        lenses: (C) linearised cameras, as in `calibrate_control_points`; rods are then straight in their images.
+        diameter: of the markers, mm; without it that of `rods`, and 0 corrects nothing.
 
     Raises:
         ValueError: there is no such frame.
         KinemarkError: a camera in which the rods are not recognised, or see `calibrate_control_points`.
     """
+    uv, cov = _recognised(detections, rods, frame, tolerance, lenses)
+    return calibrate_control_points(
+        detections.cameras,
+        sizes,
+        rods.xyz.reshape(-1, 3),
+        uv,
+        cov=cov,
+        method=method,
+        lenses=lenses,
+        diameter=rods.marker_diameter if diameter is None else diameter,
+        points=rods.marker_names,
+    )
+
+
+def control_frame_quality(
+    detections: Detections,
+    rods: Rods,
+    *,
+    sizes: ArrayLike,
+    frame: int = 0,
+    tolerance: float = TOLERANCE,
+    method: Method | None = None,
+    lenses: Sequence[Camera] | None = None,
+    diameter: float | None = None,
+) -> ControlFit:
+    """The rig of `calibrate_control_frame`, with residuals and errors of markers left out; arguments as there."""
+    uv, cov = _recognised(detections, rods, frame, tolerance, lenses)
+    return control_point_quality(
+        detections.cameras,
+        sizes,
+        rods.xyz.reshape(-1, 3),
+        uv,
+        cov=cov,
+        method=method,
+        lenses=lenses,
+        diameter=rods.marker_diameter if diameter is None else diameter,
+        points=rods.marker_names,
+    )
+
+
+def _recognised(
+    detections: Detections, rods: Rods, frame: int, tolerance: float, lenses: Sequence[Camera] | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Where every camera sees the markers (R·K): (C, R·K, 2) px and covariance, NaN where it does not."""
     if not 0 <= frame < detections.n_frames:
         raise ValueError(f"frame is {frame}, wanted one of the {detections.n_frames} frames from 0 on")
     uv = np.full((len(detections.cameras), rods.xyz.shape[0] * rods.xyz.shape[1], 2), np.nan)
@@ -67,13 +126,16 @@ def calibrate_control_frame(
     for c, name in enumerate(detections.cameras):
         rows = np.arange(len(detections))[detections.rows(c, frame)]
         rows = rows[detections.valid[rows]]
+        points = detections.uv[rows] if lenses is None else undistort(lenses[c], detections.uv[rows])
+        inside = np.isfinite(points).all(1)
+        rows, points = rows[inside], points[inside]
         try:
-            index = identify_markers(detections.uv[rows], rods, tolerance=tolerance).ravel()
+            index = identify_markers(points, rods, tolerance=tolerance).ravel()
         except KinemarkError as error:
             raise KinemarkError(f"Camera {name}: {error}") from None
         uv[c, index >= 0] = detections.uv[rows[index[index >= 0]]]
         cov[c, index >= 0] = detections.cov[rows[index[index >= 0]]]
-    return calibrate_control_points(detections.cameras, sizes, rods.xyz.reshape(-1, 3), uv, cov=cov, method=method)
+    return uv, cov
 
 
 def recognise_control_frame(
@@ -94,26 +156,58 @@ def identify_markers(uv: NDArray[np.float64], rods: Rods, *, tolerance: float = 
     """Row of `uv` (n, 2) for each marker (R, K), −1 where it is not seen; errors as in `recognise_control_frame`."""
     if len(uv) > MOST_POINTS:
         raise KinemarkError(
-            f"{len(uv)} points are seen where {rods.xyz[..., 0].size} markers hang. Raise the threshold, mask what is "
+            f"{len(uv)} points are seen where {rods.present.sum()} markers hang. Raise the threshold, mask what is "
             "not the calibration frame, or limit the size of markers."
         )
     tight = _readings(uv, rods, tolerance)
     for slack in SLACK:
         read = tight if slack == 1 else _readings(uv, rods, tolerance * slack)
         for size in range(len(rods.names), 2, -1):
-            index = _best(_assignments(read, size), uv, rods, tolerance, slack)
-            if index is not None:
-                return index
-    like = sum(bool(options) for options in tight)
+            found = _best(_assignments(read, size), uv, rods, tolerance, slack)
+            if found is None:
+                continue
+            if found.rms > DOUBTFUL * tolerance:  # one rod may hang elsewhere, and the others tell better
+                fewer = _best(
+                    _assignments(read, max(size - 1, 3), TRIALS_FEWER), uv, rods, tolerance, slack, sharpest=True
+                )
+                found = fewer if fewer is not None and fewer.rms < MUCH_BETTER * found.rms else found
+            return found.markers
+    like = [name for name, options in zip(rods.names, tight, strict=True) if options]
+    swapped = _exchanged(tight, uv, rods, tolerance)
+    named = f" ({', '.join(like)})" if like else ""
     raise KinemarkError(
-        f"Among {len(uv)} points, {like} of {len(rods.names)} rods have their like by spacing, and no three of them "
-        "fit one camera. At least five markers of each of three rods must be seen. Check the places of the markers, "
-        "the threshold, and whether rods hide each other."
+        f"Among {len(uv)} points, {len(like)} of {len(rods.names)} rods have their like by spacing{named}, and no "
+        f"three of them fit one camera. {swapped}At least five markers of each of three rods must be seen. Check the "
+        "places of the markers, the threshold, and whether rods hide each other."
     )
 
 
-def rows_of_points(uv: NDArray[np.float64], *, tolerance: float, fewest: int) -> list[NDArray[np.int64]]:
-    """Points (n, 2) on common lines, at least `fewest` each, sorted along the line; each set once."""
+def _exchanged(read: list[list[Reading]], uv: NDArray[np.float64], rods: Rods, tolerance: float) -> str:
+    """The pairs of rods that may hang at each other's places, as a sentence, if a camera sees them so.
+
+    Rods at the corners of a rectangle look the same after half a turn, with the other two exchanged: both are named.
+    """
+    pairs = []
+    for a, b in combinations(range(len(rods.names)), 2):
+        if not read[a] or not read[b]:
+            continue
+        xyz = rods.xyz.copy()
+        across = np.nanmean(xyz[b], axis=0) - np.nanmean(xyz[a], axis=0)
+        axis = rods.axes[a]
+        across = across - (across @ axis) * axis
+        xyz[a], xyz[b] = xyz[a] + across, xyz[b] - across
+        moved = replace(rods, xyz=xyz)
+        if _best(_assignments(read, len(rods.names), TRIALS_EXCHANGED), uv, moved, tolerance, 1.0) is not None:
+            pairs.append(f"{rods.names[a]} and {rods.names[b]}")
+    if not pairs:
+        return ""
+    return f"They do if {', or '.join(pairs)}, hang at each other's places: exchange two rods, or their coordinates. "
+
+
+def rows_of_points(
+    uv: NDArray[np.float64], *, tolerance: float, fewest: int, most: int = MOST_IN_ROW
+) -> list[NDArray[np.int64]]:
+    """Points (n, 2) on common lines, `fewest` to `most` each, sorted along the line; each set once."""
     pairs = np.array(list(combinations(range(len(uv)), 2)), np.int64).reshape(-1, 2)
     a, d = uv[pairs[:, 0]], uv[pairs[:, 1]] - uv[pairs[:, 0]]
     length = np.linalg.norm(d, axis=1)
@@ -121,32 +215,29 @@ def rows_of_points(uv: NDArray[np.float64], *, tolerance: float, fewest: int) ->
     offset = uv[None] - a[:, None]
     off_line = np.abs(offset[..., 0] * d[:, None, 1] - offset[..., 1] * d[:, None, 0]) / length[:, None]
     near = off_line <= tolerance
-    near = np.unique(near[(near.sum(1) >= fewest) & (near.sum(1) <= MOST_IN_ROW)], axis=0)
+    near = np.unique(near[(near.sum(1) >= fewest) & (near.sum(1) <= most)], axis=0)
     return [_in_order(uv, np.flatnonzero(row)) for row in near]
 
 
 def _in_order(uv: NDArray[np.float64], row: NDArray[np.int64]) -> NDArray[np.int64]:
-    q = _along(uv[row])
-    return row[np.argsort(q)]
-
-
-def _along(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(m) place of points (m, 2) along the line that fits them best, px."""
-    centred = points - points.mean(0)
-    return np.asarray(centred @ np.linalg.svd(centred, full_matrices=False)[2][0])
+    """The row (m) sorted along the line that fits its points best."""
+    centred = uv[row] - uv[row].mean(0)
+    direction = np.linalg.eigh(centred.T @ centred)[1][:, -1]
+    return row[np.argsort(centred @ direction)]
 
 
 def _readings(uv: NDArray[np.float64], rods: Rods, tolerance: float) -> list[list[Reading]]:
     """Readings of each rod, most markers and least error first."""
-    fewest = max(5, rods.xyz.shape[1] - 1)
+    whole = rods.present.sum(1)
+    fewest = min(fewest_markers(int(k)) for k in whole)
+    rows = rows_of_points(uv, tolerance=tolerance, fewest=fewest, most=max(MOST_IN_ROW, int(whole.max()) + 3))
     read: list[list[Reading]] = [[] for _ in rods.names]
-    for row in rows_of_points(uv, tolerance=tolerance, fewest=fewest):
-        for reading in readings(row, _along(uv[row]), rods.along, tolerance=tolerance, fewest=fewest):
-            read[reading.rod].append(reading)
+    for reading in readings(rows, uv, rods.along, tolerance=tolerance):
+        read[reading.rod].append(reading)
     return [sorted(set(options), key=lambda r: (-r.seen, r.error))[:READINGS_A_ROD] for options in read]
 
 
-def _assignments(read: list[list[Reading]], size: int) -> Iterator[tuple[Reading, ...]]:
+def _assignments(read: list[list[Reading]], size: int, most: int = TRIALS) -> Iterator[tuple[Reading, ...]]:
     """Choices of one reading for each of `size` rods, no point used twice, the best first."""
     chosen = []
     for rods in combinations(range(len(read)), size):
@@ -155,41 +246,56 @@ def _assignments(read: list[list[Reading]], size: int) -> Iterator[tuple[Reading
             if len(set(used)) == len(used):
                 chosen.append(choice)
     chosen.sort(key=lambda choice: (-sum(r.seen for r in choice), sum(r.error**2 for r in choice)))
-    return iter(chosen[:TRIALS])
+    return iter(chosen[:most])
+
+
+class _Found(NamedTuple):
+    """Row of the points for each marker (R, K), −1 where it is not seen, and how far off the camera's are, RMS px."""
+
+    markers: NDArray[np.int64]
+    rms: float
 
 
 def _best(
-    assignments: Iterator[tuple[Reading, ...]], uv: NDArray[np.float64], rods: Rods, tolerance: float, slack: float
-) -> NDArray[np.int64] | None:
-    """Of the first few right assignments, the one that finds most markers; the first that finds all."""
-    best: NDArray[np.int64] | None = None
+    assignments: Iterator[tuple[Reading, ...]],
+    uv: NDArray[np.float64],
+    rods: Rods,
+    tolerance: float,
+    slack: float,
+    sharpest: bool = False,
+) -> _Found | None:
+    """Of the first few right assignments the one that finds most markers, the first that finds all; or the sharpest."""
+    best: _Found | None = None
     right = 0
     for assignment in assignments:
-        index = _completed(assignment, uv, rods, tolerance, slack)
-        if index is None:
+        found = _completed(assignment, uv, rods, tolerance, slack)
+        if found is None:
             continue
         right += 1
-        if best is None or (index >= 0).sum() > (best >= 0).sum():
-            best = index
-        if (best >= 0).all() or right == ENOUGH:
+        more = best is None or (found.markers >= 0).sum() > (best.markers >= 0).sum()
+        if best is None or (found.rms < best.rms if sharpest else more):
+            best = found
+        if not sharpest and ((best.markers >= 0)[rods.present].all() or right == ENOUGH):
             break
     return best
 
 
 def _completed(
     assignment: tuple[Reading, ...], uv: NDArray[np.float64], rods: Rods, tolerance: float, slack: float
-) -> NDArray[np.int64] | None:
-    """All markers (R, K) that one camera sees if the assignment is right, or None if it is not."""
+) -> _Found | None:
+    """All markers that one camera sees if the assignment is right, or None if it is not."""
     index = np.full(rods.xyz.shape[:2], -1, np.int64)
     for reading in assignment:
         index[reading.rod] = reading.points
     fewest = int((index >= 0).sum())
+    rms = float("inf")
     for _ in range(2):
         camera = _camera(rods.xyz[index >= 0], uv[index[index >= 0]], tolerance, slack)
         if camera is None:
             return None
+        rms = camera.residual
         index = _nearest(project(camera, rods.xyz.reshape(-1, 3)), uv, 2 * tolerance).reshape(index.shape)
-    return index if (index >= 0).sum() >= fewest else None
+    return _Found(index, rms) if (index >= 0).sum() >= fewest else None
 
 
 def _camera(xyz: NDArray[np.float64], uv: NDArray[np.float64], tolerance: float, slack: float) -> Camera | None:
@@ -201,6 +307,8 @@ def _camera(xyz: NDArray[np.float64], uv: NDArray[np.float64], tolerance: float,
             return None
         K, R, t = decompose(P, front=xyz.mean(0))
     except KinemarkError:
+        return None
+    if K[1, 1] < 0:  # mirrored: images count v downwards, so two rods hang at each other's places
         return None
     K[0, 1] = 0.0
     start = Camera("", np.zeros(2, np.int64), K, R, t)

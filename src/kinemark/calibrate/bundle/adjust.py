@@ -1,0 +1,205 @@
+"""What a bundle adjustment fits, what comes out of it, and `bundle`, from near the truth.
+
+Wrong points are held at bay and then left out (`robust`), by Levenberg and Marquardt's method with the Schur complement
+(`solver`); then follows the joint covariance of all cameras (`covariance`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data import KinemarkError, Rig
+from .covariance import joint_covariance
+from .parts import Part, all_points, complete
+from .robust import equations, solve_softly, solve_without_outliers, unknowns
+from .solver import Freedom, Observed, State, cost, normal_equations, residuals
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+VAGUE = 0.1  # a focal length is not known if its standard deviation is more than this share of it
+MOST_LOST = 0.3
+ABSURD = 0.01  # of the image's diagonal
+
+
+@dataclass(frozen=True, slots=True)
+class Bundle:
+    """What a bundle adjustment fits.
+
+    Attributes:
+        radial: at most so many of k1, k2, k3.
+        tangential: whether p1 and p2 are fitted.
+        centre: whether the principal point is fitted; else it stays at the image's centre.
+        square: pixels keep their shape, fy / fx, which is 1 unless a start says otherwise; else both are fitted.
+        reject: how many standard deviations off a point may be before it is left out.
+        seed: of the samples that the start draws.
+    """
+
+    radial: int = 2
+    tangential: bool = False
+    centre: bool = True
+    square: bool = True
+    reject: float = 5.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.radial not in (0, 1, 2, 3):
+            raise ValueError(f"radial is {self.radial}, wanted 0 to 3 lens terms")
+        if not self.reject >= 3:
+            raise ValueError(f"reject is {self.reject}, wanted at least 3 standard deviations")
+
+    @property
+    def freedom(self) -> Freedom:
+        """The parameters of a camera of which nothing is known."""
+        free = np.zeros(15, np.bool_)
+        free[[0, 1, *range(9, 15)]] = True
+        free[[2, 3]] = self.centre
+        free[[4, 5, 8][: self.radial]] = True
+        free[[6, 7]] = self.tangential
+        return Freedom(free, self.square)
+
+
+class BundleFit(NamedTuple):
+    """A calibrated rig and the points it was calibrated with.
+
+    Attributes:
+        rig: C cameras with covariances and residuals.
+        xyz: (N, 3) the points, mm; sticks pose by pose, so that N = F K and `xyz.reshape(F, K, 3)`; NaN if not used.
+        residual: (C, N, 2) seen minus reprojected, px; NaN where not seen or the point is not used.
+        kept: (C, N) which image points took part.
+        joint: (15 C, 15 C) covariance of all cameras' `data.PARAMETERS` together, camera by camera, zero rows for
+            those held. `Camera.cov` are its blocks on the diagonal. Unless points or cameras were held, it is about
+            the frame in which the points rest as a whole.
+        chi2: Σ of the kept points' squared residuals by their covariances.
+        freedom: ν, degrees of freedom of it.
+    """
+
+    rig: Rig
+    xyz: Array
+    residual: Array
+    kept: Mask
+    joint: Array
+    chi2: float
+    freedom: int
+
+
+def bundle(
+    rig: Rig,
+    parts: Sequence[Part],
+    uv: Array,
+    *,
+    cov: Array | None = None,
+    freedoms: Sequence[Freedom] | None = None,
+    method: Bundle | None = None,
+) -> BundleFit:
+    """The rig near `rig`, and the points near `parts`, that fit best to pixels.
+
+    Args:
+        rig: C cameras to begin with.
+        parts: sticks, single points and known points, with their first places; N markers in all, piece by piece.
+        uv: (C, N, 2) where they are seen, px; NaN where not.
+        cov: (C, N, 2, 2) covariance of `uv`, px²; right in proportion.
+        freedoms: what may change in each camera; without it what `method` says.
+        method: what to fit, and when to leave points out.
+
+    Raises:
+        ValueError: the arrays do not fit each other.
+        KinemarkError: fewer equations than unknowns.
+    """
+    method = method or Bundle()
+    parts = tuple(parts)
+    free = tuple(freedoms or [method.freedom] * len(rig))
+    n = len(all_points(parts))
+    if uv.shape != (len(rig), n, 2) or len(free) != len(rig):
+        raise ValueError(
+            f"uv has shape {uv.shape} and there are {len(free)} freedoms, wanted ({len(rig)}, {n}, 2) and {len(rig)}"
+        )
+    seen = observed(uv, cov)
+    state, kept = adjusted(State(rig.cameras, parts), seen, free, reject=method.reject)
+    return completed(state, seen, free, kept, what="bundle adjustment")
+
+
+def adjusted(state: State, seen: Observed, freedoms: tuple[Freedom, ...], *, reject: float) -> tuple[State, Mask]:
+    """The state near `state` that fits best, and which points (C, N) it was fitted to."""
+    state, scale = solve_softly(state, seen, freedoms)
+    return solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
+
+
+def completed(state: State, seen: Observed, freedoms: tuple[Freedom, ...], kept: Mask, *, what: str) -> BundleFit:
+    """A `BundleFit` of a state that has converged on the points `kept` (C, N).
+
+    Raises:
+        KinemarkError: there are not more equations than unknowns.
+    """
+    used = seen._replace(used=kept)
+    covariance, gauge = joint_covariance(
+        state, normal_equations(state, used, freedoms), freedoms, np.asarray(kept.any(0))
+    )
+    chi2 = cost(state, used, None)
+    nu = equations(state, kept) - unknowns(state, freedoms, kept) + gauge
+    if nu < 1:
+        raise KinemarkError(
+            f"{int(kept.sum())} image points fit each other, and the cameras and places have more unknowns than they "
+            f"give equations ({-nu + 1} too few). Record more, or fit fewer lens terms."
+        )
+    joint = covariance * chi2 / nu * max(nu, 3) / (max(nu, 3) - 2)
+    off = residuals(state, seen.uv)
+    xyz = np.where(np.asarray(kept.any(0))[:, None], all_points(state.parts), np.nan)
+    off = np.where(np.isnan(xyz[:, :1]), np.nan, off)
+    cameras = tuple(
+        replace(
+            camera,
+            cov=joint[15 * c : 15 * c + 15, 15 * c : 15 * c + 15],
+            residual=float(np.sqrt((off[c, kept[c]] ** 2).sum(1).mean())) if kept[c].any() else float("nan"),
+        )
+        for c, camera in enumerate(state.cameras)
+    )
+    there = xyz[complete(xyz)]
+    lost = int(seen.used.sum() - kept.sum())
+    words = f"{what}: {int(kept.sum())} image points" + (f", {lost} left out" if lost else "")
+    return BundleFit(Rig(cameras, words, np.stack([there.min(0), there.max(0)])), xyz, off, kept, joint, chi2, nu)
+
+
+def observed(uv: Array, cov: Array | None) -> Observed:
+    """Pixels (C, N, 2) with covariances (C, N, 2, 2), px²; all alike where one that is needed is not known.
+
+    Raises:
+        ValueError: a covariance is not positive definite, or its shape is not that of uv.
+    """
+    there = complete(uv)
+    if cov is not None and cov.shape != (*uv.shape, 2):
+        raise ValueError(f"cov has shape {cov.shape}, wanted {(*uv.shape, 2)}")
+    if cov is None or not np.isfinite(cov[there]).all():
+        return Observed(uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)), there)
+    try:
+        known = np.asarray(np.where(there[..., None, None], cov, np.eye(2)), np.float64)
+        whiten = np.linalg.inv(np.linalg.cholesky(known))
+    except np.linalg.LinAlgError:
+        raise ValueError("cov has a covariance that is not positive definite") from None
+    return Observed(uv, whiten, there)
+
+
+def check_calibration(fit: BundleFit, seen: Mask, *, focus_held: bool = False) -> None:
+    """Raises a KinemarkError where the fit to what was seen (C, N) is no calibration."""
+    there = seen & complete(fit.xyz)
+    for c, camera in enumerate(fit.rig):
+        lost = 1 - fit.kept[c].sum() / max(there[c].sum(), 1)
+        if not camera.residual < ABSURD * np.hypot(*camera.size) or lost > MOST_LOST:
+            raise KinemarkError(
+                f"Camera {camera.name} does not fit the others: {lost:.0%} of its points were left out"
+                + (f", and the rest is {camera.residual:.2f} px off. " if lost < 1 else ". ")
+                + "Check that it is synchronous and did not move, that markers are not mixed up and lengths are right; "
+                "a lens that bends lines strongly needs more lens terms."
+            )
+    sd = np.sqrt([max(camera.cov[0, 0], 0.0) for camera in fit.rig]) / [abs(camera.K[0, 0]) for camera in fit.rig]
+    if not focus_held and not sd.max() <= VAGUE:
+        worst = fit.rig[int(np.nanargmax(np.where(np.isnan(sd), np.inf, sd)))]
+        raise KinemarkError(
+            f"The focal length of camera {worst.name} is uncertain by {sd.max():.0%}: it saw too little. Wave "
+            "nearer to it and farther away, in all its image, turn the stick in all directions, or linearise it first."
+        )

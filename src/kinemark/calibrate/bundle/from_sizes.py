@@ -1,0 +1,195 @@
+"""A rig from pixels and image sizes alone: of a stick with markers in a row, or of a single marker waved about.
+
+1. `initial`: a first guess of all cameras, with focal length and one lens term.
+2. The bundle adjustment with all that the method fits free (`adjust`).
+3. The world becomes the first camera's, and what is no calibration is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...data import Camera, KinemarkError, Rig
+from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
+from .initial import Views, start
+from .initial.optics import Optics, unknown_optics
+from .robust_points import robust_points
+from .solver import Freedom, State, placed
+
+Array = NDArray[np.float64]
+
+BASE = 1000.0
+WORSE = 3.0  # right calibrations, of real files too, have at most 1.5 times the residual of two cameras alone
+FINE = 0.3  # px
+FAR_OFF = 0.01  # of the image's diagonal; what a first guess, by wrong lengths too, is off at most
+WRONG_GAP = 0.002  # of the stick's length
+FEWEST = 12  # sticks of which all markers are seen, to judge the gaps by
+
+
+def calibrate_sticks(
+    names: Sequence[str],
+    sizes: ArrayLike,
+    uv: Array,
+    *,
+    along: ArrayLike,
+    cov: Array | None = None,
+    method: Bundle | None = None,
+    lenses: Sequence[Camera] | None = None,
+) -> BundleFit:
+    """A rig from F poses of a stick with K markers in a row, in the frame of its first camera, mm.
+
+    Args:
+        names: (C).
+        sizes: (C, 2) width and height of the images, px.
+        uv: (C, F, K, 2) px; NaN where not seen.
+        along: (K) where the markers are along the stick, mm.
+        cov: (C, F, K, 2, 2) px², right in proportion; without it, or with NaN in it, all points count alike.
+        method: what to fit.
+        lenses: (C) cameras of a linearisation; centre, pixel shape and lens are theirs and kept in pixels.
+
+    Raises:
+        ValueError: the arrays do not fit each other.
+        KinemarkError: a camera shares too few poses with the others, the poses lie in a plane or tell too little
+            about a focal length, or they do not fit together.
+    """
+    along = np.asarray(along, np.float64).ravel()
+    if len(along) < 2 or len(np.unique(along)) < len(along) or not np.isfinite(along).all():
+        raise ValueError(f"along is {along.tolist()}, wanted at least two different places, mm")
+    if uv.ndim != 4 or uv.shape[2:] != (len(along), 2):
+        raise ValueError(f"uv has shape {uv.shape}, wanted (cameras, poses, {len(along)}, 2)")
+    flat = uv.reshape(len(uv), -1, 2)
+    flat_cov = None if cov is None else cov.reshape(len(uv), -1, 2, 2)
+    return _calibrated(names, sizes, flat, along, flat_cov, method or Bundle(), lenses)
+
+
+def calibrate_points(
+    names: Sequence[str],
+    sizes: ArrayLike,
+    uv: Array,
+    *,
+    cov: Array | None = None,
+    method: Bundle | None = None,
+    lenses: Sequence[Camera] | None = None,
+) -> BundleFit:
+    """A rig, up to scale, from N places of one marker waved about.
+
+    The world is the first camera's frame, in units of which the first two cameras are 1000 apart; any known distance
+    gives the scale (`world.scaled`). Two cameras alone need `lenses`, whose focal lengths are then held.
+
+    Args:
+        names: (C).
+        sizes: (C, 2) width and height of the images, px.
+        uv: (C, N, 2) px; NaN where not seen.
+        cov: (C, N, 2, 2) px², right in proportion; without it, or with NaN in it, all points count alike.
+        method: what to fit.
+        lenses: (C) as in `calibrate_sticks`.
+
+    Raises:
+        ValueError: the arrays do not fit each other.
+        KinemarkError: as in `calibrate_sticks`.
+    """
+    if uv.ndim != 3 or uv.shape[2] != 2:
+        raise ValueError(f"uv has shape {uv.shape}, wanted (cameras, places, 2)")
+    return _calibrated(names, sizes, uv, None, cov, method or Bundle(), lenses)
+
+
+def _calibrated(
+    names: Sequence[str],
+    sizes: ArrayLike,
+    uv: Array,
+    along: Array | None,
+    cov: Array | None,
+    method: Bundle,
+    lenses: Sequence[Camera] | None,
+) -> BundleFit:
+    """`calibrate_sticks` or, where `along` is None, `calibrate_points`, of pixels (C, N, 2)."""
+    optics = _optics(names, sizes, len(uv), lenses)
+    held = along is None and len(uv) == 2
+    if len(uv) < 2 or (held and lenses is None):
+        raise KinemarkError(
+            f"{len(uv)} camera{'s see' if len(uv) > 1 else ' sees'} the {'marker' if along is None else 'stick'}; "
+            f"{'three' if along is None else 'two'} are needed to calibrate from image sizes alone. "
+            "Use more cameras, or control points."
+        )
+    first, noise = start(Views(optics, uv, along), seed=method.seed, focal_known=held)
+    if along is not None and len(along) > 2:
+        _check_gaps(first.cameras, uv, along)
+    seen = observed(uv, cov)
+    freedoms = tuple(_freedom(o, method, held) for o in optics)
+    if lenses is None and method.radial == 0:  # the first guess has k1
+        first = first._replace(cameras=tuple(replace(camera, distortion=np.zeros(5)) for camera in first.cameras))
+    state, kept = adjusted(first, seen, freedoms, reject=method.reject)
+    state = _in_place(state, along is None)
+    what = "bundle adjustment of " + ("single points" if along is None else "sticks")
+    fit = completed(state, seen, freedoms, kept, what=what)
+    check_calibration(fit, seen.used, focus_held=held)
+    _check_found(fit.rig, noise)
+    return fit
+
+
+def _optics(names: Sequence[str], sizes: ArrayLike, c: int, lenses: Sequence[Camera] | None) -> list[Optics]:
+    size = np.asarray(sizes, np.int64).reshape(-1, 2)
+    if not len(names) == len(size) == c or (lenses is not None and len(lenses) != c):
+        raise ValueError(f"{len(names)} names, {len(size)} sizes, pixels of {c} cameras: wanted as many of each")
+    if (size < 1).any():
+        raise ValueError(f"sizes are {size.tolist()}, wanted width and height of every image, px")
+    if lenses is None:
+        return [unknown_optics(name, s) for name, s in zip(names, size, strict=True)]
+    return [
+        Optics(replace(lens, name=name, size=s, R=np.eye(3), t=np.zeros(3)), 0.0, True)
+        for name, s, lens in zip(names, size, lenses, strict=True)
+    ]
+
+
+def _freedom(optics: Optics, method: Bundle, focus_held: bool) -> Freedom:
+    """All that the method fits, or pose and focal length with the lens in pixels."""
+    if not optics.lens:
+        return method.freedom
+    free = np.zeros(15, np.bool_)
+    free[[0, 1]] = not focus_held
+    free[9:15] = True
+    return Freedom(free, True, True)
+
+
+def _in_place(state: State, unscaled: bool) -> State:
+    """The state in the first camera's frame; without a scale, with `BASE` between the first two cameras."""
+    R, t = state.cameras[0].R, state.cameras[0].t
+    base = float(np.linalg.norm(state.cameras[1].centre - state.cameras[0].centre))
+    scale = BASE / base if unscaled else 1.0
+    cameras = [placed(camera, R, scale * t, scale) for camera in state.cameras]
+    cameras[0] = replace(cameras[0], R=np.eye(3), t=np.zeros(3))
+    return State(tuple(cameras), tuple(part.placed(R, scale * t, scale) for part in state.parts))
+
+
+def _check_gaps(cameras: Sequence[Camera], uv: Array, along: Array) -> None:
+    """Markers seen at uv (C, N, 2) and placed each on its own have the stick's gaps, in proportion."""
+    order = np.argsort(along)
+    limit = [FAR_OFF * np.hypot(*camera.size) for camera in cameras]
+    xyz = robust_points(cameras, uv, limit=limit).reshape(-1, len(along), 3)[:, order]
+    gap = np.linalg.norm(np.diff(xyz, axis=1), axis=2)
+    gap = gap[np.isfinite(gap).all(1)]
+    if len(gap) < FEWEST:
+        return
+    given, length = np.diff(along[order]), float(np.ptp(along))
+    found = np.median(gap / gap.sum(1, keepdims=True), axis=0) * length
+    if np.abs(found - given).max() > WRONG_GAP * length:
+        came, told = (" + ".join(f"{mm:.1f}" for mm in gaps) for gaps in (found, given))
+        raise KinemarkError(
+            f"The gaps between the markers come out as {came} mm, if they are {length:g} mm in all, and they are given "
+            f"as {told} mm. Measure them again, from centre to centre, and give them in order."
+        )
+
+
+def _check_found(rig: Rig, noise: float) -> None:
+    """Raises a KinemarkError where all cameras fit much worse than any two of them do alone, to `noise` px."""
+    worst = max(rig, key=lambda camera: camera.residual)
+    if worst.residual > max(WORSE * noise, FINE):
+        raise KinemarkError(
+            f"Two cameras fit each other within {noise:.2f} px, but all together leave {worst.residual:.2f} px in "
+            f"camera {worst.name}: these are not the cameras. Wave through the whole volume, in depth too, and check "
+            "the lengths; a lens that bends lines strongly needs more lens terms, or a linearisation."
+        )

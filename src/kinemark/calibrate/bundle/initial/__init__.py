@@ -1,0 +1,13 @@
+"""Cameras from nothing but their image sizes: a first guess from which a bundle adjustment converges.
+
+start       the guess itself: a pair of cameras, and growth from it
+optics      what is assumed of a camera; lines straightened
+pairs       which cameras see the same points, and their epipolar geometry
+seeds       focal lengths and pose of a pair
+resection   a further camera from points that are known
+"""
+
+from .growth import Views, start
+from .optics import Optics, unknown_optics
+
+__all__ = ["Optics", "Views", "start", "unknown_optics"]

@@ -1,0 +1,230 @@
+"""What a bundle adjustment's points belong to: sticks, single points, points at known places.
+
+Each part consists of n pieces with K markers and D degrees of freedom. A stick with markers at s_k mm along it has
+
+    X_k = m + s_k a,   |a| = 1                                           (1)
+
+and five: three of m, and two turns of a towards unit vectors e₁, e₂ across it,
+
+    d X_k = d m + s_k (e₁ d₁ + e₂ d₂)                                    (2)
+
+A turn about itself changes nothing. A single point has three, a point at a held place none, and one at a place known
+with covariance Q has three and the further residual X − X₀, weighed by Q⁻¹ (3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sticks:
+    """n poses of one stick.
+
+    Attributes:
+        middle: (n, 3) m of (1), mm.
+        ahead: (n, 3) a of (1).
+        along: (K) s of (1), mm.
+    """
+
+    middle: Array
+    ahead: Array
+    along: Array
+
+    degrees = 5
+    known = False
+
+    @property
+    def xyz(self) -> Array:
+        """(n, K, 3) the markers, mm."""
+        return self.middle[:, None] + self.along[:, None] * self.ahead[:, None]  # (1)
+
+    def tangents(self) -> Array:
+        """(n, K, 3, 5) of (2)."""
+        across = _across(self.ahead)
+        J = np.zeros((len(self.middle), len(self.along), 3, 5))
+        J[..., :3] = np.eye(3)
+        J[..., 3:] = self.along[:, None, None] * across[:, None]
+        return J
+
+    def moved(self, step: Array) -> Sticks:
+        """After steps (n, 5)."""
+        ahead = self.ahead + np.einsum("nij,nj->ni", _across(self.ahead), step[:, 3:])
+        ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
+        return replace(self, middle=self.middle + step[:, :3], ahead=ahead)
+
+    def prior(self) -> tuple[Array, Array, float]:
+        """What is known beforehand: nothing."""
+        return _nothing(len(self.middle), self.degrees)
+
+    def supported(self, views: NDArray[np.int64]) -> Mask:
+        """(n) whether two markers are seen by two cameras each, from how many cameras see each marker (n, K)."""
+        return np.asarray((views >= 2).sum(1) >= 2)
+
+    def placed(self, R: Array, t: Array, scale: float) -> Sticks:
+        """In a world where X is scale · R X + t."""
+        return Sticks(scale * self.middle @ R.T + t, self.ahead @ R.T, scale * self.along)
+
+    def take(self, rows: NDArray[np.int64]) -> Sticks:
+        """Some of the pieces."""
+        return replace(self, middle=self.middle[rows], ahead=self.ahead[rows])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Points:
+    """n single points anywhere.
+
+    Attributes:
+        at: (n, 3) mm.
+        surveyed: (n, 3) X₀ of (3), mm; None where nothing is known of their places.
+        information: (n, 3, 3) Q⁻¹ of (3), 1/mm², in the units of the centroids' covariances.
+    """
+
+    at: Array
+    surveyed: Array | None = None
+    information: Array | None = None
+
+    degrees = 3
+
+    @property
+    def known(self) -> bool:
+        """Whether their places tie the world down."""
+        return self.surveyed is not None
+
+    @property
+    def xyz(self) -> Array:
+        """(n, 1, 3) mm."""
+        return self.at[:, None]
+
+    def tangents(self) -> Array:
+        """(n, 1, 3, 3)."""
+        return np.tile(np.eye(3), (len(self.at), 1, 1, 1))
+
+    def moved(self, step: Array) -> Points:
+        """After steps (n, 3)."""
+        return replace(self, at=self.at + step)
+
+    def prior(self) -> tuple[Array, Array, float]:
+        """(3): its share of the normal matrix (n, 3, 3), of the right side (n, 3) and of χ²."""
+        if self.surveyed is None or self.information is None:
+            return _nothing(len(self.at), 3)
+        off = self.surveyed - self.at
+        pull = np.einsum("nij,nj->ni", self.information, off)
+        return self.information, pull, float((off * pull).sum())
+
+    def supported(self, views: NDArray[np.int64]) -> Mask:
+        """(n) whether they are seen often enough, from how many cameras see each (n, 1)."""
+        return np.asarray(views[:, 0] >= (1 if self.known else 2))
+
+    def placed(self, R: Array, t: Array, scale: float) -> Points:
+        """In a world where X is scale · R X + t."""
+        return Points(scale * self.at @ R.T + t)
+
+    def take(self, rows: NDArray[np.int64]) -> Points:
+        """Some of the points."""
+        optional = (None if a is None else a[rows] for a in (self.surveyed, self.information))
+        return Points(self.at[rows], *optional)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """n points at known places.
+
+    Attributes:
+        at: (n, 3) mm.
+    """
+
+    at: Array
+
+    degrees = 0
+    known = True
+
+    @property
+    def xyz(self) -> Array:
+        """(n, 1, 3) mm."""
+        return self.at[:, None]
+
+    def tangents(self) -> Array:
+        """(n, 1, 3, 0): they cannot move."""
+        return np.zeros((len(self.at), 1, 3, 0))
+
+    def moved(self, step: Array) -> Held:
+        """The same."""
+        return self
+
+    def placed(self, R: Array, t: Array, scale: float) -> Held:
+        """In a world where X is scale · R X + t."""
+        return Held(scale * self.at @ R.T + t)
+
+    def prior(self) -> tuple[Array, Array, float]:
+        """Nothing that could change."""
+        return _nothing(len(self.at), 0)
+
+    def supported(self, views: NDArray[np.int64]) -> Mask:
+        """(n) whether a camera sees them."""
+        return np.asarray(views[:, 0] >= 1)
+
+    def take(self, rows: NDArray[np.int64]) -> Held:
+        """Some of the points."""
+        return Held(self.at[rows])
+
+
+Part = Sticks | Points | Held
+
+
+def complete(x: Array) -> Mask:
+    """(…) whether points (…, d) have no NaN."""
+    return np.asarray(np.isfinite(x).all(-1))
+
+
+def all_points(parts: tuple[Part, ...]) -> Array:
+    """(N, 3) the points of all parts, one piece after the other, mm."""
+    return np.concatenate([part.xyz.reshape(-1, 3) for part in parts])
+
+
+def slices(parts: tuple[Part, ...]) -> list[slice]:
+    """Which of the N points are each part's."""
+    ends = np.cumsum([0] + [part.xyz.shape[0] * part.xyz.shape[1] for part in parts])
+    return [slice(int(a), int(b)) for a, b in pairwise(ends)]
+
+
+def supported(parts: tuple[Part, ...], seen: Mask) -> Mask:
+    """`seen` (C, N) without the points of pieces that too few cameras see."""
+    good = []
+    for part, at in zip(parts, slices(parts), strict=True):
+        n, K = part.xyz.shape[:2]
+        whole = part.supported(seen[:, at].sum(0).reshape(n, K)) & complete(part.xyz).all(1)
+        good.append(np.repeat(whole, K))
+    return seen & np.concatenate(good)
+
+
+def sticks_through(xyz: Array, along: Array) -> Sticks:
+    """The sticks nearest to markers (n, K, 3), NaN where missing; NaN with fewer than two of them."""
+    there = complete(xyz)
+    n = np.maximum(there.sum(1), 1)
+    s = np.where(there, along, 0.0)
+    s_mean, mean = s.sum(1) / n, np.where(there[..., None], xyz, 0.0).sum(1) / n[:, None]
+    off = np.where(there, along - s_mean[:, None], 0.0)
+    ahead = (off[..., None] * np.where(there[..., None], xyz - mean[:, None], 0.0)).sum(1)
+    length = np.linalg.norm(ahead, axis=1)
+    ahead = ahead / np.where((there.sum(1) >= 2) & (length > 0), length, np.nan)[:, None]
+    return Sticks(mean - s_mean[:, None] * ahead, ahead, np.asarray(along, np.float64))
+
+
+def _across(ahead: Array) -> Array:
+    """(n, 3, 2) e₁ and e₂ of (2)."""
+    least = np.eye(3)[np.abs(np.nan_to_num(ahead)).argmin(1)]
+    first = np.cross(ahead, least)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(ahead, first)], -1)
+
+
+def _nothing(n: int, degrees: int) -> tuple[Array, Array, float]:
+    return np.zeros((n, degrees, degrees)), np.zeros((n, degrees)), 0.0

@@ -1,0 +1,99 @@
+"""A bundle adjustment that wrong points do not spoil.
+
+The points' covariances need only be right in proportion: the standard deviation in their units is
+
+    s² = median(d²) / (2 ln 2) · m / ν                                   (1)
+
+with d the length of a normalised residual, m equations and ν = m less the unknowns: half of all d² are below 2 ln 2
+where no point is wrong. With it
+
+1. Cauchy's weights (c = `SOFT` s) hold wrong points at bay; s falls as the fit improves, until it settles.
+2. Points beyond `reject` s are left out, and the rest is fitted by plain least squares. Points that are near again
+   return. This is repeated until nothing changes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .parts import Part, slices, supported
+from .solver import Freedom, Observed, State, normalised_residuals, solve
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+SOFT = 2.5
+ROUNDS = 8
+SETTLED = 0.95
+ROUGH = 1e-4
+TINY = 1e-9
+
+
+def unknowns(state: State, freedoms: tuple[Freedom, ...], used: Mask) -> int:
+    """How many parameters of cameras and used pieces there are."""
+    cameras = sum(f.columns(c).shape[1] for f, c in zip(freedoms, state.cameras, strict=True))
+    return cameras + sum(int(seen.sum()) * part.degrees for part, seen in _pieces(state.parts, used))
+
+
+def equations(state: State, used: Mask) -> int:
+    """How many there are: two an image point, and three a point that was surveyed."""
+    surveyed = sum(3 * int(seen.sum()) for part, seen in _pieces(state.parts, used) if part.known and part.degrees)
+    return 2 * int(used.sum()) + surveyed
+
+
+def _pieces(parts: tuple[Part, ...], used: Mask) -> list[tuple[Part, Mask]]:
+    """Each part, and which of its pieces are seen."""
+    pairs = zip(parts, slices(parts), strict=True)
+    return [(part, np.asarray(used[:, at].reshape(len(used), *part.xyz.shape[:2]).any((0, 2)))) for part, at in pairs]
+
+
+def noise_scale(d: Array, state: State, freedoms: tuple[Freedom, ...], used: Mask) -> float:
+    """(1) of normalised residuals d (C, N)."""
+    m = equations(state, used)
+    nu = max(m - unknowns(state, freedoms, used), 1)
+    return float(np.sqrt(np.median(d[used] ** 2) / (2 * np.log(2)) * m / nu)) + TINY
+
+
+def solve_softly(
+    state: State, seen: Observed, freedoms: tuple[Freedom, ...], *, rounds: int = ROUNDS, steps: int = 10
+) -> tuple[State, float]:
+    """Step 1: the state, and s."""
+    used = supported(state.parts, seen.used & np.isfinite(normalised_residuals(state, seen)))
+    seen = seen._replace(used=used)
+    scale = noise_scale(normalised_residuals(state, seen), state, freedoms, used) if used.any() else np.inf
+    for _ in range(rounds if used.any() else 0):
+        state = solve(state, seen, freedoms, soft=SOFT * scale, steps=steps, settled=ROUGH)
+        before, scale = scale, noise_scale(normalised_residuals(state, seen), state, freedoms, used)
+        if scale > SETTLED * before:
+            break
+    return state, scale
+
+
+def solve_without_outliers(
+    state: State, seen: Observed, freedoms: tuple[Freedom, ...], *, reject: float, scale: float
+) -> tuple[State, Mask]:
+    """Step 2, from s: the state, and which points (C, N) were kept."""
+    kept = _near(state, seen, supported(state.parts, seen.used), reject * scale)
+    for _ in range(ROUNDS):
+        state = solve(state, seen._replace(used=kept), freedoms)
+        d = normalised_residuals(state, seen)
+        scale = noise_scale(d, state, freedoms, kept)
+        again = _near(state, seen, seen.used & (kept | (d <= reject * scale)), reject * scale)
+        if (again == kept).all():
+            break
+        kept = again
+    return state, kept
+
+
+def _near(state: State, seen: Observed, used: Mask, limit: float) -> Mask:
+    """`used` (C, N) without what is off by more than `limit`, the pieces placed anew from the rest."""
+    still = tuple(Freedom(np.zeros(15, np.bool_)) for _ in state.cameras)
+    for _ in range(ROUNDS):
+        used = supported(state.parts, used & ~np.isinf(normalised_residuals(state, seen)))
+        d = np.where(used, normalised_residuals(state, seen), 0.0)
+        if not (d > limit).any():
+            break
+        used = supported(state.parts, used & (d <= limit))
+        state = solve(state, seen._replace(used=used), still, steps=3)
+    return used

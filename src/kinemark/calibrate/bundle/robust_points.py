@@ -1,0 +1,58 @@
+"""Points in space from cameras some of which see them in the wrong place.
+
+A point is triangulated from all cameras that see it. Where one of these is off by more than a limit, it is triangulated
+from each pair of them, and the cameras that agree with the pair with which most agree are taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...data import Camera
+from ...geometry import project, triangulate, undistort
+from .parts import complete
+
+Array = NDArray[np.float64]
+
+
+def robust_points(cameras: Iterable[Camera], uv: Array, *, limit: ArrayLike) -> Array:
+    """(N, 3) from pixels (C, N, 2), NaN where unseen, some of them wrong; NaN where no two cameras agree.
+
+    `limit`, px, one for all or one a camera (C), is how far off a right point may be.
+    """
+    cameras = tuple(cameras)
+    P = np.array([camera.P for camera in cameras])
+    ideal = np.stack([undistort(camera, x) for camera, x in zip(cameras, uv, strict=True)], 1)
+    limits = np.broadcast_to(np.asarray(limit, np.float64), len(cameras))[:, None]
+    xyz = triangulate(ideal, P)
+    bad = np.flatnonzero((_off(cameras, xyz, uv) > limits).any(0))
+    xyz[bad] = _consensus(cameras, ideal[bad], uv[:, bad], P, limits)
+    return xyz
+
+
+def _off(cameras: tuple[Camera, ...], xyz: Array, uv: Array) -> Array:
+    """(C, N) distance of points from their images, px; 0 where unseen, infinite behind the camera."""
+    off = np.stack(
+        [np.linalg.norm(seen - project(camera, xyz), axis=-1) for camera, seen in zip(cameras, uv, strict=True)]
+    )
+    return np.where(np.isnan(uv[..., 0]), 0.0, np.where(np.isnan(off), np.inf, off))
+
+
+def _consensus(cameras: tuple[Camera, ...], ideal: Array, uv: Array, P: Array, limits: Array) -> Array:
+    """(n, 3) each from the pair of cameras with which most others agree, then from all these."""
+    seen = complete(uv)
+    most, cost = np.zeros(len(ideal)), np.full(len(ideal), np.inf)
+    agree = np.zeros(seen.shape, np.bool_)
+    for a, b in combinations(range(len(cameras)), 2):
+        rows = np.flatnonzero(seen[a] & seen[b])
+        off = _off(cameras, triangulate(ideal[rows][:, [a, b]], P[[a, b]]), uv[:, rows])
+        near = seen[:, rows] & (off <= limits)
+        count, total = near.sum(0), np.where(near, off, 0.0).sum(0)
+        better = (near[a] & near[b]) & ((count > most[rows]) | ((count == most[rows]) & (total < cost[rows])))
+        rows = rows[better]
+        most[rows], cost[rows], agree[:, rows] = count[better], total[better], near[:, better]
+    return triangulate(np.where(agree.T[..., None], ideal, np.nan), P)

@@ -1,0 +1,155 @@
+"""One control point taken for another in an image: which, and for which.
+
+The DLT's equations of point i with the image u are two rows, M_i(u) their normal matrix, and Σ M_i(u_i) has a
+least eigenvalue of nearly nothing if points and images belong together. With the images of i and j exchanged it is
+
+    Σ M_k(u_k) − M_i(u_i) − M_j(u_j) + M_i(u_j) + M_j(u_i)               (1)
+
+so that all pairs cost one batch of eigenvalues of 12 × 12. The best few pairs are judged by the camera with
+a lens, whose sum of squares S over ν equations left over must fall from S0 by as much as chance does not: the ratio of
+two such sums follows F(ν, ν), and its upper tail must be below `CHANCE` for any of the pairs tried (2). Leaving a
+single point out takes two equations, (S0 − S) / 2 over S / (ν − 2) follows F(2, ν − 2) (3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as f_distribution
+
+from ...data import KinemarkError
+from ...geometry.dlt import equations
+from .camera import ControlPoints, fit_all
+from .checks import FEWEST
+
+CHANCE = 1e-3
+MOST_POINTS = 60
+MOST_EXCHANGES = 3
+CANDIDATES = 4
+
+
+class Exchange(NamedTuple):
+    """Whose image each point's own is (N), and the RMS residual before and after, px."""
+
+    image_of: NDArray[np.int64]
+    before: float
+    after: float
+
+
+def exchanged(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> Exchange | None:
+    """The exchange of images (N, 2) px among points (N, 3) mm that makes one camera see them much better, if any."""
+    n = len(xyz)
+    if not FEWEST < n <= MOST_POINTS:
+        return None
+    image_of = np.arange(n)
+    start = total = _start(xyz, uv)
+    for _ in range(MOST_EXCHANGES):
+        tried = [_swapped(image_of, pair) for pair in _best_pairs(xyz, uv[image_of])]
+        sums = [sum_of_squares(xyz, uv[t]) for t in tried]
+        best = int(np.argmin(sums))
+        if not sums[best] < total / 2:
+            break
+        image_of, total = tried[best], sums[best]
+    nu = 2 * n - int(_parameters(n))
+    if not total < start or f_distribution.sf(start / max(total, 1e-12), nu, nu) > CHANCE / (n * (n - 1) / 2):  # (2)
+        return None
+    return Exchange(image_of, float(np.sqrt(start / n)), float(np.sqrt(total / n)))
+
+
+def misplaced(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> tuple[int, float, float] | None:
+    """The one point without which the camera sees the others much better, and their RMS residuals, px, if any; (3)."""
+    n = len(xyz)
+    nu = 2 * n - int(_parameters(n - 1)) - 2
+    if n <= FEWEST or nu < 2 or n > MOST_POINTS:
+        return None
+    start = _start(xyz, uv)
+    without = np.array([sum_of_squares(np.delete(xyz, i, 0), np.delete(uv, i, 0)) for i in range(n)])
+    i = int(without.argmin())
+    if not np.isfinite(without[i]):
+        return None
+    ratio = (start - without[i]) / 2 / (max(without[i], 1e-12) / nu)
+    if not f_distribution.sf(ratio, 2, nu) < CHANCE / n:
+        return None
+    return i, float(np.sqrt(start / n)), float(np.sqrt(without[i] / (n - 1)))
+
+
+def exchanged_words(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequence[str]) -> str:
+    """What one camera's points and images say of an exchange, as a sentence behind another; empty if nothing."""
+    if len(xyz) <= FEWEST:
+        return ""
+    if (swap := exchanged(xyz, uv)) is not None:
+        return f" {exchange_sentence(swap, names)}"
+    if (single := misplaced(xyz, uv)) is not None:
+        i, before, after = single
+        return (
+            f" Control point {names[i]} seems to be misplaced or taken for another: without it the residual falls from "
+            f"{before:.1f} to {after:.1f} px."
+        )
+    return ""
+
+
+def exchange_sentence(swap: Exchange, names: Sequence[str]) -> str:
+    """Which points were taken for which."""
+    image_of = [int(j) for j in swap.image_of]
+    moved = [i for i, j in enumerate(image_of) if i != j]
+    pairs = [(i, image_of[i]) for i in moved if image_of[image_of[i]] == i < image_of[i]]
+    if 2 * len(pairs) == len(moved):
+        which = " and ".join(f"{names[i]} with {names[j]}" for i, j in pairs)
+        what = f"Control points seem to be exchanged, {which}"
+    else:
+        listed = ", ".join(f"{names[i]} is where {names[image_of[i]]} was said to be" for i in moved)
+        what = f"Control points seem to be mistaken for one another: {listed}"
+    return (
+        f"{what}: the other way round the residual falls from {swap.before:.1f} to {swap.after:.1f} px. Correct their "
+        "order."
+    )
+
+
+def sum_of_squares(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> float:
+    """Of all residuals of the best camera, px²; infinite where there is none."""
+    all_alike, everything = np.tile(np.eye(2), (len(xyz), 1, 1)), np.ones(len(xyz), np.bool_)
+    try:
+        _, fit = fit_all("", np.zeros(2, np.int64), xyz, uv, all_alike, everything, ControlPoints(), None)
+    except (KinemarkError, np.linalg.LinAlgError, ValueError):
+        return float("inf")
+    return float((fit.residual**2).sum())
+
+
+def _start(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> float:
+    """The sum of squares as things are; where no camera sees them so, that of the images about their mean."""
+    found = sum_of_squares(xyz, uv)
+    return found if np.isfinite(found) else float(((uv - uv.mean(0)) ** 2).sum())
+
+
+def _parameters(n: int) -> int:
+    return 11 if n > 10 else 10
+
+
+def _swapped(image_of: NDArray[np.int64], pair: tuple[int, int]) -> NDArray[np.int64]:
+    swapped = image_of.copy()
+    swapped[list(pair)] = image_of[list(pair[::-1])]
+    return swapped
+
+
+def _best_pairs(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> list[tuple[int, int]]:
+    """The pairs with the least eigenvalues of (1)."""
+    A, _, U = equations(xyz, uv)
+    X = A[:, 0, :4]
+    x = np.column_stack([uv, np.ones(len(uv))]) @ U.T
+    pairs = np.array(list(combinations(range(len(xyz)), 2)))
+    i, j = pairs.T
+    M = _normal(X, x[:, :2])
+    each = M.sum(0) - M[i] - M[j] + _normal(X[i], x[j, :2]) + _normal(X[j], x[i, :2])  # (1)
+    best = np.argsort(np.linalg.eigvalsh(each)[:, 0])[:CANDIDATES]
+    return [(int(a), int(b)) for a, b in pairs[best]]
+
+
+def _normal(X: NDArray[np.float64], uv: NDArray[np.float64]) -> NDArray[np.float64]:
+    """M (n, 12, 12) of points (n, 4) at normalised images (n, 2)."""
+    zero = np.zeros_like(X)
+    rows = np.stack([np.hstack([X, zero, -uv[:, :1] * X]), np.hstack([zero, X, -uv[:, 1:] * X])], 1)
+    return rows.transpose(0, 2, 1) @ rows

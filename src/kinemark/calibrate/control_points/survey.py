@@ -1,0 +1,148 @@
+"""Which control points are not where the survey says, by the word of all cameras.
+
+A point that took no part lies e_i from its surveyed place, with covariance C_i (`left_out`), and
+
+    d_i² = e_iᵀ C_i⁻¹ e_i                                                (1)
+
+follows χ² of three degrees of freedom if survey, images and camera model are right; C_i is scaled by the residuals, so
+that one common scale says nothing. Wrong points pull the cameras towards themselves and make each other look right. So
+the cameras are fitted to the three quarters of points with the least d, d is found anew for all, and so on (the
+concentration steps of Rousseeuw & Van Driessen 1999) (2); then to all points with d < `FAR`, until these stay the same
+(3). The others are wrong, if they are few. Of ten points or fewer one can be spared, and of more than `MOST_POINTS`
+each alone does no harm: these are not searched. A wrong point is seen by all cameras at one and the same other
+place, which leaves little of the squares of its residuals (5); where that does not help, an image is wrong and not the
+survey.
+
+A whole rod that hangs elsewhere can have small d, and its neighbours large ones. Leaving a group G of points out of a
+camera's fit lowers its sum of squares by r_Gᵀ (1 − H_GG)⁻¹ r_G, H = J A⁻¹ Jᵀ (4). So a second start leaves out the
+quarter of points next to each other for which (4) falls most; the start whose fit leaves the least squares goes on.
+
+The largest d of 8 to 24 true points is below 3.8 in 95 of 100 calibrations and was never above 4.7 in 240.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data import KinemarkError
+from ...geometry import parameter_jacobian, project_all
+from ..resection import scaled_inverse
+from .fit import ControlFit, refitted
+
+FAR = 5.0
+SUSPICIOUS = 4.0
+KEPT = 0.75
+CONCENTRATIONS = 2
+ROUNDS = 4
+MOST_WRONG = 0.4
+FEWEST_RIGHT = 7
+MOST_POINTS = 100
+NEARLY = 0.02
+UNEXPLAINED = 0.3
+
+
+class Displaced(NamedTuple):
+    """Points that are elsewhere: rows (n), offsets (n, 3) mm from the survey, and the calibration without them."""
+
+    rows: NDArray[np.int64]
+    offset: NDArray[np.float64]
+    rest: ControlFit
+
+
+def displaced_points(fit: ControlFit) -> Displaced | None:
+    """The points whose surveyed places contradict the others, if the others agree.
+
+    Images that a single camera left out are its own mistakes and take no part.
+    """
+    rejected = refused_everywhere(fit)
+    fit = fit._replace(uv=np.where((~fit.kept & ~rejected)[..., None], np.nan, fit.uv))
+    n = int(np.isfinite(fit.left_out_xyz[:, 0]).sum())
+    if not FEWEST_RIGHT < n <= MOST_POINTS:
+        return _named(fit, rejected, fit)
+    try:
+        wrong, rest = _trusting(fit, rejected, n)
+    except KinemarkError:  # the rest determines no camera
+        return _named(fit, rejected, fit)
+    return _named(fit, wrong, rest) if wrong.sum() <= MOST_WRONG * n else None
+
+
+def _trusting(fit: ControlFit, rejected: NDArray[np.bool_], n: int) -> tuple[NDArray[np.bool_], ControlFit]:
+    """The points (N) that the others contradict, and the calibration without them."""
+    many = round(KEPT * n) >= FEWEST_RIGHT + 1
+    spared = n - round(KEPT * n) if many else 1
+    starts = [refitted(fit, without=rejected | w) for w in (_farthest(fit, spared), _best_cluster(fit, spared))]
+    rest = min(starts, key=_squares)
+    for _ in range(CONCENTRATIONS if many else 0):  # (2)
+        rest = refitted(fit, without=_farthest(rest, spared))
+    wrong = rejected
+    for _ in range(ROUNDS):  # (3)
+        before, wrong = wrong, ~(distance(rest) < FAR)
+        if (wrong == before).all() or wrong.sum() > MOST_WRONG * n:
+            break
+        rest = refitted(fit, without=wrong)
+    return wrong, rest
+
+
+def _farthest(fit: ControlFit, spared: int) -> NDArray[np.bool_]:
+    """(N) the points with the greatest d, and those of which it is unknown."""
+    d = np.nan_to_num(distance(fit), nan=np.inf)
+    known = int(np.isfinite(d).sum())
+    return np.asarray(d > np.sort(d)[max(known - spared, 1) - 1])
+
+
+def _squares(fit: ControlFit) -> float:
+    """Of all residuals, over the equations left over."""
+    return float((fit.residual[fit.kept] ** 2).sum() / max(fit.freedom.sum(), 1))
+
+
+def _best_cluster(fit: ControlFit, spared: int) -> NDArray[np.bool_]:
+    """(N) so many points next to each other without which residuals fall most, by (4)."""
+    near = np.argsort(np.linalg.norm(fit.xyz[:, None] - fit.xyz, axis=-1), axis=1)[:, :spared]
+    near = near[np.isfinite(fit.xyz).all(1)]
+    fall = np.zeros(len(near))
+    for c, camera in enumerate(fit.rig):
+        rows = np.flatnonzero(fit.kept[c])
+        J = parameter_jacobian(camera, fit.xyz[rows])
+        J = J[..., np.diag(camera.cov) > 0].reshape(2 * len(rows), -1)
+        H = J @ scaled_inverse(J.T @ J) @ J.T
+        r = fit.residual[c, rows].ravel()
+        for g, group in enumerate(near):
+            chosen = np.repeat(np.isin(rows, group), 2)
+            left = np.eye(int(chosen.sum())) - H[np.ix_(chosen, chosen)]
+            fall[g] += r[chosen] @ np.linalg.lstsq(left, r[chosen], rcond=NEARLY)[0]
+    wrong = np.zeros(len(fit.xyz), np.bool_)
+    wrong[near[fall.argmax()]] = True
+    return wrong
+
+
+def refused_everywhere(fit: ControlFit) -> NDArray[np.bool_]:
+    """(N) which points were left out by most of the cameras that see them, two at least."""
+    seen = np.isfinite(fit.uv[..., 0])
+    out = (seen & ~fit.kept).sum(0)
+    return (out >= 2) & (2 * out > seen.sum(0))
+
+
+def distance(fit: ControlFit) -> NDArray[np.float64]:
+    """(1), (N); NaN where unknown."""
+    e, C = fit.left_out_xyz, fit.left_out_cov
+    d = np.full(len(e), np.nan)
+    known = np.isfinite(e).all(1) & np.isfinite(C).all((1, 2))
+    d[known] = np.sqrt(np.einsum("ni,ni->n", e[known], np.linalg.solve(C[known], e[known][..., None])[..., 0]))
+    return d
+
+
+def suspicious(fit: ControlFit) -> bool:
+    """Whether `displaced_points` is worth its time."""
+    return bool(refused_everywhere(fit).any() or np.nanmax(distance(fit), initial=0.0) > SUSPICIOUS)
+
+
+def _named(fit: ControlFit, wrong: NDArray[np.bool_], rest: ControlFit) -> Displaced | None:
+    """Where the cameras that were fitted without the wrong points see these, if they see them at one place (5)."""
+    wrong = wrong & np.isfinite(rest.left_out_xyz[:, 0])
+    there = fit.uv - project_all(rest.rig, rest.xyz + rest.left_out_xyz)
+    left = np.nansum(there**2, axis=(0, 2)) / np.maximum(np.nansum(rest.residual**2, axis=(0, 2)), 1e-12)
+    rows = np.flatnonzero(wrong & (left < UNEXPLAINED))
+    return Displaced(rows, rest.left_out_xyz[rows], rest) if len(rows) else None

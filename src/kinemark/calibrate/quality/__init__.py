@@ -1,0 +1,35 @@
+"""How good a calibration is, whatever way it was made.
+
+`covariance` foretells how exactly a marker is placed, `volume` maps that over the control volume and without each
+camera; `images` tells where in its image a camera was calibrated; `wand` judges by poses that took no part; `change`
+compares with a former calibration. `evidence` holds all that a verdict needs.
+"""
+
+from .change import Change, compare
+from .covariance import apart_from_frame, block_diagonal, covariance_from, predicted_covariance, views, visible
+from .evidence import Check, Evidence, centroid_deviation
+from .images import ImageCover, cover_image
+from .volume import VolumeMap, map_volume, points_of, view_volume, volume_grid
+from .wand import judge_poses
+
+__all__ = [
+    "Change",
+    "Check",
+    "Evidence",
+    "ImageCover",
+    "VolumeMap",
+    "apart_from_frame",
+    "block_diagonal",
+    "centroid_deviation",
+    "compare",
+    "covariance_from",
+    "cover_image",
+    "judge_poses",
+    "map_volume",
+    "points_of",
+    "predicted_covariance",
+    "view_volume",
+    "views",
+    "visible",
+    "volume_grid",
+]

@@ -1,0 +1,131 @@
+"""The control volume as a grid of places: how exactly each is known, and what every camera is worth there.
+
+At each place the covariance of `covariance` eq. 3 gives the standard deviation of one axis, σ = √(trace / 3) (1), and
+that in the worst direction, the root of the largest eigenvalue (2). Two rays that meet at the angle α give a depth that
+is 1 / sin α as uncertain as a position across them, so the pair of rays nearest to a right angle,
+
+    α = max over pairs of arccos |d_i · d_j|                             (3)
+
+tells at once where the cameras stand too close together. Leaving out one camera at a time tells which ones the volume
+rests on.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...data import KinemarkError, Rig
+from .covariance import block_diagonal, covariance_from, views
+
+Array = NDArray[np.float64]
+
+PLACES = 1000
+FEWEST_A_SIDE = 4
+
+
+class VolumeMap(NamedTuple):
+    """A control volume of X × Y × Z places.
+
+    axes: (X), (Y), (Z) mm; seen: (X, Y, Z) how many cameras see the place; angle: (X, Y, Z) deg by (3);
+    sd, worst: (X, Y, Z) mm by (1) and (2); without: (C, X, Y, Z) mm, (1) without that camera. NaN where fewer than two
+    cameras see the place.
+    """
+
+    axes: tuple[Array, Array, Array]
+    seen: NDArray[np.int64]
+    angle: Array
+    sd: Array
+    worst: Array
+    without: Array
+
+
+def volume_grid(volume: ArrayLike, *, places: int = PLACES) -> tuple[Array, Array, Array]:
+    """Coordinates (X), (Y), (Z) mm of about so many places that fill a box (2, 3) mm evenly, its faces included.
+
+    Raises:
+        KinemarkError: the box is empty, turned inside out or not finite.
+    """
+    low, high = np.asarray(volume, np.float64)
+    if not (np.isfinite(low).all() and np.isfinite(high).all() and (high > low).all()):
+        raise KinemarkError(
+            f"The control volume from {low.tolist()} to {high.tolist()} mm is empty. Set volume_mm in session.toml: "
+            "the least corner first, then the greatest."
+        )
+    step = float(np.prod(high - low) / places) ** (1 / 3)
+    counts = np.maximum(np.round((high - low) / step).astype(int) + 1, FEWEST_A_SIDE)
+    x, y, z = (np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True))
+    return x, y, z
+
+
+def points_of(axes: tuple[Array, Array, Array]) -> Array:
+    """(X · Y · Z, 3) mm the places of a grid, the last axis fastest."""
+    return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
+
+
+def map_volume(
+    rig: Rig, volume: ArrayLike, *, centroid_sd: float, joint: Array | None = None, places: int = PLACES
+) -> VolumeMap:
+    """How exactly the rig places a marker in a box (2, 3) mm; arguments as in `quality.predicted_covariance`."""
+    axes = volume_grid(volume, places=places)
+    shape = (len(axes[0]), len(axes[1]), len(axes[2]))
+    xyz = points_of(axes)
+    said = views(rig, xyz, centroid_sd=centroid_sd)
+    joint = block_diagonal(rig) if joint is None else joint
+    cov = covariance_from(said, joint)
+    without = [deviation(covariance_from(said, joint, without=(c,))).reshape(shape) for c in range(len(rig))]
+    return VolumeMap(
+        axes=axes,
+        seen=said.seen.sum(0).reshape(shape),
+        angle=ray_angle(rig, xyz, said.seen).reshape(shape),
+        sd=deviation(cov).reshape(shape),
+        worst=worst_deviation(cov).reshape(shape),
+        without=np.array(without).reshape(len(rig), *shape),
+    )
+
+
+def deviation(cov: Array) -> Array:
+    """σ (…) mm of covariances (…, 3, 3) mm², by (1)."""
+    return np.sqrt(np.trace(cov, axis1=-2, axis2=-1) / 3)
+
+
+def worst_deviation(cov: Array) -> Array:
+    """Standard deviation (…) mm along the worst direction of covariances (…, 3, 3) mm², by (2)."""
+    known = np.asarray(np.isfinite(cov).all((-2, -1)))
+    largest = np.linalg.eigvalsh(np.where(known[..., None, None], cov, 0.0))[..., -1]
+    return np.where(known, np.sqrt(np.maximum(largest, 0.0)), np.nan)
+
+
+def ray_angle(rig: Rig, xyz: Array, seen: NDArray[np.bool_]) -> Array:
+    """(N) deg by (3) at places (N, 3) mm that cameras see (C, N); NaN with fewer than two."""
+    ahead = xyz[None] - rig.centres[:, None]
+    ahead /= np.maximum(np.linalg.norm(ahead, axis=-1, keepdims=True), 1e-9)
+    together = np.abs(np.einsum("ani,bni->abn", ahead, ahead))
+    together[~(seen[:, None] & seen[None])] = np.nan
+    together[np.arange(len(rig)), np.arange(len(rig))] = np.nan
+    least = np.nanmin(np.where(np.isnan(together), np.inf, together).reshape(-1, len(xyz)), axis=0)
+    return np.where(np.isfinite(least), np.degrees(np.arccos(np.minimum(least, 1.0))), np.nan)
+
+
+def view_volume(rig: Rig) -> Array:
+    """(2, 3) mm a box that at least two cameras look at, for a rig that states none: about where their axes meet.
+
+    The place X nearest to all axes (c, d) solves Σ (I − d dᵀ) (X − c) = 0; the box reaches from it a quarter of the
+    middle distance of the cameras to each side.
+
+    Raises:
+        KinemarkError: the axes are parallel, or meet behind the cameras.
+    """
+    axes = np.array([camera.R[2] for camera in rig]).reshape(-1, 3)
+    across = np.eye(3) - axes[:, :, None] * axes[:, None]
+    try:
+        middle = np.linalg.solve(across.sum(0), np.einsum("cij,cj->i", across, rig.centres))
+    except np.linalg.LinAlgError:
+        middle = np.full(3, np.nan)
+    depth = np.einsum("ci,ci->c", axes, middle - rig.centres)
+    if not (depth > 0).sum() >= 2:
+        raise KinemarkError("No two cameras look at a common place. Set volume_mm in session.toml, or calibrate again.")
+    reach = float(np.median(depth[depth > 0])) / 4
+    return np.stack([middle - reach, middle + reach])

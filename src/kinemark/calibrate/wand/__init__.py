@@ -1,0 +1,25 @@
+"""A wand waved through the volume: its markers in the images, the cameras from them, its length as these see it.
+
+points       which detection is which marker, in all cameras alike
+rows         of them, of one image: markers in a row with the wand's gaps
+ends         which end is which, where the gaps do not tell
+calibrate    the cameras
+completion   markers that the first reading left out, once there is a first rig
+lengths      how long the wand comes out, place by place, and the error to expect
+"""
+
+from .calibrate import KNOWN_LENS, Wand, calibrate_wand, thinned
+from .lengths import WandLengths, by_place, wand_lengths
+from .points import marker_places, wand_points
+
+__all__ = [
+    "KNOWN_LENS",
+    "Wand",
+    "WandLengths",
+    "by_place",
+    "calibrate_wand",
+    "marker_places",
+    "thinned",
+    "wand_lengths",
+    "wand_points",
+]

@@ -1,0 +1,241 @@
+"""Cameras from a wand waved through the volume, from what they see of it alone.
+
+1. Which detection is which marker, without a rig (`points`).
+2. A first rig from some poses, spread over the images, by bundle adjustment from the image sizes (`bundle`).
+3. With it, markers that the first reading had to leave out (`completion`), and the offset between the centroid of
+   a sphere's image and the projection of its centre (`geometry.sphere`), where the spheres' diameter is known.
+4. The rig from these, by bundle adjustment that goes on from the first.
+
+Thousands of poses in the middle of the volume tell no more than hundreds, and nothing about the corners of the images.
+So poses are chosen one by one, each the one with the greatest
+
+    Σ over its points of 1 / (1 + n)                                     (1)
+
+where n counts the points of chosen poses in the same cell of the same image.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...data import PARAMETERS, Camera, Detections, KinemarkError, Rig
+from ...data.arrays import check_positive
+from ...geometry.sphere import sphere_offset
+from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, sticks_through
+from ..bundle.adjust import check_calibration
+from ..bundle.parts import complete
+from ..bundle.solver import placed
+from .completion import completed
+from .points import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
+
+Array = NDArray[np.float64]
+
+KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
+FIRST_POSES = 150
+CELLS = 12
+AGREEING = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Wand:
+    """Calibration with a wand.
+
+    Attributes:
+        radial: at most so many radial lens terms, 0 … 3: k1, k2, k3.
+        tangential: whether p1 and p2 are fitted as well.
+        centre: whether the principal point is fitted; else it stays in the image's centre, or the lens's.
+        square: whether pixels are square, fx = fy.
+        reject: points this many standard deviations off are left out.
+        tolerance: px; how near to its place a marker is looked for once there is a first rig.
+        most_poses: at most so many, spread over the images.
+        marker_diameter: of the spheres, mm; None leaves centroids as they are.
+        seed: of the samples that the bundle's start draws.
+    """
+
+    radial: int = 2
+    tangential: bool = False
+    centre: bool = True
+    square: bool = True
+    reject: float = 5.0
+    tolerance: float = 3.0
+    most_poses: int = 1500
+    marker_diameter: float | None = None
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.radial not in (0, 1, 2, 3):
+            raise ValueError(f"radial is {self.radial}, wanted 0, 1, 2 or 3 lens terms")
+        if not self.reject >= 3:
+            raise ValueError(f"reject is {self.reject}, wanted at least 3 standard deviations")
+        if self.most_poses < FEWEST:
+            raise ValueError(f"most_poses is {self.most_poses}, wanted at least {FEWEST}")
+        check_positive(tolerance=self.tolerance, marker_diameter=self.marker_diameter)
+
+    @property
+    def bundle(self) -> Bundle:
+        """What the bundle adjustment fits."""
+        return Bundle(self.radial, self.tangential, self.centre, self.square, self.reject, self.seed)
+
+
+def calibrate_wand(
+    detections: Detections,
+    *,
+    lengths: ArrayLike,
+    sizes: ArrayLike,
+    method: Wand | None = None,
+    lenses: Sequence[Camera] | None = None,
+) -> BundleFit:
+    """The rig of C cameras that saw a wand over F frames.
+
+    Args:
+        detections: of all cameras, which took their images at the same moments.
+        lengths: (K − 1) gaps between the wand's K markers, mm; K is 2, 3 or 4.
+        sizes: (C, 2) width and height of the images, px.
+        method: what to fit.
+        lenses: (C) cameras of a linearisation, if there is one.
+
+    Returns:
+        The fit; N = F K points, NaN in frames that took no part. The world is the first camera's: see
+        `world.moved_to`.
+
+    Raises:
+        ValueError: lengths or sizes are not as above.
+        KinemarkError: as `points` and `calibrate_sticks`, or the cameras do not agree on the wand.
+    """
+    method = method or Wand()
+    along = marker_places(lengths)
+    sizes = np.asarray(sizes, np.int64)
+    if sizes.shape != (len(detections.cameras), 2):
+        raise ValueError(f"sizes has shape {sizes.shape}, wanted ({len(detections.cameras)}, 2)")
+    want = wanted(detections)
+    rows = identify_wand(detections, want, along)
+    first = _first_rig(detections, thinned(detections, rows, sizes, FIRST_POSES), sizes, along, method, lenses)
+    claimed = int(_shared(rows).sum())
+    rows, xyz = completed(first, detections, want.use, rows, along, tolerance=method.tolerance)
+    _check_agreement(detections, rows, claimed)
+    chosen = thinned(detections, rows, sizes, method.most_poses)
+    fit = _final_fit(first, detections, chosen, xyz, along, method, lenses is not None)
+    there = fit.xyz[np.isfinite(fit.xyz).all(1)]
+    volume = np.stack([there.min(0), there.max(0)])
+    return fit._replace(rig=Rig(fit.rig.cameras, _words(detections, want, chosen, fit), volume))
+
+
+def thinned(detections: Detections, rows: NDArray[np.int64], sizes: ArrayLike, most: int) -> NDArray[np.int64]:
+    """The rows (C, F, K) of at most so many frames, by (1); −1 in the others, and where only one camera sees a wand."""
+    frames = np.flatnonzero(_shared(rows))
+    if len(frames) > most:
+        frames = frames[_spread(detections, rows[:, frames], np.asarray(sizes, np.int64), most)]
+    chosen = np.full_like(rows, -1)
+    chosen[:, frames] = rows[:, frames]
+    return chosen
+
+
+def _shared(rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """(F) whether two cameras see two markers."""
+    return np.asarray(((rows >= 0).sum(2) >= 2).sum(0) >= 2)
+
+
+def _spread(detections: Detections, rows: NDArray[np.int64], sizes: NDArray[np.int64], most: int) -> NDArray[np.int64]:
+    """`most` of the frames of rows (C, F, K), by (1)."""
+    uv, _ = at_rows(detections, rows)
+    seen = np.isfinite(uv[..., 0])
+    share = np.nan_to_num(uv) / sizes[:, None, None]
+    at = np.clip(share * CELLS, 0, CELLS - 1).astype(np.int64)
+    camera = np.arange(len(rows))[:, None, None]
+    cell = np.where(seen, (camera * CELLS + at[..., 0]) * CELLS + at[..., 1], len(rows) * CELLS**2)
+    cell = cell.transpose(1, 0, 2).reshape(rows.shape[1], -1)
+    worth = np.append(np.ones(len(rows) * CELLS**2), 0.0)  # 1 / (1 + n), and nothing where a marker is not seen
+    left, chosen = np.ones(len(cell), np.bool_), []
+    for _ in range(most):
+        best = int(np.where(left, worth[cell].sum(1), -1.0).argmax())
+        chosen.append(best)
+        left[best] = False
+        for i in cell[best]:
+            worth[i] = worth[i] / (1 + worth[i])
+    return np.sort(np.array(chosen))
+
+
+def _first_rig(
+    detections: Detections,
+    rows: NDArray[np.int64],
+    sizes: NDArray[np.int64],
+    along: Array,
+    method: Wand,
+    lenses: Sequence[Camera] | None,
+) -> Rig:
+    uv, cov = at_rows(detections, rows)
+    names = detections.cameras
+    return calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=method.bundle, lenses=lenses).rig
+
+
+def _final_fit(
+    first: Rig,
+    detections: Detections,
+    rows: NDArray[np.int64],
+    xyz: Array,
+    along: Array,
+    method: Wand,
+    lens_known: bool,
+) -> BundleFit:
+    """Step 4, from a first rig and the wand (F, K, 3) as it sees it; NaN in frames without rows (C, F, K)."""
+    frames = np.flatnonzero((rows >= 0).any((0, 2)))
+    uv, cov = (x.reshape(len(first), -1, *x.shape[3:]) for x in at_rows(detections, rows[:, frames]))
+    if method.marker_diameter is not None:
+        points = xyz[frames].reshape(-1, 3)
+        uv = uv - np.stack([sphere_offset(camera, points, diameter=method.marker_diameter) for camera in first])
+    freedom = KNOWN_LENS if lens_known else method.bundle.freedom
+    fit = bundle(
+        first,
+        (sticks_through(xyz[frames], along),),
+        uv,
+        cov=cov,
+        freedoms=[freedom] * len(first),
+        method=method.bundle,
+    )
+    check_calibration(fit, complete(uv))
+    return _among_frames(fit, frames, rows.shape[1], len(along))
+
+
+def _among_frames(fit: BundleFit, frames: NDArray[np.int64], n_frames: int, K: int) -> BundleFit:
+    """The fit to some frames as one of all F, with N = F K points, in the frame of its first camera again.
+
+    It lies within the calibration's error of it, too near to matter to the covariances.
+    """
+    R, t = fit.rig[0].R, fit.rig[0].t
+    rig = Rig(tuple(placed(camera, R, t) for camera in fit.rig))
+    at = (frames[:, None] * K + np.arange(K)).ravel()
+    xyz = np.full((n_frames * K, 3), np.nan)
+    residual = np.full((len(fit.rig), n_frames * K, 2), np.nan)
+    kept = np.zeros(residual.shape[:2], np.bool_)
+    xyz[at], residual[:, at], kept[:, at] = fit.xyz @ R.T + t, fit.residual, fit.kept
+    return fit._replace(rig=rig, xyz=xyz, residual=residual, kept=kept)
+
+
+def _check_agreement(detections: Detections, rows: NDArray[np.int64], claimed: int) -> None:
+    """Of the frames that cameras claimed to share, most show a stick of the wand's length; every camera takes part."""
+    agreed = int(_shared(rows).sum())
+    if agreed < max(AGREEING * claimed, FEWEST):
+        raise KinemarkError(
+            f"In {claimed} frames two cameras or more see what may be the wand, but in {agreed} only do they agree on "
+            "a stick of its length. Check that the cameras are synchronised and their recordings begin at the same "
+            "moment, the wand's lengths, and that no second wand was in view."
+        )
+    for c in np.flatnonzero(((rows >= 0).sum(2) >= 2).sum(1) < FEWEST):
+        raise KinemarkError(
+            f"Camera {detections.cameras[c]} does not agree with the others where the wand is. Check that it is "
+            "synchronised, and that its images are not mirrored or another camera's."
+        )
+
+
+def _words(detections: Detections, want: Wanted, rows: NDArray[np.int64], fit: BundleFit) -> str:
+    """What was done, for `Rig.method`."""
+    poses = int((rows >= 0).any((0, 2)).sum())
+    seen = int((rows >= 0).sum())
+    words = f"wand: bundle adjustment, {poses} poses of {detections.n_frames} frames"
+    words += f"; left out: {seen - int(fit.kept.sum())} of {seen} points"
+    crowded = [f"{n} {k}" for n, k in zip(detections.cameras, want.crowded, strict=True) if k]
+    return words + (f"; frames with too many points: {', '.join(crowded)}" if crowded else "")

@@ -1,0 +1,128 @@
+"""Which end of a wand is which, in all cameras alike, where an image alone does not tell.
+
+Each camera c and frame f has a sign s = ±1: whether the markers keep the order in which they were read. With the
+fundamental matrix F of two cameras, a frame costs
+
+    d² = Σ over markers of the squared epipolar distance                 (1)
+
+for equal signs, and another sum for opposite ones. Half their difference, in units of their variance and
+bounded so that one wrong point does not outweigh the rest, is the evidence of the pair,
+
+    e_ij = bounded (d²(opposite) − d²(equal)) / 2σ²                      (2)
+
+and the signs of a frame are those that maximise
+
+    Σ_{i<j} e_ij s_i s_j + Σ_i u_i s_i                                   (3)
+
+where u is what the gaps tell. u joins as one more camera, "the wand as made", with s = 1. The eigenvector of
+the greatest eigenvalue of e starts (3), and changes of single signs that raise it end it. Without u, where the wand
+looks the same from both ends, turning all signs of a frame changes nothing, and nothing has to.
+
+F needs matched points, and those need the signs. The middle of the markers needs none: it is the image of nearly the
+same point in all cameras, some pixels off by perspective. F from middles decides the signs of most frames;
+from their markers follows a better one, and so on.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data import KinemarkError
+from ...geometry.two_view import fit_fundamental, robust_fundamental, sampson_distance
+
+Array = NDArray[np.float64]
+
+FEWEST = 16
+"""Frames that two cameras must share to tell anything about each other."""
+MIDDLE = 6.0
+"""px; how far middles may be off epipolar lines."""
+LEAST_SPREAD = 0.3
+"""px; noise below which epipolar distances are not believed."""
+ROUNDS = 6
+STRONGEST = 20.0
+"""Bound of (2)."""
+SURE = 3.0
+"""Evidence below which a camera's sign is left open."""
+
+
+def agreed_ends(uv: Array, lead: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Where the order of the markers (C, F, K, 2) px, NaN where not read, must be turned, and where that is open.
+
+    Args:
+        uv: the markers of each image in the order in which they were read.
+        lead: (C, F) how much more likely that order is than the other, as 2 ln of odds.
+
+    Returns:
+        turned (C, F) and open (C, F).
+    """
+    n = len(uv)
+    evidence = np.zeros((uv.shape[1], n + 1, n + 1))
+    for i, j in combinations(range(n), 2):
+        evidence[:, i, j] = evidence[:, j, i] = pair_evidence(uv[i], uv[j])
+    known = np.clip(lead.T / 2, -STRONGEST, STRONGEST)
+    evidence[:, :n, n] = evidence[:, n, :n] = known
+    sign, support = best_signs(evidence)
+    sign = sign[:, :n] * np.where(known.any(1), sign[:, n], 1.0)[:, None]
+    return (sign < 0).T, (support[:, :n] < SURE).T
+
+
+def pair_evidence(uv1: Array, uv2: Array) -> Array:
+    """(2) of two cameras that see markers (F, K, 2): (F), 0 where one of them does not or nothing is known."""
+    seen = np.isfinite(uv1).all((1, 2)) & np.isfinite(uv2).all((1, 2))
+    evidence = np.zeros(len(uv1))
+    if seen.sum() < FEWEST:
+        return evidence
+    a, b = uv1[seen], uv2[seen]
+    try:
+        F, _ = robust_fundamental(a.mean(1), b.mean(1), tolerance=MIDDLE)
+        before = None
+        for _ in range(ROUNDS):
+            equal, opposite = _costs(F, a, b)
+            turned = opposite < equal
+            if before is not None and (turned == before).all():
+                break
+            F = _from_markers(a, np.where(turned[:, None, None], b[:, ::-1], b), equal, opposite)
+            before = turned
+    except KinemarkError:
+        return evidence  # the cameras are in one place, or the wand was held still
+    equal, opposite = _costs(F, a, b)
+    evidence[seen] = _evidence(equal, opposite, a.shape[1])
+    return evidence
+
+
+def _costs(F: Array, a: Array, b: Array) -> tuple[Array, Array]:
+    """(1) for equal and for opposite signs, (n) px² each."""
+    return (sampson_distance(F, a, b) ** 2).sum(1), (sampson_distance(F, a, b[:, ::-1]) ** 2).sum(1)
+
+
+def _from_markers(a: Array, b: Array, equal: Array, opposite: Array) -> Array:
+    """F from the markers of frames that fit well; those that fit either way tell as much."""
+    cost = np.minimum(equal, opposite)
+    good = cost <= 9 * max(np.median(cost), LEAST_SPREAD**2)
+    return fit_fundamental(a[good].reshape(-1, 2), b[good].reshape(-1, 2))
+
+
+def _evidence(equal: Array, opposite: Array, K: int) -> Array:
+    """(2): frames that fit neither way tell nothing."""
+    variance = max(np.median(np.minimum(equal, opposite)) / K, LEAST_SPREAD**2)
+    most = 2 * STRONGEST
+    return (np.minimum(opposite / variance, most) - np.minimum(equal / variance, most)) / 2
+
+
+def best_signs(evidence: Array) -> tuple[Array, Array]:
+    """Signs (F, n) that maximise (3) for symmetric evidence (F, n, n) with zero diagonal, and their support (F, n).
+
+    The support of a sign is by how much (3) would fall, halved, were it turned.
+    """
+    sign = np.where(np.linalg.eigh(evidence)[1][..., -1] < 0, -1.0, 1.0)
+    for _ in range(evidence.shape[-1]):
+        before = sign.copy()
+        for i in range(evidence.shape[-1]):
+            pull = np.einsum("fj,fj->f", evidence[:, i], sign)
+            sign[:, i] = np.where(pull == 0, sign[:, i], np.sign(pull))
+        if (sign == before).all():
+            break
+    return sign, np.einsum("fij,fi,fj->fi", evidence, sign, sign)

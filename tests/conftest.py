@@ -1,4 +1,9 @@
-"""Property tests are the same on every machine, and never fail because it is slow."""
+"""Property tests are the same on every machine, and never fail because it is slow; each process uses one core."""
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # two processes with two threads each would only wait for each other
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from hypothesis import HealthCheck, settings
 

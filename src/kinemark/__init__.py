@@ -11,7 +11,19 @@ The stages, each `stage(data, …, method=Method(…)) -> data`:
 A whole session with its report: `from kinemark.session import Session`.
 """
 
-from .calibrate import ControlPoints, calibrate_control_frame, calibrate_control_points
+from .calibrate import (
+    ControlPoints,
+    Dlt,
+    Linearisation,
+    Wand,
+    calibrate_control_frame,
+    calibrate_control_points,
+    calibrate_points,
+    calibrate_sticks,
+    calibrate_wand,
+    linearise,
+    predicted_covariance,
+)
 from .data import (
     Analog,
     Camera,
@@ -31,7 +43,7 @@ from .data import (
     Trial,
     Validity,
 )
-from .detect import Centroids, detect
+from .detect import Centroids, KissNearest, KissScanning, Masks, detect, learn_masks, propose
 from .geometry import project, refine, triangulate, undistort
 from .io.c3d import read_c3d, write_c3d
 from .io.detections_csv import read_detections_csv, write_detections_csv
@@ -55,13 +67,18 @@ __all__ = [
     "Cloud",
     "ControlPoints",
     "Detections",
+    "Dlt",
     "EpipolarTriplets",
     "Events",
     "ExtrapolationLadder",
     "ForcePlate",
     "KinemarkError",
+    "KissNearest",
+    "KissScanning",
     "LeastSquares",
+    "Linearisation",
     "MarkerSet",
+    "Masks",
     "Matches",
     "Origin",
     "Path",
@@ -71,14 +88,22 @@ __all__ = [
     "Trajectories",
     "Trial",
     "Validity",
+    "Wand",
     "__version__",
     "calibrate_control_frame",
     "calibrate_control_points",
+    "calibrate_points",
+    "calibrate_sticks",
+    "calibrate_wand",
     "detect",
+    "learn_masks",
+    "linearise",
     "load",
     "match",
     "open_images",
+    "predicted_covariance",
     "project",
+    "propose",
     "read_c3d",
     "read_detections_csv",
     "read_dlt_csv",

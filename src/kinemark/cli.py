@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -19,6 +20,8 @@ from .demo import demo as run_demo
 from .formats import convert as convert_file
 from .formats import describe
 from .pipeline import Progress as Told
+from .proposals import learn_session_masks, propose_detection
+from .report.calibration_text import calibration_summary
 from .report.text import summary
 from .session import Session
 from .simulate import Scene
@@ -86,6 +89,47 @@ def run(session: Path, *trials: str, json: Json = False) -> None:
     for result in results.values():
         did = ", ".join(result.computed) or "nothing: all is unchanged"
         _print(f"{summary(result.quality)}\n\ncomputed: {did}\nresults:  {result.folder}")
+
+
+@app.command
+def calibrate(session: Path, *, json: Json = False) -> None:
+    """Calibrate a session's cameras, judge the calibration, and write rig.toml and calibration.html.
+
+    Args:
+        session: a folder with a session.toml, or such a file.
+        json: print the figures for a machine.
+    """
+    with progress() as tell:
+        result = Session.open(session).calibrate(progress=tell)
+    if json:
+        _print(result.figures)
+        return
+    did = "the calibration" if result.computed else "nothing: all is unchanged"
+    page = result.folder / "calibration.html"
+    _print(f"{calibration_summary(result.figures)}\ncomputed: {did}\nresults:  {result.folder / 'rig.toml'}, {page}")
+
+
+@app.command
+def detect(source: Path, *, propose: bool = False, masks: Path | None = None, json: Json = False) -> None:
+    """Propose parameters for [detect] from images, or learn the masks of a session.
+
+    Args:
+        source: a session, images or a video.
+        propose: say what the images propose, and why.
+        masks: a new TOML file for what the session's [masks] leave out, drawn and learned.
+        json: print the proposed parameters for a machine.
+    """
+    if propose == (masks is not None):
+        raise KinemarkError("Say what is wanted, --propose or --masks FILE; kinemark run detects markers in a session.")
+    if masks is not None:
+        n = learn_session_masks(source, masks)
+        _print(f'{masks} is written, {n} polygons. To use it: [masks] file = "{masks.name}"')
+        return
+    found = propose_detection(source)
+    if json:
+        _print({name: asdict(proposal.centroids) | {"warnings": proposal.warnings} for name, proposal in found.items()})
+    else:
+        _print("\n".join(f"# {name}: {proposal.text()}" for name, proposal in found.items()))
 
 
 @app.command

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from .calibration import rig_of_dlt
 from .data import Cloud, Detections, KinemarkError, Matches, Rig, Rods, Tracks, Trajectories, Trial
 from .geometry import to_dlt
 from .io.c3d import markers, read_c3d, write_c3d
@@ -22,7 +23,7 @@ from .io.text import read_text
 from .io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .io.trc import read_trc, write_trc
 from .pipeline import together
-from .session import FILE, Session, rig_of_dlt
+from .session import FILE, Session
 from .track import to_trajectories
 
 UNSAID = 1.0  # Hz; stands where a detections CSV does not say its rate

@@ -5,28 +5,41 @@ detect → match → reconstruct → track → trajectories → C3D, quality.jso
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .data import Analog, Cloud, Detections, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
-from .detect import Centroids
+from .detect import Centroids, KissNearest, KissScanning
 from .io.c3d import write_c3d
 from .io.records import load, save
 from .ledger import Ledger, digest
 from .match import EpipolarTriplets, match
 from .reconstruct import LeastSquares, reconstruct
+from .report.figures_detections import Picture, telling_frames
 from .report.page import write_report
 from .report.quality import quality, write_quality
 from .track import ExtrapolationLadder, to_trajectories, track
 
 Record = TypeVar("Record")
 
+LITTLE = 0.6
+"""Share of a camera's valid detections; if less agree with two other cameras, it may have the images of another."""
+AS_MUCH, AS_GOOD = 0.7, 0.95
+LOOKED_AT = 20
+"""Frames on which cameras are exchanged."""
+MOST_PAIRS = 30
+
 Progress = Callable[[str, int, int], None]
 """Called with the stage, how much of it is done, and how much there is."""
+
+
+DetectMethod = Centroids | KissScanning | KissNearest
 
 
 def silent(stage: str, done: int, total: int) -> None:
@@ -37,7 +50,7 @@ def silent(stage: str, done: int, total: int) -> None:
 class Methods:
     """How each stage is done."""
 
-    detect: Centroids = field(default_factory=Centroids)
+    detect: DetectMethod = field(default_factory=Centroids)
     match: EpipolarTriplets = field(default_factory=EpipolarTriplets)
     reconstruct: LeastSquares = field(default_factory=LeastSquares)
     track: ExtrapolationLadder = field(default_factory=ExtrapolationLadder)
@@ -52,12 +65,14 @@ class Source:
         detections: reads or detects them, given the method and a progress callback.
         doubts: what contradicts itself in the input, for the report.
         beside: analog channels, force plates and events of the same recording, in a trial without markers.
+        pictures: gives one image (H, W) of each camera, of the frames (C) asked for; None where there are no images.
     """
 
     key: str
-    detections: Callable[[Centroids, Progress], Detections]
+    detections: Callable[[DetectMethod, Progress], Detections]
     doubts: tuple[str, ...] = ()
     beside: Trial | None = None
+    pictures: Callable[[Sequence[int]], Sequence[Picture]] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +108,7 @@ def run(
     session: str = "",
     methods: Methods | None = None,
     calibration: Sequence[Step] = (),
+    judged: Mapping[str, Any] | None = None,
     progress: Progress = silent,
 ) -> Results:
     """One trial from its source to C3D and report; what is unchanged since the last run is read instead of computed.
@@ -104,6 +120,7 @@ def run(
         session: its name, for the report.
         methods: of the stages; all defaults where None.
         calibration: the steps that made the rig, for the report.
+        judged: how good the rig is, as `report.calibration_figures` tells, for the report.
         progress: told what is being done.
 
     Raises:
@@ -114,6 +131,7 @@ def run(
     detections, tracks, key = _stages(ledger, source, rig, methods, progress)
     trajectories = to_trajectories(tracks, rig)
     steps = tuple(ledger.steps)
+    notes = (*source.doubts, *exchanged_cameras(detections, rig, tracks.cloud, methods))
     figures = quality(
         session=session,
         trial=folder.name,
@@ -122,21 +140,71 @@ def run(
         tracks=tracks,
         trajectories=trajectories,
         steps=(*calibration, *steps),
-        notes=source.doubts,
+        notes=notes,
+        judged=judged,
     )
     outputs = [folder / f"{folder.name}.c3d", folder / "quality.json", folder / "report.html"]
-    key = digest(key, session, source.doubts, [(step.input, step.method) for step in calibration])
+    made = [(step.input, step.method) for step in calibration]
+    key = digest(key, session, notes, made, figures["calibration"])
     if not ledger.stands("write", key) or not all(path.is_file() for path in outputs):
         progress("write", 0, 1)
         beside = source.beside or Trial("", trajectories)
         write_c3d(outputs[0], replace(together(beside, trajectories), name=folder.name, steps=steps))
         write_quality(outputs[1], figures)
         write_report(
-            outputs[2], quality=figures, rig=rig, detections=detections, tracks=tracks, trajectories=trajectories
+            outputs[2],
+            quality=figures,
+            rig=rig,
+            detections=detections,
+            tracks=tracks,
+            trajectories=trajectories,
+            judged=judged,
+            pictures=source.pictures(telling_frames(detections)) if source.pictures else None,
         )
         progress("write", 1, 1)
     ledger.note("write", key)  # only now: what was cut off before is written again
     return Results(folder, rig, detections, tracks, trajectories, figures, steps, tuple(ledger.computed))
+
+
+def exchanged_cameras(detections: Detections, rig: Rig, cloud: Cloud, methods: Methods) -> tuple[str, ...]:
+    """Which two cameras have each other's images or calibration, as a sentence, if so; nothing where all is well.
+
+    A point on two cameras is no proof, as any two rays that meet are one. So cameras little of whose detections became
+    part of a point on three are exchanged in pairs; that pair is named with which most then do, `AS_MUCH` and twice as
+    many as before. In a room as symmetrical as its cameras two pairs may do as well, and both are named.
+    """
+    confirmed = _confirmed(detections, cloud)
+    doubtful = np.flatnonzero(confirmed < LITTLE)
+    if len(rig) < 3 or len(doubtful) < 2:
+        return ()
+    frames = np.linspace(0, detections.n_frames - 1, min(LOOKED_AT, detections.n_frames)).astype(np.int64)
+    few = detections.keep(np.isin(detections.frame, frames))
+    shares: dict[str, float] = {}
+    for a, b in list(combinations(map(int, doubtful), 2))[:MOST_PAIRS]:
+        cameras = list(rig.cameras)
+        cameras[a], cameras[b] = replace(rig[b], name=rig.names[a]), replace(rig[a], name=rig.names[b])
+        other = replace(rig, cameras=tuple(cameras))
+        points = reconstruct(match(few, other, method=methods.match), few, other, method=methods.reconstruct)
+        now, before = (share[[a, b]] for share in (_confirmed(few, points), confirmed))
+        if now.min() > max(AS_MUCH, 2 * before.max()):
+            shares[f"{rig.names[a]} and {rig.names[b]}"] = float(now.min())
+    best = [pair for pair, share in shares.items() if share > AS_GOOD * max(shares.values())]
+    if not best:
+        return ()
+    return (
+        f"The images of {', or of '.join(best)} seem to be exchanged: with each taken for the other "
+        f"{100 * max(shares.values()):.0f} % of what they saw agrees with two cameras more, and "
+        f"{100 * confirmed[doubtful].max():.0f} % or less as it is. Exchange the files, in the trial or in the "
+        "calibration.",
+    )
+
+
+def _confirmed(detections: Detections, cloud: Cloud) -> NDArray[np.float64]:
+    """(C) share of each camera's valid detections that became part of a point on three cameras; 1 where it has none."""
+    valid = np.bincount(detections.camera[detections.valid], minlength=len(detections.cameras))
+    three = cloud.view[(cloud.view >= 0).sum(1) >= 3]
+    used = np.bincount(detections.camera[np.unique(three[three >= 0])], minlength=len(detections.cameras))
+    return np.where(valid > 0, used / np.maximum(valid, 1), 1.0)
 
 
 def _whole(ratio: float) -> bool:

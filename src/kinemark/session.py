@@ -6,30 +6,28 @@ user gave is changed; everything computed goes below `results/`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .calibrate import calibrate_control_frame, calibrate_control_points
-from .data import Camera, Detections, KinemarkError, Rig, Step, Trajectories, Trial
-from .detect import Centroids, detect
-from .geometry import camera_from_dlt
-from .io.control_points import read_control_points
+from .calibrate.reference_marker import corrected, find_marks, reference_shift
+from .calibration import Calibrated, calibrate
+from .data import Camera, Detections, KinemarkError, Rig, Trajectories, Trial
+from .detect import detect
 from .io.detections_csv import read_detections_csv
-from .io.dlt_csv import read_dlt_csv
-from .io.images import ImageSource, open_images
+from .io.images import ImageSource
 from .io.records import load
-from .io.rig_toml import read_rig_toml, write_rig_toml
-from .io.rods_toml import read_rods
 from .io.tdf import read_tdf
-from .ledger import Ledger, digest, file_key
+from .ledger import digest, file_key
 from .pipeline import Methods, Progress, Results, Source, run, silent
+from .recordings import frame_of, masks_key, masks_of, open_cameras
 from .settings import ADVICE, Settings, TrialEntry, read_settings
 
 FILE = "session.toml"
-MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +69,8 @@ class Session:
         trials = {trial.name: trial for trial in self.settings.trials}
         if unknown := [name for name in names if name not in trials]:
             raise KinemarkError(f"There is no trial {unknown}; the session has {', '.join(trials)}.")
-        rig, steps = self.calibrate(progress=progress)
+        calibrated = self.calibrate(progress=progress)
+        rig = calibrated.rig
         chosen = [trials[name] for name in names or trials]
         sources = {trial.name: self.source(trial, rig) for trial in chosen}  # all inputs are looked at before any work
         s = self.settings
@@ -83,34 +82,20 @@ class Session:
                 self.results / name,
                 session=s.name,
                 methods=methods,
-                calibration=steps,
+                calibration=calibrated.steps,
+                judged=calibrated.figures,
                 progress=progress,
             )
             for name, source in sources.items()
         }
 
-    def calibrate(self, *, progress: Progress = silent) -> tuple[Rig, tuple[Step, ...]]:
-        """The calibrated cameras, read or computed, and the step that made them; writes `results/rig.toml`.
+    def calibrate(self, *, progress: Progress = silent) -> Calibrated:
+        """The calibrated cameras, read or computed, and how good they are; writes what `calibration` says.
 
         Raises:
             KinemarkError: the calibration is absent or unusable, or has fewer than two cameras.
         """
-        from_file = self.settings.calibration.file is not None
-        ledger = Ledger.open(self.results)
-        rig, _ = ledger.do(
-            "calibrate",
-            None if from_file else self.settings.calibrate,
-            self._calibration_key(),
-            file="rig.toml",
-            make=lambda: self._rig_of_file() if from_file else self._rig_of_images(progress),
-            save=write_rig_toml,
-            load=read_rig_toml,
-        )
-        if len(rig) < 2:
-            raise KinemarkError(
-                f"The calibration has {len(rig)} camera, and a point in space needs two. Calibrate another camera."
-            )
-        return rig, tuple(ledger.steps)
+        return calibrate(self.root, self.results, self.settings, progress=progress)
 
     def source(self, trial: TrialEntry, rig: Rig) -> Source:
         """Where a trial's detections come from.
@@ -120,24 +105,33 @@ class Session:
         """
         if trial.images is None:
             return self._detections_source(self.root / str(trial.detections), trial, rig)
-        images = self._images(trial.images, rig.names)
+        images = open_cameras(self.root, self.settings, trial.images, rig.names)
         rate = self._rate(trial, next(iter(images.values())).rate)
         for camera in rig:
             _check_size(camera, images[camera.name], self.settings.cameras.interlaced is not False)
 
-        def detections(method: Centroids, progress: Progress) -> Detections:
+        def detections(method: Any, progress: Progress) -> Detections:
             total = sum(source.n_frames for source in images.values())
-            return detect(
+            found = detect(
                 list(images.values()),
                 cameras=rig.names,
                 rate=rate,
                 method=method,
+                masks=masks_of(self.root, self.settings, rig.names),
                 progress=lambda done: progress("detect", done, total),
             )
+            return self._unshifted(found, trial)
 
         files = [path for source in images.values() for path in source.paths]
-        key = digest(file_key(*files), rig.names, rate, str(self.settings.cameras.first_field))
-        return Source(key, detections, doubts=_doubts(images, rate))
+        fields = str(self.settings.cameras.first_field)
+        masks = masks_key(self.root, self.settings, rig.names)
+        key = digest(file_key(*files), rig.names, rate, fields, *self._marks(trial), *masks)
+        return Source(
+            key,
+            detections,
+            doubts=_doubts(images, rate),
+            pictures=lambda frames: [frame_of(images[name], f) for name, f in zip(rig.names, frames, strict=True)],
+        )
 
     def _detections_source(self, path: Path, trial: TrialEntry, rig: Rig) -> Source:
         """Detections that were made before, by us or by another system."""
@@ -168,10 +162,35 @@ class Session:
                 "Call them alike in both, and name in [cameras] those to be used."
             )
         return Source(
-            digest(file_key(path), rig.names, found.rate),
-            lambda method, progress: found.select(rig.names),
+            digest(file_key(path), rig.names, found.rate, *self._marks(trial)),
+            lambda method, progress: self._unshifted(found.select(rig.names), trial),
             beside=beside,
         )
+
+    def _marks(self, trial: TrialEntry) -> list[object]:
+        """What the session says of fixed marks, for a trial's key; nothing where it says nothing."""
+        way = self.settings.calibration
+        if way.reference_marker is None:
+            return []
+        return [way.reference_marker, way.mark_reach_px, way.mark_tolerance_px, trial.reference_marker]
+
+    def _unshifted(self, found: Detections, trial: TrialEntry) -> Detections:
+        """The detections as they would be, had no image shifted since the calibration; by fixed marks, where given."""
+        way = self.settings.calibration
+        if way.reference_marker is None:
+            return found
+        before, tolerance = places_of(way.reference_marker, found.cameras), way.mark_tolerance_px
+        if trial.reference_marker is None:
+            now = find_marks(found, before, reach=way.mark_reach_px, still=tolerance)
+        else:
+            now = places_of(trial.reference_marker, found.cameras)
+        try:
+            return corrected(found, reference_shift(before, now, tolerance=tolerance, names=found.cameras))
+        except ValueError as error:
+            raise KinemarkError(
+                f"reference_marker of trial {trial.name!r} does not fit that of [calibration]: {error}. Give as many "
+                "places for every camera in both."
+            ) from error
 
     def _rate(self, trial: TrialEntry, stated: float | None) -> float:
         """Frames a second: as the settings say, else as the file does."""
@@ -180,81 +199,19 @@ class Session:
             raise KinemarkError(f"Trial {trial.name!r} does not say its frame rate. Set rate_hz in {FILE}.")
         return rate
 
-    def _images(self, pattern: str, names: Sequence[str]) -> dict[str, ImageSource]:
-        """The frames of each camera."""
-        if "{camera}" not in pattern and len(names) > 1:
-            raise KinemarkError(f"images = {pattern!r} has no {{camera}} in it: all cameras would be one. Put it in.")
-        images = {}
-        for name in names:
-            try:
-                path = self.root / pattern.replace("{camera}", name)
-                images[name] = open_images(path, interlaced=self.settings.cameras.first_field)
-            except KinemarkError as error:
-                raise KinemarkError(f"Camera {name!r} of [cameras] has no usable images: {error}") from error
-        return images
 
-    def _calibration_key(self) -> str:
-        """A key of all that the calibration depends on."""
-        s, way = self.settings, self.settings.calibration
-        points, frame = way.control_points, way.control_frame
-        files = [way.file, points and points.points, frame and frame.rods]
-        paths = [self.root / path for path in files if path]
-        patterns = [w.images for w in (points, frame) if w and w.images]
-        for pattern in patterns:
-            paths += [path for source in self._images(pattern, s.cameras.names).values() for path in source.paths]
-        said = [s.cameras.model_dump(), way.model_dump(), s.volume_mm, str(s.detect) if patterns else ""]
-        return digest(file_key(*paths), said)
+def places_of(marks: Mapping[str, Sequence[tuple[float, float]]], names: Sequence[str]) -> NDArray[np.float64]:
+    """(C, K, 2) px the fixed marks of each camera, NaN where one has fewer.
 
-    def _rig_of_file(self) -> Rig:
-        """A ready-made calibration."""
-        s, file = self.settings, self.root / str(self.settings.calibration.file)
-        unit = s.calibration.length_unit
-        if file.suffix.lower() == ".tdf":
-            found = read_tdf(file, parts=("rig",)).rig
-            if found is None:
-                raise KinemarkError(f"{file} has no calibration. Name the file of the session's calibration.")
-            rig = found
-        elif file.suffix.lower() == ".csv":
-            rig = rig_of_dlt(file, s.cameras.names, unit)
-        else:
-            rig = read_rig_toml(file, unit)
-        if s.cameras.names:
-            if missing := [name for name in s.cameras.names if name not in rig.names]:
-                have, lack = ", ".join(rig.names), ", ".join(missing)
-                raise KinemarkError(f"{file} has cameras {have}, not {lack}. Correct names in [cameras].")
-            rig = rig.select(s.cameras.names)
-        return self._with_volume(rig)
-
-    def _rig_of_images(self, progress: Progress) -> Rig:
-        """A calibration from control points or a control frame."""
-        s, way = self.settings, self.settings.calibration
-        names = s.cameras.names
-        if not names:
-            raise KinemarkError("[cameras] names is empty. Name the cameras, so that their images can be found.")
-        pattern = next((w.images for w in (way.control_frame, way.control_points) if w), None)
-        images = self._images(pattern, names) if pattern else {}
-        seen = None
-        if images:
-            seen = detect(
-                list(images.values()),
-                cameras=names,
-                rate=1.0,
-                method=s.detect,
-                progress=lambda done: progress("calibrate", done, len(names)),
-            )
-        sizes = np.array([images[name].size if images else (0, 0) for name in names])
-        if way.control_frame and seen is not None:
-            rods = read_rods(self.root / way.control_frame.rods)
-            return self._with_volume(calibrate_control_frame(seen, rods, sizes=sizes, method=s.calibrate))
-        assert way.control_points is not None  # the settings see to it
-        points = read_control_points(self.root / way.control_points.points, names, seen)
-        return self._with_volume(
-            calibrate_control_points(names, sizes, points.xyz, points.uv, cov=points.cov, method=s.calibrate)
-        )
-
-    def _with_volume(self, rig: Rig) -> Rig:
-        """The rig with the control volume of the settings, where they have one."""
-        return rig if self.settings.volume_mm is None else replace(rig, volume=np.array(self.settings.volume_mm))
+    Raises:
+        KinemarkError: a camera has none.
+    """
+    if missing := [name for name in names if not marks.get(name)]:
+        raise KinemarkError(f"reference_marker has no place for {', '.join(missing)}. Give one for every camera.")
+    places = np.full((len(names), max(len(marks[name]) for name in names), 2), np.nan)
+    for c, name in enumerate(names):
+        places[c, : len(marks[name])] = marks[name]
+    return places
 
 
 def _doubts(images: dict[str, ImageSource], rate: float) -> tuple[str, ...]:
@@ -267,20 +224,6 @@ def _doubts(images: dict[str, ImageSource], rate: float) -> tuple[str, ...]:
         f"The session says {rate:g} Hz and the videos say otherwise: {said}. Times and speeds are as right as rate_hz; "
         "high-speed cameras often store a slower rate, and a field of interlaced video is a frame.",
     )
-
-
-def rig_of_dlt(file: Path, names: Sequence[str], unit: str | None) -> Rig:
-    """A rig from eleven parameters a camera, whose unit of length the file does not say."""
-    if unit is None:
-        raise KinemarkError(f"{file} does not say its unit of length. Set length_unit in [calibration].")
-    L = read_dlt_csv(file)
-    names = names or tuple(f"cam{c + 1}" for c in range(len(L)))
-    if len(names) != len(L):
-        raise KinemarkError(f"{file} has {len(L)} columns and [cameras] {len(names)} names. Name one a column.")
-    mm = MILLIMETRES[unit]
-    scaled = L / np.array([mm, mm, mm, 1, mm, mm, mm, 1, mm, mm, mm])
-    cameras = (camera_from_dlt(name, row) for name, row in zip(names, scaled, strict=True))
-    return Rig(tuple(cameras), f"DLT of {file.name}")
 
 
 def _check_size(camera: Camera, source: ImageSource, interlaced: bool) -> None:

@@ -6,29 +6,34 @@ import difflib
 import tomllib
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, field_validator, model_validator
 
 from .calibrate import ControlPoints
+from .calibrate.bundle import Bundle
+from .calibrate.control_points import Dlt
+from .calibrate.reference_marker import REACH, TOLERANCE
+from .calibrate.wand import Wand
 from .data import KinemarkError
-from .detect import Centroids
+from .detect import Centroids, KissNearest, KissScanning
 from .match import EpipolarTriplets
 from .reconstruct import LeastSquares
 from .track import ExtrapolationLadder
 
 METHODS: dict[str, dict[str, type]] = {
-    "calibrate": {"control_points": ControlPoints},
-    "detect": {"centroids": Centroids},
+    "calibrate": {"control_points": ControlPoints, "dlt": Dlt, "wand": Wand, "bundle": Bundle},
+    "detect": {"centroids": Centroids, "kiss_scanning": KissScanning, "kiss_nearest": KissNearest},
     "match": {"epipolar_triplets": EpipolarTriplets},
     "reconstruct": {"least_squares": LeastSquares},
     "track": {"extrapolation_ladder": ExtrapolationLadder},
 }
-"""The methods of each stage under their names in a session file; the first is the default."""
+"""The methods of each stage under their names in a session file; the first is the default, but for `calibrate`, where
+the way of calibrating decides (`METHODS_OF_WAY`)."""
 
 ADVICE = "A session is a folder with a session.toml, saved as UTF-8; docs/session.md shows one."
 
-RESERVED = (".", "..", "rig.toml", "steps.json")
+RESERVED = (".", "..", "rig.toml", "steps.json", "calibration.json", "calibration.html", "calibrations")
 """What a trial cannot be called, since results are kept by these names."""
 
 Unit = Literal["mm", "cm", "m", "in"]
@@ -42,9 +47,13 @@ class Strict(BaseModel):
 
 
 class Cameras(Strict):
-    """`[cameras]`: names in their order; interlaced: "top" or "bottom" (true means "top") where fields are frames."""
+    """`[cameras]`: names in their order; interlaced: "top" or "bottom" (true means "top") where fields are frames.
+
+    size_px: width and height of all images, where a calibration from detections cannot know them otherwise.
+    """
 
     names: tuple[str, ...] = ()
+    size_px: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]] | None = None
     interlaced: bool | Literal["top", "bottom"] = False
 
     @field_validator("names")
@@ -61,11 +70,29 @@ class Cameras(Strict):
         return "top" if self.interlaced is True else self.interlaced
 
 
+class Seen(Strict):
+    """What cameras saw of something: images, or detections made of them before. Exactly one of both."""
+
+    images: str | None = None
+    detections: Path | None = None
+
+    @model_validator(mode="after")
+    def one_source(self) -> Self:
+        """Exactly one source must be given."""
+        if (self.images is None) == (self.detections is None):
+            raise ValueError("wants either images or detections")
+        return self
+
+
 class DigitisedPoints(Strict):
-    """Control points and their places in the images, in a CSV file; with images, a place snaps to the marker there."""
+    """Control points and their places in the images, in a CSV file; with images, a place snaps to the marker there.
+
+    marker_diameter_mm: of spheres, whose images are then corrected for perspective.
+    """
 
     points: Path
     images: str | None = None
+    marker_diameter_mm: float | None = Field(None, gt=0)
 
 
 class ControlFrame(Strict):
@@ -75,30 +102,141 @@ class ControlFrame(Strict):
     images: str
 
 
+class WandRecording(Seen):
+    """A stick with markers in a row, waved through the volume.
+
+    lengths_mm: gaps between neighbouring markers, K − 1 of K markers; marker_diameter_mm: of spheres.
+    """
+
+    lengths_mm: tuple[Annotated[float, Field(gt=0)], ...] = Field(min_length=1, max_length=3)
+    marker_diameter_mm: float | None = Field(None, gt=0)
+
+
+class Distance(Seen):
+    """Two markers at a known distance, from centre to centre, that all cameras see."""
+
+    mm: float = Field(gt=0)
+
+
+class SingleMarker(Seen):
+    """One marker, as an LED, moved through the volume; the scale is that of `distance`, or of the world frame."""
+
+    distance: Distance | None = None
+
+
+class LFrame(Seen):
+    """Three markers on the floor that make the world: a corner, a long arm along X and a short one along Y.
+
+    arms_mm: from the corner to the marker on each arm, centre to centre; height_mm: of the centres above the floor.
+    """
+
+    height_mm: float = 0.0
+    arms_mm: tuple[Annotated[float, Field(gt=0)], Annotated[float, Field(gt=0)]]
+
+
+class LinearisationGrid(Strict):
+    """A plane grid seen from near by, one image a camera, or several by a pattern with *.
+
+    grid: columns and rows, of dots or of inner corners; pitch_mm: between neighbours; radial, tangential: which lens
+    terms are fitted; chosen by cross-validation where absent.
+    """
+
+    grid: tuple[Annotated[int, Field(ge=3)], Annotated[int, Field(ge=3)]]
+    pitch_mm: float = Field(gt=0)
+    images: str
+    pattern: Literal["dots", "chessboard"] = "dots"
+    radial: int | None = Field(None, ge=0, le=3)
+    tangential: bool | None = None
+
+
+Places = dict[str, tuple[tuple[float, float], ...]]
+
+
 class Calibration(Strict):
-    """`[calibration]`: exactly one way."""
+    """`[calibration]`: exactly one way; beside most of them the lenses, the world frame, and fixed marks.
+
+    reference_marker: where each camera saw marks that never move when it was calibrated, px; their shift in a trial
+    corrects its detections. mark_reach_px: no image shifts further; mark_tolerance_px: how far marks of one camera may
+    differ from a common shift, and move during a trial.
+    """
 
     file: Path | None = None
     length_unit: Unit | None = None
     control_points: DigitisedPoints | None = None
     control_frame: ControlFrame | None = None
+    wand: WandRecording | None = None
+    single_marker: SingleMarker | None = None
+    linearisation: LinearisationGrid | None = None
+    l_frame: LFrame | None = None
+    world_points: DigitisedPoints | None = None
+    reference_marker: Places | None = None
+    mark_reach_px: float = Field(REACH, gt=0)
+    mark_tolerance_px: float = Field(TOLERANCE, gt=0)
+
+    @property
+    def way(self) -> str:
+        """The name of the way."""
+        return next(way for way in WAYS if getattr(self, way) is not None)
 
     @model_validator(mode="after")
     def one_way(self) -> Calibration:
-        """Exactly one way must be given."""
-        ways = [way for way in ("file", "control_points", "control_frame") if getattr(self, way) is not None]
+        """Exactly one way must be given, and beside it only what goes with it."""
+        ways = [way for way in WAYS if getattr(self, way) is not None]
         if len(ways) != 1:
             found = " and ".join(ways) or "none"
-            raise ValueError(f"wants exactly one of file, control_points and control_frame, found {found}")
+            raise ValueError(f"wants exactly one of {', '.join(WAYS[:-1])} and {WAYS[-1]}, found {found}")
+        goes_with = {"length_unit": ("file",), "linearisation": WAYS[1:], "l_frame": FREE, "world_points": FREE}
+        for key, partners in goes_with.items():
+            if getattr(self, key) is not None and ways[0] not in partners:
+                raise ValueError(f"{key} goes with {' or '.join(partners)}, not with {ways[0]}")
+        if self.l_frame and self.world_points:
+            raise ValueError("wants one world frame, l_frame or world_points, found both")
+        if self.single_marker and not (self.single_marker.distance or self.l_frame or self.world_points):
+            raise ValueError("single_marker does not tell the scale: give distance in it, l_frame or world_points")
+        return self
+
+
+WAYS = ("file", "control_points", "control_frame", "wand", "single_marker")
+"""The ways to a calibration, of which a session has one."""
+
+FREE = ("wand", "single_marker")
+"""Those that know no laboratory: their world is the first camera's unless it is given."""
+
+METHODS_OF_WAY = {
+    "file": (),
+    "control_points": ("control_points", "dlt"),
+    "control_frame": ("control_points", "dlt"),
+    "wand": ("wand",),
+    "single_marker": ("bundle",),
+}
+"""What `[calibrate]` may say for each way; the first is the default."""
+
+
+class Masks(Strict):
+    """`[masks]`: parts of the images to leave out, drawn in a file, or learned from a recording of the empty volume."""
+
+    file: Path | None = None
+    empty: str | None = None
+    grow_px: float | None = Field(None, ge=0)
+
+    @model_validator(mode="after")
+    def something(self) -> Masks:
+        """An empty table would mask nothing."""
+        if self.file is None and self.empty is None:
+            raise ValueError("wants file, empty or both")
         return self
 
 
 class TrialEntry(Strict):
-    """`[[trials]]`: images or detections."""
+    """`[[trials]]`: images or detections.
+
+    reference_marker: where the fixed marks of `[calibration]` are now; found among the detections where absent.
+    """
 
     name: str
     images: str | None = None
     detections: Path | None = None
+    reference_marker: Places | None = None
 
     @field_validator("name")
     @classmethod
@@ -125,8 +263,9 @@ class Settings(Strict):
     cameras: Cameras = Cameras()
     calibration: Calibration
     trials: tuple[TrialEntry, ...] = Field(min_length=1)
-    calibrate: ControlPoints = ControlPoints()
-    detect: Centroids = Centroids()
+    masks: Masks | None = None
+    calibrate: ControlPoints | Dlt | Wand | Bundle = Field(None, validate_default=True)
+    detect: Centroids | KissScanning | KissNearest = Centroids()
     match: EpipolarTriplets = EpipolarTriplets()
     reconstruct: LeastSquares = LeastSquares()
     track: ExtrapolationLadder = ExtrapolationLadder()
@@ -135,6 +274,8 @@ class Settings(Strict):
     @classmethod
     def chosen(cls, table: Any, info: Any) -> Any:
         """The method that a stage's table names, with its parameters."""
+        if info.field_name == "calibrate" and "calibration" in info.data:
+            return calibrate_method(info.data["calibration"].way, {} if table is None else table)
         return method_of(info.field_name, table) if isinstance(table, dict) else table
 
     @field_validator("volume_mm")
@@ -153,6 +294,21 @@ class Settings(Strict):
         if len(set(names)) != len(names):
             raise ValueError(f"trials must have different names, found {names}")
         return trials
+
+
+def calibrate_method(way: str, table: Any) -> Any:
+    """The method of `[calibrate]`, which must be one that goes with the way of `[calibration]`.
+
+    Raises:
+        ValueError: as `method_of`, or the method is for another way.
+    """
+    fitting = METHODS_OF_WAY[way] or tuple(METHODS["calibrate"])
+    if not isinstance(table, dict):
+        return table
+    name = table.get("method", fitting[0])
+    if name in METHODS["calibrate"] and name not in fitting:
+        raise ValueError(f"method {name!r} is not for a calibration by {way}; there {_are(list(fitting))}")
+    return method_of("calibrate", {"method": name} | table)
 
 
 def method_of(stage: str, table: dict[str, Any]) -> Any:
@@ -213,15 +369,16 @@ def _keys(table: tuple[Any, ...]) -> list[str]:
     """The keys that a table of the file may have."""
     model: Any = Settings
     for part in table:
-        if isinstance(part, str):
-            model = {
-                "cameras": Cameras,
-                "calibration": Calibration,
-                "trials": TrialEntry,
-                "control_points": DigitisedPoints,
-                "control_frame": ControlFrame,
-            }[part]
+        if isinstance(part, str) and part in model.model_fields:
+            model = _model_in(model.model_fields[part].annotation) or model
     return list(model.model_fields)
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    """The table that a type holds, as in `Table | None` and `tuple[Table, ...]`."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next(filter(None, map(_model_in, get_args(annotation))), None)
 
 
 def _guess(key: str, keys: list[str]) -> str:

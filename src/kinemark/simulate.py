@@ -48,6 +48,8 @@ class Scene:
         noise: standard deviation of grey levels.
         interlaced: whether two fields are woven into one image.
         strobes: whether opposite cameras' lights are seen.
+        calibration: what the cameras are calibrated with: a control frame (the eight balls of a box for other motions
+            than the walk), or a wand and an L-frame, for the walk.
         seed: of all that is random.
     """
 
@@ -62,6 +64,7 @@ class Scene:
     noise: float = 2.0
     interlaced: bool = False
     strobes: bool = False
+    calibration: Literal["control_frame", "wand"] = "control_frame"
     seed: int = 1
 
     def check(self) -> None:
@@ -75,6 +78,8 @@ class Scene:
             raise KinemarkError(f"{', '.join(wrong)}, wanted more than 0.")
         if min(self.size_px) < 16 or self.noise < 0:
             raise KinemarkError(f"size_px is {self.size_px} and noise {self.noise}, wanted at least 16 and 0.")
+        if self.calibration == "wand" and (self.motion != "walk" or self.c3d is not None or self.interlaced):
+            raise KinemarkError("calibration is 'wand', which goes with the walk and whole frames. Leave one out.")
         if self.cameras < 2:
             raise KinemarkError(f"cameras is {self.cameras}, and a point in space needs two.")
 
@@ -162,6 +167,7 @@ def simulate(folder: pathlib.Path, *, scene: Scene | None = None, progress: Prog
             name=f"simulated {scene.c3d.stem if scene.c3d else scene.motion}",
             trial="walk01" if not box else "trial01",
             target=calibration_box(side, corner=corner) if box else None,
+            by_wand=scene.calibration == "wand",
             optics=Optics(read_noise=scene.noise),
             strobes=scene.strobes,
             interlaced=scene.interlaced,

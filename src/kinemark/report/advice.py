@@ -168,10 +168,18 @@ def _residual(figures: Figures) -> Iterator[Remark]:
 
 def _calibration(figures: Figures) -> Iterator[Remark]:
     poor = [c["name"] for c in figures["cameras"] if (c["calibration_residual_px"] or 0) > CALIBRATION_AMBER_PX]
-    if poor:
+    if poor and not figures["calibration"].get("verdict"):
         limit = f"(residual above {number(CALIBRATION_AMBER_PX)}\u00a0px)"
         what = f"The calibration itself is poor {limit} in {some('camera', poor)}."
         yield from _say("amber", what, "Look for misread control points and calibrate again.")
+
+
+def _judged(figures: Figures) -> Iterator[Remark]:
+    verdict = figures["calibration"].get("verdict")
+    if verdict and verdict["grade"] != "green":
+        severity = "red" if verdict["grade"] == "red" else "info"
+        what = f"On the calibration: {verdict['headline']}"
+        yield from _say(severity, what, "See under Calibration, or calibration.html.")
 
 
 def _unused(figures: Figures) -> Iterator[Remark]:
@@ -296,6 +304,6 @@ def worst_cameras(figures: Figures) -> list[str]:
 
 
 CHECKS = (
-    *(_nothing, _blind, _unlike_others, _residual, _calibration, _unused, _few_views, _absent),
+    *(_nothing, _blind, _unlike_others, _residual, _calibration, _judged, _unused, _few_views, _absent),
     *(_incomplete, _pieces, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over, _doubtful, _stretched),
 )

@@ -42,6 +42,7 @@ def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list
     return [
         _calibrated(camera)
         | _detected(counts[c], detections.validity[rows == c], cloud.view[_seen(cloud, c), c])
+        | {"separated": int((detections.merged & detections.valid & (rows == c)).sum())}
         | _reprojected(offsets[c])
         | {"pixel_at_subject_mm": _pixel(camera, cloud.xyz[_seen(cloud, c)])}
         for c, camera in enumerate(rig)
@@ -77,6 +78,9 @@ def _detected(counts: NDArray[np.int64], validity: NDArray[np.uint8], used: NDAr
         "frames_without_detection_share": share((counts == 0).sum(), counts.size),
         "used_share": share(len(np.unique(used)), n),
         "used_of_valid_share": share(len(np.unique(used)), valid),
+        "invalid": {
+            reason.name.lower(): int((validity == reason).sum()) for reason in Validity if reason != Validity.VALID
+        },
         "invalid_share": {
             reason.name.lower(): share((validity == reason).sum(), n) for reason in Validity if reason != Validity.VALID
         },

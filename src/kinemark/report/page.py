@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -15,18 +16,34 @@ from ..data import Detections, Rig, Tracks, Trajectories
 from ..io.files import replacing
 from .advice import LONG_GAP_S, worst_cameras
 from .figures import exactness_figure, timeline_figure, trajectories_figure, uncertainty_figure
+from .figures_calibration import slices_figure
 from .figures_cameras import detections_figure, offset_figure, residual_figure, timing_figure, views_figure
-from .scene import scene
+from .figures_detections import Picture, spots_figure
+from .scene import scene, upwards
 from .tables import (
     calibration_table,
     camera_table,
     marker_table,
     paragraphs,
+    spots_table,
     step_table,
     tiles,
     warning_list,
 )
+from .theme import empty
 from .words import number
+
+NAV = {
+    "verdict": "Verdict",
+    "space": "Space",
+    "markers": "Markers",
+    "detection": "Detection",
+    "cameras": "Cameras",
+    "made": "How it was made",
+    "terms": "Terms",
+}
+"""Sections of the page, in their order."""
+UNJUDGED = "Nobody judged this calibration: run the trial in a session, or kinemark calibrate."
 
 
 def write_report(
@@ -37,6 +54,8 @@ def write_report(
     detections: Detections,
     tracks: Tracks,
     trajectories: Trajectories,
+    judged: Mapping[str, Any] | None = None,
+    pictures: Sequence[Picture] | None = None,
 ) -> None:
     """Write the page, whole or not at all.
 
@@ -44,27 +63,42 @@ def write_report(
         path: of the page, usually `report.html`.
         quality: the figures from `quality.quality` of the same records.
         rig, detections, tracks, trajectories: what is drawn.
+        judged: the figures of the calibration, from `calibration.calibration_figures`.
+        pictures: (C) an image (H, W) of each camera, of its frame in `figures_detections.telling_frames`.
 
     Raises:
         KinemarkError: the folder cannot be written.
         ValueError: a camera of the detections is not in the rig.
     """
-    html = page(quality=quality, rig=rig, detections=detections, tracks=tracks, trajectories=trajectories)
+    html = page(
+        quality=quality,
+        rig=rig,
+        detections=detections,
+        tracks=tracks,
+        trajectories=trajectories,
+        judged=judged,
+        pictures=pictures,
+    )
     with replacing(path) as beside:
         beside.write_text(html, encoding="utf-8")
 
 
 def page(
-    *, quality: dict[str, Any], rig: Rig, detections: Detections, tracks: Tracks, trajectories: Trajectories
+    *,
+    quality: dict[str, Any],
+    rig: Rig,
+    detections: Detections,
+    tracks: Tracks,
+    trajectories: Trajectories,
+    judged: Mapping[str, Any] | None = None,
+    pictures: Sequence[Picture] | None = None,
 ) -> str:
     """The page as text."""
     drawn = figures(quality, rig.select(detections.cameras), detections, tracks, trajectories)
-    template = Template(files(__package__).joinpath("page.html").read_text(encoding="utf-8"))
-    return template.substitute(
-        {f"figure_{name}": _figure(name, fig) for name, fig in drawn.items()},
-        title=escape(f"{quality['trial']} · {quality['session']}"),
-        trial=escape(quality["trial"]),
-        session=escape(quality["session"]),
+    drawn["spots"] = spots_figure(detections, quality["cameras"], pictures)
+    drawn["calibration"] = empty(UNJUDGED) if judged is None else slices_figure(dict(judged), upwards(rig))
+    main = _template("page.html").substitute(
+        {f"figure_{name}": figure_html(name, fig) for name, fig in drawn.items()},
         version=escape(quality["kinemark"]),
         grade=quality["verdict"]["grade"],
         headline=escape(quality["verdict"]["headline"]),
@@ -73,12 +107,30 @@ def page(
         warnings=warning_list(quality["warnings"]),
         calibration=escape(quality["calibration"]["method"] or "not stated"),
         volume=escape(_volume(quality["volume"])),
+        calibration_verdict=_verdict(judged),
         calibration_table=calibration_table(quality["cameras"]),
+        spots_table=spots_table(quality["cameras"]),
         camera_table=camera_table(quality["cameras"], worst_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),
         step_table=step_table(quality["steps"]),
+    )
+    return framed(main, heading=quality["trial"], session=quality["session"], version=quality["kinemark"], nav=NAV)
+
+
+def framed(main: str, *, heading: str, session: str, version: str, nav: Mapping[str, str]) -> str:
+    """A whole page: head, title and links around `main`, and the drawing library behind it."""
+    return _template("frame.html").substitute(
+        title=escape(f"{heading} · {session}"),
+        heading=escape(heading),
+        below=escape(f"Session {session} · Kinemark {version}"),
+        nav="".join(f'<a href="#{place}">{escape(name)}</a>' for place, name in nav.items()),
+        main=main,
         plotly=get_plotlyjs(),
     )
+
+
+def _template(name: str) -> Template:
+    return Template(files(__package__).joinpath(name).read_text(encoding="utf-8"))
 
 
 def figures(
@@ -99,7 +151,17 @@ def figures(
     }
 
 
-def _figure(name: str, fig: go.Figure) -> str:
+def _verdict(judged: Mapping[str, Any] | None) -> str:
+    """The calibration's headline and sentences, with its warnings, and where the rest stands."""
+    if judged is None:
+        return ""
+    verdict = judged["verdict"]
+    words = f"<p><b>{escape(verdict['headline'])}</b></p>{paragraphs(verdict['sentences'])}"
+    link = '<p>The whole judgement: <a href="../calibration.html">calibration.html</a></p>'
+    return f"{words}{warning_list(judged['warnings']) if judged['warnings'] else ''}{link}"
+
+
+def figure_html(name: str, fig: go.Figure) -> str:
     """A place for the figure, and its description for the script at the end of the page; no `<` can end it early."""
     spec = fig.to_json().replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
     place = f'<div class="plot" id="{name}" style="height:{fig.layout.height}px"></div>'

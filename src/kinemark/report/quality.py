@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ def quality(
     trajectories: Trajectories,
     steps: Sequence[Step],
     notes: Sequence[str] = (),
+    judged: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """All figures of one trial as JSON-able data, units in the names of the keys, None where unknown.
 
@@ -39,6 +40,7 @@ def quality(
         trajectories: the markers as they leave the last stage.
         steps: how the trial was made.
         notes: sentences to pass on to the reader.
+        judged: how good the calibration is, from `calibration.calibration_figures`; None where nobody judged it.
 
     Raises:
         ValueError: a camera of the detections is not in the rig, or the points were not made from these detections.
@@ -55,6 +57,7 @@ def quality(
             "calibration": {
                 "method": rig.method,
                 "cameras_not_used": [n for n in rig.names if n not in rig_used.names],
+                **({key: judged[key] for key in ("verdict", "warnings", "precision")} if judged else {}),
             },
             "volume": _volume(rig, trajectories),
             "cameras": camera_figures(rig_used, detections, cloud, offsets),

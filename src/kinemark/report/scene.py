@@ -30,19 +30,19 @@ def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:
     extent = _extent(rig, seen)
     fig = figure(680, margin={"l": 0, "r": 0, "t": 36, "b": 0}, showlegend=bool(len(seen)), legend={"y": 1})
     up = upwards(rig)
-    _floor(fig, extent, up)
+    draw_floor(fig, extent, up)
     if np.isfinite(rig.volume).all():
-        _box(fig, rig.volume)
+        draw_box(fig, rig.volume)
     target = np.median(seen, axis=0) if len(seen) else extent.mean(0)
     for c, camera in enumerate(rig):
-        _camera(fig, camera, hue(c), target)
+        draw_camera(fig, camera, hue(c), target)
     _paths(fig, trajectories)
     _loose(fig, tracks)
     if len(seen):
         _markers(fig, trajectories)
     axes = {f"{a}axis": {"title": f"{a} (mm)", "backgroundcolor": "#F7F9FA", "gridcolor": "#DDE3E8"} for a in "xyz"}
     look = {
-        "eye": _eye(extent, up),
+        "eye": viewpoint(extent, up),
         "up": dict(zip("xyz", np.eye(3)[up].tolist(), strict=True)),
         "center": dict(zip("xyz", (-0.1 * np.eye(3)[up]).tolist(), strict=True)),
         "projection": {"type": "perspective"},
@@ -76,14 +76,15 @@ def upwards(rig: Rig) -> int:
     return int(mean.argmax()) if mean.max() > 0.3 else 2
 
 
-def _eye(extent: Array, up: int) -> dict[str, float]:
+def viewpoint(extent: Array, up: int) -> dict[str, float]:
     """From where all of `extent` is seen; Plotly measures in the geometric mean of the three widths."""
     width = np.maximum(extent[1] - extent[0], 1.0)
     away = 1.2 * float(np.linalg.norm(width)) / float(np.prod(width)) ** (1 / 3)
     return dict(zip("xyz", away * np.roll([0.55, -0.7, 0.45], up - 2), strict=True))
 
 
-def _floor(fig: go.Figure, extent: Array, up: int) -> None:
+def draw_floor(fig: go.Figure, extent: Array, up: int) -> None:
+    """The level plane through the world's origin."""
     (a0, b0, _), (a1, b1, _) = np.roll(extent, 2 - up, axis=1)
     corner = np.array([[a0, b0, 0], [a1, b0, 0], [a1, b1, 0], [a0, b1, 0]])
     x, y, z = np.roll(corner, up - 2, axis=1).T
@@ -93,23 +94,23 @@ def _floor(fig: go.Figure, extent: Array, up: int) -> None:
     )  # fmt: skip
 
 
-def _box(fig: go.Figure, volume: Array) -> None:
+def draw_box(fig: go.Figure, volume: Array) -> None:
     """Its twelve edges in one line with breaks."""
     corner = np.array([[volume[i, 0], volume[j, 1], volume[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
     edges = [(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b) in (1, 2, 4)]
     line = np.concatenate([[corner[a], corner[b], [np.nan] * 3] for a, b in edges])
-    _line(fig, line, FAINT, name="control volume", width=3, dash="dash", showlegend=True, hoverinfo="name")
+    draw_line(fig, line, FAINT, name="control volume", width=3, dash="dash", showlegend=True, hoverinfo="name")
 
 
-def _camera(fig: go.Figure, camera: Camera, colour: str, target: Array) -> None:
+def draw_camera(fig: go.Figure, camera: Camera, colour: str, target: Array) -> None:
     """Pyramid, name and the line along its axis to beside the subject."""
     distance = float(np.linalg.norm(target - camera.centre)) or 1000.0
     ring = corners(camera, 0.15 * distance)
     spokes = np.concatenate([[camera.centre, corner, [np.nan] * 3] for corner in ring])
     outline = np.concatenate([ring, ring[:1], [[np.nan] * 3], spokes])
-    _line(fig, outline, colour, width=4, hoverinfo="skip")
+    draw_line(fig, outline, colour, width=4, hoverinfo="skip")
     axis = camera.R[2] * max(0.3 * distance, float(camera.R[2] @ (target - camera.centre)))
-    _line(fig, np.array([camera.centre, camera.centre + axis]), colour, width=2, opacity=0.45, hoverinfo="skip")
+    draw_line(fig, np.array([camera.centre, camera.centre + axis]), colour, width=2, opacity=0.45, hoverinfo="skip")
     x, y, z = camera.centre
     fig.add_scatter3d(
         x=[x], y=[y], z=[z], mode="markers+text", text=[f"<b>{label(camera.name)}</b>"], textposition="top center",
@@ -121,7 +122,7 @@ def _camera(fig: go.Figure, camera: Camera, colour: str, target: Array) -> None:
 def _paths(fig: go.Figure, trajectories: Trajectories) -> None:
     step = max(1, -(-trajectories.n_frames // POINTS))
     for m, path in enumerate(trajectories):
-        _line(
+        draw_line(
             fig, path.xyz[::step], hue(m), name=label(path.name), width=3, showlegend=True,
             legendgroup=str(m), text=[f"{t:.2f} s" for t in trajectories.time[::step]],
             hovertemplate="%{text}<br>x %{x:.0f}, y %{y:.0f}, z %{z:.0f} mm",
@@ -154,7 +155,8 @@ def _markers(fig: go.Figure, trajectories: Trajectories) -> None:
     )  # fmt: skip
 
 
-def _line(fig: go.Figure, xyz: Array, colour: str, *, width: float, dash: str = "solid", **more: object) -> None:
+def draw_line(fig: go.Figure, xyz: Array, colour: str, *, width: float, dash: str = "solid", **more: object) -> None:
+    """A line through points (n, 3) mm, broken where they are NaN."""
     x, y, z = xyz.T.astype(np.float32)
     style = {"color": colour, "width": width, "dash": dash}
     fig.add_scatter3d(x=x, y=y, z=z, mode="lines", line=style, **{"showlegend": False, **more})

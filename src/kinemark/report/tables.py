@@ -50,6 +50,23 @@ def camera_table(cameras: list[dict[str, Any]], doubtful: Iterable[str]) -> str:
     return table(head, [_saw(c) for c in cameras], marked=[c["name"] in doubtful for c in cameras])
 
 
+def spots_table(cameras: list[dict[str, Any]]) -> str:
+    """A row a camera: how many spots, how many of them valid, and the others by reason."""
+    reasons = list(cameras[0]["invalid"]) if cameras else []
+    head = ["camera", "spots", "valid", "of them separated", *(reason.replace("_", " ") for reason in reasons)]
+    rows = [
+        [
+            camera["name"],
+            number(camera["detections"]),
+            number(camera["detections"] - sum(camera["invalid"].values())),
+            number(camera["separated"]),
+            *(number(camera["invalid"][reason]) for reason in reasons),
+        ]
+        for camera in cameras
+    ]
+    return table(head, rows)
+
+
 def _saw(camera: dict[str, Any]) -> list[str]:
     seen = camera["detections_per_frame"]
     reasons = [f"{name.replace('_', ' ')} {percent(part)}" for name, part in camera["invalid_share"].items() if part]
@@ -156,7 +173,7 @@ def warning_list(warnings: list[dict[str, str]]) -> str:
         f"<div><b>{escape(w['what'])}</b><br>{escape(w['do'])}</div></li>"
         for w in warnings
     )
-    return f'<ul class="warnings">{items}</ul>' if items else "<p>Nothing in this trial asks for attention.</p>"
+    return f'<ul class="warnings">{items}</ul>' if items else "<p>Nothing asks for attention.</p>"
 
 
 def paragraphs(texts: Iterable[str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 
@@ -27,6 +28,13 @@ def percent(share: float | None) -> str:
 def measure(value: float | None, decimals: int, unit: str) -> str:
     """A number with its unit, or a dash."""
     return "–" if value is None else f"{number(value, decimals)}\u00a0{unit}"
+
+
+def millimetres(value: float | None) -> str:
+    """A length with two digits that count, below 10 mm; a dash if unknown."""
+    if value is None or value == 0:
+        return measure(value, 2, "mm")
+    return measure(value, max(0, 1 - math.floor(math.log10(abs(value)))) if abs(value) < 10 else 0, "mm")
 
 
 def count(n: int, one: str, many: str = "") -> str:

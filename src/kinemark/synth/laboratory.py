@@ -3,6 +3,8 @@
     folder/session.toml            what everything is
     folder/rods.toml               the control frame as a surveyor measured it (or points.csv for other targets)
     folder/calib/{camera}.png      one image of it a camera
+    folder/wand/{camera}.mkv       or, calibrated with a wand: the wand waved about, and
+    folder/lframe/{camera}.png     an L-frame on the floor, whose corner is the world's origin
     folder/walk01/{camera}.mkv     the trial, a video a camera
     folder/truth.npz               names, xyz, visibility and the rig that really took the images
 
@@ -24,7 +26,13 @@ from .observe import truth
 from .optics import Optics
 from .render import film, interlace, render
 from .subjects import Subject
-from .targets import control_frame, hung
+from .targets import control_frame, hung, wand
+
+WAND_MM = 500.0
+WAND_SECONDS, WAND_RATE = 120.0, 1.25
+"""s and Hz: slowly enough that neighbouring poses differ."""
+ARMS_MM = (800.0, 600.0)
+BALL_MM = 25.0
 
 Image = NDArray[np.uint8]
 WriteFrames = Callable[[Path, Iterable[Image], float], None]
@@ -43,6 +51,7 @@ def write_session(
     name: str = "virtual laboratory",
     trial: str = "walk01",
     target: Rods | Subject | None = None,
+    by_wand: bool = False,
     optics: Optics = Optics(),  # noqa: B008  frozen
     strobes: bool = False,
     interlaced: bool = False,
@@ -61,6 +70,7 @@ def write_session(
         name: of the session.
         trial: name of the trial and its folder.
         target: to calibrate with, rods or control points; by default the control frame of the rig's volume.
+        by_wand: calibrate with a wand and an L-frame instead.
         optics: how bright, sharp and noisy the images are.
         strobes: whether the other cameras' lights are seen.
         interlaced: whether two frames of the subject are woven into one image, as in 50 Hz video.
@@ -78,9 +88,21 @@ def write_session(
     folder = Path(folder)
     if not trial or Path(trial).name != trial or trial in (".", "..", "calib", "results"):
         raise ValueError(f"trial is {trial!r}, wanted a name that can be a folder of its own")
-    _make_empty(folder, (trial, "calib"))
+    _make_empty(folder, (trial, "wand", "lframe") if by_wand else (trial, "calib"))
     target = control_frame(rig.volume) if target is None else target
-    write_calibration(folder, rig, target, write_image=write_image, optics=optics, strobes=strobes, seed=seed)
+    if by_wand:
+        write_wand(
+            folder,
+            rig,
+            write_frames=write_frames,
+            write_image=write_image,
+            optics=optics,
+            strobes=strobes,
+            suffix=suffix,
+            seed=seed,
+        )
+    else:
+        write_calibration(folder, rig, target, write_image=write_image, optics=optics, strobes=strobes, seed=seed)
     for c, camera in enumerate(rig):
         images = film(camera, subject, optics=optics, strobes=_lights(rig, c, strobes), seed=seed + 1 + c)
         video = folder / trial / f"{camera.name}{suffix}"
@@ -88,7 +110,8 @@ def write_session(
         if progress is not None:
             progress(c + 1, len(rig))
     _write_truth(folder / "truth.npz", rig, subject)
-    lines = _session_lines(subject, rig, name, trial, isinstance(target, Rods), interlaced, suffix)
+    way = _wand_way(suffix) if by_wand else _target_way(isinstance(target, Rods))
+    lines = _session_lines(subject, rig, name, trial, way, interlaced, suffix)
     _write_text(folder / "session.toml", lines)
     return folder / "session.toml"
 
@@ -116,6 +139,32 @@ def write_calibration(
         write_image(folder / "calib" / f"{camera.name}.png", image)
 
 
+def write_wand(
+    folder: Path,
+    rig: Rig,
+    *,
+    write_frames: WriteFrames,
+    write_image: WriteImage,
+    optics: Optics = Optics(),  # noqa: B008  frozen
+    strobes: bool = False,
+    suffix: str = ".mkv",
+    seed: int = 0,
+) -> None:
+    """`wand/{camera}.mkv` and `lframe/{camera}.png` in an existing folder."""
+    waved = wand(
+        (0.0, WAND_MM), duration_s=WAND_SECONDS, rate=WAND_RATE, seed=seed, volume=rig.volume, radius_mm=BALL_MM / 2
+    )
+    up = BALL_MM / 2
+    balls = np.array([[0, 0, up], [ARMS_MM[0], 0, up], [0, ARMS_MM[1], up]])
+    rng = np.random.default_rng(seed)
+    for c, camera in enumerate(rig):
+        lights = _lights(rig, c, strobes)
+        images = film(camera, waved, optics=optics, strobes=lights, seed=seed + 101 + c)
+        write_frames(folder / "wand" / f"{camera.name}{suffix}", images, WAND_RATE)
+        image = render(camera, balls, np.full(3, BALL_MM / 2), optics=optics, strobes=lights, rng=rng)
+        write_image(folder / "lframe" / f"{camera.name}.png", image)
+
+
 def rods_toml(rods: Rods) -> Iterator[str]:
     """Lines of `rods.toml`: units, marker_diameter and one [[rod]] a rod."""
     yield 'units = "mm"'
@@ -138,7 +187,7 @@ def points_csv(target: Subject, rig: Rig) -> Iterator[str]:
 
 
 def _session_lines(
-    subject: Subject, rig: Rig, name: str, trial: str, rods: bool, interlaced: bool, suffix: str
+    subject: Subject, rig: Rig, name: str, trial: str, way: str, interlaced: bool, suffix: str
 ) -> Iterator[str]:
     yield f"name = {_quoted(name)}"
     yield f"rate_hz = {float(subject.rate)!r}"
@@ -146,9 +195,22 @@ def _session_lines(
         yield f"volume_mm = {rig.volume.tolist()}"
     yield from ("", "[cameras]", f"names = [{', '.join(_quoted(n) for n in rig.names)}]")
     yield f"interlaced = {str(interlaced).lower()}"
-    way = 'control_frame = { rods = "rods.toml"' if rods else 'control_points = { points = "points.csv"'
-    yield from ("", "[calibration]", way + ', images = "calib/{camera}.png" }')
+    yield from ("", "[calibration]", way)
     yield from ("", "[[trials]]", f"name = {_quoted(trial)}", f"images = {_quoted(trial + '/{camera}' + suffix)}")
+
+
+def _target_way(rods: bool) -> str:
+    """The lines of `[calibration]` for rods or control points."""
+    way = 'control_frame = { rods = "rods.toml"' if rods else 'control_points = { points = "points.csv"'
+    return way + ', images = "calib/{camera}.png" }'
+
+
+def _wand_way(suffix: str) -> str:
+    """The lines of `[calibration]` for a wand and an L-frame."""
+    return (
+        f'wand = {{ lengths_mm = [{WAND_MM}], images = "wand/{{camera}}{suffix}", marker_diameter_mm = {BALL_MM} }}\n'
+        f'l_frame = {{ arms_mm = {list(ARMS_MM)}, height_mm = {BALL_MM / 2}, images = "lframe/{{camera}}.png" }}'
+    )
 
 
 def _quoted(text: str) -> str:

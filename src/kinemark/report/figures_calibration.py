@@ -1,0 +1,238 @@
+"""The figures of a calibration: how exact it is where, what it rests on, and what its lenses do."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from ..data import Rig
+from .plain import Array
+from .scene import draw_box, draw_camera, draw_floor, upwards, viewpoint
+from .theme import FAINT, HUES, axis_style, empty, figure, hue, label
+from .words import number
+
+SLICES = 3
+SCALE = "Cividis"
+"""Light is uncertain; people with any colour vision read it alike."""
+ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
+MOST_BARS = 40
+LOST_COLUMNS = 4
+LEAST_LOSS = 1.5
+"""Up to which factor the colours reach at least, so that a small loss is not made to look large."""
+NAMES = "xyz"
+
+
+def slices_figure(figures: dict[str, Any], up: int) -> go.Figure:
+    """σ per axis on three level cuts through the volume, low, middle and high; blank where nothing is measured."""
+    sd, axes = _volume(figures["map"], "sd_mm")
+    if not np.isfinite(sd).any():
+        return empty("No place of the volume is seen by two cameras.")
+    cuts = np.unique(np.linspace(0, len(axes[up]) - 1, SLICES).round().astype(int))
+    a, b = (axis for axis in range(3) if axis != up)
+    titles = [f"{NAMES[up]} = {number(axes[up][k], 0)} mm" for k in cuts]
+    fig = go.Figure(make_subplots(rows=1, cols=len(cuts), subplot_titles=titles, horizontal_spacing=0.06))
+    style = figure(330, margin={"l": 60, "r": 20, "t": 40, "b": 48}).layout
+    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
+    for i, k in enumerate(cuts, 1):
+        cut = np.take(sd, k, axis=up)
+        fig.add_heatmap(
+            z=_rounded(cut.T), x=axes[a], y=axes[b], coloraxis="coloraxis", row=1, col=i,
+            hovertemplate=f"{NAMES[a]} %{{x:.0f}}, {NAMES[b]} %{{y:.0f}} mm<br>σ %{{z:.3g}} mm<extra></extra>",
+        )  # fmt: skip
+        fig.update_xaxes(**axis_style(), title_text=f"{NAMES[a]} (mm)", row=1, col=i)
+        fig.update_yaxes(**axis_style(), title_text=f"{NAMES[b]} (mm)" if i == 1 else None, row=1, col=i)
+    low, high = _range(sd)
+    bar = {"title": {"text": "σ (mm)"}, "thickness": 14}
+    return fig.update_layout(coloraxis={"colorscale": SCALE, "cmin": low, "cmax": high, "colorbar": bar})
+
+
+def space_figure(figures: dict[str, Any], rig: Rig, points: Array) -> go.Figure:
+    """Cameras, the volume with σ at places in it, and the points (N, 3) mm that the calibration was made from."""
+    sd, axes = _volume(figures["map"], "sd_mm")
+    corners = np.array(figures["volume"]["corners_mm"])
+    everything = np.concatenate([rig.centres, corners, points[np.isfinite(points).all(1)], np.zeros((1, 3))])
+    extent, up = np.array([everything.min(0), everything.max(0)]), upwards(rig)
+    legend = {"orientation": "h", "y": 1, "yanchor": "bottom"}
+    fig = figure(620, margin={"l": 0, "r": 0, "t": 36, "b": 0}, showlegend=True, legend=legend)
+    draw_floor(fig, extent, up)
+    draw_box(fig, corners)
+    for c, camera in enumerate(rig):
+        draw_camera(fig, camera, hue(c), corners.mean(0))
+    _cloud(fig, sd, axes)
+    x, y, z = points[np.isfinite(points).all(1)].T.astype(np.float32)
+    style = {"size": 3, "color": HUES[1]}
+    fig.add_scatter3d(x=x, y=y, z=z, mode="markers", name="calibration points", marker=style, hoverinfo="skip")
+    axis = {f"{a}axis": {"title": f"{a} (mm)", "backgroundcolor": "#F7F9FA", "gridcolor": "#DDE3E8"} for a in NAMES}
+    look = {
+        "eye": viewpoint(extent, up),
+        "up": dict(zip(NAMES, np.eye(3)[up].tolist(), strict=True)),
+        "projection": {"type": "perspective"},
+    }
+    drag = "turntable" if up == 2 else "orbit"
+    return fig.update_layout(scene={**axis, "aspectmode": "data", "camera": look, "dragmode": drag})
+
+
+def _cloud(fig: go.Figure, sd: Array, axes: list[Array]) -> None:
+    """Every second place along each axis, coloured by σ."""
+    few = [np.arange(0, len(axis), 2) for axis in axes]
+    at = np.stack(np.meshgrid(*(axis[k] for axis, k in zip(axes, few, strict=True)), indexing="ij"), -1).reshape(-1, 3)
+    values = sd[np.ix_(*few)].reshape(-1)
+    x, y, z = at[np.isfinite(values)].T.astype(np.float32)
+    values = values[np.isfinite(values)]
+    low, high = _range(sd)
+    bar = {"title": {"text": "σ (mm)"}, "thickness": 14, "len": 0.7}
+    fig.add_scatter3d(
+        x=x, y=y, z=z, mode="markers", name="σ at places of the volume", customdata=_rounded(values),
+        marker={"size": 3.5, "opacity": 0.75, "color": _rounded(values), "colorscale": SCALE, "cmin": low, "cmax": high,
+                "colorbar": bar},
+        hovertemplate="σ %{customdata:.3g} mm<br>x %{x:.0f}, y %{y:.0f}, z %{z:.0f} mm<extra></extra>",
+    )  # fmt: skip
+
+
+def fit_figure(cameras: list[dict[str, Any]]) -> go.Figure:
+    """Two marks a camera: residual of the points it was fitted to, and error of those that took no part."""
+    series = (("residual RMS", "residual_rms_px"), ("left out RMS", "left_out_rms_px"))
+    if not any(c[key] is not None for c in cameras for _, key in series):
+        return empty("The calibration says nothing of its residuals.")
+    fig = figure(330, showlegend=True, legend=ABOVE)
+    for i, (name, key) in enumerate(series):
+        fig.add_scatter(
+            x=[c + (-0.1, 0.1)[i] for c in range(len(cameras))],
+            y=[camera[key] for camera in cameras],
+            mode="markers",
+            marker={"color": HUES[i], "symbol": ("circle", "diamond")[i], "size": 10},
+            name=name,
+            hovertemplate="%{y:.3f} px",
+        )
+    fig.update_xaxes(**_ticks(cameras))
+    return fig.update_yaxes(title_text="px", rangemode="tozero")
+
+
+def loss_figure(figures: dict[str, Any]) -> go.Figure:
+    """A mark a camera: the middle σ of the volume without it, with all cameras as a line."""
+    cameras, middle = figures["cameras"], figures["precision"]["sd_median_mm"]
+    if middle is None or len(cameras) < 3:
+        return empty("With two cameras nothing is left when one is lost.")
+    fig = figure(330, showlegend=True, legend=ABOVE)
+    for name, key, symbol, i in (("middle", "sd_median_mm", "circle", 0), ("95 %", "sd_95_mm", "diamond", 1)):
+        fig.add_scatter(
+            x=list(range(len(cameras))), y=[c["without"][key] for c in cameras], mode="markers",
+            name=f"{name}, one lost",
+            marker={"size": 10, "color": HUES[i], "symbol": symbol}, hovertemplate="%{y:.3g} mm",
+        )  # fmt: skip
+        level = figures["precision"][key]
+        if level is not None:
+            fig.add_hline(y=level, line={"color": HUES[i], "dash": "dot", "width": 1.5})
+    fig.update_xaxes(**_ticks(cameras), title_text="camera that is lost")
+    return fig.update_yaxes(title_text="σ per axis (mm)", rangemode="tozero")
+
+
+def lost_figure(figures: dict[str, Any]) -> go.Figure:
+    """A level cut a camera: how many times as large σ is there without it; blank where nothing is measured then."""
+    cameras, lost = figures["cameras"], figures["map"]["lost"]
+    ratio = np.array(lost["without_sd_mm"], np.float64) / np.array(lost["sd_mm"], np.float64)
+    if len(cameras) < 3 or not np.isfinite(ratio).any():
+        return empty("With two cameras nothing is left when one is lost.")
+    a, b = (axis for axis in range(3) if axis != lost["axis"])
+    x, y = (figures["map"][f"{NAMES[axis]}_mm"] for axis in (a, b))
+    rows, columns = -(-len(cameras) // LOST_COLUMNS), min(LOST_COLUMNS, len(cameras))
+    titles = [f"without {label(camera['name'])}" for camera in cameras]
+    gaps = {"vertical_spacing": 0.3 / rows, "horizontal_spacing": 0.05}
+    fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
+    style = figure(70 + 210 * rows, margin={"l": 60, "r": 20, "t": 40, "b": 48}).layout
+    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
+    for c in range(len(cameras)):
+        place = {"row": c // columns + 1, "col": c % columns + 1}
+        fig.add_heatmap(
+            z=_rounded(ratio[c].T), x=x, y=y, coloraxis="coloraxis", **place,
+            hovertemplate=f"{NAMES[a]} %{{x:.0f}}, {NAMES[b]} %{{y:.0f}} mm<br>× %{{z:.3g}}<extra></extra>",
+        )  # fmt: skip
+        fig.update_xaxes(
+            **axis_style(), title_text=f"{NAMES[a]} (mm)" if c + columns >= len(cameras) else None, **place
+        )
+        fig.update_yaxes(**axis_style(), title_text=f"{NAMES[b]} (mm)" if c % columns == 0 else None, **place)
+    high = max(float(np.nanquantile(ratio, 0.98)), LEAST_LOSS)
+    bar = {"title": {"text": "times<br>as large"}, "thickness": 14}
+    return fig.update_layout(coloraxis={"colorscale": SCALE, "cmin": 1.0, "cmax": high, "colorbar": bar})
+
+
+def points_figure(points: list[dict[str, Any]]) -> go.Figure:
+    """A place a control point, the worst first: its residual and its error when left out."""
+    if not points:
+        return empty("This calibration was made without surveyed points.")
+    shown = points[:MOST_BARS]
+    fig = figure(330, showlegend=True, legend=ABOVE)
+    for i, (name, key) in enumerate((("residual RMS", "residual_rms_px"), ("left out RMS", "left_out_rms_px"))):
+        fig.add_scatter(
+            x=list(range(len(shown))), y=[p[key] for p in shown], mode="markers", name=name,
+            marker={"size": 9, "color": HUES[i], "symbol": ("circle", "diamond")[i]}, hovertemplate="%{y:.3f} px",
+        )  # fmt: skip
+    names = [label(p["name"]) for p in shown]
+    fig.update_xaxes(tickvals=list(range(len(names))), ticktext=names, ticks="", tickfont={"size": 11}, tickangle=-60)
+    return fig.update_yaxes(title_text="px over all cameras", rangemode="tozero")
+
+
+def wand_figure(wand: dict[str, Any] | None) -> go.Figure:
+    """Error of the wand's length against x, y and z, a dot a pose, with the mean in each third of the volume."""
+    if not wand or not wand["samples"]["place_mm"]:
+        return empty("This calibration was made without a wand.")
+    place, error = np.array(wand["samples"]["place_mm"]), np.array(wand["samples"]["error_mm"])
+    fig = go.Figure(make_subplots(rows=1, cols=3, shared_yaxes=True, horizontal_spacing=0.04))
+    style = figure(330).layout
+    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
+    dot = {"color": HUES[0], "size": 4, "opacity": 0.5}
+    for axis in range(3):
+        fig.add_scatter(
+            x=place[:, axis].astype(np.float32), y=error.astype(np.float32), mode="markers", marker=dot,
+            hovertemplate="%{y:.2f} mm<extra></extra>", row=1, col=axis + 1,
+        )  # fmt: skip
+        edges = np.quantile(place[:, axis], [0, 1 / 3, 2 / 3, 1])
+        for low, high in itertools.pairwise(edges):
+            mean = float(error[(place[:, axis] >= low) & (place[:, axis] <= high)].mean())
+            line = {"color": HUES[1], "width": 3}
+            fig.add_scatter(
+                x=[low, high], y=[mean, mean], mode="lines", line=line, hoverinfo="skip", row=1, col=axis + 1
+            )
+        fig.update_xaxes(**axis_style(), title_text=f"{NAMES[axis]} of the wand (mm)", row=1, col=axis + 1)
+        fig.update_yaxes(**axis_style(), title_text="length error (mm)" if axis == 0 else None, row=1, col=axis + 1)
+    return fig
+
+
+def lens_figure(cameras: list[dict[str, Any]]) -> go.Figure:
+    """How far each lens moves a point, from the image's middle to its farthest corner."""
+    if not any(any(c["distortion"]) for c in cameras):
+        return empty("No lens is corrected.")
+    fig = figure(330, showlegend=True)
+    for c, camera in enumerate(cameras):
+        fig.add_scatter(
+            x=camera["bend"]["from_centre_px"], y=camera["bend"]["moved_px"], mode="lines", name=label(camera["name"]),
+            line={"color": hue(c), "width": 2}, hovertemplate="%{x:.0f} px: %{y:.2f} px",
+        )  # fmt: skip
+    fig.update_xaxes(title_text="distance from the principal point (px)")
+    return fig.update_yaxes(title_text="moved outwards (px)", zerolinecolor=FAINT)
+
+
+def _range(sd: Array) -> tuple[float, float]:
+    """From where to where the colours go: nearly all values, and never so little that nothing is made to look much."""
+    if not np.isfinite(sd).any():
+        return 0.0, 1.0
+    low, high = np.nanquantile(sd, [0.02, 0.98])
+    return float(min(low, high / 1.5)), float(high)
+
+
+def _volume(grid: dict[str, Any], key: str) -> tuple[Array, list[Array]]:
+    """Values (X, Y, Z), NaN where unknown, and the three axes, mm."""
+    return np.array(grid[key], np.float64), [np.array(grid[f"{a}_mm"], np.float64) for a in NAMES]
+
+
+def _rounded(values: Array) -> Array:
+    return values.astype(np.float32)
+
+
+def _ticks(cameras: list[dict[str, Any]]) -> dict[str, Any]:
+    names = [label(camera["name"]) for camera in cameras]
+    return {"tickvals": list(range(len(names))), "ticktext": names, "range": [-0.6, len(names) - 0.4], "ticks": ""}

@@ -1,0 +1,154 @@
+"""What each camera saw: one of its images, with the spots that count, those that do not, and why.
+
+A frame that shows more kinds of trouble tells more, so of the first `LOOKED_AT` frames of a camera that one is shown
+in which most spots are invalid or were separated from others; the earliest of several.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+from plotly.subplots import make_subplots
+
+from ..data import Detections, Validity
+from .theme import INK, axis_style, empty, figure, label
+from .words import number
+
+Picture = NDArray[np.uint8] | NDArray[np.uint16]
+
+LOOKED_AT = 100
+COLUMNS = 3
+WIDEST = 320
+"""Columns of a picture in the page; of each block of pixels the brightest is shown, so that no spot is lost."""
+MOST_FAULTS = 400
+"""Invalid spots of other frames that are drawn a camera."""
+VALID, SEPARATED = "valid", "valid, separated from another"
+KINDS = {
+    VALID: ("#56B4E9", "circle-open"),
+    SEPARATED: ("#00D19A", "diamond-open"),
+    "too small": ("#E69F00", "x-thin-open"),
+    "too large": ("#FF6A3D", "square-open"),
+    "not round": ("#E78AC3", "cross-thin-open"),
+    "at edge": ("#F0E442", "triangle-up-open"),
+    "masked": ("#AEB8C2", "x-open"),
+}
+"""Colour and symbol of each kind of spot, bright on a dark image and different in shape."""
+
+
+def telling_frames(detections: Detections) -> list[int]:
+    """The frame of each camera (C) that is shown."""
+    if not detections.n_frames:
+        return [0] * len(detections.cameras)
+    faulty = np.zeros(detections.counts.shape, np.int64)
+    np.add.at(faulty, (detections.camera, detections.frame), ~detections.valid | detections.merged)
+    return [int(f) for f in faulty[:, :LOOKED_AT].argmax(1)]
+
+
+def spots_figure(
+    detections: Detections, cameras: list[dict[str, Any]], pictures: Sequence[Picture] | None = None
+) -> go.Figure:
+    """A panel a camera: its picture (H, W) of the frame of `telling_frames`, the spots in it, and all invalid ones."""
+    if not len(detections):
+        return empty("No camera saw anything.")
+    rows, columns = -(-len(cameras) // COLUMNS), min(COLUMNS, len(cameras))
+    shown = telling_frames(detections)
+    titles = [f"{label(camera['name'])}, frame {number(f)}" for camera, f in zip(cameras, shown, strict=True)]
+    gaps = {"vertical_spacing": 0.24 / rows, "horizontal_spacing": 0.05}
+    fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
+    legend = {"orientation": "h", "y": -0.1 / rows, "yanchor": "top", "x": 0, "bgcolor": "#E4E8EC"}
+    style = figure(110 + 290 * rows, margin={"l": 50, "r": 20, "t": 60, "b": 60}, legend=legend, showlegend=True).layout
+    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")}, plot_bgcolor=INK)
+    kinds = kinds_of(detections)
+    legends = _Legend(fig)
+    for c, camera in enumerate(cameras):
+        place = {"row": c // COLUMNS + 1, "col": c % COLUMNS + 1}
+        here = np.arange(*detections.rows(c, shown[c]).indices(len(detections))[:2])
+        extent = _extent(camera, detections.uv[detections.camera == c])
+        if pictures is not None:
+            _picture(fig, pictures[c], place)
+        _elsewhere(fig, detections, kinds, c, place)
+        legends.draw(detections, kinds, here, place)
+        plain = {**axis_style(), "showgrid": False, "zeroline": False}
+        fig.update_xaxes(**plain, range=[-0.5, extent[0] - 0.5], **place)
+        fig.update_yaxes(**plain, range=[extent[1] - 0.5, -0.5], **place)
+    return fig
+
+
+def kinds_of(detections: Detections) -> NDArray[np.str_]:
+    """(D) the kind of each spot, as in `KINDS`."""
+    names = np.array([VALID if v == Validity.VALID else v.name.lower().replace("_", " ") for v in Validity])
+    kinds = names[detections.validity].astype("U40")
+    kinds[detections.valid & detections.merged] = SEPARATED
+    return kinds
+
+
+class _Legend:
+    """Draws spots, each kind once in the legend."""
+
+    def __init__(self, fig: go.Figure) -> None:
+        self.fig, self.told = fig, set[str]()
+
+    def draw(
+        self, detections: Detections, kinds: NDArray[np.str_], rows: NDArray[np.int64], place: dict[str, int]
+    ) -> None:
+        """The spots of these rows."""
+        for kind, (colour, symbol) in KINDS.items():
+            of_kind = rows[kinds[rows] == kind]
+            if not len(of_kind):
+                continue
+            self.fig.add_scatter(
+                x=detections.uv[of_kind, 0].astype(np.float32), y=detections.uv[of_kind, 1].astype(np.float32),
+                mode="markers", name=kind, legendgroup=kind, showlegend=kind not in self.told,
+                marker={"size": 10, "color": colour, "symbol": symbol, "line": {"color": colour, "width": 1.6}},
+                text=[_spoken(detections, int(row)) for row in of_kind],
+                hovertemplate=f"{kind}<br>%{{x:.1f}}, %{{y:.1f}} px<br>%{{text}}<extra></extra>", **place,
+            )  # fmt: skip
+            self.told.add(kind)
+
+
+def _elsewhere(fig: go.Figure, detections: Detections, kinds: NDArray[np.str_], c: int, place: dict[str, int]) -> None:
+    """Dots where spots of any frame were invalid: what stays in one place is no marker."""
+    rows = np.flatnonzero((detections.camera == c) & ~detections.valid)
+    rows = rows[:: max(1, -(-len(rows) // MOST_FAULTS))]
+    if not len(rows):
+        return
+    fig.add_scatter(
+        x=detections.uv[rows, 0].astype(np.float32), y=detections.uv[rows, 1].astype(np.float32), mode="markers",
+        marker={"size": 3, "opacity": 0.6, "color": [KINDS[str(kind)][0] for kind in kinds[rows]]},
+        showlegend=False, hoverinfo="skip", **place,
+    )  # fmt: skip
+
+
+def _spoken(detections: Detections, row: int) -> str:
+    """Size and brightness of a spot, as far as they are known."""
+    area, peak = float(detections.area[row]), float(detections.peak[row])
+    return f"area {number(area, 1)} px², peak {number(peak, 0)}" if np.isfinite(area) else ""
+
+
+def _picture(fig: go.Figure, picture: Picture, place: dict[str, int]) -> None:
+    """The image in grey, coarser where it is large."""
+    k = max(1, -(-picture.shape[1] // WIDEST))
+    grey = brightest(picture, k)
+    fig.add_heatmap(
+        z=(255.0 * grey / max(int(grey.max()), 1)).astype(np.uint8), x0=(k - 1) / 2, dx=k, y0=(k - 1) / 2, dy=k,
+        zmin=0, zmax=255, colorscale=[[0, "#000000"], [1, "#FFFFFF"]], showscale=False, hoverinfo="skip", **place,
+    )  # fmt: skip
+
+
+def brightest(picture: Picture, k: int) -> Picture:
+    """The brightest pixel of each block of k × k; what is left over at the right and lower edge falls away."""
+    height, width = (n // k * k for n in picture.shape)
+    return picture[:height, :width].reshape(height // k, k, width // k, k).max((1, 3))
+
+
+def _extent(camera: dict[str, Any], uv: NDArray[np.float64]) -> tuple[float, float]:
+    """Width and height of the images, px; where unknown, of what was seen."""
+    if camera["size_px"]:
+        return float(camera["size_px"][0]), float(camera["size_px"][1])
+    if not len(uv):
+        return 1.0, 1.0
+    return float(np.nanmax(uv[:, 0])) + 10, float(np.nanmax(uv[:, 1])) + 10

@@ -6,8 +6,8 @@ are a reference, not the truth, and two things about them must be known before t
 **Their lens.** The file gives a lens model x_d = x_u g(r_u), and the reference undoes it by one division, x_u ≈ x_d /
 g(r_d), instead of solving for x_u. Far from the image centre this is off by a pixel. The study shows it from the
 images alone: points triangulated with the exact inverse fit their own images better than points triangulated with the
-division. So that identity and completeness can be compared apart from this, positions are compared twice: as Kinemark
-makes them, and from the same images through the reference's lens.
+division. So that identity and completeness can be compared apart from this, positions are compared twice: as each
+method makes them, and as the linear solution from the same images through the reference's lens.
 
 **Their swaps.** At some frames a reference track jumps to another marker: its second difference is 20 to 100 mm,
 which at 250 Hz means thousands of m/s². Reference tracks are therefore cut where the second difference exceeds 8 mm,
@@ -16,34 +16,41 @@ begins there has followed the marker through the reference's swap; one that leav
 itself.
 
 Points that no reference track is near are either markers that the reference has lost or ghosts, chance meetings of
-images. A control tells them apart: of the images that no point near a reference sample uses, each camera's are
-shifted in time against the other cameras', by a second and more. What meets then meets by chance, with as many images
-as before.
+images. Some lie on tracks that are a reference marker before or after. For the others a control tells them apart: of
+the images that no point near a reference sample uses, each camera's are shifted in time against the other cameras', by
+a second and more. What the method then makes of them it makes by chance, with as many images as before; so many of
+its extra points may be ghosts, and the others are markers.
 
-Run: python studies/gait_trial.py
+Run: python studies/gait_trial.py [method …], a part of its name, or "all"; the first three where none is given.
 """
 
 from __future__ import annotations
 
+import sys
 import time
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from recordings import recording
 
-from kinemark.data import Camera, Cloud, Detections, Rig, Tracks, Trajectories
+from kinemark.data import Camera, Cloud, Detections, Rig, Tracks
+from kinemark.follow import Simultaneous, follow
 from kinemark.geometry import normalised, triangulate, undistort
 from kinemark.io.tdf import read_tdf
-from kinemark.match import match
-from kinemark.reconstruct import reconstruct
+from kinemark.match import EpipolarTriplets, KissTriplets, MatchMethod, match
+from kinemark.reconstruct import CameraPairs, LeastSquares, ReconstructMethod, reconstruct
 from kinemark.score import Score, changes, score
-from kinemark.track import track
+from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, TrackMethod, track
 
 Floats = NDArray[np.float64]
 
 JUMP = 8.0  # mm; a second difference no marker on a body has at 250 Hz (500 m/s²)
 MARGIN = 3  # frames beside a jump that the reference's own smoothing has bent
 NEAR = 5.0  # mm; a reference sample counts as found
+SHIFT = 0.8  # s; of each camera against the one before it, for the control
+RINGS = ((0.0, 0.2), (0.2, 0.3), (0.3, 0.4), (0.4, 1.0))
 
 
 def division(camera: Camera, uv: Floats) -> Floats:
@@ -54,14 +61,20 @@ def division(camera: Camera, uv: Floats) -> Floats:
     return xy / (1 + k1 * r2 + k2 * r2**2) @ camera.K[:2, :2].T + camera.K[:2, 2]
 
 
-def points(rig: Rig, detections: Detections, cloud: Cloud, inverse: object) -> tuple[Floats, Floats, Floats]:
+OURS, THEIRS = "the exact inverse (Kinemark)", "one division (the reference)"
+LENSES: dict[str, Callable[[Camera, Floats], Floats]] = {OURS: undistort, THEIRS: division}
+
+
+def points(
+    rig: Rig, detections: Detections, cloud: Cloud, inverse: Callable[[Camera, Floats], Floats]
+) -> tuple[Floats, Floats, Floats]:
     """Points (P, 3) through a lens's inverse; their images' distance from them, px, and radius, (P, C) each."""
     ideal = np.full((len(cloud), len(rig), 2), np.nan)
     radius = np.full((len(cloud), len(rig)), np.nan)
     for c, camera in enumerate(rig):
         seen = cloud.view[:, c] >= 0
         uv = detections.uv[cloud.view[seen, c]]
-        ideal[seen, c] = inverse(camera, uv)  # type: ignore[operator]
+        ideal[seen, c] = inverse(camera, uv)
         radius[seen, c] = np.linalg.norm(normalised(camera, uv), axis=-1)
     xyz = triangulate(ideal, rig.P)
     x = np.einsum("cij,pj->pci", rig.P, np.column_stack([xyz, np.ones(len(xyz))]))
@@ -94,25 +107,24 @@ def extras(tracks: Tracks, near: NDArray[np.bool_]) -> tuple[float, float]:
     return float(extra.sum() / n), float(strangers.sum() / n)
 
 
-def by_chance(rig: Rig, detections: Detections, tracks: Tracks, near: NDArray[np.bool_]) -> list[float]:
-    """Tracked points a frame of the images left over, as they were and with the cameras shifted against each other."""
+def by_chance(rig: Rig, detections: Detections, tracks: Tracks, near: NDArray[np.bool_], method: Method) -> float:
+    """Points a frame that the method makes of the images left over, the cameras shifted against each other."""
     used = np.zeros(len(detections), bool)
     view = tracks.cloud.view[near & (tracks.id >= 0)]
     used[view[view >= 0]] = True
-    left, rates = detections.keep(~used), []
-    for seconds in (0.0, 0.8, 1.0, 1.2):
-        shifted = shift_cameras(left, round(seconds * left.rate))
-        again = track(reconstruct(match(shifted, rig), shifted, rig))
-        rates.append(float((again.id >= 0).sum() / left.n_frames))
-    return rates
+    shifted = shift_cameras(detections.keep(~used), round(SHIFT * detections.rate))
+    again = run(method, shifted, rig)
+    return float((again.id >= 0).sum() / detections.n_frames)
 
 
 def shift_cameras(detections: Detections, frames: int) -> Detections:
     """The detections with camera c moved by c times so many frames, around the end."""
     orders = [np.roll(np.arange(detections.n_frames), frames * c) for c in range(len(detections.cameras))]
+    rows = [np.arange(len(detections))[detections.rows(c, f)] for c, order in enumerate(orders) for f in order.tolist()]
     counts = [detections.counts[c][order] for c, order in enumerate(orders)]
-    uv = [detections[c, f] for c, order in enumerate(orders) for f in order.tolist()]
-    return Detections.build(detections.cameras, detections.rate, counts, np.concatenate(uv))
+    row = np.concatenate(rows)
+    cov = detections.cov[row]
+    return Detections.build(detections.cameras, detections.rate, counts, detections.uv[row], cov)
 
 
 def pieces_per_track(result: Score, reference: Floats, shortest: int = 25) -> float:
@@ -121,68 +133,131 @@ def pieces_per_track(result: Score, reference: Floats, shortest: int = 25) -> fl
     return float(result.pieces[long].mean())
 
 
-def main() -> None:
-    tdf = read_tdf(recording("cameras/gait9_bts/gait9.tdf"))
-    assert tdf.rig and tdf.detections and tdf.trajectories
-    rig, detections, reference = tdf.rig, tdf.detections, tdf.trajectories
-    began = time.perf_counter()
-    matches = match(detections, rig)
-    matched = time.perf_counter()
-    cloud = reconstruct(matches, detections, rig)
-    placed = time.perf_counter()
-    tracks = track(cloud)
-    ended = time.perf_counter()
-    report(rig, detections, cloud, tracks, reference)
-    lasted = detections.n_frames / detections.rate
-    print(
-        f"\nTime: match {matched - began:.2f} s, reconstruct {placed - matched:.2f} s, track {ended - placed:.2f} s; "
-        f"together {ended - began:.2f} s (aim: below the {lasted:.1f} s that the trial lasted)"
-    )
+# ---- Methods ----
 
 
-def report(rig: Rig, detections: Detections, cloud: Cloud, tracks: Tracks, reference: Trajectories) -> None:
-    """Print the comparison."""
-    xyz = reference.xyz
-    pieces = continuous_pieces(xyz)
-    lenses = {"exact inverse (Kinemark)": undistort, "one division (the reference)": division}
-    print(
-        f"{len(tracks)} tracks of {len(cloud)} points; {len(xyz)} reference tracks in {len(pieces)} continuous pieces\n"
+class Staged(NamedTuple):
+    """Matching, reconstruction and tracking one after another."""
+
+    matching: MatchMethod
+    tracking: TrackMethod
+    placing: ReconstructMethod = LeastSquares()
+
+
+Method = Staged | Simultaneous
+
+METHODS: dict[str, Method] = {
+    "simultaneous": Simultaneous(),
+    "epipolar_triplets, extrapolation_ladder": Staged(EpipolarTriplets(), ExtrapolationLadder()),
+    "kiss_triplets, kiss_tracking": Staged(KissTriplets(), KissTracking()),
+    "… with camera_pairs": Staged(EpipolarTriplets(), ExtrapolationLadder(), CameraPairs()),
+    "epipolar_triplets, swamidas": Staged(EpipolarTriplets(), Swamidas(begin="any", patience=0.1)),
+    "epipolar_triplets, distance_only": Staged(EpipolarTriplets(), DistanceOnly()),
+}
+USUAL = 3  # of these are run where none is named
+
+
+def run(method: Method, detections: Detections, rig: Rig) -> Tracks:
+    """From detections to tracks."""
+    if isinstance(method, Simultaneous):
+        return follow(detections, rig, method=method)
+    matches = match(detections, rig, method=method.matching)
+    return track(reconstruct(matches, detections, rig, method=method.placing), method=method.tracking)
+
+
+# ---- The tables ----
+
+
+class Row(NamedTuple):
+    """What a method made: its tracks, seconds of processor, and its scores through either lens.
+
+    whole: against the reference tracks; cut: against their continuous pieces.
+    """
+
+    tracks: Tracks
+    seconds: float
+    whole: dict[str, Score]
+    cut: dict[str, Score]
+
+    @property
+    def near(self) -> NDArray[np.bool_]:
+        """(P) points near a reference sample, through the reference's lens."""
+        return self.whole[THEIRS].owner >= 0
+
+
+def made(method: Method, detections: Detections, rig: Rig, reference: Floats, pieces: Floats) -> Row:
+    """The row of a method."""
+    began = time.process_time()
+    tracks = run(method, detections, rig)
+    seconds = time.process_time() - began
+    linear = points(rig, detections, tracks.cloud, division)[0]
+    theirs = np.where(np.isnan(linear), tracks.cloud.xyz, linear)  # one image alone has none
+    placed = {OURS: tracks.cloud.xyz, THEIRS: theirs}
+    whole, cut = (
+        {lens: score(tracks, truth, within=NEAR, xyz=xyz) for lens, xyz in placed.items()}
+        for truth in (reference, pieces)
     )
+    return Row(tracks, seconds, whole, cut)
+
+
+def lens_table(rig: Rig, detections: Detections, cloud: Cloud) -> None:
+    """Print which inverse of the lens fits the images themselves."""
     print("Which inverse of the lens fits the images themselves? Median distance from the reprojection, px,")
     print("of points that four or more cameras see, by the image's distance from the optical axis:")
-    rings = ((0.0, 0.2), (0.2, 0.3), (0.3, 0.4), (0.4, 1.0))
-    print(" " * 32 + "".join(f"{f'{a:.1f}–{b:.1f}':>10}" for a, b in rings))
-    placed = {}
-    for name, inverse in lenses.items():
-        placed[name], off, radius = points(rig, detections, cloud, inverse)
-        four = (cloud.view >= 0).sum(1) >= 4
-        row = [np.nanmedian(off[four][(radius[four] >= a) & (radius[four] < b)]) for a, b in rings]
+    print(" " * 32 + "".join(f"{f'{a:.1f}–{b:.1f}':>10}" for a, b in RINGS))
+    four = (cloud.view >= 0).sum(1) >= 4
+    for name, inverse in LENSES.items():
+        _, off, radius = points(rig, detections, cloud, inverse)
+        row = [np.nanmedian(off[four][(radius[four] >= a) & (radius[four] < b)]) for a, b in RINGS]
         print(f"  {name:<30}" + "".join(f"{value:10.3f}" for value in row))
-    print("\nAgainst the reference tracks:")
-    print(f"  {'':<52}{'naive':>8}{'aim':>8}" + "".join(f"{name.split(' (')[0]:>18}" for name in lenses))
-    found = {name: score(tracks, xyz, within=NEAR, xyz=place) for name, place in placed.items()}
-    cut = {name: score(tracks, pieces, within=NEAR, xyz=place) for name, place in placed.items()}
-    other = {n: extras(tracks, found[n].owner >= 0) for n in lenses}
-    rows: list[tuple[str, str, str, list[float], int]] = [
-        ("recall within 5 mm, %", "90.2", "≥ 98", [100 * found[n].recall for n in lenses], 1),
-        ("median distance, mm", "1.07", "≤ 0.5", [found[n].median for n in lenses], 2),
-        ("95th percentile, mm", "", "", [found[n].p95 for n in lenses], 2),
-        ("swaps", "", "0", [cut[n].swaps for n in lenses], 0),
-        ("tracks per continuous reference piece", "", "", [pieces_per_track(cut[n], pieces) for n in lenses], 2),
-        ("tracks per reference track", "", "", [found[n].pieces.mean() for n in lenses], 1),
-        ("extra points a frame", "0.6", "≤ 0.2", [other[n][0] for n in lenses], 2),
-        ("  of these on tracks that are no reference marker", "", "", [other[n][1] for n in lenses], 2),
-    ]
-    for name, naive, aim, values, digits in rows:
-        print(f"  {name:<52}" + f"{naive:>8}{aim:>8}" + "".join(f"{v:18.{digits}f}" for v in values))
-    here, *chance = by_chance(rig, detections, tracks, found["one division (the reference)"].owner >= 0)
-    print(
-        f"\nOf the images left over by these, {here:.2f} tracked points a frame can be made. With the cameras shifted"
+
+
+HEAD = (
+    f"  {'':42}{'recall':>8}{'median':>8}{'95 %':>7}{'swaps':>7}{'tracks per':>12}{'tracks per':>12}{'extra':>8}"
+    f"{'strangers':>11}{'chance':>8}{'markers':>9}{'time':>7}\n"
+    f"  {'':42}{'5 mm, %':>8}{'mm':>8}{'mm':>7}{'':>7}{'piece':>12}{'ref. track':>12}{'/frame':>8}"
+    f"{'/frame':>11}{'/frame':>8}{'/frame':>9}{'s':>7}"
+)
+
+
+def line(name: str, row: Row, lens: str, pieces: Floats, chance: float) -> str:
+    """The row of a table."""
+    whole, cut = row.whole[lens], row.cut[lens]
+    extra, strangers = extras(row.tracks, whole.owner >= 0)
+    return (
+        f"  {name:42}{100 * whole.recall:8.1f}{whole.median:8.2f}{whole.p95:7.2f}{cut.swaps:7d}"
+        f"{pieces_per_track(cut, pieces):12.2f}{whole.pieces.mean():12.1f}{extra:8.2f}{strangers:11.2f}{chance:8.2f}"
+        f"{extra - min(strangers, chance):9.2f}{row.seconds:7.2f}"
     )
-    print(f"against each other in time, {max(chance):.2f}: so many are chance, the others are markers.")
-    raw = len(changes(tracks, found["one division (the reference)"].owner, xyz))
-    print(f"\nWithout cutting the reference at its own jumps, {raw} of its swaps would count as ours.")
+
+
+def main(*asked: str) -> None:
+    tdf = read_tdf(recording("cameras/gait9_bts/gait9.tdf"))
+    assert tdf.rig and tdf.detections and tdf.trajectories
+    rig, detections, xyz = tdf.rig, tdf.detections, tdf.trajectories.xyz
+    names = list(METHODS)[:USUAL] if not asked else [n for n in METHODS if "all" in asked or any(a in n for a in asked)]
+    pieces = continuous_pieces(xyz)
+    rows = {name: made(METHODS[name], detections, rig, xyz, pieces) for name in names}
+    print(f"{len(xyz)} reference tracks in {len(pieces)} continuous pieces\n")
+    staged = [name for name in names if isinstance(METHODS[name], Staged)] or names
+    lens_table(rig, detections, rows[staged[0]].tracks.cloud)
+    chance = {name: by_chance(rig, detections, row.tracks, row.near, METHODS[name]) for name, row in rows.items()}
+    for lens in LENSES:
+        print(f"\nAgainst the reference tracks, through {lens}:\n{HEAD}")
+        print(f"  {'naive: triplets, nearest point':42}{'90.2':>8}{'1.07':>8}{'':>38}{'0.6':>8}")
+        for name, row in rows.items():
+            print(line(name, row, lens, pieces, chance[name]))
+    print(
+        "\nStrangers are extra points on tracks that are no reference marker before or after. Chance: points that the"
+    )
+    print(
+        "method makes of the images left over with the cameras shifted in time; extra points beyond these are markers."
+    )
+    print(f"The trial lasted {detections.n_frames / detections.rate:.1f} s; time is that of one processor.")
+    print("Without cutting the reference at its own jumps, so many of its swaps would count as ours:")
+    for name, row in rows.items():
+        print(f"  {name:42}{len(changes(row.tracks, row.whole[THEIRS].owner, xyz)):8d}")
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -183,8 +183,12 @@ def test_the_public_names_are_a_decision():
     records = "Analog Camera Cloud Detections Events ForcePlate MarkerSet Matches Origin Path Rig Rods Tracks"
     records += " Trajectories Trial Validity KinemarkError"
     methods = "Centroids ControlPoints EpipolarTriplets ExtrapolationLadder LeastSquares"
+    methods += (
+        " CameraPairs DistanceOnly FormerTwoCameras KissTracking KissTriplets NearestEpipolar Simultaneous Swamidas"
+    )
     methods += " Dlt KissNearest KissScanning Linearisation Masks Wand"
     stages = "calibrate_control_frame calibrate_control_points detect match reconstruct score to_trajectories track"
+    stages += " doubts follow followed noticed"
     stages += " calibrate_points calibrate_sticks calibrate_wand learn_masks linearise predicted_covariance propose"
     geometry = "project refine triangulate undistort"
     kinds = "c3d detections_csv dlt_csv rig_toml trajectories_csv trc"

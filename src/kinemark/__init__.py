@@ -4,8 +4,7 @@ The stages, each `stage(data, …, method=Method(…)) -> data`:
 
     rig = read_rig_toml("rig.toml")
     seen = detect([open_images(f"walk/{c}.mkv") for c in rig.names], cameras=rig.names, rate=50.0)
-    cloud = reconstruct(match(seen, rig), seen, rig)
-    trajectories = to_trajectories(track(cloud), rig)
+    trajectories = to_trajectories(follow(seen, rig), rig)
     write_c3d("walk.c3d", Trial("walk", trajectories))
 
 A whole session with its report: `from kinemark.session import Session`.
@@ -44,6 +43,7 @@ from .data import (
     Validity,
 )
 from .detect import Centroids, KissNearest, KissScanning, Masks, detect, learn_masks, propose
+from .follow import FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed
 from .geometry import project, refine, triangulate, undistort
 from .io.c3d import read_c3d, write_c3d
 from .io.detections_csv import read_detections_csv, write_detections_csv
@@ -54,36 +54,44 @@ from .io.rig_toml import read_rig_toml, write_rig_toml
 from .io.tdf import read_tdf
 from .io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .io.trc import read_trc, write_trc
-from .match import EpipolarTriplets, match
-from .reconstruct import LeastSquares, reconstruct
+from .match import EpipolarTriplets, KissTriplets, NearestEpipolar, match
+from .reconstruct import CameraPairs, LeastSquares, reconstruct
 from .score import score
-from .track import ExtrapolationLadder, to_trajectories, track
+from .track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, to_trajectories, track
 from .version import __version__
 
 __all__ = [
     "Analog",
     "Camera",
+    "CameraPairs",
     "Centroids",
     "Cloud",
     "ControlPoints",
     "Detections",
+    "DistanceOnly",
     "Dlt",
     "EpipolarTriplets",
     "Events",
     "ExtrapolationLadder",
     "ForcePlate",
+    "FormerTwoCameras",
     "KinemarkError",
     "KissNearest",
     "KissScanning",
+    "KissTracking",
+    "KissTriplets",
     "LeastSquares",
     "Linearisation",
     "MarkerSet",
     "Masks",
     "Matches",
+    "NearestEpipolar",
     "Origin",
     "Path",
     "Rig",
     "Rods",
+    "Simultaneous",
+    "Swamidas",
     "Tracks",
     "Trajectories",
     "Trial",
@@ -96,10 +104,14 @@ __all__ = [
     "calibrate_sticks",
     "calibrate_wand",
     "detect",
+    "doubts",
+    "follow",
+    "followed",
     "learn_masks",
     "linearise",
     "load",
     "match",
+    "noticed",
     "open_images",
     "predicted_covariance",
     "project",

@@ -1,32 +1,38 @@
 """The order of the stages, and the only place that knows it.
 
-detect → match → reconstruct → track → trajectories → C3D, quality.json and report.html.
+detect → track → trajectories → C3D, quality.json and report.html, where tracking is matching at the same time; else
+detect → match → reconstruct → track → …
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .data import Analog, Cloud, Detections, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
 from .detect import Centroids, KissNearest, KissScanning
+from .follow import FOLLOWERS, Doubt, FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed
 from .io.c3d import write_c3d
+from .io.files import replacing
 from .io.records import load, save
 from .ledger import Ledger, digest
-from .match import EpipolarTriplets, match
-from .reconstruct import LeastSquares, reconstruct
+from .match import EpipolarTriplets, MatchMethod, check_cameras, match
+from .reconstruct import LeastSquares, ReconstructMethod, reconstruct
 from .report.figures_detections import Picture, telling_frames
 from .report.page import write_report
 from .report.quality import quality, write_quality
-from .track import ExtrapolationLadder, to_trajectories, track
+from .track import TrackMethod, to_trajectories, track
 
 Record = TypeVar("Record")
+
+DOUBTS = "doubts.json"
 
 LITTLE = 0.6
 """Share of a camera's valid detections; if less agree with two other cameras, it may have the images of another."""
@@ -40,6 +46,7 @@ Progress = Callable[[str, int, int], None]
 
 
 DetectMethod = Centroids | KissScanning | KissNearest
+FollowMethod = Simultaneous | FormerTwoCameras
 
 
 def silent(stage: str, done: int, total: int) -> None:
@@ -51,9 +58,9 @@ class Methods:
     """How each stage is done."""
 
     detect: DetectMethod = field(default_factory=Centroids)
-    match: EpipolarTriplets = field(default_factory=EpipolarTriplets)
-    reconstruct: LeastSquares = field(default_factory=LeastSquares)
-    track: ExtrapolationLadder = field(default_factory=ExtrapolationLadder)
+    match: MatchMethod = field(default_factory=EpipolarTriplets)
+    reconstruct: ReconstructMethod = field(default_factory=LeastSquares)
+    track: TrackMethod | FollowMethod = field(default_factory=Simultaneous)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +80,14 @@ class Source:
     doubts: tuple[str, ...] = ()
     beside: Trial | None = None
     pictures: Callable[[Sequence[int]], Sequence[Picture]] | None = None
+
+
+class Tracked(NamedTuple):
+    """Tracks, the decisions of the tracker that were close, and what it noticed of its input, in sentences."""
+
+    tracks: Tracks
+    doubts: tuple[Doubt, ...] = ()
+    noticed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +143,7 @@ def run(
     """
     methods = methods or Methods()
     ledger = Ledger.open(folder)
-    detections, tracks, key = _stages(ledger, source, rig, methods, progress)
+    detections, (tracks, unsure, odd), key = _stages(ledger, source, rig, methods, progress)
     trajectories = to_trajectories(tracks, rig)
     steps = tuple(ledger.steps)
     notes = (*source.doubts, *exchanged_cameras(detections, rig, tracks.cloud, methods))
@@ -141,6 +156,8 @@ def run(
         trajectories=trajectories,
         steps=(*calibration, *steps),
         notes=notes,
+        doubts=unsure,
+        noticed=odd,
         judged=judged,
     )
     outputs = [folder / f"{folder.name}.c3d", folder / "quality.json", folder / "report.html"]
@@ -235,7 +252,7 @@ def alongside(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Ana
 
 def _stages(
     ledger: Ledger, source: Source, rig: Rig, methods: Methods, progress: Progress
-) -> tuple[Detections, Tracks, str]:
+) -> tuple[Detections, Tracked, str]:
     """The stages in their order, each from its file where that still holds; and the key of the last."""
 
     def told(stage: str, make: Callable[[], Record]) -> Callable[[], Record]:
@@ -256,16 +273,43 @@ def _stages(
         save=save,
         load=_reader(Detections),
     )
+    key = digest(key, rig_key(rig))
+    if type(methods.track) in FOLLOWERS:
+        key = digest(key, methods.reconstruct)
+        make = told("track", lambda: _followed(detections, rig, methods))
+    else:
+        cloud, key = _cloud(ledger, detections, rig, methods, key, told)
+        make = told("track", lambda: Tracked(track(cloud, method=methods.track)))  # type: ignore[arg-type]
+    tracked, key = ledger.do(
+        "track", methods.track, key, file="tracks.h5", make=make, save=_save_tracked, load=_load_tracked
+    )
+    return detections, tracked, key
+
+
+def _followed(detections: Detections, rig: Rig, methods: Methods) -> Tracked:
+    """Tracks straight from the detections; Kinemark's own tracker says what it doubts."""
+    method, place = methods.track, methods.reconstruct
+    if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
+        return Tracked(follow(detections, rig, method=method))  # type: ignore[arg-type]
+    check_cameras(detections, rig)
+    result = followed(detections, rig, method, place=place)
+    return Tracked(result.tracks, tuple(doubts(result, method)), tuple(noticed(detections, rig, result)))
+
+
+def _cloud(
+    ledger: Ledger, detections: Detections, rig: Rig, methods: Methods, key: str, told: Any
+) -> tuple[Cloud, str]:
+    """Points without an identity, matched and reconstructed."""
     matches, key = ledger.do(
         "match",
         methods.match,
-        digest(key, rig_key(rig)),
+        key,
         file="matches.h5",
         make=told("match", lambda: match(detections, rig, method=methods.match)),
         save=save,
         load=_reader(Matches),
     )
-    cloud, key = ledger.do(
+    return ledger.do(
         "reconstruct",
         methods.reconstruct,
         key,
@@ -274,16 +318,24 @@ def _stages(
         save=save,
         load=_reader(Cloud),
     )
-    tracks, key = ledger.do(
-        "track",
-        methods.track,
-        key,
-        file="tracks.h5",
-        make=told("track", lambda: track(cloud, method=methods.track)),
-        save=save,
-        load=_reader(Tracks),
-    )
-    return detections, tracks, key
+
+
+def _save_tracked(path: Path, record: Tracked) -> None:
+    """The tracks, and beside them what was doubted."""
+    said = {"doubts": [doubt._asdict() for doubt in record.doubts], "noticed": record.noticed}
+    with replacing(path.with_name(DOUBTS)) as beside:
+        beside.write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", "utf-8")
+    save(path, record.tracks)
+
+
+def _load_tracked(path: Path) -> Tracked:
+    """What an earlier run left; damaged files count as none."""
+    try:
+        said = json.loads(path.with_name(DOUBTS).read_text("utf-8"))
+        unsure = tuple(Doubt(**{**doubt, "tracks": tuple(doubt["tracks"])}) for doubt in said["doubts"])
+        return Tracked(_reader(Tracks)(path), unsure, tuple(said["noticed"]))
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise KinemarkError(f"{path.with_name(DOUBTS)} is damaged: {error}. Delete it.") from error
 
 
 def together(beside: Trial, trajectories: Trajectories) -> Trial:

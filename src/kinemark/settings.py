@@ -17,16 +17,28 @@ from .calibrate.reference_marker import REACH, TOLERANCE
 from .calibrate.wand import Wand
 from .data import KinemarkError
 from .detect import Centroids, KissNearest, KissScanning
-from .match import EpipolarTriplets
-from .reconstruct import LeastSquares
-from .track import ExtrapolationLadder
+from .follow import FOLLOWERS, FormerTwoCameras, Simultaneous
+from .match import EpipolarTriplets, KissTriplets, NearestEpipolar
+from .reconstruct import CameraPairs, LeastSquares
+from .track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas
 
 METHODS: dict[str, dict[str, type]] = {
     "calibrate": {"control_points": ControlPoints, "dlt": Dlt, "wand": Wand, "bundle": Bundle},
     "detect": {"centroids": Centroids, "kiss_scanning": KissScanning, "kiss_nearest": KissNearest},
-    "match": {"epipolar_triplets": EpipolarTriplets},
-    "reconstruct": {"least_squares": LeastSquares},
-    "track": {"extrapolation_ladder": ExtrapolationLadder},
+    "match": {
+        "epipolar_triplets": EpipolarTriplets,
+        "kiss_triplets": KissTriplets,
+        "nearest_epipolar": NearestEpipolar,
+    },
+    "reconstruct": {"least_squares": LeastSquares, "camera_pairs": CameraPairs},
+    "track": {
+        "simultaneous": Simultaneous,
+        "former_two_cameras": FormerTwoCameras,
+        "extrapolation_ladder": ExtrapolationLadder,
+        "kiss_tracking": KissTracking,
+        "swamidas": Swamidas,
+        "distance_only": DistanceOnly,
+    },
 }
 """The methods of each stage under their names in a session file; the first is the default, but for `calibrate`, where
 the way of calibrating decides (`METHODS_OF_WAY`)."""
@@ -266,9 +278,11 @@ class Settings(Strict):
     masks: Masks | None = None
     calibrate: ControlPoints | Dlt | Wand | Bundle = Field(None, validate_default=True)
     detect: Centroids | KissScanning | KissNearest = Centroids()
-    match: EpipolarTriplets = EpipolarTriplets()
-    reconstruct: LeastSquares = LeastSquares()
-    track: ExtrapolationLadder = ExtrapolationLadder()
+    match: EpipolarTriplets | KissTriplets | NearestEpipolar = EpipolarTriplets()
+    reconstruct: LeastSquares | CameraPairs = LeastSquares()
+    track: Simultaneous | FormerTwoCameras | ExtrapolationLadder | KissTracking | Swamidas | DistanceOnly = (
+        Simultaneous()
+    )
 
     @field_validator("calibrate", "detect", "match", "reconstruct", "track", mode="before")
     @classmethod
@@ -277,6 +291,21 @@ class Settings(Strict):
         if info.field_name == "calibrate" and "calibration" in info.data:
             return calibrate_method(info.data["calibration"].way, {} if table is None else table)
         return method_of(info.field_name, table) if isinstance(table, dict) else table
+
+    @model_validator(mode="after")
+    def stages_used(self) -> Settings:
+        """A tracker that takes images directly leaves the stages before it nothing to do."""
+        idle = {"match", "reconstruct"} & self.model_fields_set if type(self.track) in FOLLOWERS else set()
+        if isinstance(self.track, Simultaneous) and isinstance(self.reconstruct, LeastSquares):
+            idle -= {"reconstruct"}  # its points are placed so
+        if idle:
+            own = _method_name("track", self.track)
+            staged = ", ".join(name for name, kind in METHODS["track"].items() if kind not in FOLLOWERS)
+            raise ValueError(
+                f"track by {own!r} matches by itself, so [{'] and ['.join(sorted(idle))}] would do nothing: "
+                f"leave it out, or give [track] one of the methods {staged}"
+            )
+        return self
 
     @field_validator("volume_mm")
     @classmethod
@@ -330,6 +359,11 @@ def method_of(stage: str, table: dict[str, Any]) -> Any:
     return TypeAdapter(kind).validate_python(table)
 
 
+def _method_name(stage: str, method: object) -> str:
+    """What a session file calls a method."""
+    return next(name for name, kind in METHODS[stage].items() if kind is type(method))
+
+
 def read_settings(path: Path) -> Settings:
     """The settings of a session file.
 
@@ -360,6 +394,8 @@ def _said(row: Any) -> str:
     if row["type"] == "extra_forbidden":
         keys = _keys(row["loc"][:-1])
         return f"{where}: there is no such key{_guess(str(row['loc'][-1]), keys)}; there {_are(keys)}"
+    if not where:
+        return str(row["msg"].removeprefix("Value error, "))
     if row["type"] == "missing":
         return f"{where}: is missing"
     return f"{where}: {row['msg'].removeprefix('Value error, ')}, found {row['input']!r}"[:400]

@@ -15,7 +15,7 @@ from .camera import (
 from .dlt import camera_from_dlt, decompose, fit_dlt, from_dlt, to_dlt
 from .epipolar import epipolar_constants, epipolar_lines, fundamental, line_distance
 from .sphere import sphere_offset
-from .triangulate import Triangulated, refine, solve3, triangulate
+from .triangulate import Triangulated, inverse3, refine, solve3, triangulate
 
 __all__ = [
     "Triangulated",
@@ -27,6 +27,7 @@ __all__ = [
     "fit_dlt",
     "from_dlt",
     "fundamental",
+    "inverse3",
     "line_distance",
     "normalised",
     "parameter_jacobian",

@@ -94,17 +94,15 @@ def _normal_equations(
 
 def inverse3(A: Array) -> Array:
     """Inverses of many symmetric 3 × 3 matrices (…, 3, 3) by cofactors; NaN where singular."""
-    a, b, c = A[..., 0, 0], A[..., 0, 1], A[..., 0, 2]
-    d, e, f = A[..., 1, 1], A[..., 1, 2], A[..., 2, 2]
-    rows = [[d * f - e * e, c * e - b * f, b * e - c * d], [a * f - c * c, b * c - a * e], [a * d - b * b]]
-    det = a * rows[0][0] + b * rows[0][1] + c * rows[0][2]
-    scale = np.abs(a * d * f) + 1e-300
-    det = np.where(np.abs(det) > 1e-13 * scale, det, np.nan)
-    (aa, ab, ac), (bb, bc), (cc,) = rows
-    return (
-        np.stack([np.stack([aa, ab, ac], -1), np.stack([ab, bb, bc], -1), np.stack([ac, bc, cc], -1)], -2)
-        / det[..., None, None]
-    )
+    a, b, c, d, e, f = (A[..., i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
+    out = np.empty_like(A)
+    out[..., 0, 0], out[..., 1, 1], out[..., 2, 2] = d * f - e * e, a * f - c * c, a * d - b * b
+    out[..., 0, 1] = out[..., 1, 0] = c * e - b * f
+    out[..., 0, 2] = out[..., 2, 0] = b * e - c * d
+    out[..., 1, 2] = out[..., 2, 1] = b * c - a * e
+    det = a * out[..., 0, 0] + b * out[..., 0, 1] + c * out[..., 0, 2]
+    det = np.where(np.abs(det) > 1e-13 * (np.abs(a * d * f) + 1e-300), det, np.nan)
+    return np.asarray(out / det[..., None, None])
 
 
 def solve3(A: Array, b: Array) -> Array:

@@ -1,5 +1,8 @@
 """Which 2D points are one marker: one file a method."""
 
-from .epipolar import EpipolarTriplets, match
+from .epipolar import EpipolarTriplets
+from .kiss import KissTriplets
+from .methods import MATCHERS, MatchMethod, check_cameras, match
+from .nearest import NearestEpipolar
 
-__all__ = ["EpipolarTriplets", "match"]
+__all__ = ["MATCHERS", "EpipolarTriplets", "KissTriplets", "MatchMethod", "NearestEpipolar", "check_cameras", "match"]

@@ -87,35 +87,36 @@ class Edges(NamedTuple):
     distance: Floats
 
 
-def match(detections: Detections, rig: Rig, *, method: EpipolarTriplets = EpipolarTriplets()) -> Matches:
-    """Groups of detections that are one marker, frame by frame, without knowledge of other frames.
+def match_epipolar(detections: Detections, rig: Rig, *, method: EpipolarTriplets) -> Matches:
+    """Groups of detections that are one marker; called through `match`."""
+    blocks = blocks_of(detections, rig)
+    return collected([_match_block(seen, rig.P, method) for seen in blocks], detections)
 
-    Raises:
-        KinemarkError: fewer than two cameras, or detections and rig name other cameras.
-    """
-    if len(rig) < 2:
-        raise KinemarkError(f"{len(rig)} camera is calibrated, and a point in space needs two. Add a camera.")
-    if detections.cameras != rig.names:
-        raise KinemarkError(
-            f"The detections are of cameras {list(detections.cameras)} and the calibration of {list(rig.names)}. "
-            "Name the same cameras in the same order in both."
-        )
-    groups = [_match_block(seen, rig.P, method) for seen in _blocks(detections, rig)]
-    view = np.concatenate([view for view, _ in groups] or [np.zeros((0, len(rig)), np.int64)])
+
+def collected(groups: list[tuple[Ints, Floats]], detections: Detections) -> Matches:
+    """Views (G, C) and costs (G) of all blocks in the order of their frames."""
+    view = np.concatenate([view for view, _ in groups] or [np.zeros((0, len(detections.cameras)), np.int64)])
     cost = np.concatenate([cost for _, cost in groups] or [np.zeros(0)])
     frame = detections.frame[view.max(1)] if len(view) else np.zeros(0, np.int64)
     order = np.argsort(frame, kind="stable")
     return Matches(frame[order], view[order], cost[order], detections.n_frames)
 
 
-def _blocks(detections: Detections, rig: Rig) -> Iterator[Seen]:
+def blocks_of(detections: Detections, rig: Rig) -> Iterator[Seen]:
     """The valid detections, without lens distortion, a block of frames at a time."""
-    start, valid = detections.start, detections.valid
-    uv = np.full((len(detections), 2), np.nan)
-    for c, camera in enumerate(rig):
-        own = slice(start[c, 0], start[c, -1])
-        uv[own] = undistort(camera, detections.uv[own])
-    uv[~valid] = np.nan
+    uv = ideal_pixels(detections, rig)
+    block = min(BLOCK, max(CELLS // max(int(detections.counts.max(initial=1)), 1) ** 2, 1))
+    for first in range(0, detections.n_frames, block):
+        cut = detections.start[:, first : first + block + 1]
+        yield Seen(uv, [_padded(rows) for rows in cut])
+
+
+def ideal_pixels(detections: Detections, rig: Rig) -> Floats:
+    """(D, 2) the valid detections without lens distortion, NaN for the others.
+
+    Raises:
+        KinemarkError: a frame has so many that they must be noise.
+    """
     most = int(detections.counts.max(initial=1))
     if most > MOST:
         c, f = np.argwhere(detections.counts == most)[0]
@@ -123,10 +124,12 @@ def _blocks(detections: Detections, rig: Rig) -> Iterator[Seen]:
             f"Camera {rig.names[c]} has {most} points in frame {f}, wanted at most {MOST}: they are noise. "
             "Raise the threshold, or leave that frame out."
         )
-    block = min(BLOCK, max(CELLS // most**2, 1))
-    for first in range(0, detections.n_frames, block):
-        cut = start[:, first : first + block + 1]
-        yield Seen(uv, [_padded(rows) for rows in cut])
+    uv = np.full((len(detections), 2), np.nan)
+    for c, camera in enumerate(rig):
+        own = slice(detections.start[c, 0], detections.start[c, -1])
+        uv[own] = undistort(camera, detections.uv[own])
+    uv[~detections.valid] = np.nan
+    return uv
 
 
 def _padded(start: Ints) -> Ints:
@@ -145,8 +148,13 @@ def _match_block(seen: Seen, P: Floats, method: EpipolarTriplets) -> tuple[Ints,
     if method.pairs != "none":
         won.append(_pairs(edges, taken, len(P), method))
     view = np.concatenate(won)
-    _, squared = _fit(view, seen.uv, P)
-    return view, np.sqrt(np.nansum(squared, axis=1) / (view >= 0).sum(1))
+    return view, costs(view, seen.uv, P)
+
+
+def costs(view: Ints, uv: Floats, P: Floats) -> Floats:
+    """(G) RMS distance of the images of groups (G, C) from the reprojection of their point, px."""
+    _, squared = _fit(view, uv, P)
+    return np.sqrt(np.nansum(squared, axis=1) / (view >= 0).sum(1))
 
 
 def _edges(seen: Seen, P: Floats, method: EpipolarTriplets) -> Edges:

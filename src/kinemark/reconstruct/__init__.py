@@ -1,5 +1,15 @@
-"""From matched images to points in space, each with its covariance."""
+"""From matched images to points in space, each with its covariance: one file a method."""
 
-from .least_squares import LeastSquares, reconstruct
+from .least_squares import LeastSquares, located, wanted
+from .methods import RECONSTRUCTORS, ReconstructMethod, reconstruct
+from .pairs import CameraPairs
 
-__all__ = ["LeastSquares", "reconstruct"]
+__all__ = [
+    "RECONSTRUCTORS",
+    "CameraPairs",
+    "LeastSquares",
+    "ReconstructMethod",
+    "located",
+    "reconstruct",
+    "wanted",
+]

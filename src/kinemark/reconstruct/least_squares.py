@@ -72,20 +72,40 @@ class LeastSquares:
                 raise ValueError(f"{name} is {getattr(self, name)}, wanted 0 or more")
 
 
-def reconstruct(matches: Matches, detections: Detections, rig: Rig, *, method: LeastSquares = LeastSquares()) -> Cloud:
+def reconstruct_least_squares(matches: Matches, detections: Detections, rig: Rig, *, method: LeastSquares) -> Cloud:
     """The points of all matches, in the order of their frames; residuals in px, covariances in mm²."""
+    cloud = located(matches, detections, rig, method=method)
+    return cloud.keep(wanted(cloud, rig, method=method))
+
+
+def located(
+    matches: Matches,
+    detections: Detections,
+    rig: Rig,
+    *,
+    guess: Floats | None = None,
+    method: LeastSquares = LeastSquares(),
+) -> Cloud:
+    """One point for each match, in the same order, not finite where it has none.
+
+    Args:
+        guess: (P, 3) mm, where the points are thought to be, to within some noise of the images; None: the linear
+            solution, which takes longer.
+        matches, detections, rig, method: as for `reconstruct`.
+    """
     seen: NDArray[np.bool_] = matches.view >= 0
     uv = np.where(seen[..., None], detections.uv[matches.view], np.nan)
-    guess = _linear(rig, uv)
+    steps = 1 if guess is not None else 2
+    guess = _linear(rig, uv) if guess is None else guess
     if method.marker_diameter is not None:
         uv = uv - _sphere_offsets(rig, guess, method.marker_diameter)  # (3)
-        guess = _linear(rig, uv)
+        guess = guess if steps == 1 else _linear(rig, uv)
     area = np.where(seen, detections.area[matches.view], np.nan)
-    cov = _centroid_cov(detections.cov[matches.view], rig, guess, uv, method)
+    cov = centroid_cov(detections.cov[matches.view], rig, guess, uv, method)
     beside = hidden_variance(rig, guess, area) + method.model_sd**2
     cov = cov + beside[..., None, None] * np.eye(2)
-    point = _robust(rig, guess, uv, cov, method.tails)
-    cloud = Cloud(
+    point = _robust(rig, guess, uv, cov, method.tails, steps)
+    return Cloud(
         rate=detections.rate,
         start=np.searchsorted(matches.frame, np.arange(matches.n_frames + 1)),
         xyz=point.xyz,
@@ -93,7 +113,11 @@ def reconstruct(matches: Matches, detections: Detections, rig: Rig, *, method: L
         residual=np.sqrt(np.nansum(point.off**2, axis=(1, 2)) / seen.sum(1)),
         view=matches.view,
     )
-    return cloud.keep(np.isfinite(point.xyz).all(1) & _inside(point.xyz, rig, method))
+
+
+def wanted(cloud: Cloud, rig: Rig, *, method: LeastSquares = LeastSquares()) -> NDArray[np.bool_]:
+    """(P) whether a point of `located` is one, and in the control volume where the method asks for it."""
+    return np.isfinite(cloud.xyz).all(1) & _inside(cloud.xyz, rig, method)
 
 
 def _linear(rig: Rig, uv: Floats) -> Floats:
@@ -106,7 +130,7 @@ def _sphere_offsets(rig: Rig, xyz: Floats, diameter: float) -> Floats:
     return np.nan_to_num(np.stack([sphere_offset(camera, xyz, diameter=diameter) for camera in rig], 1))
 
 
-def _centroid_cov(cov: Floats, rig: Rig, guess: Floats, uv: Floats, method: LeastSquares) -> Floats:
+def centroid_cov(cov: Floats, rig: Rig, guess: Floats, uv: Floats, method: LeastSquares) -> Floats:
     """Covariances (P, C, 2, 2) px² of the images, by (1) where they state none."""
     unknown = np.isnan(cov[..., 0, 0])
     if not (unknown & ~np.isnan(uv[..., 0])).any():
@@ -125,9 +149,9 @@ def _centroid_sd(rig: Rig, guess: Floats, uv: Floats) -> float:
     return float(np.sqrt(np.median(np.nansum(off**2, axis=(1, 2)) / (2 * gammaincinv(freedom[three] / 2, 0.5)))))
 
 
-def _robust(rig: Rig, guess: Floats, uv: Floats, cov: Floats, tails: float) -> Triangulated:
+def _robust(rig: Rig, guess: Floats, uv: Floats, cov: Floats, tails: float, steps: int) -> Triangulated:
     """The points with heavy-tailed images by (2); those whose images agree are done after one pass."""
-    point = refine(rig, guess, uv, cov, steps=2)
+    point = refine(rig, guess, uv, cov, steps=steps)
     wild = np.flatnonzero((_squared(point.off, cov) > 2 + tails).any(1)) if tails else np.zeros(0, np.int64)
     if not len(wild):
         return point

@@ -289,6 +289,22 @@ def _doubtful(figures: Figures) -> Iterator[Remark]:
         yield from _say("amber", note, "Correct the one that is wrong.")
 
 
+def _noticed(figures: Figures) -> Iterator[Remark]:
+    for sentence in figures["noticed"]:
+        yield from _say("amber", sentence, "Check that camera and the settings; calibrate again if it was moved.")
+
+
+def _unsure(figures: Figures) -> Iterator[Remark]:
+    doubts = figures["doubts"]
+    if doubts:
+        kinds = {kind: sum(doubt["kind"] == kind for doubt in doubts) for kind in ("swap", "merge", "ghost", "join")}
+        listed = ", ".join(count(n, f"possible {kind}") for kind, n in kinds.items() if n)
+        what = (
+            f"{count(len(doubts), 'decision')} of the tracking {'was' if len(doubts) == 1 else 'were'} close: {listed}."
+        )
+        yield from _say("info", what, "They are listed with their times and reasons below.")
+
+
 def _stretched(figures: Figures) -> Iterator[Remark]:
     """A control frame with wrong measures gives pixels that are not square; those of fields are half as high."""
     ratios = {c["name"]: c["focal_px"][0] / c["focal_px"][1] for c in figures["cameras"]}
@@ -305,5 +321,6 @@ def worst_cameras(figures: Figures) -> list[str]:
 
 CHECKS = (
     *(_nothing, _blind, _unlike_others, _residual, _calibration, _judged, _unused, _few_views, _absent),
-    *(_incomplete, _pieces, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over, _doubtful, _stretched),
+    *(_incomplete, _pieces, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over, _doubtful, _noticed),
+    *(_unsure, _stretched),
 )

@@ -23,6 +23,7 @@ from .scene import scene, upwards
 from .tables import (
     calibration_table,
     camera_table,
+    doubt_table,
     marker_table,
     paragraphs,
     spots_table,
@@ -112,6 +113,7 @@ def page(
         spots_table=spots_table(quality["cameras"]),
         camera_table=camera_table(quality["cameras"], worst_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),
+        doubt_table=doubt_table(quality["doubts"]),
         step_table=step_table(quality["steps"]),
     )
     return framed(main, heading=quality["trial"], session=quality["session"], version=quality["kinemark"], nav=NAV)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..data import Cloud, Detections, Rig, Step, Tracks, Trajectories
+from ..follow import Doubt
 from ..io.files import replacing
 from ..version import __version__
 from .advice import verdict, warnings
@@ -28,6 +29,8 @@ def quality(
     trajectories: Trajectories,
     steps: Sequence[Step],
     notes: Sequence[str] = (),
+    doubts: Sequence[Doubt] = (),
+    noticed: Sequence[str] = (),
     judged: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """All figures of one trial as JSON-able data, units in the names of the keys, None where unknown.
@@ -40,6 +43,8 @@ def quality(
         trajectories: the markers as they leave the last stage.
         steps: how the trial was made.
         notes: sentences to pass on to the reader.
+        doubts: decisions of the tracker that were close.
+        noticed: sentences on what the tracker found odd about its input.
         judged: how good the calibration is, from `calibration.calibration_figures`; None where nobody judged it.
 
     Raises:
@@ -67,6 +72,8 @@ def quality(
             "timing": _timing(steps, detections.n_frames),
             "steps": [_step(step) for step in steps],
             "notes": list(notes),
+            "noticed": list(noticed),
+            "doubts": [_doubt(doubt, detections.rate) for doubt in doubts],
         }
     )
     figures["warnings"] = warnings(figures)
@@ -137,6 +144,18 @@ def _tracks(tracks: Tracks) -> dict[str, Any]:
         "length_mean_frames": mean(lengths[lengths > 0].astype(float)),
         "length_median_frames": quantile(lengths[lengths > 0].astype(float), 0.5),
         "lengths_frames": lengths,
+    }
+
+
+def _doubt(doubt: Doubt, rate: float) -> dict[str, Any]:
+    """A close decision, its tracks by the names of their trajectories."""
+    return {
+        "kind": doubt.kind,
+        "first_frame": doubt.first,
+        "last_frame": doubt.last,
+        "time_s": doubt.first / rate,
+        "trajectories": [f"*{track + 1}" for track in doubt.tracks if track >= 0],
+        "reason": doubt.reason,
     }
 
 

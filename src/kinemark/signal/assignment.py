@@ -20,3 +20,25 @@ def assign(cost: NDArray[np.float64], limit: NDArray[np.float64]) -> tuple[NDArr
     rows, columns = linear_sum_assignment(np.where(allowed, cost, forbidden))
     good = allowed[rows, columns]
     return rows[good], columns[good]
+
+
+def assign_nearest(
+    cost: NDArray[np.float64], limit: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows and columns that go together, the cheapest of all first, with cost (n, m) at most limit (n)."""
+    row, column = np.nonzero(cost <= limit[:, None])
+    return cheapest_first(row, column, cost[row, column])
+
+
+def cheapest_first(
+    row: NDArray[np.int64], column: NDArray[np.int64], cost: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Of possible pairs (K) those taken where the cheapest goes first and each row and column once; ties: the first."""
+    order = np.argsort(cost, kind="stable")
+    rows: dict[int, int] = {}
+    taken: set[int] = set()
+    for i, j in zip(row[order].tolist(), column[order].tolist(), strict=True):
+        if i not in rows and j not in taken:
+            rows[i] = j
+            taken.add(j)
+    return np.array(list(rows), np.int64), np.array(list(rows.values()), np.int64)

@@ -2,6 +2,7 @@
 
 from .arm import arm
 from .cameras import VOLUME, focal_pixels, look_at, place_camera, ring
+from .dressed import dressed, together
 from .gait import walking
 from .laboratory import rods_toml, write_calibration, write_session
 from .motions import circle_over_cylinder, elbow_flexion, tilted_rectangle
@@ -25,6 +26,7 @@ __all__ = [
     "circle_over_cylinder",
     "control_frame",
     "dot_grid",
+    "dressed",
     "elbow_flexion",
     "film",
     "focal_pixels",
@@ -41,6 +43,7 @@ __all__ = [
     "still",
     "thrown_ball",
     "tilted_rectangle",
+    "together",
     "truth",
     "walking",
     "wand",

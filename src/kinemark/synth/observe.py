@@ -56,6 +56,14 @@ class Observed:
     merged: NDArray[np.int64]
     sight: Sight
 
+    @property
+    def own_views(self) -> NDArray[np.int64]:
+        """(M, F) cameras that have an image of the marker alone, not run together with others."""
+        own = (self.marker >= 0) & (self.merged == 1)
+        views = np.zeros(self.sight.uv.shape[1:3], np.int64)
+        np.add.at(views, (self.marker[own], self.detections.frame[own]), 1)
+        return views
+
 
 class Rows(NamedTuple):
     """Marker images of one camera, before they are put in order; all (N) but uv (N, 2)."""

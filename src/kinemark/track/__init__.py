@@ -1,6 +1,22 @@
 """Points of successive frames become tracks, and tracks become trajectories."""
 
-from .ladder import ExtrapolationLadder, track
+from .editing import blend, within_volume, without_short
+from .kiss import KissTracking
+from .ladder import ExtrapolationLadder
+from .methods import TRACKERS, TrackMethod, track
+from .swamidas import DistanceOnly, Swamidas
 from .trajectories import to_trajectories
 
-__all__ = ["ExtrapolationLadder", "to_trajectories", "track"]
+__all__ = [
+    "TRACKERS",
+    "DistanceOnly",
+    "ExtrapolationLadder",
+    "KissTracking",
+    "Swamidas",
+    "TrackMethod",
+    "blend",
+    "to_trajectories",
+    "track",
+    "within_volume",
+    "without_short",
+]

@@ -82,7 +82,7 @@ class Active:
     cov: Floats
 
 
-def track(cloud: Cloud, *, method: ExtrapolationLadder = ExtrapolationLadder()) -> Tracks:
+def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
     """The cloud with identities, numbered in the order in which the tracks begin."""
     identity = np.full(len(cloud), -1)
     active = _none()

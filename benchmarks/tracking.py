@@ -1,0 +1,197 @@
+"""From 2D points to tracks, all methods on the same scenes: what they find, invent, swap, and how fast they are.
+
+    python benchmarks/tracking.py [scene …] [--seeds N]
+
+A person walks through a ring or an arc of cameras, or two people do; limbs hide markers, images nearer than 8 px run
+together, points come from nowhere. To be found is every sample inside the volume of which two cameras have an image of
+its own. A ghost is a tracked point with no marker within 10 mm. Rivals that are absent are named and left out:
+pip install ".[bench]" brings them (`tracking_rivals`). Everything runs on one thread; its time is the processor's.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+import numpy as np
+from numpy.typing import NDArray
+from tracking_rivals import RIVALS
+
+from kinemark.data import Detections, Rig, Tracks
+from kinemark.follow import Simultaneous, follow
+from kinemark.match import EpipolarTriplets, KissTriplets, MatchMethod, match
+from kinemark.reconstruct import reconstruct
+from kinemark.score import Score, score
+from kinemark.synth import Observed, Subject, dressed, observe, ring, together, walking
+from kinemark.track import ExtrapolationLadder, KissTracking, TrackMethod, track
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What is seen, by how many cameras, and how well."""
+
+    markers: int
+    cameras: int = 6
+    rate: float = 100.0
+    noise: float = 0.1
+    false: float = 2.0
+    sweep: float = 360.0
+    people: int = 1
+
+
+SCENES = {
+    "15, 6 cameras, 50 Hz": Scene(15, rate=50.0),
+    "15, 4 cameras, 100 Hz, arc": Scene(15, 4, sweep=120.0),
+    "39, 4 cameras, 50 Hz": Scene(39, 4, rate=50.0),
+    "39, 6 cameras, 100 Hz": Scene(39),
+    "39, 6 cameras, 100 Hz, arc, 10 false": Scene(39, sweep=120.0, false=10.0),
+    "39, 8 cameras, 200 Hz, 0.3 px": Scene(39, 8, rate=200.0, noise=0.3),
+    "39, 12 cameras, 100 Hz, 1 false": Scene(39, 12, false=1.0),
+    "two people, 39, 8 cameras, 100 Hz": Scene(39, 8, people=2),
+    "100, 8 cameras, 100 Hz, 10 false": Scene(100, 8, false=10.0),
+    "100, 12 cameras, 50 Hz": Scene(100, 12, rate=50.0),
+}
+
+
+class Made(NamedTuple):
+    """A scene: who walks, the cameras, what they saw, and which samples are to be found (M, F)."""
+
+    subject: Subject
+    rig: Rig
+    observed: Observed
+    seen: NDArray[np.bool_]
+
+
+def made(scene: Scene, seed: int = 0) -> Made:
+    """The scene, with this seed."""
+    if scene.people == 1:
+        subject = dressed(person(scene, seed), scene.markers, seed=seed)
+    else:
+        each = [person(scene, seed, (1200.0, 400.0)), person(scene, seed + 7, (1200.0, 1000.0), phase=0.2, speed=900.0)]
+        counts = (scene.markers // 2, scene.markers - scene.markers // 2)
+        subject = together(*(dressed(one, n, seed=seed + n) for one, n in zip(each, counts, strict=True)))
+    rig = ring(scene.cameras, sweep_deg=scene.sweep, focal_px=1100.0)
+    observed = observe(
+        rig,
+        subject,
+        noise_px=scene.noise,
+        false_per_frame=scene.false,
+        merge_px=8.0,
+        least_visible=0.3,
+        seed=seed,
+    )
+    low, high = rig.volume if np.isfinite(rig.volume).all() else (np.full(3, -np.inf), np.full(3, np.inf))
+    inside = ((subject.xyz >= low) & (subject.xyz <= high)).all(-1)
+    return Made(subject, rig, observed, (observed.own_views >= 2) & inside)
+
+
+def person(
+    scene: Scene,
+    seed: int,
+    middle: tuple[float, float] = (1200.0, 700.0),
+    phase: float = 0.8,
+    speed: float = 1100.0,
+) -> Subject:
+    """Somebody who walks for two seconds."""
+    return walking(
+        duration_s=2.0,
+        rate=scene.rate,
+        seed=seed,
+        speed_mm_s=speed,
+        wobble_mm=3.0,
+        marker_radius_mm=7.0,
+        middle=middle,
+        phase=phase,
+    )
+
+
+# ---- Methods: from detections to tracks ----
+
+
+def staged(matching: MatchMethod, tracking: TrackMethod) -> Callable[[Detections, Rig], Tracks]:
+    """Matching, reconstruction and tracking one after another."""
+
+    def run(detections: Detections, rig: Rig) -> Tracks:
+        cloud = reconstruct(match(detections, rig, method=matching), detections, rig)
+        return track(cloud, method=tracking)
+
+    return run
+
+
+METHODS: dict[str, Callable[[Detections, Rig], Tracks]] = {
+    "simultaneous": lambda detections, rig: follow(detections, rig, method=Simultaneous()),
+    "epipolar_triplets, extrapolation_ladder": staged(EpipolarTriplets(), ExtrapolationLadder()),
+    "kiss_triplets, kiss_tracking": staged(KissTriplets(), KissTracking()),
+}
+
+
+def methods(cameras: int) -> tuple[dict[str, Callable[[Detections, Rig], Tracks]], list[str]]:
+    """All that can run on so many cameras, and why the others cannot."""
+    able, unable = dict(METHODS), []
+    for name, rival in RIVALS.items():
+        if rival.absent:
+            unable.append(f"{name}: {', '.join(rival.absent)} is not installed")
+        elif cameras > rival.most_cameras:
+            unable.append(f"{name}: takes at most {rival.most_cameras} cameras")
+        else:
+            able[name] = rival.run
+    return able, unable
+
+
+def line(name: str, result: Score, samples: int, seconds: float) -> str:
+    """A row of the table."""
+    pieces = result.pieces[result.pieces > 0]
+    return (
+        f"  {name:42s}{100 * result.recall:7.2f}{100 * result.precision:8.2f}{result.extra_per_frame:8.3f}"
+        f"{result.rmse:7.2f}{100 * result.coverage:7.1f}{result.chi2:7.2f}{result.swaps:6d}{result.handovers:6d}"
+        f"{pieces.mean() if len(pieces) else np.nan:7.2f}{100 * np.nanmean(result.best):7.1f}"
+        f"{samples / seconds / 1000:8.1f}"
+    )
+
+
+HEAD = (
+    f"  {'':42s}{'recall':>7s}{'precis.':>8s}{'ghosts':>8s}{'RMSE':>7s}{'95 %':>7s}{'χ²/3':>7s}{'swaps':>6s}"
+    f"{'hand-':>6s}{'pieces':>7s}{'best':>7s}{'1000':>8s}\n"
+    f"  {'':42s}{'%':>7s}{'%':>8s}{'/frame':>8s}{'mm':>7s}{'hold':>7s}{'':>7s}{'':>6s}{'overs':>6s}"
+    f"{'':>7s}{'track %':>7s}{'samp./s':>8s}"
+)
+
+
+def warm_up() -> None:
+    """Run everything once, so that no method's time has imports in it."""
+    _, rig, observed, _ = made(Scene(5, 4, rate=25.0))
+    for run in methods(4)[0].values():
+        run(observed.detections, rig)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scene", nargs="*", help="part of a scene's name; all where none is given")
+    parser.add_argument("--seeds", type=int, default=1)
+    wanted = parser.parse_args()
+    warm_up()
+    print(HEAD)
+    for name, scene in SCENES.items():
+        if wanted.scene and not any(part in name for part in wanted.scene):
+            continue
+        able, unable = methods(scene.cameras)
+        for seed in range(wanted.seeds):
+            subject, rig, observed, seen = made(scene, seed)
+            print(f"{name}{f', seed {seed}' if wanted.seeds > 1 else ''}: {int(seen.sum())} samples")
+            for method, run in able.items():
+                begin = time.process_time()
+                tracks = run(observed.detections, rig)
+                seconds = time.process_time() - begin
+                print(line(method, score(tracks, subject.xyz, seen=seen), int(seen.sum()), seconds), flush=True)
+        for why in unable:
+            print(f"  left out: {why}")
+
+
+if __name__ == "__main__":
+    main()

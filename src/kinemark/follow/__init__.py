@@ -1,0 +1,21 @@
+"""Matching and tracking at once: from detections straight to tracks."""
+
+from .doubts import Doubt, doubts, follow_with_doubts
+from .former import FormerTwoCameras
+from .method import Simultaneous
+from .methods import FOLLOWERS, follow
+from .noticed import noticed
+from .simultaneous import Followed, followed
+
+__all__ = [
+    "FOLLOWERS",
+    "Doubt",
+    "Followed",
+    "FormerTwoCameras",
+    "Simultaneous",
+    "doubts",
+    "follow",
+    "follow_with_doubts",
+    "followed",
+    "noticed",
+]

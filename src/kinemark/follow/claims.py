@@ -1,0 +1,214 @@
+"""Which track has which images, in all cameras of one frame.
+
+A track expected at X with covariance V is expected in a camera at its projection u, with the covariance of the
+difference from a centroid of variance s²
+
+    S = J V Jᵀ + s² I,   J = ∂u/∂X                                       (1)
+    d² = (image − u)ᵀ S⁻¹ (image − u)                                    (2)
+
+An image that lies beyond d = gate is none of its own. Among the others, claiming is worth how much likelier the image
+is as the track's than as one of the b images per px² that come from anything else, where a track is seen with
+probability p:
+
+    worth = 2 ln(p / ((1 − p) 2π b)) − ln |S| − d²                       (3)
+
+and in each camera the claims of all tracks together are those of the greatest worth. So a track that is sure of its
+place takes an image before one that could be anywhere.
+
+Where markers run together, a track that finds nothing shares the image of another that covers the place where it is
+expected. The outermost of n equal discs that touch in a row lies (n − 1)/√n of the blob's radius r = √(area / π) from
+its middle: 0.71 r for two, 1.15 r for three, which is as far as is looked. The image then says of either only that it
+is somewhere in the blob, and for two discs in a row that is r²/2 along the row (4).
+
+As in `motion`, the T tracks stand along the last axis.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from .images import Images
+from .motion import Bools, Floats, Ints, Motion
+
+IN_ROW = 1.15
+"""(n − 1)/√n for three discs in a row."""
+
+
+class Expected(NamedTuple):
+    """Tracks in the cameras: uv (C, 2, T) px, NaN behind; J (C, 2, 3, T) px/mm; S (C, 3, T) px², its xx, xy and yy,
+    the centroid's variance not yet in it."""
+
+    uv: Floats
+    J: Floats
+    S: Floats
+
+
+class Claims(NamedTuple):
+    """Images of tracks: row (C, T) of `Images`, −1 for none; variance (C, T) px², inf for none; worth (C, T) of (3);
+    shared (C, T) whether another track has it too."""
+
+    row: Ints
+    variance: Floats
+    worth: Floats
+    shared: Bools
+
+
+class Pairs(NamedTuple):
+    """Places own = c T + t of track t in camera c and rows of images that may belong together; (2), and ln |S|."""
+
+    own: Ints
+    row: Ints
+    squared: Floats
+    log_det: Floats
+
+    def take(self, which: Ints | Bools) -> Pairs:
+        """Only these."""
+        return Pairs(self.own[which], self.row[which], self.squared[which], self.log_det[which])
+
+
+def expect(P: Floats, motion: Motion) -> Expected:
+    """Where the cameras P (C, 3, 4) are expected to see the tracks."""
+    h = (P[:, :, :3].reshape(-1, 3) @ motion.position + P[:, :, 3].reshape(-1, 1)).reshape(len(P), 3, -1)
+    z = np.where(h[:, 2:] > 0, h[:, 2:], np.nan)
+    uv = h[:, :2] / z
+    J = (P[:, :2, :3, None] - uv[:, :, None] * P[:, 2:, :3, None]) / z[:, None]
+    JV = (J[:, :, :, None] * motion.cov).sum(2)
+    S = (JV[:, [0, 0, 1]] * J[:, [0, 1, 1]]).sum(2)
+    return Expected(uv, J, S)
+
+
+def candidates(images: Images, free: Bools, frame: Ints, expected: Expected, gate: float) -> Pairs:
+    """The free images within the gate of tracks in frames (T)."""
+    uv, S = expected.uv, expected.S
+    cell = (frame * len(uv) + np.arange(len(uv))[:, None]).ravel()
+    own, row = images.near(cell, uv[:, 0].ravel(), gate * np.sqrt(S[:, 0] + images.widest).ravel())
+    which = free[row]
+    own, row = own[which], row[which]
+    n = S.shape[-1]
+    c, t = own // n, own % n
+    x, y = (images.uv[row] - uv[c, :, t]).T
+    a, b, d = S[c, :, t].T
+    noise = images.variance[row]
+    a, d = a + noise, d + noise
+    det = a * d - b * b  # |S|
+    squared = (d * x * x - 2 * b * x * y + a * y * y) / det  # (2)
+    return Pairs(own, row, squared, np.log(det)).take(squared < gate**2)
+
+
+def claim(images: Images, free: Bools, frame: Ints, expected: Expected, gate: float) -> Claims:
+    """The claims of T tracks in frames (T) on the free images there."""
+    C, n = expected.uv.shape[::2]
+    pairs = candidates(images, free, frame, expected, gate)
+    worth = images.prior[pairs.own // n] - pairs.log_det - pairs.squared  # (3)
+    good = np.flatnonzero(worth > 0)
+    own, image, worth = pairs.own[good], pairs.row[good], worth[good]
+    best = _best(own, image, worth, frame[own % n] * C + own // n)
+    row, gain = np.full(C * n, -1), np.zeros(C * n)
+    row[own[best]], gain[own[best]] = image[best], worth[best]
+    row = row.reshape(C, n)
+    variance = np.where(row >= 0, images.variance[row], np.inf)
+    return Claims(row, variance, gain.reshape(C, n), np.zeros((C, n), bool))
+
+
+def _best(own: Ints, image: Ints, worth: Floats, cell: Ints) -> Ints:
+    """Which pairs are claims: in each cell those of the greatest worth together, nobody and no image twice."""
+    contested = _repeated(own) | _repeated(image)
+    won, rest = [np.flatnonzero(~contested)], np.flatnonzero(contested)
+    while len(rest):
+        simple, left = _simple(own[rest], image[rest], worth[rest])
+        won.append(rest[simple])
+        rest = rest[left]
+        if not simple.any():
+            rest = rest[np.argsort(cell[rest], kind="stable")]
+            cuts = np.flatnonzero(np.diff(cell[rest])) + 1
+            won += [_assigned(own[part], image[part], worth[part], part) for part in np.split(rest, cuts)]
+            break
+    return np.concatenate(won)
+
+
+def _simple(own: Ints, image: Ints, worth: Floats) -> tuple[Bools, Bools]:
+    """Pairs that are certainly among the best, and those that have then nothing to do with them.
+
+    Where a pair is the best of both its track and its image, and one of these has no other pair, then whatever else the
+    best claims were, changing them for this pair would lose nothing.
+    """
+    order = np.argsort(worth, kind="stable")
+    best, only, place = np.ones(len(own), bool), np.zeros(len(own), bool), []
+    for key in (own, image):
+        _, i = np.unique(key, return_inverse=True)
+        top = np.empty(len(own), np.int64)
+        top[i[order]] = order
+        best &= top[i] == np.arange(len(own))
+        only |= np.bincount(i)[i] == 1
+        place.append(i)
+    simple = best & only
+    gone = np.zeros(len(own), bool)
+    for i in place:
+        gone |= np.bincount(i, simple)[i] > 0
+    return simple, ~gone
+
+
+def _repeated(key: Ints) -> Bools:
+    """Whether each occurs more than once."""
+    order = np.argsort(key, kind="stable")
+    same = np.diff(key[order]) == 0
+    out = np.zeros(len(key), bool)
+    out[order[1:][same]] = out[order[:-1][same]] = True
+    return out
+
+
+def _assigned(own: Ints, image: Ints, worth: Floats, pair: Ints) -> Ints:
+    """Of `pair` those of the greatest worth together."""
+    tracks = {t: i for i, t in enumerate(dict.fromkeys(own.tolist()))}
+    rows = {r: j for j, r in enumerate(dict.fromkeys(image.tolist()))}
+    i, j = [tracks[t] for t in own.tolist()], [rows[r] for r in image.tolist()]
+    gain, which = np.zeros((len(tracks), len(rows))), np.full((len(tracks), len(rows)), -1)
+    gain[i, j], which[i, j] = worth, pair
+    chosen = which[linear_sum_assignment(gain, maximize=True)]
+    return np.asarray(chosen[chosen >= 0])
+
+
+def share(images: Images, frame: Ints, expected: Expected, claims: Claims, gate: float) -> Claims:
+    """The claims, and those of tracks that find nothing on merged images of others that cover their place."""
+    has = claims.row >= 0
+    holder_c, holder = np.nonzero(has & images.merged[claims.row])
+    c, t = np.nonzero(~has)
+    if not len(holder) or not len(c):
+        return claims
+    image = claims.row[holder_c, holder]
+    order = np.argsort(image)
+    image, holder = image[order], holder[order]
+    sd = gate * np.sqrt(expected.S[c, :, t][:, ::2].max(1))
+    own, row = images.near(frame[t] * len(has) + c, expected.uv[c, 0, t], IN_ROW * images.radius[image].max() + sd)
+    place = np.minimum(np.searchsorted(image, row), len(image) - 1)
+    held = image[place] == row
+    own, row, holder = own[held], row[held], holder[place[held]]
+    far = np.linalg.norm(images.uv[row] - expected.uv[c[own], :, t[own]], axis=-1)
+    beyond = far / (IN_ROW * images.radius[row] + sd[own])
+    near = np.flatnonzero(beyond < 1)
+    near = near[np.argsort(-beyond[near], kind="stable")]  # of several, the nearest is written last
+    return _shared(images, claims, c[own[near]], t[own[near]], holder[near], row[near])
+
+
+def _shared(images: Images, claims: Claims, c: Ints, t: Ints, holder: Ints, row: Ints) -> Claims:
+    """The claims with rows also had by tracks t in cameras c."""
+    if not len(t):
+        return claims
+    rows, variance, shared = claims.row.copy(), claims.variance.copy(), claims.shared.copy()
+    rows[c, t] = row
+    for track in (t, holder):
+        variance[c, track] = np.maximum(images.variance[row], images.radius[row] ** 2 / 2)  # (4)
+        shared[c, track] = True
+    return Claims(rows, variance, claims.worth, shared)
+
+
+def information(images: Images, expected: Expected, claims: Claims) -> tuple[Floats, Floats]:
+    """What the claimed images say of the positions: N (3, 3, T) 1/mm² and g (3, T) 1/mm of `motion.told`."""
+    has = claims.row >= 0
+    off = np.where(has[:, None], images.uv[claims.row].swapaxes(1, 2) - expected.uv, 0.0)
+    J = np.where(has[:, None, None], expected.J, 0.0)
+    JW = J / claims.variance[:, None, None]
+    return (JW[:, :, :, None] * J[:, :, None]).sum((0, 1)), (JW * off[:, :, None]).sum((0, 1))

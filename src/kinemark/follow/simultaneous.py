@@ -1,0 +1,130 @@
+"""Kinemark's own tracker: matching and tracking at once.
+
+The paper of the Kiss system (Shafiq, Tümer and Güler 2001) notes that no method had been reported that does both at the
+same time. Here the tracks, predicted with their covariance (`motion`), claim their images in all cameras (`claims`);
+what nobody claims gives birth to new tracks (`groups`, `births`); tracks go forwards and then backwards (`run`), and
+what their images say of each point is solved as by the other methods (`reconstruct.located`). A track is kept where
+there is evidence for it (`evidence`); pieces of one marker's path become one track (`joins`).
+
+A point of which the images alone say little, as where two cameras look along almost one line or markers run together,
+is known better from its motion. Where the images leave more than VAGUE times as much open as they usually do, the
+smoothed position is given instead (1).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data import Cloud, Detections, Matches, Rig, Tracks
+from ..reconstruct import LeastSquares, located, wanted
+from .evidence import SURE, evidence
+from .groups import fundamentals
+from .images import Images, read_images
+from .joins import Join, joined
+from .method import Simultaneous
+from .motion import Bools, Floats, Ints
+from .noise import Noise, learned
+from .paths import Points, smoothed
+from .run import Sightings, run
+
+PLACE = LeastSquares()
+
+VAGUE = 5.0
+"""Of the median of the standard deviations."""
+
+
+class Followed(NamedTuple):
+    """What the method gives.
+
+    Attributes:
+        tracks: the tracks.
+        seen: every time that a track was looked for, also of those that were dropped; its rows are of `images`.
+        id: (N) the track that each of `seen` became, −1 for none.
+        evidence: (N) for each of `seen`.
+        joins: those that were made or thought of, of tracks of `seen`.
+        images: what the cameras saw; noise: what was learned of them.
+    """
+
+    tracks: Tracks
+    seen: Sightings
+    id: Ints
+    evidence: Floats
+    joins: list[Join]
+    images: Images
+    noise: Noise
+
+
+def follow_simultaneous(detections: Detections, rig: Rig, method: Simultaneous) -> Tracks:
+    """Tracks of all markers; called through `follow`."""
+    return followed(detections, rig, method).tracks
+
+
+def followed(detections: Detections, rig: Rig, method: Simultaneous, *, place: LeastSquares = PLACE) -> Followed:
+    """Tracks of all markers, their points as `place` says, and how they came about."""
+    T = 1 / detections.rate
+    images, noise = learned(images := read_images(detections, rig), fundamentals(images.P), method.gate)
+    every = run(images.without(noise.deaf), detections.rate, method)  # images that fit nothing are left out
+    seen = _gathered(every, max(method.shortest / T, 4))
+    own = (seen.row >= 0) & ~seen.shared & ~images.merged[seen.row]
+    speaks = evidence(seen, own, method.gate)
+    cloud = _surest(_placed(seen, _variance(seen, images), detections, rig, place), seen, own.sum(0) >= 2, T, method)
+    good = wanted(cloud, rig) & _sure(cloud, own.sum(0), method) & (speaks > SURE)[seen.id]
+    cloud, ids = cloud.keep(good), seen.id[good]
+    whole = joined(Points(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
+    kept, number = np.unique(whole.id[ids], return_inverse=True)
+    final = np.full(int(every.id.max(initial=-1)) + 1, -1)
+    final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
+    return Followed(Tracks(cloud, number), every, final, speaks, whole.joins, images, noise)
+
+
+def _gathered(seen: Sightings, least: float) -> Sightings:
+    """The sightings in two and more cameras of tracks that have enough of them, by frame."""
+    seen = seen.take((seen.row >= 0).sum(0) >= 2)
+    seen = seen.take(np.lexsort([seen.id, seen.frame]))
+    return seen.take(np.bincount(seen.id, minlength=1)[seen.id] >= least)
+
+
+def _variance(seen: Sightings, images: Images) -> Floats:
+    """(D) px², of all images, those that tracks share being anywhere in their blobs."""
+    shared = np.zeros(len(images.uv), bool)
+    shared[seen.row[seen.shared & (seen.row >= 0)]] = True
+    variance = images.variance - images.calibration[images.camera]  # which `located` adds itself
+    return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
+
+
+def _placed(seen: Sightings, variance: Floats, detections: Detections, rig: Rig, place: LeastSquares) -> Cloud:
+    """The points of the sightings, one to one, by their images."""
+    detections = replace(detections, cov=variance[:, None, None] * np.eye(2))
+    matches = Matches(seen.frame, seen.row.T, np.zeros(len(seen.frame)), detections.n_frames)
+    return located(matches, detections, rig, guess=np.ascontiguousarray(seen.xyz.T), method=place)
+
+
+def _surest(cloud: Cloud, seen: Sightings, sound: Bools, T: float, method: Simultaneous) -> Cloud:
+    """The cloud with the points of which the images say little by their motion (1)."""
+    sd = _sd(cloud.cov)
+    known = np.isfinite(cloud.xyz).all(1) & np.isfinite(sd)
+    vague = known & (sd > VAGUE * np.median(sd[known])) if known.any() else known
+    if not vague.any():
+        return cloud
+    xyz, cov = cloud.xyz.copy(), cloud.cov.copy()
+    points = Points(cloud.frame[known], seen.id[known], xyz[known], cov[known])
+    smooth = smoothed(points, vague[known], sound[known], T, method)
+    filtered = seen.xyz.T[vague], seen.cov.transpose(2, 0, 1)[vague]
+    better = _sd(smooth[1]) < _sd(filtered[1])
+    xyz[vague] = np.where(better[:, None], smooth[0], filtered[0])
+    cov[vague] = np.where(better[:, None, None], smooth[1], filtered[1])
+    return replace(cloud, xyz=xyz, cov=cov)
+
+
+def _sd(cov: Floats) -> Floats:
+    """Standard deviation (P) of all three axes together, mm."""
+    return np.asarray(np.sqrt(np.trace(cov, axis1=1, axis2=2)))
+
+
+def _sure(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
+    """Whether points are known well enough to be given."""
+    sd = _sd(cloud.cov)
+    return ((own >= 2) | (sd < method.worst / 3)) & (sd < method.worst)

@@ -1,0 +1,21 @@
+"""The tracking of Swamidas (1997): Kalman prediction with regions of acceptance, and nearest distance beside it."""
+
+from .constraints import Constraint
+from .distance import DistanceOnly, track_distance
+from .kalman import State, predict, start, update
+from .method import Swamidas
+from .run import Followed, follow_points, track_swamidas
+
+__all__ = [
+    "Constraint",
+    "DistanceOnly",
+    "Followed",
+    "State",
+    "Swamidas",
+    "follow_points",
+    "predict",
+    "start",
+    "track_distance",
+    "track_swamidas",
+    "update",
+]

@@ -1,0 +1,109 @@
+"""The three-state Kalman predictor (Swamidas 1997, 2.4.5 and 3.3, after Bozic 1979).
+
+A marker moves with a constant acceleration that jumps by a T from frame to frame (3.13 to 3.15). Position, velocity
+and acceleration of its three coordinates are the rows and columns of one matrix X (3.16). Velocities here are per frame
+and accelerations per frame squared, so T is 1 and drops out:
+
+    X(k+1) = F X(k) + W(k),    F = [1 1 ½; 0 1 1; 0 0 1]                 (1)    (3.13 to 3.16)
+    Q = E[W Wᵀ] = diag(0, 0, U²),    U = jerk · T³                       (2)    (3.25)
+
+Positions are seen; velocity and acceleration are calculated from the last three of them, and all three count as
+measured (3.17, 3.26):
+
+    Y(k) = D [y(k); y(k−1); y(k−2)],    D = [1 0 0; 3/2 −2 1/2; 1 −2 1]  (3)
+    Y(k) = C X(k) + V(k),    C = 1                                       (4)
+    R = E[V Vᵀ] ≈ σ² diag(D Dᵀ) = σ² diag(1, 6.5, 6)                     (5)    (3.27, 3.28)
+
+with σ² the variance of a position. (3) is the one choice of differences of three points that is exact for constant
+acceleration. (5) leaves out, as the document does, that the three share their errors. The document sums Q, R and P over
+the three coordinates; the factor 3 does not change the gain, and is left out here. The predictor is (2.13, 3.18 ff.)
+
+    G = F P Cᵀ (C P Cᵀ + R)⁻¹                                            (6)
+    X(k+1|k) = F X(k|k−1) + G [Y(k) − C X(k|k−1)]                        (7)
+    P(k+1|k) = (F − G C) P Fᵀ + Q                                        (8)
+
+It begins with the first three measurements (3.29 to 3.32): X = Y(3), whose error is D times that of the positions, so
+
+    P = σ² D Dᵀ                                                          (9)
+
+and one step by F. Where nothing is seen, G is 0: (7) goes on with constant acceleration and (8) grows. After a gap the
+positions before are not known, and until three are, only the position counts as measured: C = [1 0 0], R = σ².
+
+Signs and letters of several of these equations are lost in the copy at hand; (3), (5) and (9) are derived.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+F = np.array([[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
+"""Of (1)."""
+
+D = np.array([[1.0, 0.0, 0.0], [1.5, -2.0, 0.5], [1.0, -2.0, 1.0]])
+"""Of (3); its columns are the last position, the one before, and the one before that."""
+
+SPREAD = D @ D.T
+"""Of (9), for σ = 1; its diagonal is that of (5)."""
+
+
+class State(NamedTuple):
+    """What n markers are expected to do.
+
+    x (n, 3, 3): rows position mm, velocity mm/frame, acceleration mm/frame²; columns x, y, z.
+    P (n, 3, 3): covariance of the rows, alike for each column.
+    """
+
+    x: Floats
+    P: Floats
+
+
+def start(past: Floats, sd: float, jump: float) -> State:
+    """The state one frame after the first three positions.
+
+    Args:
+        past: (n, 3, 3) mm; the last position first, then the one before, then the first.
+        sd: standard deviation of a position, σ of (5), mm.
+        jump: U of (2), mm/frame².
+    """
+    P = F @ (sd**2 * SPREAD) @ F.T + _process(jump)  # (9), (8) with G = 0
+    return State(F @ D @ past, np.broadcast_to(P, past.shape).copy())
+
+
+def predict(state: State, jump: float) -> State:
+    """One frame on without measurement."""
+    return State(F @ state.x, _symmetric(F @ state.P @ F.T + _process(jump)))
+
+
+def update(state: State, past: Floats, whole: NDArray[np.bool_], sd: float, jump: float) -> State:
+    """One frame on with the positions seen.
+
+    Args:
+        state: expected in the frame of the newest positions.
+        past: (n, 3, 3) mm, the last position first.
+        whole: (n) whether all three are of successive frames; otherwise only the last counts.
+        sd, jump: as in `start`.
+    """
+    x, P = F @ state.x, np.empty_like(state.P)
+    for own, n_rows in ((whole, 3), (~whole, 1)):
+        if own.any():
+            C, R = np.eye(3)[:n_rows], sd**2 * np.diag(SPREAD.diagonal()[:n_rows])  # (4), (5)
+            prior = state.P[own]
+            G = F @ prior @ C.T @ np.linalg.inv(C @ prior @ C.T + R)  # (6)
+            x[own] += G @ (C @ (D @ past[own] - state.x[own]))  # (7)
+            P[own] = (F - G @ C) @ prior @ F.T + _process(jump)  # (8)
+    return State(x, _symmetric(P))
+
+
+def _process(jump: float) -> Floats:
+    """Q of (2)."""
+    return np.diag([0.0, 0.0, jump**2])
+
+
+def _symmetric(P: Floats) -> Floats:
+    """What rounding has made uneven, made even."""
+    return (P + P.transpose(0, 2, 1)) / 2

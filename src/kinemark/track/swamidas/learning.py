@@ -1,0 +1,70 @@
+"""What the first frames teach: the error of measurement and the segments (Swamidas 1997, 3.4.2 and 3.5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data import Cloud
+from .method import SENSORS, Swamidas
+from .segments import Segments, learn_segments, no_segments
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(slots=True)
+class Knowledge:
+    """What the first frames teach: error (3) mm, segments, and the points (id, xyz) of these frames until then."""
+
+    error: Floats
+    segments: Segments
+    lesson: list[tuple[Ints, Floats]] = field(default_factory=list)
+
+    @property
+    def sd(self) -> float:
+        """σ of the predictor, mm: one for all coordinates."""
+        return float(np.sqrt((self.error**2).mean()))
+
+    def listen(self, identity: Ints, points: Floats, n_frames: int, method: Swamidas) -> None:
+        """Points (n, 3) mm of one more frame, with identities (n); after `n_frames` of them all is learned."""
+        if len(self.lesson) < n_frames and (self.lesson or len(points)):
+            self.lesson.append((identity, points))
+            if len(self.lesson) == n_frames:
+                self._learn(method)
+
+    def _learn(self, method: Swamidas) -> None:
+        n_tracks = max(int(identity.max(initial=-1)) for identity, _ in self.lesson) + 1
+        paths = np.full((n_tracks, len(self.lesson), 3), np.nan)
+        for f, (identity, points) in enumerate(self.lesson):
+            paths[identity[identity >= 0], f] = points[identity >= 0]
+        if method.error is None:
+            self.error = learn_error(paths, self.error)
+        if method.segment_tolerance and not method.lengths:
+            self.segments = learn_segments(paths, tolerance=method.segment_tolerance, links=method.links)
+
+
+def before_learning(cloud: Cloud, method: Swamidas) -> Knowledge:
+    """What is known before any frame; an unknown error is at first the cloud's own, or the document's."""
+    if method.error is not None:
+        error = np.full(3, method.error)
+    else:
+        variance = np.diagonal(cloud.cov, axis1=1, axis2=2)
+        variance = variance[np.isfinite(variance).all(1)]
+        error = np.sqrt(np.median(variance, axis=0)) if len(variance) else np.full(3, SENSORS)
+    given = Segments(np.array(method.links, np.int64).reshape(-1, 2), np.array(method.lengths))
+    return Knowledge(error, given if method.lengths else no_segments())
+
+
+def learn_error(paths: Floats, otherwise: Floats) -> Floats:
+    """(3) mm the scatter of points (M, F, 3) mm about smooth paths.
+
+    The third difference of a path of constant acceleration is that of its errors alone: of variance (1 + 9 + 9 + 1) σ².
+    """
+    jumps = np.diff(paths, 3, axis=1).reshape(-1, 3)
+    jumps = jumps[np.isfinite(jumps).all(1)]
+    if not len(jumps):
+        return otherwise
+    return np.maximum(np.sqrt((jumps**2).mean(0) / 20), 1e-6)

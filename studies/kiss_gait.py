@@ -1,0 +1,192 @@
+"""The gait session of KISS, section 5.2, method by method.
+
+A normal subject with 15 markers on legs and pelvis walks through the control volume before six cameras; 80 fields of
+50 Hz, 752 × 291 px. The paper found 1 329 points for the 1 200 of the markers. Of the 129 others 33 lay outside the
+control volume and 96 went on to tracking, which made 21 tracks, removed 5 as short and left 16, one marker in two
+pieces.
+
+Here the virtual laboratory walks the subject: legs, trunk and arms hide markers, images that touch run together, and a
+point from nowhere comes up in every tenth field of a camera. Centroids of the white pixels of such small images are
+good to some 0.2 px. That the truth is known lets ghosts be counted as they are: points farther than 20 mm from any
+marker. The paper could only count what was found beyond 1 200.
+
+Run: python studies/kiss_gait.py [seed]
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from kinemark.data import Cloud, Detections, KinemarkError, Rig, Tracks
+from kinemark.follow import FormerTwoCameras, Simultaneous, follow
+from kinemark.match import EpipolarTriplets, KissTriplets, match
+from kinemark.reconstruct import LeastSquares, reconstruct
+from kinemark.score import score
+from kinemark.synth import Subject, observe, ring, walking
+from kinemark.track import ExtrapolationLadder, KissTracking, blend, track, without_short
+from kinemark.track.editing import inside_volume
+from kinemark.track.kiss import link
+
+WITHIN = 20.0
+"""mm; the farthest that a point may be from a marker to count as it. The closest markers are 60 mm apart."""
+
+PAPER = ("1329", "129", "33", "1296", "", "21", "5", "16", "1", "15", "", "", "", "")
+ROWS = (
+    "3D points found (of the markers: 1200)",
+    "  ghosts among them",
+    "  outside the control volume",
+    "points that went on to tracking",
+    "track pieces before blending",
+    "tracks",
+    "  removed as short",
+    "tracks left",
+    "markers in more than one piece",
+    "markers found",
+    "samples found, %",
+    "ghost points in tracks",
+    "swaps",
+    "RMSE of tracked points, mm",
+)
+
+
+class Scene(NamedTuple):
+    """The session: its cameras, the truth, and what the cameras saw."""
+
+    rig: Rig
+    subject: Subject
+    detections: Detections
+    views: list[int]
+
+
+def scene(seed: int) -> Scene:
+    """The walk; `views` counts the samples that 0, 1, 2, … cameras show as an image of their own."""
+    rig = ring(6, size=(752, 291), focal_px=(770.0, 385.0))  # the lines of a field lie two pixels apart
+    subject = walking(duration_s=1.6, rate=50.0)
+    seen = observe(rig, subject, noise_px=0.2, false_per_frame=0.1, merge_px=3.0, least_visible=0.4, seed=seed)
+    own = seen.marker >= 0
+    views = np.zeros((len(subject), subject.n_frames), np.int64)
+    np.add.at(views, (seen.marker[own], seen.detections.frame[own]), 1)
+    return Scene(rig, subject, seen.detections, np.bincount(views.ravel(), minlength=len(rig) + 1).tolist())
+
+
+def volume_of(rig: Rig) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """The control volume as a method takes it."""
+    (a, b, c), (d, e, f) = rig.volume.tolist()
+    return (a, b, c), (d, e, f)
+
+
+def ghosts(cloud: Cloud, scene: Scene) -> int:
+    """Points that are no marker's."""
+    owner = score(Tracks(cloud, np.arange(len(cloud))), scene.subject.xyz, within=WITHIN).owner
+    return int((owner < 0).sum())
+
+
+def kiss(scene: Scene, *, all_duals: bool) -> tuple[list[str], Tracks]:
+    """The paper's own methods, step by step."""
+    matches = match(scene.detections, scene.rig, method=KissTriplets(all_duals=all_duals))
+    found = reconstruct(matches, scene.detections, scene.rig, method=LeastSquares(within_volume=False))
+    inside = inside_volume(found.xyz, scene.rig.volume)
+    cloud, method = found.keep(inside), KissTracking(volume=volume_of(scene.rig))
+    pieces = link(cloud, method=method)
+    whole = blend(pieces, within=method.blend_within, radius=method.search_radius, reach=method.distance_limit)
+    left = without_short(whole, shortest=method.shortest)
+    points = (len(found), ghosts(found, scene), int((~inside).sum()), len(cloud))
+    tracks = (len(pieces), len(whole), len(whole) - len(left), len(left))
+    return [str(n) for n in (*points, *tracks)], left
+
+
+def ours(scene: Scene) -> tuple[list[str], Tracks]:
+    """Competing triplets, and tracking with regions that follow from the covariances."""
+    matches = match(scene.detections, scene.rig, method=EpipolarTriplets())
+    found = reconstruct(matches, scene.detections, scene.rig, method=LeastSquares(within_volume=False))
+    inside = inside_volume(found.xyz, scene.rig.volume)
+    cloud, method = found.keep(inside), ExtrapolationLadder()
+    whole = len(track(cloud, method=ExtrapolationLadder(shortest=1)))
+    left = track(cloud, method=method)
+    counts = (len(found), ghosts(found, scene), int((~inside).sum()), len(cloud))
+    return [*map(str, counts), "", *map(str, (whole, whole - len(left), len(left)))], left
+
+
+def former(scene: Scene) -> tuple[list[str], Tracks]:
+    """The former two-camera method, on the two cameras with which it finds most."""
+    best: tuple[float, Tracks] | None = None
+    for names in combinations(scene.rig.names, 2):
+        try:
+            tracks = follow(scene.detections.select(names), scene.rig.select(names), method=FormerTwoCameras())
+        except KinemarkError:
+            continue
+        recall = score(tracks, scene.subject.xyz, within=WITHIN).recall
+        if best is None or recall > best[0]:
+            best = recall, tracks
+    assert best is not None
+    return direct(best[1], scene), best[1]
+
+
+def simultaneous(scene: Scene) -> tuple[list[str], Tracks]:
+    """Matching and tracking at once."""
+    tracks = follow(scene.detections, scene.rig, method=Simultaneous())
+    return direct(tracks, scene), tracks
+
+
+def direct(tracks: Tracks, scene: Scene) -> list[str]:
+    """What can be counted of methods that go from images to tracks."""
+    n = len(tracks.cloud)
+    return [str(n), str(ghosts(tracks.cloud, scene)), "", "", "", "", "", str(len(tracks))]
+
+
+WHY = """
+Why they differ. Without the option of all dual combinations Kiss makes the paper's tracks, give or take a few, from
+fewer points: every marker is in sight of three cameras or more here, and an image whose triplets all fail makes no
+point, while the real session probably had images that two cameras alone saw. With the option the points surpass the
+paper's number, and so do the tracks; the paper does not say whether it was on. Its 129 count what was found beyond
+1 200, so a marker that was missed hides a ghost; here both are counted. The former method follows only what it sees in
+its first two fields, and no camera sees 15 markers there: it loses four, which is why its authors gave it up. Ladder
+and Simultaneous let the candidates compete for their images and take their limits from the noise, so that nothing is
+left to be blended or removed.
+"""
+
+METHODS: dict[str, Callable[[Scene], tuple[list[str], Tracks]]] = {
+    "Kiss": lambda scene: kiss(scene, all_duals=False),
+    "Kiss, duals": lambda scene: kiss(scene, all_duals=True),
+    "Ladder": ours,
+    "Former": former,
+    "Simultaneous": simultaneous,
+}
+
+
+def column(scene: Scene, method: Callable[[Scene], tuple[list[str], Tracks]]) -> list[str]:
+    """One method's figures in the order of `ROWS`, and the seconds that it took."""
+    began = time.perf_counter()
+    counts, tracks = method(scene)
+    seconds = time.perf_counter() - began
+    result = score(tracks, scene.subject.xyz, within=WITHIN)
+    extra = round(result.extra_per_frame * scene.subject.n_frames)
+    figures = [int((result.pieces > 1).sum()), result.found, f"{100 * result.recall:.1f}", extra, result.swaps]
+    return [*counts, *map(str, figures), f"{result.rmse:.2f}", f"{seconds:.2f}"]
+
+
+def lines(seed: int) -> Iterator[str]:
+    """The table and what it says."""
+    session = scene(seed)
+    yield f"Samples that 0, 1, 2 … 6 cameras show as an image of their own: {session.views}"
+    yield ""
+    columns = {"paper": [*PAPER, ""]} | {name: column(session, method) for name, method in METHODS.items()}
+    yield f"{'':<40}" + "".join(f"{name:>14}" for name in columns)
+    for r, row in enumerate((*ROWS, "seconds, counting included")):
+        yield f"{row:<40}" + "".join(f"{values[r] or '-':>14}" for values in columns.values())
+    yield WHY
+
+
+def main() -> None:
+    for line in lines(int(sys.argv[1]) if len(sys.argv) > 1 else 1):
+        print(line)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,251 @@
+"""Laws of the tracker that matches and tracks at once, and of its parts."""
+
+from itertools import permutations
+
+import numpy as np
+import pytest
+from laboratory import observe, ring
+
+from kinemark.data import Detections, KinemarkError, Rig
+from kinemark.follow import Simultaneous, follow
+from kinemark.follow.claims import claim, expect
+from kinemark.follow.images import read_images
+from kinemark.follow.motion import Motion, ahead, at_rest, back, inverse, reversed_time, told
+from kinemark.geometry import project
+from kinemark.score import score
+from kinemark.synth import dressed, walking
+from kinemark.synth import observe as seen_by
+from kinemark.synth import ring as synth_ring
+
+
+def dance(n=8, frames=60, *, rate=100.0, seed=0):
+    """n points (n, F, 3) mm on circles of 100–300 mm, at one turn in one to two seconds, about places 500 mm apart."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(frames) / rate
+    centre = np.column_stack([rng.permutation(n) * 150.0 - 600, rng.uniform(-400, 400, n), rng.uniform(500, 1500, n)])
+    radius, turn, phase = rng.uniform(100, 300, n), rng.uniform(0.5, 1.0, n), rng.uniform(0, 2 * np.pi, n)
+    angle = 2 * np.pi * turn[:, None] * t + phase[:, None]
+    circle = np.stack([np.cos(angle), np.sin(angle), 0.5 * np.sin(2 * angle)], -1)
+    return centre[:, None] + radius[:, None, None] * circle
+
+
+def partition(tracks, *, digits=6):
+    """A set of tracks, each a set of its points, so that numbering and order play no part."""
+    keys = [
+        (int(f), *map(float, np.round(x, digits) + 0.0))
+        for f, x in zip(tracks.cloud.frame, tracks.cloud.xyz, strict=True)
+    ]
+    return {frozenset(keys[p] for p in np.flatnonzero(tracks.id == i)) for i in range(len(tracks))}
+
+
+def shuffled(detections, seed=0):
+    """The same detections, in another order within each camera and frame."""
+    rng = np.random.default_rng(seed)
+    order = np.lexsort([rng.random(len(detections)), detections.frame, detections.camera])
+    return Detections.build(
+        detections.cameras, detections.rate, detections.counts, detections.uv[order], detections.cov[order]
+    )
+
+
+def test_finds_all_points_of_a_dance():
+    xyz = dance()
+    detections, _ = observe(ring(5), xyz, noise=0.1)
+    result = score(follow(detections, ring(5)), xyz)
+    assert result.recall == 1 and result.extra_per_frame == 0 and result.swaps == 0
+    assert (result.pieces == 1).all() and 0.92 < result.coverage < 0.98
+
+
+def test_order_of_detections_does_not_matter():
+    rig = ring(5)
+    detections, _ = observe(rig, dance(), noise=0.1)
+    assert partition(follow(detections, rig)) == partition(follow(shuffled(detections), rig))
+
+
+def test_order_of_cameras_does_not_matter():
+    rig = ring(6)
+    xyz = dance()
+    detections, _ = observe(rig, xyz, noise=0.1)
+    names = [rig.names[i] for i in (3, 0, 5, 1, 4, 2)]
+    one, other = follow(detections, rig), follow(detections.select(names), rig.select(names))
+    assert len(one) == len(other) == len(xyz)
+    assert partition(one, digits=2) == partition(other, digits=2)
+
+
+def test_time_reversed_gives_the_same_tracks():
+    rig, xyz = ring(5), dance(frames=50)
+    forward, _ = observe(rig, xyz, noise=0.1)
+    last = forward.n_frames - 1
+    order = np.concatenate(
+        [np.arange(forward.start[c, f], forward.start[c, f + 1]) for c in range(len(rig)) for f in range(last, -1, -1)]
+    )
+    backward = Detections.build(rig.names, 100.0, forward.counts[:, ::-1], forward.uv[order], forward.cov[order])
+    one, other = follow(forward, rig), follow(backward, rig)
+    turned = {frozenset((last - f, *x) for f, *x in track) for track in partition(other, digits=1)}
+    both = partition(one, digits=1)
+    assert len(both) == len(turned)
+    for track in both:  # rounding at .05 mm may differ
+        assert max(len(track & twin) for twin in turned) > 0.95 * len(track)
+
+
+def test_runs_of_any_length_and_nothing_at_all():
+    rig = ring(4)
+    for frames in (1, 2, 3, 5):
+        detections, _ = observe(rig, dance(frames=frames), noise=0.1)
+        assert len(follow(detections, rig)) in (0, 8)
+    assert len(follow(detections.keep(np.zeros(len(detections), bool)), rig)) == 0
+    assert len(follow(detections.frames(0, 0), rig)) == 0
+    one = rig.select(rig.names[:1])
+    with pytest.raises(KinemarkError, match="needs two"):
+        follow(detections.select(one.names), one)
+    with pytest.raises(KinemarkError, match="same order"):
+        follow(detections, Rig(rig.cameras[::-1]))
+
+
+def test_stretches_side_by_side_are_one_track():
+    xyz = dance(frames=260)
+    detections, _ = observe(ring(4), xyz, noise=0.1)
+    result = score(follow(detections, ring(4)), xyz)
+    assert result.recall == 1 and (result.pieces == 1).all() and result.swaps == 0
+
+
+@pytest.mark.parametrize("per_frame", [10, 25])
+def test_noise_alone_makes_no_tracks(per_frame):
+    rig, rng = ring(6), np.random.default_rng(3)
+    counts = rng.poisson(per_frame, (len(rig), 60))
+    uv = rng.uniform(0, 1, (counts.sum(), 2)) * rig[0].size
+    detections = Detections.build(rig.names, 100.0, counts, uv, np.broadcast_to(np.eye(2) * 0.01, (len(uv), 2, 2)))
+    assert len(follow(detections, rig)) == 0
+
+
+def test_a_stretch_of_one_camera_is_bridged():
+    rig, xyz = ring(4), dance(n=5, frames=60)
+    detections, truth = observe(rig, xyz, noise=0.1)
+    hidden = (truth == 2) & (detections.frame >= 28) & (detections.frame < 34) & (detections.camera > 0)
+    tracks = follow(detections.keep(~hidden), rig)
+    result = score(tracks, xyz)
+    assert len(tracks) == 5 and result.swaps == 0 and (result.pieces == 1).all()
+    at = tracks.cloud.frame[tracks.id == tracks.id[np.flatnonzero(result.owner == 2)[0]]]
+    assert not np.isin(np.arange(28, 34), at).any()  # no point is given of one image
+
+
+def test_a_merged_image_serves_two_tracks():
+    rig, frames = ring(5), 70
+    x = np.linspace(-200, 200, frames)
+    z = np.full(frames, 1000.0)
+    xyz = np.stack([np.column_stack([x, 0 * x, z]), np.column_stack([-x, 0 * x + 60, z + 3])])
+    detections, truth = observe(rig, xyz, noise=0.05)
+    merged, drop, uv, area = (
+        np.zeros(len(truth), bool),
+        np.zeros(len(truth), bool),
+        detections.uv.copy(),
+        np.full(len(truth), 60.0),
+    )
+    for c in range(len(rig)):
+        for f in range(frames):
+            rows = np.arange(detections.start[c, f], detections.start[c, f + 1])
+            if len(rows) == 2 and np.linalg.norm(uv[rows[0]] - uv[rows[1]]) < 9:
+                uv[rows[0]], merged[rows[0]], drop[rows[1]], area[rows[0]] = uv[rows].mean(0), True, True, 130.0
+    assert drop.sum() > 10
+    seen = Detections.build(rig.names, 100.0, detections.counts, uv, detections.cov, merged=merged, area=area).keep(
+        ~drop
+    )
+    tracks = follow(seen, rig)
+    result = score(tracks, xyz)
+    assert len(tracks) == 2 and result.swaps == 0 and result.recall > 0.99
+    shared = tracks.cloud.view[seen.merged[tracks.cloud.view] & (tracks.cloud.view >= 0)]
+    assert np.bincount(shared).max() == 2
+
+
+def test_a_body_that_hides_its_markers():
+    subject = dressed(walking(duration_s=0.7, rate=100.0, seed=1, middle=(1200.0, 700.0)), 39, seed=1)
+    rig = synth_ring(6)
+    seen = seen_by(rig, subject, noise_px=0.1, false_per_frame=2.0, merge_px=8.0, least_visible=0.3, seed=1)
+    tracks = follow(seen.detections, rig)
+    truth = subject.xyz.copy()
+    own = (seen.marker >= 0) & (seen.merged == 1)
+    views = np.zeros(truth.shape[:2], int)
+    np.add.at(views, (seen.marker[own], seen.detections.frame[own]), 1)
+    everywhere = score(tracks, truth)
+    truth[views < 2] = np.nan
+    result = score(tracks, truth)
+    assert result.recall > 0.99 and everywhere.extra_per_frame < 0.02 and result.swaps == 0
+    assert result.pieces.mean() < 1.2 and 0.92 < result.coverage < 0.98
+
+
+def textbook(x, V, T, q, z, R):
+    """Predict and update by the Kalman filter as every book has it, for one point; all three orders in one block."""
+    A = np.kron(np.array([[1, T, T**2 / 2], [0, 1, T], [0, 0, 1]]), np.eye(3))
+    G = np.array([[T**5 / 20, T**4 / 8, T**3 / 6], [T**4 / 8, T**3 / 3, T**2 / 2], [T**3 / 6, T**2 / 2, T]])
+    x, V = A @ x, A @ V @ A.T + q**2 * np.kron(G, np.eye(3))
+    H = np.eye(3, 9)
+    K = V @ H.T @ np.linalg.inv(H @ V @ H.T + R)
+    return x + K @ (z - H @ x), (np.eye(9) - K @ H) @ V
+
+
+def test_the_filter_is_the_textbooks():
+    rng = np.random.default_rng(0)
+    n, T, q = 5, 0.01, 4e4
+    M = rng.normal(size=(n, 3, 3))
+    motion = at_rest(
+        rng.normal(size=(3, n)) * 100,
+        (M @ M.swapaxes(1, 2) + np.eye(3)).transpose(1, 2, 0),
+        speed=1500.0,
+        acceleration=1.5e4,
+    )
+    plain = [(motion.x[:, t], motion.V[..., t]) for t in range(n)]
+    for _ in range(4):
+        z, M = rng.normal(size=(n, 3)) * 100, rng.normal(size=(n, 3, 3))
+        R = M @ M.swapaxes(1, 2) + np.eye(3)
+        motion = ahead(motion, T, q)
+        N = inverse(R.transpose(1, 2, 0))
+        motion = told(motion, N, np.einsum("ijt,jt->it", N, z.T - motion.position))
+        plain = [textbook(x, V, T, q, z[t], R[t]) for t, (x, V) in enumerate(plain)]
+    for t, (x, V) in enumerate(plain):
+        np.testing.assert_allclose(motion.x[:, t], x, rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(motion.V[..., t], V, rtol=1e-6, atol=1e-6 * np.abs(V).max())
+
+
+def test_forth_and_back_in_time_is_the_same_place():
+    rng = np.random.default_rng(1)
+    motion = at_rest(rng.normal(size=(3, 4)), np.eye(3)[..., None] * np.ones(4), speed=1000.0, acceleration=1e4)
+    motion = Motion(motion.x + rng.normal(size=(9, 4)), motion.V)
+    again = back(ahead(motion, 0.02, 1e4), 0.02, 1e4)
+    np.testing.assert_allclose(again.x, motion.x, atol=1e-9)
+    np.testing.assert_allclose(reversed_time(reversed_time(motion)).V, motion.V)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_claims_are_the_best_of_all(seed):
+    """Against all ways in which three tracks can have three images, in a crowd of one camera."""
+    rng = np.random.default_rng(seed)
+    rig = ring(2)
+    middle = np.array([0.0, 0.0, 1000.0])
+    xyz = middle + rng.normal(size=(3, 3)) * 4
+    cov = np.eye(3)[..., None] * rng.uniform(1, 30, 3)
+    uv = np.concatenate([project(rig[0], xyz + rng.normal(size=(3, 3)) * 4), [[5.0, 5.0]]])
+    detections = Detections.build(rig.names, 100.0, [[3], [1]], uv, np.broadcast_to(np.eye(2) * 0.01, (4, 2, 2)))
+    images = read_images(detections, rig)
+    V = np.zeros((9, 9, 3))
+    V[:3, :3] = cov
+    expected = expect(images.P, Motion(np.concatenate([xyz.T, np.zeros((6, 3))]), V))
+    claims = claim(images, images.usable, np.zeros(3, int), expected, 5.0)
+    table = np.zeros((3, 6))  # the last three columns are none
+    for t in range(3):
+        S = (
+            np.array([[expected.S[0, 0, t], expected.S[0, 1, t]], [expected.S[0, 1, t], expected.S[0, 2, t]]])
+            + np.eye(2) * 0.01
+        )
+        off = images.uv[:3] - expected.uv[0, :, t]
+        squared = (off * np.linalg.solve(S, off.T).T).sum(1)
+        worth = images.prior[0] - np.log(np.linalg.det(S)) - squared
+        table[t, :3] = np.where((squared < 25) & (worth > 0), worth, -np.inf)
+    best = max(table[[0, 1, 2], list(way)].sum() for way in permutations(range(6), 3))
+    assert claims.worth[0].sum() == pytest.approx(best)
+    taken = claims.row[0][claims.row[0] >= 0]
+    assert len(set(taken.tolist())) == len(taken)
+
+
+def test_parameters_are_checked():
+    for name in ("gate", "wander", "patience", "worst"):
+        with pytest.raises(ValueError, match=name):
+            Simultaneous(**{name: -1.0})

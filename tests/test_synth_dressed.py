@@ -1,0 +1,63 @@
+"""More markers on a body, and more bodies."""
+
+import numpy as np
+import pytest
+
+from kinemark.synth import dressed, observe, ring, still, together, walking
+
+WALK = walking(duration_s=0.4, rate=50.0)
+
+
+def test_added_markers_sit_on_limbs_and_keep_apart():
+    many = dressed(WALK, 60, apart_mm=45.0, seed=2)
+    assert len(many) == 60 and len(set(many.names)) == 60
+    np.testing.assert_array_equal(many.xyz[: len(WALK)], WALK.xyz)
+    new = many.xyz[len(WALK) :]
+    apart = np.linalg.norm(many.xyz[:, None] - new, axis=-1)
+    apart[np.arange(len(WALK), 60), np.arange(len(new))] = np.inf
+    assert apart.min() >= 45.0
+    limbs = WALK.capsules
+    axis = limbs.b - limbs.a
+    share = ((new[:, None] - limbs.a) * axis).sum(-1) / (axis**2).sum(-1)
+    off = np.linalg.norm(new[:, None] - limbs.a - np.clip(share, 0, 1)[..., None] * axis, axis=-1)
+    size = float(np.median(WALK.radius_mm))
+    assert np.isclose(off, limbs.radius[:, None] + size, atol=1e-6).all(-1).any(1).all()
+
+
+def test_added_markers_move_as_smoothly_as_the_limbs():
+    many = dressed(walking(duration_s=1.0, rate=200.0), 80, seed=1)
+    own = np.linalg.norm(np.diff(many.xyz[:15], 2, axis=1), axis=-1).max()
+    new = np.linalg.norm(np.diff(many.xyz[15:], 2, axis=1), axis=-1).max()
+    assert new < 2 * own
+
+
+def test_fewer_are_the_first_and_too_many_are_refused():
+    assert dressed(WALK, 5).names == WALK.names[:5]
+    with pytest.raises(ValueError, match="do not fit"):
+        dressed(WALK, 400, apart_mm=200.0)
+    with pytest.raises(ValueError, match="no limbs"):
+        dressed(still(("a",), [[0, 0, 0]], radius_mm=7.0), 2)
+
+
+def test_two_people_hide_each_others_markers():
+    other = walking(duration_s=0.4, rate=50.0, middle=(1200.0, 1000.0), phase=0.2)
+    both = together(WALK, other)
+    assert len(both) == len(WALK) + len(other) and both["2 " + other.names[3]] == pytest.approx(other.xyz[3])
+    assert len(both.capsules) == len(WALK.capsules) + len(other.capsules)
+    joined = [(both.names[a], both.names[b]) for a, b in both.links]
+    assert all(a.split()[0] == b.split()[0] for a, b in joined) and len(joined) == len(WALK.links) + len(other.links)
+    rig = ring(6)
+    alone = observe(rig, WALK).sight.visible
+    assert (observe(rig, both).sight.visible[:, : len(WALK)] <= alone + 1e-9).all()
+    assert (observe(rig, both).sight.visible[:, : len(WALK)] < alone - 0.5).any()
+    with pytest.raises(ValueError, match="differ in rate"):
+        together(WALK, walking(duration_s=0.4, rate=100.0))
+
+
+def test_own_views_count_the_images_of_one_marker_alone():
+    rig = ring(6)
+    seen = observe(rig, WALK, merge_px=15.0)
+    assert (seen.own_views <= 6).all()
+    whole = observe(rig, WALK)
+    np.testing.assert_array_equal(whole.own_views, (whole.sight.visible >= 0.5).sum(0))
+    assert (seen.own_views <= whole.own_views).all() and (seen.own_views < whole.own_views).any()

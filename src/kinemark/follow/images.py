@@ -6,7 +6,9 @@ that of its centroid plus what the calibration of its camera leaves open where t
     C = C_centroid + J_θ C_θ J_θᵀ                                        (1)
 
 taken as equal in both axes. Where markers run together, the image is no marker's own; it lies within the blob, so its
-noise is that of a place somewhere in a disc of the blob's size, (r / 2)² in each axis (2).
+noise is that of a place somewhere in a disc of the blob's size, (r / 2)² in each axis (2). A marker half behind a limb
+has its image beside its place by a part of its radius r. For the claims (HIDDEN r)² is added; the positions are solved
+by a method with heavy tails, which knows of that itself.
 
 The images stand in one long list by frame, camera and u. Those near a place are a piece of it, found by bisection, so
 that looking costs the same whether a camera sees ten markers or a thousand.
@@ -32,6 +34,9 @@ SEEN = 0.8
 """p of `claims`, with which a camera sees a marker; it weighs little: between 0.5 and 0.95, what an image is worth
 changes by that of a distance of two standard deviations."""
 
+HIDDEN = 0.1
+"""Of the radius of an image: its usual shift where a limb hides a part of it."""
+
 USUAL_AREA = 20.0
 """px², of images of which nobody knows the size."""
 
@@ -45,6 +50,7 @@ class Images(NamedTuple):
         camera, frame: (D); usable: (D) whether it is valid; merged: (D) whether it may be more markers than one.
         prior: (C) 2 ln(p / ((1 − p) 2π b)) of `claims`, b images per frame and px².
         calibration: (C) px², the second term of (1), which is in `variance`.
+        margin: (D) px² that `variance` has for the claims alone.
         widest: px², the greatest variance of any.
         stated: whether any source says how noisy its images are; usual: px², of those of which none does.
         size: (C, 2) of the images, px.
@@ -63,6 +69,7 @@ class Images(NamedTuple):
     merged: Bools
     prior: Floats
     calibration: Floats
+    margin: Floats
     widest: float
     stated: bool
     usual: float
@@ -120,7 +127,9 @@ def read_images(detections: Detections, rig: Rig) -> Images:
     known = np.isfinite(centroid)
     usual = float(np.median(centroid[known])) if known.any() else USUAL_SD**2
     radius = np.sqrt(np.where(np.isfinite(detections.area), detections.area, USUAL_AREA) / np.pi)
-    variance = np.maximum(np.where(known, centroid, usual), LEAST_SD**2) + calibration[detections.camera]  # (1)
+    noise = np.where(known, centroid, usual)
+    margin = np.maximum(LEAST_SD**2 - noise, 0.0) + np.where(np.isfinite(detections.area), (HIDDEN * radius) ** 2, 0.0)
+    variance = noise + margin + calibration[detections.camera]  # (1)
     variance = variance + np.where(detections.merged, radius**2 / 4, 0.0)  # (2)
     return Images(
         P=rig.P / np.linalg.norm(rig.P[:, 2, :3], axis=1)[:, None, None],
@@ -133,6 +142,7 @@ def read_images(detections: Detections, rig: Rig) -> Images:
         merged=detections.merged,
         prior=2 * np.log(SEEN / ((1 - SEEN) * 2 * np.pi * clutter)),
         calibration=calibration,
+        margin=margin,
         widest=float(variance[usable].max(initial=0.0)),
         stated=bool(known.any()),
         usual=usual,

@@ -32,6 +32,9 @@ from .run import Sightings, run
 
 PLACE = LeastSquares()
 
+LEAST = 1e-6
+"""px²"""
+
 VAGUE = 5.0
 """Of the median of the standard deviations."""
 
@@ -91,7 +94,8 @@ def _variance(seen: Sightings, images: Images) -> Floats:
     """(D) px², of all images, those that tracks share being anywhere in their blobs."""
     shared = np.zeros(len(images.uv), bool)
     shared[seen.row[seen.shared & (seen.row >= 0)]] = True
-    variance = images.variance - images.calibration[images.camera]  # which `located` adds itself
+    variance = images.variance - images.margin - images.calibration[images.camera]  # which `located` adds itself
+    variance = np.maximum(variance, LEAST)
     return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
 
 
@@ -114,8 +118,11 @@ def _surest(cloud: Cloud, seen: Sightings, sound: Bools, T: float, method: Simul
     smooth = smoothed(points, vague[known], sound[known], T, method)
     filtered = seen.xyz.T[vague], seen.cov.transpose(2, 0, 1)[vague]
     better = _sd(smooth[1]) < _sd(filtered[1])
-    xyz[vague] = np.where(better[:, None], smooth[0], filtered[0])
-    cov[vague] = np.where(better[:, None, None], smooth[1], filtered[1])
+    moved = np.where(better[:, None], smooth[0], filtered[0])
+    open_ = np.where(better[:, None, None], smooth[1], filtered[1])
+    gains = _sd(open_) < sd[vague]
+    rows = np.flatnonzero(vague)[gains]
+    xyz[rows], cov[rows] = moved[gains], open_[gains]
     return replace(cloud, xyz=xyz, cov=cov)
 
 

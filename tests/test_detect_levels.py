@@ -1,5 +1,7 @@
 """Thresholds: dark markers, levels relative to each camera, saturated pixels; and what bad images get."""
 
+from threading import Event
+
 import av
 import numpy as np
 import pytest
@@ -144,11 +146,15 @@ def test_covariances_of_saturated_markers_are_true(white):
 
 
 def test_a_plateau_with_noise_is_not_taken_for_white():
+    """Peaks of several markers are equal by chance, the more so the less noise there is."""
     light, places = shares(np.random.default_rng(9), 150)
-    images = photo(light, np.random.default_rng(10), peak=180.0, noise=4.0)
-    uv, cov = matched(detect_frames(images, method=Centroids(noise=4.0)), places)
+    images = photo(light, np.random.default_rng(10), peak=180.0, noise=1.0)
+    blobs = detect_frames(images, method=Centroids(noise=1.0))
+    peaks = np.sort(blobs.peak.reshape(-1, 4), axis=1)
+    assert (peaks[:, 1] == peaks[:, 3]).mean() > 0.3
+    uv, cov = matched(blobs, places)
     off = uv - places
-    assert 0.8 < (np.einsum("fki,fkij,fkj->fk", off, np.linalg.inv(cov), off) / 2).mean() < 1.2
+    assert 0.6 < (np.einsum("fki,fkij,fkj->fk", off, np.linalg.inv(cov), off) / 2).mean() < 1.2
 
 
 # ---- Bad images ----
@@ -224,16 +230,18 @@ def test_any_number_of_processors_gives_the_same(monkeypatch, cores):
 
 
 def test_the_next_images_are_decoded_while_markers_are_looked_for():
-    """A batch is asked for before the one in hand is done with."""
-    asked, done = [], []
+    """When a batch is done with, the next one has been asked for, and need not wait for that."""
+    asked = {k: Event() for k in range(0, 64, 16)}
+    ready = []
 
-    class Slow(Recording):
+    class Noted(Recording):
         def batches(self, n):
             for k in range(0, self.n_frames, n):
-                asked.append((k, len(done)))
+                asked[k].set()
                 yield self.images[k : k + n]
 
-    film = np.zeros((64, 8, 8), np.uint8)
-    detect([Slow(film)], cameras=["a"], rate=50.0, progress=done.append)
-    assert [k for k, _ in asked] == [0, 16, 32, 48] and done == [16, 32, 48, 64]
-    assert all(finished <= k // 16 for k, finished in asked)
+    def progress(done):
+        ready.append(done == 64 or asked[done].wait(1.0))
+
+    detect([Noted(np.zeros((64, 8, 8), np.uint8))], cameras=["a"], rate=50.0, progress=progress)
+    assert ready == [True] * 4

@@ -39,7 +39,7 @@ from scipy.special import ndtr
 
 Floats = NDArray[np.float64]
 
-STEPS = 12
+STEPS = 10
 SMALL_STEP = 1e-3  # px; a tenth of what any noise leaves
 SMALL_GAIN = 0.01  # of χ² a pixel; a tenth of a standard deviation of one parameter
 HOPELESS = 0.03  # of χ²; a step that gains less leads nowhere near a χ² that is far below
@@ -52,6 +52,7 @@ NODES_CORNER, WEIGHTS_CORNER = (
 MOST_CONDITION = 1e12
 WIDTHS = (0.25, 3.0)  # px; of the blur w
 INVERSE_ROOT_2PI = 0.3989422804014327
+_TINY = 1e-9
 
 
 class Patches(NamedTuple):
@@ -75,14 +76,6 @@ class Patches(NamedTuple):
         return Patches(*(column[index] for column in self))
 
 
-class Light(NamedTuple):
-    """U (n, N) of a shape, its derivatives by the shape's parameters (n, p, N), and by w (n, N)."""
-
-    cover: Floats
-    by_shape: Floats
-    by_width: Floats
-
-
 class Fit(NamedTuple):
     """What fits best: p parameters of the shape, then w, A and b.
 
@@ -99,19 +92,22 @@ class Fit(NamedTuple):
     model: Floats
 
 
-Shape = Callable[[Floats, Floats, Patches], Light]
-"""Light from parameters (n, p) and w (n) over patches."""
+Shape = Callable[[Floats, Floats, Patches, Floats], Floats]
+"""U (n, N) from parameters (n, p) and w (n) over patches; its derivatives by these are written to (n, p + 1, N)."""
 
 
-def fit(shape: Shape, start: Floats, patches: Patches, *, wanted: Floats | None = None) -> Fit:
+def fit(
+    shape: Shape, start: Floats, patches: Patches, *, wanted: Floats | None = None, enough: Floats | float = 0.0
+) -> Fit:
     """The shape's parameters that explain each patch best, from start (n, p + 3).
 
-    A fit that is above the χ² `wanted` (n) and hardly gets better is given up.
+    A fit that is above the χ² `wanted` (n) and hardly gets better is given up; one below `enough` (n) is good enough.
     """
     p = start.copy()
     model, J = _image(shape, p, patches)
     chi2 = _chi2(model, patches)
     wanted = np.full(len(p), np.inf) if wanted is None else wanted
+    enough = np.broadcast_to(enough, chi2.shape)
     used = np.maximum((patches.weight > 0).sum(1), 1)
     damping, busy = np.full(len(p), 1e-3), np.arange(len(p))
     for _ in range(STEPS):
@@ -131,7 +127,7 @@ def fit(shape: Shape, start: Floats, patches: Patches, *, wanted: Floats | None 
             new_chi2 > wanted[busy], HOPELESS * new_chi2, SMALL_GAIN * np.maximum(1.0, new_chi2 / used[busy])
         )
         still = (np.abs(step[:, :-2]).max(1) < SMALL_STEP) | (gain < small)
-        done = (better & still) | (damping[busy] > 1e6)
+        done = (better & (still | (new_chi2 < enough[busy]))) | (damping[busy] > 1e6)
         busy = busy[~done]
     return Fit(p, _covariance(J, patches, chi2 <= wanted), chi2, model)
 
@@ -159,72 +155,85 @@ def lit_from_a_side(shape: Shape, found: Fit, patches: Patches) -> Fit:
     return Fit(found.parameters, np.full_like(found.cov, np.nan), _chi2(model, patches), model)
 
 
-def discs(p: Floats, w: Floats, patches: Patches) -> Light:
+def discs(p: Floats, w: Floats, patches: Patches, J: Floats) -> Floats:
     """(4): p (n, 3k) holds x, y and r of each disc."""
-    n, k = len(p), p.shape[1] // 3
+    k = p.shape[1] // 3
     x, y, r = (p[:, i::3, None] for i in range(3))
     dx, dy = patches.x[:, None] - x, patches.y[:, None] - y
-    far = np.sqrt(dx * dx + dy * dy) + 1e-9
+    far = np.sqrt(dx * dx + dy * dy) + _TINY
     s, gx, gy = r - far, dx / far, dy / far
     rim, width = w[:, None, None], w[:, None]
-    steep = _bell(s / rim)
+    slope = _bell(s / rim) / rim
     if k == 1:
-        share, cover = np.ones_like(s), ndtr(s[:, 0] / width)
+        cover = ndtr(s[:, 0] / width)
     else:
         two = np.argsort(-s, axis=1)[:, :2] if k > 2 else None
         (a, b), (ax, bx), (ay, by) = (
             (g if two is None else np.take_along_axis(g, two, 1)).transpose(1, 0, 2) for g in (s, gx, gy)
         )
         outside, of_a, of_b = _both(-a / width, -b / width, ax * bx + ay * by)  # (3)
-        share = np.stack([of_a, of_b], 1)
-        if two is not None:
-            of_both, share = share, np.zeros_like(s)
-            np.put_along_axis(share, two, of_both, 1)
+        if two is None:
+            slope[:, 0] *= of_a
+            slope[:, 1] *= of_b
+        else:
+            share = np.zeros_like(s)
+            np.put_along_axis(share, two, np.stack([of_a, of_b], 1), 1)
+            slope *= share
         cover = 1 - outside
-    slope = share * steep / rim
-    by_shape = np.stack([slope * gx, slope * gy, slope], 2).reshape(n, 3 * k, -1)
-    return Light(cover, by_shape, -(slope * s).sum(1) / width)
+    np.multiply(slope, gx, out=J[:, 0:-1:3])
+    np.multiply(slope, gy, out=J[:, 1:-1:3])
+    J[:, 2:-1:3] = slope
+    J[:, -1] = -(slope * s).sum(1) / width
+    return np.asarray(cover)
 
 
-def ellipse(p: Floats, w: Floats, patches: Patches) -> Light:
+def ellipse(p: Floats, w: Floats, patches: Patches, J: Floats) -> Floats:
     """(5): p (n, 5) holds x, y and M's xx, xy and yy."""
     x, y, xx, xy, yy = (column[:, None] for column in p.T)
     dx, dy = patches.x - x, patches.y - y
     mx, my = xx * dx + xy * dy, xy * dx + yy * dy
-    q = np.sqrt(mx * mx + my * my) + 1e-9
+    q = np.sqrt(mx * mx + my * my) + _TINY
     qx, qy = (xx * mx + xy * my) / q, (xy * mx + yy * my) / q
-    steepness = np.sqrt(qx * qx + qy * qy) + 1e-9
-    s = (1 - q) / steepness
-    rim = w[:, None]
-    slope = _bell(s / rim) / rim
-    by_q = np.stack([-qx, -qy, mx * dx / q, (mx * dy + my * dx) / q, my * dy / q], 1)
-    return Light(ndtr(s / rim), -by_q * (slope / steepness)[:, None], -slope * s / rim)
+    steepness = np.sqrt(qx * qx + qy * qy) + _TINY
+    z = (1 - q) / (steepness * w[:, None])
+    slope = _bell(z) / w[:, None]
+    by_q = slope / steepness
+    np.multiply(by_q, qx, out=J[:, 0])
+    np.multiply(by_q, qy, out=J[:, 1])
+    by_q /= -q
+    J[:, 2], J[:, 3], J[:, 4] = by_q * (mx * dx), by_q * (mx * dy + my * dx), by_q * (my * dy)
+    np.multiply(slope, -z, out=J[:, 5])
+    return np.asarray(ndtr(z))
 
 
-def motion(p: Floats, w: Floats, patches: Patches) -> Light:
-    """(6): p (n, 5) holds x, y, r and v."""
-    total: list[Floats] = []
+def motion(p: Floats, w: Floats, patches: Patches, J: Floats) -> Floats:
+    """(6): p (n, 5) holds x, y, r and the two parts of v."""
+    cover, part = np.zeros_like(patches.x), np.empty_like(J[:, :4])
+    J[:] = 0.0
     for t, weight in zip(NODES, NODE_WEIGHTS, strict=True):
         moved = np.stack([p[:, 0] + t * p[:, 3], p[:, 1] + t * p[:, 4], p[:, 2]], 1)
-        cover, by, by_width = discs(moved, w, patches)
-        parts = [cover[:, None], by, t * by[:, :2], by_width[:, None]]
-        both = weight * np.concatenate(parts, 1)
-        total = [both] if not total else [total[0] + both]
-    return Light(total[0][:, 0], total[0][:, 1:-1], total[0][:, -1])
+        cover += weight * discs(moved, w, patches, part)
+        part *= weight
+        J[:, :3] += part[:, :3]
+        J[:, 3:5] += t * part[:, :2]
+        J[:, 5] += part[:, 3]
+    return cover
 
 
-def cut(p: Floats, w: Floats, patches: Patches) -> Light:
+def cut(p: Floats, w: Floats, patches: Patches, J: Floats) -> Floats:
     """(7): p (n, 5) holds x, y, r, θ and h."""
     x, y, r, turn, h = (column[:, None] for column in p.T)
     dx, dy = patches.x - x, patches.y - y
-    far = np.sqrt(dx * dx + dy * dy) + 1e-9
+    far = np.sqrt(dx * dx + dy * dy) + _TINY
     c, s = np.cos(turn), np.sin(turn)
     s1, s2 = r - far, h - (patches.x * c + patches.y * s)
     rim = w[:, None]
     U, of_1, of_2 = _both(s1 / rim, s2 / rim, (dx * c + dy * s) / far)  # (2)
     k1, k2 = of_1 * _bell(s1 / rim) / rim, of_2 * _bell(s2 / rim) / rim
-    by_shape = [k1 * dx / far, k1 * dy / far, k1, k2 * (patches.x * s - patches.y * c), k2]
-    return Light(U, np.stack(by_shape, 1), -(k1 * s1 + k2 * s2) / rim)
+    J[:, 0], J[:, 1], J[:, 2] = k1 * dx / far, k1 * dy / far, k1
+    J[:, 3], J[:, 4] = k2 * (patches.x * s - patches.y * c), k2
+    J[:, 5] = -(k1 * s1 + k2 * s2) / rim
+    return U
 
 
 def _both(h: Floats, k: Floats, rho: Floats) -> tuple[Floats, Floats, Floats]:
@@ -252,11 +261,13 @@ def _bell(z: Floats) -> Floats:
 
 def _image(shape: Shape, p: Floats, patches: Patches) -> tuple[Floats, Floats]:
     """Grey levels (n, N) by (1), and their derivatives (n, p + 3, N)."""
-    w, A, b = p[:, -3], p[:, -2, None], p[:, -1, None]
-    light = shape(p[:, :-3], w, patches)
-    last = [A * light.by_width, light.cover, np.ones_like(light.cover)]
-    J = np.concatenate([A[:, None] * light.by_shape, np.stack(last, 1)], 1)
-    model = b + A * light.cover
+    p = p.astype(patches.x.dtype, copy=False)
+    A, b = p[:, -2, None], p[:, -1, None]
+    J = np.empty((*p.shape, patches.x.shape[1]), p.dtype)
+    cover = shape(p[:, :-3], p[:, -3], patches, J[:, :-2])
+    J[:, :-2] *= A[:, None]
+    J[:, -2], J[:, -1] = cover, 1.0
+    model = b + A * cover
     white = patches.white[:, None]
     if np.isfinite(white).any():
         J *= (model < white)[:, None]  # (8)

@@ -49,7 +49,7 @@ EVIDENCE = 25.0
 CLEAR, SURE = 8.0, 4.0
 ONE, CUT, UNCLEAR = 1, 0, -1
 INSIDE, MANY = 0.97, 40  # of the brightness; pixels
-WHOLE = 0.035  # of the brightness; two discs of 8 px that are 0.25 diameters apart leave that much
+WHOLE = 0.045  # of the brightness; two discs of 8 px that are 0.3 diameters apart leave that much
 ODD = 0.1  # of the brightness; three discs in a ring leave 0.24
 MODEL = 0.01  # of the brightness; what the models themselves are off by at the rim
 CORNER = 0.005  # px at a blur of 1 px
@@ -113,9 +113,11 @@ def explain(cut: CutOut, *, most: int, hidden: bool, at_edge: NDArray[np.bool_] 
         good = _plausible(kind, best, part) & (kind <= most)
         tried.append(_noted(kind, best, rest, n, good))
         done = good & _explained(best, part.patches)
-        may_move[rest] |= best.chi2 <= wanted[rest]
+        much = best.chi2 <= wanted[rest]
+        may_move[rest] |= much
         if kind == 2:
             may_move[rest[done & apart(best, 2)]] = False
+            done |= much  # two explain three, or a part of one, hardly better than an ellipse does
         rest = rest[~done]
     if len(moving := np.flatnonzero(may_move)):
         patches = cut.patches.take(moving)
@@ -132,7 +134,10 @@ def explain(cut: CutOut, *, most: int, hidden: bool, at_edge: NDArray[np.bool_] 
 
 def _whole(cut: CutOut) -> tuple[Fit, NDArray[np.int64]]:
     """An ellipse in each group, lit from a side where that helps, and the groups (index) that this does not explain."""
-    one = discs.fit(discs.ellipse, ellipse_start(cut), cut.patches, wanted=np.zeros(len(cut.peak)))
+    weight, start = cut.patches.weight, ellipse_start(cut)
+    small = 1 + (WHOLE * start[:, -2]) ** 2 * weight.max(1) / 4  # a pixel, as fewer than a quarter lie at the rim
+    never, enough = np.zeros(len(start)), small * (weight > 0).sum(1)
+    one = discs.fit(discs.ellipse, start, cut.patches, wanted=never, enough=enough)
     rest = np.flatnonzero(~_explained(one, cut.patches, model=WHOLE))
     part = cut.patches.take(rest)
     lit = discs.lit_from_a_side(discs.ellipse, _some(one, rest), part)

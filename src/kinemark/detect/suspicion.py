@@ -25,7 +25,7 @@ from .grouping import Groups
 
 RATIO = 2.2
 FILL = 1.75
-LEAST = 24  # px²; of fewer pixels nothing can be told
+LEAST = 26  # px²; of fewer pixels nothing can be told
 
 
 def suspicious(groups: Groups, validity: NDArray[np.uint8], *, aspect: float) -> NDArray[np.int64]:

@@ -21,6 +21,11 @@ the images that no point near a reference sample uses, each camera's are shifted
 a second and more. What the method then makes of them it makes by chance, with as many images as before; so many of
 its extra points may be ghosts, and the others are markers.
 
+**Their merged images.** Where two markers run together in a camera, the reference takes the one image there is for a
+marker's own, and is drawn away from where the other cameras see it. A reference sample is called *bent* where a point
+of ours lies FARTHEST mm from it or less, three or more images agree on that to AGREE px RMS, and the reference fits
+these same images more than twice as badly.
+
 Run: python studies/gait_trial.py [method …], a part of its name, or "all"; the first three where none is given.
 """
 
@@ -42,6 +47,7 @@ from kinemark.io.tdf import read_tdf
 from kinemark.match import EpipolarTriplets, KissTriplets, MatchMethod, match
 from kinemark.reconstruct import CameraPairs, LeastSquares, ReconstructMethod, reconstruct
 from kinemark.score import Score, changes, score
+from kinemark.signal import assign
 from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, TrackMethod, track
 
 Floats = NDArray[np.float64]
@@ -50,6 +56,8 @@ JUMP = 8.0  # mm; a second difference no marker on a body has at 250 Hz (500 m/s
 MARGIN = 3  # frames beside a jump that the reference's own smoothing has bent
 NEAR = 5.0  # mm; a reference sample counts as found
 SHIFT = 0.8  # s; of each camera against the one before it, for the control
+FARTHEST = 30.0  # mm; of our point for a bent reference sample
+AGREE = 0.5  # px
 RINGS = ((0.0, 0.2), (0.2, 0.3), (0.3, 0.4), (0.4, 1.0))
 
 
@@ -77,8 +85,13 @@ def points(
         ideal[seen, c] = inverse(camera, uv)
         radius[seen, c] = np.linalg.norm(normalised(camera, uv), axis=-1)
     xyz = triangulate(ideal, rig.P)
+    return xyz, beside(rig, ideal, xyz), radius
+
+
+def beside(rig: Rig, ideal: Floats, xyz: Floats) -> Floats:
+    """(P, C) px of ideal images (P, C, 2) from where points (P, 3) should be seen."""
     x = np.einsum("cij,pj->pci", rig.P, np.column_stack([xyz, np.ones(len(xyz))]))
-    return xyz, np.linalg.norm(ideal - x[..., :2] / x[..., 2:], axis=-1), radius
+    return np.asarray(np.linalg.norm(ideal - x[..., :2] / x[..., 2:], axis=-1))
 
 
 def continuous_pieces(xyz: Floats) -> Floats:
@@ -125,6 +138,27 @@ def shift_cameras(detections: Detections, frames: int) -> Detections:
     row = np.concatenate(rows)
     cov = detections.cov[row]
     return Detections.build(detections.cameras, detections.rate, counts, detections.uv[row], cov)
+
+
+def bent(rig: Rig, detections: Detections, tracks: Tracks, found: Score, reference: Floats) -> float:
+    """Share of the reference samples that are bent."""
+    xyz, off, _ = points(rig, detections, tracks.cloud, division)
+    ours = np.sqrt(np.nanmean(off**2, axis=1))
+    agreed = ((tracks.cloud.view >= 0).sum(1) >= 3) & (ours < AGREE) & (found.owner < 0) & (tracks.id >= 0)
+    missed = np.isfinite(reference[..., 0])
+    missed[found.owner[found.owner >= 0], tracks.cloud.frame[found.owner >= 0]] = False
+    n = 0
+    for f in range(tracks.cloud.n_frames):
+        p = np.flatnonzero(agreed[tracks.cloud.start[f] : tracks.cloud.start[f + 1]]) + tracks.cloud.start[f]
+        m = np.flatnonzero(missed[:, f])
+        i, j = assign(np.linalg.norm(reference[m, f][:, None] - xyz[p], axis=-1), np.full(len(m), FARTHEST))
+        ideal = np.full((len(i), len(rig), 2), np.nan)
+        for c, camera in enumerate(rig):
+            view = tracks.cloud.view[p[j], c]
+            ideal[view >= 0, c] = division(camera, detections.uv[view[view >= 0]])
+        theirs = np.sqrt(np.nanmean(beside(rig, ideal, reference[m[i], f]) ** 2, axis=1))
+        n += int((theirs > 2 * ours[p[j]]).sum())
+    return n / int(np.isfinite(reference[..., 0]).sum())
 
 
 def pieces_per_track(result: Score, reference: Floats, shortest: int = 25) -> float:
@@ -254,6 +288,13 @@ def main(*asked: str) -> None:
         "method makes of the images left over with the cameras shifted in time; extra points beyond these are markers."
     )
     print(f"The trial lasted {detections.n_frames / detections.rate:.1f} s; time is that of one processor.")
+    print(
+        f"Of the reference samples, so many are bent, images agreeing on a point {NEAR:.0f} to {FARTHEST:.0f} mm off,"
+    )
+    print("and so many are found or bent, %:")
+    for name, row in rows.items():
+        share = bent(rig, detections, row.tracks, row.whole[THEIRS], xyz)
+        print(f"  {name:42}{100 * share:8.2f}{100 * (share + row.whole[THEIRS].recall):8.2f}")
     print("Without cutting the reference at its own jumps, so many of its swaps would count as ours:")
     for name, row in rows.items():
         print(f"  {name:42}{len(changes(row.tracks, row.whole[THEIRS].owner, xyz)):8d}")

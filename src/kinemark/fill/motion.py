@@ -1,14 +1,15 @@
 """What fillers work on: all markers of a trial as one array, and the gaps in it.
 
-A filler is a function `filler(motion, gaps, method=…) -> list[Prediction]`, one prediction for each gap. It may read all
-that is not NaN in `motion`, before, during and after the gap; nothing else tells it which samples are missing, so that
-hiding a part of a trial (`hidden`) and filling it again is a fair test of a filler. What is the same for many gaps of
-one call (a mean shape, sums of products) is worked out once a call.
+A filler is a function `filler(motion, gaps, method=…) -> list[Prediction]`, one prediction for each gap. It may read
+all that is not NaN in `motion`, before, during and after the gap; nothing else tells it which samples are missing, so
+that hiding a part of a trial (`hidden`) and filling it again is a fair test of a filler. What is the same for many gaps
+of one call (a mean shape, sums of products) is worked out once a call.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -95,5 +96,5 @@ def find_gaps(motion: Motion, *, ends: bool = False) -> list[Gap]:
         if not len(frames):
             continue
         edges = np.concatenate(([-1], frames, [len(seen)])) if ends else frames
-        gaps += [Gap(marker, int(a) + 1, int(b)) for a, b in zip(edges, edges[1:], strict=False) if b - a > 1]
+        gaps += [Gap(marker, int(a) + 1, int(b)) for a, b in pairwise(edges) if b - a > 1]
     return gaps

@@ -4,6 +4,7 @@ Each camera is compared with what all the others together say. From its images i
 projection over a tenth of the recording shows a camera that stands otherwise than it is calibrated (1), and since when.
 The share of the tracked points for which it has an image shows one whose images fit nothing, or nothing any more (2).
 A camera whose images fit nothing may be another one's: its images are tried with the calibration of each other (3).
+Images that lie where the marker was, or will be, show a camera that is not synchronous (`clocks`).
 A rate that is wrong changes all speeds by one factor, which no image tells; only one that makes people faster than they
 are is seen (4). Half of the true rate goes unnoticed.
 """
@@ -16,6 +17,7 @@ import numpy as np
 
 from ..data import Detections, Rig
 from .claims import expect
+from .clocks import Clocks, clocks
 from .images import Images
 from .motion import Floats, Ints, Motion
 from .noise import DEAF, FAR
@@ -27,6 +29,9 @@ PARTS = 10
 BESIDE = 0.5
 """px; less is what a usual calibration leaves."""
 
+CERTAIN = 5.0
+"""Standard errors of a delay."""
+
 FASTEST = 15_000.0
 """mm/s; markers on people hardly move faster than the hand of a thrower."""
 
@@ -36,11 +41,25 @@ FEW = 30
 
 def noticed(detections: Detections, rig: Rig, result: Followed) -> list[str]:
     """Sentences on what is odd about the input; none where nothing is."""
-    said = []
+    said, late = [], _not_synchronous(detections, rig, clocks(result))
     for c, name in enumerate(rig.names):
-        said += _silent(detections, c, name) or _beside(result, c, name)
+        said += _silent(detections, c, name) or late.get(c) or _beside(result, c, name)
     said += [_misfit(result, rig, c) for c in result.noise.deaf.tolist()]
     return said + _too_fast(result, detections.rate)
+
+
+def _not_synchronous(detections: Detections, rig: Rig, found: Clocks) -> dict[int, list[str]]:
+    """About cameras that see at other times than the others, under their numbers."""
+    there = (np.abs(found.delay) > CERTAIN * found.error) & (found.shift > BESIDE)
+    said = {}
+    for c in np.flatnonzero(there).tolist():
+        delay, late = abs(found.delay[c]), "later" if found.delay[c] > 0 else "earlier"
+        said[c] = [
+            f"Camera {rig.names[c]} sees everything {delay / detections.rate * 1000:.1f} ms {late} than the others, "
+            f"{delay:.2f} of a frame, which moves its images by up to {found.shift[c]:.1f} px: "
+            "are all cameras triggered together?"
+        ]
+    return said
 
 
 def _silent(detections: Detections, c: int, name: str) -> list[str]:

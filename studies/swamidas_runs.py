@@ -1,7 +1,7 @@
 """The three motions of Swamidas (1997), chapter 4, his twelve tests with hidden markers, and clouds made of them.
 
 Three magnetic sensors on an arm, 30 Hz, within three feet of their transmitter: `kinemark.synth.motions`, whose
-periods are set here to those of the conclusions (about 2.2 s in run 1 and 1 s in run 3; run 2 is said to lie between).
+periods are those of the conclusions (about 2.2 s in run 1 and 1 s in run 3; run 2 is said to lie between).
 The recordings are lost, and so is where in its cycle each began; every test is run from several phases of the cycle.
 """
 
@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 
 from kinemark.data import Cloud
 from kinemark.synth import Subject, circle_over_cylinder, elbow_flexion, tilted_rectangle
+from kinemark.synth.motions import PERIODS_S
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-PERIOD = {1: 2.2, 2: 1.6, 3: 1.0}
+PERIOD = dict(enumerate(PERIODS_S, 1))
 """Of the three runs, s."""
 
 STARTS = (10, 80, 150)

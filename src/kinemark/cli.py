@@ -24,6 +24,7 @@ from .proposals import learn_session_masks, propose_detection
 from .report.calibration_text import calibration_summary
 from .report.text import summary
 from .session import Session
+from .settings import methods_text, parameters
 from .simulate import Scene
 from .simulate import simulate as simulate_session
 from .version import __version__
@@ -34,6 +35,17 @@ app = App(
 errors = Console(stderr=True)
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the results for a machine.")]
+
+
+Set = Annotated[
+    list[str] | None,
+    Parameter(
+        name="--set",
+        negative="",
+        help="STAGE.PARAMETER=VALUE instead of the file's, as track.method=kiss_tracking; may be repeated. "
+        "The command methods lists what there is.",
+    ),
+]
 
 
 @contextmanager
@@ -73,16 +85,17 @@ def demo(folder: Path = Path("demo"), *, json: Json = False) -> None:
 
 
 @app.command
-def run(session: Path, *trials: str, json: Json = False) -> None:
+def run(session: Path, *trials: str, set: Set = None, json: Json = False) -> None:
     """Process a session: calibrate, detect, match, reconstruct, track, and write C3D and report.
 
     Args:
         session: a folder with a session.toml, or such a file.
         trials: names of the trials to process; all where none is given.
+        set: methods and parameters instead of the file's, as track.method=kiss_tracking; `kinemark methods` lists them.
         json: print the figures for a machine.
     """
     with progress() as tell:
-        results = Session.open(session).run(trials, progress=tell)
+        results = Session.open(session, overrides=set or ()).run(trials, progress=tell)
     if json:
         _print({name: result.quality for name, result in results.items()})
         return
@@ -92,21 +105,34 @@ def run(session: Path, *trials: str, json: Json = False) -> None:
 
 
 @app.command
-def calibrate(session: Path, *, json: Json = False) -> None:
+def calibrate(session: Path, *, set: Set = None, json: Json = False) -> None:
     """Calibrate a session's cameras, judge the calibration, and write rig.toml and calibration.html.
 
     Args:
         session: a folder with a session.toml, or such a file.
+        set: methods and parameters instead of the file's, as calibrate.method=dlt.
         json: print the figures for a machine.
     """
     with progress() as tell:
-        result = Session.open(session).calibrate(progress=tell)
+        result = Session.open(session, overrides=set or ()).calibrate(progress=tell)
     if json:
         _print(result.figures)
         return
     did = "the calibration" if result.computed else "nothing: all is unchanged"
     page = result.folder / "calibration.html"
     _print(f"{calibration_summary(result.figures)}\ncomputed: {did}\nresults:  {result.folder / 'rig.toml'}, {page}")
+
+
+@app.command
+def methods(stage: str | None = None, *, json: Json = False) -> None:
+    """List the methods of each stage with their parameters, as session.toml and --set name them.
+
+    Args:
+        stage: calibrate, detect, match, reconstruct or track; all where none is given.
+        json: print them for a machine.
+    """
+    found = parameters(stage)
+    _print(found if json else methods_text(found))
 
 
 @app.command

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from .data import Analog, Cloud, Detections, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
 from .detect import Centroids, KissNearest, KissScanning
-from .follow import FOLLOWERS, Doubt, FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed
+from .follow import FOLLOWERS, Doubt, FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed, noticed_of
 from .io.c3d import write_c3d
 from .io.files import replacing
 from .io.records import load, save
@@ -279,7 +279,7 @@ def _stages(
         make = told("track", lambda: _followed(detections, rig, methods))
     else:
         cloud, key = _cloud(ledger, detections, rig, methods, key, told)
-        make = told("track", lambda: Tracked(track(cloud, method=methods.track)))  # type: ignore[arg-type]
+        make = told("track", lambda: _linked(detections, rig, cloud, methods))
     tracked, key = ledger.do(
         "track", methods.track, key, file="tracks.h5", make=make, save=_save_tracked, load=_load_tracked
     )
@@ -289,11 +289,18 @@ def _stages(
 def _followed(detections: Detections, rig: Rig, methods: Methods) -> Tracked:
     """Tracks straight from the detections; Kinemark's own tracker says what it doubts."""
     method, place = methods.track, methods.reconstruct
-    if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
-        return Tracked(follow(detections, rig, method=method))  # type: ignore[arg-type]
     check_cameras(detections, rig)
+    if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
+        tracks = follow(detections, rig, method=method)  # type: ignore[arg-type]
+        return Tracked(tracks, noticed=tuple(noticed_of(detections, rig, tracks)))
     result = followed(detections, rig, method, place=place)
     return Tracked(result.tracks, tuple(doubts(result, method)), tuple(noticed(detections, rig, result)))
+
+
+def _linked(detections: Detections, rig: Rig, cloud: Cloud, methods: Methods) -> Tracked:
+    """Tracks of points that were matched before."""
+    tracks = track(cloud, method=methods.track)  # type: ignore[arg-type]
+    return Tracked(tracks, noticed=tuple(noticed_of(detections, rig, tracks)))
 
 
 def _cloud(

@@ -43,8 +43,12 @@ class Session:
     settings: Settings
 
     @classmethod
-    def open(cls, path: Path | str) -> Session:
+    def open(cls, path: Path | str, *, overrides: Sequence[str] = ()) -> Session:
         """The session in a folder, or of a session file.
+
+        Args:
+            path: of the folder or the file.
+            overrides: methods and parameters instead of the file's, as "track.method=kiss_tracking".
 
         Raises:
             KinemarkError: there is none, or its settings are not understood.
@@ -53,7 +57,7 @@ class Session:
         file = path / FILE if path.is_dir() else path
         if file.is_file() and file.suffix.lower() != ".toml":
             raise KinemarkError(f"{file} is a recording, not a session: write a {FILE} that names it. {ADVICE}")
-        return cls(file.parent, read_settings(file))
+        return cls(file.parent, read_settings(file, overrides=overrides))
 
     @property
     def results(self) -> Path:

@@ -5,6 +5,7 @@ from .former import FormerTwoCameras
 from .method import Simultaneous
 from .methods import FOLLOWERS, follow
 from .noticed import noticed
+from .others import noticed_of
 from .simultaneous import Followed, followed
 
 __all__ = [
@@ -18,4 +19,5 @@ __all__ = [
     "follow_with_doubts",
     "followed",
     "noticed",
+    "noticed_of",
 ]

@@ -30,16 +30,16 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Detections, KinemarkError, Matches, Rig
+from ..data import Detections, Matches, Rig
 from ..data.arrays import check_positive
-from ..geometry import fundamental, triangulate, undistort
+from ..geometry import fundamental, triangulate
+from .images import ideal_pixels
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 BLOCK = 512  # frames matched together, enough to share numpy's overhead
 CELLS = 1 << 24  # pairs of images in a block, at most: bounds the memory
-MOST = 1000  # images of one camera and frame; more are noise, and their pairs would take hours
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,27 +109,6 @@ def blocks_of(detections: Detections, rig: Rig) -> Iterator[Seen]:
     for first in range(0, detections.n_frames, block):
         cut = detections.start[:, first : first + block + 1]
         yield Seen(uv, [_padded(rows) for rows in cut])
-
-
-def ideal_pixels(detections: Detections, rig: Rig) -> Floats:
-    """(D, 2) the valid detections without lens distortion, NaN for the others.
-
-    Raises:
-        KinemarkError: a frame has so many that they must be noise.
-    """
-    most = int(detections.counts.max(initial=1))
-    if most > MOST:
-        c, f = np.argwhere(detections.counts == most)[0]
-        raise KinemarkError(
-            f"Camera {rig.names[c]} has {most} points in frame {f}, wanted at most {MOST}: they are noise. "
-            "Raise the threshold, or leave that frame out."
-        )
-    uv = np.full((len(detections), 2), np.nan)
-    for c, camera in enumerate(rig):
-        own = slice(detections.start[c, 0], detections.start[c, -1])
-        uv[own] = undistort(camera, detections.uv[own])
-    uv[~detections.valid] = np.nan
-    return uv
 
 
 def _padded(start: Ints) -> Ints:

@@ -42,7 +42,8 @@ from numpy.typing import NDArray
 from ..data import Detections, Matches, Rig
 from ..data.arrays import check_positive
 from ..geometry import fundamental
-from .epipolar import collected, costs, ideal_pixels
+from .epipolar import collected, costs
+from .images import ideal_pixels
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

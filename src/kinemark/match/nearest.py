@@ -25,14 +25,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Camera, Detections, KinemarkError, Matches, Rig
+from ..data import Detections, KinemarkError, Matches, Rig
 from ..data.arrays import check_positive
-from ..geometry import epipolar_lines, fundamental, project, triangulate, undistort
+from ..geometry import epipolar_lines, fundamental
+from .epipolar import costs
+from .images import check_cameras, ideal_pixels
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-MOST = 1000  # images of one camera and frame; more are noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,26 +60,20 @@ def match_nearest(detections: Detections, rig: Rig, *, method: NearestEpipolar =
         KinemarkError: detections and rig name other cameras; the two cameras are not named, or not there; a frame has
             far too many images.
     """
-    r, s = _two_cameras(detections, rig, method.cameras)
-    base, other = _ideal(detections, rig.cameras[r], r), _ideal(detections, rig.cameras[s], s)
-    lines = epipolar_lines(fundamental(rig.P[r], rig.P[s]), base)  # (2)
-    found = [_frame_pairs(detections, f, r, s, lines, other, method.band) for f in range(detections.n_frames)]
+    check_cameras(detections, rig)
+    r, s = two = _two_cameras(rig, method.cameras)
+    uv = ideal_pixels(detections, rig, cameras=two)
+    F, band = fundamental(rig.P[r], rig.P[s]), np.inf if method.band is None else method.band
+    found = [_frame_pairs(detections, uv, f, two, F, band) for f in range(detections.n_frames)]
     frame = np.repeat(np.arange(detections.n_frames), [len(i) for i, _ in found])
-    i = np.concatenate([i for i, _ in found] or [np.zeros(0, np.int64)])
-    j = np.concatenate([j for _, j in found] or [np.zeros(0, np.int64)])
-    view = np.full((len(i), len(rig)), -1)
-    view[:, r], view[:, s] = i, j
-    images = np.stack([base[i - detections.start[r, 0]], other[j - detections.start[s, 0]]], 1)
-    return Matches(frame, view, _cost(images, [rig.cameras[r], rig.cameras[s]]), detections.n_frames)
+    view = np.full((len(frame), len(rig)), -1)
+    view[:, r] = np.concatenate([i for i, _ in found] or [np.zeros(0, np.int64)])
+    view[:, s] = np.concatenate([j for _, j in found] or [np.zeros(0, np.int64)])
+    return Matches(frame, view, costs(view, uv, rig.P), detections.n_frames)
 
 
-def _two_cameras(detections: Detections, rig: Rig, names: tuple[str, ...]) -> tuple[int, int]:
+def _two_cameras(rig: Rig, names: tuple[str, ...]) -> tuple[int, int]:
     """Places of the base camera and of the other in the rig."""
-    if detections.cameras != rig.names:
-        raise KinemarkError(
-            f"The detections are of cameras {list(detections.cameras)} and the calibration of {list(rig.names)}. "
-            "Name the same cameras in the same order in both."
-        )
     if not names and len(rig) != 2:
         raise KinemarkError(
             f"The method matches two cameras, and there are {len(rig)}: {list(rig.names)}. "
@@ -91,26 +85,14 @@ def _two_cameras(detections: Detections, rig: Rig, names: tuple[str, ...]) -> tu
     return rig.names.index(first), rig.names.index(second)
 
 
-def _ideal(detections: Detections, camera: Camera, c: int) -> Floats:
-    """What camera c saw in all frames, (n, 2) px without its lens; NaN where it is not valid."""
-    own = slice(int(detections.start[c, 0]), int(detections.start[c, -1]))
-    uv = undistort(camera, detections.uv[own])
-    return np.where(detections.valid[own, None], uv, np.nan)
-
-
 def _frame_pairs(
-    detections: Detections, f: int, r: int, s: int, lines: Floats, other: Floats, band: float | None
+    detections: Detections, uv: Floats, f: int, cameras: tuple[int, int], F: Floats, band: float
 ) -> tuple[Ints, Ints]:
     """Rows of the base and of the other camera that belong together in frame f."""
-    i, j = (np.arange(*detections.start[c, f : f + 2]) for c in (r, s))
-    if max(len(i), len(j)) > MOST:
-        raise KinemarkError(
-            f"Camera {detections.cameras[r if len(i) > MOST else s]} has more than {MOST} points in frame {f}: "
-            "they are noise. Raise the threshold, or leave that frame out."
-        )
-    line, uv = lines[i - detections.start[r, 0]], other[j - detections.start[s, 0]]
-    distance = np.abs(line[:, :2] @ uv.T + line[:, 2:])  # (3)
-    a, b = nearest_pairs(np.where(distance <= (np.inf if band is None else band), distance, np.inf))
+    i, j = (np.arange(*detections.start[c, f : f + 2]) for c in cameras)
+    line = epipolar_lines(F, uv[i])  # (2)
+    distance = np.abs(line[:, :2] @ uv[j].T + line[:, 2:])  # (3)
+    a, b = nearest_pairs(np.where(distance <= band, distance, np.inf))
     return i[a], j[b]
 
 
@@ -133,10 +115,3 @@ def nearest_pairs(cost: Floats) -> tuple[Ints, Ints]:
     row, column = np.concatenate(rows), np.concatenate(columns)
     order = np.argsort(row)
     return row[order], column[order]
-
-
-def _cost(images: Floats, cameras: list[Camera]) -> Floats:
-    """(G) RMS distance of pairs of ideal images (G, 2, 2) from the projections of their points, px."""
-    xyz = triangulate(images, np.stack([camera.P for camera in cameras]))
-    again = np.stack([undistort(camera, project(camera, xyz)) for camera in cameras], 1)
-    return np.sqrt(((images - again) ** 2).sum(-1).mean(-1))

@@ -16,10 +16,10 @@ part, and the (n − 1)(n − 2)/2 others stay together. So with
 
 solution p is left out if
 
-    m_p > `excess` · min_q m_q                                           (5)
+    m_p ≥ `excess` · min_q m_q,   m_p > min_q m_q                        (5)
 
 For n = 3 is k = 1, and (5) is the rule of the paper: if d₃ is the least of three distances, the two solutions that it
-joins have m = d₃, and the third has the smaller of its two distances, which (5) asks to be more than twice d₃.
+joins have m = d₃, and the third has the smaller of its two distances, which (5) asks to be twice d₃ or more.
 
 **What the rule can do.** It finds a pair whose rays are nearly parallel, as its solution is far from all others. It
 cannot find a bad camera of three: that camera is in two of the three solutions, and where these two happen to be
@@ -68,7 +68,8 @@ class CameraPairs:
     """Parameters of the method.
 
     Attributes:
-        excess: a solution this many times as far from the others as they are from each other is left out (5); UM²AS: 2.
+        excess: a solution this many times as far from the others as they are from each other is left out, or one that
+            is farther (5); UM²AS: 2.
         centroid_sd: standard deviation of a centroid that states none, px; None: estimated from the data.
         model_sd: what the camera model leaves out, px; added to every image's standard deviation.
         within_volume: drop points outside the rig's control volume, where it has one.
@@ -143,7 +144,7 @@ def agreeing(each: Floats, views: NDArray[np.int64], *, excess: float = 2.0) -> 
         k = np.minimum(k, np.maximum(there.sum(1) - 1, 1))  # parallel rays have no solution
         m = _nearest(each[rows], k)
         least = m.min(axis=1, keepdims=True, initial=np.inf)
-        kept[rows] = there & ((m <= excess * least) | np.isinf(least))  # (5)
+        kept[rows] = there & ((m < excess * least) | (m <= least))  # (5)
     return kept
 
 

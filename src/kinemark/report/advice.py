@@ -108,12 +108,9 @@ def _nothing(figures: Figures) -> Iterator[Remark]:
             "red", "No camera saw any marker.", "Lower the threshold in [detect], or check exposure and lights."
         )
     elif not figures["points"]["count"]:
-        what = "The cameras saw markers, but no 3D point could be reconstructed."
-        yield from _say(
-            "red",
-            what,
-            "Check that the calibration belongs to this camera set-up and that the cameras are synchronised.",
-        )
+        what = "The cameras saw markers, but no marker was found in space."
+        do = "Check that the calibration belongs to this camera set-up and that the cameras are synchronised."
+        yield from _say("red", what, "See what was noticed, below." if figures["noticed"] else do)
     elif not figures["trajectories"]["samples"]:
         what = "3D points were reconstructed, but no trajectory came of them."
         yield from _say("red", what, "Check the parameters of [track]: shortest, and speed; and rate_hz.")
@@ -184,7 +181,8 @@ def _judged(figures: Figures) -> Iterator[Remark]:
 
 def _unused(figures: Figures) -> Iterator[Remark]:
     used = {c["name"]: c["used_of_valid_share"] for c in figures["cameras"]}
-    little = [name for name, part in used.items() if part is not None and part < USED_SHARE]
+    told = " ".join(figures["noticed"])
+    little = [name for name, part in used.items() if part is not None and part < USED_SHARE and f" {name} " not in told]
     if figures["points"]["count"] and little:
         least = percent(min(used[name] for name in little))
         what = f"Much of what {some('camera', little)} saw became no part of a 3D point (used: {least} or more)."
@@ -291,7 +289,11 @@ def _doubtful(figures: Figures) -> Iterator[Remark]:
 
 def _noticed(figures: Figures) -> Iterator[Remark]:
     for sentence in figures["noticed"]:
-        yield from _say("amber", sentence, "Check that camera and the settings; calibrate again if it was moved.")
+        if "frame rate" in sentence:
+            do = "Correct rate_hz, or the rate in the file: every speed and every limit of [track] depends on it."
+        else:
+            do = "Look at that camera in a second trial: calibrate again if it was moved, or leave it out."
+        yield from _say("amber", sentence, do)
 
 
 def _unsure(figures: Figures) -> Iterator[Remark]:

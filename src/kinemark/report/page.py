@@ -13,8 +13,10 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
 from ..data import Detections, Rig, Tracks, Trajectories
+from ..follow import Simultaneous
 from ..io.files import replacing
 from .advice import LONG_GAP_S, worst_cameras
+from .doubts import doubt_table
 from .figures import exactness_figure, timeline_figure, trajectories_figure, uncertainty_figure
 from .figures_calibration import slices_figure
 from .figures_cameras import detections_figure, offset_figure, residual_figure, timing_figure, views_figure
@@ -23,7 +25,6 @@ from .scene import scene, upwards
 from .tables import (
     calibration_table,
     camera_table,
-    doubt_table,
     marker_table,
     paragraphs,
     spots_table,
@@ -113,7 +114,7 @@ def page(
         spots_table=spots_table(quality["cameras"]),
         camera_table=camera_table(quality["cameras"], worst_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),
-        doubt_table=doubt_table(quality["doubts"]),
+        doubt_table=doubt_table(quality["doubts"], told=_tells(quality["steps"])),
         step_table=step_table(quality["steps"]),
     )
     return framed(main, heading=quality["trial"], session=quality["session"], version=quality["kinemark"], nav=NAV)
@@ -151,6 +152,11 @@ def figures(
         "views": views_figure(quality["points"]),
         "timing": timing_figure(quality["timing"]),
     }
+
+
+def _tells(steps: list[dict[str, Any]]) -> bool:
+    """Whether the tracking was by a method that tells its doubts."""
+    return any(step["stage"] == "track" and step["method"] == Simultaneous.__name__ for step in steps)
 
 
 def _verdict(judged: Mapping[str, Any] | None) -> str:

@@ -100,25 +100,6 @@ def _marker(marker: dict[str, Any]) -> list[str]:
     return [marker["name"], *samples, *shares, span, number(marker["gaps"]), longest if marker["gaps"] else "–", *exact]
 
 
-MOST_DOUBTS = 200
-
-
-def doubt_table(doubts: list[dict[str, Any]]) -> str:
-    """A row a close decision, the earliest first; no more than a reader would look at."""
-    rows = [
-        [
-            measure(doubt["time_s"], 2, "s"),
-            f"{doubt['first_frame']}–{doubt['last_frame']}",
-            doubt["kind"],
-            " ".join(doubt["trajectories"]),
-            doubt["reason"],
-        ]
-        for doubt in doubts[:MOST_DOUBTS]
-    ]
-    more = f"<p>And {len(doubts) - MOST_DOUBTS} more, in quality.json.</p>" if len(doubts) > MOST_DOUBTS else ""
-    return table(["time", "frames", "possible", "trajectories", "why"], rows) + more if rows else "<p>None.</p>"
-
-
 def step_table(steps: list[dict[str, Any]]) -> str:
     """A row a step with its parameters, so that it can be run again."""
     rows = [

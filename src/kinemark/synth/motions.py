@@ -1,8 +1,10 @@
 """Three periodic motions of an arm, as three magnetic sensors once recorded them (Swamidas 4.1.3, at 30 Hz).
 
 Markers A at the hand, B at the elbow and C at the shoulder; in the third motion D, close to B on the forearm, takes
-A's place.
-The world's origin is the magnetic transmitter, whose range was three feet, 914 mm: all markers stay within it.
+A's place. The world's origin is the magnetic transmitter, whose range was three feet, 914 mm: all markers stay in it.
+
+Of the periods the thesis gives two, in its conclusions: "approximately 2.2 seconds" in run 1 and "approximately 1
+second" in run 3. Run 2 is "a faster one" than run 1 and run 3 "still faster": its 1.6 s is set between them.
 
 The hand's path is given, and the shoulder's small sway; both limbs keep their lengths u (upper arm) and f (forearm).
 With the hand at distance d from the shoulder, along the unit vector a, the elbow hangs below the line at
@@ -25,6 +27,9 @@ Array = NDArray[np.float64]
 UPPER, FOREARM, NEAR = 290.0, 260.0, 45.0
 """Shoulder to elbow, elbow to hand, elbow to D, mm."""
 
+PERIODS_S = (2.2, 1.6, 1.0)
+"""Of the three motions."""
+
 SHOULDER = np.array([250.0, -450.0, 300.0])
 """C at rest, seen from the transmitter, mm."""
 
@@ -34,7 +39,7 @@ def circle_over_cylinder(
     duration_s: float = 10.0,
     rate: float = 30.0,
     seed: int = 0,
-    period_s: float = 3.3,
+    period_s: float = PERIODS_S[0],
     radius_mm: float = 120.0,
     unsteady_mm: float = 2.0,
 ) -> Subject:
@@ -60,7 +65,7 @@ def tilted_rectangle(
     duration_s: float = 10.0,
     rate: float = 30.0,
     seed: int = 0,
-    period_s: float = 4.0,
+    period_s: float = PERIODS_S[1],
     sides_mm: tuple[float, float] = (260.0, 180.0),
     unsteady_mm: float = 2.0,
 ) -> Subject:
@@ -88,7 +93,7 @@ def elbow_flexion(
     duration_s: float = 10.0,
     rate: float = 30.0,
     seed: int = 0,
-    period_s: float = 2.5,
+    period_s: float = PERIODS_S[2],
     unsteady_mm: float = 1.5,
 ) -> Subject:
     """Run 3: the arm flexes, with markers D, B and C; D and B are so close that their regions of acceptance overlap.

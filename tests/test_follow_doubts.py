@@ -109,17 +109,28 @@ def test_a_track_of_little_evidence_may_be_a_ghost(result):
     assert (doubt.kind, doubt.tracks) == ("ghost", (track,))
 
 
+def test_joins_are_doubted_at_their_gap():
+    """Also where a piece was itself joined before: the gap is that between the pieces that meet there."""
+    path = np.stack([np.linspace(0, 600, 121), np.zeros(121), np.full(121, 1000.0)], -1)
+    pieces = np.stack([path] * 3)
+    pieces[0, 40:], pieces[1, :43], pieces[1, 80:], pieces[2, :84] = (np.nan,) * 4
+    found = joined(points(pieces), 0.01, METHOD).joins
+    assert {(join.last, join.first) for join in found} == {(39, 43), (79, 84)}
+    rest = joined(points(pieces[:, :, :]), 0.01, replace(METHOD, gap=0.045)).joins
+    assert {(join.last, join.first) for join in rest} == {(39, 43)}
+
+
 @pytest.mark.parametrize(
     ("margin", "sd", "words"),
     [
         (1.5 * CLEAR, 1.0, "joined over a gap, but another join was nearly as likely"),
-        (3 * CLEAR, 0.6 * METHOD.worst, "joined over a gap, but motion told its place to 6 mm only"),
+        (3 * CLEAR, 0.6 * METHOD.worst, "joined over a gap, but its motion alone leaves 6 mm open"),
         (0.5 * CLEAR, 1.0, "may be one marker with a gap, but another join was nearly as likely"),
         (3 * CLEAR, 0.4 * METHOD.worst, None),
     ],
 )
 def test_joins_with_a_rival_or_over_a_wide_gap_are_doubts(result, margin, sd, words):
-    doubts = _joins(result._replace(joins=[Join(0, 1, 2 * margin, margin, sd)]), METHOD)
+    doubts = _joins(result._replace(joins=[Join(0, 1, 2 * margin, margin, sd, 10, 15)]), METHOD)
     assert [doubt.reason for doubt in doubts] == ([] if words is None else [doubts[0].reason])
     assert words is None or words in doubts[0].reason
 
@@ -144,6 +155,19 @@ def test_a_camera_that_starts_late_is_named(seen):
     for sentences in (noticed(late, rig, followed(late, rig, METHOD)), noticed_of(late, rig, staged(late, rig))):
         (sentence,) = sentences
         assert "c2" in sentence and "before frame 30" in sentence
+
+
+def test_a_camera_whose_view_the_markers_enter_late_did_not_start_late():
+    """And one whose view they leave did not stop."""
+    rig, xyz = ring(6), dance(n=12, frames=80)
+    detections, _ = observe(rig, xyz, noise=0.1)
+    away = rig[2].R.copy()
+    turned = replace(rig[2], R=np.diag([-1.0, 1, -1]) @ away, t=-np.diag([-1.0, 1, -1]) @ away @ rig[2].centre)
+    looks_away = replace(rig, cameras=tuple(turned if c == 2 else rig[c] for c in range(6)))
+    for own in (detections.frame >= 30, detections.frame < 50):
+        some = detections.keep((detections.camera != 2) | own)
+        sentences = noticed(some, looks_away, followed(some, looks_away, METHOD))
+        assert not any("start late" in one or "stop" in one for one in sentences)
 
 
 def test_speeds_that_nobody_has_name_the_rate(seen):

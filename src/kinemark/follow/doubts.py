@@ -146,17 +146,15 @@ def _weak(result: Followed) -> list[Doubt]:
 
 def _joins(result: Followed, method: Simultaneous) -> list[Doubt]:
     """Joins that had a rival, and those over wide gaps."""
-    frame, raw = result.seen.frame, result.seen.id
     found = []
     for join in result.joins:
         rival, wide = join.margin < 2 * CLEAR, join.sd > method.worst / 2  # (2)
         if not rival and not wide:
             continue
         tracks = tuple(dict.fromkeys(int(result.id[i]) for i in (join.before, join.after)))
-        frames = int(frame[raw == join.before].max()), int(frame[raw == join.after].min())
         what = "were joined over a gap" if join.margin > CLEAR else "may be one marker with a gap"
-        why = "another join was nearly as likely" if rival else f"motion told its place to {join.sd:.0f} mm only"
-        found.append(Doubt("join", min(frames), max(frames), tracks, f"{what}, but {why}"))
+        why = "another join was nearly as likely" if rival else f"its motion alone leaves {join.sd:.0f} mm open"
+        found.append(Doubt("join", join.last, join.first, tracks, f"{what}, but {why}"))
     return found
 
 

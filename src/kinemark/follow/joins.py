@@ -57,13 +57,15 @@ class Ends(NamedTuple):
 
 class Join(NamedTuple):
     """Track `before` goes on as track `after`; worth of (1) and (2), and margin over the next best (3);
-    sd of the difference of positions (1), mm."""
+    sd of the difference of positions (1), mm; last and first: the frames at both sides of the gap."""
 
     before: int
     after: int
     worth: float
     margin: float
     sd: float
+    last: int
+    first: int
 
 
 class Joined(NamedTuple):
@@ -116,7 +118,7 @@ def _best(points: Points, T: float, method: Simultaneous, distances: bool) -> li
     rest[before, after] = 0.0
     margin = best - np.maximum(rest.max(1)[before], rest.max(0)[after])
     return [
-        Join(i, j, float(best[k]), float(margin[k]), float(open_[i, j]))
+        Join(i, j, float(best[k]), float(margin[k]), float(open_[i, j]), int(ends.last[i]), int(ends.first[j]))
         for k, (i, j) in enumerate(zip(before.tolist(), after.tolist(), strict=True))
         if best[k] > 0
     ]

@@ -19,7 +19,7 @@ from ..data import Detections, Rig
 from .claims import expect
 from .clocks import Clocks, clocks
 from .images import Images
-from .motion import Floats, Ints, Motion
+from .motion import Bools, Floats, Ints, Motion
 from .noise import DEAF, FAR
 from .simultaneous import Followed
 
@@ -43,7 +43,7 @@ def noticed(detections: Detections, rig: Rig, result: Followed) -> list[str]:
     """Sentences on what is odd about the input; none where nothing is."""
     said, late = [], _not_synchronous(detections, rig, clocks(result))
     for c, name in enumerate(rig.names):
-        said += _silent(detections, c, name) or late.get(c) or _beside(result, c, name)
+        said += _silent(detections, result, c) or late.get(c) or _beside(result, c, name)
     said += [_misfit(result, rig, c) for c in result.noise.deaf.tolist()]
     return said + _too_fast(result, detections.rate)
 
@@ -62,15 +62,16 @@ def _not_synchronous(detections: Detections, rig: Rig, found: Clocks) -> dict[in
     return said
 
 
-def _silent(detections: Detections, c: int, name: str) -> list[str]:
-    """About a camera without images at the end, or the beginning, of the recording."""
-    n, some = detections.n_frames, np.flatnonzero(detections.counts[c])
+def _silent(detections: Detections, result: Followed, c: int) -> list[str]:
+    """About a camera without images at the end, or the beginning, of the recording, though markers were in its view."""
+    n, some, name = detections.n_frames, np.flatnonzero(detections.counts[c]), detections.cameras[c]
     if not n or not len(some):
         return [f"Camera {name} has no images at all."] if n else []
+    should = result.tracks.cloud.frame[_in_view(result, c, _expected(result, c), min(2, len(detections.cameras) - 1))]
     said = []
-    if n - some[-1] > n / PARTS:
+    if n - some[-1] > n / PARTS and (should > some[-1]).sum() >= FEW:
         said.append(f"Camera {name} has no images after frame {some[-1]} of {n}: did it stop?")
-    if some[0] > n / PARTS:
+    if some[0] > n / PARTS and (should < some[0]).sum() >= FEW:
         said.append(f"Camera {name} has no images before frame {some[0]} of {n}: did it start late?")
     return said
 
@@ -113,7 +114,7 @@ def _parts(result: Followed, c: int) -> Parts:
     first = np.unique(np.linspace(0, cloud.n_frames, PARTS + 1).astype(int))[:-1]
     part = np.searchsorted(first, cloud.frame, side="right") - 1
     uv = _expected(result, c)
-    inside = ((uv >= 0) & (uv < images.size[c])).all(1) & ((np.delete(cloud.view, c, axis=1) >= 0).sum(1) >= 2)
+    inside = _in_view(result, c, uv, 2)
     near = _nearest(images, cloud.frame, c, uv)
     off, share = np.full((len(first), 2), np.nan), np.full(len(first), np.nan)
     for k in range(len(first)):
@@ -129,6 +130,12 @@ def _parts(result: Followed, c: int) -> Parts:
 def _expected(result: Followed, c: int) -> Floats:
     """(P, 2) px where camera c should see the points of the tracks."""
     return expect(result.images.P[c : c + 1], Motion(result.tracks.cloud.xyz.T, np.zeros((3, 3, 1)))).uv[0].T
+
+
+def _in_view(result: Followed, c: int, uv: Floats, least: int) -> Bools:
+    """(P) points of the tracks that lie in the image of camera c, at uv (P, 2), and that so many others see."""
+    others = np.delete(result.tracks.cloud.view, c, axis=1) >= 0
+    return np.asarray(((uv >= 0) & (uv < result.images.size[c])).all(1) & (others.sum(1) >= least))
 
 
 def _nearest(images: Images, frame: Ints, c: int, uv: Floats) -> Ints:

@@ -1,5 +1,6 @@
 """Laws of the tracker that matches and tracks at once, and of its parts."""
 
+import sys
 from itertools import permutations
 
 import numpy as np
@@ -9,6 +10,7 @@ from laboratory import observe, ring
 from kinemark.data import Detections, KinemarkError, Rig
 from kinemark.follow import Simultaneous, follow
 from kinemark.follow.claims import claim, expect
+from kinemark.follow.groups import _near_lines, _together, fundamentals, placed
 from kinemark.follow.images import read_images
 from kinemark.follow.motion import Motion, ahead, at_rest, back, inverse, reversed_time, told
 from kinemark.geometry import project
@@ -243,6 +245,44 @@ def test_claims_are_the_best_of_all(seed):
     assert claims.worth[0].sum() == pytest.approx(best)
     taken = claims.row[0][claims.row[0] >= 0]
     assert len(set(taken.tolist())) == len(taken)
+
+
+@pytest.mark.parametrize("at_once", [1, 40, 4000])
+def test_pairs_near_lines_are_those_of_a_loop_over_all_pairs(at_once, monkeypatch):
+    """Whatever the number of images in each frame and camera, and however many frames are looked at together."""
+    monkeypatch.setattr(sys.modules["kinemark.follow.groups"], "AT_ONCE", at_once)
+    rig, rng = ring(4), np.random.default_rng(3)
+    xyz = dance(6, 9)
+    xyz[:, 4] = np.nan  # nothing there
+    xyz[1:, 5] = np.nan
+    detections, _ = observe(rig, xyz + rng.normal(size=xyz.shape), noise=2.0)
+    images = read_images(detections, rig)
+    F, frames = fundamentals(images.P), [0, 1, 4, 5, 8]
+    found = [_near_lines(images, part, F, 5.0) for part in _together(images.in_frames(frames))]
+    expected = set()
+    for i, j in permutations(range(len(images.uv)), 2):
+        a, b = images.camera[[i, j]]
+        if a < b and images.frame[i] == images.frame[j] and images.frame[i] in frames:
+            x, y = np.append(images.uv[i], 1.0), np.append(images.uv[j], 1.0)
+            far = [abs(line @ p) / np.hypot(*line[:2]) for line, p in ((F[a, b] @ x, y), (F[b, a] @ y, x))]
+            if max(far) < 5 * np.sqrt(images.variance[[i, j]].sum()):
+                expected.add((i, j))
+    assert len(expected) > 50
+    assert sorted(map(tuple, np.concatenate(found, -1).T.tolist())) == sorted(expected)
+
+
+def test_points_of_pairs_are_those_of_views():
+    """`placed` by the two images that there are and by a line for every camera is the same."""
+    rig = ring(5)
+    detections, truth = observe(rig, dance(8, 3), noise=0.1)
+    images = read_images(detections, rig)
+    pair = np.array([(i, j) for i, j in permutations(range(len(truth)), 2) if images.camera[i] < images.camera[j]]).T
+    pair = pair[:, (truth[pair[0]] == truth[pair[1]]) & (images.frame[pair[0]] == images.frame[pair[1]])]
+    view = np.full((5, pair.shape[1]), -1)
+    view[images.camera[pair], np.arange(pair.shape[1])] = pair
+    one, other = placed(images, pair, images.camera[pair]), placed(images, view)
+    assert np.abs(one.xyz - other.xyz).max() < 1e-6 and np.allclose(one.cov, other.cov, rtol=1e-6)
+    assert np.allclose(one.squared, other.squared.T[view.T >= 0].reshape(-1, 2).T, atol=1e-6)
 
 
 def test_parameters_are_checked():

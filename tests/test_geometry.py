@@ -9,7 +9,7 @@ from laboratory import LENS, camera, observe, ring
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
-from kinemark.data import PARAMETERS, KinemarkError
+from kinemark.data import PARAMETERS, KinemarkError, Rig
 from kinemark.geometry import (
     camera_from_dlt,
     decompose,
@@ -271,3 +271,46 @@ def test_observed_points_are_where_the_camera_sees_them():
     detections, truth = observe(rig, POINTS[:5, None])
     own = slice(detections.start[1, 0], detections.start[1, -1])
     assert np.abs(detections.uv[own] - project(rig[1], POINTS[truth[own]])).max() < 1e-9
+
+
+def dense_refine(rig, xyz, uv, cov, *, steps):
+    """`refine` by its equations, a point at a time."""
+    points, covs, offs = [], [], []
+    for x, images, spread in zip(xyz, uv, cov, strict=True):
+        seen = np.flatnonzero(~np.isnan(images[:, 0]))
+        J_cal = [parameter_jacobian(rig[c], x) for c in seen]
+        W = [np.linalg.inv(spread[c] + j @ rig[c].cov @ j.T) for c, j in zip(seen, J_cal, strict=True)]
+        for k in range(steps + 1):
+            J = [point_jacobian(rig[c], x) for c in seen]
+            off = [images[c] - project(rig[c], x) for c in seen]
+            normal = sum(j.T @ w @ j for j, w in zip(J, W, strict=True))
+            if k < steps:
+                x = x + np.linalg.solve(normal, sum(j.T @ w @ o for j, w, o in zip(J, W, off, strict=True)))
+        points.append(x)
+        covs.append(np.linalg.inv(normal))
+        offs.append(np.full(images.shape, np.nan))
+        offs[-1][seen] = off
+    return np.array(points), np.array(covs), np.array(offs)
+
+
+@pytest.mark.parametrize("calibrated", [False, True])
+@pytest.mark.parametrize("steps", [1, 3])
+def test_refining_many_points_is_refining_each(calibrated, steps):
+    """In cameras that are skewed, flipped and uncertain, by images of any covariance, a third of them unseen."""
+    rng = np.random.default_rng(steps)
+    sd = np.array([0.5, 0.5, 0.4, 0.4, 1e-3, 1e-3, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 0.3, 0.3, 0.3])
+    rig = Rig((*ring(3), replace(SKEWED, name="skewed"), replace(FLIPPED, name="flipped")))
+    if calibrated:
+        mixed = np.diag(sd) @ (np.eye(15) + 0.3 * rng.normal(size=(15, 15)))
+        rig = replace(rig, cameras=tuple(replace(c, cov=mixed @ mixed.T) for c in rig))
+    uv = seen_with_noise(rig, POINTS[:60], 0.3)
+    uv[rng.random((60, 5)) < 0.3] = np.nan
+    uv[:, :2] = seen_with_noise(rig, POINTS[:60], 0.3)[:, :2]  # by two at least
+    root = rng.normal(size=(60, 5, 2, 2))
+    cov = 0.05 * np.eye(2) + 0.02 * root @ root.swapaxes(-1, -2)
+    guess = POINTS[:60] + rng.normal(size=(60, 3))
+    here, there = refine(rig, guess, uv, cov, steps=steps), dense_refine(rig, guess, uv, cov, steps=steps)
+    assert np.abs(here.xyz - there[0]).max() < 1e-8
+    assert (np.abs(here.cov - there[1]).max((1, 2)) < 1e-9 * np.abs(there[1]).max((1, 2))).all()
+    assert np.abs(here.off - there[2])[~np.isnan(uv)].max() < 1e-9
+    assert (np.isnan(here.off) == np.isnan(uv)).all()

@@ -64,38 +64,31 @@ class Pairs(NamedTuple):
     squared: Floats
     log_det: Floats
 
-    def take(self, which: Ints | Bools) -> Pairs:
-        """Only these."""
-        return Pairs(self.own[which], self.row[which], self.squared[which], self.log_det[which])
-
 
 def expect(P: Floats, motion: Motion) -> Expected:
     """Where the cameras P (C, 3, 4) are expected to see the tracks."""
     h = (P[:, :, :3].reshape(-1, 3) @ motion.position + P[:, :, 3].reshape(-1, 1)).reshape(len(P), 3, -1)
     z = np.where(h[:, 2:] > 0, h[:, 2:], np.nan)
     uv = h[:, :2] / z
-    J = (P[:, :2, :3, None] - uv[:, :, None] * P[:, 2:, :3, None]) / z[:, None]
-    JV = (J[:, :, :, None] * motion.cov).sum(2)
-    S = (JV[:, [0, 0, 1]] * J[:, [0, 1, 1]]).sum(2)
+    J = (P[:, :2, :3, None] - uv[:, :, None] * P[:, 2:, :3, None]) * (1 / z)[:, None]
+    JV = np.einsum("cait,ijt->cajt", J, motion.cov)
+    S = np.einsum("cait,cait->cat", JV[:, [0, 0, 1]], J[:, [0, 1, 1]])
     return Expected(uv, J, S)
 
 
 def candidates(images: Images, free: Bools, frame: Ints, expected: Expected, gate: float) -> Pairs:
     """The free images within the gate of tracks in frames (T)."""
-    uv, S = expected.uv, expected.S
-    cell = (frame * len(uv) + np.arange(len(uv))[:, None]).ravel()
-    own, row = images.near(cell, uv[:, 0].ravel(), gate * np.sqrt(S[:, 0] + images.widest).ravel())
-    which = free[row]
-    own, row = own[which], row[which]
-    n = S.shape[-1]
-    c, t = own // n, own % n
-    x, y = (images.uv[row] - uv[c, :, t]).T
-    a, b, d = S[c, :, t].T
-    noise = images.variance[row]
-    a, d = a + noise, d + noise
+    u, v = expected.uv.swapaxes(0, 1).reshape(2, -1)
+    a, b, d = expected.S.swapaxes(0, 1).reshape(3, -1)
+    C = len(expected.uv)
+    cell = (frame * C + np.arange(C)[:, None]).ravel()
+    own, row = images.part(np.unique(frame), free).near(cell, u, gate * np.sqrt(a + images.widest[cell]))
+    x, y, noise = images.uv[row, 0] - u[own], images.uv[row, 1] - v[own], images.variance[row]
+    a, b, d = a[own] + noise, b[own], d[own] + noise
     det = a * d - b * b  # |S|
     squared = (d * x * x - 2 * b * x * y + a * y * y) / det  # (2)
-    return Pairs(own, row, squared, np.log(det)).take(squared < gate**2)
+    within = np.flatnonzero(squared < gate**2)
+    return Pairs(own[within], row[within], squared[within], np.log(det[within]))
 
 
 def claim(images: Images, free: Bools, frame: Ints, expected: Expected, gate: float) -> Claims:
@@ -115,8 +108,9 @@ def claim(images: Images, free: Bools, frame: Ints, expected: Expected, gate: fl
 
 def _best(own: Ints, image: Ints, worth: Floats, cell: Ints) -> Ints:
     """Which pairs are claims: in each cell those of the greatest worth together, nobody and no image twice."""
-    contested = _repeated(own) | _repeated(image)
-    won, rest = [np.flatnonzero(~contested)], np.flatnonzero(contested)
+    _, image = np.unique(image, return_inverse=True)
+    rest = np.arange(len(own))
+    won = []
     while len(rest):
         simple, left = _simple(own[rest], image[rest], worth[rest])
         won.append(rest[simple])
@@ -126,7 +120,7 @@ def _best(own: Ints, image: Ints, worth: Floats, cell: Ints) -> Ints:
             cuts = np.flatnonzero(np.diff(cell[rest])) + 1
             won += [_assigned(own[part], image[part], worth[part], part) for part in np.split(rest, cuts)]
             break
-    return np.concatenate(won)
+    return np.concatenate([np.zeros(0, np.int64), *won])
 
 
 def _simple(own: Ints, image: Ints, worth: Floats) -> tuple[Bools, Bools]:
@@ -136,28 +130,17 @@ def _simple(own: Ints, image: Ints, worth: Floats) -> tuple[Bools, Bools]:
     best claims were, changing them for this pair would lose nothing.
     """
     order = np.argsort(worth, kind="stable")
-    best, only, place = np.ones(len(own), bool), np.zeros(len(own), bool), []
-    for key in (own, image):
-        _, i = np.unique(key, return_inverse=True)
-        top = np.empty(len(own), np.int64)
+    best, only = np.ones(len(own), bool), np.zeros(len(own), bool)
+    for i in (own, image):
+        top = np.empty(int(i.max()) + 1, np.int64)
         top[i[order]] = order
         best &= top[i] == np.arange(len(own))
         only |= np.bincount(i)[i] == 1
-        place.append(i)
     simple = best & only
     gone = np.zeros(len(own), bool)
-    for i in place:
+    for i in (own, image):
         gone |= np.bincount(i, simple)[i] > 0
     return simple, ~gone
-
-
-def _repeated(key: Ints) -> Bools:
-    """Whether each occurs more than once."""
-    order = np.argsort(key, kind="stable")
-    same = np.diff(key[order]) == 0
-    out = np.zeros(len(key), bool)
-    out[order[1:][same]] = out[order[:-1][same]] = True
-    return out
 
 
 def _assigned(own: Ints, image: Ints, worth: Floats, pair: Ints) -> Ints:
@@ -175,22 +158,15 @@ def share(images: Images, frame: Ints, expected: Expected, claims: Claims, gate:
     """The claims, and those of tracks that find nothing on merged images of others that cover their place."""
     has = claims.row >= 0
     holder_c, holder = np.nonzero(has & images.merged[claims.row])
-    c, t = np.nonzero(~has)
-    if not len(holder) or not len(c):
-        return claims
-    image = claims.row[holder_c, holder]
-    order = np.argsort(image)
-    image, holder = image[order], holder[order]
-    sd = gate * np.sqrt(expected.S[c, :, t][:, ::2].max(1))
-    own, row = images.near(frame[t] * len(has) + c, expected.uv[c, 0, t], IN_ROW * images.radius[image].max() + sd)
-    place = np.minimum(np.searchsorted(image, row), len(image) - 1)
-    held = image[place] == row
-    own, row, holder = own[held], row[held], holder[place[held]]
-    far = np.linalg.norm(images.uv[row] - expected.uv[c[own], :, t[own]], axis=-1)
-    beyond = far / (IN_ROW * images.radius[row] + sd[own])
+    h, t = np.nonzero((frame[holder, None] == frame) & ~has[holder_c])
+    c, holder = holder_c[h], holder[h]
+    row = claims.row[c, holder]
+    far = np.hypot(images.uv[row, 0] - expected.uv[c, 0, t], images.uv[row, 1] - expected.uv[c, 1, t])
+    sd = gate * np.sqrt(np.maximum(expected.S[c, 0, t], expected.S[c, 2, t]))
+    beyond = far / (IN_ROW * images.radius[row] + sd)
     near = np.flatnonzero(beyond < 1)
     near = near[np.argsort(-beyond[near], kind="stable")]  # of several, the nearest is written last
-    return _shared(images, claims, c[own[near]], t[own[near]], holder[near], row[near])
+    return _shared(images, claims, c[near], t[near], holder[near], row[near])
 
 
 def _shared(images: Images, claims: Claims, c: Ints, t: Ints, holder: Ints, row: Ints) -> Claims:
@@ -210,5 +186,5 @@ def information(images: Images, expected: Expected, claims: Claims) -> tuple[Flo
     has = claims.row >= 0
     off = np.where(has[:, None], images.uv[claims.row].swapaxes(1, 2) - expected.uv, 0.0)
     J = np.where(has[:, None, None], expected.J, 0.0)
-    JW = J / claims.variance[:, None, None]
-    return (JW[:, :, :, None] * J[:, :, None]).sum((0, 1)), (JW * off[:, :, None]).sum((0, 1))
+    JW = J * (1 / claims.variance)[:, None, None]
+    return np.einsum("cait,cajt->ijt", JW, J), np.einsum("cait,cat->it", JW, off)

@@ -12,18 +12,17 @@ of three and more before pairs; those that lost images are weighed again without
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import fundamental, triangulate
-from .claims import Claims, candidates, expect, information
+from ..geometry import fundamental, solve3
+from .claims import candidates, expect
 from .images import Images
 from .motion import Bools, Floats, Ints, Motion, inverse
 
-AT_ONCE = 300
-"""Images of all frames that are paired in one go: fewer waste time on overhead, more on pairs of different frames."""
+AT_ONCE = 4000
+"""Images of all frames that are paired in one go: fewer waste time on overhead, more take memory."""
 
 MOST = 1500
 """Images of a frame that are looked at; more than these are noise."""
@@ -72,59 +71,78 @@ def groups_of(images: Images, free: Bools, F: Floats, frames: list[int], gate: f
     side by side; all pairs of cameras are only tried on what is then left, which keeps the work in step with C.
     """
     free, C = free.copy(), len(images.P)
-    between = np.abs(np.arange(C) - np.arange(C)[:, None])
-    won = []
+    rows = [rows[free[rows]] for rows in images.in_frames(frames)]
+    pair = np.concatenate([_near_lines(images, part, F, gate) for part in _together(rows)], -1)
+    between = np.abs(np.diff(images.camera[pair], axis=0)[0])
+    between = np.minimum(between, C - between)
+    won = [_nothing(C)]
     for most, least in ((2, (4,)), (C, (3, 2))):
-        tried = np.minimum(between, C - between) <= most
-        rows = [rows[free[rows]] for rows in images.in_frames(frames)]
-        view = np.concatenate([_near_lines(images, part, F, gate, tried) for part in _together(rows)], -1)
-        if view.shape[-1]:
-            view = _distinct(_completed(images, free, view, gate))
-        won += _chosen(images, free, view, gate, least)
+        some = np.flatnonzero((between <= most) & free[pair].all(0))
+        if len(some):
+            view = _completed(images, free, pair[:, some], gate)
+            view = _distinct(view[:, (view >= 0).sum(0) >= least[-1]])
+            won += _chosen(images, free, view, gate, least)
     groups = Groups(*(np.concatenate(columns, -1) for columns in zip(*won, strict=True)))
     return groups.take(np.argsort(groups.frame, kind="stable"))
 
 
+def _nothing(C: int) -> Groups:
+    """No groups."""
+    zero, none = np.zeros(0, np.int64), np.zeros(0)
+    return Groups(zero, np.zeros((3, 0)), np.zeros((3, 3, 0)), np.zeros((C, 0), np.int64), none, none)
+
+
 def _together(rows: list[Ints]) -> list[Ints]:
-    """The rows of frames of at most MOST in parts of about AT_ONCE, those of one frame never apart."""
+    """The rows of frames of at most MOST in parts of about AT_ONCE, each frame a line (f, M) with −1 after its last."""
     rows = [own for own in rows if 2 <= len(own) <= MOST]
     part = np.cumsum([len(own) for own in rows]) // AT_ONCE
-    return [np.concatenate([own for own, p in zip(rows, part, strict=True) if p == k]) for k in np.unique(part)] or [
-        np.zeros(0, np.int64)
+    return [_lines([own for own, p in zip(rows, part, strict=True) if p == k]) for k in np.unique(part)] or [
+        np.zeros((0, 0), np.int64)
     ]
 
 
-def _near_lines(images: Images, rows: Ints, F: Floats, gate: float, tried: Bools) -> Ints:
-    """Views (C, H) of two images, of one frame and of cameras to be tried, each near the epipolar line of the other."""
-    rows = rows[np.argsort(images.camera[rows], kind="stable")]
-    camera, frame, sd = images.camera[rows], images.frame[rows], np.sqrt(images.variance[rows])
-    h = np.column_stack([images.uv[rows], np.ones(len(rows))])
-    lines = (F.swapaxes(0, 1)[:, camera] @ h[:, :, None])[..., 0]  # (C, N, 3): of each image in each camera
-    slope = np.hypot(lines[..., 0], lines[..., 1])
-    cuts = np.searchsorted(camera, np.arange(len(F) + 1)).tolist()
-    views = [np.zeros((len(F), 0), np.int64)]
-    for c, (start, stop) in enumerate(pairwise(cuts)):
-        first, second = np.nonzero((frame[:start, None] == frame[start:stop]) & tried[camera[:start], c, None])
-        second += start
-        product = np.abs((lines[c, first] * h[second]).sum(1))  # images of the cameras before c with those of c
-        least = np.minimum(slope[c, first], slope[camera[first], second])
-        near = np.flatnonzero(product < gate * least * np.hypot(sd[first], sd[second]))
-        view = np.full((len(F), len(near)), -1)
-        view[camera[first[near]], np.arange(len(near))] = rows[first[near]]
-        view[c] = rows[second[near]]
-        views.append(view)
-    return np.concatenate(views, -1)
+def _lines(rows: list[Ints]) -> Ints:
+    """Lists one below the other, −1 after the last of each."""
+    out = np.full((len(rows), max(len(own) for own in rows)), -1)
+    for line, own in zip(out, rows, strict=True):
+        line[: len(own)] = own
+    return out
 
 
-def _completed(images: Images, free: Bools, view: Ints, gate: float) -> Ints:
-    """The views (C, H), each with the likeliest images where its point is expected in the other cameras."""
-    point = placed(images, view)
+def _near_lines(images: Images, rows: Ints, F: Floats, gate: float) -> Ints:
+    """Pairs (2, H) of images, of one frame of `rows` (f, M) and of two cameras, each near the other's line."""
+    camera, variance = np.where(rows >= 0, images.camera[rows], len(F)), images.variance[rows] * gate**2
+    h = np.concatenate([images.uv[rows], np.ones((*rows.shape, 1))], -1)
+    pairs = [np.zeros((2, 0), np.int64)]
+    for c in range(1, len(F)):
+        before = (camera < c).sum(1)  # in each frame these come first
+        n, m = before.max(initial=0), (camera == c).sum(1).max(initial=0)
+        own = np.minimum(before[:, None] + np.arange(m), rows.shape[1] - 1)
+        frame = np.arange(len(rows))[:, None]
+        first = np.minimum(camera[:, :n], c)
+        line = np.einsum("fnij,fnj->fni", F[first, c], h[:, :n])
+        square = (line @ h[frame, own].swapaxes(1, 2)) ** 2
+        reach = variance[:, :n, None] + variance[frame, own][:, None]
+        near = square < reach * (line[..., :2] ** 2).sum(-1, keepdims=True)
+        f, i, j = np.nonzero(near & (camera[:, :n] < c)[..., None] & (camera[frame, own] == c)[:, None])
+        k = own[f, j]
+        other = (F[c, first[f, i], :2] * h[f, k, None]).sum(-1)  # the line of the second in the camera of the first
+        good = square[f, i, j] < reach[f, i, j] * (other**2).sum(1)
+        pairs.append(np.array([rows[f, i], rows[f, k]])[:, good])
+    return np.concatenate(pairs, -1)
+
+
+def _completed(images: Images, free: Bools, pair: Ints, gate: float) -> Ints:
+    """The views (C, H) of pairs (2, H), with the likeliest images where their points are expected elsewhere."""
+    camera, n = images.camera[pair], np.arange(pair.shape[1])
+    point = placed(images, pair, camera)
     expected = expect(images.P, Motion(point.xyz, point.cov))
-    expected.uv[np.broadcast_to((view >= 0)[:, None], expected.uv.shape)] = np.nan
-    pairs = candidates(images, free, images.frame[view.max(0)], expected, gate)
+    expected.uv[camera, :, n] = np.nan
+    pairs = candidates(images, free, images.frame[pair[0]], expected, gate)
     order = np.argsort(-pairs.squared, kind="stable")  # of several, the nearest is written last
-    view = view.copy()
+    view = np.full((len(images.P), len(n)), -1)
     view.reshape(-1)[pairs.own[order]] = pairs.row[order]
+    view[camera, n] = pair
     return view
 
 
@@ -180,17 +198,35 @@ def _weighed(images: Images, view: Ints, gate: float) -> Groups:
     return Groups(images.frame[view.max(0, initial=0)], point.xyz, point.cov, view, squared, merit).take(sure)
 
 
-def placed(images: Images, view: Ints) -> Placed:
-    """Where the views (C, H) meet: the linear solution, and from it one step of least squares by the noise."""
-    seen = view >= 0
-    guess = triangulate(np.where(seen[..., None], images.uv[view], np.nan).swapaxes(0, 1), images.P).T
-    expected = expect(images.P, Motion(guess, np.zeros((3, 3, 1))))
-    variance = np.where(seen, images.variance[view], np.inf)
-    none = np.zeros(view.shape)
-    N, g = information(images, expected, Claims(view, variance, none, none > 0))
+def placed(images: Images, view: Ints, camera: Ints | None = None) -> Placed:
+    """Where views meet: the linear solution of `geometry.triangulate`, then one step of least squares by the noise.
+
+    Args:
+        view: (k, H) rows of images, −1 for none.
+        camera: (k, H) that they are of; None: k = C, one line for each camera.
+    """
+    P = images.P.transpose(1, 2, 0)[:, :, np.arange(len(view))[:, None] if camera is None else camera]
+    seen, uv = view >= 0, images.uv.T[:, view]
+    rows = np.where(seen, P[:2] - uv[:, None] * P[2], 0.0)  # (2, 4, k, H)
+    guess = solve3(_squares(rows[:, :3], rows[:, :3]).transpose(2, 0, 1), -_sums(rows[:, :3], rows[:, 3]).T).T
+    h = np.einsum("ijkh,jh->ikh", P[:, :3], guess) + P[:, 3]
+    z = np.where(h[2] > 0, h[2], np.nan)
+    off = np.where(seen, uv - h[:2] / z, 0.0)
+    J = np.where(seen, (P[:2, :3] - (h[:2] / z)[:, None] * P[2, :3]) / z, 0.0)
+    variance = images.variance[view]
     with np.errstate(divide="ignore", invalid="ignore"):  # rays that are parallel
-        cov = inverse(N)
-    moved = np.einsum("ijt,jt->it", cov, g)
-    off = images.uv[view].swapaxes(1, 2) - expected.uv - (expected.J * moved).sum(2)
-    squared = np.where(seen, (off * off).sum(1) / variance, -1.0)
+        cov = inverse(_squares(J / variance, J))
+    moved = np.einsum("ijh,jh->ih", cov, _sums(J / variance, off))
+    off -= np.einsum("ijkh,jh->ikh", J, moved)
+    squared = np.where(seen, (off * off).sum(0) / variance, -1.0)
     return Placed(guess + moved, cov, np.nan_to_num(squared, nan=np.inf))
+
+
+def _squares(A: Floats, B: Floats) -> Floats:
+    """Σ A Bᵀ (3, 3, H) over the coordinates and cameras of (2, 3, k, H)."""
+    return np.einsum("aikh,ajkh->ijh", A, B)
+
+
+def _sums(A: Floats, b: Floats) -> Floats:
+    """Σ A b (3, H) over the coordinates and cameras of (2, 3, k, H) and (2, k, H)."""
+    return np.einsum("aikh,akh->ih", A, b)

@@ -51,7 +51,7 @@ class Images(NamedTuple):
         prior: (C) 2 ln(p / ((1 − p) 2π b)) of `claims`, b images per frame and px².
         calibration: (C) px², the second term of (1), which is in `variance`.
         margin: (D) px² that `variance` has for the claims alone.
-        widest: px², the greatest variance of any.
+        widest: (F C) px², the greatest variance in each frame and camera.
         stated: whether any source says how noisy its images are; usual: px², of those of which none does.
         size: (C, 2) of the images, px.
         n_frames: F.
@@ -70,7 +70,7 @@ class Images(NamedTuple):
     prior: Floats
     calibration: Floats
     margin: Floats
-    widest: float
+    widest: Floats
     stated: bool
     usual: float
     size: Floats
@@ -86,14 +86,19 @@ class Images(NamedTuple):
         first = np.searchsorted(self.key, cell + np.maximum(least, 0.0))
         count = np.searchsorted(self.key, cell + np.minimum(most, 1.0)) - first
         np.maximum(count, 0, out=count)
-        own = np.repeat(np.arange(len(cell)), count)
-        nth = np.arange(len(own)) + (first - np.cumsum(count) + count)[own]
-        return own, self.order[nth]
+        return np.repeat(np.arange(len(cell)), count), self.order[_ranges(first, count)]
+
+    def part(self, frames: Ints, free: Bools) -> Images:
+        """The same with only the free (D) ones of some frames, different ones, in `order` and `key`."""
+        first, stop = np.searchsorted(self.key, np.stack([frames, frames + 1]) * len(self.P))
+        some = _ranges(first, stop - first)
+        some = some[free[self.order[some]]]
+        return self._replace(order=self.order[some], key=self.key[some])
 
     def noisier(self, added: Floats) -> Images:
         """The same with more variance (C) px² in the images of each camera."""
         variance = np.maximum(self.variance + added[self.camera], LEAST_SD**2)
-        return self._replace(variance=variance, widest=float(variance[self.usable].max(initial=0.0)))
+        return self._replace(variance=variance, widest=_widest(variance, self.order, self.key, len(self.widest)))
 
     def without(self, cameras: Ints) -> Images:
         """The same without the images of some cameras."""
@@ -118,7 +123,7 @@ def read_images(detections: Detections, rig: Rig) -> Images:
     for c, camera in enumerate(rig):
         own = slice(detections.start[c, 0], detections.start[c, -1])
         uv[own] = undistort(camera, detections.uv[own])
-    usable = detections.valid & np.isfinite(uv).all(1)
+    usable = detections.valid & np.isfinite(uv[:, 0]) & np.isfinite(uv[:, 1])
     size = np.array([extent(camera, uv[detections.camera == c]) for c, camera in enumerate(rig)])
     clutter = np.maximum(detections.counts.sum(1) / max(detections.n_frames, 1), 1.0) / size.prod(1)
     middle = meeting(rig)
@@ -131,6 +136,7 @@ def read_images(detections: Detections, rig: Rig) -> Images:
     margin = np.maximum(LEAST_SD**2 - noise, 0.0) + np.where(np.isfinite(detections.area), (HIDDEN * radius) ** 2, 0.0)
     variance = noise + margin + calibration[detections.camera]  # (1)
     variance = variance + np.where(detections.merged, radius**2 / 4, 0.0)  # (2)
+    ordered = _sorted(detections, uv, usable)
     return Images(
         P=rig.P / np.linalg.norm(rig.P[:, 2, :3], axis=1)[:, None, None],
         uv=uv,
@@ -143,12 +149,12 @@ def read_images(detections: Detections, rig: Rig) -> Images:
         prior=2 * np.log(SEEN / ((1 - SEEN) * 2 * np.pi * clutter)),
         calibration=calibration,
         margin=margin,
-        widest=float(variance[usable].max(initial=0.0)),
+        widest=_widest(variance, ordered.order, ordered.key, len(rig) * detections.n_frames),
         stated=bool(known.any()),
         usual=usual,
         size=size,
         n_frames=detections.n_frames,
-        **_sorted(detections, uv, usable)._asdict(),
+        **ordered._asdict(),
     )
 
 
@@ -169,6 +175,18 @@ def _sorted(detections: Detections, uv: Floats, usable: Bools) -> Sorted:
     key = (detections.frame * len(detections.cameras) + detections.camera)[rows] + (u - low) / width
     order = np.argsort(key, kind="stable")
     return Sorted(rows[order], key[order], (low, width))
+
+
+def _ranges(first: Ints, count: Ints) -> Ints:
+    """first, first + 1, … of each, `count` of them, one after the other."""
+    return np.arange(int(count.sum())) + np.repeat(first - np.cumsum(count) + count, count)
+
+
+def _widest(variance: Floats, order: Ints, key: Floats, cells: int) -> Floats:
+    """`Images.widest`."""
+    widest = np.zeros(cells)
+    np.maximum.at(widest, key.astype(np.int64), variance[order])
+    return widest
 
 
 def extent(camera: Camera, uv: Floats) -> Floats:

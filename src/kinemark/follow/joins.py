@@ -127,10 +127,10 @@ def _best(points: Points, T: float, method: Simultaneous, distances: bool) -> li
 def _possible(ends: Ends, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
     """Pairs of tracks of which the second begins within the gap after the first ends, where it can be by then."""
     gap = ends.first - ends.last[:, None]
-    apart = np.linalg.norm(ends.begin.position[:, None] - ends.end.position[:, :, None], axis=0)
-    near = apart < 3 * method.speed * T * gap + method.worst
-    a, b = np.nonzero((gap > 0) & (gap * T <= method.gap) & near)
-    return a, b
+    a, b = np.nonzero((gap > 0) & (gap * T <= method.gap))
+    apart = np.linalg.norm(ends.begin.position[:, b] - ends.end.position[:, a], axis=0)
+    near = apart < 3 * method.speed * T * gap[a, b] + method.worst
+    return a[near], b[near]
 
 
 def _ends(points: Points, T: float, method: Simultaneous) -> Ends:
@@ -159,10 +159,12 @@ def _by_motion(points: Points, ends: Ends, a: Ints, b: Ints, T: float, method: S
     prior = 2 * np.log(SEEN / (1 - SEEN) * extent.prod() * (2 * method.speed) ** 3 / begun)
     for k in np.unique(gap).tolist():
         own = np.flatnonzero(gap == k)
-        one = ahead(ends.end.take(a[own]), k * T / 2, method.wander)
-        other = reversed_time(ahead(ends.begin.take(b[own]), k * T / 2, method.wander))
-        delta = (other.x - one.x)[:6].T
-        S = (one.V + other.V)[:6, :6].transpose(2, 0, 1)
+        before, i = np.unique(a[own], return_inverse=True)
+        after, j = np.unique(b[own], return_inverse=True)
+        one = ahead(ends.end.take(before), k * T / 2, method.wander)
+        other = reversed_time(ahead(ends.begin.take(after), k * T / 2, method.wander))
+        delta = (other.x[:6, j] - one.x[:6, i]).T
+        S = (one.V[:6, :6, i] + other.V[:6, :6, j]).transpose(2, 0, 1)
         squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)
         worth[own] = prior - np.linalg.slogdet(2 * np.pi * S)[1] - squared
         sd[own] = np.sqrt(np.trace(S[:, :3, :3], axis1=1, axis2=2))

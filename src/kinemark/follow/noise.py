@@ -93,7 +93,8 @@ def learned(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     groups = groups.take((groups.row >= 0).sum(0) >= 3)
     added = np.full(C, LOOSE**2)
     for _ in range(ROUNDS):
-        offsets = [_offsets(stated.noisier(added), groups, c, gate) for c in range(C)]
+        noisy = stated.noisier(added)
+        offsets = [_offsets(noisy, groups, c, gate) for c in range(C)]
         added = np.array([_missing(one, added[c], images.stated) for c, one in enumerate(offsets)])
     known = np.array([len(one.off) >= ENOUGH for one in offsets])
     if not images.stated and known.any():

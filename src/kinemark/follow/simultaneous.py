@@ -85,9 +85,9 @@ def followed(detections: Detections, rig: Rig, method: Simultaneous, *, place: L
 
 def _gathered(seen: Sightings, least: float) -> Sightings:
     """The sightings in two and more cameras of tracks that have enough of them, by frame."""
-    seen = seen.take((seen.row >= 0).sum(0) >= 2)
-    seen = seen.take(np.lexsort([seen.id, seen.frame]))
-    return seen.take(np.bincount(seen.id, minlength=1)[seen.id] >= least)
+    own = np.flatnonzero((seen.row >= 0).sum(0) >= 2)
+    own = own[np.bincount(seen.id[own], minlength=1)[seen.id[own]] >= least]
+    return seen.take(own[np.lexsort([seen.id[own], seen.frame[own]])])
 
 
 def _variance(seen: Sightings, images: Images) -> Floats:

@@ -17,96 +17,115 @@ from numpy.typing import NDArray
 from ..data import Camera, Rig
 from . import lens
 
+Array = NDArray[np.float64]
 
-def to_camera(camera: Camera, xyz: NDArray[np.float64]) -> NDArray[np.float64]:
+
+def to_camera(camera: Camera, xyz: Array) -> Array:
     """World points (…, 3) mm in the camera's frame (…, 3) mm; the third is the depth."""
     return xyz @ camera.R.T + camera.t
 
 
-def pixels(camera: Camera, xy: NDArray[np.float64]) -> NDArray[np.float64]:
+def pixels(camera: Camera, xy: Array) -> Array:
     """Normalised image points (…, 2) as pixels (…, 2)."""
     return xy @ camera.K[:2, :2].T + camera.K[:2, 2]
 
 
-def normalised(camera: Camera, uv: NDArray[np.float64]) -> NDArray[np.float64]:
+def normalised(camera: Camera, uv: Array) -> Array:
     """Pixels (…, 2) as points of the normalised image plane (…, 2), the lens's distortion still in."""
     y = (uv[..., 1] - camera.K[1, 2]) / camera.K[1, 1]
     return np.stack([(uv[..., 0] - camera.K[0, 2] - camera.K[0, 1] * y) / camera.K[0, 0], y], -1)
 
 
-def project(camera: Camera, xyz: NDArray[np.float64]) -> NDArray[np.float64]:
+def project(camera: Camera, xyz: Array) -> Array:
     """Pixels (…, 2) of world points (…, 3) mm, as the lens draws them; NaN behind the camera."""
     x_cam = to_camera(camera, xyz)
     depth = np.where(x_cam[..., 2:] > 0, x_cam[..., 2:], np.nan)
     return pixels(camera, lens.distort(x_cam[..., :2] / depth, camera.distortion))
 
 
-def project_all(rig: Rig, xyz: NDArray[np.float64]) -> NDArray[np.float64]:
+def project_all(rig: Rig, xyz: Array) -> Array:
     """Pixels (C, …, 2) of world points (…, 3) mm in every camera."""
     return np.stack([project(camera, xyz) for camera in rig])
 
 
-def undistort(camera: Camera, uv: NDArray[np.float64]) -> NDArray[np.float64]:
+def undistort(camera: Camera, uv: Array) -> Array:
     """Pixels (…, 2) as an ideal lens would draw them (…, 2), so that `Camera.P` holds for them."""
     return pixels(camera, lens.undistort(normalised(camera, uv), camera.distortion))
 
 
-def distort(camera: Camera, uv: NDArray[np.float64]) -> NDArray[np.float64]:
+def distort(camera: Camera, uv: Array) -> Array:
     """Pixels of an ideal lens (…, 2) as this lens draws them (…, 2)."""
     return pixels(camera, lens.distort(normalised(camera, uv), camera.distortion))
 
 
-def rays(camera: Camera, uv: NDArray[np.float64]) -> NDArray[np.float64]:
+def rays(camera: Camera, uv: Array) -> Array:
     """Unit directions (…, 3) in the world from `camera.centre` to what is seen at pixels (…, 2)."""
     xy = lens.undistort(normalised(camera, uv), camera.distortion)
     ahead = np.concatenate([xy, np.ones_like(xy[..., :1])], -1) @ camera.R
     return ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
 
 
-def point_jacobian(camera: Camera, xyz: NDArray[np.float64]) -> NDArray[np.float64]:
+def linearised(camera: Camera, xyz: Array) -> tuple[Array, Array]:
+    """`project` (2, n), px, and `point_jacobian` (2, 3, n), px/mm, of world points (3, n) mm; NaN behind the camera.
+
+    The points stand along the last axis, so that NumPy's innermost loop runs over them: much faster for many points.
+    """
+    x_cam = camera.R @ xyz + camera.t[:, None]
+    z = np.where(x_cam[2] > 0, x_cam[2], np.nan)
+    x, y = x_cam[:2] / z
+    uv = np.stack(_scaled(camera, *lens.drawn(x, y, camera.distortion))) + camera.K[:2, 2:]
+    return uv, camera.R.T @ _by_camera(camera, x, y, z)  # (6)
+
+
+def point_jacobian(camera: Camera, xyz: Array) -> Array:
     """d uv / d xyz (…, 2, 3), px/mm, of `project` at world points (…, 3) mm."""
-    return _camera_jacobian(camera, to_camera(camera, xyz)) @ camera.R  # (6)
+    x, y, z = np.moveaxis(to_camera(camera, xyz), -1, 0)
+    return _last(_by_camera(camera, x / z, y / z, z)) @ camera.R  # (6)
 
 
-def parameter_jacobian(camera: Camera, xyz: NDArray[np.float64]) -> NDArray[np.float64]:
+def parameter_jacobian(camera: Camera, xyz: Array) -> Array:
     """d uv / d parameters (…, 2, 15) of `project`, in the order of `data.PARAMETERS`."""
-    x_cam = to_camera(camera, xyz)
-    xy = x_cam[..., :2] / x_cam[..., 2:]
-    drawn = lens.distort(xy, camera.distortion)
-    J = np.zeros((*xyz.shape[:-1], 2, 15))
-    J[..., 0, 0], J[..., 1, 1] = drawn[..., 0], drawn[..., 1]
-    J[..., 0, 2] = J[..., 1, 3] = 1.0
-    J[..., 4:9] = camera.K[:2, :2] @ _lens_parameters(xy)
-    by_point = _camera_jacobian(camera, x_cam)
-    J[..., 9:12] = by_point @ _cross(-(x_cam - camera.t))  # (7)
-    J[..., 12:15] = by_point
+    return _last(_by_parameters(camera, *np.moveaxis(to_camera(camera, xyz), -1, 0)))
+
+
+def open_variance(camera: Camera, xyz: Array) -> Array:
+    """J_θ C_θ J_θᵀ (2, 2, n) px² with J_θ of `parameter_jacobian` at (3, n) mm: what the calibration leaves open."""
+    J = _by_parameters(camera, *(camera.R @ xyz + camera.t[:, None]))
+    return np.asarray(np.einsum("ikn,jkn->ijn", camera.cov @ J, J))
+
+
+def _by_parameters(camera: Camera, X: Array, Y: Array, Z: Array) -> Array:
+    """d uv / d parameters (2, 15, …) at x_cam = (X, Y, Z)."""
+    x, y = X / Z, Y / Z
+    r2, xy = x * x + y * y, x * y
+    J = np.zeros((2, 15, *x.shape))
+    J[0, 0], J[1, 1] = lens.drawn(x, y, camera.distortion)
+    J[0, 2] = J[1, 3] = 1.0
+    along_x = x * r2, x * r2**2, 2 * xy, r2 + 2 * x * x, x * r2**3  # dx' / d(k1, k2, p1, p2, k3)
+    along_y = y * r2, y * r2**2, r2 + 2 * y * y, 2 * xy, y * r2**3
+    for i in range(5):
+        J[:, 4 + i] = _scaled(camera, along_x[i], along_y[i])
+    J[:, 12:] = _by_camera(camera, x, y, Z)
+    a, b, c = J[:, 12], J[:, 13], J[:, 14]
+    u, v, w = X - camera.t[0], Y - camera.t[1], Z - camera.t[2]
+    J[:, 9], J[:, 10], J[:, 11] = c * v - b * w, a * w - c * u, b * u - a * v  # (7)
     return J
 
 
-def _camera_jacobian(camera: Camera, x_cam: NDArray[np.float64]) -> NDArray[np.float64]:
-    """d uv / d x_cam (…, 2, 3)."""
-    z = x_cam[..., 2]
-    xy = x_cam[..., :2] / z[..., None]
-    A = np.zeros((*xy.shape[:-1], 2, 3))
-    A[..., 0, 0] = A[..., 1, 1] = 1 / z
-    A[..., 2] = -xy / z[..., None]  # (5)
-    return camera.K[:2, :2] @ (lens.jacobian(xy, camera.distortion) @ A)
+def _by_camera(camera: Camera, x: Array, y: Array, Z: Array) -> Array:
+    """d uv / d x_cam (2, 3, …) at normalised x and y and depth Z."""
+    xx, xy, yy = lens.slopes(x, y, camera.distortion)
+    J = np.empty((2, 3, *x.shape))
+    J[:, 0], J[:, 1] = _scaled(camera, xx / Z, xy / Z), _scaled(camera, xy / Z, yy / Z)
+    J[:, 2] = -(x * J[:, 0] + y * J[:, 1])  # (5)
+    return J
 
 
-def _lens_parameters(xy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """d(x', y') / d(k1, k2, p1, p2, k3) (…, 2, 5)."""
-    x, y = xy[..., 0], xy[..., 1]
-    r2 = x * x + y * y
-    along_x = np.stack([x * r2, x * r2**2, 2 * x * y, r2 + 2 * x * x, x * r2**3], -1)
-    along_y = np.stack([y * r2, y * r2**2, r2 + 2 * y * y, 2 * x * y, y * r2**3], -1)
-    return np.stack([along_x, along_y], -2)
+def _scaled(camera: Camera, x: Array, y: Array) -> tuple[Array, Array]:
+    """K₂ (x, y)."""
+    return camera.K[0, 0] * x + camera.K[0, 1] * y, camera.K[1, 1] * y
 
 
-def _cross(v: NDArray[np.float64]) -> NDArray[np.float64]:
-    """[v]×, (…, 3) → (…, 3, 3)."""
-    zero = np.zeros_like(v[..., 0])
-    x, y, z = v[..., 0], v[..., 1], v[..., 2]
-    return np.stack(
-        [np.stack([zero, -z, y], -1), np.stack([z, zero, -x], -1), np.stack([-y, x, zero], -1)],
-        -2,
-    )
+def _last(J: Array) -> Array:
+    """(2, k, …) as (…, 2, k)."""
+    return np.ascontiguousarray(np.moveaxis(J, (0, 1), (-2, -1)))

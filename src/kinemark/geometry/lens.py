@@ -20,26 +20,38 @@ NEWTON_STEPS = 12
 
 def distort(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
     """Where the lens draws the ideal point: (…, 2) → (…, 2), normalised; `k` is (5,)."""
+    return np.stack(drawn(xy[..., 0], xy[..., 1], k), -1)
+
+
+def drawn(
+    x: NDArray[np.float64], y: NDArray[np.float64], k: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """x' and y' of `distort`, each as x and y are."""
     k1, k2, p1, p2, k3 = k
-    x, y = xy[..., 0], xy[..., 1]
-    r2 = x * x + y * y
+    xx, yy, xy = x * x, y * y, x * y
+    r2 = xx + yy
     g = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))  # (1)
-    drawn_x = x * g + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)  # (2)
-    drawn_y = y * g + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y  # (3)
-    return np.stack([drawn_x, drawn_y], -1)
+    return x * g + 2 * p1 * xy + p2 * (r2 + 2 * xx), y * g + p1 * (r2 + 2 * yy) + 2 * p2 * xy  # (2), (3)
 
 
 def jacobian(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
     """d(x', y') / d(x, y) of `distort`: (…, 2) → (…, 2, 2)."""
+    xx, cross, yy = slopes(xy[..., 0], xy[..., 1], k)
+    return np.stack([np.stack([xx, cross], -1), np.stack([cross, yy], -1)], -2)
+
+
+def slopes(
+    x: NDArray[np.float64], y: NDArray[np.float64], k: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """dx'/dx, dx'/dy = dy'/dx and dy'/dy of `distort`, each as x and y are."""
     k1, k2, p1, p2, k3 = k
-    x, y = xy[..., 0], xy[..., 1]
     r2 = x * x + y * y
     g = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    dg = k1 + r2 * (2 * k2 + 3 * k3 * r2)  # dg / d(r²)
-    cross = 2 * x * y * dg + 2 * p1 * x + 2 * p2 * y
-    xx = g + 2 * x * x * dg + 2 * p1 * y + 6 * p2 * x
-    yy = g + 2 * y * y * dg + 6 * p1 * y + 2 * p2 * x
-    return np.stack([np.stack([xx, cross], -1), np.stack([cross, yy], -1)], -2)
+    dg = 2 * (k1 + r2 * (2 * k2 + 3 * k3 * r2))  # 2 dg / d(r²)
+    cross = x * y * dg + 2 * (p1 * x + p2 * y)
+    xx = g + x * x * dg + 2 * p1 * y + 6 * p2 * x
+    yy = g + y * y * dg + 6 * p1 * y + 2 * p2 * x
+    return xx, cross, yy
 
 
 def undistort(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -21,8 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Camera, Rig
-from .camera import parameter_jacobian, point_jacobian, project
-from .lens import solve2
+from .camera import linearised, open_variance
 
 Array = NDArray[np.float64]
 
@@ -59,37 +58,46 @@ def refine(rig: Rig, xyz: Array, uv: Array, cov: Array, *, steps: int = 3) -> Tr
         steps: Gauss-Newton steps; two bring a good first guess to the micrometre.
     """
     seen = ~np.isnan(uv[..., 0]) & ~np.isnan(xyz[:, :1])
-    weight = [_weight(camera, xyz[s], cov[s, c]) for c, (camera, s) in enumerate(zip(rig, seen.T, strict=True))]
+    views = [_view(camera, c, s, xyz, uv, cov) for c, (camera, s) in enumerate(zip(rig, seen.T, strict=True))]
     for _ in range(steps):
-        normal, pull = _normal_equations(rig, xyz, uv, seen, weight)
+        normal, pull, _ = _normal_equations(views, xyz)
         xyz = xyz + solve3(normal, pull)
-    normal, _ = _normal_equations(rig, xyz, uv, seen, weight)
+    normal, _, each = _normal_equations(views, xyz)
     off = np.full(uv.shape, np.nan)
-    for c, camera in enumerate(rig):
-        off[seen[:, c], c] = uv[seen[:, c], c] - project(camera, xyz[seen[:, c]])
+    for c, view in enumerate(views):
+        off[view.point, c] = each[c].T
     return Triangulated(xyz, inverse3(normal), off)  # (7)
 
 
-def _weight(camera: Camera, xyz: Array, cov: Array) -> Array:
-    """C⁻¹ (n, 2, 2) of (6)."""
+class _View(NamedTuple):
+    """What a camera sees: the n points, their uv (2, n) px and the xx, xy and yy of C⁻¹ (3, n) 1/px²."""
+
+    camera: Camera
+    point: NDArray[np.int64]
+    uv: Array
+    weight: Array
+
+
+def _view(camera: Camera, c: int, seen: NDArray[np.bool_], xyz: Array, uv: Array, cov: Array) -> _View:
+    """What camera c sees of points at xyz (N, 3) mm."""
+    point = np.flatnonzero(seen)
+    C = cov[point, c].transpose(1, 2, 0)
     if camera.cov.any():
-        J = parameter_jacobian(camera, xyz)
-        cov = cov + J @ camera.cov @ J.transpose(0, 2, 1)  # (6)
-    eye = np.broadcast_to(np.eye(2), cov.shape)
-    return np.stack([solve2(cov, eye[..., 0]), solve2(cov, eye[..., 1])], -1)
+        C = C + open_variance(camera, xyz[point].T)  # (6)
+    weight = np.stack([C[1, 1], -C[0, 1], C[0, 0]]) / (C[0, 0] * C[1, 1] - C[0, 1] * C[1, 0])
+    return _View(camera, point, uv[point, c].T, weight)
 
 
-def _normal_equations(
-    rig: Rig, xyz: Array, uv: Array, seen: NDArray[np.bool_], weight: list[Array]
-) -> tuple[Array, Array]:
-    """Σ Jᵀ C⁻¹ J (N, 3, 3) and Σ Jᵀ C⁻¹ (uv − project) (N, 3)."""
-    normal, pull = np.zeros((len(xyz), 3, 3)), np.zeros((len(xyz), 3))
-    for c, (camera, s) in enumerate(zip(rig, seen.T, strict=True)):
-        J = point_jacobian(camera, xyz[s])
-        JtW = J.transpose(0, 2, 1) @ weight[c]
-        normal[s] += JtW @ J
-        pull[s] += (JtW @ (uv[s, c] - project(camera, xyz[s]))[..., None])[..., 0]
-    return normal, pull
+def _normal_equations(views: list[_View], xyz: Array) -> tuple[Array, Array, list[Array]]:
+    """Σ Jᵀ C⁻¹ J (N, 3, 3), Σ Jᵀ C⁻¹ off (N, 3), and off = uv − project (2, n) px of each view."""
+    normal, pull, offs = np.zeros((3, 3, len(xyz))), np.zeros((3, len(xyz))), []
+    for camera, point, uv, (xx, xy, yy) in views:
+        drawn, J = linearised(camera, xyz[point].T)
+        offs.append(off := uv - drawn)
+        WJ = np.stack([xx * J[0] + xy * J[1], xy * J[0] + yy * J[1]])
+        normal[..., point] += np.einsum("ain,ajn->ijn", WJ, J)
+        pull[:, point] += np.einsum("ain,an->in", WJ, off)
+    return normal.transpose(2, 0, 1), pull.T, offs
 
 
 def inverse3(A: Array) -> Array:

@@ -23,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Rig
-from ..geometry import to_camera
 
 Floats = NDArray[np.float64]
 
@@ -33,7 +32,7 @@ def hidden_variance(rig: Rig, xyz: Floats, area: Floats) -> Floats:
 
     Zero where an area is not known (NaN) or a point has a single image of known area.
     """
-    scale = np.stack([np.abs(c.K[0, 0]) / np.maximum(to_camera(c, xyz)[:, 2], 1.0) for c in rig], 1)  # px/mm
+    scale = np.stack([np.abs(c.K[0, 0]) / np.maximum(xyz @ c.R[2] + c.t[2], 1.0) for c in rig], 1)  # px/mm
     diameter = 2 * np.sqrt(area / np.pi) / scale  # (1)
     known = np.sum(~np.isnan(diameter), axis=1)
     falling = -np.sort(-np.nan_to_num(diameter, nan=-1.0), axis=1)

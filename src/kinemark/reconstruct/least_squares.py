@@ -102,8 +102,8 @@ def located(
         guess = guess if steps == 1 else _linear(rig, uv)
     area = np.where(seen, detections.area[matches.view], np.nan)
     cov = centroid_cov(detections.cov[matches.view], rig, guess, uv, method)
-    beside = hidden_variance(rig, guess, area) + method.model_sd**2
-    cov = cov + beside[..., None, None] * np.eye(2)
+    variances = np.einsum("pcii->pci", cov)  # a view of both, in every image
+    variances += (hidden_variance(rig, guess, area) + method.model_sd**2)[..., None]
     point = _robust(rig, guess, uv, cov, method.tails, steps)
     return Cloud(
         rate=detections.rate,

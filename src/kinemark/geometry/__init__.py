@@ -1,6 +1,6 @@
 """Cameras, lenses, the DLT, epipolar lines, triangulation and rigid alignment."""
 
-from .align import rigid_align
+from .align import nearest_rotations, rigid_align, rigid_poses
 from .camera import (
     distort,
     normalised,
@@ -29,6 +29,7 @@ __all__ = [
     "fundamental",
     "inverse3",
     "line_distance",
+    "nearest_rotations",
     "normalised",
     "parameter_jacobian",
     "point_jacobian",
@@ -37,6 +38,7 @@ __all__ = [
     "rays",
     "refine",
     "rigid_align",
+    "rigid_poses",
     "solve3",
     "sphere_offset",
     "to_camera",

@@ -1,4 +1,10 @@
-"""The rigid motion that best lays one set of points on another (Kabsch 1976; Söderkvist & Wedin 1993)."""
+"""The rigid motion that best lays one set of points on another (Kabsch 1976; Söderkvist & Wedin 1993).
+
+With a (N, 3) and b (N, 3) less their centres, R maximises tr(Rᵀ H), H = Σ b aᵀ = U S Vᵀ, so R = U diag(1, 1, ±1) Vᵀ
+with the sign that makes it a rotation (1). For many small H at once V comes from the symmetric Hᵀ H = V S² Vᵀ, u₁ and
+u₂ from H v₁ and H v₂, and the third directions from cross products, which makes R a rotation whatever the rank, as long
+as two singular values stand out (2).
+"""
 
 from __future__ import annotations
 
@@ -20,5 +26,38 @@ def rigid_align(
     a, b = source[both], target[both]
     ca, cb = a.mean(0), b.mean(0)
     U, _, Vt = np.linalg.svd((b - cb).T @ (a - ca))
-    R = U @ np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))]) @ Vt
+    R = U @ np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ Vt))]) @ Vt  # (1)
     return R, cb - R @ ca
+
+
+def nearest_rotations(H: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The rotations (…, 3, 3) that maximise tr(Rᵀ H), for H (…, 3, 3) without NaN; NaN where its rank is below 2."""
+    _, V = np.linalg.eigh(H.mT @ H)  # (2)
+    v1, v2 = V[..., 2], V[..., 1]
+    u1 = _unit((H @ v1[..., None])[..., 0])
+    u2 = (H @ v2[..., None])[..., 0]
+    u2 = _unit(u2 - (u1 * u2).sum(-1, keepdims=True) * u1)
+    left = np.stack([u1, u2, _cross(u1, u2)], -1)
+    return left @ np.stack([v1, v2, _cross(v1, v2)], -1).mT
+
+
+def rigid_poses(
+    shape: NDArray[np.float64], points: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """R (F, 3, 3) and the centres (F, 3) that lay a shape (N, 3) on points (F, N, 3) without NaN.
+
+    A point p of the body then lies at R (p − mean of the shape) + centre.
+    """
+    centre = points.mean(-2)
+    H = (points - centre[..., None, :]).mT @ (shape - shape.mean(0))
+    return nearest_rotations(H), centre
+
+
+def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    after, before = [1, 2, 0], [2, 0, 1]  # numpy.cross takes ten times as long for few vectors
+    return a[..., after] * b[..., before] - a[..., before] * b[..., after]
+
+
+def _unit(v: NDArray[np.float64]) -> NDArray[np.float64]:
+    length = np.sqrt((v * v).sum(-1, keepdims=True))
+    return np.divide(v, length, out=np.full_like(v, np.nan), where=length > 0)

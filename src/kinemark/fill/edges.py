@@ -1,0 +1,177 @@
+"""Bad samples beside a gap: found against the marker's own habits, and trimmed.
+
+A marker that is about to vanish is seen by fewer cameras, half hidden or merged with another one, and its last samples
+are often wrong. Let z be the marker's positions less the mean of its `donors` most rigid neighbours, if they are seen,
+else the positions themselves. Away from the gap, b is the last sample that cannot be bad; from the parabola through the
+`past` samples up to b follow, h samples nearer to the gap,
+
+    e(b, h) = |z(b + h) − ẑ(b + h)|,      h = 1 … b' − b                                                  (1)
+
+and the same is worked out everywhere in the trial, forward and backward, where no gap is near: E(h), what e is like for
+this marker. A sample is bad if
+
+    e(b, h) > limit · median E(h)  and  e(b, h) > beyond · 99.5th percentile of E(h)  and  e(b, h) > least (2)
+
+The first says that it stands out from the usual, the second that the marker does nothing like it elsewhere (a foot that
+strikes the ground is no error), the third that it matters. b moves towards the gap until the first bad sample; that one
+and all between it and the gap are trimmed, at most `most`. Trimmed samples are missing afterwards: the gap is longer.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data.arrays import check_positive
+from .donors import Distances, distances, nearest
+from .known import Ints, Known
+from .motion import Floats, Gap, Motion
+
+
+@dataclass(frozen=True, slots=True)
+class Edges:
+    """Parameters of the check.
+
+    Attributes:
+        most: samples that may be trimmed on each side; 0: no check.
+        past: samples of the parabola.
+        limit: times the median error.
+        beyond: times what the marker exceeds in one frame of two hundred.
+        least: mm.
+        donors: neighbours whose mean is taken off; 0: none.
+        habit: errors E(h) that must be known for a verdict.
+    """
+
+    most: int = 5
+    past: int = 6
+    limit: float = 5.0
+    beyond: float = 1.3
+    least: float = 1.0
+    donors: int = 3
+    habit: int = 50
+
+    def __post_init__(self) -> None:
+        check_positive(limit=self.limit, beyond=self.beyond, least=self.least)
+        if self.most < 0 or self.donors < 0 or self.habit < 1:
+            raise ValueError(
+                f"most {self.most}, donors {self.donors} and habit {self.habit} must be 0, 0 and 1 or more"
+            )
+        if self.past < 4:
+            raise ValueError(f"past is {self.past}, wanted at least 4 samples for a parabola")
+
+
+class Trimmed(NamedTuple):
+    """A trial without bad edge samples.
+
+    Attributes:
+        motion: with the trimmed samples missing.
+        gaps: the gaps, longer by what was trimmed, in the order given; two may have grown into one another.
+        before: (n) frames trimmed before each gap.
+        after: (n) frames trimmed after it.
+    """
+
+    motion: Motion
+    gaps: list[Gap]
+    before: Ints
+    after: Ints
+
+
+def trim_edges(motion: Motion, gaps: list[Gap], *, method: Edges = Edges()) -> Trimmed:
+    """Find the bad samples beside gaps and make them missing."""
+    before, after = np.zeros((2, len(gaps)), np.int64)
+    known = Known.of(motion)
+    if method.most:
+        far = distances(known)
+        for marker in {gap.marker for gap in gaps}:
+            own = [i for i, gap in enumerate(gaps) if gap.marker == marker]
+            judge = _Judge.of(known, marker, far, method)
+            for i in own:
+                before[i] = judge.bad(gaps[i].start - 1, 1)
+                after[i] = judge.bad(gaps[i].stop, -1)
+    longer = [
+        Gap(gap.marker, gap.start - int(a), gap.stop + int(b)) for gap, a, b in zip(gaps, before, after, strict=True)
+    ]
+    trimmed = motion.hidden(g for g, a, b in zip(longer, before, after, strict=True) if a or b)
+    return Trimmed(trimmed, longer, before, after)
+
+
+class _Judge(NamedTuple):
+    """What is usual for one marker.
+
+    Attributes:
+        z: signals (F, 3), against donors first, then the positions; NaN where missing.
+        ladder: (most, past) weights of ẑ at h = 1 … most.
+        limits: for each signal, (most) mm; NaN where too little is known.
+        method: parameters.
+    """
+
+    z: list[Floats]
+    ladder: Floats
+    limits: list[Floats]
+    method: Edges
+
+    @classmethod
+    def of(cls, known: Known, marker: int, far: Distances, method: Edges) -> _Judge:
+        """From all the trial."""
+        z = [known.x[marker]]
+        there = known.seen.any(1) & (np.arange(len(known.names)) != marker)
+        donors = nearest(far(marker).sd, there, method.donors)
+        if len(donors):
+            z.insert(0, known.x[marker] - known.x[donors].mean(0))
+        ladder = _ladder(method.past, method.most)
+        return cls(z, ladder, [_limits(s, ladder, method) for s in z], method)
+
+    def bad(self, edge: int, toward: int) -> int:
+        """How many samples from `edge` away from the gap are bad; the gap lies in the direction `toward` (1 or −1)."""
+        for z, limits in zip(self.z, self.limits, strict=True):
+            reach = self.method.past + self.method.most
+            t = edge - toward * np.arange(reach)[::-1]
+            t = t[(t >= 0) & (t < len(z))]
+            run = z[t]
+            unknown = np.flatnonzero(np.isnan(run[:, 0]))
+            run = run[unknown[-1] + 1 :] if len(unknown) else run
+            if len(run) > self.method.past and not np.isnan(limits).any():
+                return self._first_bad(run, limits)
+        return 0
+
+    def _first_bad(self, run: Floats, limits: Floats) -> int:
+        """Samples of a run, whose last is beside the gap, from its first bad one on."""
+        past = self.method.past
+        for b in range(past, len(run)):
+            h = len(run) - b
+            e = np.sqrt(((run[b:] - self.ladder[:h] @ run[b - past : b]) ** 2).sum(1))  # (1)
+            if (bad := np.flatnonzero(e > limits[:h])).size:
+                return h - int(bad[0])
+        return 0
+
+
+def _ladder(past: int, most: int) -> Floats:
+    """Weights (most, past) of the parabola through `past` samples, read 1 … most samples on."""
+    t = np.vander(np.arange(1 - past, 1), 3, increasing=True)
+    on = np.vander(np.arange(1, most + 1), 3, increasing=True)
+    return np.asarray(on @ np.linalg.pinv(t))
+
+
+def _limits(z: Floats, ladder: Floats, method: Edges) -> Floats:
+    """(2): what (1) may be for h = 1 … most, from the whole trial but the neighbourhoods of gaps."""
+    n, past = ladder.shape
+    window = n + past
+    if len(z) < window:
+        return np.full(n, np.nan)
+    away = ~_near_gaps(np.isnan(z[:, 0]), n)
+    clear = np.lib.stride_tricks.sliding_window_view(away, window).all(1)
+    starts = np.flatnonzero(clear)[:: max(1, int(clear.sum()) // 2000)]
+    if 2 * len(starts) < method.habit:
+        return np.full(n, np.nan)
+    runs = z[starts[:, None] + np.arange(window)]
+    both = np.concatenate([runs, runs[:, ::-1]])
+    e = np.sqrt(((both[:, past:] - ladder @ both[:, :past]) ** 2).sum(-1))
+    usual, rare = np.percentile(e, [50, 99.5], axis=0)
+    return np.maximum(np.maximum(method.limit * usual, method.beyond * rare), method.least)
+
+
+def _near_gaps(missing: np.ndarray, n: int) -> np.ndarray:
+    """Frames that are missing, or within n frames of one that is."""
+    return np.asarray(np.convolve(missing, np.ones(2 * n + 1), "same")[: len(missing)] > 0.5)

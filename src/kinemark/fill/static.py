@@ -1,0 +1,232 @@
+"""Markers that a whole trial lacks, placed from a static trial in which they are seen.
+
+The neighbours (donors) that both trials show are a rigid body, as they lie in the static trial, s (N, 3). In each frame
+it is laid on those of them that are seen (Söderkvist & Wedin 1993), and carries the lost marker at p in it:
+
+    x̂(t) = R(t) (p − s̄) + c(t),        e_n(t) = x_n(t) − R(t) (s_n − s̄) − c(t)                          (1)
+
+A body that bends or a skin that slides shows in e: the donors' mean square error, of 3 N − 6 degrees of freedom,
+
+    σ²(t) = Σ |e_n(t)|² / (3 N − 6)                                                                     (2)
+
+is small where their distances are those of the static trial. The lost marker is taken to be off its place by as much as
+a donor is, and besides by what the pose is off at q = R (p − s̄), from the inertia J of the donors about their centre:
+
+    cov(t) = σ² [ I + I / N + [q]ₓ J⁻¹ [q]ₓᵀ ],       J = Σ (|r_n|² I − r_n r_nᵀ),  r_n = R (s_n − s̄)     (3)
+
+σ² is the mean over the trial, or (2) where that is more. Whether the lost marker itself belongs to the donors' body
+no frame of the trial can say, but its neighbours can: placed in the same way from the donors, neighbour k is off by
+E_k² on average, and the nearer it was to the lost marker (δ_k in the static trial), the more it says:
+
+    s² = Σ E_k² / δ_k⁴ / Σ 1 / δ_k⁴,       in (3) σ² I becomes max(σ², s² / 3) I                        (4)
+
+over all candidates; a donor's own E_k² is that of the body of the other donors, or of (2), (3) if there are three. The
+candidates are the markers nearest to the lost one in the static trial, within `reach`; of all threes and fours of them
+that are seen together in at least `share` of the frames, the donors are those of the least s² + σ² (1 + 1 / N + lever).
+The expected error is the mean length of an error with (4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data.arrays import check_positive
+from ..geometry import rigid_poses
+from .known import Ints, Known
+from .motion import Floats, Motion
+from .rigid_body import on_line
+from .static_shape import StaticShape
+
+JUDGE = 40
+"""Frames in which sets of donors are compared."""
+
+
+@dataclass(frozen=True, slots=True)
+class FromStatic:
+    """Parameters of the method.
+
+    Attributes:
+        donors: names of markers on the same body; empty: chosen.
+        nearest: markers among which donors are chosen.
+        at_most: of donors, when they are chosen.
+        reach: of donors from the lost marker in the static trial, mm.
+        share: of the frames that show any donor, so many must show all.
+        flat: donors lie on a line below this ratio of their breadth to their length.
+    """
+
+    donors: tuple[str, ...] = ()
+    nearest: int = 6
+    at_most: int = 4
+    reach: float = 600.0
+    share: float = 0.5
+    flat: float = 0.1
+
+    def __post_init__(self) -> None:
+        check_positive(reach=self.reach, share=self.share)
+        if self.donors and len(set(self.donors)) < 3:
+            raise ValueError(f"donors are {list(self.donors)}, wanted at least three different ones, or none")
+        if self.at_most < 3 or self.nearest < 3:
+            raise ValueError(f"at_most and nearest are {self.at_most} and {self.nearest}, wanted at least 3 each")
+
+
+class Placed(NamedTuple):
+    """A marker that a trial lacks.
+
+    Attributes:
+        name: of the marker.
+        xyz: (F, 3) mm, NaN where fewer than three donors are seen, or all of them where there is a reason.
+        cov: (F, 3, 3) mm² of (3).
+        expected_mm: mean distance from the truth that (3) lets expect; NaN where there is a reason.
+        donors: names.
+        reason: why it could not be placed, in words for the user; empty where it could.
+    """
+
+    name: str
+    xyz: Floats
+    cov: Floats
+    expected_mm: float
+    donors: tuple[str, ...]
+    reason: str = ""
+
+
+def place_absent(motion: Motion, static: StaticShape, *, method: FromStatic = FromStatic()) -> list[Placed]:
+    """Every marker of the static trial that the trial nowhere shows, or does not have at all.
+
+    Args:
+        motion: the trial.
+        static: `StaticShape.of` the static trial.
+        method: parameters.
+
+    Raises:
+        ValueError: a donor named is not in both trials.
+    """
+    known = Known.of(motion)
+    shown = {name for name, seen in zip(known.names, known.seen, strict=True) if seen.any()}
+    if lost := [name for name in method.donors if name not in shown or name not in static.names]:
+        raise ValueError(f"no donors {', '.join(lost)} in both trials")
+    return [_place(known, static, k, method) for k, name in enumerate(static.names) if name not in shown]
+
+
+def _place(known: Known, static: StaticShape, lost: int, method: FromStatic) -> Placed:
+    place = static.xyz[lost]
+    candidates = _candidates(known, static, place, method)
+    if len(candidates) < 3:
+        reason = f"{len(candidates)} markers of both trials lie within {method.reach:g} mm of it, wanted three"
+        return _nowhere(known, static.names[lost], reason)
+    donors, s2 = _chosen(known, static, place, candidates, method)
+    if not len(donors):
+        return _nowhere(known, static.names[lost], "no three of its neighbours are seen together and off one line")
+    return _carried(known, static, lost, donors, s2)
+
+
+def _nowhere(known: Known, name: str, reason: str) -> Placed:
+    F = known.n_frames
+    return Placed(name, np.full((F, 3), np.nan), np.full((F, 3, 3), np.nan), np.nan, (), reason)
+
+
+def _candidates(known: Known, static: StaticShape, place: Floats, method: FromStatic) -> Ints:
+    """Rows of the static trial that may be donors, the nearest first."""
+    far = np.sqrt(((static.xyz - place) ** 2).sum(1))
+    shown = {name for name, seen in zip(known.names, known.seen, strict=True) if seen.any()}
+    order = [int(k) for k in np.argsort(far) if static.names[k] in shown]
+    if method.donors:
+        return np.array([k for k in order if static.names[k] in method.donors])
+    return np.array([k for k in order if far[k] <= method.reach][: method.nearest], np.int64)
+
+
+def _points(known: Known, static: StaticShape, donors: Ints, frames: Ints) -> Floats:
+    """(F, N, 3) mm of donors, given as rows of the static trial."""
+    return known.x[known.places([static.names[k] for k in donors])][:, frames].swapaxes(0, 1)
+
+
+def _chosen(
+    known: Known, static: StaticShape, place: Floats, candidates: Ints, method: FromStatic
+) -> tuple[Ints, float]:
+    """The donors, empty if there are none, and s² of (4)."""
+    x, shape = _points(known, static, candidates, known.thin(JUDGE)), static.xyz[candidates]
+    any_seen = int((~np.isnan(x[..., 0])).any(1).sum())
+    K = range(len(candidates))
+    sizes = [len(candidates)] if method.donors else range(3, min(method.at_most, len(candidates)) + 1)
+    best, score, best_s2 = candidates[:0], np.inf, np.inf
+    for some in (list(c) for n in sizes for c in combinations(K, n)):
+        there = ~np.isnan(x[:, some, 0]).any(1)
+        if there.sum() < max(1, method.share * any_seen) or on_line(shape[some], method.flat):
+            continue
+        sigma2, off2 = _neighbours(shape, x[there], some)
+        near = 1 / np.maximum(((shape - place) ** 2).sum(1), 1.0) ** 2
+        near[np.isnan(off2)] = 0.0
+        s2 = float((np.nan_to_num(off2) * near).sum() / near.sum())
+        away = place - shape[some].mean(0)
+        lever = (away @ away) / ((shape[some] - shape[some].mean(0)) ** 2).sum()
+        value = s2 + sigma2 * (1 + 1 / len(some) + lever)
+        if value < score:
+            best, score, best_s2 = candidates[some], value, s2
+    return best, best_s2
+
+
+def _neighbours(shape: Floats, x: Floats, some: list[int]) -> tuple[float, Floats]:
+    """Mean (2) of the body of some candidates, and E_k² (K) of all, NaN where one is not seen with them."""
+    sigma2, off2 = _fit(shape, x, some)
+    if len(some) > 3:
+        for k in some:
+            rest = [j for j in some if j != k]
+            off2[k] = np.nan if on_line(shape[rest], 0.02) else _fit(shape, x, rest)[1][k]
+    else:
+        off2[some] = 3 * sigma2 * (1 + 1 / 3)
+    return sigma2, off2
+
+
+def _fit(shape: Floats, x: Floats, some: list[int]) -> tuple[float, Floats]:
+    """Mean (2) of a body, and the mean square error (K) of all candidates carried by it."""
+    R, c = rigid_poses(shape[some], x[:, some])
+    e = x - c[:, None] - (shape - shape[some].mean(0)) @ R.mT
+    square = (e * e).sum(-1)
+    n = (~np.isnan(square)).sum(0)
+    off2 = np.divide(np.nansum(square, axis=0), n, out=np.full(len(shape), np.nan), where=n > 0)
+    return float(square[:, some].sum(1).mean() / (3 * len(some) - 6)), off2
+
+
+def _errors(shape: Floats, x: Floats) -> Floats:
+    """e (F, N, 3) of (1)."""
+    R, c = rigid_poses(shape, x)
+    return x - c[:, None] - (shape - shape.mean(0)) @ R.mT
+
+
+def _sigma2(e: Floats) -> Floats:
+    """(2), mm² (F)."""
+    return np.asarray((e * e).sum((1, 2)) / (3 * e.shape[1] - 6))
+
+
+def _carried(known: Known, static: StaticShape, lost: int, donors: Ints, s2: float) -> Placed:
+    frames = np.arange(known.n_frames)
+    x = _points(known, static, donors, frames)
+    there = ~np.isnan(x[..., 0]).any(1)
+    shape = static.xyz[donors] - static.xyz[donors].mean(0)
+    R, c = rigid_poses(shape, x[there])
+    q = R @ (static.xyz[lost] - static.xyz[donors].mean(0))
+    sigma2 = _sigma2(_errors(shape, x[there]))
+    sigma2 = np.maximum(sigma2, sigma2.mean())
+    inertia = (shape**2).sum() * np.eye(3) - shape.T @ shape
+    turn = _cross(q) @ (R @ np.linalg.inv(inertia) @ R.mT) @ _cross(q).mT
+    own = np.maximum(sigma2, s2 / 3)[:, None, None]
+    cov = own * np.eye(3) + sigma2[:, None, None] * (np.eye(3) / len(donors) + turn)  # (4)
+    nowhere = _nowhere(known, static.names[lost], "")
+    nowhere.xyz[there], nowhere.cov[there] = q + c, cov
+    expected = float(_mean_length(cov).mean())
+    return nowhere._replace(expected_mm=expected, donors=tuple(static.names[k] for k in donors))
+
+
+def _cross(q: Floats) -> Floats:
+    """[q]ₓ (F, 3, 3)."""
+    out = np.zeros((len(q), 3, 3))
+    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -q[:, 2], q[:, 1], -q[:, 0]
+    return out - out.mT
+
+
+def _mean_length(cov: Floats) -> Floats:
+    """Mean length of errors of these covariances (F, 3, 3): √(8/3π) of their RMS where all axes are alike."""
+    return np.asarray(np.sqrt(8 / (3 * np.pi) * np.trace(cov, axis1=1, axis2=2)))

@@ -1,0 +1,35 @@
+"""Where markers lie in a static trial: their mean places, and how much they move about them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .known import Known
+from .motion import Floats, Motion
+
+
+class StaticShape(NamedTuple):
+    """Mean places of the markers seen in a static trial.
+
+    Attributes:
+        names: (M).
+        xyz: (M, 3) mm.
+        sd: (M) mm, RMS distance from the mean place, of sway and noise.
+    """
+
+    names: tuple[str, ...]
+    xyz: Floats
+    sd: Floats
+
+    @classmethod
+    def of(cls, static: Motion) -> StaticShape:
+        """The median place of every marker that the static trial shows; markers it does not show are left out."""
+        known = Known.of(static)
+        rows = np.flatnonzero(known.seen.any(1))
+        places = [np.median(known.x[k, known.seen[k]], axis=0) for k in rows]
+        off = [((known.x[k, known.seen[k]] - p) ** 2).sum(1).mean() ** 0.5 for k, p in zip(rows, places, strict=True)]
+        return cls(
+            tuple(known.names[k] for k in rows), np.array(places).reshape(-1, 3), np.array(off, np.float64).reshape(-1)
+        )

@@ -4,6 +4,7 @@ C cameras, F frames, M markers, D detections, P points. Arrays in a record are r
 """
 
 from .analog import Analog, ForcePlate
+from .angle_model import AngleModel
 from .angles import Angles
 from .arrays import same
 from .cloud import Cloud, Tracks
@@ -20,6 +21,7 @@ from .trial import Step, Trial
 __all__ = [
     "PARAMETERS",
     "Analog",
+    "AngleModel",
     "Angles",
     "Camera",
     "Cloud",

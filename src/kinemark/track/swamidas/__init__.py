@@ -1,8 +1,8 @@
 """The tracking of Swamidas (1997): Kalman prediction with regions of acceptance, and nearest distance beside it."""
 
+from ...signal.kalman import State, predict, start, update
 from .constraints import Constraint
 from .distance import DistanceOnly, track_distance
-from .kalman import State, predict, start, update
 from .method import Swamidas
 from .run import Followed, follow_points, track_swamidas
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...signal.kalman import State, predict, start, update
 from .constraints import Expected, half_size
-from .kalman import State, predict, start, update
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -6,7 +6,8 @@ length L whose other end was seen in the last three frames it is no point that c
 
     | |y − z| − L | ≤ tolerance · L                                      (1)
 
-for one of the points z that can, if there are any: those nearer than L / 2 to the position x̂_j that is predicted for j.
+for one of the points z that can, if there are any: those nearer than L / 2 to the position x̂_j that is predicted for
+j.
 
 Without CONNECT the first frames tell: of all pairs of markers the spread of their distance about its mean is taken, and
 the tree that joins all markers with the least spread holds the segments (2), save those with more than half the
@@ -19,7 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import minimum_spanning_tree
+
+from ...geometry.rigid_pairs import distances, spanning_links
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -45,14 +47,12 @@ def learn_segments(paths: Floats, *, tolerance: float, links: tuple[tuple[int, i
         tolerance: as in (1).
         links: pairs that are segments; only their lengths are learned then.
     """
-    distance = np.linalg.norm(paths[:, None] - paths[None], axis=-1)
-    length, spread = distance.mean(-1), distance.std(-1)
+    found = distances(paths, most_frames=paths.shape[1])
+    length = np.where(found.frames == paths.shape[1], found.mean, np.nan)
     if links:
         link = np.array([pair for pair in links if max(pair) < len(paths)], np.int64).reshape(-1, 2)
     else:
-        share = np.where(np.isfinite(length) & (length > 0), spread / np.maximum(length, 1e-9), np.nan)
-        share = np.where(share <= tolerance / 2, 1 + share, 0.0)  # 0, and nearly 0, is no edge of a graph
-        link = np.argwhere(minimum_spanning_tree(share).toarray() > 0)  # (2)
+        link = spanning_links(np.where(np.isnan(length), np.nan, found.share), most=tolerance / 2)  # (2)
     link = link[np.isfinite(length[link[:, 0], link[:, 1]])]
     return Segments(link, length[link[:, 0], link[:, 1]])
 

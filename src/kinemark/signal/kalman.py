@@ -99,6 +99,21 @@ def update(state: State, past: Floats, whole: NDArray[np.bool_], sd: float, jump
     return State(x, _symmetric(P))
 
 
+def update_position(state: State, xyz: Floats, variance: Floats, jump: float) -> tuple[Floats, State]:
+    """With positions alone, of known variances: where the markers are, (n, 3) mm, and the state one frame on.
+
+    Args:
+        state: expected in the frame of the positions.
+        xyz: (n, 3) mm.
+        variance: (n) mm², of each coordinate.
+        jump: as in `start`.
+    """
+    K = state.P[:, :, 0] / (state.P[:, 0, 0] + variance)[:, None]
+    x = state.x + K[:, :, None] * (xyz - state.x[:, 0])[:, None]
+    P = state.P - K[:, :, None] * state.P[:, None, 0]
+    return x[:, 0], predict(State(x, P), jump)
+
+
 def _process(jump: float) -> Floats:
     """Q of (2)."""
     return np.diag([0.0, 0.0, jump**2])

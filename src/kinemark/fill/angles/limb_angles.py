@@ -1,0 +1,243 @@
+"""The limb length and angle model as filler, on any cyclic trajectories.
+
+A model of segments (`learn`), made of the trial itself, of another trial or read from a file, and the phase of each
+frame, found from what is visible (`signal.phase`), place a missing marker from every neighbour that is seen
+(`place`). The thesis takes that place as it is. Here the error r of the placing is carried over from the edges of the
+gap. With r as a process of known covariance (`place`, 5), seen at frames e on both sides with values r_e and noise ν,
+the expected r in the gap and its covariance are
+
+    r̂(t) = r̄ + c(t, e) [c(e, e) + (ν² / s²) I]⁻¹ (r_e − r̄),    s² = tr S / 3                       (1)
+    C(t) = S (1 − c(t, e) [c(e, e) + (ν² / s²) I]⁻¹ c(e, t)) + ν² I                                (2)
+
+(a Gaussian process). Near the edges the curve joins the samples; deep in a long gap it is the model's. Where nothing
+near the marker tells the phase, its variance adds var φ · x' x'ᵀ, x' the slope of (1) of `place` (3). Several
+neighbours are averaged with weights 1 / tr C; their errors are much alike, so the covariance is the average too and
+not less (4).
+
+Markers that have no seen neighbour in a frame are placed from filled ones, one step away a round, with the covariance
+of these added (5): one seen marker suffices for all that hang together with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data import AngleModel, KinemarkError
+from ...data.arrays import check_positive
+from ...signal.phase import Phase, find_phase
+from ..motion import Gap, Motion, Prediction
+from .connect import connect, directions
+from .learn import learn_model, template_of
+from .place import Errors, Placer, Placing, correlation
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+STRANGE = 25.0
+"""Mean squared deviation from another trial's model, in its own spreads (at least 0.1), above which the motion is
+another."""
+FOREIGN = 0.1
+"""Least spread of the directions of another trial's model."""
+HEADINGS = 12
+"""Turns about the vertical that are tried with another trial's model."""
+
+
+@dataclass(frozen=True, slots=True)
+class LimbAngles:
+    """Parameters.
+
+    Attributes:
+        model: of another trial or from a file; None: made of the trial itself.
+        links: pairs of markers that are segments (CONNECT); banks: groups of markers on one body; both empty: found.
+        period: of a cycle, s; None: found.
+        shortest, longest: of cycles looked for, s.
+        edges: samples on each side of a gap from which the error is carried over; 0: the bare model, as in the thesis.
+        turn: whether another trial's model may be turned about the vertical to fit, as for a subject who walks back.
+    """
+
+    model: AngleModel | None = None
+    links: tuple[tuple[str, str], ...] = ()
+    banks: tuple[tuple[str, ...], ...] = ()
+    period: float | None = None
+    shortest: float = 0.3
+    longest: float = 6.0
+    edges: int = 5
+    turn: bool = True
+
+    def __post_init__(self) -> None:
+        check_positive(period=self.period, shortest=self.shortest, longest=self.longest)
+        if self.shortest >= self.longest:
+            raise ValueError(f"shortest is {self.shortest} and longest {self.longest}, wanted shortest below longest")
+        if self.edges < 0:
+            raise ValueError(f"edges is {self.edges}, wanted 0 or more")
+
+
+def fill_limb_angles(motion: Motion, gaps: Sequence[Gap], *, method: LimbAngles = LimbAngles()) -> list[Prediction]:
+    """What the model says of each gap; where the motion has no cycle, or a marker no segment, the reason."""
+    if not gaps:
+        return []
+    try:
+        placer = fit_model(motion, method=method)
+    except KinemarkError as error:
+        return [Prediction.none(gap.length, str(error)) for gap in gaps]
+    return _Filling(motion, gaps, placer, method).done()
+
+
+def fit_model(motion: Motion, *, method: LimbAngles = LimbAngles()) -> Placer:
+    """A model, the method's own or made of the trial, with the phase of the trial's frames.
+
+    Raises:
+        KinemarkError: no segment, no cycle, or a motion that is not the model's.
+        ValueError: links or banks name markers that are not there.
+    """
+    if method.model is not None:
+        model, phase = _foreign(motion, method.model, method.turn)
+        return Placer(motion.xyz, model, phase, cycle=_cycle(phase, model.period * motion.rate), own=False)
+    segments = connect(motion.xyz, names=motion.names, links=method.links, banks=method.banks)
+    learned = learn_model(
+        motion.xyz, rate=motion.rate, names=motion.names, segments=segments,
+        period=method.period, shortest=method.shortest, longest=method.longest,
+    )  # fmt: skip
+    return Placer(motion.xyz, learned.model, learned.phase, cycle=learned.model.period * motion.rate, own=True)
+
+
+def _cycle(phase: Phase, otherwise: float) -> float:
+    """Frames of a cycle of the trial's own."""
+    speed = float(phase.cycles[-1] - phase.cycles[0]) / max(len(phase.cycles) - 1, 1)
+    return 1 / speed if speed > 0 else otherwise
+
+
+def _foreign(motion: Motion, model: AngleModel, turn: bool) -> tuple[AngleModel, Phase]:
+    """Another trial's model with the markers and lengths of this one, and the phase."""
+    place = {name: m for m, name in enumerate(motion.names)}
+    use = np.array([all(model.names[m] in place for m in link) for link in model.links])
+    if not use.any():
+        raise KinemarkError("No segment of the model has both its markers in the trial. Check the names.")
+    links = np.array([[place[model.names[m]] for m in link] for link in model.links[use]])
+    way = np.linalg.norm(motion.xyz[links[:, 1]] - motion.xyz[links[:, 0]], axis=-1)
+    there = ~np.isnan(way)
+    length = np.where(there.any(1), np.where(there, way, 0.0).sum(1) / np.maximum(there.sum(1), 1), model.length[use])
+    own = AngleModel(
+        motion.names, links, model.bank[use], np.maximum(length, 1e-3), model.spread[use],
+        model.direction[use], model.cov[use], model.cycles[use], model.period,
+    )  # fmt: skip
+    y = directions(motion.xyz, links).transpose(1, 0, 2).reshape(motion.xyz.shape[1], -1)
+    if len(y) < 2 or np.isnan(y).all():
+        raise KinemarkError("No segment of the model is seen in the trial.")
+    best: tuple[AngleModel, Phase] | None = None
+    for angle in np.arange(HEADINGS) * 360 / HEADINGS if turn else (0.0,):
+        turned = own.turned(float(angle))
+        phase = _phase(y, turned, motion.rate)
+        best = (turned, phase) if best is None or phase.cost < best[1].cost else best
+    assert best is not None
+    return _checked(*(_upright(y, *best, motion.rate) if turn else best))
+
+
+def _phase(y: Floats, model: AngleModel, rate: float) -> Phase:
+    template, spread = template_of(model)
+    return find_phase(y, template, np.maximum(spread, FOREIGN), cycle=model.period * rate)
+
+
+def _upright(y: Floats, model: AngleModel, phase: Phase, rate: float) -> tuple[AngleModel, Phase]:
+    """The model turned about the vertical by the mean angle that the trial still has to it."""
+    template, _ = template_of(model)
+    d, u = (a.reshape(len(y), -1, 3) for a in (template(phase.cycles), y))
+    cross, dot = d[..., 0] * u[..., 1] - d[..., 1] * u[..., 0], d[..., 0] * u[..., 0] + d[..., 1] * u[..., 1]
+    better = model.turned(float(np.degrees(np.arctan2(np.nansum(cross), np.nansum(dot)))))
+    again = _phase(y, better, rate)
+    return (better, again) if again.cost < phase.cost else (model, phase)
+
+
+def _checked(model: AngleModel, phase: Phase) -> tuple[AngleModel, Phase]:
+    if phase.cost > STRANGE:
+        raise KinemarkError(
+            f"The motion is not that of the model: its segments are {np.sqrt(phase.cost):.1f} spreads off in the mean."
+        )
+    return model, phase
+
+
+class _Filling:
+    """Rounds over the gaps: those that have seen neighbours first, then from these."""
+
+    def __init__(self, motion: Motion, gaps: Sequence[Gap], placer: Placer, method: LimbAngles) -> None:
+        self._motion, self._gaps, self._placer, self._edges = motion, gaps, placer, method.edges
+        self._filled = motion.xyz.copy()
+        self._cov = np.zeros((*motion.xyz.shape, 3)) if len(gaps) else np.zeros(0)
+        self._found = [Prediction.none(gap.length, "") for gap in gaps]
+
+    def done(self) -> list[Prediction]:
+        left = list(range(len(self._gaps)))
+        while left:
+            made = {g: self._one(self._gaps[g]) for g in left}
+            going = [g for g in left if np.isfinite(made[g][0]).sum() > np.isfinite(self._found[g].xyz).sum()]
+            if not going:
+                break
+            for g in going:
+                gap, (xyz, cov) = self._gaps[g], made[g]
+                self._found[g] = Prediction(xyz, cov)
+                self._filled[gap.marker, gap.start : gap.stop] = xyz
+                self._cov[gap.marker, gap.start : gap.stop] = np.nan_to_num(cov)
+            left = [g for g in left if np.isnan(self._found[g].xyz).any()]
+        return [found if np.isfinite(found.xyz).any() else self._why(g) for g, found in enumerate(self._found)]
+
+    def _why(self, g: int) -> Prediction:
+        name = self._motion.names[self._gaps[g].marker]
+        near = self._placer(self._gaps[g].marker)
+        why = "none of its neighbours is seen or filled in the gap" if near else "it has no segment with a cycle"
+        return Prediction.none(self._gaps[g].length, f"{name}: {why}")
+
+    def _one(self, gap: Gap) -> tuple[Floats, Floats]:
+        """(L, 3) mm and (L, 3, 3) mm² of a gap by (1) to (5), NaN where no neighbour is known yet."""
+        frames = np.arange(gap.start, gap.stop)
+        near = self._placer(gap.marker)
+        whole = [p for p in near if not np.isnan(self._filled[p.source, frames]).any()]
+        total, cov, weight = np.zeros((len(frames), 3)), np.zeros((len(frames), 3, 3)), np.zeros(len(frames))
+        for placing in whole or near:
+            xyz, C = self._from(placing, frames)
+            w = np.where(np.isnan(xyz[:, 0]), 0.0, 1 / np.trace(C, axis1=1, axis2=2))
+            total += w[:, None] * np.nan_to_num(xyz)
+            cov += w[:, None, None] * C
+            weight += w
+        with np.errstate(invalid="ignore", divide="ignore"):
+            xyz, cov = total / weight[:, None], cov / weight[:, None, None]  # (4)
+        return xyz, self._with_phase(near[0], frames, cov) if near else cov
+
+    def _from(self, placing: Placing, frames: Ints) -> tuple[Floats, Floats]:
+        """(1), (2) and (5) from one neighbour."""
+        errors = placing.errors
+        mean, share = self._carried(errors, frames)
+        xyz = self._filled[placing.source, frames] + placing.way[frames] + mean
+        cov = share[:, None, None] * errors.cov + errors.noise**2 * np.eye(3)
+        return xyz, cov + self._cov[placing.source, frames]
+
+    def _carried(self, errors: Errors, frames: Ints) -> tuple[Floats, Floats]:
+        """(L, 3) r̂ of (1) and (L) the share of S in (2)."""
+        edge = self._edge(errors.r, int(frames[0]), int(frames[-1]))
+        if not len(edge):
+            return np.broadcast_to(errors.mean if self._edges else 0.0, (len(frames), 3)), np.ones(len(frames))
+        s2 = float(np.trace(errors.cov)) / 3
+        c_e = correlation(np.subtract.outer(edge, edge), errors.tau) + (errors.noise**2 / s2 + 1e-6) * np.eye(len(edge))
+        c_t = correlation(np.subtract.outer(frames, edge), errors.tau)
+        weights = np.linalg.solve(c_e, c_t.T).T
+        carried = errors.mean + weights @ (errors.r[edge] - errors.mean)
+        return carried, np.clip(1 - (weights * c_t).sum(1), 0.0, 1.0)
+
+    def _edge(self, r: Floats, first: int, last: int) -> Ints:
+        """Frames next to a gap at which r is known, on each side as many as wanted, within a quarter of a cycle."""
+        reach, n = max(round(self._placer.cycle / 4), 1), self._edges
+        if not n:
+            return np.zeros(0, np.int64)
+        low, high = max(first - reach, 0), last + 1 + reach
+        known = ~np.isnan(r[:, 0])
+        before, after = low + np.flatnonzero(known[low:first]), last + 1 + np.flatnonzero(known[last + 1 : high])
+        return np.concatenate([before[-n:], after[:n]])
+
+    def _with_phase(self, placing: Placing, frames: Ints, cov: Floats) -> Floats:
+        """(3)."""
+        variance = self._placer.phase_variance(frames)
+        slope = placing.slope[frames]
+        return cov + variance[:, None, None] * slope[:, :, None] * slope[:, None, :]

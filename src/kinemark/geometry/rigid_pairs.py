@@ -1,0 +1,75 @@
+"""Which markers keep their distance: links between pairs, the tree that joins all, and banks of several on one body.
+
+Of every pair of markers the mean distance and its spread are taken over the frames that have both (1). The spread as
+a share of the mean says how rigid the pair is; skin, and marks that lie across a joint, have more. Two markers that
+are both far from a
+joint can share little motion and still be of two bodies, so that nearness of rigidity is relative: the *tree* joins all
+markers with the least spread in all (2); a *bank* is a group of which every pair is rigid (3).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.cluster.hierarchy import fcluster, linkage
+from scipy.sparse.csgraph import minimum_spanning_tree
+from scipy.spatial.distance import squareform
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MOST_FRAMES = 1000
+"""Frames, spread over the trial, that (1) looks at."""
+LOOSE = 9.0
+"""Share that stands for no known share, in (3)."""
+
+
+class Distances(NamedTuple):
+    """Of M markers: mean (M, M) mm and spread (M, M) mm of the distances, both NaN on the diagonal and where no frame
+    has both, and frames (M, M) the number of those that have."""
+
+    mean: Floats
+    spread: Floats
+    frames: Ints
+
+    @property
+    def share(self) -> Floats:
+        """(M, M) spread over mean; NaN where unknown, or where two markers are one."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(self.mean > 0, self.spread / self.mean, np.nan)
+
+
+def distances(xyz: Floats, *, most_frames: int = MOST_FRAMES) -> Distances:
+    """(1) for paths (M, F, 3) mm, NaN where missing."""
+    n, n_frames, _ = xyz.shape
+    xyz = xyz[:, :: max(-(-n_frames // max(most_frames, 1)), 1)]
+    mean, spread = np.full((2, n, n), np.nan)
+    count = np.zeros((n, n), np.int64)
+    for i in range(n):
+        d = np.linalg.norm(xyz - xyz[i], axis=-1)
+        there = ~np.isnan(d)
+        count[i] = there.sum(1)
+        some = count[i] > 0
+        some[i] = False
+        mean[i, some] = np.where(there, d, 0.0).sum(1)[some] / count[i, some]
+        off = np.where(there, d - mean[i, :, None], 0.0)[some]
+        spread[i, some] = np.sqrt((off**2).sum(1) / count[i, some])
+    return Distances(mean, spread, count)
+
+
+def spanning_links(share: Floats, *, most: float) -> Ints:
+    """(S, 2) the tree of (2), or trees where pairs with a share above `most` would be needed to join them."""
+    cost = np.where(share <= most, 1 + share, 0.0)  # 0, and nearly 0, is no edge of a graph
+    return np.argwhere(minimum_spanning_tree(cost).toarray() > 0)
+
+
+def rigid_groups(share: Floats, *, most: float) -> Ints:
+    """(M) number of the bank of each marker by (3): no pair of a bank has a share above `most`."""
+    n = len(share)
+    if n < 2:
+        return np.zeros(n, np.int64)
+    loose = np.nan_to_num((share + share.T) / 2, nan=LOOSE, posinf=LOOSE)
+    np.fill_diagonal(loose, 0.0)
+    return np.asarray(fcluster(linkage(squareform(loose, checks=False), "complete"), most, "distance"), np.int64) - 1

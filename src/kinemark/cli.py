@@ -15,12 +15,14 @@ from cyclopts import App, Parameter
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 
+from .angles import AngleSettings, angles_of_file
 from .data import KinemarkError
 from .demo import demo as run_demo
 from .formats import convert as convert_file
 from .formats import describe
 from .pipeline import Progress as Told
 from .proposals import learn_session_masks, propose_detection
+from .report.angles import angle_summary
 from .report.calibration_text import calibration_summary
 from .report.text import summary
 from .session import Session
@@ -215,6 +217,35 @@ def simulate(folder: Path, *, scene: Annotated[Scene | None, Parameter(name="*")
     with progress() as tell:
         simulate_session(folder, scene=scene or Scene(), progress=tell)
     _print(f"{folder}/session.toml is written. Next: kinemark run {folder}")
+
+
+@app.command
+def angles(
+    trial: Path,
+    *,
+    model: str,
+    output: Path | None = None,
+    static: Path | None = None,
+    functional: Path | None = None,
+    settings: Annotated[AngleSettings | None, Parameter(name="*")] = None,
+    json: Json = False,
+) -> None:
+    """Joint angles of a trial with their standard deviation: CSV, C3D, a page with curves and a moving stick figure.
+
+    Args:
+        trial: C3D, TDF, TRC, CSV or HDF5 file with markers.
+        model: um2as, isb_upper_limb, isb_shoulder, or a TOML file that describes one.
+        output: folder of the results; beside the trial, its name and _angles, where none is given.
+        static: trial that shows the points which clusters of markers carry.
+        functional: trial whose motion shows the joint centres of the model.
+        settings: how angles are taken.
+        json: print the figures for a machine.
+    """
+    result = angles_of_file(trial, model=model, folder=output, static=static, functional=functional, settings=settings)
+    if json:
+        _print(result.figures)
+        return
+    _print(f"{angle_summary(result.figures)}\nresults:  {result.folder}")
 
 
 def _print(value: object) -> None:

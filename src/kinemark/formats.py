@@ -63,6 +63,19 @@ def read(path: Path, *, what: What | None = None, length_unit: str | None = None
     return readers.get(suffix, lambda: open_images(path))()
 
 
+def read_trial(path: Path, *, rate_hz: float | None = None) -> Trial:
+    """The trial that a file of trajectories or tracks holds: C3D, TDF, TRC, CSV or HDF5.
+
+    Raises:
+        KinemarkError: it holds no trajectories, or as `read`.
+    """
+    found = read(path, rate_hz=rate_hz)
+    parts = {} if isinstance(found, np.ndarray) else _parts(path, found)
+    if "trajectories" not in parts:
+        raise KinemarkError(f"{path} holds no trajectories. Give a .c3d, .tdf, .trc, .csv or .h5 file that does.")
+    return parts["trajectories"]
+
+
 def _read_csv(path: Path, what: What | None, length_unit: str | None, rate_hz: float | None) -> Any:
     """A CSV file: its first line tells detections and trajectories from DLT parameters."""
     head = read_text(path).split("\n", 1)[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ class Angles:
         deg: (J, F, 3) deg, NaN where missing.
         cov: (J, F, 3, 3) deg², NaN where unknown.
         rate: Hz.
+        locked: (J, F) whether the first and third turn are not told apart (gimbal lock); False where not given.
     """
 
     joints: tuple[str, ...]
@@ -27,15 +28,34 @@ class Angles:
     deg: NDArray[np.float64]
     cov: NDArray[np.float64]
     rate: float
+    locked: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
 
     def __post_init__(self) -> None:
         n, f = len(self.joints), self.deg.shape[1]
+        locked = self.locked if self.locked.size else np.zeros((n, f), np.bool_)
         set_columns(
             self,
             joints=tuple(self.joints),
             sequence=tuple(self.sequence),
             deg=column("deg", self.deg, np.float64, n, f, 3),
             cov=column("cov", self.cov, np.float64, n, f, 3, 3),
+            locked=column("locked", locked, np.bool_, n, f),
         )
         if len(self.sequence) != n:
             raise ValueError(f"sequence has {len(self.sequence)} entries, wanted {n}")
+
+    @property
+    def sd(self) -> NDArray[np.float64]:
+        """(J, F, 3) deg, the standard deviation of each angle, NaN where unknown."""
+        return np.sqrt(np.diagonal(self.cov, axis1=-2, axis2=-1))
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """(F) seconds from the first frame."""
+        return np.arange(self.deg.shape[1]) / self.rate
+
+    def __getitem__(self, joint: str) -> NDArray[np.float64]:
+        """(F, 3) deg of one joint."""
+        if joint not in self.joints:
+            raise KeyError(f"no joint {joint!r}; there are {', '.join(self.joints)}")
+        return self.deg[self.joints.index(joint)]

@@ -120,12 +120,14 @@ def page(
     return framed(main, heading=quality["trial"], session=quality["session"], version=quality["kinemark"], nav=NAV)
 
 
-def framed(main: str, *, heading: str, session: str, version: str, nav: Mapping[str, str]) -> str:
+def framed(
+    main: str, *, heading: str, session: str, version: str, nav: Mapping[str, str], kind: str = "Session"
+) -> str:
     """A whole page: head, title and links around `main`, and the drawing library behind it."""
     return _template("frame.html").substitute(
         title=escape(f"{heading} · {session}"),
         heading=escape(heading),
-        below=escape(f"Session {session} · Kinemark {version}"),
+        below=escape(f"{kind} {session} · Kinemark {version}"),
         nav="".join(f'<a href="#{place}">{escape(name)}</a>' for place, name in nav.items()),
         main=main,
         plotly=get_plotlyjs(),

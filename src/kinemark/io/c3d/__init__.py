@@ -1,5 +1,6 @@
 """C3D, the format in which laboratories exchange recordings: see `docs/files-c3d.md`."""
 
+from .angles import with_angles
 from .document import C3D, with_parameters
 from .header import HeaderEvent
 from .numbers import ByteOrder
@@ -22,6 +23,7 @@ __all__ = [
     "read_c3d",
     "read_document",
     "trial_of",
+    "with_angles",
     "with_parameters",
     "write_c3d",
     "write_document",

@@ -52,7 +52,7 @@ def document_of(trial: Trial, *, order: ByteOrder | None = None, floats: bool | 
         ValueError: as `write_c3d`.
     """
     own = isinstance(trial.source, C3D)
-    source: C3D = trial.source if own else _blank()
+    source: C3D = trial.source if own else blank_document()
     floats = source.floats if floats is None else floats
     doc = replace(source, order=source.order if order is None else order, rate=trial.trajectories.rate)
     doc = with_points(doc, source, trial, floats=floats)
@@ -84,7 +84,7 @@ def with_events(doc: C3D, trial: Trial) -> C3D:
     return with_numbers(doc, "EVENT", "TIMES", np.column_stack([minutes, new.time - 60 * minutes]))
 
 
-def _blank() -> C3D:
+def blank_document() -> C3D:
     """A document without points, with the groups of a file of our own in the order that readers know."""
     none = np.zeros((0, 0))
     doc = C3D(ByteOrder.INTEL, True, 0.0, np.zeros((0, 0, 3)), none, none, 0, ())

@@ -1,0 +1,77 @@
+"""Joint angles as CSV: `frame, time_s`, for each degree of freedom angle, SD and a mark, for each joint a mark.
+
+    shoulder_flexion_deg        the angle; the name is what the joint does where it is above zero
+    shoulder_flexion_sd_deg     its standard deviation
+    shoulder_flexion_outside    1 where it is beyond the range of normal motion
+    shoulder_locked             1 where the joint is in gimbal lock
+
+An empty cell is a missing angle or an unknown standard deviation. Cycles have `percent` instead of frame and time, and
+for each degree of freedom the mean, the SD over the cycles, and the SD of the mean by the measurement.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..data import Angles
+from ..kinematics import Cycles, Model, Named, named, outside
+from .files import replacing
+from .text import plain
+
+
+def column(model: Model, one: Named) -> str:
+    """`shoulder_flexion`: what the columns of a degree of freedom begin with."""
+    return f"{model.joints[one.joint].name} {one.motion.positive}".replace(" ", "_")
+
+
+def write_angles_csv(path: Path | str, angles: Angles, model: Model, *, first_frame: int = 1) -> None:
+    """Write all frames; frame and time count as C3D does, from 1 and 0 s.
+
+    Raises:
+        KinemarkError: the file cannot be written.
+    """
+    free, sd, out = named(model), angles.sd, outside(angles, model)
+    heading = ["frame", "time_s"]
+    for one in free:
+        heading += [column(model, one) + end for end in ("_deg", "_sd_deg", "_outside")]
+    heading += [f"{joint}_locked".replace(" ", "_") for joint in angles.joints]
+    rows = []
+    for f in range(angles.deg.shape[1]):
+        row = [str(f + first_frame), plain((f + first_frame - 1) / angles.rate)]
+        for j, t, _ in free:
+            row += [_short(angles.deg[j, f, t]), _short(sd[j, f, t]), str(int(out[j, f, t]))]
+        rows.append(row + [str(int(flag)) for flag in angles.locked[:, f]])
+    _write(path, heading, rows)
+
+
+def write_cycles_csv(path: Path | str, cycles: Cycles, model: Model) -> None:
+    """Write mean and spread over the cycles, 0 to 100 %.
+
+    Raises:
+        KinemarkError: the file cannot be written.
+    """
+    free = named(model)
+    heading = ["percent"]
+    for one in free:
+        heading += [column(model, one) + end for end in ("_mean_deg", "_sd_deg", "_noise_deg")]
+    parts = (cycles.mean, cycles.spread, cycles.noise)
+    rows = [
+        [str(k), *(_short(part[j, k, t]) for j, t, _ in free for part in parts)] for k in range(cycles.mean.shape[1])
+    ]
+    _write(path, heading, rows)
+
+
+def _short(value: float) -> str:
+    """Six decimals of a degree; empty for NaN and infinity."""
+    return plain(round(float(value), 6)) if np.isfinite(value) else ""
+
+
+def _write(path: Path | str, heading: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(heading)
+        writer.writerows(rows)

@@ -1,0 +1,213 @@
+"""Models of segment chains as TOML.
+
+name, source, side = "right", forward = "+x", up = "+z"
+[aliases]    MARKER = ["other name", "{S}NAME"]                  {S} is R or L, as the side is
+[points]     NAME = ["A", "B"]                                   the mean of others
+[[segment]]  name; first and second = { axis = "y", vector = ["from", "to"] }
+             or { axis = "x", normal = ["from", "to", "from", "to"] }
+[[joint]]    name, parent, child, sequence = "zxy", middle = "positive",
+             angles = [{ positive = "flexion", negative = "extension", normal = [-10.0, 150.0] }, {}, …]
+[[cluster]]  name, markers = [three or more], points = [what it carries]
+[[centre]]   name, between = ["cluster", "cluster"]
+[stick]      links = [["A", "B"], …]                             what the stick figure draws
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Literal, TypeVar
+
+from ..data import KinemarkError
+from ..kinematics.model import Axis, Centre, Cluster, Joint, Model, Motion, Segment
+from .text import read_text
+
+T = TypeVar("T")
+SIMPLE = ("name", "source", "side", "forward", "up")
+KEYS = {
+    "the file": (
+        [*SIMPLE, "aliases", "points", "segment", "joint", "cluster", "centre", "stick"],
+        ["name", "segment", "joint"],
+    ),
+    "segment": (["name", "first", "second"], ["name", "first", "second"]),
+    "axis": (["axis", "vector", "normal"], ["axis"]),
+    "joint": (
+        ["name", "parent", "child", "sequence", "middle", "angles"],
+        ["name", "parent", "child", "sequence", "angles"],
+    ),
+    "angle": (["positive", "negative", "normal"], []),
+    "cluster": (["name", "markers", "points"], ["name", "markers"]),
+    "centre": (["name", "between"], ["name", "between"]),
+    "stick": (["links"], []),
+}
+"""What each table may have, and what it must have."""
+MOST = 500
+"""Most items of a list in a file."""
+
+
+def models() -> tuple[str, ...]:
+    """Names of the models that come with Kinemark."""
+    return tuple(sorted(p.name.removesuffix(".toml") for p in _folder().iterdir() if p.name.endswith(".toml")))
+
+
+def _folder() -> Any:
+    return files("kinemark.kinematics").joinpath("models")
+
+
+def load_model(name_or_path: str | Path, *, side: Literal["right", "left"] | None = None) -> Model:
+    """A model by its name, or from a TOML file.
+
+    Args:
+        name_or_path: one of `models()`, or the path of a file.
+        side: instead of the model's own.
+
+    Raises:
+        KinemarkError: there is no such model or file, or the file is no such description.
+    """
+    name = str(name_or_path)
+    if name in models():
+        return model_from_toml(_folder().joinpath(f"{name}.toml").read_text(encoding="utf-8"), side=side)
+    if not Path(name).is_file():
+        raise KinemarkError(f"{name} is neither a model nor a file. Models are {', '.join(models())}.")
+    try:
+        return model_from_toml(read_text(name), side=side)
+    except KinemarkError as error:
+        raise KinemarkError(f"{name}: {error}") from None
+
+
+def model_from_toml(text: str, *, side: Literal["right", "left"] | None = None) -> Model:
+    """The model that a text describes.
+
+    Raises:
+        KinemarkError: it is no TOML, a key is unknown or absent, or the model does not hold together.
+    """
+    try:
+        table = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise KinemarkError(f"The model is no TOML: {error}.") from None
+    try:
+        return _model(table, side)
+    except (ValueError, TypeError) as error:
+        raise KinemarkError(f"The model does not hold together: {error}. Correct it.") from None
+
+
+def _model(table: dict[str, Any], side: str | None) -> Model:
+    _check("the file", table)
+    which = side or str(table.get("side", "right"))
+    letter = "L" if which == "left" else "R"
+    aliases = {
+        name: tuple(other.replace("{S}", letter) for other in _texts(f"aliases.{name}", others))
+        for name, others in _table(table, "aliases").items()
+    }
+    means = {name: _texts(f"points.{name}", parts) for name, parts in _table(table, "points").items()}
+    stick = _table(table, "stick")
+    _check("stick", stick)
+    return Model(
+        name=_text("name", table["name"]),
+        source=_text("source", table.get("source", "")),
+        side=which,  # type: ignore[arg-type]  # the record checks it
+        forward=_text("forward", table.get("forward", "+x")),
+        up=_text("up", table.get("up", "+z")),
+        aliases=aliases,
+        means=means,
+        segments=_each(table, "segment", _segment),
+        joints=_each(table, "joint", _joint),
+        clusters=_each(table, "cluster", _cluster),
+        centres=_each(table, "centre", _centre),
+        links=tuple(_pair("a link of the stick figure", link) for link in _list("links", stick.get("links", []))),
+    )
+
+
+def _each(table: Mapping[str, Any], kind: str, make: Callable[[Mapping[str, Any]], T]) -> tuple[T, ...]:
+    rows = _list(f"[[{kind}]]", table.get(kind, []))
+    for row in rows:
+        _check(kind, row)
+    return tuple(make(row) for row in rows)
+
+
+def _segment(row: Mapping[str, Any]) -> Segment:
+    return Segment(_text("name", row["name"]), _axis(row["first"]), _axis(row["second"]))
+
+
+def _axis(row: Any) -> Axis:
+    _check("axis", row)
+    if ("vector" in row) == ("normal" in row):
+        raise ValueError(f"axis {row['axis']} must have either a vector or a normal")
+    kind, wanted = ("vector", 2) if "vector" in row else ("normal", 4)
+    points = _texts(kind, row[kind])
+    if len(points) != wanted:
+        raise ValueError(f"the {kind} of axis {row['axis']} has {len(points)} points, wanted {wanted}")
+    return Axis(_text("axis", row["axis"]), points)
+
+
+def _joint(row: Mapping[str, Any]) -> Joint:
+    motions = tuple(_motion(angle) for angle in _list("angles", row["angles"]))
+    name, parent, child, sequence = (_text(key, row[key]) for key in ("name", "parent", "child", "sequence"))
+    return Joint(name, parent, child, sequence, motions, row.get("middle", "positive"))
+
+
+def _motion(row: Any) -> Motion | None:
+    _check("angle", row)
+    if not row:
+        return None
+    if "positive" not in row:
+        raise ValueError("an angle has no positive, the word for what the joint does where it is above zero")
+    normal = row.get("normal")
+    if normal is not None and not (
+        isinstance(normal, list) and len(normal) == 2 and all(isinstance(x, (int, float)) for x in normal)
+    ):
+        raise ValueError(f"normal is {normal!r}, wanted the least and the greatest angle, deg")
+    positive, negative = _text("positive", row["positive"]), _text("negative", row.get("negative", ""))
+    return Motion(positive, negative, None if normal is None else (float(normal[0]), float(normal[1])))
+
+
+def _cluster(row: Mapping[str, Any]) -> Cluster:
+    markers, points = _texts("markers", row["markers"]), _texts("points", row.get("points", []))
+    return Cluster(_text("name", row["name"]), markers, points)
+
+
+def _centre(row: Mapping[str, Any]) -> Centre:
+    return Centre(_text("name", row["name"]), _pair("between", row["between"]))
+
+
+def _check(kind: str, row: Any) -> None:
+    """A table has only known keys and all that it must have."""
+    known, needed = KEYS[kind]
+    if not isinstance(row, dict):
+        raise ValueError(f"{kind} is {row!r}, wanted a table")
+    if strange := sorted(set(row) - set(known)):
+        raise ValueError(f"{kind} has {', '.join(strange)}; known are {', '.join(known)}")
+    if absent := [key for key in needed if key not in row]:
+        raise ValueError(f"{kind} {row.get('name', '')} has no {', '.join(absent)}".replace("  ", " "))
+
+
+def _table(table: Mapping[str, Any], key: str) -> dict[str, Any]:
+    found = table.get(key, {})
+    if not isinstance(found, dict):
+        raise ValueError(f"{key} is {found!r}, wanted a table")
+    return found
+
+
+def _list(key: str, value: Any) -> list[Any]:
+    if not isinstance(value, list) or len(value) > MOST:
+        raise ValueError(f"{key} must be a list of at most {MOST}")
+    return value
+
+
+def _text(key: str, value: Any) -> str:
+    if not isinstance(value, str) or (key == "name" and not value.strip()):
+        raise ValueError(f"{key} is {value!r}, wanted text")
+    return value
+
+
+def _texts(key: str, value: Any) -> tuple[str, ...]:
+    return tuple(_text(f"an entry of {key}", item) for item in _list(key, value))
+
+
+def _pair(key: str, value: Any) -> tuple[str, str]:
+    pair = _texts(key, value)
+    if len(pair) != 2:
+        raise ValueError(f"{key} has {len(pair)} names, wanted two")
+    return pair[0], pair[1]

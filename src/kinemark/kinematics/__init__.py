@@ -1,0 +1,54 @@
+"""Markers → joint angles: segment chains, angles with their covariance, poses, centres, velocities, cycles."""
+
+from .centres import JointCentre, joint_centre, static_template
+from .chain import joint_angles, joint_matrices, segment_axes
+from .cycles import Cycles, cycles, resampled, spans_of
+from .model import LABORATORY, Axis, Centre, Cluster, Joint, Model, Motion, Segment
+from .noise import estimated_sd, with_marker_sd
+from .normal import Named, named, outside
+from .pose import ClusterTemplate, Pose, Template, body_pose, rotation_covariance
+from .sequences import InverseCosines, Method, SignedAngles, inverse_cosines, principal, turned
+from .smooth import Butterworth, WoltringSpline, residual_cutoff, smooth
+from .velocity import angular_velocity
+
+__all__ = [
+    "LABORATORY",
+    "Axis",
+    "Butterworth",
+    "Centre",
+    "Cluster",
+    "ClusterTemplate",
+    "Cycles",
+    "InverseCosines",
+    "Joint",
+    "JointCentre",
+    "Method",
+    "Model",
+    "Motion",
+    "Named",
+    "Pose",
+    "Segment",
+    "SignedAngles",
+    "Template",
+    "WoltringSpline",
+    "angular_velocity",
+    "body_pose",
+    "cycles",
+    "estimated_sd",
+    "inverse_cosines",
+    "joint_angles",
+    "joint_centre",
+    "joint_matrices",
+    "named",
+    "outside",
+    "principal",
+    "resampled",
+    "residual_cutoff",
+    "rotation_covariance",
+    "segment_axes",
+    "smooth",
+    "spans_of",
+    "static_template",
+    "turned",
+    "with_marker_sd",
+]

@@ -1,0 +1,236 @@
+"""From markers to axes to joint angles, along any chain of segments, with the covariance that markers pass on.
+
+A segment's first axis is the unit vector u along its vector or normal v₁; the second is made square to it,
+
+    u = v₁ / |v₁|,   w = (v₂ − (u · v₂) u) / |…|                                                        (1)
+
+and the third completes a right-handed set (2). A normal is a cross product of two vectors between points. With A the
+axes as columns, a joint turns its child against its parent by
+
+    R = A_parentᵀ A_child                                                                               (3)
+
+which is the transpose of UM²AS A.25–A.27, where axes are rows. Angles are read from R as `sequences` says. To first
+order their covariance is
+
+    cov(angles) = Σ_m J_m cov(x_m) J_mᵀ,   J_m = ∂(angles)/∂(x_m)                                       (4)
+
+over the markers m, whose errors are independent of each other; J by central differences, all markers and frames at
+once. What a cluster carries depends on all its markers, so (4) goes through the pose of the cluster too. A left limb is
+mirrored first: x → −x across the laboratory's sagittal plane, after which it is a right one (Wu et al. 2005).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Angles, KinemarkError, Trajectories
+from .model import LABORATORY, Axis, Joint, Model, Segment
+from .pose import Template, carry
+from .sequences import Method, SignedAngles, principal, read_angles
+
+Floats = NDArray[np.float64]
+Points = Mapping[str, Floats]
+
+FLAT = 1e-6
+"""Sine of the angle between two vectors below which they have no normal: a micron on a metre."""
+STEP = 1e-3
+"""mm; of the central differences."""
+
+
+def joint_angles(
+    trajectories: Trajectories,
+    *,
+    model: Model,
+    method: Method | None = None,
+    template: Template | None = None,
+) -> Angles:
+    """The angles of all joints of a model, with their covariance and the frames in gimbal lock.
+
+    Args:
+        trajectories: of one trial; the covariance of its markers is passed on, NaN where it is unknown.
+        model: the chain.
+        method: how angles are read from rotations; `SignedAngles()` where none is given.
+        template: of the model's clusters, from `pose.static_template`; without it, what clusters would carry is taken
+            from the trial's own markers.
+
+    Raises:
+        KinemarkError: markers of the model are not in the trial.
+    """
+    method = method or SignedAngles()
+    used = chosen(trajectories, model, template)
+    R = joint_matrices(points_of(used), model, template)
+    read = [read_angles(R[j], joint, method) for j, joint in enumerate(model.joints)]
+    deg, locked = np.array([d for d, _ in read]), np.array([flag for _, flag in read])
+    C = propagated(used, model, template)
+    plain = np.array([_principal(R[j], model, j) for j in range(len(model.joints))])
+    slope = _mirrored(deg, plain)
+    C = slope[..., :, None] * C * slope[..., None, :]
+    sequences = tuple(joint.sequence for joint in model.joints)
+    return Angles(tuple(joint.name for joint in model.joints), sequences, deg, C, trajectories.rate, locked)
+
+
+def _principal(R: Floats, model: Model, j: int) -> Floats:
+    joint = model.joints[j]
+    return principal(R, joint.sequence, negative_middle=joint.middle == "negative")
+
+
+def _mirrored(deg: Floats, plain: Floats) -> Floats:
+    """−1 where an angle read is the negative of the principal one but for whole and half turns, else 1."""
+    rest = np.remainder(deg - plain + 90, 180) - 90  # 0 where they go together
+    return np.where(np.abs(rest) > 1e-6, -1.0, 1.0)
+
+
+def chosen(trajectories: Trajectories, model: Model, template: Template | None = None) -> Trajectories:
+    """The markers that a model stands on, under the model's names.
+
+    A marker is looked for by its name, by its aliases, and by both after a subject's name and a colon.
+
+    Raises:
+        KinemarkError: one is not there, or a name fits several.
+    """
+    wanted = list(model.markers)
+    if template is not None:
+        carried = template.points
+        bodies = [body for body in template.clusters if carried & set(body.points)]
+        wanted = [m for m in wanted if m not in carried] + [m for body in bodies for m in body.markers]
+    return picked(trajectories, tuple(dict.fromkeys(wanted)), model)
+
+
+def picked(trajectories: Trajectories, names: tuple[str, ...], model: Model) -> Trajectories:
+    """These markers of a model, under these names; see `chosen`.
+
+    Raises:
+        KinemarkError: one is not there, or a name fits several.
+    """
+    found = {name: _find(trajectories.names, (name, *model.aliases.get(name, ()))) for name in names}
+    if absent := [name for name, place in found.items() if place is None]:
+        need = " A static trial gives them." if set(absent) <= model.carried else ""
+        raise KinemarkError(
+            f"The model {model.name!r} wants the markers {', '.join(absent)}, which are not in the trial; there are "
+            f"{', '.join(trajectories.names[:60]) or 'none'}.{need} Name them so, or give the model aliases for them."
+        )
+    paths = [replace(trajectories.paths[i], name=name) for name, i in found.items() if i is not None]
+    return replace(trajectories, paths=tuple(paths))
+
+
+def _find(names: tuple[str, ...], wanted: tuple[str, ...]) -> int | None:
+    """Index of the first wanted name that is there, whole or after a colon."""
+    for name in wanted:
+        if name in names:
+            return names.index(name)
+        ends = [i for i, have in enumerate(names) if have.rsplit(":", 1)[-1] == name]
+        if len(ends) > 1:
+            raise KinemarkError(f"{name} fits several markers: {', '.join(names[i] for i in ends)}. Keep one subject.")
+        if ends:
+            return ends[0]
+    return None
+
+
+def points_of(trajectories: Trajectories) -> dict[str, Floats]:
+    """(F, 3) mm by name."""
+    return {path.name: path.xyz for path in trajectories}
+
+
+def joint_matrices(points: Points, model: Model, template: Template | None = None) -> Floats:
+    """R (J, …, 3, 3) of (3) from points (…, 3) mm by name; NaN where a point is missing or an axis has no direction."""
+    axes = segment_axes(points, model, template)
+    return np.array([np.swapaxes(axes[joint.parent], -1, -2) @ axes[joint.child] for joint in model.joints])  # (3)
+
+
+def segment_axes(points: Points, model: Model, template: Template | None = None) -> dict[str, Floats]:
+    """Axes (…, 3, 3) of each segment, as columns in the laboratory, mirrored where the model is a left one."""
+    whole = complete(points, model, template)
+    right = laboratory(model)[:, 2]
+    if model.side == "left":
+        whole = {name: xyz - 2 * (xyz @ right)[..., None] * right for name, xyz in whole.items()}
+    axes = {segment.name: _axes(whole, segment) for segment in model.segments}
+    return axes | {LABORATORY: laboratory(model)}
+
+
+def complete(points: Points, model: Model, template: Template | None = None) -> dict[str, Floats]:
+    """The points given with those that clusters carry and those that are means of others."""
+    whole = dict(points)
+    if template is not None:
+        whole |= carry(whole, template)
+    for name, parts in model.means.items():
+        if all(part in whole for part in parts):
+            whole[name] = np.mean([whole[part] for part in parts], axis=0)
+    return whole
+
+
+def laboratory(model: Model) -> Floats:
+    """(3, 3) the laboratory's forward, up and right as columns."""
+    forward, up = ((1.0 if d[0] == "+" else -1.0) * np.eye(3)["xyz".index(d[1])] for d in (model.forward, model.up))
+    return np.stack([forward, up, np.cross(forward, up)], -1)
+
+
+def _axes(points: Points, segment: Segment) -> Floats:
+    u = _unit(*_vector(points, segment.first))
+    v, scale = _vector(points, segment.second)
+    w = _unit(v - (u * v).sum(-1, keepdims=True) * u, scale)  # (1)
+    letters = segment.first.letter + segment.second.letter
+    i, j = ("xyz".index(letter) for letter in letters)
+    third = np.cross(u, w) if (j - i) % 3 == 1 else np.cross(w, u)  # (2)
+    columns = {i: u, j: w, 3 - i - j: third}
+    return np.stack([columns[n] for n in range(3)], -1)
+
+
+def _vector(points: Points, axis: Axis) -> tuple[Floats, Floats]:
+    """The vector of an axis (…, 3), and how long it would be (…) were all its parts square to each other."""
+    ends = [points[b] - points[a] for a, b in zip(axis.points[::2], axis.points[1::2], strict=True)]
+    scale = np.prod([np.linalg.norm(v, axis=-1) for v in ends], axis=0)
+    return (ends[0] if len(ends) == 1 else np.cross(ends[0], ends[1])), scale
+
+
+def _unit(v: Floats, scale: Floats) -> Floats:
+    """v (…, 3) with length 1; NaN where it is next to nothing beside `scale` (…)."""
+    length = np.linalg.norm(v, axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where((length > FLAT * scale)[..., None], v / length[..., None], np.nan)
+
+
+def propagated(used: Trajectories, model: Model, template: Template | None = None) -> Floats:
+    """(J, F, 3, 3) deg² the covariance (4) of the principal angles from that of the markers chosen."""
+    total = np.zeros((len(model.joints), used.n_frames, 3, 3))
+    points = complete(points_of(used), model, template)
+    behind = [markers_behind(model, joint, template) for joint in model.joints]
+    for path in used:
+        sees = np.array([path.name in markers for markers in behind])
+        if np.isnan(path.cov).any((1, 2)).all():
+            total[sees] = np.nan
+        elif sees.any():
+            J = slopes(points, path.name, model, template)[sees]
+            total[sees] += np.einsum("jfam,fmn,jfbn->jfab", J, path.cov, J)  # (4)
+    return total
+
+
+def markers_behind(model: Model, joint: Joint, template: Template | None = None) -> frozenset[str]:
+    """The markers that a joint's angles depend on, through means and clusters."""
+    ends = [s for s in model.segments if s.name in (joint.parent, joint.child)]
+    points = [p for segment in ends for axis in (segment.first, segment.second) for p in axis.points]
+    found: set[str] = set()
+    while points:
+        point = points.pop()
+        bodies = [] if template is None else [body for body in template.clusters if point in body.points]
+        if bodies:
+            found |= set(bodies[0].markers)
+        elif point in model.means:
+            points += model.means[point]
+        else:
+            found.add(point)
+    return frozenset(found)
+
+
+def slopes(points: Points, name: str, model: Model, template: Template | None = None) -> Floats:
+    """J (J, F, 3, 3) deg/mm of (4) for one marker, angle by coordinate; points (F, 3) mm with carried ones."""
+    moved = points[name] + STEP * np.stack([np.eye(3), -np.eye(3)])[:, :, None, :]  # (2, 3, F, 3)
+    spread = {other: np.broadcast_to(x, moved.shape) for other, x in points.items()}
+    own = None if template is None else template.of(name)  # other bodies stay where they are
+    R = joint_matrices(spread | {name: moved}, model, own)
+    deg = np.array([_principal(R[j], model, j) for j in range(len(model.joints))])  # (J, 2, 3, F, 3)
+    change = np.remainder(deg[:, 0] - deg[:, 1] + 180, 360) - 180
+    return np.moveaxis(change, 1, -1) / (2 * STEP)

@@ -1,0 +1,106 @@
+"""Smoothing of markers before angles are taken.
+
+Each marker is smoothed by itself, its three axes alike, so that the result turns with the laboratory. A Butterworth
+filter works through each run of seen frames; Woltring's spline sees the whole path, gaps and all, but only frames that
+were seen are kept: filling is another stage. White noise of covariance C leaves g C behind (1), with g of
+`filters` (2) or `woltring`; at the ends of a run somewhat more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Path, Trajectories
+from ..data.arrays import check_positive
+from ..signal.filters import butterworth, butterworth_gain, fewest, residual_analysis
+from ..signal.woltring import woltring
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Butterworth:
+    """A Butterworth filter run forwards and backwards.
+
+    Attributes:
+        cutoff_hz: where both passes together fall to 1/√2; None: by residual analysis, marker by marker.
+        order: of one pass.
+    """
+
+    cutoff_hz: float | None = None
+    order: int = 2
+
+    def __post_init__(self) -> None:
+        check_positive(cutoff_hz=self.cutoff_hz, order=self.order)
+
+
+@dataclass(frozen=True, slots=True)
+class WoltringSpline:
+    """A natural smoothing spline.
+
+    Attributes:
+        cutoff_hz: where it falls to 1/√2; None: by generalised cross-validation, marker by marker.
+        half_order: 3 is quintic, 2 cubic.
+    """
+
+    cutoff_hz: float | None = None
+    half_order: int = 3
+
+    def __post_init__(self) -> None:
+        check_positive(cutoff_hz=self.cutoff_hz, half_order=self.half_order)
+
+
+Smoothing = Butterworth | WoltringSpline
+
+
+def smooth(trajectories: Trajectories, *, method: Smoothing) -> Trajectories:
+    """Smoothed markers, with what is left of their covariance (1); runs too short to smooth are kept as they are.
+
+    Raises:
+        ValueError: the cut-off is not below half the rate.
+    """
+    one = _butterworth if isinstance(method, Butterworth) else _woltring
+    return replace(trajectories, paths=tuple(one(path, trajectories.rate, method) for path in trajectories))
+
+
+def residual_cutoff(path: Path, *, rate: float, order: int = 2) -> float | None:
+    """The cut-off, Hz, that residual analysis gives a marker from its longest run; None from fewer than 30 frames."""
+    runs = _runs(path)
+    first, stop = max(runs, key=lambda run: run[1] - run[0], default=(0, 0))
+    if stop - first < 30:
+        return None
+    return residual_analysis(path.xyz[first:stop], rate=rate, order=order)[0]
+
+
+def _runs(path: Path) -> list[tuple[int, int]]:
+    seen = np.isfinite(path.xyz).all(1)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def _butterworth(path: Path, rate: float, method: Smoothing) -> Path:
+    assert isinstance(method, Butterworth)
+    order = int(method.order)
+    cutoff = method.cutoff_hz or residual_cutoff(path, rate=rate, order=order)
+    if cutoff is None:
+        return path
+    xyz, cov = path.xyz.copy(), path.cov.copy()
+    gain = butterworth_gain(rate=rate, cutoff_hz=cutoff, order=order)
+    for first, stop in _runs(path):
+        if stop - first > fewest(order):
+            xyz[first:stop] = butterworth(path.xyz[first:stop], rate=rate, cutoff_hz=cutoff, order=order)
+            cov[first:stop] *= gain  # (1)
+    return replace(path, xyz=xyz, cov=cov)
+
+
+def _woltring(path: Path, rate: float, method: Smoothing) -> Path:
+    assert isinstance(method, WoltringSpline)
+    seen = np.asarray(np.isfinite(path.xyz).all(1))
+    if seen.sum() <= 2 * method.half_order:
+        return path
+    cutoff = None if method.cutoff_hz is None else method.cutoff_hz / rate
+    found = woltring(path.xyz, half_order=int(method.half_order), cutoff=cutoff)
+    return replace(path, xyz=np.where(seen[:, None], found.values, np.nan), cov=path.cov * found.gain)  # (1)

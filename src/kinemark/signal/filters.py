@@ -1,0 +1,96 @@
+"""A Butterworth filter without lag, and the cut-off that residual analysis gives it.
+
+A filter of order n, run forwards and backwards, has no lag and the gain 1 / (1 + (f/f₀)²ⁿ). For the pair to fall to
+1/√2 at the cut-off f_c, each is set to
+
+    f₀ = f_c / (√2 − 1)^(1/2n)                                                                          (1)
+
+before the bilinear transform. The noise that it lets through, white of variance σ² before, is σ² g with
+
+    g = ∫₀^½ 2 |H(ν)|² dν                                                                               (2)
+
+over frequencies ν in cycles a sample.
+
+Residual analysis (Winter 2009): with r(f_c) the RMS of what the filter takes away, the cut-off is where r equals the
+noise, so that about as much of the motion is lost as noise is let through. Of white noise the filter takes away
+
+    r² = σ² ∫₀^½ 2 (1 − H)² dν                                                                          (3)
+
+alone above some frequency; σ² is fitted to (3) over the upper half of the cut-offs, and the cut-off is where r² first
+falls to σ² (4). Winter draws a straight line through r by eye; (3) is that line for white noise, worked out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+Floats = NDArray[np.float64]
+CUTOFFS = 60
+HIGHEST = 0.4
+"""Of the rate; the highest cut-off that residual analysis looks at."""
+GRID = (np.arange(4000) + 0.5) / 8000
+"""ν of the integrals."""
+
+
+def butterworth(y: Floats, *, rate: float, cutoff_hz: float, order: int = 2) -> Floats:
+    """y (F, k) without NaN, filtered forwards and backwards, so that the whole is of twice the order and has no lag.
+
+    Raises:
+        ValueError: the cut-off is not between 0 and half the rate, or there are too few samples.
+    """
+    f0 = _each_pass(cutoff_hz, rate, order)
+    sections = butter(order, f0, fs=rate, output="sos")
+    if len(y) <= fewest(order):
+        raise ValueError(f"{len(y)} samples, wanted more than {fewest(order)} for order {order}")
+    return sosfiltfilt(sections, y, axis=0, padlen=fewest(order))
+
+
+def fewest(order: int) -> int:
+    """Samples that the filter's ends are mirrored from; a run must have more."""
+    return 6 * order
+
+
+def _each_pass(cutoff_hz: float, rate: float, order: int) -> float:
+    if order < 1 or not 0 < cutoff_hz < rate / 2:
+        raise ValueError(f"cutoff_hz is {cutoff_hz:g} and order {order}, wanted 0 to {rate / 2:g} Hz and 1 or more")
+    tangent = np.tan(np.pi * cutoff_hz / rate) / (np.sqrt(2) - 1) ** (1 / (2 * order))  # (1)
+    return float(min(np.arctan(tangent) * rate / np.pi, 0.4999 * rate))
+
+
+def butterworth_gain(*, rate: float, cutoff_hz: float, order: int = 2) -> float:
+    """g (2): how many times the variance of white noise is left."""
+    return float(np.mean(_response(rate, cutoff_hz, order) ** 2))  # (2)
+
+
+def _response(rate: float, cutoff_hz: float, order: int) -> Floats:
+    """H of both passes over `GRID`."""
+    f0 = _each_pass(cutoff_hz, rate, order)
+    ratio = np.tan(np.pi * GRID) / np.tan(np.pi * f0 / rate)
+    return 1 / (1 + ratio ** (2 * order))
+
+
+def residual_analysis(y: Floats, *, rate: float, order: int = 2) -> tuple[float, float]:
+    """Cut-off in Hz (4) and noise σ (3) of samples y (F, k) without NaN; the k channels are taken together.
+
+    Where the motion reaches up to the highest cut-off looked at, 0.4 of the rate, that is the answer.
+
+    Raises:
+        ValueError: fewer than 30 samples.
+    """
+    if len(y) < 30:
+        raise ValueError(f"{len(y)} samples, wanted 30 or more for residual analysis")
+    cutoffs = np.linspace(1, CUTOFFS, CUTOFFS) / CUTOFFS * HIGHEST * rate
+    r2 = np.array([np.mean((butterworth(y, rate=rate, cutoff_hz=f, order=order) - y) ** 2) for f in cutoffs])
+    noise = np.array([np.mean((1 - _response(rate, f, order)) ** 2) for f in cutoffs])
+    upper = cutoffs > cutoffs[-1] / 2
+    sigma2 = float((r2[upper] @ noise[upper]) / (noise[upper] @ noise[upper]))  # (3)
+    below = np.flatnonzero(r2 <= sigma2)
+    if not below.size:
+        return float(cutoffs[-1]), sigma2**0.5
+    i = int(below[0])
+    if i == 0:
+        return float(cutoffs[0]), sigma2**0.5
+    share = (r2[i - 1] - sigma2) / max(r2[i - 1] - r2[i], np.finfo(float).tiny)
+    return float(cutoffs[i - 1] + share * (cutoffs[i] - cutoffs[i - 1])), sigma2**0.5  # (4)

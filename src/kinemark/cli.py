@@ -29,11 +29,14 @@ from .session import Session
 from .settings import methods_text, parameters
 from .simulate import Scene
 from .simulate import simulate as simulate_session
+from .um2as_cli import digitise, um2as
 from .version import __version__
 
 app = App(
     name="kinemark", help="Marker-based optical motion capture, from images to trajectories.", version=__version__
 )
+app.command(digitise)
+app.command(um2as)
 errors = Console(stderr=True)
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the results for a machine.")]

@@ -22,10 +22,12 @@ from .io.tdf import Tdf, read_tdf
 from .io.text import read_text
 from .io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .io.trc import read_trc, write_trc
+from .io.um2as import trajectories_of_tdc
 from .pipeline import together
 from .session import FILE, Session
 from .track import to_trajectories
 
+VIDEO = 30.0  # Hz; stands where a .tdc file does not say its rate: UM²AS digitises video
 UNSAID = 1.0  # Hz; stands where a detections CSV does not say its rate
 What = Literal["trajectories", "detections", "rig"]
 IMAGES = (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".mkv", ".mp4", ".avi", ".mov", ".mpg", ".m4v")
@@ -49,6 +51,7 @@ def read(path: Path, *, what: What | None = None, length_unit: str | None = None
         ".c3d": lambda: read_c3d(path),
         ".tdf": lambda: read_tdf(path),
         ".trc": lambda: Trial(path.stem, read_trc(path)),
+        ".tdc": lambda: Trial(path.stem, trajectories_of_tdc(path, rate=rate_hz or VIDEO)),
         ".toml": lambda: read_rig_toml(path, length_unit),
         ".csv": lambda: _read_csv(path, what, length_unit, rate_hz),
         ".h5": lambda: load(path),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from .data import Analog, Cloud, Detections, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
 from .detect import Centroids, KissNearest, KissScanning
+from .digitise import called, identified_matches, identified_tracks
 from .follow import FOLLOWERS, Doubt, FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed, noticed_of
 from .io.c3d import write_c3d
 from .io.files import replacing
@@ -63,6 +64,14 @@ class Methods:
     track: TrackMethod | FollowMethod = field(default_factory=Simultaneous)
 
 
+class Operated(NamedTuple):
+    """What an operator said of a trial: names (M) of its markers, the marker of each detection (D), and figures."""
+
+    names: Callable[[], Sequence[str]]
+    markers: Callable[[], NDArray[np.int64]]
+    figures: Callable[[], Mapping[str, Any]]
+
+
 @dataclass(frozen=True, slots=True)
 class Source:
     """Where the detections of a trial come from.
@@ -73,6 +82,7 @@ class Source:
         doubts: what contradicts itself in the input, for the report.
         beside: analog channels, force plates and events of the same recording, in a trial without markers.
         pictures: gives one image (H, W) of each camera, of the frames (C) asked for; None where there are no images.
+        operated: which marker each detection is, where an operator said it; then nothing is matched or tracked.
     """
 
     key: str
@@ -80,6 +90,7 @@ class Source:
     doubts: tuple[str, ...] = ()
     beside: Trial | None = None
     pictures: Callable[[Sequence[int]], Sequence[Picture]] | None = None
+    operated: Operated | None = None
 
 
 class Tracked(NamedTuple):
@@ -145,6 +156,8 @@ def run(
     ledger = Ledger.open(folder)
     detections, (tracks, unsure, odd), key = _stages(ledger, source, rig, methods, progress)
     trajectories = to_trajectories(tracks, rig)
+    if source.operated is not None:
+        trajectories = called(trajectories, source.operated.names(), detections.n_frames)
     steps = tuple(ledger.steps)
     notes = (*source.doubts, *exchanged_cameras(detections, rig, tracks.cloud, methods))
     figures = quality(
@@ -160,6 +173,8 @@ def run(
         noticed=odd,
         judged=judged,
     )
+    if source.operated is not None:
+        figures["digitising"] = dict(source.operated.figures())
     outputs = [folder / f"{folder.name}.c3d", folder / "quality.json", folder / "report.html"]
     made = [(step.input, step.method) for step in calibration]
     key = digest(key, session, notes, made, figures["calibration"])
@@ -274,16 +289,28 @@ def _stages(
         load=_reader(Detections),
     )
     key = digest(key, rig_key(rig))
-    if type(methods.track) in FOLLOWERS:
+    track_method: object = methods.track
+    if source.operated is not None:
+        operated, place, track_method = source.operated, methods.reconstruct, None
+        key = digest(key, list(operated.names()), type(place).__name__, asdict(place))
+        make = told("track", lambda: _as_operated(detections, rig, operated.markers(), methods))
+    elif type(methods.track) in FOLLOWERS:
         key = digest(key, methods.reconstruct)
         make = told("track", lambda: _followed(detections, rig, methods))
     else:
         cloud, key = _cloud(ledger, detections, rig, methods, key, told)
         make = told("track", lambda: _linked(detections, rig, cloud, methods))
     tracked, key = ledger.do(
-        "track", methods.track, key, file="tracks.h5", make=make, save=_save_tracked, load=_load_tracked
+        "track", track_method, key, file="tracks.h5", make=make, save=_save_tracked, load=_load_tracked
     )
     return detections, tracked, key
+
+
+def _as_operated(detections: Detections, rig: Rig, marker: NDArray[np.int64], methods: Methods) -> Tracked:
+    """Tracks of the markers (D) that an operator named."""
+    check_cameras(detections, rig)
+    cloud = reconstruct(identified_matches(detections, marker), detections, rig, method=methods.reconstruct)
+    return Tracked(identified_tracks(cloud, marker))
 
 
 def _followed(detections: Detections, rig: Rig, methods: Methods) -> Tracked:

@@ -7,7 +7,7 @@ user gave is changed; everything computed goes below `results/`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,15 +17,25 @@ from numpy.typing import NDArray
 from .calibrate.reference_marker import corrected, find_marks, reference_shift
 from .calibration import Calibrated, calibrate
 from .data import Camera, Detections, KinemarkError, Rig, Trajectories, Trial
-from .detect import detect
+from .detect import Centroids, detect
+from .digitise import Identified, identified
+from .digitising import (
+    Digitising,
+    answer_files,
+    digitise_trial,
+    read_digitised,
+    read_figures,
+    write_digitised,
+)
 from .io.detections_csv import read_detections_csv
 from .io.images import ImageSource
 from .io.records import load
 from .io.tdf import read_tdf
+from .io.um2as import siblings
 from .ledger import digest, file_key
-from .pipeline import Methods, Progress, Results, Source, run, silent
+from .pipeline import Methods, Operated, Progress, Results, Source, rig_key, run, silent
 from .recordings import frame_of, masks_key, masks_of, open_cameras
-from .settings import ADVICE, Settings, TrialEntry, read_settings
+from .settings import ADVICE, Settings, TrialEntry, is_da, read_settings
 
 FILE = "session.toml"
 
@@ -109,6 +119,8 @@ class Session:
         """
         if trial.images is None:
             return self._detections_source(self.root / str(trial.detections), trial, rig)
+        if trial.answers is not None:
+            return self._operated_source(trial, rig)
         images = open_cameras(self.root, self.settings, trial.images, rig.names)
         rate = self._rate(trial, next(iter(images.values())).rate)
         for camera in rig:
@@ -139,8 +151,14 @@ class Session:
 
     def _detections_source(self, path: Path, trial: TrialEntry, rig: Rig) -> Source:
         """Detections that were made before, by us or by another system."""
-        beside = None
-        if path.suffix.lower() == ".tdf":
+        beside = operated = None
+        others: list[Path] = []
+        if is_da(path):
+            others = siblings(path, "da")
+            given = read_digitised(path, cameras=rig.names, rate=self._rate(trial, None))
+            found, names = given.seen.detections, self._names_of(path, given.n_markers)
+            operated = Operated(lambda: names, lambda: given.seen.marker, dict)
+        elif path.suffix.lower() == ".tdf":
             tdf = read_tdf(path)
             if tdf.detections is None:
                 raise KinemarkError(f"{path} has no 2D points. Export the trial with its 2D data.")
@@ -166,9 +184,68 @@ class Session:
                 "Call them alike in both, and name in [cameras] those to be used."
             )
         return Source(
-            digest(file_key(path), rig.names, found.rate, *self._marks(trial)),
+            digest(file_key(path, *others), rig.names, found.rate, *self._marks(trial)),
             lambda method, progress: self._unshifted(found.select(rig.names), trial),
             beside=beside,
+            operated=operated,
+        )
+
+    def _names_of(self, path: Path, n: int) -> Sequence[str]:
+        """The names of n digitised markers: those of `[digitise]`, else their numbers."""
+        method = self.settings.digitise
+        if method is None:
+            return [str(m + 1) for m in range(n)]
+        if len(method.markers) != n:
+            raise KinemarkError(f"{path} has {n} markers, and [digitise] names {len(method.markers)}. Name them all.")
+        return method.markers
+
+    def digitising(self, name: str, rig: Rig) -> Digitising:
+        """What an operator needs to digitise a trial.
+
+        Raises:
+            KinemarkError: there is no such trial, it has no answers, or images cannot be used.
+        """
+        trial = next((trial for trial in self.settings.trials if trial.name == name), None)
+        if trial is None or trial.images is None or trial.answers is None:
+            raise KinemarkError(f"{name!r} is no trial with images and answers. Write both into its [[trials]].")
+        method, marks = self.settings.digitise, self.settings.calibration.reference_marker
+        assert method is not None and isinstance(self.settings.detect, Centroids)  # the settings see to it
+        constants = None
+        if marks is not None and method.reference is not None:
+            constants = places_of(marks, rig.names)[:, 0]
+        images = open_cameras(self.root, self.settings, trial.images, rig.names)
+        for camera in rig:
+            _check_size(camera, images[camera.name], self.settings.cameras.interlaced is not False)
+        files = answer_files(self.root, trial.answers, rig.names)
+        masks = masks_of(self.root, self.settings, rig.names)
+        return Digitising(images, files, rig, method, self.settings.detect, constants, masks)
+
+    def _operated_source(self, trial: TrialEntry, rig: Rig) -> Source:
+        """Detections that an operator digitises; his answers are read."""
+        task, folder = self.digitising(trial.name, rig), self.results / trial.name
+        rate = self._rate(trial, next(iter(task.images.values())).rate)
+
+        def detections(method: Any, progress: Progress) -> Detections:
+            try:
+                uv, figures = digitise_trial(task, announce=lambda camera: progress(f"digitise {camera}", 0, 1))
+            except KinemarkError as error:
+                raise KinemarkError(f"{error} Answer it: kinemark digitise {self.root} {trial.name}") from error
+            write_digitised(folder, uv, figures)
+            return identified(uv, cameras=rig.names, rate=rate).detections
+
+        def digitised() -> Identified:
+            return read_digitised(folder / f"{trial.name}.da1", cameras=rig.names, rate=rate).seen
+
+        files = [path for source in task.images.values() for path in source.paths]
+        said = file_key(*files, *task.answers.values())
+        marks = task.constants if task.constants is not None else 0
+        parts = [marks, rig_key(rig), *masks_key(self.root, self.settings, rig.names)]
+        return Source(
+            digest(said, rig.names, rate, asdict(task.method), *parts),
+            detections,
+            doubts=_doubts(dict(task.images), rate),
+            pictures=lambda frames: [frame_of(task.images[n], f) for n, f in zip(rig.names, frames, strict=True)],
+            operated=Operated(lambda: task.method.markers, lambda: digitised().marker, lambda: read_figures(folder)),
         )
 
     def _marks(self, trial: TrialEntry) -> list[object]:

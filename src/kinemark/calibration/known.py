@@ -19,6 +19,7 @@ from ..io.dlt_csv import read_dlt_csv
 from ..io.rig_toml import read_rig_toml
 from ..io.rods_toml import read_rods
 from ..io.tdf import read_tdf
+from ..io.um2as import read_cp_set, siblings
 from ..recordings import size_of_cameras
 from ..settings import DigitisedPoints, Seen
 from .lenses import Lenses, lenses_of
@@ -39,6 +40,10 @@ def from_file(task: Task) -> Made:
         rig = found
     elif file.suffix.lower() == ".csv":
         rig = rig_of_dlt(file, s.cameras.names, unit)
+    elif is_cp(file):
+        if unit not in (None, "cm"):
+            raise KinemarkError(f"{file} is in cm, and length_unit says {unit}. Leave length_unit out.")
+        rig = rig_of_cp(siblings(file, "cp"), names=s.cameras.names)
     else:
         rig = read_rig_toml(file, unit)
     if s.cameras.names:
@@ -61,6 +66,25 @@ def rig_of_dlt(file: Path, names: Sequence[str], unit: str | None) -> Rig:
     scaled = L / np.array([mm, mm, mm, 1, mm, mm, mm, 1, mm, mm, mm])
     cameras = (camera_from_dlt(name, row) for name, row in zip(names, scaled, strict=True))
     return Rig(tuple(cameras), f"DLT of {file.name}")
+
+
+def is_cp(path: Path) -> bool:
+    """Whether a file is one of UM²AS's calibration parameters, `.cp1`, `.cp2`, …"""
+    return path.suffix.lower().startswith(".cp") and path.suffix[3:].isdecimal()
+
+
+def rig_of_cp(files: Sequence[Path | str], *, names: Sequence[str] = ()) -> Rig:
+    """A rig from UM²AS's `.cp` files, one a camera, called cam1, cam2, … by their numbers where no names are given.
+
+    Raises:
+        KinemarkError: a file is wrong, a camera comes twice, or there are not as many names.
+    """
+    L, numbers = read_cp_set(files)
+    names = names or [f"cam{n}" for n in numbers]
+    if len(names) != len(numbers):
+        raise KinemarkError(f"There are {len(numbers)} .cp files and {len(names)} names of cameras. Name one each.")
+    cameras = tuple(camera_from_dlt(name, row) for name, row in zip(names, L, strict=True))
+    return Rig(cameras, f"DLT of {', '.join(Path(file).name for file in files)}")
 
 
 def from_control_points(task: Task) -> Made:

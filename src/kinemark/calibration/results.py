@@ -21,6 +21,7 @@ from ..calibrate.quality import Change, Evidence, compare, points_of, volume_gri
 from ..data import KinemarkError, Rig, Step
 from ..io.files import replacing
 from ..io.rig_toml import read_rig_toml, write_rig_toml
+from ..io.um2as import siblings
 from ..ledger import Ledger, digest, file_key
 from ..pipeline import Progress, rig_key, silent
 from ..recordings import files_of, masks_key
@@ -29,7 +30,7 @@ from ..report.calibration_page import write_calibration_page
 from ..report.quality import write_quality
 from ..settings import Settings
 from .free import from_single_marker, from_wand
-from .known import from_control_frame, from_control_points, from_file
+from .known import from_control_frame, from_control_points, from_file, is_cp
 from .task import Made, Task
 
 RIG, FIGURES, PAGE, FORMER = "rig.toml", "calibration.json", "calibration.html", "calibrations"
@@ -89,12 +90,14 @@ def calibration_key(task: Task) -> str:
     named = [c.file, c.control_points and c.control_points.points, c.control_frame and c.control_frame.rods]
     named += [c.world_points and c.world_points.points]
     paths = [root / path for path in named if path]
+    paths += siblings(root / c.file, "cp") if c.file and is_cp(c.file) else []
+    known = len(paths)
     for pointed in (c.control_points, c.control_frame, c.linearisation, c.world_points):
         paths += files_of(root, s, pointed.images, s.cameras.names) if pointed and pointed.images else []
     distance = c.single_marker.distance if c.single_marker else None
     for seen in (c.wand, c.single_marker, distance, c.l_frame):
         paths += files_of(root, s, seen, s.cameras.names)
-    detected = str(s.detect) if len(paths) > sum(1 for path in named if path) else ""
+    detected = str(s.detect) if len(paths) > known else ""
     masks = masks_key(root, s, s.cameras.names) if detected else []
     said = [s.name, s.cameras.model_dump(), c.model_dump(mode="json"), s.volume_mm, detected]
     return digest(file_key(*paths), said, *masks)

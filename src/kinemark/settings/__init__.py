@@ -4,7 +4,7 @@ from .calibration import Calibration, DigitisedPoints, Distance, LFrame, Lineari
 from .listing import methods_text, parameters
 from .methods import METHODS, METHODS_OF_WAY, calibrate_method, method_of
 from .reading import ADVICE, read_settings
-from .session import Cameras, Masks, Settings, TrialEntry
+from .session import Cameras, Masks, Settings, TrialEntry, is_da
 
 __all__ = [
     "ADVICE",
@@ -21,6 +21,7 @@ __all__ = [
     "Settings",
     "TrialEntry",
     "calibrate_method",
+    "is_da",
     "method_of",
     "methods_text",
     "parameters",

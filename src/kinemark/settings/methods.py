@@ -75,7 +75,15 @@ def method_of(stage: str, table: dict[str, Any]) -> Any:
     name = table.pop("method", default_name(stage))
     if name not in known:
         raise ValueError(f"method {name!r} is not known{guess(str(name), list(known))}; there {are(list(known))}")
-    kind = known[name]
+    return parameters_of(known[name], name, table)
+
+
+def parameters_of(kind: type, name: str, table: dict[str, Any]) -> Any:
+    """A method with the parameters of a table.
+
+    Raises:
+        ValueError: one of them is not known, or a value is of the wrong kind.
+    """
     parameters = [f.name for f in fields(kind)]
     for key in table:
         if key not in parameters:

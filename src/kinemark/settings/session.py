@@ -12,12 +12,13 @@ from ..calibrate.bundle import Bundle
 from ..calibrate.control_points import Dlt
 from ..calibrate.wand import Wand
 from ..detect import Centroids, KissNearest, KissScanning
+from ..digitise import SemiAutomatic
 from ..follow import FOLLOWERS, FormerTwoCameras, Simultaneous
 from ..match import EpipolarTriplets, KissTriplets, NearestEpipolar
 from ..reconstruct import CameraPairs, LeastSquares
 from ..track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas
 from .calibration import Calibration, Places
-from .methods import METHODS, calibrate_method, method_name, method_of
+from .methods import METHODS, calibrate_method, method_name, method_of, parameters_of
 from .table import Strict
 
 RESERVED = (".", "..", "rig.toml", "steps.json", "calibration.json", "calibration.html", "calibrations")
@@ -63,16 +64,23 @@ class Masks(Strict):
         return self
 
 
+def is_da(path: Path) -> bool:
+    """Whether a file is one of UM²AS's digitised centroids, `.da1`, `.da2`, …"""
+    return path.suffix.lower().startswith(".da") and path.suffix[3:].isdecimal()
+
+
 class TrialEntry(Strict):
     """`[[trials]]`: images or detections.
 
     reference_marker: where the fixed marks of `[calibration]` are now; found among the detections where absent.
+    answers: a file of each camera with what an operator answers, who digitises the images by `[digitise]`.
     """
 
     name: str
     images: str | None = None
     detections: Path | None = None
     reference_marker: Places | None = None
+    answers: str | None = None
 
     @field_validator("name")
     @classmethod
@@ -87,7 +95,14 @@ class TrialEntry(Strict):
         """Exactly one source must be given."""
         if (self.images is None) == (self.detections is None):
             raise ValueError(f"trial {self.name!r} wants either images or detections")
+        if self.answers is not None and self.images is None:
+            raise ValueError(f"trial {self.name!r} has answers, which are of images, and has none")
         return self
+
+    @property
+    def operated(self) -> bool:
+        """Whether an operator says which marker is which: UM²AS's files, or images that he digitises."""
+        return self.answers is not None or (self.detections is not None and is_da(self.detections))
 
 
 class Settings(Strict):
@@ -107,6 +122,7 @@ class Settings(Strict):
     track: Simultaneous | FormerTwoCameras | ExtrapolationLadder | KissTracking | Swamidas | DistanceOnly = (
         Simultaneous()
     )
+    digitise: SemiAutomatic | None = None
 
     @field_validator("calibrate", "detect", "match", "reconstruct", "track", mode="before")
     @classmethod
@@ -116,9 +132,21 @@ class Settings(Strict):
             return calibrate_method(info.data["calibration"].way, {} if table is None else table)
         return method_of(info.field_name, table) if isinstance(table, dict) else table
 
+    @field_validator("digitise", mode="before")
+    @classmethod
+    def operator(cls, table: Any) -> Any:
+        """How an operator digitises."""
+        return parameters_of(SemiAutomatic, "digitise", table) if isinstance(table, dict) else table
+
     @model_validator(mode="after")
     def stages_used(self) -> Settings:
         """A tracker that takes images directly leaves the stages before it nothing to do."""
+        if any(trial.answers for trial in self.trials) and not (self.digitise and isinstance(self.detect, Centroids)):
+            raise ValueError(
+                "a trial has answers: give [digitise] with the names of its markers, and [detect] the method centroids"
+            )
+        if all(trial.operated for trial in self.trials):
+            return self  # nothing is matched or tracked, and all points are placed by [reconstruct]
         idle = {"match", "reconstruct"} & self.model_fields_set if type(self.track) in FOLLOWERS else set()
         if isinstance(self.track, Simultaneous) and isinstance(self.reconstruct, LeastSquares):
             idle -= {"reconstruct"}  # its points are placed so

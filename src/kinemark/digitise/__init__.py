@@ -1,0 +1,80 @@
+"""Digitising with an operator: the machine follows markers and asks where it cannot (UM²AS 3.5). No screen is attached.
+
+`look_at` turns an image into what can be pointed at; `begin` and `advance` are the state machine, whose states are
+values; `question_of` says what a state asks, `drive` answers with whoever is there: a terminal, a file, a test.
+"""
+
+from .drive import Digitised, Operator, Stopped, drive, result
+from .identity import Identified, called, identified, identified_matches, identified_tracks
+from .looks import Look, clicked, look_at, nearest_free
+from .machine import advance, begin, question_of
+from .method import SemiAutomatic
+from .proposals import OtherViews, propose
+from .replay import Given, Replay, given, row_of
+from .state import (
+    Absent,
+    Accept,
+    Answer,
+    Asked,
+    ByHand,
+    Found,
+    Frame,
+    No,
+    Phase,
+    Point,
+    Proposal,
+    Question,
+    Revisit,
+    State,
+    Undo,
+    Verify,
+    Yes,
+)
+from .words import answer_text, parse_answer, words
+
+__all__ = [
+    "Absent",
+    "Accept",
+    "Answer",
+    "Asked",
+    "ByHand",
+    "Digitised",
+    "Found",
+    "Frame",
+    "Given",
+    "Identified",
+    "Look",
+    "No",
+    "Operator",
+    "OtherViews",
+    "Phase",
+    "Point",
+    "Proposal",
+    "Question",
+    "Replay",
+    "Revisit",
+    "SemiAutomatic",
+    "State",
+    "Stopped",
+    "Undo",
+    "Verify",
+    "Yes",
+    "advance",
+    "answer_text",
+    "begin",
+    "called",
+    "clicked",
+    "drive",
+    "given",
+    "identified",
+    "identified_matches",
+    "identified_tracks",
+    "look_at",
+    "nearest_free",
+    "parse_answer",
+    "propose",
+    "question_of",
+    "result",
+    "row_of",
+    "words",
+]

@@ -1,0 +1,122 @@
+"""Digitising from the first frame to the last, with whoever answers."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import KinemarkError
+from .machine import Looks, Proposer, advance, begin, question_of
+from .method import SemiAutomatic
+from .state import Answer, Floats, Found, Phase, Question, State
+
+Operator = Callable[[Question, State], Answer]
+"""Answers a question; the state is there to be drawn."""
+
+
+class Stopped(Exception):
+    """The operator stops; what he saved stands."""
+
+
+class Digitised(NamedTuple):
+    """What came of digitising a camera's F frames and M markers.
+
+    Attributes:
+        uv: (M, F, 2) px without the shift of the image, the reference marker as it was seen; NaN where not present.
+        seen: (M, F, 2) px in the image.
+        found: (M, F) a `Found` each.
+        shift: (F, 2) px.
+        figures: the number of questions and why they were asked, for `quality.json`.
+    """
+
+    uv: Floats
+    seen: Floats
+    found: NDArray[np.uint8]
+    shift: Floats
+    figures: dict[str, Any]
+
+
+def drive(
+    operator: Operator,
+    looks: Looks,
+    *,
+    n_frames: int,
+    method: SemiAutomatic,
+    constant: Floats | None = None,
+    proposer: Proposer | None = None,
+    refuse: Callable[[Exception], None] | None = None,
+    told: Callable[[Question, Answer], None] | None = None,
+) -> State:
+    """The state in which all frames are saved, or in which the operator stopped.
+
+    Args:
+        operator: answers; raises `Stopped` to stop.
+        looks: gives the images.
+        n_frames: of the camera.
+        method: the markers and how they are followed.
+        constant: (2,) px the reference marker at the calibration.
+        proposer: what other cameras say of a missing marker.
+        refuse: told why an answer cannot be used before the question is put again; without it the error is raised.
+        told: of every question and the answer that was used.
+
+    Raises:
+        ValueError: as `begin`.
+        KinemarkError: an answer is none to the question, or points at nothing.
+    """
+    state = begin(n_frames, looks, method=method, constant=constant, proposer=proposer)
+    while state.phase is not Phase.DONE:
+        question = question_of(state, method=method)
+        try:
+            answer = operator(question, state)
+        except Stopped:
+            break
+        try:
+            state = advance(state, answer, looks, method=method, proposer=proposer)
+        except (ValueError, KinemarkError) as error:
+            if refuse is None:
+                raise KinemarkError(f"Frame {question.frame + 1}, marker {question.name or 'none'}: {error}") from error
+            refuse(error)
+            continue
+        if told is not None:
+            told(question, answer)
+    return state
+
+
+def result(state: State, *, method: SemiAutomatic) -> Digitised:
+    """What the saved frames hold, up to the first that is not saved.
+
+    Raises:
+        KinemarkError: not even the first frame is saved.
+    """
+    n = state.saved.index(None) if None in state.saved else len(state.saved)
+    frames = [frame for frame in state.saved[:n] if frame is not None]
+    if not frames:
+        raise KinemarkError("No frame was saved. Answer the questions of the first one, and accept it.")
+    seen, shift = np.stack([frame.uv for frame in frames], 1), np.stack([frame.shift for frame in frames])
+    uv = seen - shift
+    if method.fixed >= 0:
+        uv[method.fixed] = seen[method.fixed]
+    found = np.stack([frame.found for frame in frames], 1)
+    return Digitised(uv, seen, found, shift, _figures(state, found))
+
+
+def _figures(state: State, found: NDArray[np.uint8]) -> dict[str, Any]:
+    """How much the operator had to do."""
+    reasons = Counter(asked.reason for asked in state.asked)
+    corrected, unasked = reasons.pop("corrected", 0), reasons.pop("unasked", 0)
+    asked = sum(reasons.values())
+    return {
+        "frames": found.shape[1],
+        "markers": found.shape[0],
+        "questions": asked,
+        "questions_share": asked / found.size,
+        "questions_by_reason": {name: reasons[name] for name in ("first_two_frames", "not_found", "reference")},
+        "proposals_confirmed": sum(q.proposed for q in state.asked) - unasked,
+        "proposals_taken_unasked": unasked,
+        "corrected": corrected,
+        "not_present": int((found == Found.NOT_PRESENT).sum()),
+    }

@@ -1,0 +1,355 @@
+"""The state machine of semi-automatic digitising (UM²AS figures 3.10, 3.14 and 3.15).
+
+The operator digitises the first two frames: a click on any white pixel of a marker gives its centroid. From then on the
+machine does so by itself, frame by frame.
+
+1. **The reference marker**, which does not move, is looked for on 5 × 5 pixels about its constant place r₀, where it
+   was when the camera was calibrated, or in the first frame. Seen at r, it tells how far the image has shifted,
+
+       s = r − r₀                                                        (1)
+
+   and places without the shift are c = u − s (2). Where it is not present, s is that of the frame before.
+2. **The others** are expected where a straight line through the latest two places takes them, in the image at
+
+       p = c₂ + (c₂ − c₁) (f − f₂) / (f₂ − f₁) + s                       (3)
+
+   With `memory` 2 these are the two frames before, f₂ = f − 1 and f₁ = f − 2, and a marker that was not in both is not
+   looked for.
+3. **The search** takes the white pixel nearest to p on a square of 5 × 5, which grows to 10 × 10, 15 × 15 and so on up
+   to 50 × 50 (4). Of all pairs of a marker and an image that a square holds, the nearest is settled first, and an
+   image serves one marker (5): a hidden marker so does not take the image of a visible neighbour, which claims its
+   own in a smaller square. UM²AS does not say what it does there.
+4. **What was not found is asked for**, in the order of the markers. "Not present" is an answer.
+5. **The operator looks at the frame** and accepts it, or goes through it marker by marker; a wrong place is put where
+   the cursor is. Only an accepted frame is saved. Any saved frame can be looked at again and changed.
+
+A state is a value and `advance` makes the next one of it and an answer, so that taking an answer back is having the
+state before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import singledispatch
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .looks import Look, clicked, nearest_free
+from .method import FIRST, SemiAutomatic
+from .state import (
+    Absent,
+    Accept,
+    Answer,
+    Asked,
+    ByHand,
+    Floats,
+    Found,
+    Frame,
+    No,
+    Phase,
+    Point,
+    Proposal,
+    Question,
+    Revisit,
+    State,
+    Undo,
+    Verify,
+    Yes,
+)
+
+Looks = Callable[[int], Look]
+"""Gives the image of a frame, counted from 0."""
+
+Proposer = Callable[[int, int, Floats, Floats, Look, NDArray[np.bool_]], Proposal | None]
+"""Called with frame, marker, shift (2,), where the marker is expected (2,), the image, and which markers are free."""
+
+
+def begin(
+    n_frames: int,
+    looks: Looks,
+    *,
+    method: SemiAutomatic,
+    constant: Floats | None = None,
+    proposer: Proposer | None = None,
+) -> State:
+    """Nothing of n_frames is digitised yet, and the first marker of the first frame is asked for.
+
+    Args:
+        n_frames: of the camera.
+        looks: gives the images.
+        method: the markers and how they are followed.
+        constant: (2,) px the reference marker at the calibration.
+        proposer: what other cameras say of a missing marker.
+
+    Raises:
+        ValueError: there are no frames, or a place of a reference marker that there is none of.
+    """
+    if n_frames < 1:
+        raise ValueError(f"n_frames is {n_frames}, wanted 1 or more")
+    if constant is not None and method.reference is None:
+        raise ValueError("constant is the place of a reference marker, and the method has none: wanted None")
+    state = State((None,) * n_frames, 0, Frame.blank(len(method.markers)), Phase.POINT, 0, constant)
+    return _go_on(state, looks, method, proposer)
+
+
+def question_of(state: State, *, method: SemiAutomatic) -> Question:
+    """What a state asks the operator."""
+    marker = state.marker
+    name = method.markers[marker] if marker >= 0 else ""
+    known = state.draft.uv[marker] if marker >= 0 else np.full(2, np.nan)
+    if state.phase is Phase.POINT:
+        known = expected(state, method)[marker]
+    return Question(state.phase, state.frame, marker, name, known, state.proposal)
+
+
+def advance(
+    state: State, answer: Answer, looks: Looks, *, method: SemiAutomatic, proposer: Proposer | None = None
+) -> State:
+    """The state after an answer; the machine then does by itself all that it can.
+
+    Args:
+        state: that asks.
+        answer: of the operator.
+        looks: gives the images.
+        method: as in `begin`.
+        proposer: what other cameras say of a missing marker.
+
+    Raises:
+        ValueError: the answer is none to this question, or there is no such frame, or nothing to take back.
+        KinemarkError: an operator pointed at nothing.
+    """
+    if isinstance(answer, Undo):
+        if state.before is None:
+            raise ValueError("there is no answer to take back")
+        return replace(state.before, asked=state.asked)
+    after = _answered(answer, state, looks, method)
+    return replace(_go_on(after, looks, method, proposer), before=state)
+
+
+# ---- What an answer does ----
+
+
+@singledispatch
+def _answered(answer: Answer, state: State, looks: Looks, method: SemiAutomatic) -> State:
+    raise ValueError(f"{answer!r} is no answer")
+
+
+@_answered.register
+def _(answer: Point, state: State, looks: Looks, method: SemiAutomatic) -> State:
+    where = np.array([answer.u, answer.v])
+    if state.phase is Phase.CORRECT:
+        if not np.isfinite(where).all():
+            raise ValueError(f"the place is {where}, wanted finite pixels")
+        return _verified(_put(state, where, Found.PLACED, "corrected"), method)
+    _only(state, answer, Phase.POINT)
+    look = looks(state.frame)
+    return _put(state, look.uv[clicked(look, where)], Found.POINTED, _reason(state, method))
+
+
+@_answered.register
+def _(answer: Absent, state: State, looks: Looks, method: SemiAutomatic) -> State:
+    _only(state, answer, Phase.POINT, Phase.CORRECT)
+    if state.phase is Phase.CORRECT:
+        return _verified(_put(state, None, Found.NOT_PRESENT, "corrected"), method)
+    taken = state.proposal is not None and not state.proposal.seen
+    return _put(state, None, Found.NOT_PRESENT, _reason(state, method), proposed=taken)
+
+
+@_answered.register
+def _(answer: Yes, state: State, looks: Looks, method: SemiAutomatic) -> State:
+    if state.phase is Phase.VERIFY:
+        return _verified(state, method)
+    if state.phase is Phase.REFERENCE:
+        return replace(state, phase=Phase.POINT, asked=(*state.asked, _asked(state, "reference")))
+    _only(state, answer, Phase.POINT)
+    if state.proposal is None:
+        raise ValueError("nothing is proposed; wanted a pixel of the marker, or that it is not present")
+    return _taken(state, state.proposal, _reason(state, method))
+
+
+@_answered.register
+def _(answer: No, state: State, looks: Looks, method: SemiAutomatic) -> State:
+    _only(state, answer, Phase.VERIFY, Phase.REFERENCE)
+    if state.phase is Phase.VERIFY:
+        return replace(state, phase=Phase.CORRECT)
+    asked = (*state.asked, _asked(state, "reference"))
+    opened = state.draft.put(state.marker, None, Found.OPEN)
+    return replace(state, phase=Phase.POINT, draft=opened, searched=False, asked=asked)
+
+
+@_answered.register
+def _(answer: Accept, state: State, looks: Looks, method: SemiAutomatic) -> State:
+    _only(state, answer, Phase.REVIEW)
+    saved = (*state.saved[: state.frame], state.draft, *state.saved[state.frame + 1 :])
+    blank = Frame.blank(len(method.markers))
+    if None not in saved:
+        return replace(state, saved=saved, phase=Phase.DONE, marker=-1)
+    after = saved.index(None)
+    return replace(state, saved=saved, frame=after, draft=blank, phase=Phase.POINT, searched=after < FIRST)
+
+
+@_answered.register
+def _(answer: Verify, state: State, looks: Looks, method: SemiAutomatic) -> State:
+    _only(state, answer, Phase.REVIEW)
+    return replace(state, phase=Phase.VERIFY, marker=0)
+
+
+@_answered.register
+def _(answer: ByHand, state: State, looks: Looks, method: SemiAutomatic) -> State:
+    _only(state, answer, Phase.REVIEW)
+    return replace(state, draft=Frame.blank(len(method.markers)), phase=Phase.POINT, searched=True)
+
+
+@_answered.register
+def _(answer: Revisit, state: State, looks: Looks, method: SemiAutomatic) -> State:
+    if not 0 <= answer.frame < len(state.saved):
+        raise ValueError(f"there is no frame {answer.frame + 1}; wanted 1 to {len(state.saved)}")
+    draft = state.saved[answer.frame]
+    if draft is None:
+        raise ValueError(f"frame {answer.frame + 1} has not been saved yet; wanted one that has")
+    return replace(state, frame=answer.frame, draft=draft, phase=Phase.REVIEW, marker=-1, searched=True, proposal=None)
+
+
+def _only(state: State, answer: Answer, *phases: Phase) -> None:
+    if state.phase not in phases:
+        raise ValueError(f"{type(answer).__name__} is no answer to a question of the kind {state.phase.value!r}")
+
+
+def _reason(state: State, method: SemiAutomatic) -> str:
+    """Why a marker is asked for."""
+    if state.frame < FIRST:
+        return "first_two_frames"
+    return "reference" if state.marker == method.fixed else "not_found"
+
+
+def _asked(state: State, reason: str, proposed: bool = False) -> Asked:
+    return Asked(state.frame, state.marker, reason, proposed)
+
+
+def _put(state: State, uv: Floats | None, found: Found, reason: str, *, proposed: bool = False) -> State:
+    """The marker asked for is where the operator said."""
+    asked = (*state.asked, _asked(state, reason, proposed))
+    return replace(state, draft=state.draft.put(state.marker, uv, found), asked=asked)
+
+
+def _taken(state: State, proposal: Proposal, reason: str) -> State:
+    """The marker asked for is where other cameras said."""
+    found = Found.PROPOSED if proposal.seen else Found.NOT_PRESENT
+    draft = state.draft.put(state.marker, proposal.uv if proposal.seen else None, found)
+    return replace(state, draft=draft, asked=(*state.asked, _asked(state, reason, True)))
+
+
+def _verified(state: State, method: SemiAutomatic) -> State:
+    """On to the next marker, or back to the whole frame; the reference marker's place may have changed the shift."""
+    last = state.marker == len(method.markers) - 1
+    state = replace(state, draft=replace(state.draft, shift=_shift(state, method)))
+    return replace(state, phase=Phase.REVIEW if last else Phase.VERIFY, marker=-1 if last else state.marker + 1)
+
+
+# ---- What the machine does by itself ----
+
+
+def _go_on(state: State, looks: Looks, method: SemiAutomatic, proposer: Proposer | None) -> State:
+    """The state in which the operator is needed again."""
+    state = replace(state, proposal=None)
+    if state.phase is not Phase.POINT:
+        return state
+    if not state.searched:
+        state = _reference(state, looks, method)
+        if not state.searched:
+            return state
+    while (left := np.flatnonzero(state.draft.found == Found.OPEN)).size:
+        state = replace(state, marker=int(left[0]))
+        proposal = _proposed(state, looks, method, proposer)
+        if proposal is None or not method.take_proposals:
+            return replace(state, proposal=proposal)
+        state = _taken(state, proposal, "unasked")
+    draft = replace(state.draft, shift=_shift(state, method))
+    return replace(state, draft=draft, phase=Phase.REVIEW, marker=-1)
+
+
+def _reference(state: State, looks: Looks, method: SemiAutomatic) -> State:
+    """The reference marker and, once its place is settled, all others; not searched where it is to be asked for."""
+    r, look = method.fixed, looks(state.frame)
+    if r >= 0 and state.draft.found[r] == Found.OPEN:
+        refused = Asked(state.frame, r, "reference", False) in state.asked[-1:]
+        state = replace(state, marker=r)
+        near = nearest_free(look, _constant(state, method), free=look.usable, side=method.grid)
+        if near is None or refused:
+            return state
+        state = replace(state, draft=state.draft.put(r, look.uv[near[1]], Found.AUTOMATIC))
+        if method.confirm_reference:
+            return replace(state, phase=Phase.REFERENCE)
+    draft = replace(state.draft, shift=_shift(state, method))
+    state = replace(state, draft=draft, searched=True)
+    return replace(state, draft=searched(draft, expected(state, method), look, method))
+
+
+def searched(draft: Frame, places: Floats, look: Look, method: SemiAutomatic) -> Frame:
+    """The frame with the markers that are found about the places (M, 2) px where they are expected, by (4) and (5)."""
+    free = look.usable & ~claimed(draft, look)
+    for k in range(1, method.expansions + 1):
+        while True:
+            pairs = []
+            for m in np.flatnonzero(draft.found == Found.OPEN):
+                near = nearest_free(look, places[m], free=free, side=method.grid * k)
+                if near is not None:
+                    pairs.append((*near, int(m)))
+            if not pairs:
+                break
+            _, image, marker = min(pairs)  # (5)
+            draft = draft.put(marker, look.uv[image], Found.AUTOMATIC)
+            free[image] = False
+    return draft
+
+
+def claimed(draft: Frame, look: Look) -> NDArray[np.bool_]:
+    """(B) which markers of the image serve one of the frame already."""
+    uv = draft.uv[np.isfinite(draft.uv[:, 0])]
+    return np.asarray((np.abs(look.uv[:, None] - uv).max(-1, initial=0.0) < 1e-9).any(1))
+
+
+def expected(state: State, method: SemiAutomatic) -> Floats:
+    """(M, 2) px where markers are expected in the present frame by (3); NaN where too little is known of one."""
+    first = max(state.frame - method.memory, 0)
+    past = [(f, s) for f, s in enumerate(state.saved[first : state.frame], first) if s is not None]
+    out = np.full((len(method.markers), 2), np.nan)
+    for m in range(len(out)):
+        seen = [(f, s.uv[m] - s.shift) for f, s in past if np.isfinite(s.uv[m]).all()]  # (2)
+        if len(seen) >= 2 and m != method.fixed:
+            (f1, c1), (f2, c2) = seen[-2:]
+            out[m] = c2 + (c2 - c1) * (state.frame - f2) / (f2 - f1) + state.draft.shift  # (3)
+    if method.fixed >= 0:
+        out[method.fixed] = _constant(state, method)
+    return out
+
+
+def _constant(state: State, method: SemiAutomatic) -> Floats:
+    """(2,) px where the reference marker is without a shift; NaN where nobody said it yet."""
+    if state.constant is not None:
+        return state.constant
+    first = state.saved[0] if state.frame else state.draft
+    return np.full(2, np.nan) if first is None else first.uv[method.fixed]
+
+
+def _shift(state: State, method: SemiAutomatic) -> Floats:
+    """(2,) px by (1)."""
+    if method.fixed < 0:
+        return np.zeros(2)
+    shift = state.draft.uv[method.fixed] - _constant(state, method)
+    if np.isfinite(shift).all():
+        return shift
+    before = state.saved[state.frame - 1] if state.frame else None
+    return np.zeros(2) if before is None else before.shift
+
+
+def _proposed(state: State, looks: Looks, method: SemiAutomatic, proposer: Proposer | None) -> Proposal | None:
+    """What other cameras say of the marker asked for; they do not see the reference marker as it shifts."""
+    if proposer is None or state.marker == method.fixed:
+        return None
+    look = looks(state.frame)
+    free = look.usable & ~claimed(state.draft, look)
+    shift = _shift(state, method)
+    return proposer(state.frame, state.marker, shift, expected(state, method)[state.marker], look, free)

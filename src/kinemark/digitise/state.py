@@ -1,0 +1,192 @@
+"""States, questions and answers of digitising: plain values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from enum import Enum, IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data.arrays import column, set_columns
+
+Floats = NDArray[np.float64]
+
+
+class Found(IntEnum):
+    """How a marker of a frame came to its place."""
+
+    OPEN = 0
+    NOT_PRESENT = 1
+    AUTOMATIC = 2
+    POINTED = 3
+    PLACED = 4
+    PROPOSED = 5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """One frame of M markers.
+
+    Attributes:
+        uv: (M, 2) px where they are seen in the image; NaN where not present, or not known yet.
+        found: (M) a `Found` each.
+        shift: (2,) px of the image, as the reference marker shows it.
+    """
+
+    uv: Floats
+    found: NDArray[np.uint8]
+    shift: Floats
+
+    def __post_init__(self) -> None:
+        n = len(self.uv)
+        set_columns(
+            self,
+            uv=column("uv", self.uv, np.float64, n, 2),
+            found=column("found", self.found, np.uint8, n),
+            shift=column("shift", self.shift, np.float64, 2),
+        )
+
+    @classmethod
+    def blank(cls, n: int) -> Frame:
+        """Nothing is known of n markers."""
+        return cls(np.full((n, 2), np.nan), np.zeros(n, np.uint8), np.zeros(2))
+
+    def put(self, marker: int, uv: Floats | None, found: Found) -> Frame:
+        """The frame with a marker at (2,) px, or nowhere."""
+        places, how = self.uv.copy(), self.found.copy()
+        places[marker], how[marker] = (np.nan if uv is None else uv), found
+        return replace(self, uv=places, found=how)
+
+
+class Phase(Enum):
+    """What is asked."""
+
+    POINT = "point"
+    REFERENCE = "reference"
+    REVIEW = "review"
+    VERIFY = "verify"
+    CORRECT = "correct"
+    DONE = "done"
+
+
+class Proposal(NamedTuple):
+    """What other cameras say of a missing marker: uv (2,) px, NaN if only that it is hidden; and whether it is seen."""
+
+    uv: Floats
+    seen: bool
+
+
+class Asked(NamedTuple):
+    """A question that was put to the operator and why, and whether he took what was proposed.
+
+    The reason "unasked" stands for a proposal that was taken without a question.
+    """
+
+    frame: int
+    marker: int
+    reason: str
+    proposed: bool
+
+
+class Question(NamedTuple):
+    """What a state asks.
+
+    Attributes:
+        phase: the kind of question.
+        frame: counted from 0.
+        marker: index; −1 where the question is of the whole frame.
+        name: the marker's.
+        uv: (2,) px where it is, or where it was expected; NaN where neither is known.
+        proposal: of other cameras, where there is one.
+    """
+
+    phase: Phase
+    frame: int
+    marker: int
+    name: str
+    uv: Floats
+    proposal: Proposal | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A pixel: any of the marker's, or, where a place is corrected, the very place."""
+
+    u: float
+    v: float
+
+
+@dataclass(frozen=True, slots=True)
+class Absent:
+    """The marker is not present."""
+
+
+@dataclass(frozen=True, slots=True)
+class Yes:
+    """It is right; or, what is proposed is."""
+
+
+@dataclass(frozen=True, slots=True)
+class No:
+    """It is not right."""
+
+
+@dataclass(frozen=True, slots=True)
+class Accept:
+    """Save the frame and go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verify:
+    """Go through the frame marker by marker."""
+
+
+@dataclass(frozen=True, slots=True)
+class ByHand:
+    """Digitise the whole frame by hand."""
+
+
+@dataclass(frozen=True, slots=True)
+class Revisit:
+    """Look again at a saved frame, counted from 0; what was not saved of the present one is dropped."""
+
+    frame: int
+
+
+@dataclass(frozen=True, slots=True)
+class Undo:
+    """Take the last answer back."""
+
+
+Answer = Point | Absent | Yes | No | Accept | Verify | ByHand | Revisit | Undo
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """Digitising of one camera's F frames at one moment.
+
+    Attributes:
+        saved: (F) what was accepted of each frame, else None.
+        frame: the present one.
+        draft: what is known of it; nothing of it is saved yet.
+        phase: what is asked.
+        marker: of which marker; −1 for none.
+        constant: (2,) px where the reference marker was at the calibration; None where the first frame says it.
+        searched: whether the machine has looked for the markers of this frame.
+        proposal: what other cameras say of the marker asked for.
+        asked: all questions answered so far, those that were taken back as well.
+        before: the state before the last answer.
+    """
+
+    saved: tuple[Frame | None, ...]
+    frame: int
+    draft: Frame
+    phase: Phase
+    marker: int = -1
+    constant: Floats | None = None
+    searched: bool = True
+    proposal: Proposal | None = None
+    asked: tuple[Asked, ...] = ()
+    before: State | None = field(default=None, repr=False)

@@ -395,3 +395,48 @@ def test_a_failed_write_leaves_the_old_file(tmp_path):
     with pytest.raises(ValueError, match="DEC"):
         write_document(tmp_path / "t.c3d", blank(np.full((1, 1, 3), 2e38), order=ByteOrder.DEC))
     assert (tmp_path / "t.c3d").read_bytes() == b"old" and len(list(tmp_path.iterdir())) == 1
+
+
+# Which samples were filled
+
+
+def filled_trial(first_frame=7, seed=2):
+    """A trial whose source states no cameras, with runs of filled samples."""
+    rng = np.random.default_rng(seed)
+    paths = []
+    for name, runs in (("LKNE", [(3, 6), (30, 40)]), ("RKNE", []), ("LANK", [(0, 1), (39, 40)])):
+        path = Path.measured(name, rng.normal(0, 600, (40, 3)))
+        origin = path.origin.copy()
+        for a, b in runs:
+            origin[a:b] = Origin.FILLED
+        paths.append(replace(path, origin=origin))
+    return Trial("f", Trajectories(tuple(paths), 100.0, first_frame))
+
+
+def test_filled_samples_are_told_where_no_camera_is_stated():
+    trial = filled_trial()
+    back = trial_of(again(document_of(trial)), name="f")
+    for path in trial.trajectories:
+        assert np.array_equal(back.trajectories[path.name].origin, path.origin)
+    rewritten = document_of(back)
+    assert rewritten.texts("KINEMARK", "FILLED_POINTS") == ("LKNE", "LKNE", "LANK", "LANK")
+    assert rewritten.numbers("KINEMARK", "FILLED_FRAMES").tolist() == [10, 12, 37, 46, 7, 7, 46, 46]
+
+
+def test_what_was_measured_since_is_not_called_filled():
+    doc = again(document_of(filled_trial()))
+    word = doc.word.copy()
+    word[4, 0] = 5  # another program has measured this one
+    back = trial_of(replace(doc, word=word), name="f").trajectories["LKNE"].origin
+    assert back[3] == back[5] == Origin.FILLED and back[4] == Origin.MEASURED
+
+
+def test_a_file_without_fills_gets_no_group_and_nonsense_in_it_is_passed_over():
+    plain = Trial("p", Trajectories((Path.measured("a", np.ones((4, 3))),), 10.0))
+    assert not any(group.name == "KINEMARK" for group in document_of(plain).groups)
+    group = Group(40, "KINEMARK", parameters=(
+        Parameter.text("FILLED_POINTS", ["*1", "nobody", "*1"]),
+        Parameter.real("FILLED_FRAMES", [[3.0, 1.0], [1.0, 2.0], [np.nan, 1e30]]),
+    ))  # fmt: skip
+    trial = trial_of(blank(np.ones((3, 1, 3)), groups=[group]), name="t")
+    assert (trial.trajectories["*1"].origin == Origin.MEASURED).all()

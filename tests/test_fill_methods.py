@@ -21,6 +21,10 @@ from kinemark.fill import (
     Relational,
     RigidBody,
     StaticShape,
+    find_gaps,
+)
+from kinemark.fill.low_rank_kalman import solve
+from kinemark.fill.methods import (
     fill_cubic,
     fill_cyclic,
     fill_linear,
@@ -30,9 +34,7 @@ from kinemark.fill import (
     fill_quintic,
     fill_relational,
     fill_rigid_body,
-    find_gaps,
 )
-from kinemark.fill.low_rank_kalman import solve
 from kinemark.fill.polynomials import lagrange
 from kinemark.geometry import nearest_rotations
 from kinemark.io.c3d.trial import markers, read_c3d

@@ -192,7 +192,8 @@ def test_every_method_can_be_written_in_the_file(folder):
         for name, kind in methods.items():
             staged = '[track]\nmethod = "swamidas"\n' if stage in ("match", "reconstruct") else ""
             (folder / "session.toml").write_text(f'{given}{staged}[{stage}]\nmethod = "{name}"\n')
-            assert type(getattr(read_settings(folder / "session.toml"), stage)) is kind
+            found = getattr(read_settings(folder / "session.toml"), stage)
+            assert type(found.method if stage == "fill" else found) is kind
 
 
 def test_dlt_files_need_their_unit_and_then_give_the_same_points(folder):

@@ -18,12 +18,15 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from .angles import AngleSettings, angles_of_file
 from .data import KinemarkError
 from .demo import demo as run_demo
+from .fill import LIMIT
+from .filling import fill_file, fill_method
 from .formats import convert as convert_file
 from .formats import describe
 from .pipeline import Progress as Told
 from .proposals import learn_session_masks, propose_detection
 from .report.angles import angle_summary
 from .report.calibration_text import calibration_summary
+from .report.filling import filling_summary
 from .report.text import summary
 from .session import Session
 from .settings import methods_text, parameters
@@ -161,6 +164,50 @@ def detect(source: Path, *, propose: bool = False, masks: Path | None = None, js
         _print({name: asdict(proposal.centroids) | {"warnings": proposal.warnings} for name, proposal in found.items()})
     else:
         _print("\n".join(f"# {name}: {proposal.text()}" for name, proposal in found.items()))
+
+
+@app.command
+def fill(
+    source: Path,
+    *,
+    output: Annotated[Path, Parameter(name=("--output", "-o"))],
+    method: str = "auto",
+    set: Annotated[list[str] | None, Parameter(name="--set", negative="")] = None,
+    limit_mm: float = LIMIT,
+    ends: bool = False,
+    static: Path | None = None,
+    report: bool = False,
+    rate_hz: float | None = None,
+    json: Json = False,
+) -> None:
+    """Fill the gaps of a trial's markers, each with an expected error; all else in the file stays as it was.
+
+    Args:
+        source: C3D, TRC, CSV or BTS file.
+        output: the file to write, C3D, TRC or CSV; an existing one is not replaced.
+        method: auto finds out for every gap which method is best; `kinemark methods fill` lists them.
+        set: PARAMETER=VALUE of the method; may be repeated.
+        limit_mm: gaps whose expected mean error is greater stay open.
+        ends: also fill before a marker's first sample and after its last.
+        static: a trial in which markers are seen that this one never shows.
+        report: write a page beside the output on which every gap is drawn.
+        rate_hz: of a CSV file that does not say it.
+        json: print what became of every gap for a machine.
+    """
+    page = output.with_suffix(".html") if report else None
+    chosen = fill_method(method, set or ())
+    with progress() as tell:
+        tell("fill", 0, 1)
+        done = fill_file(
+            source, output, method=chosen, name=method, limit_mm=limit_mm, ends=ends, static=static, report=page,
+            rate_hz=rate_hz,
+        )  # fmt: skip
+        tell("fill", 1, 1)
+    _print(
+        done.figures
+        if json
+        else filling_summary(done.figures) + f"\nresults:  {output}" + (f", {page}" if page else "")
+    )
 
 
 @app.command

@@ -165,6 +165,11 @@ def _parts(source: Path, found: Any) -> dict[What, Any]:
     return {kinds[type(found)]: found} if type(found) in kinds else {}
 
 
+def write_trial(target: Path, trial: Trial) -> None:
+    """A trial to a file of the kind that its ending names; only C3D holds more than the markers."""
+    _write("trajectories", trial, target)
+
+
 def _whole_trial(name: str, tdf: Tdf) -> Trial:
     """The markers of a BTS file with its channels as a C3D file can hold them."""
     assert tdf.trajectories is not None  # the caller has looked

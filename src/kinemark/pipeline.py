@@ -16,9 +16,10 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .data import Analog, Cloud, Detections, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
+from .data import Analog, Cloud, Detections, Fills, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
 from .detect import Centroids, KissNearest, KissScanning
 from .digitise import called, identified_matches, identified_tracks
+from .fill import Filled, FilledGap, Filling, Rays, fill_recording
 from .follow import FOLLOWERS, Doubt, FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed, noticed_of
 from .io.c3d import write_c3d
 from .io.files import replacing
@@ -27,13 +28,15 @@ from .ledger import Ledger, digest
 from .match import EpipolarTriplets, MatchMethod, check_cameras, match
 from .reconstruct import LeastSquares, ReconstructMethod, reconstruct
 from .report.figures_detections import Picture, telling_frames
+from .report.filling import filling_figures
+from .report.filling_page import write_filling_page
 from .report.page import write_report
 from .report.quality import quality, write_quality
 from .track import TrackMethod, to_trajectories, track
 
 Record = TypeVar("Record")
 
-DOUBTS = "doubts.json"
+DOUBTS, GAPS = "doubts.json", "gaps.html"
 
 LITTLE = 0.6
 """Share of a camera's valid detections; if less agree with two other cameras, it may have the images of another."""
@@ -56,12 +59,13 @@ def silent(stage: str, done: int, total: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Methods:
-    """How each stage is done."""
+    """How each stage is done; gaps are filled where `fill` says how."""
 
     detect: DetectMethod = field(default_factory=Centroids)
     match: MatchMethod = field(default_factory=EpipolarTriplets)
     reconstruct: ReconstructMethod = field(default_factory=LeastSquares)
     track: TrackMethod | FollowMethod = field(default_factory=Simultaneous)
+    fill: Filling | None = None
 
 
 class Operated(NamedTuple):
@@ -155,9 +159,11 @@ def run(
     methods = methods or Methods()
     ledger = Ledger.open(folder)
     detections, (tracks, unsure, odd), key = _stages(ledger, source, rig, methods, progress)
-    trajectories = to_trajectories(tracks, rig)
+    measured = to_trajectories(tracks, rig)
     if source.operated is not None:
-        trajectories = called(trajectories, source.operated.names(), detections.n_frames)
+        measured = called(measured, source.operated.names(), detections.n_frames)
+    filled, key = _filled(ledger, measured, Rays.left_by(tracks, detections, rig), methods.fill, key, progress)
+    trajectories = filled.trajectories
     steps = tuple(ledger.steps)
     notes = (*source.doubts, *exchanged_cameras(detections, rig, tracks.cloud, methods))
     figures = quality(
@@ -172,10 +178,12 @@ def run(
         doubts=unsure,
         noticed=odd,
         judged=judged,
+        filling=_gap_figures(folder.name, filled, measured, methods.fill),
     )
     if source.operated is not None:
         figures["digitising"] = dict(source.operated.figures())
     outputs = [folder / f"{folder.name}.c3d", folder / "quality.json", folder / "report.html"]
+    outputs += [folder / GAPS] if methods.fill else []
     made = [(step.input, step.method) for step in calibration]
     key = digest(key, session, notes, made, figures["calibration"])
     if not ledger.stands("write", key) or not all(path.is_file() for path in outputs):
@@ -193,6 +201,8 @@ def run(
             judged=judged,
             pictures=source.pictures(telling_frames(detections)) if source.pictures else None,
         )
+        if methods.fill:
+            write_filling_page(folder / GAPS, figures=figures["filling"], trajectories=trajectories)
         progress("write", 1, 1)
     ledger.note("write", key)  # only now: what was cut off before is written again
     return Results(folder, rig, detections, tracks, trajectories, figures, steps, tuple(ledger.computed))
@@ -352,6 +362,31 @@ def _cloud(
         save=save,
         load=_reader(Cloud),
     )
+
+
+def _filled(
+    ledger: Ledger, measured: Trajectories, rays: Rays, method: Filling | None, key: str, progress: Progress
+) -> tuple[Filled, str]:
+    """The trajectories with their gaps filled where a method says how, and the key of that."""
+    if method is None:
+        return Filled(measured, ()), key
+
+    def make() -> Fills:
+        progress("fill", 0, 1)
+        filled = fill_recording(measured, rays, method=method)
+        progress("fill", 1, 1)
+        return Fills.between(measured, filled.trajectories, tuple(json.dumps(asdict(gap)) for gap in filled.gaps))
+
+    fills, key = ledger.do("fill", method, key, file="fills.h5", make=make, save=save, load=_reader(Fills))
+    gaps = tuple(FilledGap(**json.loads(text)) for text in fills.told)
+    return Filled(fills.on(measured), gaps), key
+
+
+def _gap_figures(trial: str, filled: Filled, measured: Trajectories, method: Filling | None) -> dict[str, Any] | None:
+    """What is to be said of the gaps."""
+    if method is None:
+        return None
+    return filling_figures(filled, measured, source=trial, method=method.name, limit_mm=method.limit_mm)
 
 
 def _save_tracked(path: Path, record: Tracked) -> None:

@@ -88,7 +88,7 @@ class Session:
         chosen = [trials[name] for name in names or trials]
         sources = {trial.name: self.source(trial, rig) for trial in chosen}  # all inputs are looked at before any work
         s = self.settings
-        methods = Methods(s.detect, s.match, s.reconstruct, s.track)
+        methods = Methods(s.detect, s.match, s.reconstruct, s.track, s.fill)
         return {
             name: run(
                 source,

@@ -11,6 +11,7 @@ from .cloud import Cloud, Tracks
 from .detections import Detections, Validity
 from .errors import KinemarkError
 from .events import Events
+from .fills import Fills
 from .markerset import MarkerSet
 from .matches import Matches
 from .rig import PARAMETERS, Camera, Rig
@@ -27,6 +28,7 @@ __all__ = [
     "Cloud",
     "Detections",
     "Events",
+    "Fills",
     "ForcePlate",
     "KinemarkError",
     "MarkerSet",

@@ -17,33 +17,36 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..data import Cloud, Detections, KinemarkError, Matches, Tracks
+from ..data import Cloud, Detections, Fills, KinemarkError, Matches, Tracks
 from .files import replacing
 
 FORMAT, VERSION = "kinemark", 1
 SEAL, SEAL_SIZE = b"kinemark record, sha256 ", 512
-Record = Detections | Matches | Cloud | Tracks
-RECORDS: dict[str, type[Record]] = {kind.__name__: kind for kind in (Detections, Matches, Cloud, Tracks)}
+Record = Detections | Matches | Cloud | Tracks | Fills
+RECORDS: dict[str, type[Record]] = {kind.__name__: kind for kind in (Detections, Matches, Cloud, Tracks, Fills)}
 TYPES: dict[type[Record], dict[str, str]] = {
     Detections: {"start": "i8", "validity": "u1", "merged": "b1"},
     Matches: {"frame": "i8", "view": "i8"},
     Cloud: {"start": "i8", "view": "i8"},
     Tracks: {"id": "i8"},
+    Fills: {"marker": "i8", "frame": "i8", "cameras": "u4"},
 }
 UNITS: dict[type[Record], dict[str, str]] = {
     Detections: {"uv": "px", "cov": "px2", "area": "px2", "width": "px", "height": "px", "rate": "Hz"},
     Matches: {"cost": "px"},
     Cloud: {"xyz": "mm", "cov": "mm2", "residual": "px", "rate": "Hz"},
     Tracks: {},
+    Fills: {"xyz": "mm", "cov": "mm2"},
 }
-TEXTS, REALS, INTEGERS = ("cameras",), ("rate",), ("n_frames",)
+TEXTS = {(Detections, "cameras"), (Fills, "told")}
+REALS, INTEGERS = ("rate",), ("n_frames",)
 
 
 def save(path: Path | str, record: Record) -> None:
     """Write a record as HDF5.
 
     Raises:
-        ValueError: it is not one of `Detections`, `Matches`, `Cloud` and `Tracks`.
+        ValueError: it is none of `RECORDS`.
         KinemarkError: the file cannot be written.
     """
     if type(record) not in TYPES:
@@ -89,7 +92,7 @@ def put(group: h5py.Group, record: Record) -> None:
         unit = UNITS[type(record)].get(name)
         if isinstance(value, Cloud):
             put(group.create_group(name), value)
-        elif name in TEXTS:
+        elif isinstance(value, tuple):
             group.attrs[name] = np.array(value, dtype=h5py.string_dtype())
         elif name in REALS + INTEGERS:
             group.attrs[name if unit is None else f"{name}_{unit}"] = value
@@ -134,7 +137,7 @@ def get(group: h5py.Group, kind: type[Record]) -> Record:
         unit = UNITS[kind].get(name)
         if name == "cloud":
             values[name] = get(inside(group, name, h5py.Group), Cloud)
-        elif name in TEXTS:
+        elif (kind, name) in TEXTS:
             values[name] = tuple(str(text) for text in group.attrs[name])
         elif name in REALS:
             values[name] = float(group.attrs[f"{name}_{unit}"])

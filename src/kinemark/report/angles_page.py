@@ -67,7 +67,7 @@ def angles_page(
     )
     nav = {place: name for place, name in NAV.items() if cycles is not None or place != "cycles"}
     heading, version = f"{figures['trial']}: joint angles", figures["kinemark"]
-    return framed(main, heading=heading, session=figures["model"], version=version, nav=nav, kind="Model")
+    return framed(main, heading=heading, below=f"Model {figures['model']} · Kinemark {version}", nav=nav)
 
 
 def _joint_card(angles: Angles, model: Model, j: int, first_frame: int) -> str:

@@ -34,7 +34,7 @@ from .figures_calibration import (
     wand_figure,
 )
 from .figures_images import images_figure
-from .page import figure_html, framed
+from .page import figure_html, framed, of_session
 from .plain import Array
 from .scene import upwards
 from .tables import paragraphs, warning_list
@@ -99,7 +99,7 @@ def calibration_page(*, figures: dict[str, Any], rig: Rig, evidence: Evidence) -
         volume=escape(_volume(figures["volume"])),
         level=escape(f"{'xyz'[figures['map']['lost']['axis']]} = {number(figures['map']['lost']['level_mm'], 0)} mm"),
     )
-    return framed(main, heading="Calibration", session=figures["session"], version=figures["kinemark"], nav=NAV)
+    return framed(main, heading="Calibration", below=of_session(figures), nav=NAV)
 
 
 def drawings(figures: dict[str, Any], rig: Rig, evidence: Evidence) -> dict[str, go.Figure]:

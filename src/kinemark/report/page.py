@@ -114,23 +114,27 @@ def page(
         spots_table=spots_table(quality["cameras"]),
         camera_table=camera_table(quality["cameras"], worst_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),
+        filling=_filling(quality["filling"]),
         doubt_table=doubt_table(quality["doubts"], told=_tells(quality["steps"])),
         step_table=step_table(quality["steps"]),
     )
-    return framed(main, heading=quality["trial"], session=quality["session"], version=quality["kinemark"], nav=NAV)
+    return framed(main, heading=quality["trial"], below=of_session(quality), nav=NAV)
 
 
-def framed(
-    main: str, *, heading: str, session: str, version: str, nav: Mapping[str, str], kind: str = "Session"
-) -> str:
-    """A whole page: head, title and links around `main`, and the drawing library behind it."""
+def of_session(figures: Mapping[str, Any]) -> str:
+    """What stands below the title of a page about a session."""
+    return f"Session {figures['session']} · Kinemark {figures['kinemark']}"
+
+
+def framed(main: str, *, heading: str, below: str, nav: Mapping[str, str], plots: bool = True) -> str:
+    """A whole page: head, title and links around `main`, and the drawing library behind it where it has `plots`."""
     return _template("frame.html").substitute(
-        title=escape(f"{heading} · {session}"),
+        title=escape(f"{heading} · {below}"),
         heading=escape(heading),
-        below=escape(f"{kind} {session} · Kinemark {version}"),
+        below=escape(below),
         nav="".join(f'<a href="#{place}">{escape(name)}</a>' for place, name in nav.items()),
         main=main,
-        plotly=get_plotlyjs(),
+        plotly=get_plotlyjs() if plots else "",
     )
 
 
@@ -169,6 +173,14 @@ def _verdict(judged: Mapping[str, Any] | None) -> str:
     words = f"<p><b>{escape(verdict['headline'])}</b></p>{paragraphs(verdict['sentences'])}"
     link = '<p>The whole judgement: <a href="../calibration.html">calibration.html</a></p>'
     return f"{words}{warning_list(judged['warnings']) if judged['warnings'] else ''}{link}"
+
+
+def _filling(filling: dict[str, Any] | None) -> str:
+    """What became of the gaps, and where every one of them is drawn."""
+    if filling is None:
+        return ""
+    words = f"<p><b>{escape(filling['verdict']['headline'])}.</b></p>{paragraphs(filling['verdict']['sentences'])}"
+    return f'<div class="card"><h3>Gaps</h3>{words}<p>Every gap: <a href="gaps.html">gaps.html</a></p></div>'
 
 
 def figure_html(name: str, fig: go.Figure) -> str:

@@ -32,6 +32,7 @@ def quality(
     doubts: Sequence[Doubt] = (),
     noticed: Sequence[str] = (),
     judged: Mapping[str, Any] | None = None,
+    filling: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """All figures of one trial as JSON-able data, units in the names of the keys, None where unknown.
 
@@ -46,6 +47,7 @@ def quality(
         doubts: decisions of the tracker that were close.
         noticed: sentences on what the tracker found odd about its input.
         judged: how good the calibration is, from `calibration.calibration_figures`; None where nobody judged it.
+        filling: what became of the gaps, from `filling.filling_figures`; None where none was to be filled.
 
     Raises:
         ValueError: a camera of the detections is not in the rig, or the points were not made from these detections.
@@ -74,6 +76,7 @@ def quality(
             "notes": list(notes),
             "noticed": list(noticed),
             "doubts": [_doubt(doubt, detections.rate) for doubt in doubts],
+            "filling": filling,
         }
     )
     figures["warnings"] = warnings(figures)

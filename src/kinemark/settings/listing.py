@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from typing import Any
 
 from ..data import KinemarkError
-from .methods import METHODS
+from .methods import METHODS, plain_parameters
 from .words import are, guess
 
 
@@ -38,6 +38,5 @@ def methods_text(found: dict[str, dict[str, dict[str, Any]]]) -> str:
 
 def _defaults(kind: type) -> dict[str, Any]:
     """The parameters of a method and their defaults."""
-    method = kind()
-    values = asdict(method)
-    return {field.name: values[field.name] for field in fields(kind)}
+    values = asdict(kind())
+    return {name: values[name] for name in plain_parameters(kind)}

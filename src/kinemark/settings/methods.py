@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-from typing import Any
+from dataclasses import MISSING, Field, fields, replace
+from typing import Any, get_type_hints
 
 from pydantic import TypeAdapter
+from pydantic.errors import PydanticSchemaGenerationError
+from typing_extensions import TypedDict
 
 from ..calibrate import ControlPoints
 from ..calibrate.bundle import Bundle
 from ..calibrate.control_points import Dlt
 from ..calibrate.wand import Wand
 from ..detect import Centroids, KissNearest, KissScanning
+from ..fill import METHODS as FILLING
+from ..fill import Filling
 from ..follow import FormerTwoCameras, Simultaneous
 from ..match import EpipolarTriplets, KissTriplets, NearestEpipolar
 from ..reconstruct import CameraPairs, LeastSquares
@@ -35,6 +39,7 @@ METHODS: dict[str, dict[str, type]] = {
         "swamidas": Swamidas,
         "distance_only": DistanceOnly,
     },
+    "fill": FILLING,
 }
 """The methods of each stage under their names in a session file; the first is the default, but for `calibrate`, where
 the way of calibrating decides (`METHODS_OF_WAY`)."""
@@ -47,6 +52,19 @@ METHODS_OF_WAY = {
     "single_marker": ("bundle",),
 }
 """What `[calibrate]` may say for each way; the first is the default."""
+
+
+def filling_of(table: dict[str, Any]) -> Filling:
+    """What `[fill]` says: the parameters of its method, and those of filling as a whole.
+
+    Raises:
+        ValueError: as `method_of`.
+    """
+    own = {f.name for f in fields(Filling)} - {"method", "name"}
+    whole = {key: value for key, value in table.items() if key in own}
+    method = method_of("fill", {key: value for key, value in table.items() if key not in own})
+    settled = TypeAdapter(Filling).validate_python(whole)
+    return replace(settled, method=method, name=method_name("fill", method))
 
 
 def calibrate_method(way: str, table: Any) -> Any:
@@ -84,11 +102,33 @@ def parameters_of(kind: type, name: str, table: dict[str, Any]) -> Any:
     Raises:
         ValueError: one of them is not known, or a value is of the wrong kind.
     """
-    parameters = [f.name for f in fields(kind)]
+    parameters = plain_parameters(kind)
     for key in table:
         if key not in parameters:
-            raise ValueError(f"{key!r} is not a parameter of {name}{guess(key, parameters)}; there {are(parameters)}")
-    return TypeAdapter(kind).validate_python(table)
+            there = list(parameters)
+            raise ValueError(f"{key!r} is not a parameter of {name}{guess(key, there)}; there {are(there)}")
+    if absent := [f.name for f in fields(kind) if _required(f) and f.name not in table]:
+        raise ValueError(f"{name} wants {' and '.join(absent)}")
+    wanted = TypedDict(name, {key: parameters[key] for key in table})  # type: ignore[misc]  # known only now
+    return kind(**TypeAdapter(wanted).validate_python(table))
+
+
+def _required(field: Field[Any]) -> bool:
+    """Whether a parameter has no default."""
+    return field.default is MISSING and field.default_factory is MISSING
+
+
+def plain_parameters(kind: type) -> dict[str, Any]:
+    """The parameters of a method that a file can state, and their types; some take records that only Python has."""
+    hints = get_type_hints(kind)
+    plain = {}
+    for field in fields(kind):
+        try:
+            TypeAdapter(hints[field.name])
+        except PydanticSchemaGenerationError:
+            continue
+        plain[field.name] = hints[field.name]
+    return plain
 
 
 def default_name(stage: str) -> str:

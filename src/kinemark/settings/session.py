@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, SkipValidation, field_validator, model_validator
 
 from ..calibrate import ControlPoints
 from ..calibrate.bundle import Bundle
@@ -13,12 +13,13 @@ from ..calibrate.control_points import Dlt
 from ..calibrate.wand import Wand
 from ..detect import Centroids, KissNearest, KissScanning
 from ..digitise import SemiAutomatic
+from ..fill import Filling
 from ..follow import FOLLOWERS, FormerTwoCameras, Simultaneous
 from ..match import EpipolarTriplets, KissTriplets, NearestEpipolar
 from ..reconstruct import CameraPairs, LeastSquares
 from ..track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas
 from .calibration import Calibration, Places
-from .methods import METHODS, calibrate_method, method_name, method_of, parameters_of
+from .methods import METHODS, calibrate_method, filling_of, method_name, method_of, parameters_of
 from .table import Strict
 
 RESERVED = (".", "..", "rig.toml", "steps.json", "calibration.json", "calibration.html", "calibrations")
@@ -123,11 +124,14 @@ class Settings(Strict):
         Simultaneous()
     )
     digitise: SemiAutomatic | None = None
+    fill: Annotated[Filling, SkipValidation] | None = None
 
-    @field_validator("calibrate", "detect", "match", "reconstruct", "track", mode="before")
+    @field_validator("calibrate", "detect", "match", "reconstruct", "track", "fill", mode="before")
     @classmethod
     def chosen(cls, table: Any, info: Any) -> Any:
         """The method that a stage's table names, with its parameters."""
+        if info.field_name == "fill":
+            return filling_of(table) if isinstance(table, dict) else table
         if info.field_name == "calibrate" and "calibration" in info.data:
             return calibrate_method(info.data["calibration"].way, {} if table is None else table)
         return method_of(info.field_name, table) if isinstance(table, dict) else table

@@ -9,7 +9,7 @@ a foot in the air.) Where a file marks each and every sample as missing and stil
 not know the mark, and it is ignored.
 
 Cameras say more: where a file states which cameras saw a marker, a sample whose fourth number is 0, which no camera
-saw, was filled.
+saw, was filled. Where no camera is stated, a group of our own may tell (`provenance`).
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from ...data import KinemarkError, Origin
 from .document import C3D
+from .provenance import told_filled
 
 OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 LENGTH = "LENGTH"
@@ -104,7 +105,7 @@ def samples_of(doc: C3D) -> Samples:
     xyz[missing], residual[missing] = np.nan, np.nan
     origin = np.where(missing, Origin.MISSING, Origin.MEASURED).astype(np.uint8)
     filled = (doc.word.T == 0) & (cameras != 0).any(1, keepdims=True) & ~missing
-    origin[filled] = Origin.FILLED
+    origin[filled | (told_filled(doc, point_names(doc)) & ~missing)] = Origin.FILLED
     return Samples(xyz, residual, cameras, origin)
 
 

@@ -29,8 +29,8 @@ def write_c3d(
 ) -> None:
     """Write a trial as a C3D file.
 
-    What C3D has no place for is not written: covariances, the steps, cameras beyond the seventh, and whether a sample
-    was filled when the marker's cameras are unknown.
+    Filled samples have the residual 0 and no camera, as C3D wants it; a group KINEMARK names them where that does not
+    tell. What C3D has no place for is not written: covariances, the steps, and cameras beyond the seventh.
 
     Args:
         path: the file.

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...data import Origin, Trajectories, Trial
 from .document import C3D
 from .points import LENGTH, Samples, kinds_of, mm_per_unit, point_names, samples_of
+from .provenance import with_filled
 from .tables import matched, with_descriptions, with_text
 
 MOST_COUNTS = 32767
@@ -39,7 +40,8 @@ def with_points(doc: C3D, source: C3D, trial: Trial, *, floats: bool) -> C3D:
     doc = replace(doc, points=points, word=word, analog=none, scale=scale, floats=floats, first_frame=first)
     if len(rows):
         doc = with_text(doc, "POINT", "LABELS", trajectories.names, rows, old)
-    return with_descriptions(doc, "POINT", rows, len(old))
+    doc = with_descriptions(doc, "POINT", rows, len(old))
+    return with_filled(doc, trajectories, samples_of(doc).origin)
 
 
 def _n_frames(trial: Trial, source: C3D) -> int:

@@ -1,0 +1,252 @@
+"""Filling the gaps of a trial, each with an expected error and every sample with a covariance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..data import Origin, Path, Trajectories
+from .auto import Auto
+from .calibration import Calibration, Measured, weigh
+from .combine import close_ones, mean_prediction, mean_tests
+from .edges import Edges, trim_edges
+from .hiding import Tried, edge_distance, plan, run
+from .methods import FILLERS, MANY, NAMES, affordable, name_of, within_time
+from .motion import Floats, Gap, Motion, Prediction, find_gaps
+from .static import place_absent
+from .static_shape import StaticShape
+
+METHODS: dict[str, type] = {"auto": Auto, **NAMES}
+"""All methods by the names that settings and the command line use."""
+WILD = 1e6
+"""mm from the middle of all samples, beyond which a sample is no position of a marker."""
+LIMIT = 20.0
+
+
+@dataclass(frozen=True, slots=True)
+class FilledGap:
+    """One gap and what became of it.
+
+    Attributes:
+        marker: its name; start, stop: its frames, from 0, stop excluded.
+        method: name of the method that filled it; empty when it stays open.
+        expected_mm: mean error expected of the fill, from hidden tests; NaN where none could be made.
+        candidates: expected mean error of every method that was tried, mm; infinite where it had nothing to say.
+        tests: number of hidden tests made for this gap.
+        donors: markers that it was filled from.
+        trimmed: frames of the gap that had been measured and are taken to be wrong; filled too, unless it stays open.
+        reason: why it stays open; empty when it is filled.
+    """
+
+    marker: str
+    start: int
+    stop: int
+    method: str
+    expected_mm: float
+    candidates: Mapping[str, float] = field(default_factory=dict)
+    tests: int = 0
+    donors: tuple[str, ...] = ()
+    trimmed: tuple[int, ...] = ()
+    reason: str = ""
+
+    @property
+    def length(self) -> int:
+        """Frames."""
+        return self.stop - self.start
+
+
+class Filled(NamedTuple):
+    """A trial with its gaps filled, and what is to be said of each gap."""
+
+    trajectories: Trajectories
+    gaps: tuple[FilledGap, ...]
+
+
+class Answer(NamedTuple):
+    """One method's predictions for all gaps, and how it did in the hidden tests."""
+
+    name: str
+    said: list[Prediction]
+    measured: Measured
+    calibration: Calibration
+    tried: list[Tried]
+
+
+def fill(
+    trajectories: Trajectories,
+    *,
+    method: Any = None,
+    limit_mm: float = LIMIT,
+    ends: bool = False,
+    edges: Edges | None = None,
+    static: Trajectories | None = None,
+    seed: int = 0,
+) -> Filled:
+    """Fill the gaps of a trial.
+
+    Samples more than a kilometre from the others are taken to be missing, and so are bad ones beside gaps (`Edges`).
+
+    Args:
+        trajectories: the trial; what is filled already counts as seen.
+        method: an object of one of `METHODS`; `Auto()` when None.
+        limit_mm: gaps with a greater expected mean error stay open; infinite fills all that can be filled.
+        ends: also fill before a marker's first sample and after its last.
+        edges: how samples beside gaps are judged and trimmed; `Edges()` when None, `Edges(most=0)` trims none.
+        static: another trial of the same markers; those that this trial never shows are placed from it.
+        seed: of the places of the hidden tests.
+
+    Raises:
+        ValueError: the method is none of `METHODS`, or the limit is not above 0.
+    """
+    method = Auto() if method is None else method
+    if not limit_mm > 0:
+        raise ValueError(f"limit_mm is {limit_mm}, wanted above 0")
+    candidates = method.methods if isinstance(method, Auto) else (method,)
+    for candidate in candidates:
+        name_of(candidate)
+    motion = tame(Motion.of(trajectories))
+    motion = trim_edges(motion, find_gaps(motion), method=edges or Edges()).motion
+    gaps = find_gaps(motion, ends=ends)
+    if isinstance(method, Auto):
+        candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
+    answers = ask(motion, gaps, candidates, seed=seed)
+    told, written = [], _Columns(trajectories)
+    for index, gap in enumerate(gaps):
+        found, said, cov = choose(motion, gaps, index, answers)
+        found = _within(replace(found, trimmed=written.measured(gap)), limit_mm)
+        told.append(found)
+        if found.method:
+            written.put(gap, said.xyz, cov)
+    filled = Filled(written.trajectories(), tuple(told))
+    return filled if static is None else _with_static(filled, static, limit_mm)
+
+
+def tests_per_gap(gaps: int) -> int:
+    """How often each gap is tried: more where there are few gaps, as tests of other gaps tell less of it."""
+    return int(np.clip(200 // gaps, 1, 12))
+
+
+def tame(motion: Motion) -> Motion:
+    """The trial without samples that cannot be positions: a filler would take them for motion."""
+    middle = np.nan_to_num(np.nanmedian(motion.xyz, axis=(0, 1))) if motion.seen.any() else np.zeros(3)
+    with np.errstate(invalid="ignore"):
+        wild = np.abs(motion.xyz - middle).max(-1) > WILD
+    return motion._replace(xyz=np.where(wild[..., None], np.nan, motion.xyz)) if wild.any() else motion
+
+
+def ask(motion: Motion, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[Answer]:
+    """What each method says of all gaps, and how it does in one set of hidden tests."""
+    if not gaps:
+        return []
+    planned = plan(motion, gaps, per_gap=tests_per_gap(len(gaps)), seed=seed)
+    answers = []
+    for candidate in candidates:
+        name, method = name_of(candidate), within_time(candidate, len(gaps))
+        filler = FILLERS[type(method)]
+        tried = run(motion, planned, filler, method)
+        said = filler(motion, gaps, method=method)
+        answers.append(Answer(name, said, Measured(tried), Calibration(tried), tried))
+    return answers
+
+
+def _within(found: FilledGap, limit_mm: float) -> FilledGap:
+    """The same, open with a reason where no error or too great a one is expected."""
+    if found.reason or found.expected_mm <= limit_mm:
+        return found
+    if np.isnan(found.expected_mm):
+        reason = "no hidden test could be made: too little of the trial is known to say how far off a fill would be"
+    else:
+        reason = (
+            f"the best method ({found.method}) is expected to be off by {found.expected_mm:.1f} mm, "
+            f"more than the limit of {limit_mm:g} mm"
+        )
+    return replace(found, method="", reason=reason)
+
+
+def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Filled:
+    """Markers that the trial never shows, placed from the static trial; new ones come last."""
+    trajectories = filled.trajectories
+    motion = tame(Motion.of(trajectories))
+    paths, told = {path.name: path for path in trajectories}, list(filled.gaps)
+    for placed in place_absent(motion, StaticShape.of(tame(Motion.of(static)))):
+        found = FilledGap(
+            placed.name,
+            0,
+            trajectories.n_frames,
+            "static",
+            placed.expected_mm,
+            donors=placed.donors,
+            reason=placed.reason,
+        )
+        found = _within(replace(found, method="") if placed.reason else found, limit_mm)
+        told.append(found)
+        if found.method:
+            path = Path.measured(placed.name, placed.xyz, cov=placed.cov)
+            origin = np.where(path.origin == Origin.MEASURED, Origin.FILLED, Origin.MISSING)
+            paths[placed.name] = replace(path, origin=origin.astype(np.uint8))
+    return Filled(replace(trajectories, paths=tuple(paths.values())), tuple(told))
+
+
+def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -> tuple[FilledGap, Prediction, Floats]:
+    """The method with the least expected error for one gap, its prediction, and the calibrated covariance."""
+    gap = gaps[index]
+    weights = weigh([t.test for t in answers[0].tried], index, gaps)
+    told = {answer.name: answer.measured.expect(answer.said[index], weights) for answer in answers}
+    if len(gaps) <= MANY and (mean := _mean_of_close(answers, told, index)):
+        answers = [*answers, mean]
+        told[mean.name] = mean.measured.expect(mean.said[index], weights)
+    expected = {name: mm for name, (mm, _) in told.items()}
+    best = min(answers, key=lambda answer: np.nan_to_num(told[answer.name][1], nan=1e300))
+    said = best.said[index]
+    tests = sum(t.test.of == index for t in best.tried)
+    found = FilledGap(motion.names[gap.marker], gap.start, gap.stop, best.name, expected[best.name], expected, tests)
+    if not np.isfinite(said.xyz).all():
+        why = said.reason or "no method has anything to say here"
+        return replace(found, method="", expected_mm=np.nan, reason=why), said, said.cov
+    donors = tuple(motion.names[d] for d in said.donors)
+    return replace(found, donors=donors), said, best.calibration.covariance(said, edge_distance(motion, gap), weights)
+
+
+def _mean_of_close(answers: list[Answer], told: dict[str, tuple[float, float]], index: int) -> Answer | None:
+    """The weighed mean of methods that do alike for one gap; other gaps of it are not worked out."""
+    weights = close_ones([np.nan_to_num(told[answer.name][1], nan=np.inf) for answer in answers])
+    if not weights:
+        return None
+    chosen, w = [answers[k] for k in weights], np.array(list(weights.values()))
+    tried = mean_tests([answer.tried for answer in chosen], w)
+    said = list(chosen[0].said)
+    said[index] = mean_prediction([answer.said[index] for answer in chosen], w)
+    return Answer(" + ".join(answer.name for answer in chosen), said, Measured(tried), Calibration(tried), tried)
+
+
+class _Columns:
+    """Copies of the paths that gaps are written into; others are shared with the trial."""
+
+    def __init__(self, trajectories: Trajectories) -> None:
+        self.source = trajectories
+        self.changed: dict[int, dict[str, Any]] = {}
+
+    def measured(self, gap: Gap) -> tuple[int, ...]:
+        """Frames of a gap in which the trial has a sample."""
+        origin = self.source.paths[gap.marker].origin[gap.start : gap.stop]
+        return tuple(int(f) for f in gap.start + np.flatnonzero(origin != Origin.MISSING))
+
+    def put(self, gap: Gap, xyz: Floats, cov: Floats) -> None:
+        """Fill a gap."""
+        path = self.source.paths[gap.marker]
+        if gap.marker not in self.changed:
+            names = ("xyz", "cov", "origin", "residual", "cameras")
+            self.changed[gap.marker] = {name: getattr(path, name).copy() for name in names}
+        into, at = self.changed[gap.marker], slice(gap.start, gap.stop)
+        into["xyz"][at], into["cov"][at] = xyz, cov
+        into["origin"][at], into["residual"][at], into["cameras"][at] = Origin.FILLED, np.nan, 0
+
+    def trajectories(self) -> Trajectories:
+        """The trial with all that was put."""
+        paths = [
+            replace(path, **self.changed[k]) if k in self.changed else path for k, path in enumerate(self.source.paths)
+        ]
+        return replace(self.source, paths=tuple(paths))

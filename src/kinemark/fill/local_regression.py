@@ -1,0 +1,177 @@
+"""A marker regressed on the markers around it, in the local frame of its body part.
+
+The base of marker y are the three whose distance from y varies least over the trial, of those seen throughout the gap;
+its frame is (R, c) (see `frames`). In that frame y and the donors x₁ … x_D have local coordinates, so that only what
+is not rigid is left to explain, and
+
+    Rᵀ(y − c) = a + B φ,        φ = the donors' local coordinates less their means                     (1)
+
+has the ridge solution B = (Σ (yφᵀ)) (Σ φφᵀ + λ n I)⁻¹ over the n frames where all are seen (2) (Hoerl & Kennard 1970).
+How many donors and which λ is chosen by skill: the frames are cut into blocks of the length of a gap, and each block is
+predicted from the sums (2) of all frames less its own (3), so that a trial is passed once whatever is tried. Donors are
+ranked by how little their distance from y varies. Last, what remains at both edges of the gap is added, linear between
+them (4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .frames import local, triad
+from .motion import Floats, Gap, Motion, Prediction
+
+MOST = 400
+"""Frames to learn from, evenly spread; neighbours in time say the same."""
+FEWEST = 12
+"""Frames to learn from, at least."""
+
+
+@dataclass(frozen=True, slots=True)
+class LocalRegression:
+    """Ridge regression on several donors in a local frame.
+
+    Attributes:
+        donors: numbers of donors that are tried.
+        ridges: λ that are tried, mm².
+        blocks: in which the frames are cut to measure skill.
+    """
+
+    donors: tuple[int, ...] = (6, 12)
+    ridges: tuple[float, ...] = (0.3, 3.0, 30.0)
+    blocks: int = 4
+
+    def __post_init__(self) -> None:
+        if not self.donors or min(self.donors) < 1 or not self.ridges or min(self.ridges) <= 0:
+            raise ValueError(f"donors {self.donors} and ridges {self.ridges} must not be empty and all be above 0")
+        if self.blocks < 2:
+            raise ValueError(f"blocks is {self.blocks}, wanted at least 2")
+
+
+class Fit(NamedTuple):
+    """What a marker's regression came to: base, donors in use, their means, weights (1)."""
+
+    base: NDArray[np.int64]
+    donors: NDArray[np.int64]
+    mean: Floats
+    a: Floats
+    B: Floats
+
+
+def fill_local_regression(motion: Motion, gaps: list[Gap], *, method: LocalRegression) -> list[Prediction]:
+    """Each gap from the donors that are seen throughout it; gaps of one marker with the same donors share one fit."""
+    fits: dict[tuple[int, bytes], Fit | str] = {}
+    ranks: dict[int, NDArray[np.int64]] = {}
+    seen, out = motion.seen, []
+    for gap in gaps:
+        if gap.marker not in ranks:
+            ranks[gap.marker] = ranked(motion, gap.marker)
+        ready = np.flatnonzero(seen[:, gap.start : gap.stop].all(1))
+        order = ranks[gap.marker][np.isin(ranks[gap.marker], ready)][: max(3, *method.donors)]
+        key = (gap.marker, order.tobytes())
+        if key not in fits:
+            fits[key] = _fit(motion, seen, gap.marker, order, method)
+        fit = fits[key]
+        out.append(Prediction.none(gap.length, fit) if isinstance(fit, str) else _predict(motion, gap, fit))
+    return out
+
+
+def ranked(motion: Motion, marker: int) -> NDArray[np.int64]:
+    """The other markers, that whose distance from this one varies least first; only those seen with it often enough."""
+    thin = motion.xyz[:, :: max(1, motion.xyz.shape[1] // 400)]
+    apart = np.linalg.norm(thin - thin[marker], axis=-1)
+    n = np.isfinite(apart).sum(1)
+    sum_, square = np.nansum(apart, 1), np.nansum(apart * apart, 1)
+    vary = np.sqrt(np.maximum(square / np.maximum(n, 1) - (sum_ / np.maximum(n, 1)) ** 2, 0.0))
+    vary[(n < FEWEST) | (n < 0.5 * n[marker])] = np.inf
+    vary[marker] = np.inf
+    order = np.argsort(vary, kind="stable")
+    return order[np.isfinite(vary[order])]
+
+
+def _fit(
+    motion: Motion, seen: NDArray[np.bool_], marker: int, order: NDArray[np.int64], method: LocalRegression
+) -> Fit | str:
+    """The best of the numbers of donors and ridges for one marker; a sentence where there is none."""
+    if len(order) < 3:
+        return f"only {len(order)} other markers are seen throughout the gap and often enough beside it; wanted 3"
+    base, donors = order[:3], order[: max(method.donors)]
+    together = np.flatnonzero(seen[[marker, *donors, *base]].all(0))
+    if len(together) < FEWEST:
+        return f"the marker and its donors are seen together in {len(together)} frames only; wanted {FEWEST}"
+    frames = together[:: -(-len(together) // MOST)]
+    R, c = triad(motion.xyz[base][:, frames])
+    if not np.isfinite(R).all():
+        return "the markers around it stand on one line or in one point: they carry no local frame"
+    y = local(R, c, motion.xyz[marker, frames])
+    phi = _features(motion, donors, frames, R, c)
+    mean, a = phi.mean(0), y.mean(0)
+    n, ridge = _most_skilled(phi - mean, y - a, method)
+    G, C = _sums(phi[:, : 3 * n] - mean[: 3 * n], y - a)
+    B = _solve(G, C, ridge * len(frames))
+    return Fit(base, donors[:n], mean[: 3 * n], a, B)
+
+
+def _features(motion: Motion, donors: NDArray[np.int64], frames: NDArray[np.int64], R: Floats, c: Floats) -> Floats:
+    """(F, 3 D) local coordinates of the donors."""
+    return local(R, c, motion.xyz[donors][:, frames]).transpose(1, 0, 2).reshape(len(frames), -1)
+
+
+def _sums(phi: Floats, y: Floats) -> tuple[Floats, Floats]:
+    return phi.T @ phi, phi.T @ y
+
+
+def _solve(G: Floats, C: Floats, ridge: float) -> Floats:
+    B = np.linalg.solve(G + ridge * np.eye(len(G)), C)  # (2)
+    return np.asarray(B, np.float64)
+
+
+def _most_skilled(phi: Floats, y: Floats, method: LocalRegression) -> tuple[int, float]:
+    """Number of donors and ridge that predict blocks of frames best that they have not seen (3)."""
+    G, C = _sums(phi, y)
+    blocks = [b for b in np.array_split(np.arange(len(y)), method.blocks) if len(b)]
+    out = [_sums(phi[b], y[b]) for b in blocks]
+    D = phi.shape[1] // 3
+    n_left = np.array([len(y) - len(b) for b in blocks])
+    best, chosen = np.inf, (min(method.donors), method.ridges[-1])
+    for n in sorted({min(n, D) for n in method.donors}):
+        p = slice(0, 3 * n)
+        left = np.array([G[p, p] - Gb[p, p] for Gb, _ in out])  # (3)
+        wanted = np.array([C[p] - Cb[p] for _, Cb in out])
+        for ridge in method.ridges:
+            B = np.linalg.solve(left + (ridge * n_left)[:, None, None] * np.eye(3 * n), wanted)
+            rest = [_untied(y[block] - phi[block, p] @ Bb) for block, Bb in zip(blocks, B, strict=True)]
+            loss = sum(float(np.square(r).sum()) for r in rest)
+            if loss < best:
+                best, chosen = loss, (n, ridge)
+    return chosen
+
+
+def _untied(residual: Floats) -> Floats:
+    """What is left of a block's residuals after (4)."""
+    return residual - np.linspace(residual[0], residual[-1], len(residual))
+
+
+def _predict(motion: Motion, gap: Gap, fit: Fit) -> Prediction:
+    F = motion.xyz.shape[1]
+    frames = np.arange(max(gap.start - 1, 0), min(gap.stop + 1, F))
+    R, c = triad(motion.xyz[fit.base][:, frames])
+    phi = _features(motion, fit.donors, frames, R, c) - fit.mean
+    xyz = c + np.einsum("fij,fj->fi", R, fit.a + phi @ fit.B)  # (1)
+    rest = motion.xyz[gap.marker, frames] - xyz
+    xyz = xyz + _tie(rest)
+    inner = slice(gap.start - frames[0], gap.stop - frames[0])
+    nothing = np.full((gap.length, 3, 3), np.nan)
+    return Prediction(xyz[inner], nothing, donors=tuple(int(d) for d in fit.donors))
+
+
+def _tie(rest: Floats) -> Floats:
+    """(4): residuals known at one or both ends, linear between them; zero where neither is known."""
+    known = [e for e in (0, len(rest) - 1) if np.isfinite(rest[e]).all()]
+    if not known:
+        return np.zeros_like(rest)
+    first, last = rest[known[0]], rest[known[-1]]
+    return np.linspace(first, last, len(rest))

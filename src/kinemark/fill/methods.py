@@ -1,0 +1,86 @@
+"""The table of fillers: every method is a frozen object of parameters, and its type tells which function fills."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from .angles import LimbAngles, fill_limb_angles
+from .body import Body, fill_body
+from .cyclic import Cyclic, fill_cyclic
+from .hiding import Filler
+from .kalman import Kalman, fill_kalman
+from .local_regression import LocalRegression, fill_local_regression
+from .low_rank_kalman import LowRankKalman, fill_low_rank_kalman
+from .pattern import Pattern, fill_pattern
+from .pca import PCA, fill_pca
+from .polynomials import Cubic, Linear, fill_cubic, fill_linear
+from .relational import Relational, fill_relational
+from .rigid_body import RigidBody, fill_rigid_body
+from .woltring import Quintic, fill_quintic
+
+FILLERS: dict[type, Filler] = {
+    Linear: fill_linear,
+    Cubic: fill_cubic,
+    Quintic: fill_quintic,
+    Pattern: fill_pattern,
+    RigidBody: fill_rigid_body,
+    Cyclic: fill_cyclic,
+    Relational: fill_relational,
+    LimbAngles: fill_limb_angles,
+    Kalman: fill_kalman,
+    PCA: fill_pca,
+    LowRankKalman: fill_low_rank_kalman,
+    LocalRegression: fill_local_regression,
+    Body: fill_body,
+}
+"""`filler(motion, gaps, *, method) -> list[Prediction]`, by type of method."""
+
+NAMES: dict[str, type] = {
+    "linear": Linear,
+    "cubic": Cubic,
+    "quintic": Quintic,
+    "pattern": Pattern,
+    "rigid_body": RigidBody,
+    "cyclic": Cyclic,
+    "relational": Relational,
+    "limb_angles": LimbAngles,
+    "kalman": Kalman,
+    "pca": PCA,
+    "low_rank_kalman": LowRankKalman,
+    "local_regression": LocalRegression,
+    "body": Body,
+}
+"""What settings and the command line call them."""
+
+
+MANY = 20
+"""Gaps of a trial above which time counts more than the last tenth of a millimetre."""
+
+
+SLOW = 300_000
+"""Gaps times frames above which limb angles, which look at the whole trial for each hidden test, are not tried."""
+
+
+def affordable(methods: Sequence[Any], gaps: int, frames: int) -> list[Any]:
+    """Those of the methods to choose from that a trial of so many gaps and frames leaves time for."""
+    quick = [method for method in methods if not isinstance(method, LimbAngles)]
+    return quick if quick and gaps * frames > SLOW else list(methods)
+
+
+def within_time(method: Any, gaps: int) -> Any:
+    """The method itself, or a faster form of it where a trial has many gaps."""
+    return replace(method, bases=1, frames=90, shared=True) if isinstance(method, Body) and gaps > MANY else method
+
+
+def name_of(method: Any) -> str:
+    """The name of a method's type.
+
+    Raises:
+        ValueError: it is not in the table.
+    """
+    for name, kind in NAMES.items():
+        if type(method) is kind:
+            return name
+    raise ValueError(f"{method!r} is no method of filling; there are {', '.join(NAMES)}")

@@ -1,0 +1,119 @@
+"""Each gap as a small drawing: the marker on both sides, what was put in between, how sure it is, and its neighbours.
+
+There may be hundreds of gaps in a trial, so these are plain SVG, a few kilobytes each, which need no script.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Origin, Path, Trajectories
+from .plain import Array
+from .theme import FAINT, GRID, INK, STATES
+from .words import number
+
+WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 360, 110, 46, 6, 16
+"""px; of a panel, and of its margins."""
+CONTEXT = 1.0
+"""Of the gap's length shown on either side, and at least CONTEXT_S."""
+CONTEXT_S = 0.25
+MOST = 160
+"""Points of a line."""
+NINETY_FIVE = 1.96
+NEIGHBOUR = "#9AA5B1"
+
+
+def gap_figure(trajectories: Trajectories, marker: str, start: int, stop: int, donors: tuple[str, ...] = ()) -> str:
+    """Three panels, x, y and z against time, as one SVG.
+
+    Args:
+        trajectories: the trial after filling.
+        marker: its name; start, stop: its missing frames, stop excluded.
+        donors: markers drawn beside it in grey, moved to where the marker is at the edges of the gap.
+    """
+    path, rate = trajectories[marker], trajectories.rate
+    margin = round(max(CONTEXT * (stop - start), CONTEXT_S * rate, 2))
+    frames = np.arange(max(start - margin, 0), min(stop + margin, len(path)))
+    frames = np.unique(
+        np.concatenate([frames[:: max(1, len(frames) // MOST)], np.clip([start - 1, stop], 0, frames[-1])])
+    )
+    near = [trajectories[name].xyz[frames] for name in donors if name != marker]
+    panels = [_panel(path, frames, axis, near, (start, stop), rate) for axis in range(3)]
+    body = "".join(f'<g transform="translate({i * (WIDTH + 8)},0)">{panel}</g>' for i, panel in enumerate(panels))
+    width = 3 * WIDTH + 16
+    return (
+        f'<svg viewBox="0 0 {width} {HEIGHT}" width="100%" role="img" font-size="10" fill="none" '
+        f'font-family="system-ui, sans-serif">{body}</svg>'
+    )
+
+
+def _panel(
+    path: Path, frames: NDArray[np.int64], axis: int, near: list[Array], gap: tuple[int, int], rate: float
+) -> str:
+    """One axis."""
+    value, sd = path.xyz[frames, axis], np.sqrt(path.cov[frames, axis, axis])
+    filled = path.origin[frames] == Origin.FILLED
+    band = np.where(filled, NINETY_FIVE * np.nan_to_num(sd), 0.0)
+    low, high = _span(np.concatenate([value - band, value + band]))
+    x = LEFT + (WIDTH - LEFT) * (frames - frames[0]) / max(frames[-1] - frames[0], 1)
+
+    def y(v: Array) -> Array:
+        return np.clip(TOP + (HEIGHT - TOP - BOTTOM) * (high - v) / (high - low), -HEIGHT, 2 * HEIGHT)
+
+    first, last = np.interp([gap[0] - 0.5, gap[1] - 0.5], frames, x)
+    parts = [
+        f'<path d="M{first:.1f} {TOP}V{HEIGHT - BOTTOM}H{last:.1f}V{TOP}Z" fill="#F5F7F8"/>',
+        f'<path d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{WIDTH}" stroke="{GRID}"/>',
+        *(_line(x, y(other[:, axis] - _offset(other[:, axis], value)), NEIGHBOUR, 0.7) for other in near),
+        _band(x[filled], y(value + band)[filled], y(value - band)[filled]),
+        _line(x, y(np.where(filled, np.nan, value)), STATES["measured"], 1.6),
+        _line(x, y(np.where(_widened(filled), value, np.nan)), STATES["filled"], 1.8),
+        _text(LEFT - 4, TOP + 8, number(high, 0), "end"),
+        _text(LEFT - 4, HEIGHT - BOTTOM, number(low, 0), "end"),
+        _text(LEFT - 4, (HEIGHT - BOTTOM + TOP) / 2 + 4, f"{'xyz'[axis]} mm", "end", INK),
+        _text(LEFT, HEIGHT - 4, f"{frames[0] / rate:.2f} s", "start"),
+        _text(WIDTH, HEIGHT - 4, f"{frames[-1] / rate:.2f} s", "end"),
+    ]
+    return "".join(parts)
+
+
+def _span(values: Array) -> tuple[float, float]:
+    """Least and greatest, not nearer to each other than 2 mm."""
+    known = values[np.isfinite(values)]
+    low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
+    return (low, high) if high - low > 2 else ((low + high) / 2 - 1, (low + high) / 2 + 1)
+
+
+def _offset(other: Array, value: Array) -> float:
+    """How far another marker's line is moved to lie where the marker is."""
+    both = np.isfinite(other) & np.isfinite(value)
+    return float(np.median((other - value)[both])) if both.any() else 0.0
+
+
+def _widened(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """With one more on either side, so that the line reaches what was measured."""
+    out = mask.copy()
+    out[1:] |= mask[:-1]
+    out[:-1] |= mask[1:]
+    return out
+
+
+def _line(x: Array, y: Array, colour: str, width: float) -> str:
+    """A line that is broken where it is not known."""
+    known = np.isfinite(y)
+    steps = np.where(np.concatenate([[True], ~known[:-1]]), "M", "L")
+    d = "".join(f"{s}{a:.1f} {b:.1f}" for s, a, b in zip(steps[known], x[known], y[known], strict=True))
+    return f'<path d="{d}" stroke="{colour}" stroke-width="{width}" stroke-linejoin="round"/>' if d else ""
+
+
+def _band(x: Array, upper: Array, lower: Array) -> str:
+    """The area between two lines."""
+    if len(x) < 2:
+        return ""
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip([*x, *x[::-1]], [*upper, *lower[::-1]], strict=True))
+    return f'<polygon points="{points}" fill="{STATES["filled"]}" fill-opacity="0.25"/>'
+
+
+def _text(x: float, y: float, text: str, anchor: str, colour: str = FAINT) -> str:
+    return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}" fill="{colour}">{text}</text>'

@@ -1,0 +1,134 @@
+"""Hidden tests: they are in the gap's state, and what is drawn from them about errors is true."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from test_fill import moving
+
+from kinemark.fill import Body, Gap, Linear, Prediction
+from kinemark.fill.calibration import Calibration, Measured, weigh
+from kinemark.fill.combine import close_ones, mean_tests
+from kinemark.fill.hiding import HiddenTest, Tried, plan, run
+from kinemark.fill.methods import FILLERS
+
+
+class TestHiding:
+    def test_the_same_others_are_missing_in_a_test(self):
+        motion = moving(600)
+        gaps = [Gap(0, 100, 150), Gap(1, 120, 140), Gap(4, 300, 320)]
+        hidden = motion.hidden(gaps)
+        planned = plan(hidden, gaps, per_gap=3, seed=1)
+        for test in planned.tests:
+            if test.of == 0 and test.own:
+                copy = hidden.hidden(planned.copies[test.copy])
+                start = test.window.start
+                assert np.isnan(copy.xyz[1, start + 20 : start + 40]).all()
+                assert not np.isnan(copy.xyz[2, start : start + 50]).any()
+
+    def test_windows_are_known_and_do_not_overlap_in_a_copy(self):
+        motion = moving(900, soft=3.0)
+        gaps = [Gap(k, 100 * k + 20, 100 * k + 50) for k in range(8)]
+        hidden = motion.hidden(gaps)
+        planned = plan(hidden, gaps, per_gap=4, seed=2)
+        assert {t.of for t in planned.tests} == set(range(8))
+        for number in range(len(planned.copies)):
+            windows = sorted(t.window[1:] for t in planned.tests if t.copy == number)
+            assert all(a[1] <= b[0] for a, b in pairwise(windows))
+        for test in planned.tests:
+            assert not np.isnan(hidden.xyz[test.window.marker, test.window.start : test.window.stop]).any()
+
+    def test_a_gap_longer_than_what_is_left_is_tested_on_other_markers(self):
+        motion, gap = moving(200), Gap(0, 50, 180)
+        planned = plan(motion.hidden([gap]), [gap], per_gap=3, seed=0)
+        assert planned.tests and all(not t.own and t.window.length == gap.length for t in planned.tests)
+
+    def test_gaps_at_an_end_are_tested_by_hiding_all_to_that_end(self):
+        motion, gap = moving(300), Gap(0, 260, 300)
+        planned = plan(motion.hidden([gap]), [gap], per_gap=3, seed=0)
+        assert all(t.window.stop == 300 and t.keep[1] - t.keep[0] == 40 for t in planned.tests)
+        tried = run(motion.hidden([gap]), planned, FILLERS[Body], Body())
+        assert all(t.error.shape == (40, 3) for t in tried)
+
+    def test_errors_are_those_of_the_filler(self):
+        motion, gap = moving(300), Gap(0, 100, 110)
+        hidden = motion.hidden([gap])
+        planned = plan(hidden, [gap], per_gap=2, seed=0)
+        for tried in run(hidden, planned, FILLERS[Linear], Linear()):
+            window = tried.test.window
+            ends = motion.xyz[0, [window.start - 1, window.stop]]
+            chord = ends[0] + (ends[1] - ends[0]) * np.arange(1, 11)[:, None] / 11
+            assert np.allclose(tried.error, chord - motion.xyz[0, window.start : window.stop])
+
+
+def tries(n, sd, rng, *, said=1.0, length=20):
+    """n tests of one gap with errors of this sd, and a method that claims `said`."""
+    test = HiddenTest(0, 0, Gap(0, 0, length), (0, length), True)
+    cov = np.tile(said**2 * np.eye(3), (length, 1, 1))
+    return [Tried(test, rng.normal(0, sd, (length, 3)), cov, np.ones(length)) for _ in range(n)]
+
+
+class TestCalibration:
+    @pytest.mark.parametrize("said", [0.2, 1.0, 30.0, np.nan])
+    def test_intervals_hold_whatever_the_method_claims(self, said):
+        rng, inside = np.random.default_rng(1), []
+        for _ in range(30):
+            tried = tries(12, 2.0, rng, said=said)
+            prediction = tries(1, 0.0, rng, said=said)[0]
+            cov = Calibration(tried).covariance(prediction, prediction.edge, np.ones(12))
+            new = rng.normal(0, 2.0, (20, 3))
+            inside.append((np.abs(new) < 1.96 * np.sqrt(np.diagonal(cov, axis1=1, axis2=2))).mean())
+        assert 0.93 < np.mean(inside) < 0.99
+
+    def test_a_silent_method_gets_errors_that_grow_from_the_edges(self):
+        rng = np.random.default_rng(2)
+        edge = np.minimum(np.arange(1, 41), np.arange(40, 0, -1)).astype(float)
+        test = HiddenTest(0, 0, Gap(0, 0, 40), (0, 40), True)
+        nothing = np.full((40, 3, 3), np.nan)
+        tried = [Tried(test, rng.normal(0, edge[:, None], (40, 3)), nothing, edge) for _ in range(20)]
+        cov = Calibration(tried).covariance(tried[0], edge, np.ones(20))
+        sd = np.sqrt(cov[:, 0, 0])
+        assert (np.diff(sd[:20]) >= 0).all() and sd[19] > 4 * sd[0]
+
+    def test_tests_of_the_gap_itself_count_most(self):
+        gaps = [Gap(0, 0, 20), Gap(0, 50, 70), Gap(3, 0, 20), Gap(3, 0, 200)]
+        tests = [HiddenTest(k, 0, Gap(g.marker, 0, g.length), (0, g.length), True) for k, g in enumerate(gaps)]
+        w = weigh(tests, 0, gaps)
+        assert w[0] > w[1] > w[2] > w[3] > 0
+
+    def test_expected_error_is_the_mean_of_the_tests_for_a_method_that_claims_nothing(self):
+        rng, n = np.random.default_rng(3), 200
+        tried = tries(n, 2.0, rng, said=np.nan)
+        mean, typical = Measured(tried).expect(Prediction(np.zeros((20, 3)), tried[0].cov), np.ones(n))
+        assert np.isclose(mean, 2.0 * np.sqrt(8 / np.pi), rtol=0.02) and typical < mean  # of a normal error in space
+
+    def test_a_gap_that_the_method_finds_harder_is_expected_to_be_worse(self):
+        rng = np.random.default_rng(4)
+        tried = tries(10, 2.0, rng, said=1.0)
+        same, worse = (
+            Measured(tried).expect(Prediction(np.zeros((20, 3)), k * tried[0].cov), np.ones(10))[0] for k in (1, 16)
+        )
+        assert np.isclose(worse, 2 * same)
+
+    def test_no_tests_no_error_and_no_answers_an_infinite_one(self):
+        said = Prediction(np.zeros((4, 3)), np.full((4, 3, 3), np.nan))
+        assert np.isnan(Measured([]).expect(said, np.zeros(0))).all()
+        tried = [t._replace(error=t.error[:0]) for t in tries(3, 1.0, np.random.default_rng(0))]
+        assert np.isinf(Measured(tried).expect(said, np.ones(3))).all()
+
+
+def test_methods_that_do_alike_are_weighed_together_and_better_for_it():
+    rng = np.random.default_rng(7)
+    a, b = tries(20, 2.0, rng), tries(20, 2.4, rng)
+    weights = close_ones([2.0, 2.4, 9.0])
+    assert set(weights) == {0, 1} and np.isclose(sum(weights.values()), 1) and weights[0] > weights[1]
+    assert close_ones([2.0, 9.0]) == {} and close_ones([np.inf, np.inf]) == {}
+    both = mean_tests([a, b], np.array([weights[0], weights[1]]))
+    assert np.mean([t.mean for t in both]) < 0.85 * np.mean([t.mean for t in a])  # independent errors cancel
+
+
+def test_a_mean_needs_all_its_methods():
+    rng = np.random.default_rng(8)
+    a, b = tries(2, 1.0, rng), tries(2, 1.0, rng)
+    b[1] = b[1]._replace(error=b[1].error[:0])
+    assert [len(t.error) for t in mean_tests([a, b], np.array([0.5, 0.5]))] == [20, 0]

@@ -22,12 +22,15 @@ from .fill import LIMIT
 from .filling import fill_file, fill_method
 from .formats import convert as convert_file
 from .formats import describe
+from .limits import limits
 from .pipeline import Progress as Told
 from .proposals import learn_session_masks, propose_detection
 from .report.angles import angle_summary
 from .report.calibration_text import calibration_summary
 from .report.filling import filling_summary
+from .report.sensitivity import sensitivity_summary
 from .report.text import summary
+from .sensitivity import Limits
 from .session import Session
 from .settings import methods_text, parameters
 from .simulate import Scene
@@ -296,6 +299,39 @@ def angles(
         _print(result.figures)
         return
     _print(f"{angle_summary(result.figures)}\nresults:  {result.folder}")
+
+
+@app.command
+def sensitivity(
+    session: Path,
+    *,
+    trial: str | None = None,
+    placement_mm: float = 5.0,
+    cycles: int = 6,
+    centroid_px: float | None = None,
+    model: str | None = None,
+    markers: Path | None = None,
+    json: Json = False,
+) -> None:
+    """Say what limits the accuracy of a trial: noise, lenses, calibration, marker placement, or a camera that is lost.
+
+    Args:
+        session: a folder with a session.toml, or such a file.
+        trial: its name; the first of the session where none is given.
+        placement_mm: how far, along each axis, a marker sits from its landmark (standard deviation).
+        cycles: how many cycles a mean is taken over.
+        centroid_px: standard deviation of a centroid, px; as the trial's residuals show it where none is given.
+        model: rank the joint angles of this model (its name, or a TOML file); else the directions of segments.
+        markers: a C3D, TRC, CSV or TDF file of the same recording with the names that the model wants.
+        json: print the figures for a machine.
+    """
+    try:
+        asked = Limits(placement_mm=placement_mm, cycles=cycles, centroid_sd=centroid_px)
+    except ValueError as error:
+        raise KinemarkError(f"{error}.") from error
+    with progress() as tell:
+        found = limits(session, trial=trial, method=asked, model=model, markers=markers, progress=tell)
+    _print(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")
 
 
 def _print(value: object) -> None:

@@ -1,0 +1,180 @@
+"""The figures of what limits a recording: ranked sources, what averaging brings, markers, angles, cameras, images."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from ..data import Rig
+from ..sensitivity import Ranking
+from .plain import Array
+from .theme import FAINT, HUES, axis_style, empty, figure, label
+
+ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
+UNITS = {"mm": "σ of a marker per axis (mm)", "deg": "σ of an angle (°)"}
+COLOURS = {
+    "marker placement": HUES[3],
+    "centroid noise": HUES[0],
+    "calibration": HUES[1],
+    "lens model": HUES[2],
+    "disturbed images": HUES[4],
+}
+COLUMNS = 4
+ARROW = 0.16
+"""Longest arrow, as a share of the image's width."""
+
+
+def ranked_figure(figures: dict[str, Any]) -> go.Figure:
+    """A row a source, the greatest at the top, and the loss of the camera most missed; one frame, and a mean."""
+    unit, rows = figures["ranked_by"], list(figures["ranking"])
+    if figures["lost"] and figures["lost"][0][f"cost_{unit}"] is not None:
+        worst = figures["lost"][0]
+        cost = worst[f"cost_{unit}"]
+        rows.append({"source": f"if {label(worst['camera'])} were lost", unit: cost, f"mean_{unit}": None})
+    rows.sort(key=lambda row: row[unit] or 0.0)
+    fig = figure(110 + 46 * len(rows), showlegend=True, legend=ABOVE, margin={"l": 150, "t": 44, "r": 30, "b": 48})
+    names = [row["source"] for row in rows]
+    for key, title, colour, symbol in (
+        (unit, "a single frame", HUES[0], "circle"),
+        (f"mean_{unit}", f"a mean over {figures['cycles']} cycles", HUES[1], "diamond"),
+    ):
+        fig.add_scatter(
+            x=[row[key] for row in rows], y=names, mode="markers+text", name=title,
+            text=[f"{row[key]:.2g}" if row[key] and key == unit else "" for row in rows], textposition="middle right",
+            marker={"size": 12, "color": colour, "symbol": symbol}, hovertemplate="%{y}: %{x:.3g}<extra></extra>",
+        )  # fmt: skip
+    for row in rows:
+        if row[unit] is not None:
+            line = {"color": "#C9D1D8", "width": 6}
+            fig.add_shape(type="line", x0=0, x1=row[unit], y0=row["source"], y1=row["source"], line=line, layer="below")
+    fig.update_xaxes(title_text=UNITS[unit], rangemode="tozero")
+    return fig.update_yaxes(ticks="", showgrid=False)
+
+
+def cycles_figure(figures: dict[str, Any]) -> go.Figure:
+    """All sources, and those of the cameras, against the number of cycles; dotted what no averaging takes away."""
+    unit = figures["ranked_by"]
+    rows = figures["by_cycles"]
+    fig = figure(340, showlegend=True, legend=ABOVE, margin={"l": 60, "r": 20, "t": 44, "b": 48})
+    fixed = [row for row in figures["ranking"] if not row["averages"] and row[unit]]
+    for i, (name, key, left_out) in enumerate(
+        (("all sources", unit, ""), ("without the placement of markers", f"cameras_{unit}", "marker placement"))
+    ):
+        floor = float(np.sqrt(sum(row[unit] ** 2 for row in fixed if row["source"] != left_out)))
+        fig.add_scatter(
+            x=[row["cycles"] for row in rows], y=[row[key] for row in rows], mode="lines+markers", name=name,
+            line={"color": HUES[i], "width": 2}, marker={"size": 8, "symbol": ("circle", "diamond")[i]},
+            hovertemplate="%{x} cycles: %{y:.3g}<extra></extra>",
+        )  # fmt: skip
+        line = {"color": HUES[i], "width": 1.5, "dash": "dot"}
+        fig.add_scatter(
+            x=[1, rows[-1]["cycles"]], y=[floor, floor], mode="lines", name="what no averaging takes away", line=line,
+            hoverinfo="skip", showlegend=False,
+        )  # fmt: skip
+    fig.update_xaxes(title_text="cycles in the mean")
+    return fig.update_yaxes(title_text=UNITS[unit], type="log", dtick=0.30103, tickformat=".2~g")
+
+
+def marker_figure(figures: dict[str, Any]) -> go.Figure:
+    """A place a marker: each source that cameras are to blame for, mm."""
+    return _places(figures["by_marker"], "marker", UNITS["mm"], [n for n in COLOURS if n != "marker placement"])
+
+
+def angle_figure(figures: dict[str, Any]) -> go.Figure:
+    """A place an angle or segment: each source, degrees, on a logarithmic scale."""
+    if not figures["by_angle"]:
+        return empty("No two markers keep their distance, and no model was named: there are no angles.")
+    fig = _places(figures["by_angle"], "angle", UNITS["deg"], list(COLOURS))
+    return fig.update_yaxes(type="log", rangemode="normal", dtick=1, minor={"showgrid": True, "gridcolor": "#F2F4F6"})
+
+
+def _places(rows: list[dict[str, Any]], key: str, title: str, sources: list[str]) -> go.Figure:
+    fig = figure(400, showlegend=True, legend=ABOVE, margin={"l": 60, "r": 20, "t": 44, "b": 48})
+    for source in sources:
+        fig.add_scatter(
+            x=list(range(len(rows))), y=[row[source] or None for row in rows], mode="markers", name=source,
+            marker={"size": 8, "color": COLOURS[source]}, hovertemplate="%{x}: %{y:.3g}",
+        )  # fmt: skip
+    names = [label(row[key]) for row in rows]
+    fig.update_xaxes(tickvals=list(range(len(names))), ticktext=names, ticks="", tickfont={"size": 11}, tickangle=-60)
+    return fig.update_yaxes(title_text=title, rangemode="tozero")
+
+
+def loss_figure(figures: dict[str, Any]) -> go.Figure:
+    """A place a camera: what the cameras' part becomes without it, at the points that are left, and the points gone."""
+    lost = figures["lost"]
+    if not lost:
+        return empty("With two cameras nothing is left when one is lost.")
+    rows = sorted(lost, key=lambda row: (len(row["camera"]), row["camera"]))
+    fig = go.Figure(make_subplots(rows=1, cols=2, horizontal_spacing=0.12))
+    style = figure(330, showlegend=True, legend=ABOVE, margin={"l": 60, "r": 20, "t": 44, "b": 60}).layout
+    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
+    x = list(range(len(rows)))
+    for name, key, symbol, i in (("without it", "mm", "circle", 1), ("with it", "all_mm", "diamond", 0)):
+        fig.add_scatter(
+            x=x, y=[row[key] for row in rows], mode="markers", name=name, hovertemplate="%{y:.3g} mm",
+            marker={"size": 10, "color": HUES[i], "symbol": symbol}, row=1, col=1,
+        )  # fmt: skip
+    fig.add_scatter(
+        x=x, y=[100 * row["gone_share"] for row in rows], mode="markers", name="points gone", showlegend=False,
+        marker={"size": 10, "color": HUES[6]}, hovertemplate="%{y:.1f} %<extra></extra>", row=1, col=2,
+    )  # fmt: skip
+    names = [label(row["camera"]) for row in rows]
+    for col, title in ((1, "σ per axis (mm)"), (2, "points gone (%)")):
+        fig.update_xaxes(**axis_style(), tickvals=x, ticktext=names, range=[-0.6, len(rows) - 0.4], row=1, col=col)
+        fig.update_yaxes(**axis_style(), title_text=title, rangemode="tozero", row=1, col=col)
+    return fig.update_xaxes(title_text="camera that is lost", ticks="")
+
+
+def field_figure(ranking: Ranking, rig: Rig) -> go.Figure:
+    """A panel a camera: the mean residual of each part of its image as a line, much enlarged."""
+    cells, edges = ranking.evidence.cells, ranking.evidence.edges
+    size = np.linalg.norm(cells, axis=-1)
+    if not np.isfinite(size).any():
+        return empty("No marker is seen by three cameras, so that residuals say nothing.")
+    columns, rows = min(COLUMNS, len(rig)), -(-len(rig) // COLUMNS)
+    scale = _enlargement(float(np.nanquantile(size, 0.95)), float(np.median(edges[:, 1, 0] - edges[:, 0, 0])))
+    titles = [label(camera.name) for camera in rig]
+    gaps = {"vertical_spacing": 0.28 / rows, "horizontal_spacing": 0.05}
+    fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
+    style = figure(90 + 210 * rows, margin={"l": 50, "r": 20, "t": 40, "b": 66}).layout
+    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
+    for c, camera in enumerate(rig):
+        place = {"row": c // COLUMNS + 1, "col": c % COLUMNS + 1}
+        _arrows(fig, cells[c], edges[c], scale, place)
+        width, height = camera.size if (camera.size > 0).all() else edges[c, 1]
+        plain = {**axis_style(), "showgrid": False, "zeroline": False}
+        fig.update_xaxes(**plain, range=[-0.5, float(width)], **place)
+        fig.update_yaxes(**plain, range=[float(height), -0.5], **place)
+    return fig.add_annotation(
+        text=f"drawn {scale:,.0f} times as long", showarrow=False, x=1, y=0, xref="paper", yref="paper", yshift=-50,
+        xanchor="right", font={"color": FAINT, "size": 12},
+    )  # fmt: skip
+
+
+def _arrows(fig: go.Figure, cells: Array, edges: Array, scale: float, place: dict[str, int]) -> None:
+    nu, nv = cells.shape[:2]
+    step = (edges[1] - edges[0]) / (nu, nv)
+    at = edges[0] + (np.stack(np.meshgrid(np.arange(nu), np.arange(nv), indexing="ij"), -1) + 0.5) * step
+    a, off = at.reshape(-1, 2), cells.reshape(-1, 2)
+    known = np.isfinite(off).all(1)
+    line = np.stack([a[known], a[known] + scale * off[known], np.full_like(a[known], np.nan)], 1).reshape(-1, 2)
+    style = {"color": HUES[1], "width": 1.6}
+    fig.add_scatter(
+        x=line[:, 0].astype(np.float32), y=line[:, 1].astype(np.float32), mode="lines", line=style, hoverinfo="skip",
+        **place,
+    )  # fmt: skip
+    text = [f"{np.linalg.norm(o):.3f} px" for o in off[known]]
+    x, y = a[known].T.astype(np.float32)
+    dot = {"size": 4, "color": HUES[1]}
+    fig.add_scatter(x=x, y=y, mode="markers", marker=dot, text=text, hovertemplate="%{text}<extra></extra>", **place)
+
+
+def _enlargement(length: float, width: float) -> float:
+    """A round factor that makes lengths visible."""
+    factor = ARROW * width / max(length, 1e-6)
+    power = 10.0 ** np.floor(np.log10(factor))
+    return float(power * max(k for k in (1, 2, 5) if k * power <= factor))

@@ -1,0 +1,61 @@
+"""How errors travel: from centroids to the calibration, to points, joint angles and means over cycles.
+
+`um2as` is the experiment of the UM²AS thesis (chapter 4), a million samples at a time (`sampling`, `dlt`); `chain` the
+same to first order for any rig and any kinematics; `evidence` what a recording's own residuals say, and `ranking` what
+limits its accuracy.
+"""
+
+from .chain import (
+    Kinematics,
+    Spread,
+    angle_jacobian,
+    angle_spread,
+    cycle_weights,
+    linear_points,
+    mean_spread,
+    placed_points,
+    rig_points,
+)
+from .evidence import Shown, shown
+from .ranking import Limits, Lost, Ranking, Source, rank, typical
+from .recording import Seen, gather, gather_named
+from .sampling import Sampled, Sampling, climb, sample
+from .segments import Rigid, segment_jacobian, segments
+from .um2as import Changed, Linear, Moved, calibration_experiment, laboratory, marker, marker_experiment
+
+__all__ = [
+    "Changed",
+    "Kinematics",
+    "Limits",
+    "Linear",
+    "Lost",
+    "Moved",
+    "Ranking",
+    "Rigid",
+    "Sampled",
+    "Sampling",
+    "Seen",
+    "Shown",
+    "Source",
+    "Spread",
+    "angle_jacobian",
+    "angle_spread",
+    "calibration_experiment",
+    "climb",
+    "cycle_weights",
+    "gather",
+    "gather_named",
+    "laboratory",
+    "linear_points",
+    "marker",
+    "marker_experiment",
+    "mean_spread",
+    "placed_points",
+    "rank",
+    "rig_points",
+    "sample",
+    "segment_jacobian",
+    "segments",
+    "shown",
+    "typical",
+]

@@ -180,19 +180,19 @@ def test_the_library_imports_without_an_interface():
 
 def test_the_public_names_are_a_decision():
     """Whoever adds or removes one changes this list with it."""
-    records = "Analog Camera Cloud Detections Events ForcePlate MarkerSet Matches Origin Path Rig Rods Tracks"
+    records = "Analog AngleModel Angles Camera Cloud Detections Events ForcePlate MarkerSet Matches Origin Path Rig Rods Tracks"
     records += " Trajectories Trial Validity KinemarkError"
     methods = "Centroids ControlPoints EpipolarTriplets ExtrapolationLadder LeastSquares"
     methods += (
         " CameraPairs DistanceOnly FormerTwoCameras KissTracking KissTriplets NearestEpipolar Simultaneous Swamidas"
     )
-    methods += " Dlt KissNearest KissScanning Linearisation Masks Wand"
+    methods += " Dlt KissNearest KissScanning Linearisation Masks Wand Auto InverseCosines SignedAngles"
     stages = "calibrate_control_frame calibrate_control_points detect match reconstruct score to_trajectories track"
-    stages += " doubts follow followed noticed"
+    stages += " doubts follow followed noticed noticed_of fill Filled FilledGap place_absent trim_edges joint_angles"
     stages += " calibrate_points calibrate_sticks calibrate_wand learn_masks linearise predicted_covariance propose"
     geometry = "project refine triangulate undistort"
     kinds = "c3d detections_csv dlt_csv rig_toml trajectories_csv trc"
-    files = " ".join(f"read_{k} write_{k}" for k in kinds.split()) + " read_tdf load save open_images"
+    files = " ".join(f"read_{k} write_{k}" for k in kinds.split()) + " read_tdf load load_model save open_images"
     names = " ".join([records, methods, stages, geometry, files, "__version__"]).split()
     assert sorted(kinemark.__all__) == sorted(names)
     assert all(hasattr(kinemark, name) for name in names)

@@ -5,7 +5,8 @@ The stages, each `stage(data, …, method=Method(…)) -> data`:
     rig = read_rig_toml("rig.toml")
     seen = detect([open_images(f"walk/{c}.mkv") for c in rig.names], cameras=rig.names, rate=50.0)
     trajectories = to_trajectories(follow(seen, rig), rig)
-    write_c3d("walk.c3d", Trial("walk", trajectories))
+    filled, gaps = fill(trajectories)
+    write_c3d("walk.c3d", Trial("walk", filled))
 
 A whole session with its report: `from kinemark.session import Session`.
 """
@@ -25,6 +26,8 @@ from .calibrate import (
 )
 from .data import (
     Analog,
+    AngleModel,
+    Angles,
     Camera,
     Cloud,
     Detections,
@@ -43,17 +46,20 @@ from .data import (
     Validity,
 )
 from .detect import Centroids, KissNearest, KissScanning, Masks, detect, learn_masks, propose
-from .follow import FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed
+from .fill import Auto, Filled, FilledGap, fill, place_absent, trim_edges
+from .follow import FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed, noticed_of
 from .geometry import project, refine, triangulate, undistort
 from .io.c3d import read_c3d, write_c3d
 from .io.detections_csv import read_detections_csv, write_detections_csv
 from .io.dlt_csv import read_dlt_csv, write_dlt_csv
 from .io.images import open_images
+from .io.model_toml import load_model
 from .io.records import load, save
 from .io.rig_toml import read_rig_toml, write_rig_toml
 from .io.tdf import read_tdf
 from .io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .io.trc import read_trc, write_trc
+from .kinematics import InverseCosines, SignedAngles, joint_angles
 from .match import EpipolarTriplets, KissTriplets, NearestEpipolar, match
 from .reconstruct import CameraPairs, LeastSquares, reconstruct
 from .score import score
@@ -62,6 +68,9 @@ from .version import __version__
 
 __all__ = [
     "Analog",
+    "AngleModel",
+    "Angles",
+    "Auto",
     "Camera",
     "CameraPairs",
     "Centroids",
@@ -73,8 +82,11 @@ __all__ = [
     "EpipolarTriplets",
     "Events",
     "ExtrapolationLadder",
+    "Filled",
+    "FilledGap",
     "ForcePlate",
     "FormerTwoCameras",
+    "InverseCosines",
     "KinemarkError",
     "KissNearest",
     "KissScanning",
@@ -90,6 +102,7 @@ __all__ = [
     "Path",
     "Rig",
     "Rods",
+    "SignedAngles",
     "Simultaneous",
     "Swamidas",
     "Tracks",
@@ -105,14 +118,19 @@ __all__ = [
     "calibrate_wand",
     "detect",
     "doubts",
+    "fill",
     "follow",
     "followed",
+    "joint_angles",
     "learn_masks",
     "linearise",
     "load",
+    "load_model",
     "match",
     "noticed",
+    "noticed_of",
     "open_images",
+    "place_absent",
     "predicted_covariance",
     "project",
     "propose",
@@ -130,6 +148,7 @@ __all__ = [
     "to_trajectories",
     "track",
     "triangulate",
+    "trim_edges",
     "undistort",
     "write_c3d",
     "write_detections_csv",

@@ -180,8 +180,10 @@ def test_the_library_imports_without_an_interface():
 
 def test_the_public_names_are_a_decision():
     """Whoever adds or removes one changes this list with it."""
-    records = "Analog AngleModel Angles Camera Cloud Detections Events ForcePlate MarkerSet Matches Origin Path Rig Rods Tracks"
-    records += " Trajectories Trial Validity KinemarkError"
+    records = (
+        "Analog AngleModel Angles Camera Cloud Detections Events ForcePlate MarkerSet Matches Origin Path Rig Rods"
+    )
+    records += " Tracks Trajectories Trial Validity KinemarkError"
     methods = "Centroids ControlPoints EpipolarTriplets ExtrapolationLadder LeastSquares"
     methods += (
         " CameraPairs DistanceOnly FormerTwoCameras KissTracking KissTriplets NearestEpipolar Simultaneous Swamidas"

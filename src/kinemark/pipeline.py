@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from itertools import combinations
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from .data import Analog, Cloud, Detections, Fills, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
 from .detect import Centroids, KissNearest, KissScanning
 from .digitise import called, identified_matches, identified_tracks
+from .exchanged import exchanged_cameras
 from .fill import Filled, FilledGap, Filling, Rays, fill_recording
 from .follow import FOLLOWERS, Doubt, FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed, noticed_of
 from .io.c3d import write_c3d
@@ -37,13 +37,6 @@ from .track import TrackMethod, to_trajectories, track
 Record = TypeVar("Record")
 
 DOUBTS, GAPS = "doubts.json", "gaps.html"
-
-LITTLE = 0.6
-"""Share of a camera's valid detections; if less agree with two other cameras, it may have the images of another."""
-AS_MUCH, AS_GOOD = 0.7, 0.95
-LOOKED_AT = 20
-"""Frames on which cameras are exchanged."""
-MOST_PAIRS = 30
 
 Progress = Callable[[str, int, int], None]
 """Called with the stage, how much of it is done, and how much there is."""
@@ -165,7 +158,10 @@ def run(
     filled, key = _filled(ledger, measured, Rays.left_by(tracks, detections, rig), methods.fill, key, progress)
     trajectories = filled.trajectories
     steps = tuple(ledger.steps)
-    notes = (*source.doubts, *exchanged_cameras(detections, rig, tracks.cloud, methods))
+    notes = (
+        *source.doubts,
+        *exchanged_cameras(detections, rig, tracks.cloud, matching=methods.match, placing=methods.reconstruct),
+    )
     figures = quality(
         session=session,
         trial=folder.name,
@@ -206,47 +202,6 @@ def run(
         progress("write", 1, 1)
     ledger.note("write", key)  # only now: what was cut off before is written again
     return Results(folder, rig, detections, tracks, trajectories, figures, steps, tuple(ledger.computed))
-
-
-def exchanged_cameras(detections: Detections, rig: Rig, cloud: Cloud, methods: Methods) -> tuple[str, ...]:
-    """Which two cameras have each other's images or calibration, as a sentence, if so; nothing where all is well.
-
-    A point on two cameras is no proof, as any two rays that meet are one. So cameras little of whose detections became
-    part of a point on three are exchanged in pairs; that pair is named with which most then do, `AS_MUCH` and twice as
-    many as before. In a room as symmetrical as its cameras two pairs may do as well, and both are named.
-    """
-    confirmed = _confirmed(detections, cloud)
-    doubtful = np.flatnonzero(confirmed < LITTLE)
-    if len(rig) < 3 or len(doubtful) < 2:
-        return ()
-    frames = np.linspace(0, detections.n_frames - 1, min(LOOKED_AT, detections.n_frames)).astype(np.int64)
-    few = detections.keep(np.isin(detections.frame, frames))
-    shares: dict[str, float] = {}
-    for a, b in list(combinations(map(int, doubtful), 2))[:MOST_PAIRS]:
-        cameras = list(rig.cameras)
-        cameras[a], cameras[b] = replace(rig[b], name=rig.names[a]), replace(rig[a], name=rig.names[b])
-        other = replace(rig, cameras=tuple(cameras))
-        points = reconstruct(match(few, other, method=methods.match), few, other, method=methods.reconstruct)
-        now, before = (share[[a, b]] for share in (_confirmed(few, points), confirmed))
-        if now.min() > max(AS_MUCH, 2 * before.max()):
-            shares[f"{rig.names[a]} and {rig.names[b]}"] = float(now.min())
-    best = [pair for pair, share in shares.items() if share > AS_GOOD * max(shares.values())]
-    if not best:
-        return ()
-    return (
-        f"The images of {', or of '.join(best)} seem to be exchanged: with each taken for the other "
-        f"{100 * max(shares.values()):.0f} % of what they saw agrees with two cameras more, and "
-        f"{100 * confirmed[doubtful].max():.0f} % or less as it is. Exchange the files, in the trial or in the "
-        "calibration.",
-    )
-
-
-def _confirmed(detections: Detections, cloud: Cloud) -> NDArray[np.float64]:
-    """(C) share of each camera's valid detections that became part of a point on three cameras; 1 where it has none."""
-    valid = np.bincount(detections.camera[detections.valid], minlength=len(detections.cameras))
-    three = cloud.view[(cloud.view >= 0).sum(1) >= 3]
-    used = np.bincount(detections.camera[np.unique(three[three >= 0])], minlength=len(detections.cameras))
-    return np.where(valid > 0, used / np.maximum(valid, 1), 1.0)
 
 
 def _whole(ratio: float) -> bool:

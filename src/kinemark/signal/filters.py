@@ -24,7 +24,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfiltfilt
 
 Floats = NDArray[np.float64]
 CUTOFFS = 60
@@ -40,6 +39,8 @@ def butterworth(y: Floats, *, rate: float, cutoff_hz: float, order: int = 2) -> 
     Raises:
         ValueError: the cut-off is not between 0 and half the rate, or there are too few samples.
     """
+    from scipy.signal import butter, sosfiltfilt  # a second to import, which no other command should wait for
+
     f0 = _each_pass(cutoff_hz, rate, order)
     sections = butter(order, f0, fs=rate, output="sos")
     if len(y) <= fewest(order):

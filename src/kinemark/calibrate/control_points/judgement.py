@@ -26,8 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_distribution
-from scipy.stats import f as f_distribution
+from scipy.special import chdtrc, chdtri, fdtrc  # scipy.stats has the same and takes a second to import
 
 from ...geometry import project
 from .fit import ControlFit
@@ -78,7 +77,7 @@ def judge_control_points(fit: ControlFit) -> Judgement:
 def limits(e: float, nu: int) -> tuple[float, float]:
     """(3): between which limits the truth lies, given an estimate from nu equations left over."""
     tails = np.array([(1 + SURE) / 2, (1 - SURE) / 2])
-    low, high = e * np.sqrt(nu / chi2_distribution.ppf(tails, max(nu, 1)))
+    low, high = e * np.sqrt(nu / chdtri(max(nu, 1), 1 - tails))
     return float(low), float(high)
 
 
@@ -162,7 +161,7 @@ def _cameras(fit: ControlFit) -> list[Finding]:
 
 def _beyond(ratio: float, nu: int, nu_others: int, tried: int) -> bool:
     """Whether chance makes one of so many cameras so much worse than the others."""
-    return bool(f_distribution.sf(ratio**2, nu, nu_others) < CHANCE / tried)
+    return bool(fdtrc(nu, nu_others, ratio**2) < CHANCE / tried)
 
 
 def _missing(fit: ControlFit, cameras: list[int]) -> str:
@@ -184,7 +183,7 @@ def _noise(fit: ControlFit) -> list[Finding]:
         r, Q = fit.residual[c, fit.kept[c]], fit.cov[c, fit.kept[c]]
         total += float(np.einsum("ni,nij,nj->", r, np.linalg.inv(Q), r))
     ratio = float(np.sqrt(total / nu))
-    if ratio < TOO_NOISY or chi2_distribution.sf(total, nu) > CHANCE:
+    if ratio < TOO_NOISY or chdtrc(nu, total) > CHANCE:
         return []
     s, _ = scatter(fit, [int(c) for c in stated])
     return [

@@ -137,6 +137,16 @@ def test_a_bank_places_its_marker_as_a_rigid_body_would():
     assert max(off.mean() for off in errors(found, motion, both)) < 12
 
 
+def test_a_long_trial_is_filled_as_well_as_a_short_one():
+    motion = leg(n=6000)
+    gaps = [Gap(k % 8, 300 + 700 * k, 400 + 700 * k) for k in range(8)]
+    found = fill_limb_angles(motion.hidden(gaps), gaps)
+    off = np.concatenate(errors(found, motion, gaps))
+    assert off.mean() < 0.8  # as in 900 frames, which are not thinned
+    sd = np.concatenate([np.sqrt(np.trace(f.cov, axis1=1, axis2=2)) for f in found])
+    assert np.sqrt((off**2).mean()) < np.sqrt((sd**2).mean()) < 3.0  # it does not claim too much
+
+
 def test_intervals_of_the_model_hold():
     inside, n = 0, 0
     for seed in range(3):

@@ -38,6 +38,18 @@ class TestHiding:
         for test in planned.tests:
             assert not np.isnan(hidden.xyz[test.window.marker, test.window.start : test.window.stop]).any()
 
+    def test_tests_of_many_gaps_share_few_copies_and_still_do_not_overlap(self):
+        motion = moving(2000)
+        gaps = [Gap(k % 8, 45 * k + 20, 45 * k + 40) for k in range(40)]
+        hidden = motion.hidden(gaps)
+        planned = plan(hidden, gaps, per_gap=1, seed=3)
+        assert sorted(t.of for t in planned.tests) == list(range(40)) and len(planned.copies) <= 3
+        for number in range(len(planned.copies)):
+            windows = sorted(t.window[1:] for t in planned.tests if t.copy == number)
+            assert all(a[1] <= b[0] for a, b in pairwise(windows))
+        for test in planned.tests:
+            assert not np.isnan(hidden.xyz[test.window.marker, test.window.start - 1 : test.window.stop + 1]).any()
+
     def test_a_gap_longer_than_what_is_left_is_tested_on_other_markers(self):
         motion, gap = moving(200), Gap(0, 50, 180)
         planned = plan(motion.hidden([gap]), [gap], per_gap=3, seed=0)

@@ -182,13 +182,15 @@ def _donors(trial: _Trial, gap: Gap, most: int) -> Ints:
     thin = trial.seen[:, :: max(1, trial.seen.shape[1] // 400)]
     chosen: list[int] = []
     together = thin[marker]
-    ready = np.flatnonzero(trial.seen[:, gap.start : gap.stop].all(1))
-    for donor in trial.ranks[marker][np.isin(trial.ranks[marker], ready)]:
-        if len(chosen) < most:
-            both = together & thin[donor]
-            if both.sum() >= 0.8 * together.sum():
-                together = both
-                chosen.append(int(donor))
+    ready: NDArray[np.bool_] = np.logical_and.reduce(trial.seen[:, gap.start : gap.stop], axis=1)
+    n = np.count_nonzero(together)
+    for donor in trial.ranks[marker][ready[trial.ranks[marker]]]:
+        if len(chosen) == most:
+            break
+        both = together & thin[donor]
+        if (left := np.count_nonzero(both)) >= 0.8 * n:
+            together, n = both, left
+            chosen.append(int(donor))
     return np.array(chosen, np.int64)
 
 
@@ -210,7 +212,12 @@ def _scene(trial: _Trial, gap: Gap, donors: Ints, method: Body) -> Scene | None:
         other = other[:: max(1, round(1.5 * motion.rate / method.hz), -(-2 * len(other) // method.frames))]
     wanted = np.arange(gap.start, gap.stop)
     xyz = np.concatenate(
-        [motion.xyz[rows][:, own], motion.xyz[twins][:, other] * REFLECTED, motion.xyz[rows][:, wanted]], axis=1
+        [
+            motion.xyz[rows[:, None], own],
+            motion.xyz[twins[:, None], other] * REFLECTED,
+            motion.xyz[rows[:, None], wanted],
+        ],
+        axis=1,
     )
     n = len(own) + len(other)
     side = np.repeat([0, 1, 0], [len(own), len(other), len(wanted)])
@@ -258,8 +265,8 @@ def _fit(scene: Scene, view: View, h: Hyper) -> Fit:
     r = np.sqrt(3) * scene.apart / h.ell
     drift = (1 + r) * np.exp(-r) + free
     k = h.lam * view.P * np.where(scene.same, 1.0, h.rho) + drift * scene.same
-    factor = cho_factor(k[:n] + h.nu * np.eye(n), lower=True)
-    weights = cho_solve(factor, view.y)
+    factor = cho_factor(k[:n] + h.nu * np.eye(n), lower=True, check_finite=False)
+    weights = cho_solve(factor, view.y, check_finite=False)
     tau2 = np.maximum((view.y * weights).sum(0) / n, 1e-8)
     likely = -0.5 * n * np.log(tau2).sum() - 3 * np.log(np.diag(factor[0])).sum()
     return Fit(float(likely), k, h.lam * view.own + 1 + free, factor, weights, tau2)
@@ -296,7 +303,7 @@ def _predict(scene: Scene, view: View, fit: Fit) -> tuple[Floats, Floats]:
     """(6), turned back into the laboratory."""
     n, k = scene.n, fit.k[scene.n :]
     inside = view.mean + k @ fit.weights
-    left = fit.prior[n:] - np.einsum("fn,nf->f", k, cho_solve(fit.factor, k.T))
+    left = fit.prior[n:] - np.einsum("fn,nf->f", k, cho_solve(fit.factor, k.T, check_finite=False))
     var = np.maximum(left, 1e-9)[:, None] * fit.tau2
     R = view.R[n:]
     xyz = view.c[n:] + np.einsum("fij,fj->fi", R, inside)

@@ -144,23 +144,27 @@ def _lags(known: Known, span: Span, learnt: _Learnt, method: Cyclic) -> list[tup
     who = np.append(near, span.marker)[:, None]
     here = learnt.velocity[who, t]
     unseen = np.concatenate([[0], np.cumsum(~known.seen[span.marker])])
-    out = []
+    each = []
     for n in [n for k in range(1, method.repeats + 1) for n in (-k, k)]:
         lags = np.arange(round((n - method.vary) * learnt.period), round((n + method.vary) * learnt.period) + 1)
         lags = lags[(low - lags >= 0) & (high - lags < known.n_frames)]
         lags = lags[unseen[high + 1 - lags] == unseen[low - lags]]
         if len(lags):
-            out.append(_refined(learnt.velocity, who, t, here, lags))
-    return [(m, lag) for m, lag in out if np.isfinite(m)]
+            each.append(lags)
+    return [(m, lag) for m, lag in _refined(learnt.velocity, who, t, here, each) if np.isfinite(m)]
 
 
-def _refined(velocity: Floats, who: Ints, t: Ints, here: Floats, lags: Ints) -> tuple[float, float]:
-    """The least (2) and its lag: coarse first, then every frame, then between frames."""
-    step = max(1, len(lags) // 8)
-    coarse = lags[step // 2 :: step]
-    best = int(coarse[np.argmin(_mismatch(velocity, who, t, here, coarse))])
-    fine = lags[np.abs(lags - best) <= step]
-    m = _mismatch(velocity, who, t, here, fine)
+def _refined(velocity: Floats, who: Ints, t: Ints, here: Floats, each: list[Ints]) -> list[tuple[float, float]]:
+    """The least (2) and its lag, for each of several sets of lags: coarse first, then every frame, then between."""
+    steps = [max(1, len(lags) // 8) for lags in each]
+    coarse = [lags[step // 2 :: step] for lags, step in zip(each, steps, strict=True)]
+    best = [lags[np.argmin(m)] for lags, m in zip(coarse, _mismatches(velocity, who, t, here, coarse), strict=True)]
+    fine = [lags[np.abs(lags - b) <= step] for lags, b, step in zip(each, best, steps, strict=True)]
+    return [_between(lags, m) for lags, m in zip(fine, _mismatches(velocity, who, t, here, fine), strict=True)]
+
+
+def _between(fine: Ints, m: Floats) -> tuple[float, float]:
+    """The least m and where between the lags it lies, by a parabola."""
     k = int(np.argmin(m))
     if not 0 < k < len(m) - 1 or not np.isfinite(m[k - 1 : k + 2]).all():
         return float(m[k]), float(fine[k])
@@ -168,12 +172,21 @@ def _refined(velocity: Floats, who: Ints, t: Ints, here: Floats, lags: Ints) -> 
     return float(m[k]), float(fine[k] + (0.5 * (m[k - 1] - m[k + 1]) / bend if bend > 0 else 0.0))
 
 
+def _mismatches(velocity: Floats, who: Ints, t: Ints, here: Floats, each: list[Ints]) -> list[Floats]:
+    """(2) at several sets of lags."""
+    if not each:
+        return []
+    m = _mismatch(velocity, who, t, here, np.concatenate(each))
+    return np.split(m, np.cumsum([len(lags) for lags in each])[:-1])
+
+
 def _mismatch(velocity: Floats, who: Ints, t: Ints, here: Floats, lags: Ints) -> Floats:
     """(2) at lags (K), infinite where nothing can be compared."""
     then = t - lags[:, None]
     inside = (then >= 0) & (then < velocity.shape[1])
     there = velocity[who[:, None], np.where(inside, then, 0)]  # (W, K, T, 3)
-    square = ((there - here[:, None]) ** 2).sum(-1)
+    off = there - here[:, None]
+    square = np.einsum("wkti,wkti->wkt", off, off)
     known = ~np.isnan(square) & inside
     n = known.sum((0, 2))
     return np.divide(np.where(known, square, 0.0).sum((0, 2)), n, out=np.full(len(lags), np.inf), where=n > 0)

@@ -30,6 +30,11 @@ from .motion import Floats, Gap, Motion, Prediction
 Filler = Callable[..., list[Prediction]]
 SHARE = 0.1
 """Of a marker's known samples, at most so many are hidden in one copy, unless by one test alone."""
+MANY = 20
+"""Gaps of a trial above which time counts more than the last tenth of a millimetre."""
+FULL = 0.4
+"""Share of the frames of a copy in which something is hidden, above which no further windows are drawn into it: fillers
+learn from frames in which many markers are seen."""
 SHORTER = 0.7
 """By what a test's length shrinks until it fits, where no marker of the trial has room."""
 
@@ -86,8 +91,11 @@ def plan(motion: Motion, gaps: list[Gap], *, per_gap: int, seed: int) -> Plan:
     made = Plan([], [])
     seen = motion.seen
     books = _Books(seen, [], {})
-    for index in rng.permutation(len(gaps)):
-        for start, gap, stop in _windows(motion, seen, gaps[index], per_gap, rng):
+    order, tight = rng.permutation(len(gaps)), len(gaps) > MANY
+    if tight:
+        order = order[np.argsort([-gaps[index].length for index in order], kind="stable")]
+    for index in order:
+        for start, gap, stop in _windows(motion, seen, gaps[index], per_gap, rng, books if tight else None):
             shape = Gap(gap.marker, min(start, gap.start), max(stop, gap.stop))
             copy = books.place(shape)
             if copy == len(made.copies):
@@ -147,15 +155,30 @@ class _Books(NamedTuple):
         self.taken[copy, gap.marker] = self.taken.get((copy, gap.marker), 0) + gap.length
         return copy
 
+    def with_room(self, marker: int, length: int, starts: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Those of the starts of a window that the first copy with room for any has room for; all where none has."""
+        room = SHARE * self.seen[marker].sum()
+        for copy, busy in enumerate(self.busy):
+            if self.taken.get((copy, marker), 0) + length <= room and busy.mean() < FULL:
+                taken = np.concatenate([[0], np.cumsum(busy)])
+                free = starts[taken[starts + length] == taken[starts]]
+                if len(free):
+                    return free
+        return starts
+
 
 def _windows(
-    motion: Motion, seen: NDArray[np.bool_], gap: Gap, n: int, rng: np.random.Generator
+    motion: Motion, seen: NDArray[np.bool_], gap: Gap, n: int, rng: np.random.Generator, books: _Books | None
 ) -> list[tuple[int, Gap, int]]:
-    """Up to n windows (first hidden frame, window compared, last hidden frame + 1) for a gap."""
+    """Up to n windows (first hidden frame, window compared, last hidden frame + 1) for a gap.
+
+    With `books`, where the copies have room.
+    """
     length, F = gap.length, motion.xyz.shape[1]
     while length >= 1:
         own = _starts(seen[gap.marker], length)
         if len(own) and 1.5 * length <= seen[gap.marker].sum():  # half as much is left to learn from
+            own = books.with_room(gap.marker, length, own) if books else own
             chosen = [Gap(gap.marker, int(a), int(a) + length) for a in _spread(own, n, rng)]
         else:
             chosen = _twins(motion, seen, gap, length, 2 * n)

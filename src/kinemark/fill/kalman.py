@@ -40,6 +40,9 @@ Floats = NDArray[np.float64]
 FEWEST = 3
 """Samples that a state of position, velocity and acceleration needs."""
 
+GROUPS = 4
+"""Of gaps about as long as each other that are worked out at once."""
+
 STRIDE = 0.05
 """Time over which U is found, s."""
 
@@ -92,15 +95,24 @@ def fill_kalman(motion: Motion, gaps: Sequence[Gap], *, method: Kalman = Kalman(
     """
     if not gaps:
         return []
-    windows = _windows(motion, gaps, method)
+    order = np.argsort([gap.length for gap in gaps], kind="stable")
+    found: dict[int, Prediction] = {}
+    for some in np.array_split(order, min(GROUPS, 1 + len(gaps) // 50)):  # the longest of a group costs for all
+        group = [gaps[g] for g in some]
+        x, variance = _answers(_windows(motion, group, method), method)
+        found |= {int(g): _prediction(x[k], variance[k], gaps[g].length, method) for k, g in enumerate(some)}
+    return [found[g] for g in range(len(gaps))]
+
+
+def _answers(windows: _Windows, method: Kalman) -> tuple[Floats, Floats]:
+    """Positions and variances (G, 3, L) in the order of time."""
     if method.mode == "smoother":
-        x, variance = _smoothed(windows)
-    else:
-        x, variance = _predicted(windows.before, windows, method)
-        if method.mode == "forward_backward":
-            back, back_variance = _predicted(windows.after, windows, method)
-            x, variance = _met(x, variance, *_turned(back, back_variance, windows.length))
-    return [_prediction(x[g], variance[g], gap.length, method) for g, gap in enumerate(gaps)]
+        return _smoothed(windows)
+    x, variance = _predicted(windows.before, windows, method)
+    if method.mode == "forward":
+        return x, variance
+    back, back_variance = _predicted(windows.after, windows, method)
+    return _met(x, variance, *_turned(back, back_variance, windows.length))
 
 
 def _prediction(x: Floats, variance: Floats, length: int, method: Kalman) -> Prediction:

@@ -103,7 +103,7 @@ def _fit(
     if len(together) < FEWEST:
         return f"the marker and its donors are seen together in {len(together)} frames only; wanted {FEWEST}"
     frames = together[:: -(-len(together) // MOST)]
-    R, c = triad(motion.xyz[base][:, frames])
+    R, c = triad(motion.xyz[base[:, None], frames])
     if not np.isfinite(R).all():
         return "the markers around it stand on one line or in one point: they carry no local frame"
     y = local(R, c, motion.xyz[marker, frames])
@@ -117,7 +117,8 @@ def _fit(
 
 def _features(motion: Motion, donors: NDArray[np.int64], frames: NDArray[np.int64], R: Floats, c: Floats) -> Floats:
     """(F, 3 D) local coordinates of the donors."""
-    return local(R, c, motion.xyz[donors][:, frames]).transpose(1, 0, 2).reshape(len(frames), -1)
+    apart = motion.xyz[donors, frames[:, None]] - c[:, None]
+    return (apart @ R).reshape(len(frames), -1)
 
 
 def _sums(phi: Floats, y: Floats) -> tuple[Floats, Floats]:
@@ -131,34 +132,29 @@ def _solve(G: Floats, C: Floats, ridge: float) -> Floats:
 
 def _most_skilled(phi: Floats, y: Floats, method: LocalRegression) -> tuple[int, float]:
     """Number of donors and ridge that predict blocks of frames best that they have not seen (3)."""
-    G, C = _sums(phi, y)
-    blocks = [b for b in np.array_split(np.arange(len(y)), method.blocks) if len(b)]
-    out = [_sums(phi[b], y[b]) for b in blocks]
-    D = phi.shape[1] // 3
-    n_left = np.array([len(y) - len(b) for b in blocks])
+    N = min(method.blocks, len(y))
+    n = len(y) // N
+    phi, y = phi[: N * n].reshape(N, n, -1), y[: N * n].reshape(N, n, 3)
+    G, C = phi.mT @ phi, phi.mT @ y
+    G, C = G.sum(0) - G, C.sum(0) - C  # (3)
+    D, n_left = phi.shape[2] // 3, (N - 1) * n
+    way = np.linspace(0, 1, n)[:, None]
     best, chosen = np.inf, (min(method.donors), method.ridges[-1])
-    for n in sorted({min(n, D) for n in method.donors}):
-        p = slice(0, 3 * n)
-        left = np.array([G[p, p] - Gb[p, p] for Gb, _ in out])  # (3)
-        wanted = np.array([C[p] - Cb[p] for _, Cb in out])
-        for ridge in method.ridges:
-            B = np.linalg.solve(left + (ridge * n_left)[:, None, None] * np.eye(3 * n), wanted)
-            rest = [_untied(y[block] - phi[block, p] @ Bb) for block, Bb in zip(blocks, B, strict=True)]
-            loss = sum(float(np.square(r).sum()) for r in rest)
-            if loss < best:
-                best, chosen = loss, (n, ridge)
+    for many in sorted({min(number, D) for number in method.donors}):
+        p = slice(0, 3 * many)
+        ridge = n_left * np.array(method.ridges)[:, None, None, None] * np.eye(3 * many)
+        rest = y - phi[..., p] @ np.linalg.solve(G[:, p, p] + ridge, C[:, p])  # (2) for each ridge and block
+        rest -= rest[..., :1, :] + way * (rest[..., -1:, :] - rest[..., :1, :])  # (4)
+        loss = np.square(rest).sum((1, 2, 3))
+        if loss.min() < best:
+            best, chosen = loss.min(), (many, method.ridges[int(loss.argmin())])
     return chosen
-
-
-def _untied(residual: Floats) -> Floats:
-    """What is left of a block's residuals after (4)."""
-    return residual - np.linspace(residual[0], residual[-1], len(residual))
 
 
 def _predict(motion: Motion, gap: Gap, fit: Fit) -> Prediction:
     F = motion.xyz.shape[1]
     frames = np.arange(max(gap.start - 1, 0), min(gap.stop + 1, F))
-    R, c = triad(motion.xyz[fit.base][:, frames])
+    R, c = triad(motion.xyz[fit.base[:, None], frames])
     phi = _features(motion, fit.donors, frames, R, c) - fit.mean
     xyz = c + np.einsum("fij,fj->fi", R, fit.a + phi @ fit.B)  # (1)
     rest = motion.xyz[gap.marker, frames] - xyz

@@ -9,6 +9,7 @@ from typing import Any
 from .angles import LimbAngles, fill_limb_angles
 from .body import Body, fill_body
 from .cyclic import Cyclic, fill_cyclic
+from .hiding import MANY as MANY
 from .hiding import Filler
 from .kalman import Kalman, fill_kalman
 from .local_regression import LocalRegression, fill_local_regression
@@ -55,11 +56,7 @@ NAMES: dict[str, type] = {
 """What settings and the command line call them."""
 
 
-MANY = 20
-"""Gaps of a trial above which time counts more than the last tenth of a millimetre."""
-
-
-SLOW = 300_000
+SLOW = 600_000
 """Gaps times frames above which limb angles, which look at the whole trial for each hidden test, are not tried."""
 
 
@@ -71,7 +68,13 @@ def affordable(methods: Sequence[Any], gaps: int, frames: int) -> list[Any]:
 
 def within_time(method: Any, gaps: int) -> Any:
     """The method itself, or a faster form of it where a trial has many gaps."""
-    return replace(method, bases=1, frames=90, shared=True) if isinstance(method, Body) and gaps > MANY else method
+    if gaps <= MANY:
+        return method
+    if isinstance(method, Body):
+        return replace(method, bases=1, frames=90, shared=True)
+    if isinstance(method, Kalman):
+        return replace(method, history=min(method.history, 0.25))
+    return method
 
 
 def name_of(method: Any) -> str:

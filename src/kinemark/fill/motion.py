@@ -9,7 +9,6 @@ of one call (a mean shape, sums of products) is worked out once a call.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -98,5 +97,6 @@ def find_gaps(motion: Motion, *, ends: bool = False) -> list[Gap]:
         if not len(frames):
             continue
         edges = np.concatenate(([-1], frames, [len(seen)])) if ends else frames
-        gaps += [Gap(marker, int(a) + 1, int(b)) for a, b in pairwise(edges) if b - a > 1]
+        before = np.flatnonzero(np.diff(edges) > 1)
+        gaps += [Gap(marker, int(edges[k]) + 1, int(edges[k + 1])) for k in before]
     return gaps

@@ -36,14 +36,17 @@ def neighbourhood(known: Known, near: Ints, sought: Ints, *, frames: Ints, least
     Where fewer than `least` frames show them all, those that cost the most frames are left out, one by one; None where
     fewer than two markers are left, or no frames.
     """
-    seen = known.seen[:, frames]
     step = int(frames[1] - frames[0]) if len(frames) > 1 else 1
-    base, use = seen[sought].all(0), list(near)
-    together = base & seen[use].all(0)
-    while together.sum() < least and len(use) > 2:
-        without = [int((base & seen[use[:k] + use[k + 1 :]].all(0)).sum()) for k in range(len(use))]
-        use.pop(len(use) - 1 - int(np.argmax(without[::-1])))
-        together = base & seen[use].all(0)
+    base = known.seen[sought[:, None], frames].all(0)
+    use, missing = list(near), ~known.seen[near[:, None], frames] & base
+    lacking = missing.sum(0)
+    while (base & (lacking == 0)).sum() < least and len(use) > 2:
+        gained = (missing & (lacking == 1)).sum(1)
+        worst = len(use) - 1 - int(np.argmax(gained[::-1]))
+        lacking = lacking - missing[worst]
+        missing = np.delete(missing, worst, axis=0)
+        use.pop(worst)
+    together = base & (lacking == 0)
     if len(use) < 2 or together.sum() < 3:
         return None
     return Neighbourhood(np.array([*use, *sought]), len(use), frames[together], step)
@@ -51,6 +54,6 @@ def neighbourhood(known: Known, near: Ints, sought: Ints, *, frames: Ints, least
 
 def columns(known: Known, hood: Neighbourhood, frames: Ints) -> tuple[Floats, Floats]:
     """(1): signals (F, 3 K) in these frames, and the centres (F, 3) taken out."""
-    x = known.x[hood.markers[:, None], frames].swapaxes(0, 1)
+    x = known.x[hood.markers, frames[:, None]]
     centre = x[:, : hood.n_seen].mean(1)
     return (x - centre[:, None]).reshape(len(frames), -1), centre

@@ -59,8 +59,8 @@ def _follow(known: Known, span: Span, allowed: np.ndarray, bent: dict[int, Float
         edge = known.x[:, span.edges[0]]
         best = int(np.argmin(((edge[there] - edge[span.marker]) ** 2).sum(1)))
     donor = int(there[best])
-    offset = known.x[span.marker] - known.x[donor]
     s = span.progress()[:, None] if span.inside else np.zeros((span.length, 1))
-    first, last = offset[span.edges[0]], offset[span.edges[-1]]
+    ends = [span.edges[0], span.edges[-1]]
+    first, last = known.x[span.marker, ends] - known.x[donor, ends]
     xyz = known.x[donor, span.start : span.stop] + (1 - s) * first + s * last  # (1)
     return Prediction(xyz, span.bow()[:, None, None] * covariance(e[best]), donors=(donor,))  # (2)

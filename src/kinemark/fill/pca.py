@@ -155,27 +155,48 @@ def _learn(known: Known, hood: Neighbourhood, learnt: _Learnt, method: PCA) -> M
     seen, sought = hood.markers[: hood.n_seen], hood.markers[hood.n_seen :]
     distance = np.min([learnt.distances(int(k)).mean[seen] for k in sought], axis=0)
     g = np.append(np.exp(-(distance**2) / (2 * method.scale**2)), np.full(len(sought), method.missing_weight))
-    mean, B = _fit(Y, g, hood.n_seen, method.kept)
+    sums = _Sums.of(Y)
+    mean, B = _fit(sums, g, hood.n_seen, method.kept)
     residual = np.full((len(learnt.frames), 3), np.nan)
     block = BLOCKS * np.arange(len(Y)) // len(Y)
     tried = block % 2 == 1
-    part_mean, part_B = _fit(Y[~tried], g, hood.n_seen, method.kept)
+    part_mean, part_B = _fit(sums.without(Y[tried]), g, hood.n_seen, method.kept)
     off = Y[tried] - part_mean
     residual[np.searchsorted(learnt.frames, hood.frames[tried])] = off[:, -3:] - off[:, : len(B)] @ part_B
     return Map(hood, mean, B, Leftover.of(residual, hood.step))
 
 
-def _fit(Y: Floats, g: Floats, n_seen: int, kept: float) -> tuple[Floats, Floats]:
+class _Sums(NamedTuple):
+    """Of n frames of signals: the mean of each column, and the sums of products about it."""
+
+    n: int
+    mean: Floats
+    G: Floats
+
+    @classmethod
+    def of(cls, Y: Floats) -> _Sums:
+        """From signals (n, K)."""
+        mean = Y.mean(0)
+        off = Y - mean
+        return cls(len(Y), mean, off.T @ off)
+
+    def without(self, Y: Floats) -> _Sums:
+        """Those of all frames but these, (m, K)."""
+        off, n = Y - self.mean, self.n - len(Y)
+        shift = off.sum(0) / n
+        return _Sums(n, self.mean - shift, self.G - off.T @ off - n * np.outer(shift, shift))
+
+
+def _fit(sums: _Sums, g: Floats, n_seen: int, kept: float) -> tuple[Floats, Floats]:
     """Means of all columns, and B of (3), for weights g of the markers."""
-    mean = Y.mean(0)
-    Y = Y - mean
-    square = (Y * Y).sum(0).reshape(-1, 3).sum(1)
+    _, mean, G = sums
+    square = np.maximum(np.diagonal(G), 0.0).reshape(-1, 3).sum(1)
     deviation = np.sqrt(
-        np.where(square > 1e-12 * square.max(), square / len(Y), np.inf)
+        np.where(square > 1e-12 * square.max(), square / sums.n, np.inf)
     )  # constant columns tell nothing
     factor = np.repeat(g / deviation, 3)  # (1)
     n = 3 * n_seen
-    B = factor[:n, None] * _matrix((Y.T @ Y) * factor[:, None] * factor, n, kept)
+    B = factor[:n, None] * _matrix(G * factor[:, None] * factor, n, kept)
     return mean, np.divide(B, factor[-3:], out=np.zeros_like(B), where=factor[-3:] > 0)
 
 

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import rigid_poses
+from ..geometry import nearest_rotations, rigid_poses
 from .bridge import Leftover, bridge
 from .donors import Distances, distances, nearest
 from .known import Bools, Ints, Known, Span, pieces
@@ -120,7 +120,7 @@ def _carried(known: Known, span: Span, learnt: _Learnt, method: RigidBody) -> Pr
 
 def _carry(known: Known, span: Span, body: Body, frames: Ints) -> tuple[Floats, Floats]:
     at = np.concatenate([frames, [max(span.before, 0), max(span.after, 0)]])
-    xyz = body.carry(known.x[body.donors][:, at])
+    xyz = body.carry(known.x[body.donors[:, None], at])
     beside = known.x[span.marker, at[-2:]] - xyz[-2:]
     beside[[span.before < 0, span.after < 0]] = np.nan
     xyz = xyz[:-2]
@@ -148,6 +148,8 @@ def _body(known: Known, span: Span, there: Bools, learnt: _Learnt, method: Rigid
 def _best(known: Known, marker: int, pool: Ints, method: RigidBody) -> Body | str:
     """The body of the best set from a pool, most rigid first."""
     sets = [pool] if method.donors else [pool[:n] for n in range(3, min(method.at_most, len(pool)) + 1)]
+    if len(sets) > 1 and (judged := _judged(known, marker, sets, method.flat)):
+        return judged
     few = known.thin(JUDGE)
     found = [(s, body) for s in sets if (body := learn(known, marker, s, few, method.flat))]
     if not found:
@@ -158,9 +160,31 @@ def _best(known: Known, marker: int, pool: Ints, method: RigidBody) -> Body | st
     return learn(known, marker, best[0], known.thin(LEARN), method.flat) or best[1]
 
 
+def _judged(known: Known, marker: int, sets: list[Ints], flat: float) -> Body | None:
+    """The body of the best of nested sets, compared in the same frames; None where too few show all."""
+    who = np.append(sets[-1], marker)
+    x = known.x[who[:, None], known.thin(JUDGE)]
+    x = x[:, ~np.isnan(x[..., 0]).any(0)].swapaxes(0, 1)
+    if len(x) < JUDGE // 2:
+        return None
+    use = np.arange(len(who) - 1) < np.array([[len(s)] for s in sets])
+    share = use / use.sum(1, keepdims=True)
+    body = x - (share @ x[:, :-1].reshape(len(x), len(who) - 1, 3)).swapaxes(0, 1)[:, :, None]  # (S, F, N + 1, 3)
+    donors, middle = body[:, :, :-1] * use[:, None, :, None], len(x) // 2
+    size = np.linalg.svd(donors[:, middle], compute_uv=False)
+    line = ~(size[:, 1] > np.maximum(flat * size[:, 0], 1e-6))
+    if line.all():
+        return None
+    s = (body @ nearest_rotations(donors.mT @ donors[:, middle, None])).mean(1)  # (1)
+    R = nearest_rotations(donors.mT @ (s[:, None, :-1] * use[:, None, :, None]))
+    off = body[:, :, -1] - (R @ s[:, None, -1, :, None])[..., 0]
+    error = np.where(line, np.inf, np.nan_to_num((off**2).sum((1, 2)), nan=np.inf))
+    return learn(known, marker, sets[int(np.argmin(error))], known.thin(LEARN), flat)
+
+
 def learn(known: Known, marker: int, donors: Ints, frames: Ints, flat: float) -> Body | None:
     """(1) from those of the frames, evenly spaced, where all are seen; None where there is none, or a line."""
-    points = known.x[np.append(donors, marker)][:, frames]
+    points = known.x[np.append(donors, marker)[:, None], frames]
     there = ~np.isnan(points[..., 0]).any(0)
     if not there.any():
         return None

@@ -122,10 +122,21 @@ def smooth_positions(y: Floats, *, sd: Floats, jump: Floats) -> Smoothed:
     for k in range(y.shape[1] - 2, -1, -1):
         on = ~np.isnan(found.P[:, k, 0, 0])
         P_next = found.P_before[on, k + 1]
-        J = np.linalg.solve(P_next, F @ found.P[on, k]).swapaxes(1, 2)
+        J = _gain(P_next, jump[on])
         x[on, k] += (J @ (x[on, k + 1] - found.x_before[on, k + 1])[..., None])[..., 0]
         P[on, k] += J @ (P[on, k + 1] - P_next) @ J.swapaxes(1, 2)
     return Smoothed(x, (P + P.swapaxes(2, 3)) / 2)
+
+
+def _gain(P: Floats, jump: Floats) -> Floats:
+    """J (n, 3, 3) of (5) from P⁻₊ (n, 3, 3): as P Fᵀ = F⁻¹ (P⁻₊ − Q), J = F⁻¹ (I − Q (P⁻₊)⁻¹), and of the inverse only
+    the last row counts."""
+    a, b, c, d, e = P[:, 0, 0], P[:, 0, 1], P[:, 0, 2], P[:, 1, 1], P[:, 1, 2]
+    row = np.stack([b * e - c * d, b * c - a * e, a * d - b * b], -1)
+    row *= (jump**2 / np.einsum("ni,ni->n", row, P[:, 2]))[:, None]
+    rest = np.broadcast_to(np.eye(3), P.shape).copy()
+    rest[:, 2] -= row
+    return np.linalg.inv(F) @ rest
 
 
 def third_difference(y: Floats, stride: int) -> Floats:

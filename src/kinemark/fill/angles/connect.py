@@ -21,6 +21,8 @@ Ints = NDArray[np.int64]
 
 FEWEST = 10
 """Frames that must have both ends of a segment."""
+LONG = 1500
+"""Frames of a trial above which fewer of them tell distances."""
 
 
 class Segments(NamedTuple):
@@ -54,7 +56,7 @@ def connect(
     Raises:
         ValueError: a link or bank names a marker that is not there, or one twice.
     """
-    found = distances(xyz)
+    found = distances(xyz, most_frames=1000 if xyz.shape[1] <= LONG else 300)
     share = np.where(found.frames >= FEWEST, found.share, np.nan)
     if links or banks:
         return _given(found, names, links, banks)

@@ -19,12 +19,13 @@ cycle at most (3); a segment with a longer one, always hidden in the same part o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from ...data import AngleModel, KinemarkError
 from ...signal.periodic import cycle_length
@@ -45,6 +46,14 @@ HOLE = 0.1
 MOST = 60
 """Sequences that the cycle and the phase are found from."""
 ROUNDS = 3
+DENSE = 24
+"""Frames a cycle that are enough for its phase."""
+LONG = 1500
+"""Frames of a trial above which it is thinned for that."""
+ENOUGH = 40
+"""Times the longest cycle that is looked for, of the middle of a trial in which the cycle is found."""
+CYCLES = 100
+"""That are enough for a mean; of more, some are taken, evenly spread."""
 WHOLE = 1.2
 """Cycles that a trial must hold for its cycle to be seen coming back."""
 
@@ -88,15 +97,24 @@ def learn_model(
         raise KinemarkError(
             f"The trial has {len(y)} frames, and a cycle of {T:.1f} frames needs {WHOLE:g} times as many."
         )
-    phase = Phase(np.arange(len(y)) / T, np.nan)
-    telling = _telling(y)
-    for _ in range(ROUNDS):
-        phase = _better_phase(y[:, telling], phase, T)
+    phase = _own_phase(y, T)
     mean, cycles = mean_cycle(y, phase.cycles)
     return Learned(_model(mean, cycles, names, segments, T / rate), phase)
 
 
-def _telling(y: Floats) -> Ints:
+def _own_phase(y: Floats, T: float) -> Phase:
+    """Steps 2 to 4; in a long trial at every so many frames, as the phase bends little from frame to frame."""
+    step = int(np.clip(min(T / DENSE, len(y) / LONG), 1, None))
+    thin = y[::step, telling(y)]
+    phase = Phase(np.arange(len(thin)) * step / T, np.nan)
+    for _ in range(ROUNDS):
+        phase = _better_phase(thin, phase, T / step)
+    if step == 1:
+        return phase
+    return Phase(CubicSpline(step * np.arange(len(thin)), phase.cycles)(np.arange(len(y))), phase.cost)
+
+
+def telling(y: Floats) -> Ints:
     """Columns of y (F, K) of segments that move most and are seen most, three each and `MOST` in all, for time's
     sake."""
     there = ~np.isnan(y)
@@ -121,7 +139,9 @@ def _period(y: Floats, rate: float, period: float | None, shortest: float, longe
     """Frames of a cycle."""
     if period is not None:
         return period * rate
-    T = cycle_length(y[:, _telling(y)].T, shortest=shortest * rate, longest=min(longest * rate, len(y) / WHOLE))
+    middle, reach = len(y) // 2, math.ceil(min(ENOUGH * longest * rate, len(y)) / 2)
+    some = y[max(middle - reach, 0) : middle + reach]
+    T = cycle_length(some[:, telling(some)].T, shortest=shortest * rate, longest=min(longest * rate, len(y) / WHOLE))
     if np.isnan(T):
         raise KinemarkError(f"The motion does not come back within {longest:g} s, so there is no cycle to learn.")
     return T
@@ -129,9 +149,10 @@ def _period(y: Floats, rate: float, period: float | None, shortest: float, longe
 
 def mean_cycle(y: Floats, phase: Floats, steps: int = STEPS) -> tuple[Floats, Floats]:
     """(1): the mean (B, K), NaN for a sequence with holes, and single cycles (C, B, K) of samples y (F, K) at phases
-    (F)."""
+    (F), of at most `CYCLES` cycles."""
     rising = np.maximum.accumulate(phase)
     whole = np.arange(np.floor(rising[0]), np.floor(rising[-1]) + 1)
+    whole = whole[:: -(-len(whole) // CYCLES)]
     wanted = whole[:, None] + np.arange(steps) / steps
     frame = np.interp(wanted, rising, np.arange(len(rising)), left=np.nan, right=np.nan)
     cycles = Between.at(frame.ravel(), len(y)).read(y).reshape(*frame.shape, -1)

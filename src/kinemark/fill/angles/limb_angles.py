@@ -32,7 +32,7 @@ from ...signal.phase import Phase, find_phase
 from ..motion import Gap, Motion, Prediction
 from .connect import connect, directions
 from .learn import learn_model, template_of
-from .place import Errors, Placer, Placing, correlation
+from .place import Placer, Placing, correlation
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -165,9 +165,21 @@ class _Filling:
 
     def __init__(self, motion: Motion, gaps: Sequence[Gap], placer: Placer, method: LimbAngles) -> None:
         self._motion, self._gaps, self._placer, self._edges = motion, gaps, placer, method.edges
+        self._reach = max(round(placer.cycle / 4), 1)
         self._filled = motion.xyz.copy()
-        self._cov = np.zeros((*motion.xyz.shape, 3)) if len(gaps) else np.zeros(0)
+        self._cov: dict[int, list[tuple[Gap, Floats]]] = {}
         self._found = [Prediction.none(gap.length, "") for gap in gaps]
+        self._near: dict[int, list[Placing]] = {}
+
+    def _placings(self, marker: int) -> list[Placing]:
+        """Of a marker, in all its gaps and as far beside them as errors are carried over from."""
+        if marker not in self._near:
+            wanted = np.zeros(self._motion.xyz.shape[1], np.bool_)
+            for gap in self._gaps:
+                if gap.marker == marker:
+                    wanted[max(gap.start - self._reach, 0) : gap.stop + self._reach] = True
+            self._near[marker] = self._placer(marker, np.flatnonzero(wanted))
+        return self._near[marker]
 
     def done(self) -> list[Prediction]:
         left = list(range(len(self._gaps)))
@@ -180,20 +192,20 @@ class _Filling:
                 gap, (xyz, cov) = self._gaps[g], made[g]
                 self._found[g] = Prediction(xyz, cov)
                 self._filled[gap.marker, gap.start : gap.stop] = xyz
-                self._cov[gap.marker, gap.start : gap.stop] = np.nan_to_num(cov)
+                self._cov.setdefault(gap.marker, []).append((gap, np.nan_to_num(cov)))
             left = [g for g in left if np.isnan(self._found[g].xyz).any()]
         return [found if np.isfinite(found.xyz).any() else self._why(g) for g, found in enumerate(self._found)]
 
     def _why(self, g: int) -> Prediction:
         name = self._motion.names[self._gaps[g].marker]
-        near = self._placer(self._gaps[g].marker)
+        near = self._placings(self._gaps[g].marker)
         why = "none of its neighbours is seen or filled in the gap" if near else "it has no segment with a cycle"
         return Prediction.none(self._gaps[g].length, f"{name}: {why}")
 
     def _one(self, gap: Gap) -> tuple[Floats, Floats]:
         """(L, 3) mm and (L, 3, 3) mm² of a gap by (1) to (5), NaN where no neighbour is known yet."""
         frames = np.arange(gap.start, gap.stop)
-        near = self._placer(gap.marker)
+        near = self._placings(gap.marker)
         whole = [p for p in near if not np.isnan(self._filled[p.source, frames]).any()]
         total, cov, weight = np.zeros((len(frames), 3)), np.zeros((len(frames), 3, 3)), np.zeros(len(frames))
         for placing in whole or near:
@@ -208,36 +220,39 @@ class _Filling:
 
     def _from(self, placing: Placing, frames: Ints) -> tuple[Floats, Floats]:
         """(1), (2) and (5) from one neighbour."""
-        errors = placing.errors
-        mean, share = self._carried(errors, frames)
-        xyz = self._filled[placing.source, frames] + placing.way[frames] + mean
+        errors, at = placing.errors, np.searchsorted(placing.frames, frames)
+        mean, share = self._carried(placing, frames)
+        xyz = self._filled[placing.source, frames] + placing.way[at] + mean
         cov = share[:, None, None] * errors.cov + errors.noise**2 * np.eye(3)
-        return xyz, cov + self._cov[placing.source, frames]
+        for gap, of_source in self._cov.get(placing.source, []):
+            both = (frames >= gap.start) & (frames < gap.stop)
+            cov[both] += of_source[frames[both] - gap.start]
+        return xyz, cov
 
-    def _carried(self, errors: Errors, frames: Ints) -> tuple[Floats, Floats]:
+    def _carried(self, placing: Placing, frames: Ints) -> tuple[Floats, Floats]:
         """(L, 3) r̂ of (1) and (L) the share of S in (2)."""
-        edge = self._edge(errors.r, int(frames[0]), int(frames[-1]))
+        errors, known = placing.errors, self._edge(placing, int(frames[0]), int(frames[-1]))
+        edge = placing.frames[known]
         if not len(edge):
             return np.broadcast_to(errors.mean if self._edges else 0.0, (len(frames), 3)), np.ones(len(frames))
         s2 = float(np.trace(errors.cov)) / 3
         c_e = correlation(np.subtract.outer(edge, edge), errors.tau) + (errors.noise**2 / s2 + 1e-6) * np.eye(len(edge))
         c_t = correlation(np.subtract.outer(frames, edge), errors.tau)
         weights = np.linalg.solve(c_e, c_t.T).T
-        carried = errors.mean + weights @ (errors.r[edge] - errors.mean)
+        carried = errors.mean + weights @ (errors.r[known] - errors.mean)
         return carried, np.clip(1 - (weights * c_t).sum(1), 0.0, 1.0)
 
-    def _edge(self, r: Floats, first: int, last: int) -> Ints:
-        """Frames next to a gap at which r is known, on each side as many as wanted, within a quarter of a cycle."""
-        reach, n = max(round(self._placer.cycle / 4), 1), self._edges
-        if not n:
-            return np.zeros(0, np.int64)
-        low, high = max(first - reach, 0), last + 1 + reach
-        known = ~np.isnan(r[:, 0])
-        before, after = low + np.flatnonzero(known[low:first]), last + 1 + np.flatnonzero(known[last + 1 : high])
-        return np.concatenate([before[-n:], after[:n]])
+    def _edge(self, placing: Placing, first: int, last: int) -> Ints:
+        """Where frames of a placing next to a gap stand at which r is known, on each side as many as wanted, within a
+        quarter of a cycle."""
+        n, known = self._edges, np.flatnonzero(~np.isnan(placing.errors.r[:, 0]))
+        low, start, stop, high = np.searchsorted(
+            placing.frames[known], [first - self._reach, first, last + 1, last + 1 + self._reach]
+        )
+        return np.concatenate([known[low:start][max(start - low - n, 0) :], known[stop:high][:n]])
 
     def _with_phase(self, placing: Placing, frames: Ints, cov: Floats) -> Floats:
         """(3)."""
         variance = self._placer.phase_variance(frames)
-        slope = placing.slope[frames]
+        slope = placing.slope[np.searchsorted(placing.frames, frames)]
         return cov + variance[:, None, None] * slope[:, :, None] * slope[:, None, :]

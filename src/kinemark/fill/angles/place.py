@@ -9,7 +9,7 @@ pairs s seen, without those of k itself, it is the rotation that makes tr(Rᵀ B
 
     B = Σ_s (ℓ_s / σ)² u_s d_sᵀ + I / a²                                                         (2)
 
-(Wahba 1965; by singular value decomposition.) σ is what markers on skin move within a bank, a the spread of the
+(Wahba 1965.) σ is what markers on skin move within a bank, a the spread of the
 model's angles: the second term asks for no turn. One formula serves all banks: with no pair seen R = I, which is the
 thesis; with one, the bank is swung into its line, by the shortest way; with two or more R is the pose of a rigid
 body.
@@ -26,7 +26,8 @@ are both seen:
 
     r(t) = x_k − x_i − ℓ R d                                                                     (4)
 
-Its mean r̄, covariance S and how long it lasts are taken over the whole trial. r is likened to a process of
+Its mean r̄, covariance S and how long it lasts are taken over the whole trial, in runs of frames where it is long. r is
+likened to a process of
 covariance S c(Δt), c(Δt) = (1 + Δt / τ) exp(−Δt / τ) (5); τ is where the correlation found at a tenth of a cycle puts
 it.
 """
@@ -37,12 +38,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
 
 from ...data import AngleModel
+from ...geometry import nearest_rotations
 from ...signal.phase import Phase, Template, phase_variance
 from ...signal.smoother import noise_of
 from .connect import directions
-from .learn import Between, template_of
+from .learn import Between, telling, template_of
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -56,6 +59,12 @@ OTHERS = 3
 """Cycles before, and after, of (3)."""
 FEWEST = 10
 """Frames that must tell of r."""
+MOST = 1500
+"""Frames of a trial above which r is judged in runs of them, spread over the trial: neighbours say the same."""
+RUN = 7
+"""Frames in a row that tell its noise."""
+APART = 6
+"""Frames unknown that keep runs from being taken for one."""
 FEW = 9
 """Frames of a gap at which the phase's variance is worked out."""
 UNKNOWN = 0.05
@@ -63,8 +72,8 @@ UNKNOWN = 0.05
 
 
 class Errors(NamedTuple):
-    """Of one segment and marker: r (F, 3) mm of (4), NaN where not both are seen; mean (3) r̄; cov (3, 3) S, mm²; tau
-    frames; noise mm, what of r differs from frame to frame."""
+    """Of one segment and marker: r (N, 3) mm of (4) in the frames of the placing, NaN where not both are seen; mean
+    (3) r̄; cov (3, 3) S, mm²; tau frames; noise mm, what of r differs from frame to frame."""
 
     r: Floats
     mean: Floats
@@ -74,17 +83,18 @@ class Errors(NamedTuple):
 
 
 class Placing(NamedTuple):
-    """Marker k from its neighbour `source`: way (F, 3) mm from there by (1), slope (F, 3) mm a cycle, and how far off
-    it is."""
+    """Marker k from its neighbour `source` in N frames, rising: way (N, 3) mm from there by (1), slope (N, 3) mm a
+    cycle, and how far off it is."""
 
     source: int
+    frames: Ints
     way: Floats
     slope: Floats
     errors: Errors
 
 
 class Placer:
-    """Places markers of a trial by a model, and remembers what it has worked out for each.
+    """Places markers of a trial by a model.
 
     Attributes:
         xyz: (M, F, 3) mm, NaN where missing.
@@ -96,98 +106,123 @@ class Placer:
     def __init__(self, xyz: Floats, model: AngleModel, phase: Phase, *, cycle: float, own: bool) -> None:
         self.xyz, self.phase, self.cycle = xyz, phase, cycle
         self.model, self._moments = model, _moments(phase) if own else []
-        self._curve = Template(model.direction.swapaxes(0, 1).reshape(model.direction.shape[1], -1))
-        self._known: dict[int, list[Placing]] = {}
-        self._directions: dict[int, Floats] = {}
-        self._alone: dict[int, Bools] = {}
-        self._seen = directions(xyz, model.links).transpose(1, 0, 2).reshape(xyz.shape[1], -1)
-        self._spread = template_of(model)[1]
+        self._seen = np.ascontiguousarray(directions(xyz, model.links).transpose(1, 0, 2))  # (F, S, 3)
+        weight = np.stack([taper(~np.isnan(u[:, 0]), cycle / 10) for u in self._seen.swapaxes(0, 1)], 1)
+        self._weighted = np.nan_to_num(weight[..., None] * self._seen)
+        y = self._seen.reshape(len(self._seen), -1)
+        self._telling = telling(y)
+        self._telling_seen, self._spread = y[:, self._telling], template_of(model)[1][self._telling]
+        self._curve = _rows_of(model, self._telling[::3] // 3)
+        self._lag = max(round(cycle / 10), 1)
+        self._usual = _runs(xyz.shape[1], self._lag)
+        self._usual_directions = self._directions(np.arange(len(model.links)), self._usual)
 
-    def __call__(self, marker: int) -> list[Placing]:
-        """All neighbours from which a marker can be placed, the surest first."""
-        if marker not in self._known:
-            rows = np.flatnonzero((self.model.links == marker).any(1))
-            found = [p for row in rows if (p := self._placing(marker, int(row))) is not None]
-            self._known[marker] = sorted(found, key=lambda p: float(np.trace(p.errors.cov)))
-        return self._known[marker]
+    def __call__(self, marker: int, frames: Ints) -> list[Placing]:
+        """All neighbours from which a marker can be placed in these frames, rising, the surest first."""
+        rows = np.flatnonzero((self.model.links == marker).any(1))
+        found = [p for bank in np.unique(self.model.bank[rows]) for p in self._placings(marker, int(bank), frames)]
+        return sorted(found, key=lambda p: float(np.trace(p.errors.cov)))
 
     def phase_variance(self, frames: Ints) -> Floats:
         """(N) of the phase at frames in a row, cycles²; worked out at a few of them."""
         few = np.unique(np.linspace(frames[0], frames[-1], FEW).round().astype(np.int64))
-        found = phase_variance(self._seen, self._curve, self._spread, self.phase.cycles, few, cycle=self.cycle)
+        first = max(int(few[0] - self.cycle), 0)
+        near = slice(first, int(few[-1] + self.cycle) + 1)
+        y, cycles = self._telling_seen[near], self.phase.cycles[near]
+        found = phase_variance(y, self._curve, self._spread, cycles, few - first, cycle=self.cycle)
         return np.interp(frames, few, found)
 
-    def _placing(self, marker: int, row: int) -> Placing | None:
-        a, b = self.model.links[row]
-        source, sign = (int(a), 1.0) if b == marker else (int(b), -1.0)
-        length = sign * self.model.length[row]
-        slope = length * self._own_curve(row).slope(self.phase.cycles)
-        way = length * self._direction(row)
-        R = self._turn(marker, int(self.model.bank[row]))
-        if R is not None:
-            way, slope = ((R @ v[..., None])[..., 0] for v in (way, slope))
-        r = self.xyz[marker] - self.xyz[source] - way
-        if row in self._alone:
-            r[self._alone[row]] = np.nan  # the model there is this very cycle
-        return Placing(source, way, slope, self._errors(r, abs(float(length))))
+    def _placings(self, marker: int, bank: int, frames: Ints) -> list[Placing]:
+        """From the neighbours of one bank; the frames of `_usual` come first, to tell how far off it is."""
+        rows = np.flatnonzero(self.model.bank == bank)
+        at, n = np.concatenate([self._usual, frames]), len(self._usual)
+        d, alone = (
+            np.concatenate([usual[:, rows], here])
+            for usual, here in zip(self._usual_directions, self._directions(rows, frames), strict=True)
+        )
+        slopes = _rows_of(self.model, rows).slope(self.phase.cycles[frames]).reshape(len(frames), -1, 3)
+        R = self._turn(marker, rows, d, at)
+        out = []
+        for k in np.flatnonzero((self.model.links[rows] == marker).any(1)):
+            a, b = self.model.links[rows[k]]
+            source, sign = (int(a), 1.0) if b == marker else (int(b), -1.0)
+            length = sign * float(self.model.length[rows[k]])
+            way, slope = length * d[:, k], length * slopes[:, k]
+            if R is not None:
+                way, slope = (R @ way[..., None])[..., 0], (R[n:] @ slope[..., None])[..., 0]
+            r = self.xyz[marker, at] - self.xyz[source, at] - way
+            r[alone[:, k]] = np.nan  # the model there is this very cycle
+            out.append(Placing(source, frames, way[n:], slope, self._errors(r[:n], r[n:], abs(length))))
+        return out
 
-    def _direction(self, row: int) -> Floats:
-        """(F, 3) d(φ) of the model, or by (3) of the trial; of the model, too, where no other cycle has it."""
-        if row not in self._directions:
-            self._directions[row] = self._of_others(row) if self._moments else self._of_model(row)
-        return self._directions[row]
+    def _directions(self, rows: Ints, frames: Ints) -> tuple[Floats, Bools]:
+        """d(φ) (N, R, 3) of the model, or by (3) of the trial; of the model, too, where no other cycle has it.
 
-    def _of_model(self, row: int) -> Floats:
-        return self._own_curve(row)(self.phase.cycles)
+        And where (N, R) that is so although the segment is seen.
+        """
+        of_model = _rows_of(self.model, rows)(self.phase.cycles[frames]).reshape(len(frames), -1, 3)
+        if not self._moments:
+            return of_model, np.zeros(of_model.shape[:2], np.bool_)
+        total = _sum_at(self._weighted[:, rows].reshape(len(self._seen), -1), [m[frames] for m in self._moments])
+        total = total.reshape(of_model.shape)
+        size = np.sqrt((total * total).sum(-1, keepdims=True))
+        alone = size < 1e-6
+        missing = np.isnan(self._seen[frames[:, None], rows, 0])
+        return np.where(alone, of_model, total / np.maximum(size, 1e-6)), alone[..., 0] & ~missing
 
-    def _own_curve(self, row: int) -> Template:
-        return Template(self.model.direction[row])
-
-    def _of_others(self, row: int) -> Floats:
-        u = self._seen[:, 3 * row : 3 * row + 3]
-        weight = taper(~np.isnan(u[:, 0]), self.cycle / 10)
-        total, known = np.zeros_like(u), np.column_stack([u, weight])
-        for moment in self._moments:
-            there = np.nan_to_num(moment.read(known))
-            total += there[:, 3:] * there[:, :3]
-        size = np.linalg.norm(total, axis=1, keepdims=True)
-        alone = size[:, 0] < 1e-6
-        self._alone[row] = alone & (weight > 0)
-        return np.where(alone[:, None], self._of_model(row), total / np.maximum(size, 1e-6))
-
-    def _turn(self, marker: int, bank: int) -> Floats | None:
-        """(F, 3, 3) R of (2); None where the bank has no pair but those of the marker."""
-        rows = np.flatnonzero((self.model.bank == bank) & (self.model.links != marker).all(1))
-        if not len(rows):
+    def _turn(self, marker: int, rows: Ints, d: Floats, frames: Ints) -> Floats | None:
+        """(N, 3, 3) R of (2) for a bank of these rows; None where it has no pair but those of the marker."""
+        other = (self.model.links[rows] != marker).all(1)
+        if not other.any():
             return None
-        d = np.nan_to_num(np.stack([self._direction(int(row)) for row in rows], 1))
-        way = (self.xyz[self.model.links[rows, 1]] - self.xyz[self.model.links[rows, 0]]).swapaxes(0, 1)
-        there = ~np.isnan(way).any(-1, keepdims=True)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            u = np.where(there, way / np.linalg.norm(way, axis=-1, keepdims=True), 0.0)
-        u = np.nan_to_num(u) * (self.model.length[rows, None] / SKIN) ** 2
-        B = np.einsum("fsi,fsj->fij", u, d) + np.eye(3) / TURN**2
-        U, _, Vt = np.linalg.svd(B)
-        U[..., -1] *= np.sign(np.linalg.det(U @ Vt))[:, None]
-        return np.asarray(U @ Vt)
+        rows, d = rows[other], np.nan_to_num(d[:, other])
+        u = np.nan_to_num(self._seen[frames[:, None], rows]) * (self.model.length[rows, None] / SKIN) ** 2
+        return nearest_rotations(u.mT @ d + np.eye(3) / TURN**2)
 
-    def _errors(self, r: Floats, length: float) -> Errors:
-        seen = r[~np.isnan(r).any(1)]
-        if len(seen) < FEWEST:
+    def _errors(self, usual: Floats, r: Floats, length: float) -> Errors:
+        """Of r (N, 3), by what it is in the frames of `_usual`, or in all there are where these are too few."""
+        frames = self._usual
+        there = ~np.isnan(usual).any(1)
+        if there.sum() < FEWEST:
             return Errors(r, np.zeros(3), np.eye(3) * (UNKNOWN * length) ** 2, self.cycle / 10, 0.0)
-        mean, cov = seen.mean(0), np.cov(seen.T) + 1e-6 * np.eye(3)
-        noise = float(np.sqrt((noise_of(r.T) ** 2).mean()))
-        lag = max(round(self.cycle / 10), 1)
-        return Errors(r, mean, cov, lasting(r - mean, lag, noise), noise)
+        mean, cov = usual[there].mean(0), np.cov(usual[there].T) + 1e-6 * np.eye(3)
+        apart = np.arange(len(frames)) + APART * np.cumsum(np.diff(frames, prepend=frames[0]) > 1)
+        spaced = np.full((apart[-1] + 1, 3), np.nan)
+        spaced[apart] = usual
+        noise = float(np.sqrt((noise_of(spaced.T) ** 2).mean()))
+        then = np.searchsorted(frames, frames + self._lag).clip(max=len(frames) - 1)
+        both = frames[then] == frames + self._lag
+        tau = lasting(usual[both] - mean, usual[then[both]] - mean, self._lag, noise)
+        return Errors(r, mean, cov, tau, noise)
 
 
-def _moments(phase: Phase) -> list[Between]:
-    """t_m (F) of (3) for the other cycles."""
+def _rows_of(model: AngleModel, rows: Ints) -> Template:
+    """The directions of some of the model's segments as a template."""
+    return Template(model.direction[rows].swapaxes(0, 1).reshape(model.direction.shape[1], -1))
+
+
+def _runs(n_frames: int, lag: int) -> Ints:
+    """The frames from which errors are judged: all of a short trial, else runs of `RUN`, in pairs `lag` apart."""
+    if n_frames <= MOST:
+        return np.arange(n_frames)
+    first = np.linspace(0, n_frames - RUN - lag, MOST // (5 * RUN)).astype(np.int64)
+    return np.unique(first[:, None, None] + np.array([0, lag])[:, None] + np.arange(RUN))
+
+
+def _moments(phase: Phase) -> list[Floats]:
+    """t_m (F) of (3) for the other cycles, frames; NaN where there is none."""
     rising = np.maximum.accumulate(phase.cycles)
     frames = np.arange(len(rising))
     others = [m for m in range(-OTHERS, OTHERS + 1) if m]
-    moments = (np.interp(rising + m, rising, frames, left=np.nan, right=np.nan) for m in others)
-    return [Between.at(moment, len(rising)) for moment in moments]
+    return [np.interp(rising + m, rising, frames, left=np.nan, right=np.nan) for m in others]
+
+
+def _sum_at(y: Floats, moments: list[Floats]) -> Floats:
+    """(N, K) the sum of y (F, K) read at several moments (N) each, NaN for none; one sparse matrix of weights."""
+    place, n = Between.at(np.concatenate(moments), len(y)), len(moments[0])
+    weight = np.nan_to_num(np.where(np.isnan(place.cubic), place.line, place.cubic))
+    rows = np.tile(np.arange(n), len(moments) * len(weight))
+    return np.asarray(coo_array((weight.ravel(), (rows, place.frame.ravel())), (n, len(y))).tocsr() @ y)
 
 
 def taper(there: Bools, reach: float) -> Floats:
@@ -199,9 +234,8 @@ def taper(there: Bools, reach: float) -> Floats:
     return np.where(there, np.clip(distance / max(reach, 1.0), 0.0, 1.0), 0.0)
 
 
-def lasting(r: Floats, lag: int, noise: float) -> float:
-    """τ of (5), frames, from the correlation of r (F, 3) with itself `lag` frames on, its noise left out."""
-    now, then = r[:-lag], r[lag:]
+def lasting(now: Floats, then: Floats, lag: int, noise: float) -> float:
+    """τ of (5), frames, from the correlation of r (N, 3) with what it is `lag` frames on, its noise left out."""
     both = ~(np.isnan(now) | np.isnan(then)).any(1)
     if both.sum() < FEWEST:
         return 2.0 * lag

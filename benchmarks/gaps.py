@@ -42,7 +42,7 @@ Gaps = list[Gap]
 
 
 def _child(k: int, name: str) -> bool:
-    return 72 <= k < 133  # LFHD … RHLX: the markers; before and behind them are segments' axes and angles
+    return 76 <= k < 135  # LFHD … RHLX: the markers; before and behind them are segments' axes and angles
 
 
 TRIALS: dict[str, tuple[str, Wanted]] = {

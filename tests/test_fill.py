@@ -49,7 +49,7 @@ class TestFillersOfSeveralDonors:
     def test_what_moves_with_the_donors_is_learnt(self, method):
         motion, gap = moving(soft=10.0, noise=0.1), Gap(2, 100, 200)
         (said,) = FILLERS[type(method)](motion.hidden([gap]), [gap], method=method)
-        assert off(said, motion, gap).mean() < 0.5
+        assert off(said, motion, gap).mean() < 0.8  # of a wobble of 10 mm
 
     def test_a_turned_and_shifted_trial_is_filled_alike(self, method):
         motion, gap = moving(soft=8.0, noise=0.5), Gap(1, 120, 180)

@@ -65,6 +65,19 @@ def test_good_edges_stay():
     assert tried > 100 and trimmed <= 0.04 * tried
 
 
+def test_a_stroke_in_which_the_marker_always_vanishes_is_no_error():
+    """All markers are thrown aside and back beside the gap, as nowhere else in the trial."""
+    motion, _ = swaying()
+    frames, gap = np.arange(600), Gap(1, 290, 305)
+    stroke = 300.0 * np.exp(-(((frames - 306) / 3.0) ** 2))[:, None] * np.array([0.3, 0.9, -0.3])
+    t = trim_edges(motion._replace(xyz=motion.xyz + stroke).hidden([gap]), [gap], method=Edges(donors=3))
+    assert t.before[0] == t.after[0] == 0
+    alone = motion.xyz.copy()
+    alone[1] += stroke
+    t = trim_edges(motion._replace(xyz=alone).hidden([gap]), [gap], method=Edges(donors=3))
+    assert t.after[0] > 0  # where its neighbours stay calm it is one
+
+
 def test_a_gross_edge_of_a_real_walk_is_found():
     motion, rng = read(GAIT), np.random.default_rng(2)
     gaps = [Gap(int(k), 150, 170) for k in np.flatnonzero(motion.seen.all(1))[::2]]

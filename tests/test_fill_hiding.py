@@ -73,24 +73,42 @@ class TestHiding:
             assert np.allclose(tried.error, chord - motion.xyz[0, window.start : window.stop])
 
 
-def tries(n, sd, rng, *, said=1.0, length=20):
-    """n tests of one gap with errors of this sd, and a method that claims `said`."""
-    test = HiddenTest(0, 0, Gap(0, 0, length), (0, length), True)
+def tries(n, sd, rng, *, said=1.0, length=20, spread=0.0, step=None):
+    """n tests of one gap with errors of this sd times e^(spread N(0, 1)), and a method that claims `said`; a test
+    every `step` frames, `length` when None."""
+    step = length if step is None else step
+    tests = [HiddenTest(0, 0, Gap(0, k * step, k * step + length), (0, length), True) for k in range(n)]
     cov = np.tile(said**2 * np.eye(3), (length, 1, 1))
-    return [Tried(test, rng.normal(0, sd, (length, 3)), cov, np.ones(length)) for _ in range(n)]
+    sizes = sd * np.exp(spread * rng.normal(size=n))
+    return [Tried(t, rng.normal(0, s, (length, 3)), cov, np.ones(length)) for t, s in zip(tests, sizes, strict=True)]
 
 
 class TestCalibration:
     @pytest.mark.parametrize("said", [0.2, 1.0, 30.0, np.nan])
-    def test_intervals_hold_whatever_the_method_claims(self, said):
+    @pytest.mark.parametrize("n", [3, 12, 40])
+    def test_intervals_hold_whatever_the_method_claims(self, said, n):
         rng, inside = np.random.default_rng(1), []
-        for _ in range(30):
-            tried = tries(12, 2.0, rng, said=said)
-            prediction = tries(1, 0.0, rng, said=said)[0]
-            cov = Calibration(tried).covariance(prediction, prediction.edge, np.ones(12))
-            new = rng.normal(0, 2.0, (20, 3))
-            inside.append((np.abs(new) < 1.96 * np.sqrt(np.diagonal(cov, axis1=1, axis2=2))).mean())
-        assert 0.93 < np.mean(inside) < 0.99
+        for _ in range(100):
+            tried = tries(n, 2.0, rng, said=said, spread=0.5)
+            (new,) = tries(1, 2.0, rng, said=said, spread=0.5)
+            cov = Calibration(tried).covariance(new, new.edge, np.ones(n))
+            inside.append((np.abs(new.error) < 1.96 * np.sqrt(np.diagonal(cov, axis1=1, axis2=2))).mean())
+        assert 0.92 < np.mean(inside) < 0.98
+
+    def test_tests_that_overlap_are_fewer_than_they_look(self):
+        rng = np.random.default_rng(5)
+        apart, over = (tries(12, 2.0, rng, length=100, step=step) for step in (100, 10))
+        over = [t._replace(error=a.error) for t, a in zip(over, apart, strict=True)]
+        far, near = (Calibration(t).covariance(apart[0], apart[0].edge, np.ones(12))[0, 0, 0] for t in (apart, over))
+        assert near > 1.2 * far
+
+    def test_luck_in_few_tests_is_no_reason_to_leave_a_method(self):
+        rng, left = np.random.default_rng(6), []
+        for sd in [2.0] * 100 + [1.4] * 100:
+            old, new = Measured(tries(6, 2.0, rng)), Measured(tries(6, sd, rng))
+            left.append(new.behind(old, np.ones(6)) < 0)
+        assert np.mean(left[:100]) < 0.3 and np.mean(left[100:]) > 0.9  # half would go by the mean alone
+        assert np.isinf(Measured(tries(1, 2.0, rng)).behind(Measured(tries(1, 2.0, rng)), np.ones(1)))
 
     def test_a_silent_method_gets_errors_that_grow_from_the_edges(self):
         rng = np.random.default_rng(2)

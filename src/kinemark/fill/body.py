@@ -10,11 +10,14 @@ All three are Gaussian processes, so that the marker in a gap given all that is 
 frames t, t' is
 
     k = λ P(φ, φ') + M(|t − t'|/ℓ) + C + ν δ                                                              (2)
-    P = φ·φ' + exp(−|φ − φ'|²/2)                                                                          (3)
+    P = φ·φ' + 1/(1 + NARROW |φ − φ'|²/2)                                                                 (3)
 
-P lets f be linear and bend; M is Matérn's covariance of order 3/2, which ties the fill to what is seen at the edges of
-the gap; C, great, leaves a free. Donor d, ranked by how little its distance from the marker varies (0 the least),
-enters φ with its coordinates divided by their spread and by √(1 + rank), and φ is scaled to unit mean square (4).
+P lets f be linear and bend, in short and long waves (a rational quadratic, R & W 4.19); M is Matérn's covariance of
+order 3/2, which ties the fill to what is seen at the edges of the gap; C, great, leaves a free. Donor d, ranked by how
+little its distance from the marker varies (0 the least), enters φ with its coordinates divided by their spread and by
+√(1 + rank). How the part is turned in space matters too, as what is soft hangs: A = R̄ᵀR, R̄ the rotation nearest to the
+mean of R, less its mean, enters with TURN of the size that the donors' coordinates have together. φ is scaled to about
+unit mean square (4).
 
 Left and right are alike. The mirrored trial (`mirror`) is a second source s of the same function, but not the same one,
 as markers are never put on quite alike:
@@ -52,6 +55,10 @@ FEWEST = 8
 """Frames to learn from, at least."""
 EDGE = 3
 """Frames beside a gap that are all used; further away they are thinned to `hz`."""
+NARROW = 3.0
+TURN = 0.3
+STILL = 0.01
+"""Turns, in radians, below which they are noise."""
 FEW = 4
 """Gaps that λ, ℓ, ν and ρ of a trial are found from."""
 SHARED = (-1, b"")
@@ -253,10 +260,24 @@ def _view(scene: Scene, base: tuple[int, ...]) -> View | None:
     spread = np.sqrt((phi[:, : scene.n] ** 2).sum(-1).mean(1))
     weight = 1 / (np.maximum(spread, 1e-3) * np.sqrt(1 + np.arange(len(phi))))  # (4)
     phi = (phi * weight[:, None, None]).transpose(1, 0, 2).reshape(len(R), -1)
-    phi /= np.sqrt((phi[: scene.n] ** 2).sum(1).mean()) or 1.0
+    size = np.sqrt((phi[: scene.n] ** 2).sum(1).mean()) or 1.0
+    phi = np.concatenate([phi / size, TURN * _turned(R, scene)], axis=1) / np.sqrt(1 + TURN**2)
     dot, square = phi @ phi[: scene.n].T, (phi**2).sum(1)
-    P = dot + np.exp(dot - (square[:, None] + square[: scene.n]) / 2)  # (3)
+    half = np.maximum((square[:, None] + square[: scene.n]) / 2 - dot, 0.0)
+    P = dot + 1 / (1 + NARROW * half)  # (3)
     return View(R, c, y, mean[0, 0], P, square + 1)
+
+
+def _turned(R: Floats, scene: Scene) -> Floats:
+    """(n + L, 9) A of (4), less the mean of each source, in unit mean square over the frames to learn from."""
+    out = np.empty_like(R)
+    for s in np.unique(scene.side):
+        mine = scene.side == s
+        mean = R[: scene.n][mine[: scene.n]].mean(0)
+        U, _, Vt = np.linalg.svd(mean)
+        out[mine] = (U @ Vt).T @ (R[mine] - mean)
+    flat = out.reshape(len(R), 9)
+    return flat / max(np.sqrt((flat[: scene.n] ** 2).sum(1).mean()), STILL)
 
 
 def _fit(scene: Scene, view: View, h: Hyper) -> Fit:

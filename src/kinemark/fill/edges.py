@@ -13,7 +13,13 @@ this marker. A sample is bad if
     e(b, h) > limit · median E(h)  and  e(b, h) > beyond · 99.5th percentile of E(h)  and  e(b, h) > least (2)
 
 The first says that it stands out from the usual, the second that the marker does nothing like it elsewhere (a foot that
-strikes the ground is no error), the third that it matters. b moves towards the gap until the first bad sample; that one
+strikes the ground is no error), the third that it matters. Some markers always vanish in the fastest movement of a
+trial, so that what they do there is never seen elsewhere; but then their neighbours are off their own parabolas too.
+What (2) allows is therefore multiplied by how violent the movement is, worked out for the neighbours' positions,
+
+    violence = max( 1, median over neighbours d of  e_d(b, h) / median E_d(h) )                            (3)
+
+b moves towards the gap until the first bad sample; that one
 and all between it and the gap are trimmed, at most `most`. Trimmed samples are missing afterwards: the gap is longer.
 """
 
@@ -104,12 +110,16 @@ class _Judge(NamedTuple):
         z: signals (F, 3), against donors first, then the positions; NaN where missing.
         ladder: (most, past) weights of ẑ at h = 1 … most.
         limits: for each signal, (most) mm; NaN where too little is known.
+        donors: neighbours' positions (D, F, 3), for (3).
+        usual: (D, most) mm, median E_d(h).
         method: parameters.
     """
 
     z: list[Floats]
     ladder: Floats
     limits: list[Floats]
+    donors: Floats
+    usual: Floats
     method: Edges
 
     @classmethod
@@ -121,7 +131,8 @@ class _Judge(NamedTuple):
         if len(donors):
             z.insert(0, known.x[marker] - known.x[donors].mean(0))
         ladder = _ladder(method.past, method.most)
-        return cls(z, ladder, [_limits(s, ladder, method) for s in z], method)
+        usual = np.array([_usual(known.x[d], ladder, method) for d in donors]).reshape(len(donors), method.most)
+        return cls(z, ladder, [_limits(s, ladder, method) for s in z], known.x[donors], usual, method)
 
     def bad(self, edge: int, toward: int) -> int:
         """How many samples from `edge` away from the gap are bad; the gap lies in the direction `toward` (1 or −1)."""
@@ -131,20 +142,32 @@ class _Judge(NamedTuple):
             t = t[(t >= 0) & (t < len(z))]
             run = z[t]
             unknown = np.flatnonzero(np.isnan(run[:, 0]))
-            run = run[unknown[-1] + 1 :] if len(unknown) else run
-            if len(run) > self.method.past and not np.isnan(limits).any():
-                return self._first_bad(run, limits)
+            t = t[unknown[-1] + 1 :] if len(unknown) else t
+            if len(t) > self.method.past and not np.isnan(limits).any():
+                return self._first_bad(z[t], self.donors[:, t], limits)
         return 0
 
-    def _first_bad(self, run: Floats, limits: Floats) -> int:
-        """Samples of a run, whose last is beside the gap, from its first bad one on."""
-        past = self.method.past
-        for b in range(past, len(run)):
+    def _first_bad(self, run: Floats, beside: Floats, limits: Floats) -> int:
+        """Samples of a run, whose last is beside the gap, from its first bad one on; `beside` its neighbours'."""
+        for b in range(self.method.past, len(run)):
             h = len(run) - b
-            e = np.sqrt(((run[b:] - self.ladder[:h] @ run[b - past : b]) ** 2).sum(1))  # (1)
-            if (bad := np.flatnonzero(e > limits[:h])).size:
+            e = self._error(run, b)
+            if (bad := np.flatnonzero(e > limits[:h] * self._violence(beside, b))).size:
                 return h - int(bad[0])
         return 0
+
+    def _error(self, run: Floats, b: int) -> Floats:
+        """(1) for the samples from b on, from those before it."""
+        e = run[..., b:, :] - self.ladder[: run.shape[-2] - b] @ run[..., b - self.method.past : b, :]
+        return np.sqrt((e**2).sum(-1))
+
+    def _violence(self, beside: Floats, b: int) -> Floats:
+        """(3) for the samples from b on; 1 where no neighbour is known."""
+        e = self._error(beside, b)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ratio = e / self.usual[:, : e.shape[1]]
+        ratio = ratio[np.isfinite(ratio).all(1)]
+        return np.maximum(np.median(ratio, axis=0), 1.0) if len(ratio) else np.ones(e.shape[1])
 
 
 def _ladder(past: int, most: int) -> Floats:
@@ -156,20 +179,30 @@ def _ladder(past: int, most: int) -> Floats:
 
 def _limits(z: Floats, ladder: Floats, method: Edges) -> Floats:
     """(2): what (1) may be for h = 1 … most, from the whole trial but the neighbourhoods of gaps."""
+    usual, rare = _habit(z, ladder, method)
+    return np.maximum(np.maximum(method.limit * usual, method.beyond * rare), method.least)
+
+
+def _usual(z: Floats, ladder: Floats, method: Edges) -> Floats:
+    """Median E(h) mm, at least that of noise."""
+    return np.maximum(_habit(z, ladder, method)[0], method.least / method.limit)
+
+
+def _habit(z: Floats, ladder: Floats, method: Edges) -> Floats:
+    """Median and 99.5th percentile (2, most) of E(h), mm; NaN where too little is known."""
     n, past = ladder.shape
     window = n + past
     if len(z) < window:
-        return np.full(n, np.nan)
+        return np.full((2, n), np.nan)
     away = ~_near_gaps(np.isnan(z[:, 0]), n)
     clear = np.lib.stride_tricks.sliding_window_view(away, window).all(1)
     starts = np.flatnonzero(clear)[:: max(1, int(clear.sum()) // 2000)]
     if 2 * len(starts) < method.habit:
-        return np.full(n, np.nan)
+        return np.full((2, n), np.nan)
     runs = z[starts[:, None] + np.arange(window)]
     both = np.concatenate([runs, runs[:, ::-1]])
     e = np.sqrt(((both[:, past:] - ladder @ both[:, :past]) ** 2).sum(-1))
-    usual, rare = np.percentile(e, [50, 99.5], axis=0)
-    return np.maximum(np.maximum(method.limit * usual, method.beyond * rare), method.least)
+    return np.asarray(np.percentile(e, [50, 99.5], axis=0))
 
 
 def _near_gaps(missing: np.ndarray, n: int) -> np.ndarray:

@@ -24,6 +24,8 @@ METHODS: dict[str, type] = {"auto": Auto, **NAMES}
 WILD = 1e6
 """mm from the middle of all samples, beyond which a sample is no position of a marker."""
 LIMIT = 20.0
+FIRST = "body"
+"""The method that is best in most trials (docs/fill.md)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,15 +193,16 @@ def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Fille
 
 
 def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -> tuple[FilledGap, Prediction, Floats]:
-    """The method with the least expected error for one gap, its prediction, and the calibrated covariance."""
+    """The method that does best in the tests for one gap, its prediction, and the calibrated covariance."""
     gap = gaps[index]
     weights = weigh([t.test for t in answers[0].tried], index, gaps)
     told = {answer.name: answer.measured.expect(answer.said[index], weights) for answer in answers}
+    best = _leader(answers, told, weights)
     if len(gaps) <= MANY and (mean := _mean_of_close(answers, told, index)):
-        answers = [*answers, mean]
         told[mean.name] = mean.measured.expect(mean.said[index], weights)
+        if best.name in mean.name.split(" + ") and told[mean.name][1] < told[best.name][1]:
+            best = mean
     expected = {name: mm for name, (mm, _) in told.items()}
-    best = min(answers, key=lambda answer: np.nan_to_num(told[answer.name][1], nan=1e300))
     said = best.said[index]
     tests = sum(t.test.of == index for t in best.tried)
     found = FilledGap(motion.names[gap.marker], gap.start, gap.stop, best.name, expected[best.name], expected, tests)
@@ -208,6 +211,16 @@ def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -
         return replace(found, method="", expected_mm=np.nan, reason=why), said, said.cov
     donors = tuple(motion.names[d] for d in said.donors)
     return replace(found, donors=donors), said, best.calibration.covariance(said, edge_distance(motion, gap), weights)
+
+
+def _leader(answers: list[Answer], told: dict[str, tuple[float, float]], weights: Floats) -> Answer:
+    """The least typical error; `FIRST` where it can be used, unless another beats it by more than chance."""
+    first = next((a for a in answers if a.name == FIRST and np.isfinite(told[a.name][1])), None)
+    if first is None:
+        return min(answers, key=lambda a: np.nan_to_num(told[a.name][1], nan=1e300))
+    able = [a for a in answers if np.isfinite(told[a.name][1]) and a is not first]
+    best = min(able, key=lambda a: a.measured.behind(first.measured, weights), default=first)
+    return best if best.measured.behind(first.measured, weights) < 0 else first
 
 
 def _mean_of_close(answers: list[Answer], told: dict[str, tuple[float, float]], index: int) -> Answer | None:

@@ -28,7 +28,7 @@ import numpy as np
 
 from kinemark.data import Origin, Trajectories
 from kinemark.data import Path as Path3D
-from kinemark.fill import METHODS, Gap, Motion, fill, find_gaps
+from kinemark.fill import METHODS, Auto, Gap, Motion, fill, find_gaps
 from kinemark.fill.fill import Answer, ask, choose
 from kinemark.fill.hiding import distances
 from kinemark.fill.local_regression import ranked
@@ -198,7 +198,7 @@ def main() -> None:
     parser.add_argument("trials", nargs="*", help=f"of {', '.join([*TRIALS, 'synthetic walk'])}; any part of a name")
     parser.add_argument("--lengths", nargs="+", type=float, default=LENGTHS, help="s")
     parser.add_argument("--hide", nargs="+", default=["one", "three", "segment", "occlusion"])
-    parser.add_argument("--methods", nargs="+", default=[name for name in METHODS if name != "auto"])
+    parser.add_argument("--methods", nargs="+", default=list(Auto().candidates))
     parser.add_argument("--gaps", type=int, default=20, help="sets of gaps a row")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--speed", action="store_true", help="only how long 200 gaps take")

@@ -18,8 +18,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from .angles import AngleSettings, angles_of_file
 from .data import KinemarkError
 from .demo import demo as run_demo
-from .fill import LIMIT
-from .filling import fill_file, fill_method
+from .fill import LIMIT, Edges
+from .filling import fill_files, fill_method, filled_figures, filled_text
 from .formats import convert as convert_file
 from .formats import describe
 from .limits import limits
@@ -27,7 +27,6 @@ from .pipeline import Progress as Told
 from .proposals import learn_session_masks, propose_detection
 from .report.angles import angle_summary
 from .report.calibration_text import calibration_summary
-from .report.filling import filling_summary
 from .report.sensitivity import sensitivity_summary
 from .report.text import summary
 from .sensitivity import Limits
@@ -139,7 +138,7 @@ def methods(stage: str | None = None, *, json: Json = False) -> None:
     """List the methods of each stage with their parameters, as session.toml and --set name them.
 
     Args:
-        stage: calibrate, detect, match, reconstruct or track; all where none is given.
+        stage: calibrate, detect, match, reconstruct, track or fill; all where none is given.
         json: print them for a machine.
     """
     found = parameters(stage)
@@ -172,12 +171,14 @@ def detect(source: Path, *, propose: bool = False, masks: Path | None = None, js
 @app.command
 def fill(
     source: Path,
-    *,
+    *sources: Path,
     output: Annotated[Path, Parameter(name=("--output", "-o"))],
     method: str = "auto",
     set: Annotated[list[str] | None, Parameter(name="--set", negative="")] = None,
+    model: Path | None = None,
     limit_mm: float = LIMIT,
     ends: bool = False,
+    trim: int = Edges().most,
     static: Path | None = None,
     report: bool = False,
     rate_hz: float | None = None,
@@ -187,30 +188,28 @@ def fill(
 
     Args:
         source: C3D, TRC, CSV or BTS file.
-        output: the file to write, C3D, TRC or CSV; an existing one is not replaced.
+        sources: and others, which go into a folder under their names.
+        output: the file to write, C3D, TRC or CSV, or a folder; an existing file is not replaced.
         method: auto finds out for every gap which method is best; `kinemark methods fill` lists them.
         set: PARAMETER=VALUE of the method; may be repeated.
-        limit_mm: gaps whose expected mean error is greater stay open.
+        model: an angle model (CSV) or another trial of the same motion, for limb_angles, kalman_angles and auto.
+        limit_mm: gaps whose expected mean error is greater stay open; inf leaves none open for that.
         ends: also fill before a marker's first sample and after its last.
+        trim: so many bad samples may be replaced on each side of a gap; 0 keeps all that was measured.
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
         rate_hz: of a CSV file that does not say it.
         json: print what became of every gap for a machine.
     """
-    page = output.with_suffix(".html") if report else None
-    chosen = fill_method(method, set or ())
+    chosen = fill_method(method, set or (), model=model)
     with progress() as tell:
-        tell("fill", 0, 1)
-        done = fill_file(
-            source, output, method=chosen, name=method, limit_mm=limit_mm, ends=ends, static=static, report=page,
-            rate_hz=rate_hz,
+        done = fill_files(
+            (source, *sources), output, report=report, told=lambda n: tell("fill", n, 1 + len(sources)), method=chosen,
+            name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
         )  # fmt: skip
-        tell("fill", 1, 1)
-    _print(
-        done.figures
-        if json
-        else filling_summary(done.figures) + f"\nresults:  {output}" + (f", {page}" if page else "")
-    )
+    _print(filled_figures(done) if json else filled_text(done))
+    if any(isinstance(found, KinemarkError) for found in done.values()):
+        sys.exit(1)
 
 
 @app.command

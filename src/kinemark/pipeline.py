@@ -198,7 +198,7 @@ def run(
             pictures=source.pictures(telling_frames(detections)) if source.pictures else None,
         )
         if methods.fill:
-            write_filling_page(folder / GAPS, figures=figures["filling"], trajectories=trajectories)
+            write_filling_page(folder / GAPS, figures=figures["filling"], trajectories=trajectories, before=measured)
         progress("write", 1, 1)
     ledger.note("write", key)  # only now: what was cut off before is written again
     return Results(folder, rig, detections, tracks, trajectories, figures, steps, tuple(ledger.computed))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from .methods import NAMES, name_of
+from .methods import NAMES, TRIED, name_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +20,7 @@ class Auto:
         candidates: methods that are tried, by their names or with parameters of their own.
     """
 
-    candidates: tuple[Any, ...] = tuple(NAMES)
+    candidates: tuple[Any, ...] = TRIED
 
     def __post_init__(self) -> None:
         if unknown := [name for name in self.candidates if isinstance(name, str) and name not in NAMES]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from .angles import LimbAngles, fill_limb_angles
+from .angles import KalmanAngles, LimbAngles, fill_kalman_angles, fill_limb_angles
 from .body import Body, fill_body
 from .cyclic import Cyclic, fill_cyclic
 from .hiding import MANY as MANY
@@ -30,6 +30,7 @@ FILLERS: dict[type, Filler] = {
     Cyclic: fill_cyclic,
     Relational: fill_relational,
     LimbAngles: fill_limb_angles,
+    KalmanAngles: fill_kalman_angles,
     Kalman: fill_kalman,
     PCA: fill_pca,
     LowRankKalman: fill_low_rank_kalman,
@@ -47,6 +48,7 @@ NAMES: dict[str, type] = {
     "cyclic": Cyclic,
     "relational": Relational,
     "limb_angles": LimbAngles,
+    "kalman_angles": KalmanAngles,
     "kalman": Kalman,
     "pca": PCA,
     "low_rank_kalman": LowRankKalman,
@@ -54,6 +56,9 @@ NAMES: dict[str, type] = {
     "body": Body,
 }
 """What settings and the command line call them."""
+
+TRIED = tuple(name for name in NAMES if name != "kalman_angles")
+"""Those that `Auto` tries; `limb_angles` does all that the thesis' own algorithm does, and better."""
 
 
 SLOW = 600_000

@@ -10,6 +10,7 @@ import numpy as np
 from ..data import Origin, Path, Trajectories
 from ..data.arrays import check_positive
 from .auto import Auto
+from .edges import Edges
 from .fill import LIMIT, Filled, FilledGap, fill
 from .rays import Rays, sharpened
 
@@ -22,6 +23,7 @@ class Filling:
         method: one of `fill.METHODS`. name: of it.
         limit_mm: gaps whose expected mean error is greater stay open.
         ends: also fill before a marker's first sample and after its last.
+        trim: so many bad samples may be replaced on each side of a gap; 0: none.
         rays: use images that one camera alone has of a marker in its gap.
     """
 
@@ -29,10 +31,12 @@ class Filling:
     name: str = "auto"
     limit_mm: float = LIMIT
     ends: bool = False
+    trim: int = Edges().most
     rays: bool = True
 
     def __post_init__(self) -> None:
         check_positive(limit_mm=self.limit_mm)
+        Edges(most=self.trim)
 
 
 def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -> Filled:
@@ -40,7 +44,8 @@ def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -
 
     The expected error of a gap is that of the method without the cameras' help, as no hidden test has one.
     """
-    filled = fill(trajectories, method=method.method, limit_mm=method.limit_mm, ends=method.ends)
+    edges = Edges(most=method.trim)
+    filled = fill(trajectories, method=method.method, limit_mm=method.limit_mm, ends=method.ends, edges=edges)
     if not method.rays:
         return filled
     paths = {path.name: path for path in filled.trajectories}

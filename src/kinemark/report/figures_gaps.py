@@ -5,6 +5,8 @@ There may be hundreds of gaps in a trial, so these are plain SVG, a few kilobyte
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,15 +24,25 @@ MOST = 160
 """Points of a line."""
 NINETY_FIVE = 1.96
 NEIGHBOUR = "#9AA5B1"
+SHOWN_MM = 1000.0
+"""From the curve; a replaced sample farther off is outside the panel, so that the curve can still be seen."""
 
 
-def gap_figure(trajectories: Trajectories, marker: str, start: int, stop: int, donors: tuple[str, ...] = ()) -> str:
+def gap_figure(
+    trajectories: Trajectories,
+    marker: str,
+    start: int,
+    stop: int,
+    donors: tuple[str, ...] = (),
+    replaced: Mapping[int, Array] | None = None,
+) -> str:
     """Three panels, x, y and z against time, as one SVG.
 
     Args:
         trajectories: the trial after filling.
         marker: its name; start, stop: its missing frames, stop excluded.
         donors: markers drawn beside it in grey, moved to where the marker is at the edges of the gap.
+        replaced: what was measured (3) in frames of the gap and is not trusted, drawn as dots.
     """
     path, rate = trajectories[marker], trajectories.rate
     margin = round(max(CONTEXT * (stop - start), CONTEXT_S * rate, 2))
@@ -39,7 +51,7 @@ def gap_figure(trajectories: Trajectories, marker: str, start: int, stop: int, d
         np.concatenate([frames[:: max(1, len(frames) // MOST)], np.clip([start - 1, stop], 0, frames[-1])])
     )
     near = [trajectories[name].xyz[frames] for name in donors if name != marker]
-    panels = [_panel(path, frames, axis, near, (start, stop), rate) for axis in range(3)]
+    panels = [_panel(path, frames, axis, near, (start, stop), rate, replaced or {}) for axis in range(3)]
     body = "".join(f'<g transform="translate({i * (WIDTH + 8)},0)">{panel}</g>' for i, panel in enumerate(panels))
     width = 3 * WIDTH + 16
     return (
@@ -49,26 +61,39 @@ def gap_figure(trajectories: Trajectories, marker: str, start: int, stop: int, d
 
 
 def _panel(
-    path: Path, frames: NDArray[np.int64], axis: int, near: list[Array], gap: tuple[int, int], rate: float
+    path: Path,
+    frames: NDArray[np.int64],
+    axis: int,
+    near: list[Array],
+    gap: tuple[int, int],
+    rate: float,
+    replaced: Mapping[int, Array],
 ) -> str:
     """One axis."""
     value, sd = path.xyz[frames, axis], np.sqrt(path.cov[frames, axis, axis])
     filled = path.origin[frames] == Origin.FILLED
     band = np.where(filled, NINETY_FIVE * np.nan_to_num(sd), 0.0)
-    low, high = _span(np.concatenate([value - band, value + band]))
+    middle = np.nanmedian(value) if np.isfinite(value).any() else 0.0
+    dots = [xyz[axis] for xyz in replaced.values() if abs(xyz[axis] - middle) < SHOWN_MM]
+    low, high = _span(np.concatenate([value - band, value + band, dots]))
     x = LEFT + (WIDTH - LEFT) * (frames - frames[0]) / max(frames[-1] - frames[0], 1)
 
     def y(v: Array) -> Array:
         return np.clip(TOP + (HEIGHT - TOP - BOTTOM) * (high - v) / (high - low), -HEIGHT, 2 * HEIGHT)
+
+    def dot(frame: int, xyz: Array) -> str:
+        at = np.interp(frame, frames, x)
+        return f'<circle cx="{at:.1f}" cy="{float(y(xyz[axis])):.1f}" r="1.8" fill="{INK}" fill-opacity="0.6"/>'
 
     first, last = np.interp([gap[0] - 0.5, gap[1] - 0.5], frames, x)
     parts = [
         f'<path d="M{first:.1f} {TOP}V{HEIGHT - BOTTOM}H{last:.1f}V{TOP}Z" fill="#F5F7F8"/>',
         f'<path d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{WIDTH}" stroke="{GRID}"/>',
         *(_line(x, y(other[:, axis] - _offset(other[:, axis], value)), NEIGHBOUR, 0.7) for other in near),
-        _band(x[filled], y(value + band)[filled], y(value - band)[filled]),
+        *(_band(x[run], y(value + band)[run], y(value - band)[run]) for run in _runs(filled, np.isfinite(value))),
         _line(x, y(np.where(filled, np.nan, value)), STATES["measured"], 1.6),
         _line(x, y(np.where(_widened(filled), value, np.nan)), STATES["filled"], 1.8),
+        *(dot(frame, xyz) for frame, xyz in replaced.items()),
         _text(LEFT - 4, TOP + 8, number(high, 0), "end"),
         _text(LEFT - 4, HEIGHT - BOTTOM, number(low, 0), "end"),
         _text(LEFT - 4, (HEIGHT - BOTTOM + TOP) / 2 + 4, f"{'xyz'[axis]} mm", "end", INK),
@@ -89,6 +114,13 @@ def _offset(other: Array, value: Array) -> float:
     """How far another marker's line is moved to lie where the marker is."""
     both = np.isfinite(other) & np.isfinite(value)
     return float(np.median((other - value)[both])) if both.any() else 0.0
+
+
+def _runs(mask: NDArray[np.bool_], known: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
+    """Each run of the mask, with one more on either side where it is known: there the band begins and ends."""
+    edges = np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
+    runs = [np.arange(max(a - 1, 0), min(b + 1, len(mask))) for a, b in edges]
+    return [run[known[run]] for run in runs]
 
 
 def _widened(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -23,24 +23,27 @@ MOST_DONORS = 3
 OPEN = "stayed open"
 
 
-def write_filling_page(path: Path | str, *, figures: dict[str, Any], trajectories: Trajectories) -> None:
+def write_filling_page(
+    path: Path | str, *, figures: dict[str, Any], trajectories: Trajectories, before: Trajectories | None = None
+) -> None:
     """Write the page, whole or not at all.
 
     Args:
         path: of the page.
         figures: of `filling.filling_figures`.
         trajectories: the trial after filling.
+        before: the trial before it, to draw the samples that were replaced.
 
     Raises:
         KinemarkError: the folder cannot be written.
     """
-    html = filling_page(figures=figures, trajectories=trajectories)
+    html = filling_page(figures=figures, trajectories=trajectories, before=before)
     with replacing(path) as beside:
         beside.write_text(html, encoding="utf-8")
 
 
-def filling_page(*, figures: dict[str, Any], trajectories: Trajectories) -> str:
-    """The page as text."""
+def filling_page(*, figures: dict[str, Any], trajectories: Trajectories, before: Trajectories | None = None) -> str:
+    """The page as text; parameters as those of `write_filling_page`."""
     verdict, gaps = figures["verdict"], figures["list"]
     drawn = sorted(gaps, key=lambda gap: -(gap["expected_mm"] or 0) if gap["method"] else -1e9)[:MOST_DRAWN]
     which = "All gaps, those that stayed open and the least certain first"
@@ -53,7 +56,7 @@ def filling_page(*, figures: dict[str, Any], trajectories: Trajectories) -> str:
         warnings=warning_list(figures["warnings"]),
         gap_table=gap_table(gaps),
         drawn=which if len(drawn) == len(gaps) else f"The {len(drawn)} least certain of {len(gaps)} gaps",
-        drawings="".join(_drawing(gap, trajectories) for gap in drawn) or "<p>None.</p>",
+        drawings="".join(_drawing(gap, trajectories, before) for gap in drawn) or "<p>None.</p>",
         version=escape(figures["kinemark"]),
     )
     below = f"Filled by {figures['method']} · Kinemark {figures['kinemark']}"
@@ -61,7 +64,8 @@ def filling_page(*, figures: dict[str, Any], trajectories: Trajectories) -> str:
 
 
 def gap_table(gaps: list[dict[str, Any]]) -> str:
-    """A row a gap; those that stayed open are tinted."""
+    """A row a gap; those that stayed open are tinted, and say why."""
+    left_open = [not gap["method"] for gap in gaps]
     head = [
         "marker",
         "from (s)",
@@ -72,8 +76,10 @@ def gap_table(gaps: list[dict[str, Any]]) -> str:
         "next best",
         "σ worst (mm)",
         "tests",
+        "replaced",
+        "from markers",
+        *(["why it is open"] if any(left_open) else []),
     ]
-    head += ["from markers", "why it is open"]
     rows = [
         [
             gap["marker"],
@@ -85,12 +91,13 @@ def gap_table(gaps: list[dict[str, Any]]) -> str:
             _next_best(gap),
             number(gap["sd_worst_mm"], 2),
             number(gap["tests"]),
+            number(len(gap["trimmed"])) if gap["trimmed"] else "–",
             _few(gap["donors"]),
-            gap["reason"] or "–",
+            *([gap["reason"] or "–"] if any(left_open) else []),
         ]
         for gap in gaps
     ]
-    return table(head, rows, marked=[not gap["method"] for gap in gaps]) if rows else "<p>None.</p>"
+    return table(head, rows, marked=left_open) if rows else "<p>None.</p>"
 
 
 def _few(donors: list[str]) -> str:
@@ -108,10 +115,14 @@ def _next_best(gap: dict[str, Any]) -> str:
     return f"{name} {number(others[name], 2)}"
 
 
-def _drawing(gap: dict[str, Any], trajectories: Trajectories) -> str:
-    """One gap with its title."""
-    start = gap["first_frame"] - trajectories.first_frame
-    picture = gap_figure(trajectories, gap["marker"], start, start + gap["frames"], tuple(gap["donors"][:MOST_DONORS]))
+def _drawing(gap: dict[str, Any], trajectories: Trajectories, before: Trajectories | None) -> str:
+    """One gap with its title; of a marker that is not in the trial and could not be placed, the title alone."""
+    picture = ""
+    if gap["marker"] in trajectories.names:
+        start, donors = gap["first_frame"] - trajectories.first_frame, tuple(gap["donors"][:MOST_DONORS])
+        replaced = [] if before is None else [frame - before.first_frame for frame in gap["trimmed"]]
+        dots = {frame: before[gap["marker"]].xyz[frame] for frame in replaced} if before is not None else {}
+        picture = gap_figure(trajectories, gap["marker"], start, start + gap["frames"], donors, dots)
     what = (
         f"{gap['method']}, expected {millimetres(gap['expected_mm'])}" if gap["method"] else f"{OPEN}: {gap['reason']}"
     )

@@ -300,3 +300,20 @@ def test_a_dressed_walker_with_many_gaps():
     found = fill(trial(motion.hidden(gaps)), method=Body(), limit_mm=np.inf)
     error = np.linalg.norm(found.trajectories.xyz - motion.xyz, axis=-1)
     assert np.median([error[g.marker, g.start : g.stop].mean() for g in gaps]) < 1
+
+
+def test_samples_that_are_no_positions_do_not_stay_in_the_trial():
+    motion = moving(150, 4)
+    motion.xyz[0, :3], motion.xyz[1, 70] = 1e9, -1e9
+    filled = fill(trial(motion), method=Linear(), limit_mm=1e-9).trajectories
+    assert (filled.paths[0].origin[:3] == Origin.MISSING).all() and filled.paths[1].origin[70] == Origin.MISSING
+    assert np.nanmax(np.abs(filled.xyz)) < 1e5
+    assert fill(trial(motion), method=Linear()).trajectories.paths[1].origin[70] == Origin.FILLED
+
+
+def test_where_no_method_can_fill_nothing_is_warned_and_nothing_filled():
+    motion = moving(120, 2)
+    motion.xyz[0, 40:60] = motion.xyz[1, 38:62] = np.nan
+    filled = fill(trial(motion), method=Auto((Body(), LocalRegression(), "rigid_body")), limit_mm=np.inf)
+    assert len(filled.gaps) == 2
+    assert all(gap.method == "" and gap.reason for gap in filled.gaps if not np.isfinite(gap.expected_mm))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..data import Origin, Path, Trajectories
 from .auto import Auto
@@ -89,7 +90,7 @@ def fill(
 ) -> Filled:
     """Fill the gaps of a trial.
 
-    Samples more than a kilometre from the others are taken to be missing, and so are bad ones beside gaps (`Edges`).
+    Samples more than a kilometre from the others become missing, and bad ones beside gaps are filled too (`Edges`).
 
     Args:
         trajectories: the trial; what is filled already counts as seen.
@@ -110,12 +111,14 @@ def fill(
     for candidate in candidates:
         name_of(candidate)
     motion = tame(Motion.of(trajectories))
+    written = _Columns(trajectories)
+    written.drop(~motion.seen)
     motion = trim_edges(motion, find_gaps(motion), method=edges or Edges()).motion
     gaps = find_gaps(motion, ends=ends)
     if isinstance(method, Auto):
         candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
     answers = ask(motion, gaps, candidates, seed=seed)
-    told, written = [], _Columns(trajectories)
+    told = []
     for index, gap in enumerate(gaps):
         found, said, cov = choose(motion, gaps, index, answers)
         found = _within(replace(found, trimmed=written.measured(gap)), limit_mm)
@@ -156,9 +159,9 @@ def ask(motion: Motion, gaps: list[Gap], candidates: Sequence[Any], *, seed: int
 
 def _within(found: FilledGap, limit_mm: float) -> FilledGap:
     """The same, open with a reason where no error or too great a one is expected."""
-    if found.reason or found.expected_mm <= limit_mm:
+    if found.reason or (found.expected_mm <= limit_mm and np.isfinite(found.expected_mm)):
         return found
-    if np.isnan(found.expected_mm):
+    if not np.isfinite(found.expected_mm):
         reason = "no hidden test could be made: too little of the trial is known to say how far off a fill would be"
     else:
         reason = (
@@ -225,7 +228,7 @@ def _leader(answers: list[Answer], told: dict[str, tuple[float, float]], weights
 
 def _mean_of_close(answers: list[Answer], told: dict[str, tuple[float, float]], index: int) -> Answer | None:
     """The weighed mean of methods that do alike for one gap; other gaps of it are not worked out."""
-    weights = close_ones([np.nan_to_num(told[answer.name][1], nan=np.inf) for answer in answers])
+    weights = close_ones([np.nan_to_num(told[answer.name][1], nan=np.inf, posinf=np.inf) for answer in answers])
     if not weights:
         return None
     chosen, w = [answers[k] for k in weights], np.array(list(weights.values()))
@@ -247,13 +250,24 @@ class _Columns:
         origin = self.source.paths[gap.marker].origin[gap.start : gap.stop]
         return tuple(int(f) for f in gap.start + np.flatnonzero(origin != Origin.MISSING))
 
+    def of(self, marker: int) -> dict[str, Any]:
+        """The columns of a marker, copied when they are first asked for."""
+        names = ("xyz", "cov", "origin", "residual", "cameras")
+        path = self.source.paths[marker]
+        return self.changed.setdefault(marker, {name: getattr(path, name).copy() for name in names})
+
+    def drop(self, missing: NDArray[np.bool_]) -> None:
+        """Make samples (M, F) missing that are no positions, whether their gap is filled or stays open."""
+        for marker, path in enumerate(self.source.paths):
+            wild = missing[marker] & (path.origin != Origin.MISSING)
+            if wild.any():
+                into = self.of(marker)
+                into["xyz"][wild] = into["cov"][wild] = into["residual"][wild] = np.nan
+                into["origin"][wild], into["cameras"][wild] = Origin.MISSING, 0
+
     def put(self, gap: Gap, xyz: Floats, cov: Floats) -> None:
         """Fill a gap."""
-        path = self.source.paths[gap.marker]
-        if gap.marker not in self.changed:
-            names = ("xyz", "cov", "origin", "residual", "cameras")
-            self.changed[gap.marker] = {name: getattr(path, name).copy() for name in names}
-        into, at = self.changed[gap.marker], slice(gap.start, gap.stop)
+        into, at = self.of(gap.marker), slice(gap.start, gap.stop)
         into["xyz"][at], into["cov"][at] = xyz, cov
         into["origin"][at], into["residual"][at], into["cameras"][at] = Origin.FILLED, np.nan, 0
 

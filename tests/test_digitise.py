@@ -1,11 +1,10 @@
 """The state machine of digitising: what a click means, what is found, what is asked, and what is saved."""
 
-from functools import cache
-
 import numpy as np
 import pytest
+from pointing import RADIUS, Shown, U, V, film, image, method, run, straight
 
-from kinemark.data import KinemarkError, Trajectories, same
+from kinemark.data import KinemarkError, same
 from kinemark.detect import Centroids
 from kinemark.digitise import (
     Absent,
@@ -25,76 +24,15 @@ from kinemark.digitise import (
     advance,
     answer_text,
     begin,
-    called,
     clicked,
     drive,
     given,
-    identified,
-    identified_matches,
     look_at,
     parse_answer,
     question_of,
     result,
     words,
 )
-
-SIZE = (160, 120)
-RADIUS = 4
-V, U = np.mgrid[: SIZE[1], : SIZE[0]]
-
-
-def image(places):
-    """White discs at (n, 2) px on black."""
-    out = np.full(U.shape, 10, np.uint8)
-    for u, v in np.asarray(places, float).reshape(-1, 2):
-        if np.isfinite(u):
-            out[np.hypot(U - u, V - v) <= RADIUS] = 220
-    return out
-
-
-def film(paths):
-    """Looks of (M, F, 2) px."""
-
-    @cache
-    def look(f):
-        return look_at(image(paths[:, f]))
-
-    return look
-
-
-def straight(n_frames, *, start=((40.0, 40.0), (100.0, 80.0)), speed=((2.0, 1.0), (-1.0, 0.0))):
-    f = np.arange(n_frames)[:, None]
-    return np.array(start)[:, None] + np.array(speed)[:, None] * f
-
-
-def method(n, **options):
-    return SemiAutomatic(tuple(f"m{k + 1}" for k in range(n)), **options)
-
-
-class Shown:
-    """An operator who knows the paths (M, F, 2), and says what is not there."""
-
-    def __init__(self, paths):
-        self.paths, self.asked = paths, []
-
-    def __call__(self, question, state):
-        self.asked.append(question)
-        if question.phase is Phase.REVIEW:
-            return Accept()
-        if question.phase in (Phase.REFERENCE, Phase.VERIFY):
-            return Yes()
-        place = self.paths[question.marker, question.frame]
-        return Point(*np.rint(place)) if np.isfinite(place).all() else Absent()
-
-    def pointed(self):
-        return [(q.frame, q.marker) for q in self.asked if q.phase is Phase.POINT]
-
-
-def run(paths, m, shown=None, **options):
-    operator = Shown(paths if shown is None else shown)
-    state = drive(operator, film(paths), n_frames=paths.shape[1], method=m, **options)
-    return result(state, method=m), operator
-
 
 # ---- Pointing ----
 
@@ -230,7 +168,12 @@ def test_the_reference_marker_is_confirmed_where_that_is_wanted():
     m = method(3, reference="m3", confirm_reference=True)
     done, operator = run(paths, m)
     assert [q.frame for q in operator.asked if q.phase is Phase.REFERENCE] == [2, 3, 4]
-    assert done.figures["questions_by_reason"] == {"first_two_frames": 6, "not_found": 0, "reference": 3}
+    assert done.figures["questions_by_reason"] == {
+        "first_two_frames": 6,
+        "not_found": 0,
+        "in_doubt": 0,
+        "reference": 3,
+    }
 
 
 def test_a_refused_reference_marker_is_pointed_at():
@@ -409,48 +352,3 @@ def test_nothing_to_digitise():
 def test_one_frame_alone():
     done, _ = run(straight(1), method(2))
     np.testing.assert_allclose(done.uv, straight(1), atol=0.02)
-
-
-# ---- Identity ----
-
-
-def test_named_detections_are_matched_by_their_names():
-    rng = np.random.default_rng(0)
-    uv = rng.uniform(0, 500, (3, 5, 7, 2))
-    uv[rng.random((3, 5, 7)) < 0.4] = np.nan
-    seen = identified(uv, cameras=("a", "b", "c"), rate=30.0)
-    matches = identified_matches(*seen)
-    views = np.isfinite(uv[..., 0]).sum(0)
-    assert len(matches) == (views >= 2).sum()
-    for frame, view in zip(matches.frame, matches.view, strict=True):
-        markers = {int(seen.marker[row]) for row in view if row >= 0}
-        assert len(markers) == 1
-        m = markers.pop()
-        for c, row in enumerate(view):
-            assert (row < 0) == np.isnan(uv[c, m, frame, 0])
-            if row >= 0:
-                np.testing.assert_array_equal(seen.detections.uv[row], uv[c, m, frame])
-
-
-def test_a_marker_nobody_saw_has_an_empty_path():
-    names = ("a", "b")
-    found = called(Trajectories((), 30.0), names, 4)
-    assert found.names == names and np.isnan(found.xyz).all() and found.n_frames == 4
-    with pytest.raises(ValueError, match="one coordinate"):
-        identified(np.array([[[[1.0, np.nan]]]]), cameras=("a",), rate=1.0)
-
-
-# ---- Images of other kinds ----
-
-
-def test_a_search_takes_nothing_masked_and_an_operator_may():
-    mask = np.zeros(U.shape, bool)
-    mask[30:50, 30:50] = True
-    look = look_at(image([(40, 40), (100, 80)]), mask=mask)
-    assert look.usable.tolist() == [False, True] and clicked(look, np.array([40, 40])) == 0
-
-
-def test_a_lower_field_lies_half_a_line_lower():
-    upper, lower = look_at(image([(40, 40)])), look_at(image([(40, 40)]), v_offset=0.5)
-    np.testing.assert_allclose(lower.uv - upper.uv, [[0, 0.5]])
-    assert (lower.owner == upper.owner).all()

@@ -127,6 +127,7 @@ def test_taken_without_a_question_only_the_reference_marker_is_asked_for():
     operator, done = digitised(0, others=(1, 2), take=True)
     assert {q.name for q in operator.asked if q.phase is Phase.POINT} == {"REF"}
     assert done.figures["questions"] == 2 and done.figures["proposals_taken_unasked"] >= 20
+    assert done.figures["proposals_confirmed"] == 0  # nobody was asked
     off, visible = error(0, done)
     assert np.quantile(off[visible > 0.99], 0.95) < 0.08 and np.nanmax(off) < RADIUS
     assert np.isfinite(off[visible > 0.9]).all()

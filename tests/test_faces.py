@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -99,6 +100,22 @@ def test_other_motions_are_simulated_and_processed(tmp_path, motion):
     found = score(result.tracks, np.load(tmp_path / "s" / "truth.npz")["xyz"])
     assert found.recall > 0.9
     assert found.swaps == 0
+
+
+def test_a_simulated_arm_can_be_calibrated_as_well_as_its_images_are(tmp_path):
+    """Eight balls do not show a lens; the grid does, and without a lens there is none."""
+    scene = Scene(motion="feeding", seconds=0.02, cameras=2, size_px=(480, 360), focal_px=500.0)
+    path = simulate(tmp_path / "s", scene=scene)
+    made = Session.open(path).calibrate()
+    assert made.figures["verdict"]["grade"] == "green"
+    truth = np.load(tmp_path / "s" / "truth.npz")
+    centres = -np.einsum("cji,cj->ci", truth["R"], truth["t"])
+    path.write_text("\n".join(line for line in path.read_text().splitlines() if "linearisation" not in line))
+    blind = Session.open(path).calibrate()
+    off, without = (np.abs(each.rig.centres - centres).max() for each in (made, blind))
+    assert off < 0.6 < 5 < without
+    straight = Session.open(simulate(tmp_path / "p", scene=replace(scene, barrel=0.0)))
+    assert straight.settings.calibration.linearisation is None
 
 
 def test_nothing_is_simulated_over_what_is_there(tmp_path):

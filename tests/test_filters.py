@@ -7,6 +7,7 @@ from scipy.interpolate import make_smoothing_spline
 from kinemark.data import Path, Trajectories
 from kinemark.kinematics import Butterworth, WoltringSpline, residual_cutoff, smooth
 from kinemark.signal.filters import butterworth, butterworth_gain, residual_analysis
+from kinemark.signal.splines import smoothing_spline
 from kinemark.signal.woltring import spline_gain, woltring
 
 RNG = np.random.default_rng(12)
@@ -148,3 +149,16 @@ def test_short_paths_are_kept_as_they_are():
         out = smooth(short, method=method)
         assert np.array_equal(out.xyz, short.xyz, equal_nan=True)
     assert residual_cutoff(short["s"], rate=RATE) is None
+
+
+def test_both_forms_of_the_spline_are_the_same_spline():
+    """In bands for long signals, and by kernels for samples at any times, where p is in units of half the range."""
+    rng, n, cutoff, m = np.random.default_rng(3), 80, 0.07, 3
+    y = np.sin(np.arange(n)[:, None] / 9) + 0.1 * rng.standard_normal((n, 2))
+    seen = rng.random(n) < 0.8
+    p = (np.sqrt(2) - 1) * (2 * np.pi * cutoff) ** (-2.0 * m) / ((n - 1) / 2) ** (2 * m - 1)
+    t = np.arange(n, dtype=float)
+    kernels = smoothing_spline(t[seen], y[seen], t, half_order=m, smoothing=p)
+    banded = woltring(np.where(seen[:, None], y, np.nan), half_order=m, cutoff=cutoff)
+    within = slice(np.flatnonzero(seen)[0], np.flatnonzero(seen)[-1] + 1)
+    np.testing.assert_allclose(banded.values[within], kernels.values[within], atol=1e-6)

@@ -25,7 +25,7 @@ from kinemark.kinematics import (
     with_marker_sd,
 )
 from kinemark.kinematics.chain import chosen, complete, points_of
-from kinemark.kinematics.sequences import read_angles
+from kinemark.kinematics.sequences import followed, read_angles
 from kinemark.synth.arm import RANGES, Build, arm, skeleton
 
 SEQUENCES = [a + b + c for a in "xyz" for b in "xyz" for c in "xyz" if b not in (a, c)]
@@ -328,3 +328,10 @@ def test_methods_refuse_what_they_cannot_mean(bad):
     for method in (SignedAngles, InverseCosines):
         with pytest.raises(ValueError, match="lock_deg"):
             method(**bad)
+
+
+def test_a_locked_frame_decides_nothing():
+    """Its first and third angle mean nothing, so that the next frame follows the one before it."""
+    deg = np.array([[0.0, 0, 0], [60, 84, -60], [120, 84, -120], [179, 84, -179], [0, 0, 0]])
+    np.testing.assert_allclose(followed(deg, np.array([False, True, True, True, False]), "zxy")[4], 0, atol=1e-9)
+    assert np.abs(followed(deg, np.zeros(5, bool), "zxy")[4]).max() > 100

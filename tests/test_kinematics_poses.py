@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from kinemark.data import Angles, Events, KinemarkError, Path, Trajectories
 from kinemark.geometry import rigid_align
-from kinemark.io.model_toml import load_model
+from kinemark.io.model_toml import load_model, model_from_toml
 from kinemark.kinematics import (
     Axis,
     Centre,
@@ -275,3 +275,43 @@ def test_cycles_from_events():
     assert spans_of(events, label="On", side="Left", start_s=0.5) == [(0.5, 1.5)]
     with pytest.raises(KinemarkError, match="there are Off, On"):
         spans_of(events, label="Grasp")
+
+
+CARRIED_BODY = """name = "carried"
+[[segment]]
+name = "body"
+first = { axis = "y", vector = ["p", "q"] }
+second = { axis = "x", vector = ["p", "r"] }
+[[joint]]
+name = "turn"
+parent = "laboratory"
+child = "body"
+sequence = "zxy"
+angles = [{ positive = "a" }, { positive = "b" }, { positive = "c" }]
+[[cluster]]
+name = "body"
+markers = ["m1", "m2", "m3", "m4"]
+points = ["p", "q", "r"]
+"""
+BODY_PLACES = {"m1": (0, 0, 0), "m2": (100, 0, 20), "m3": (0, 120, 10), "m4": (30, 40, 90)}
+BODY_LANDMARKS = {"p": (0, 0, 0), "q": (60, 200, 45), "r": (150, 3, 40)}
+
+
+def test_an_angle_has_its_deviation_where_a_marker_of_the_cluster_is_missing():
+    """That of the three that are left, and more than that of four."""
+    model = model_from_toml(CARRIED_BODY)
+
+    def trial(places, gone=slice(0)):
+        still = {name: np.tile(np.array(xyz, float), (9, 1)) for name, xyz in places.items()}
+        if "m4" in still:
+            still["m4"][gone] = np.nan
+        return with_marker_sd(Trajectories(tuple(Path.measured(n, x) for n, x in still.items()), 50.0), 0.5)
+
+    template = static_template(trial(BODY_PLACES | BODY_LANDMARKS), model)
+    whole, part, never = (
+        joint_angles(trial(BODY_PLACES, gone), model=model, template=template).sd[0]
+        for gone in (slice(0), slice(3, 6), slice(None))
+    )
+    np.testing.assert_allclose(part[3:6], never[3:6])
+    np.testing.assert_allclose(part[:3], whole[:3])
+    assert (part[3:6] > whole[3:6]).all()

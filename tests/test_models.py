@@ -107,3 +107,16 @@ def test_records_refuse_models_that_cannot_be():
     ):
         with pytest.raises(ValueError):
             bad()
+
+
+def test_a_model_on_the_base_of_another(tmp_path):
+    """What the file does not say is as there; its names come first, and its points are its own."""
+    text = 'name = "mine"\nbase = "isb_upper_limb"\n[aliases]\nEL = ["EPICl"]\n[points]\nGH = ["ACRO"]\n'
+    (tmp_path / "m.toml").write_text(text)
+    mine, theirs = load_model(tmp_path / "m.toml"), load_model("isb_upper_limb")
+    assert mine.name == "mine" and mine.segments == theirs.segments and mine.joints == theirs.joints
+    assert mine.aliases["EL"] == ("EPICl", *theirs.aliases.get("EL", ())) and mine.means["GH"] == ("ACRO",)
+    assert "ACRO" in mine.markers and "GH" not in mine.markers
+    assert load_model(tmp_path / "m.toml", side="left").side == "left"
+    with pytest.raises(KinemarkError, match="base is 'their', wanted one of"):
+        model_from_toml('name = "x"\nbase = "their"\n')

@@ -214,10 +214,7 @@ def digitise_trial(
     Raises:
         KinemarkError: answers are missing, or cameras have different numbers of frames.
     """
-    reels = {name: Reel(source, method=task.detect, mask=task.mask(name)) for name, source in task.images.items()}
-    if len({reel.n_frames for reel in reels.values()}) != 1:
-        found = ", ".join(f"{name} {reel.n_frames}" for name, reel in reels.items())
-        raise KinemarkError(f"The cameras have different numbers of frames: {found}. Cut them to those that all share.")
+    reels = _reels(task)
     n = next(iter(reels.values())).n_frames
     uv = np.full((len(task.rig), len(task.method.markers), n, 2), np.nan)
     figures: dict[str, Any] = {}
@@ -241,6 +238,15 @@ def digitise_trial(
         if name == stop_after:
             break
     return uv, {"questions": sum(f["questions"] for f in figures.values()), "cameras": figures}
+
+
+def _reels(task: Digitising) -> dict[str, Reel]:
+    """The frames of all cameras, as many of each."""
+    reels = {name: Reel(source, method=task.detect, mask=task.mask(name)) for name, source in task.images.items()}
+    if len({reel.n_frames for reel in reels.values()}) != 1:
+        found = ", ".join(f"{name} {reel.n_frames}" for name, reel in reels.items())
+        raise KinemarkError(f"The cameras have different numbers of frames: {found}. Cut them to those that all share.")
+    return reels
 
 
 # ---- What a session keeps of it ----

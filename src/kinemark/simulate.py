@@ -49,7 +49,8 @@ class Scene:
         interlaced: whether two fields are woven into one image.
         strobes: whether opposite cameras' lights are seen.
         calibration: what the cameras are calibrated with: a control frame (the eight balls of a box for other motions
-            than the walk), or a wand and an L-frame, for the walk.
+            than the walk, and a plane grid for the lenses, which eight balls do not show), or a wand and an L-frame,
+            for the walk.
         seed: of all that is random.
     """
 
@@ -133,7 +134,7 @@ WALKING_SPEED = 850.0
 
 
 def simulate(folder: pathlib.Path, *, scene: Scene | None = None, progress: Progress = silent) -> pathlib.Path:
-    """A new session folder with rendered images, a control frame to calibrate with, and the exact truth.
+    """A new session folder with rendered images, something to calibrate with, and the exact truth.
 
     Args:
         folder: to make; it may exist if it is empty.
@@ -168,6 +169,7 @@ def simulate(folder: pathlib.Path, *, scene: Scene | None = None, progress: Prog
             trial="walk01" if not box else "trial01",
             target=calibration_box(side, corner=corner) if box else None,
             by_wand=scene.calibration == "wand",
+            grid=box and scene.barrel != 0,
             optics=Optics(read_noise=scene.noise),
             strobes=scene.strobes,
             interlaced=scene.interlaced,

@@ -172,13 +172,7 @@ def digitise_file(
         others: what is digitised of other cameras, as feeding.da2 feeding.da3.
         take_proposals: take what they propose, and do not ask.
     """
-    names = [str(m + 1) for m in range(int(markers[0]))] if len(markers) == 1 and markers[0].isdecimal() else markers
-    try:
-        method = SemiAutomatic(
-            tuple(names), reference, confirm_reference=confirm_reference, take_proposals=take_proposals
-        )
-    except ValueError as error:
-        raise KinemarkError(f"{error}.") from error
+    method = _follower(markers, reference, confirm_reference=confirm_reference, take_proposals=take_proposals)
     camera = camera_number(output, "da")
     reel = Reel(open_images(images), method=_centroids(threshold, inverted), every=every, last=last_frame)
     done = digitise_camera(
@@ -189,7 +183,7 @@ def digitise_file(
         refuse=lambda error: say(f"  {error}"),
         save_all=save_all,
         constant=read_rf(reference_file) if reference_file and reference else None,
-        views=_views(camera, calibration or [], others or [], len(names)),
+        views=_views(camera, calibration or [], others or [], len(method.markers)),
     )
     write_da(output, done.uv)
     say(done.figures if json else _said(output, done, reel.n_frames))
@@ -275,6 +269,15 @@ def digitise(session: Path, trial: str, *, camera: str | None = None, json: Json
         stop_after=camera,
     )
     say(figures if json else f"{figures['questions']} questions were asked. Next: kinemark run {session} {trial}")
+
+
+def _follower(markers: list[str], reference: str | None, **options: bool) -> SemiAutomatic:
+    """How markers are followed; one that is a number says how many there are."""
+    names = [str(m + 1) for m in range(int(markers[0]))] if len(markers) == 1 and markers[0].isdecimal() else markers
+    try:
+        return SemiAutomatic(tuple(names), reference, **options)
+    except ValueError as error:
+        raise KinemarkError(f"{error}.") from error
 
 
 def _views(camera: int, calibration: list[Path], others: list[Path], markers: int) -> OtherViews | None:

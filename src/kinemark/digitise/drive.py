@@ -18,6 +18,10 @@ Operator = Callable[[Question, State], Answer]
 """Answers a question; the state is there to be drawn."""
 
 
+REASONS = ("first_two_frames", "not_found", "in_doubt", "reference")
+"""Why the operator is asked."""
+
+
 class Stopped(Exception):
     """The operator stops; what he saved stands."""
 
@@ -77,13 +81,18 @@ def drive(
         try:
             state = advance(state, answer, looks, method=method, proposer=proposer)
         except (ValueError, KinemarkError) as error:
-            if refuse is None:
-                raise KinemarkError(f"Frame {question.frame + 1}, marker {question.name or 'none'}: {error}") from error
-            refuse(error)
+            _refused(question, error, refuse)
             continue
         if told is not None:
             told(question, answer)
     return state
+
+
+def _refused(question: Question, error: Exception, refuse: Callable[[Exception], None] | None) -> None:
+    """Tell that an answer cannot be used, or raise where nobody listens."""
+    if refuse is None:
+        raise KinemarkError(f"Frame {question.frame + 1}, marker {question.name or 'none'}: {error}") from error
+    refuse(error)
 
 
 def result(state: State, *, method: SemiAutomatic) -> Digitised:
@@ -114,7 +123,7 @@ def _figures(state: State, found: NDArray[np.uint8]) -> dict[str, Any]:
         "markers": found.shape[0],
         "questions": asked,
         "questions_share": asked / found.size,
-        "questions_by_reason": {name: reasons[name] for name in ("first_two_frames", "not_found", "reference")},
+        "questions_by_reason": {name: reasons[name] for name in REASONS},
         "proposals_confirmed": sum(q.proposed for q in state.asked) - unasked,
         "proposals_taken_unasked": unasked,
         "corrected": corrected,

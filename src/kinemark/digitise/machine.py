@@ -18,7 +18,13 @@ machine does so by itself, frame by frame.
 3. **The search** takes the white pixel nearest to p on a square of 5 × 5, which grows to 10 × 10, 15 × 15 and so on up
    to 50 × 50 (4). Of all pairs of a marker and an image that a square holds, the nearest is settled first, and an
    image serves one marker (5): a hidden marker so does not take the image of a visible neighbour, which claims its
-   own in a smaller square. UM²AS does not say what it does there.
+   own in a smaller square. UM²AS does not say what it does there. Where two images run together and part again the
+   wrong one may be the nearer. So with d the distance of centroids from p, marker m is **in doubt** about its image i,
+   and asked for, if another image j that is nobody's, or that of marker n, has
+
+       d_mj < k d_mi   or   d_mj + d_ni < k (d_mi + d_nj)               (6)
+
+   with k the parameter `clear`.
 4. **What was not found is asked for**, in the order of the markers. "Not present" is an answer.
 5. **The operator looks at the frame** and accepts it, or goes through it marker by marker; a wrong place is put where
    the cursor is. Only an accepted frame is saved. Any saved frame can be looked at again and changed.
@@ -101,7 +107,8 @@ def question_of(state: State, *, method: SemiAutomatic) -> Question:
     known = state.draft.uv[marker] if marker >= 0 else np.full(2, np.nan)
     if state.phase is Phase.POINT:
         known = expected(state, method)[marker]
-    return Question(state.phase, state.frame, marker, name, known, state.proposal)
+    doubt = marker >= 0 and state.draft.found[marker] == Found.IN_DOUBT
+    return Question(state.phase, state.frame, marker, name, known, state.proposal, bool(doubt))
 
 
 def advance(
@@ -221,7 +228,9 @@ def _reason(state: State, method: SemiAutomatic) -> str:
     """Why a marker is asked for."""
     if state.frame < FIRST:
         return "first_two_frames"
-    return "reference" if state.marker == method.fixed else "not_found"
+    if state.marker == method.fixed:
+        return "reference"
+    return "in_doubt" if state.draft.found[state.marker] == Found.IN_DOUBT else "not_found"
 
 
 def _asked(state: State, reason: str, proposed: bool = False) -> Asked:
@@ -260,7 +269,7 @@ def _go_on(state: State, looks: Looks, method: SemiAutomatic, proposer: Proposer
         state = _reference(state, looks, method)
         if not state.searched:
             return state
-    while (left := np.flatnonzero(state.draft.found == Found.OPEN)).size:
+    while (left := state.draft.open).size:
         state = replace(state, marker=int(left[0]))
         proposal = _proposed(state, looks, method, proposer)
         if proposal is None or not method.take_proposals:
@@ -288,8 +297,9 @@ def _reference(state: State, looks: Looks, method: SemiAutomatic) -> State:
 
 
 def searched(draft: Frame, places: Floats, look: Look, method: SemiAutomatic) -> Frame:
-    """The frame with the markers that are found about the places (M, 2) px where they are expected, by (4) and (5)."""
+    """The frame with the markers found about the places (M, 2) px where they are expected, by (4), (5) and (6)."""
     free = look.usable & ~claimed(draft, look)
+    image_of: dict[int, int] = {}
     for k in range(1, method.expansions + 1):
         while True:
             pairs = []
@@ -302,7 +312,33 @@ def searched(draft: Frame, places: Floats, look: Look, method: SemiAutomatic) ->
             _, image, marker = min(pairs)  # (5)
             draft = draft.put(marker, look.uv[image], Found.AUTOMATIC)
             free[image] = False
+            image_of[marker] = image
+    for doubtful in _doubtful(image_of, places, look, free, method):
+        draft = draft.put(doubtful, None, Found.IN_DOUBT)
     return draft
+
+
+def _doubtful(
+    image_of: dict[int, int], places: Floats, look: Look, free: NDArray[np.bool_], method: SemiAutomatic
+) -> list[int]:
+    """The markers of those found, each with its image, that (6) holds for; `free` (B) images are nobody's."""
+    owner = {image: m for m, image in image_of.items()}
+    reach, k = method.grid * method.expansions / 2, method.clear
+    found = []
+    for m, i in image_of.items():
+        away = np.hypot(*(look.uv - places[m]).T)
+        near = [int(j) for j in np.flatnonzero(np.abs(look.uv - places[m]).max(1) <= reach) if j != i]
+        alone = [j for j in near if free[j] and away[j] < k * away[i]]
+        both = [j for j in near if j in owner and _exchangeable(away[j], away[i], look.uv[[i, j]], places[owner[j]], k)]
+        if k > 1 and (alone or both):
+            found.append(m)
+    return found
+
+
+def _exchangeable(other: float, own: float, uv: Floats, place: Floats, k: float) -> bool:
+    """The second of (6): d_mj, d_mi, the images i and j (2, 2), and where n is expected (2,)."""
+    swapped, kept = np.hypot(*(uv - place).T)
+    return bool(other + swapped < k * (own + kept))
 
 
 def claimed(draft: Frame, look: Look) -> NDArray[np.bool_]:

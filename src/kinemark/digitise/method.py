@@ -24,6 +24,8 @@ class SemiAutomatic:
         confirm_reference: ask in every frame whether what was found is the reference marker, as UM²AS does.
         take_proposals: where other cameras propose the missing answer, take it and do not ask.
         tolerance: how far an image may be from where other cameras expect it, px.
+        clear: an image is taken without a question if every other that the marker could have had is this many times as
+            far from where it is expected; 1 never asks, as UM²AS.
     """
 
     markers: tuple[str, ...]
@@ -34,6 +36,7 @@ class SemiAutomatic:
     confirm_reference: bool = False
     take_proposals: bool = False
     tolerance: float = 3.0
+    clear: float = 1.5
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "markers", tuple(self.markers))
@@ -46,6 +49,8 @@ class SemiAutomatic:
         if self.memory < FIRST:
             raise ValueError(f"memory is {self.memory}, wanted {FIRST} frames or more")
         check_positive(tolerance=self.tolerance)
+        if not self.clear >= 1:
+            raise ValueError(f"clear is {self.clear}, wanted 1 or more")
 
     @property
     def fixed(self) -> int:

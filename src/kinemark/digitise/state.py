@@ -23,6 +23,7 @@ class Found(IntEnum):
     POINTED = 3
     PLACED = 4
     PROPOSED = 5
+    IN_DOUBT = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,6 +53,11 @@ class Frame:
     def blank(cls, n: int) -> Frame:
         """Nothing is known of n markers."""
         return cls(np.full((n, 2), np.nan), np.zeros(n, np.uint8), np.zeros(2))
+
+    @property
+    def open(self) -> NDArray[np.int64]:
+        """The markers that nothing is settled of yet, those in doubt among them."""
+        return np.flatnonzero(np.isin(self.found, (Found.OPEN, Found.IN_DOUBT)))
 
     def put(self, marker: int, uv: Floats | None, found: Found) -> Frame:
         """The frame with a marker at (2,) px, or nowhere."""
@@ -100,6 +106,7 @@ class Question(NamedTuple):
         name: the marker's.
         uv: (2,) px where it is, or where it was expected; NaN where neither is known.
         proposal: of other cameras, where there is one.
+        in_doubt: the marker is asked for because two images would do.
     """
 
     phase: Phase
@@ -108,6 +115,7 @@ class Question(NamedTuple):
     name: str
     uv: Floats
     proposal: Proposal | None = None
+    in_doubt: bool = False
 
 
 @dataclass(frozen=True, slots=True)

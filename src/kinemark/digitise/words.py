@@ -65,7 +65,8 @@ def words(question: Question) -> str:
     place = "" if np.isnan(question.uv).any() else f" near ({question.uv[0]:.0f}, {question.uv[1]:.0f})"
     if question.phase is Phase.POINT:
         where = f", expected{place}" if place else ""
-        return f"{frame}: point at {who}{where}, or - if it is not present.{_proposed(question)}"
+        why = " Two images would do." if question.in_doubt else ""
+        return f"{frame}: point at {who}{where}, or - if it is not present.{why}{_proposed(question)}"
     return {
         Phase.REFERENCE: f"{frame}: is the reference marker the one{place}? y or n",
         Phase.REVIEW: f"{frame}: all markers are settled. save, verify, hand, frame N or undo",

@@ -1,6 +1,7 @@
 """Models of segment chains as TOML.
 
 name, source, side = "right", forward = "+x", up = "+z"
+base = "isb_upper_limb"                                          all that the file does not say is as in that model
 [aliases]    MARKER = ["other name", "{S}NAME"]                  {S} is R or L, as the side is
 [points]     NAME = ["A", "B"]                                   the mean of others
 [[segment]]  name; first and second = { axis = "y", vector = ["from", "to"] }
@@ -28,7 +29,7 @@ T = TypeVar("T")
 SIMPLE = ("name", "source", "side", "forward", "up")
 KEYS = {
     "the file": (
-        [*SIMPLE, "aliases", "points", "segment", "joint", "cluster", "centre", "stick"],
+        [*SIMPLE, "base", "aliases", "points", "segment", "joint", "cluster", "centre", "stick"],
         ["name", "segment", "joint"],
     ),
     "segment": (["name", "first", "second"], ["name", "first", "second"]),
@@ -88,9 +89,23 @@ def model_from_toml(text: str, *, side: Literal["right", "left"] | None = None) 
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise KinemarkError(f"The model is no TOML: {error}.") from None
     try:
-        return _model(table, side)
+        return _model(_on_base(table), side)
     except (ValueError, TypeError) as error:
         raise KinemarkError(f"The model does not hold together: {error}. Correct it.") from None
+
+
+def _on_base(table: dict[str, Any]) -> dict[str, Any]:
+    """The table with what it leaves to the model that it names as its base; aliases come before those of the base."""
+    if "base" not in table:
+        return table
+    base = _text("base", table["base"])
+    if base not in models():
+        raise ValueError(f"base is {base!r}, wanted one of {', '.join(models())}")
+    below = tomllib.loads(_folder().joinpath(f"{base}.toml").read_text(encoding="utf-8"))
+    known, own = (_table(each, "aliases") for each in (below, table))
+    aliases = known | {name: [*_texts(f"aliases.{name}", names), *known.get(name, ())] for name, names in own.items()}
+    points = _table(below, "points") | _table(table, "points")
+    return below | {k: v for k, v in table.items() if k != "base"} | {"aliases": aliases, "points": points}
 
 
 def _model(table: dict[str, Any], side: str | None) -> Model:

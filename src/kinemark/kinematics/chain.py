@@ -111,7 +111,8 @@ def picked(trajectories: Trajectories, names: tuple[str, ...], model: Model) -> 
         need = " A static trial gives them." if set(absent) <= model.carried else ""
         raise KinemarkError(
             f"The model {model.name!r} wants the markers {', '.join(absent)}, which are not in the trial; there are "
-            f"{', '.join(trajectories.names[:60]) or 'none'}.{need} Name them so, or give the model aliases for them."
+            f"{', '.join(trajectories.names[:60]) or 'none'}.{need} Name them so, or say in a TOML file with "
+            f'base = "{model.name}" and [aliases] what they are called here, and give it as the model.'
         )
     paths = [replace(trajectories.paths[i], name=name) for name, i in found.items() if i is not None]
     return replace(trajectories, paths=tuple(paths))
@@ -200,11 +201,13 @@ def propagated(used: Trajectories, model: Model, template: Template | None = Non
     behind = [markers_behind(model, joint, template) for joint in model.joints]
     for path in used:
         sees = np.array([path.name in markers for markers in behind])
-        if np.isnan(path.cov).any((1, 2)).all():
+        # A pose does without a marker of its cluster that is missing, so that its error is none; elsewhere J is NaN.
+        cov = np.where(np.asarray(np.isnan(path.xyz).any(1))[:, None, None], 0.0, path.cov)
+        if np.isnan(cov).any((1, 2)).all():
             total[sees] = np.nan
         elif sees.any():
             J = slopes(points, path.name, model, template)[sees]
-            total[sees] += np.einsum("jfam,fmn,jfbn->jfab", J, path.cov, J)  # (4)
+            total[sees] += np.einsum("jfam,fmn,jfbn->jfab", J, cov, J)  # (4)
     return total
 
 

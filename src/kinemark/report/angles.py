@@ -168,7 +168,8 @@ def _headline(figures: dict[str, Any], worst: int) -> dict[str, Any]:
         best, last = (f(rows, key=lambda row: row["sd_median_deg"]) for f in (min, max))
         sentences.append(
             f"Standard deviations by the markers' errors: from {_deg(best)} ({best['joint']} {best['positive']}) to "
-            f"{_deg(last)} ({last['joint']} {last['positive']}), in the middle of the frames."
+            f"{_deg(last)} ({last['joint']} {last['positive']}), in the middle of the frames. They are a floor: "
+            "placement of the markers and skin that slides over bone come on top."
         )
     if (cycles := figures["cycles"]) is not None:
         sentences.append(f"{count(len(cycles['spans_s']), 'cycle')} averaged.")

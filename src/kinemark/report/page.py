@@ -16,6 +16,7 @@ from ..data import Detections, Rig, Tracks, Trajectories
 from ..follow import Simultaneous
 from ..io.files import replacing
 from .advice import LONG_GAP_S, worst_cameras
+from .digitised import digitised_card
 from .doubts import doubt_table
 from .figures import exactness_figure, timeline_figure, trajectories_figure, uncertainty_figure
 from .figures_calibration import slices_figure
@@ -111,6 +112,7 @@ def page(
         volume=escape(_volume(quality["volume"])),
         calibration_verdict=_verdict(judged),
         calibration_table=calibration_table(quality["cameras"]),
+        digitised=digitised_card(quality.get("digitising")),
         spots_table=spots_table(quality["cameras"]),
         camera_table=camera_table(quality["cameras"], worst_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),

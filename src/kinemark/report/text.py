@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from .digitised import digitised_line
 from .words import number, percent
 
 
@@ -11,6 +12,8 @@ def summary(quality: dict[str, Any]) -> str:
     """A short plain text of what `quality` found: verdict, what was measured, a line a camera, what to do."""
     lines = [f"{quality['session']} / {quality['trial']}: {quality['verdict']['headline']}"]
     lines += [f"  {sentence}" for sentence in quality["verdict"]["sentences"]]
+    if quality.get("digitising"):
+        lines.append(f"  {digitised_line(quality['digitising'])}")
     lines += ["", *_cameras(quality["cameras"])]
     if quality["warnings"]:
         lines.append("")

@@ -49,6 +49,7 @@ FEWEST = 3
 """Images in a cell and half, below which its mean is not used."""
 WILD = 6.0
 """Residuals this many times the usual are mistakes of matching or of detection, and not counted."""
+ROUNDS = 20
 STRETCH_S = 0.25
 
 
@@ -108,21 +109,14 @@ def shown(rig: Rig, xyz: Array, uv: Array, time_s: Array) -> Shown:
     views = np.isfinite(uv[..., 0]).sum(1)
     used = _tame(place.off, (views >= 3) & np.isfinite(place.xyz).all(1))
     seen: Mask = np.isfinite(uv[..., 0]) & used[:, None]
-    gain = gains(plain, place.xyz, seen)
     r = np.where(seen[..., None], place.off, 0.0)
     freedom = int((2 * views[used] - 3).sum())
     later = np.floor(time_s / STRETCH_S).astype(np.int64) % 2 == 1
-    halves = (used & later, used & ~later)
-    delta = [_change(plain, gain, r, half, freedom) for half in (*halves, used)]
-    explained = [_left_by(gain, _images(gain, d)) for d in delta]
-    field = _Field.over(rig, uv)
-    rest = r - explained[2]
-    means = [field.means(rest, uv, seen & half[:, None]) for half in halves]
-    bent = [field.at(mean, uv, seen) for mean in means]
+    common = _common_errors(plain, place.xyz, uv, r, [used & later, used & ~later, used])
     widen = 2 * int(views[used].sum()) / max(freedom, 1)  # (8)
-    placed, calibration, lens = _displacements(plain, place.xyz, uv, delta, field, means)
+    placed, calibration, lens = _displacements(plain, place.xyz, uv, common)
     known = 1.0 if freedom else float("nan")
-    noise_px, calibration_px, lens_px = _deviations(r, explained, bent, freedom)
+    noise_px, calibration_px, lens_px = _deviations(r, common.explained, common.bent, freedom)
     return Shown(
         used=used,
         placed=placed,
@@ -133,10 +127,31 @@ def shown(rig: Rig, xyz: Array, uv: Array, time_s: Array) -> Shown:
         lens_px=lens_px,
         calibration=calibration * known,
         lens=lens * np.sqrt(widen) * known,
-        cells=field.means(rest, uv, seen),
-        edges=field.edges,
+        cells=common.field.means(r - common.explained[2], uv, seen),
+        edges=common.field.edges,
         freedom=freedom,
     )
+
+
+class _CommonErrors(NamedTuple):
+    """Of both halves: δ of (3), what it explains of residuals, means of (5) and these at the images; δ of all third."""
+
+    delta: list[Array]
+    explained: list[Array]
+    field: _Field
+    means: list[Array]
+    bent: list[Array]
+
+
+def _common_errors(rig: Rig, xyz: Array, uv: Array, r: Array, parts: list[Mask]) -> _CommonErrors:
+    """What residuals r (N, C, 2) have in common in two halves and in all used points, (N) each."""
+    seen: Mask = np.isfinite(uv[..., 0]) & parts[2][:, None]
+    gain, freedom = gains(rig, xyz, seen), int((2 * np.isfinite(uv[..., 0]).sum(1)[parts[2]] - 3).sum())
+    delta = [_change(rig, gain, r, part, freedom) for part in parts]
+    explained = [_left_by(gain, _images(gain, d)) for d in delta]
+    field = _Field.over(rig, uv)
+    means = [field.means(r - explained[2], uv, seen & half[:, None]) for half in parts[:2]]
+    return _CommonErrors(delta, explained, field, means, [field.at(mean, uv, seen) for mean in means])
 
 
 def _deviations(r: Array, explained: list[Array], bent: list[Array], freedom: int) -> tuple[float, float, float]:
@@ -147,24 +162,32 @@ def _deviations(r: Array, explained: list[Array], bent: list[Array], freedom: in
     return own, calibration, lens
 
 
-def _displacements(
-    rig: Rig, xyz: Array, uv: Array, delta: list[Array], field: _Field, means: list[Array]
-) -> tuple[Mask, Array, Array]:
+def _displacements(rig: Rig, xyz: Array, uv: Array, common: _CommonErrors) -> tuple[Mask, Array, Array]:
     """Which points (N) have two cameras, and by how much the changes and the means of both halves move these, mm."""
     seen: Mask = np.isfinite(uv[..., 0])
     placed = (seen.sum(1) >= 2) & np.isfinite(xyz).all(1)
     seen = seen & placed[:, None]
     gain = gains(rig, np.where(placed[:, None], xyz, xyz[placed].mean(0) if placed.any() else 0.0), seen)
-    moves = [_shape(xyz, _moved(gain, _images(gain, d)), placed) for d in delta[:2]]
-    bends = [_moved(gain, field.at(mean, uv, seen)) for mean in means]
+    moves = [_shape(xyz, _moved(gain, _images(gain, d)), placed) for d in common.delta[:2]]
+    bends = [_moved(gain, common.field.at(mean, uv, seen)) for mean in common.means]
     return placed, _common(moves[0], moves[1], placed), _common(bends[0], bends[1], placed)
 
 
 def _tame(off: Array, usable: Mask) -> Mask:
-    """The usable points (N) without a residual (N, C, 2) that is beyond all others."""
+    """The usable points (N) without a residual (N, C, 2) that is beyond all others.
+
+    What is usual is found again without those that were left out, until none is: where a third of all images are
+    disturbed, the median of all is no measure of the good ones.
+    """
     size = np.sqrt(np.nansum(off**2, axis=-1))
-    usual = float(np.median(size[usable][size[usable] > 0])) if (size[usable] > 0).any() else np.inf
-    return np.asarray(usable & (size.max(1, initial=0.0) <= WILD * usual))
+    left = usable & (size > 0).any(1)
+    for _ in range(ROUNDS):
+        usual = float(np.median(size[left][size[left] > 0])) if left.any() else np.inf
+        kept = left & (size.max(1, initial=0.0) <= WILD * usual)
+        if (kept == left).all():
+            break
+        left = kept
+    return np.asarray(left)
 
 
 def _disturbed(off: Array, views: NDArray[np.int64], used: Mask) -> Array:

@@ -184,6 +184,23 @@ def rank(
     Raises:
         KinemarkError: fewer than two cameras, or hardly a marker that two see.
     """
+    names, J = _angles(there, angles)
+    work = _begun(rig, there, method, J)
+    sources, stated, by_residuals = work.sources()
+    unit = "deg" if names else "mm"
+    sources.sort(key=lambda source: -np.nan_to_num(typical(getattr(source, unit))))
+    lost = [work.lost(c) for c in range(len(rig))] if len(rig) > 2 else []
+    lost.sort(key=lambda camera: -np.nan_to_num(camera.cost("mm"), nan=np.inf))
+    ordered = (tuple(sources), tuple(lost), names, there.names, angles is not None)
+    return Ranking(*ordered, work.found, stated, by_residuals, method)
+
+
+def _begun(rig: Rig, there: Seen, method: Limits, J: Array) -> _Work:
+    """The points that two cameras see, and what their residuals show.
+
+    Raises:
+        KinemarkError: as `rank`.
+    """
     if len(rig) < 2:
         raise KinemarkError(f"A marker's place needs two cameras, and there is {len(rig)}. Calibrate another one.")
     seen, flat = there.seen.reshape(-1, len(rig)), there.xyz.reshape(-1, 3)
@@ -194,15 +211,7 @@ def rank(
     safe = np.where(two[:, None], flat, flat[two].mean(0))
     uv = np.where(seen[..., None], there.uv.reshape(*seen.shape, 2), np.nan)
     found = shown(rig, safe, uv, np.tile(there.time_s, len(there.xyz)))
-    names, J = _angles(there, angles)
-    work = _Work(rig, there.xyz.shape[:2], method, found, gains(rig, safe, seen), seen, safe, J)
-    sources, stated, by_residuals = work.sources()
-    unit = "deg" if names else "mm"
-    sources.sort(key=lambda source: -np.nan_to_num(typical(getattr(source, unit))))
-    lost = [work.lost(c) for c in range(len(rig))] if len(rig) > 2 else []
-    lost.sort(key=lambda camera: -np.nan_to_num(camera.cost("mm"), nan=np.inf))
-    ordered = (tuple(sources), tuple(lost), names, there.names, angles is not None)
-    return Ranking(*ordered, found, stated, by_residuals, method)
+    return _Work(rig, there.xyz.shape[:2], method, found, gains(rig, safe, seen), seen, safe, J)
 
 
 def _angles(there: Seen, angles: tuple[tuple[str, ...], Kinematics] | None) -> tuple[tuple[str, ...], Array]:

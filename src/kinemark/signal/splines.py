@@ -4,8 +4,10 @@ The spline of half order m is the f that minimises, over all functions,
 
     Σ_i (y_i − f(t_i))² + p ∫ (f⁽ᵐ⁾)² dt                                                               (1)
 
-and m = 3 is Woltring's quintic (1986; his GCVSPL). It has the form f(t) = Σ c_i E(t − t_i) + Σ_{j<m} d_j tʲ with
-E(r) = (−1)ᵐ |r|²ᵐ⁻¹ / 2 (2m−1)! and Tᵀ c = 0, T_ij = t_iʲ (Wahba 1990, chapter 2), so (1) becomes
+and m = 3 is Woltring's quintic (1986; his GCVSPL). `woltring` has the same spline for even samples in bands, in
+time proportional to their number and without the error at t; this form takes any times. It has the form
+f(t) = Σ c_i E(t − t_i) + Σ_{j<m} d_j tʲ with E(r) = (−1)ᵐ |r|²ᵐ⁻¹ / 2 (2m−1)! and Tᵀ c = 0, T_ij = t_iʲ (Wahba 1990,
+chapter 2), so (1) becomes
 
     min |y − K c − T d|² + p cᵀ K c,    K_ij = E(t_i − t_j)                                              (2)
 

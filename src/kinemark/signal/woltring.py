@@ -1,4 +1,4 @@
-"""Woltring's smoothing spline in time proportional to the number of samples.
+"""Woltring's smoothing spline in time proportional to the number of samples (`splines`: for any times, with errors).
 
 Of all functions, the natural spline of degree 2m − 1 minimises
 

@@ -3,6 +3,7 @@
     folder/session.toml            what everything is
     folder/rods.toml               the control frame as a surveyor measured it (or points.csv for other targets)
     folder/calib/{camera}.png      one image of it a camera
+    folder/grid/{camera}/1.png …   a plane grid of dots near each camera, which shows its lens
     folder/wand/{camera}.mkv       or, calibrated with a wand: the wand waved about, and
     folder/lframe/{camera}.png     an L-frame on the floor, whose corner is the world's origin
     folder/walk01/{camera}.mkv     the trial, a video a camera
@@ -20,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from ..data import KinemarkError, Rig, Rods
 from .observe import truth
@@ -33,6 +35,10 @@ WAND_SECONDS, WAND_RATE = 120.0, 1.25
 """s and Hz: slowly enough that neighbouring poses differ."""
 ARMS_MM = (800.0, 600.0)
 BALL_MM = 25.0
+GRID, GRID_MM, DOT_MM = (20, 15), 50.0, 12.0
+"""Columns and rows at most, mm between dots, their diameter."""
+GRID_SHARE, GRID_PX, GRID_TURN_DEG = 0.85, 24.0, 20.0
+"""Of the image that the grid takes up, px that its dots are apart at least, and how far it is turned."""
 
 Image = NDArray[np.uint8]
 WriteFrames = Callable[[Path, Iterable[Image], float], None]
@@ -52,6 +58,7 @@ def write_session(
     trial: str = "walk01",
     target: Rods | Subject | None = None,
     by_wand: bool = False,
+    grid: bool = False,
     optics: Optics = Optics(),  # noqa: B008  frozen
     strobes: bool = False,
     interlaced: bool = False,
@@ -71,6 +78,8 @@ def write_session(
         trial: name of the trial and its folder.
         target: to calibrate with, rods or control points; by default the control frame of the rig's volume.
         by_wand: calibrate with a wand and an L-frame instead.
+        grid: show a plane grid to each camera as well, so that its lens is measured: eight control points, or rods
+            alone, hardly tell of it.
         optics: how bright, sharp and noisy the images are.
         strobes: whether the other cameras' lights are seen.
         interlaced: whether two frames of the subject are woven into one image, as in 50 Hz video.
@@ -110,7 +119,9 @@ def write_session(
         if progress is not None:
             progress(c + 1, len(rig))
     _write_truth(folder / "truth.npz", rig, subject)
-    way = _wand_way(suffix) if by_wand else _target_way(isinstance(target, Rods))
+    way = _wand_way(suffix) if by_wand else _target_way(target)
+    if grid:
+        way += "\n" + write_grids(folder, rig, write_image=write_image, optics=optics, seed=seed)
     lines = _session_lines(subject, rig, name, trial, way, interlaced, suffix)
     _write_text(folder / "session.toml", lines)
     return folder / "session.toml"
@@ -165,6 +176,37 @@ def write_wand(
         write_image(folder / "lframe" / f"{camera.name}.png", image)
 
 
+def write_grids(
+    folder: Path,
+    rig: Rig,
+    *,
+    write_image: WriteImage,
+    optics: Optics = Optics(),  # noqa: B008  frozen
+    seed: int = 0,
+) -> str:
+    """`grid/{camera}/1.png` … in an existing folder; returns the line of `[calibration]`.
+
+    All cameras have the same grid, of as many dots as the smallest image can show apart. It hangs before each camera,
+    so near that it takes up most of the image: square to it, and turned by `GRID_TURN_DEG` about two axes, as one view
+    leaves open where the lens has its middle.
+    """
+    room = GRID_SHARE * np.array([camera.size for camera in rig]).min(0)
+    columns, rows = (int(n) for n in np.clip(room // GRID_PX, 5, GRID))
+    row, column = np.mgrid[:rows, :columns].reshape(2, -1)
+    wide = GRID_MM * np.array([columns - 1, rows - 1])
+    flat = GRID_MM * np.stack([column, row, 0 * row], -1) - np.append(wide / 2, 0)
+    rng = np.random.default_rng(seed)
+    for camera in rig:
+        (folder / "grid" / camera.name).mkdir(parents=True)
+        away = float((wide * camera.K[[0, 1], [0, 1]] / (GRID_SHARE * np.array(camera.size))).max())
+        for n, turn in enumerate(((0, 0, 0), (GRID_TURN_DEG, 0, 0), (0, GRID_TURN_DEG, 0)), 1):
+            here = Rotation.from_euler("xyz", turn, degrees=True).apply(flat) + np.array([0, 0, away])
+            xyz = camera.centre + here @ camera.R
+            image = render(camera, xyz, np.full(len(xyz), DOT_MM / 2), optics=optics, rng=rng)
+            write_image(folder / "grid" / camera.name / f"{n}.png", image)
+    return f'linearisation = {{ grid = [{columns}, {rows}], pitch_mm = {GRID_MM}, images = "grid/{{camera}}/*.png" }}'
+
+
 def rods_toml(rods: Rods) -> Iterator[str]:
     """Lines of `rods.toml`: units, marker_diameter and one [[rod]] a rod."""
     yield 'units = "mm"'
@@ -199,10 +241,12 @@ def _session_lines(
     yield from ("", "[[trials]]", f"name = {_quoted(trial)}", f"images = {_quoted(trial + '/{camera}' + suffix)}")
 
 
-def _target_way(rods: bool) -> str:
-    """The lines of `[calibration]` for rods or control points."""
-    way = 'control_frame = { rods = "rods.toml"' if rods else 'control_points = { points = "points.csv"'
-    return way + ', images = "calib/{camera}.png" }'
+def _target_way(target: Rods | Subject) -> str:
+    """The line of `[calibration]` for rods, whose file says how large the markers are, or control points."""
+    if isinstance(target, Rods):
+        return 'control_frame = { rods = "rods.toml", images = "calib/{camera}.png" }'
+    across = f"marker_diameter_mm = {2 * float(np.mean(target.radius_mm))!r}"
+    return f'control_points = {{ points = "points.csv", images = "calib/{{camera}}.png", {across} }}'
 
 
 def _wand_way(suffix: str) -> str:

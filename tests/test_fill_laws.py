@@ -20,7 +20,7 @@ def test_methods_that_do_alike_are_weighed_by_their_precision():
 def test_few_tests_make_wider_bands():
     def band(n):
         rng = np.random.default_rng(0)
-        tests = [HiddenTest(0, k, Gap(0, 10, 30), (0, 20), True) for k in range(n)]
+        tests = [HiddenTest(0, k, Gap(0, 40 * k + 10, 40 * k + 30), (0, 20), True) for k in range(n)]
         tried = [Tried(t, rng.normal(0, 1, (20, 3)), np.tile(np.eye(3), (20, 1, 1)), np.ones(20)) for t in tests]
         said = Prediction(np.zeros((20, 3)), np.tile(np.eye(3), (20, 1, 1)))
         return Calibration(tried).covariance(said, np.ones(20), np.ones(n))[0, 0, 0] ** 0.5

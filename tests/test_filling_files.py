@@ -205,10 +205,11 @@ def test_samples_a_kilometre_away_are_told_and_no_motion(tmp_path):
     xyz[1, 119], xyz[2, 50] = 1e9, -1e9
     write_trc(tmp_path / "in.trc", trial_of(xyz).trajectories)
     done = fill_file(tmp_path / "in.trc", tmp_path / "out.trc", method=Body(frames=40), name="body", limit_mm=50.0)
-    assert done.figures["far_away"] == 1  # the one within the marker's time is a gap, and filled
+    assert done.figures["far_away"] == 2  # the one within the marker's time is a gap, and filled
     assert any("farther than a kilometre" in remark["what"] for remark in done.figures["warnings"])
     after = read_trc(tmp_path / "out.trc")
     assert np.abs(after["C"].xyz).max() < 1e5 and done.figures["replaced"] >= 1
+    assert np.isnan(after["B"].xyz[119]).all()
 
 
 def test_marks_of_samples_that_another_program_measured_anew_or_that_do_not_fit_are_passed_over(tmp_path):

@@ -61,7 +61,7 @@ def filling_figures(
         "by_method": dict(Counter(gap["method"] for gap in done).most_common()),
         "never_seen": [path.name for path in after if (path.origin == Origin.MISSING).all()],
         "much_filled": [path.name for path in after if (path.origin == Origin.FILLED).mean() > MUCH],
-        "far_away": _far_away(after),
+        "far_away": _far_away(before),
         "list": gaps,
     }
     figures = plain(figures)
@@ -145,9 +145,9 @@ def _remarks(figures: dict[str, Any]) -> Iterator[Remark]:
     if figures["far_away"]:
         yield {
             "severity": "amber",
-            "what": f"{count(figures['far_away'], 'sample')} farther than a kilometre from the others. They took no "
-            "part in the filling, and are still in the file.",
-            "do": "Delete them where they come from: they are no positions of markers.",
+            "what": f"{count(figures['far_away'], 'sample')} farther than a kilometre from the others: no "
+            "positions of markers. They are missing now, or filled.",
+            "do": "Look where they come from; the file given still has them.",
         }
     yield from _remarks_on_markers(figures)
 

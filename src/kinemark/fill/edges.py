@@ -25,7 +25,9 @@ and all between it and the gap are trimmed, at most `most`. Trimmed samples are 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -89,10 +91,11 @@ def trim_edges(motion: Motion, gaps: list[Gap], *, method: Edges = Edges()) -> T
     before, after = np.zeros((2, len(gaps)), np.int64)
     known = Known.of(motion)
     if method.most:
-        far = distances(known)
+        far, ladder = distances(known), _ladder(method.past, method.most)
+        usual = cache(lambda donor: _usual(known.x[donor], ladder, method))
         for marker in {gap.marker for gap in gaps}:
             own = [i for i, gap in enumerate(gaps) if gap.marker == marker]
-            judge = _Judge.of(known, marker, far, method)
+            judge = _Judge.of(known, marker, far, usual, method)
             for i in own:
                 before[i] = judge.bad(gaps[i].start - 1, 1)
                 after[i] = judge.bad(gaps[i].stop, -1)
@@ -111,7 +114,7 @@ class _Judge(NamedTuple):
         ladder: (most, past) weights of ẑ at h = 1 … most.
         limits: for each signal, (most) mm; NaN where too little is known.
         donors: neighbours' positions (D, F, 3), for (3).
-        usual: (D, most) mm, median E_d(h).
+        usual: gives (D, most) mm, median E_d(h), which is only needed where something stands out.
         method: parameters.
     """
 
@@ -119,20 +122,20 @@ class _Judge(NamedTuple):
     ladder: Floats
     limits: list[Floats]
     donors: Floats
-    usual: Floats
+    usual: Callable[[], Floats]
     method: Edges
 
     @classmethod
-    def of(cls, known: Known, marker: int, far: Distances, method: Edges) -> _Judge:
-        """From all the trial."""
+    def of(cls, known: Known, marker: int, far: Distances, usual: Callable[[int], Floats], method: Edges) -> _Judge:
+        """From all the trial; `usual` gives median E(h) of any marker."""
         z = [known.x[marker]]
         there = known.seen.any(1) & (np.arange(len(known.names)) != marker)
         donors = nearest(far(marker).sd, there, method.donors)
         if len(donors):
             z.insert(0, known.x[marker] - known.x[donors].mean(0))
         ladder = _ladder(method.past, method.most)
-        usual = np.array([_usual(known.x[d], ladder, method) for d in donors]).reshape(len(donors), method.most)
-        return cls(z, ladder, [_limits(s, ladder, method) for s in z], known.x[donors], usual, method)
+        limits = [_limits(s, ladder, method) for s in z]
+        return cls(z, ladder, limits, known.x[donors], lambda: np.array([usual(int(d)) for d in donors]), method)
 
     def bad(self, edge: int, toward: int) -> int:
         """How many samples from `edge` away from the gap are bad; the gap lies in the direction `toward` (1 or −1)."""
@@ -152,6 +155,8 @@ class _Judge(NamedTuple):
         for b in range(self.method.past, len(run)):
             h = len(run) - b
             e = self._error(run, b)
+            if (e <= limits[:h]).all():
+                continue  # whatever the violence, which is 1 or more
             if (bad := np.flatnonzero(e > limits[:h] * self._violence(beside, b))).size:
                 return h - int(bad[0])
         return 0
@@ -164,8 +169,10 @@ class _Judge(NamedTuple):
     def _violence(self, beside: Floats, b: int) -> Floats:
         """(3) for the samples from b on; 1 where no neighbour is known."""
         e = self._error(beside, b)
+        if not len(e):
+            return np.ones(e.shape[1])
         with np.errstate(invalid="ignore", divide="ignore"):
-            ratio = e / self.usual[:, : e.shape[1]]
+            ratio = e / self.usual()[:, : e.shape[1]]
         ratio = ratio[np.isfinite(ratio).all(1)]
         return np.maximum(np.median(ratio, axis=0), 1.0) if len(ratio) else np.ones(e.shape[1])
 

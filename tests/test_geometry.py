@@ -314,3 +314,17 @@ def test_refining_many_points_is_refining_each(calibrated, steps):
     assert (np.abs(here.cov - there[1]).max((1, 2)) < 1e-9 * np.abs(there[1]).max((1, 2))).all()
     assert np.abs(here.off - there[2])[~np.isnan(uv)].max() < 1e-9
     assert (np.isnan(here.off) == np.isnan(uv)).all()
+
+
+def test_what_refine_says_of_a_small_step_is_what_it_says_exactly():
+    """Within some mm of the answer, projections are as good as linear."""
+    rig = ring(5)
+    rng = np.random.default_rng(3)
+    xyz = rng.uniform([-500, -500, 500], [500, 500, 1500], (200, 3))
+    uv = np.stack([project(camera, xyz) for camera in rig], 1) + rng.normal(0, 0.2, (200, 5, 2))
+    cov = np.broadcast_to(np.eye(2) * 0.04, (200, 5, 2, 2))
+    near = refine(rig, xyz, uv, cov).xyz + rng.normal(0, 1.0, (200, 3))
+    quick, exact = (refine(rig, near, uv, cov, steps=1, exact=how) for how in (False, True))
+    assert np.array_equal(quick.xyz, exact.xyz)
+    assert np.abs(quick.off - exact.off).max() < 2e-3
+    assert np.abs(quick.cov - exact.cov).max() < 0.01 * np.abs(exact.cov).max()

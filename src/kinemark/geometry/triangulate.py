@@ -47,7 +47,7 @@ def triangulate(uv: Array, P: Array) -> Array:
     return np.where((seen.sum(1) >= 2)[:, None], solve3(normal, np.einsum("nij,ni->nj", B, D)), np.nan)  # (3)
 
 
-def refine(rig: Rig, xyz: Array, uv: Array, cov: Array, *, steps: int = 3) -> Triangulated:
+def refine(rig: Rig, xyz: Array, uv: Array, cov: Array, *, steps: int = 3, exact: bool = True) -> Triangulated:
     """The most likely points by (5), from first guesses xyz (N, 3) mm.
 
     Args:
@@ -56,16 +56,22 @@ def refine(rig: Rig, xyz: Array, uv: Array, cov: Array, *, steps: int = 3) -> Tr
         uv: (N, C, 2) pixels as the lens drew them, NaN where unseen.
         cov: (N, C, 2, 2) their covariance, px².
         steps: Gauss-Newton steps; two bring a good first guess to the micrometre.
+        exact: work out cov and off anew where the last step led to; else they follow from the projections where it
+            began as if these were linear, which is as good where the step is small beside the cameras' distance.
     """
     seen = ~np.isnan(uv[..., 0]) & ~np.isnan(xyz[:, :1])
     views = [_view(camera, c, s, xyz, uv, cov) for c, (camera, s) in enumerate(zip(rig, seen.T, strict=True))]
+    step = np.zeros_like(xyz)
     for _ in range(steps):
-        normal, pull, _ = _normal_equations(views, xyz)
-        xyz = xyz + solve3(normal, pull)
-    normal, _, each = _normal_equations(views, xyz)
+        normal, pull, each = _normal_equations(views, xyz)
+        step = solve3(normal, pull)
+        xyz = xyz + step
+    if exact or not steps:
+        normal, _, each = _normal_equations(views, xyz)
+        step = np.zeros_like(xyz)
     off = np.full(uv.shape, np.nan)
-    for c, view in enumerate(views):
-        off[view.point, c] = each[c].T
+    for c, (view, (beside, J)) in enumerate(zip(views, each, strict=True)):
+        off[view.point, c] = (beside if exact else beside - np.einsum("ain,ni->an", J, step[view.point])).T
     return Triangulated(xyz, inverse3(normal), off)  # (7)
 
 
@@ -88,16 +94,16 @@ def _view(camera: Camera, c: int, seen: NDArray[np.bool_], xyz: Array, uv: Array
     return _View(camera, point, uv[point, c].T, weight)
 
 
-def _normal_equations(views: list[_View], xyz: Array) -> tuple[Array, Array, list[Array]]:
-    """Σ Jᵀ C⁻¹ J (N, 3, 3), Σ Jᵀ C⁻¹ off (N, 3), and off = uv − project (2, n) px of each view."""
-    normal, pull, offs = np.zeros((3, 3, len(xyz))), np.zeros((3, len(xyz))), []
+def _normal_equations(views: list[_View], xyz: Array) -> tuple[Array, Array, list[tuple[Array, Array]]]:
+    """Σ Jᵀ C⁻¹ J (N, 3, 3), Σ Jᵀ C⁻¹ off (N, 3), and of each view off = uv − project (2, n) px and J (2, 3, n)."""
+    normal, pull, each = np.zeros((3, 3, len(xyz))), np.zeros((3, len(xyz))), list[tuple[Array, Array]]()
     for camera, point, uv, (xx, xy, yy) in views:
         drawn, J = linearised(camera, xyz[point].T)
-        offs.append(off := uv - drawn)
+        each.append((off := uv - drawn, J))
         WJ = np.stack([xx * J[0] + xy * J[1], xy * J[0] + yy * J[1]])
         normal[..., point] += np.einsum("ain,ajn->ijn", WJ, J)
         pull[:, point] += np.einsum("ain,an->in", WJ, off)
-    return normal.transpose(2, 0, 1), pull.T, offs
+    return normal.transpose(2, 0, 1), pull.T, each
 
 
 def inverse3(A: Array) -> Array:

@@ -151,14 +151,15 @@ def _centroid_sd(rig: Rig, guess: Floats, uv: Floats) -> float:
 
 def _robust(rig: Rig, guess: Floats, uv: Floats, cov: Floats, tails: float, steps: int) -> Triangulated:
     """The points with heavy-tailed images by (2); those whose images agree are done after one pass."""
-    point = refine(rig, guess, uv, cov, steps=steps)
+    point = refine(rig, guess, uv, cov, steps=steps, exact=steps > 1)
     wild = np.flatnonzero((_squared(point.off, cov) > 2 + tails).any(1)) if tails else np.zeros(0, np.int64)
     if not len(wild):
         return point
     xyz, own, off = point.xyz[wild], cov[wild], point.off[wild]
-    for _ in range(REWEIGHTINGS):
+    for k in range(REWEIGHTINGS):
         widened = np.maximum((tails + _squared(off, own)) / (tails + 2), 1.0)  # (2)
-        again = refine(rig, xyz, uv[wild], own * np.nan_to_num(widened, nan=1.0)[..., None, None], steps=1)
+        own_now = own * np.nan_to_num(widened, nan=1.0)[..., None, None]
+        again = refine(rig, xyz, uv[wild], own_now, steps=1, exact=steps > 1 or k == REWEIGHTINGS - 1)
         xyz, off = again.xyz, again.off
     point.xyz[wild], point.cov[wild], point.off[wild] = again
     return point

@@ -43,6 +43,7 @@ class Scene:
     false: float = 2.0
     sweep: float = 360.0
     people: int = 1
+    seconds: float = 2.0
 
 
 SCENES = {
@@ -50,6 +51,7 @@ SCENES = {
     "15, 4 cameras, 100 Hz, arc": Scene(15, 4, sweep=120.0),
     "39, 4 cameras, 50 Hz": Scene(39, 4, rate=50.0),
     "39, 6 cameras, 100 Hz": Scene(39),
+    "39, 6 cameras, 100 Hz, 8 s": Scene(39, seconds=8.0),
     "39, 6 cameras, 100 Hz, arc, 10 false": Scene(39, sweep=120.0, false=10.0),
     "39, 8 cameras, 200 Hz, 0.3 px": Scene(39, 8, rate=200.0, noise=0.3),
     "39, 12 cameras, 100 Hz, 1 false": Scene(39, 12, false=1.0),
@@ -98,12 +100,12 @@ def person(
     phase: float = 0.8,
     speed: float = 1100.0,
 ) -> Subject:
-    """Somebody who walks for two seconds."""
+    """Somebody who walks; so slowly, where it takes long, that the volume holds it."""
     return walking(
-        duration_s=2.0,
+        duration_s=scene.seconds,
         rate=scene.rate,
         seed=seed,
-        speed_mm_s=speed,
+        speed_mm_s=speed * 2.0 / scene.seconds,
         wobble_mm=3.0,
         marker_radius_mm=7.0,
         middle=middle,

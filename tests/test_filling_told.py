@@ -249,3 +249,15 @@ def test_a_recording_is_filled_as_its_settings_say(tmp_path):
     assert [(g.start, g.length) for g in told["usual"]] == [(98, 32)]
     assert [(g.start, g.length) for g in told["untrimmed"]] == [(100, 30)]
     assert {g.start for g in told["ends"]} == {98, 0} and told["tight"][0].method == ""
+
+
+def test_the_gap_with_the_greatest_deviation_is_drawn_first(tmp_path):
+    xyz = with_gap(segment(200))
+    xyz[1, 100:110] = np.nan
+    write_c3d(tmp_path / "in.c3d", trial_of(xyz))
+    done = fill_file(tmp_path / "in.c3d", tmp_path / "out.c3d", method=RigidBody(), name="rigid_body")
+    figures = done.figures
+    for gap in figures["list"]:
+        gap["expected_mm"], gap["sd_worst_mm"] = (1.0, 30.0) if gap["marker"] == "B" else (2.0, 3.0)
+    page = filling_page(figures=figures, trajectories=done.filled.trajectories).split("<h2>Drawings</h2>")[1]
+    assert page.index("<b>B</b>") < page.index("<b>A</b>")

@@ -121,7 +121,7 @@ def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
 
 def _remarks(figures: dict[str, Any]) -> Iterator[Remark]:
     """What deserves a look."""
-    unsure = [gap for gap in figures["list"] if gap["method"] and _worst(gap) > UNSURE_MM]
+    unsure = [gap for gap in figures["list"] if gap["method"] and worst_of(gap) > UNSURE_MM]
     if figures["open"]:
         yield {
             "severity": "amber",
@@ -132,7 +132,8 @@ def _remarks(figures: dict[str, Any]) -> Iterator[Remark]:
         yield {
             "severity": "amber",
             "what": f"{count(len(unsure), 'gap')} may be off by more than {UNSURE_MM:g} mm somewhere: that is their "
-            f"expected error, or a standard deviation within them, the worst {millimetres(max(map(_worst, unsure)))}.",
+            "expected error, or a standard deviation within them, the worst "
+            f"{millimetres(max(map(worst_of, unsure)))}.",
             "do": "Look at their drawings; a lower limit leaves open those whose expected error is great.",
         }
     if figures["unknown"]:
@@ -152,7 +153,7 @@ def _remarks(figures: dict[str, Any]) -> Iterator[Remark]:
     yield from _remarks_on_markers(figures)
 
 
-def _worst(gap: dict[str, Any]) -> float:
+def worst_of(gap: dict[str, Any]) -> float:
     """Greatest of what is said of a gap's error, mm."""
     return max(gap["expected_mm"] or 0.0, gap["sd_worst_mm"] or 0.0)
 

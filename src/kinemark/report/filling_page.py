@@ -11,6 +11,7 @@ from typing import Any
 from ..data import Trajectories
 from ..io.files import replacing
 from .figures_gaps import gap_figure
+from .filling import worst_of
 from .page import framed
 from .tables import paragraphs, table, warning_list
 from .words import count, measure, millimetres, number
@@ -45,7 +46,7 @@ def write_filling_page(
 def filling_page(*, figures: dict[str, Any], trajectories: Trajectories, before: Trajectories | None = None) -> str:
     """The page as text; parameters as those of `write_filling_page`."""
     verdict, gaps = figures["verdict"], figures["list"]
-    drawn = sorted(gaps, key=lambda gap: -(gap["expected_mm"] or 0) if gap["method"] else -1e9)[:MOST_DRAWN]
+    drawn = sorted(gaps, key=_certain)[:MOST_DRAWN]
     which = "All gaps, those that stayed open and the least certain first"
     template = Template(files(__package__).joinpath("filling.html").read_text(encoding="utf-8"))
     main = template.substitute(
@@ -61,6 +62,11 @@ def filling_page(*, figures: dict[str, Any], trajectories: Trajectories, before:
     )
     below = f"Filled by {figures['method']} · Kinemark {figures['kinemark']}"
     return framed(main, heading=figures["source"], below=below, nav=NAV, plots=False)
+
+
+def _certain(gap: dict[str, Any]) -> tuple[bool, float, float]:
+    """What gaps are sorted by, those that stayed open first, then the least certain."""
+    return bool(gap["method"]), -worst_of(gap), -(gap["expected_mm"] or 0.0)
 
 
 def gap_table(gaps: list[dict[str, Any]]) -> str:

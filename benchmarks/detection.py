@@ -26,6 +26,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from kinemark.compiled import PLAIN
 from kinemark.detect import compiled, detect_frames
 
 Images = NDArray[np.uint8]
@@ -78,12 +79,12 @@ def kinemark_plain(images: Images, diameter: float) -> list[Points]:
 @contextmanager
 def plain() -> Iterator[None]:
     """Without the compiled kernel."""
-    before = os.environ.get(compiled.PLAIN, "")
-    os.environ[compiled.PLAIN] = "1"
+    before = os.environ.get(PLAIN, "")
+    os.environ[PLAIN] = "1"
     try:
         yield
     finally:
-        os.environ[compiled.PLAIN] = before
+        os.environ[PLAIN] = before
 
 
 def opencv_outline(images: Images, _: float) -> list[Points]:

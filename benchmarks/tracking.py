@@ -1,11 +1,12 @@
 """From 2D points to tracks, all methods on the same scenes: what they find, invent, swap, and how fast they are.
 
-    python benchmarks/tracking.py [scene …] [--seeds N]
+    python benchmarks/tracking.py [scene …] [--seeds N] [--runs N] [--growth]
 
 A person walks through a ring or an arc of cameras, or two people do; limbs hide markers, images nearer than 8 px run
 together, points come from nowhere. To be found is every sample inside the volume of which two cameras have an image of
 its own. A ghost is a tracked point with no marker within 10 mm. Rivals that are absent are named and left out:
-pip install ".[bench]" brings them (`tracking_rivals`). Everything runs on one thread; its time is the processor's.
+pip install ".[bench]" brings them (`tracking_rivals`). Everything runs on one thread; its time is the processor's, with
+`--runs` the median of so many. `--growth` shows instead how the default tracker's time grows with markers and cameras.
 """
 
 from __future__ import annotations
@@ -172,12 +173,37 @@ def warm_up() -> None:
         run(observed.detections, rig)
 
 
+def timed(run: Callable[[Detections, Rig], Tracks], observed: Observed, rig: Rig, runs: int) -> tuple[Tracks, float]:
+    """The tracks, and the median of the seconds of processor that they take."""
+    seconds = []
+    for _ in range(runs):
+        begin = time.process_time()
+        tracks = run(observed.detections, rig)
+        seconds.append(time.process_time() - begin)
+    return tracks, float(np.median(seconds))
+
+
+def growth(runs: int) -> None:
+    """Time of the default tracker by number of markers and of cameras, scenes of 2 s."""
+    print("markers cameras       s   µs a sample   µs an image")
+    for scene in (*(Scene(n, 8) for n in (20, 40, 80, 160)), *(Scene(39, n) for n in (4, 8, 16))):
+        _, rig, observed, seen = made(scene)
+        _, s = timed(follow, observed, rig, runs)
+        per = 1e6 * s / seen.sum(), 1e6 * s / len(observed.detections)
+        print(f"{scene.markers:7d}{scene.cameras:8d}{s:8.3f}{per[0]:14.1f}{per[1]:14.2f}", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scene", nargs="*", help="part of a scene's name; all where none is given")
     parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--runs", type=int, default=1, help="of each method, for its time")
+    parser.add_argument("--growth", action="store_true")
     wanted = parser.parse_args()
     warm_up()
+    if wanted.growth:
+        growth(wanted.runs)
+        return
     print(HEAD)
     for name, scene in SCENES.items():
         if wanted.scene and not any(part in name for part in wanted.scene):
@@ -187,9 +213,7 @@ def main() -> None:
             subject, rig, observed, seen = made(scene, seed)
             print(f"{name}{f', seed {seed}' if wanted.seeds > 1 else ''}: {int(seen.sum())} samples")
             for method, run in able.items():
-                begin = time.process_time()
-                tracks = run(observed.detections, rig)
-                seconds = time.process_time() - begin
+                tracks, seconds = timed(run, observed, rig, wanted.runs)
                 print(line(method, score(tracks, subject.xyz, seen=seen), int(seen.sum()), seconds), flush=True)
         for why in unable:
             print(f"  left out: {why}")

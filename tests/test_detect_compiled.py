@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from kinemark.compiled import PLAIN
 from kinemark.detect import Centroids, centroids, compiled, detect_frames, grouping, runs, sums
 from kinemark.detect.blobs import Blobs
 from kinemark.detect.grouping import group_runs
@@ -27,7 +28,7 @@ some = settings(max_examples=60, deadline=None)
 def plainly(function, *args, **parameters):
     """What NumPy alone gives."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(compiled.PLAIN, "1")
+        patch.setenv(PLAIN, "1")
         assert compiled.library() is None
         return function(*args, **parameters)
 
@@ -229,10 +230,10 @@ def test_constants_of_both_languages_agree():
 
 
 def test_the_environment_decides_at_any_time(monkeypatch):
-    monkeypatch.delenv(compiled.PLAIN, raising=False)
+    monkeypatch.delenv(PLAIN, raising=False)
     before = compiled.library()
-    monkeypatch.setenv(compiled.PLAIN, "1")
+    monkeypatch.setenv(PLAIN, "1")
     assert compiled.library() is None
-    monkeypatch.setenv(compiled.PLAIN, "")
+    monkeypatch.setenv(PLAIN, "")
     assert compiled.library() is before
-    assert os.environ[compiled.PLAIN] == "" and grouping.library is compiled.library
+    assert os.environ[PLAIN] == "" and grouping.library is compiled.library

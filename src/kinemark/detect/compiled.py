@@ -1,24 +1,19 @@
 """The compiled part of detection, kernel.c, where it was built.
 
-It is loaded with ctypes, which lets other threads run while the kernel does. Python's own C interface is not needed, so
-that the kernel is some 300 lines of C that know nothing of Python, and no other package need be installed.
-Where there was no compiler at the time of installation there is no kernel, and `runs`, `grouping` and `sums` use NumPy,
-with the same results. All sizes are checked, here and in the kernel.
+Where it is absent, `runs`, `grouping` and `sums` use NumPy, with the same results. All sizes are checked, here and in
+the kernel.
 """
 
 from __future__ import annotations
 
 import ctypes
-import os
 from functools import cache
-from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-PLAIN = "KINEMARK_PLAIN"
-"""Environment variable: where it is set and not empty, the kernel is not used."""
+from ..compiled import at, ints, loaded, opened, plain, size
 
 VERSION = 1  # as in kernel.c
 MARGIN = 2  # as there
@@ -37,9 +32,7 @@ class Library:
         Raises:
             OSError: it cannot be loaded, or was built from another version of the source.
         """
-        kernel = ctypes.CDLL(str(path))
-        if not hasattr(kernel, "kernel_version") or kernel.kernel_version() != VERSION:
-            raise OSError(f"{path} is of another version, wanted {VERSION}")
+        kernel = opened(path, VERSION)
         self._runs = {np.dtype(np.uint8): kernel.runs_8, np.dtype(np.uint16): kernel.runs_16}
         self._sums = {np.dtype(np.uint8): kernel.sums_8, np.dtype(np.uint16): kernel.sums_16}
         self._groups = kernel.groups
@@ -53,8 +46,8 @@ class Library:
         most = min(most, lines * ((width + 1) // 2))  # no image has more
         for room in (min(FEW, most), most):  # mostly the little memory is enough, and fresh memory costs time
             columns = np.empty((3, room), np.int64)
-            sizes = map(ctypes.c_int64, (lines, width, threshold, room))
-            n = self._runs[tall.dtype](_at(tall), *sizes, *map(_at, columns))
+            sizes = map(size, (lines, width, threshold, room))
+            n = self._runs[tall.dtype](at(tall), *sizes, *map(at, columns))
             if n < room:
                 break
         y, first, last = columns[:, :n].copy()
@@ -71,8 +64,8 @@ class Library:
         columns = _columns(y, first, last)
         n = len(columns[0])
         label, runs, start, box = (np.empty(shape, np.int64) for shape in (n, (3, n), n + 1, (6, n)))
-        at = (_at(column) for column in (label, runs, start, box))
-        g = self._groups(ctypes.c_int64(n), *map(_at, columns), ctypes.c_int64(height), *at)
+        out = map(at, (label, runs, start, box))
+        g = self._groups(size(n), *map(at, columns), size(height), *out)
         return runs, start[: g + 1].copy(), box[:, :g].copy()
 
     def sums(
@@ -88,9 +81,9 @@ class Library:
         start, columns = np.ascontiguousarray(start, np.int64), _columns(y, first, last)
         g = len(start) - 1
         space, out = np.empty((2, height + 4 * MARGIN), np.int64), np.empty((SUMS, g))
-        sizes = map(ctypes.c_int64, (n * height, height, width, g, len(columns[0])))
-        at = [_at(column) for column in (start, *columns, space, out)]
-        good = self._sums[images.dtype](_at(images), *sizes, *at)
+        sizes = map(size, (n * height, height, width, g, len(columns[0])))
+        arrays = map(at, (start, *columns, space, out))
+        good = self._sums[images.dtype](at(images), *sizes, *arrays)
         if good < g:
             raise ValueError(f"group {good} of {g} does not lie in one of the {n} frames of {width} × {height} px")
         return out
@@ -98,23 +91,12 @@ class Library:
 
 def library() -> Library | None:
     """The compiled kernel; None where it was not built or `PLAIN` is set, and NumPy does the work."""
-    return None if os.environ.get(PLAIN) else _loaded()
+    return None if plain() else _loaded()
 
 
 @cache
 def _loaded() -> Library | None:
-    for suffix in EXTENSION_SUFFIXES:
-        path = Path(__file__).with_name("_kernel" + suffix)
-        if path.is_file():
-            try:
-                return Library(path)
-            except OSError:  # of another machine or version: as if there were none
-                continue
-    return None
-
-
-def _at(array: NDArray[np.generic]) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)
+    return loaded(__file__, Library)
 
 
 def _columns(y: Column, first: Column, last: Column) -> list[Column]:
@@ -125,4 +107,4 @@ def _columns(y: Column, first: Column, last: Column) -> list[Column]:
     """
     if not len(y) == len(first) == len(last):
         raise ValueError(f"the columns of runs have {len(y)}, {len(first)} and {len(last)} rows, wanted equal numbers")
-    return [np.ascontiguousarray(column, np.int64) for column in (y, first, last)]
+    return ints(y, first, last)

@@ -30,6 +30,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from .compiled import library
 from .images import Images
 from .motion import Bools, Floats, Ints, Motion
 
@@ -67,6 +68,8 @@ class Pairs(NamedTuple):
 
 def expect(P: Floats, motion: Motion) -> Expected:
     """Where the cameras P (C, 3, 4) are expected to see the tracks."""
+    if kernel := library():
+        return Expected(*kernel.expect(P, motion.position, motion.cov))
     h = (P[:, :, :3].reshape(-1, 3) @ motion.position + P[:, :, 3].reshape(-1, 1)).reshape(len(P), 3, -1)
     z = np.where(h[:, 2:] > 0, h[:, 2:], np.nan)
     uv = h[:, :2] / z
@@ -82,7 +85,13 @@ def candidates(images: Images, free: Bools, frame: Ints, expected: Expected, gat
     a, b, d = expected.S.swapaxes(0, 1).reshape(3, -1)
     C = len(expected.uv)
     cell = (frame * C + np.arange(C)[:, None]).ravel()
-    own, row = images.part(np.unique(frame), free).near(cell, u, gate * np.sqrt(a + images.widest[cell]))
+    reach = gate * np.sqrt(a + images.widest[cell])
+    if kernel := library():
+        own, row, squared, det = kernel.candidates(
+            images, free, cell, np.stack([u, v]), np.stack([a, b, d]), reach, gate**2
+        )
+        return Pairs(own, row, squared, np.log(det))
+    own, row = images.part(np.unique(frame), free).near(cell, u, reach)
     x, y, noise = images.uv[row, 0] - u[own], images.uv[row, 1] - v[own], images.variance[row]
     a, b, d = a[own] + noise, b[own], d[own] + noise
     det = a * d - b * b  # |S|
@@ -183,6 +192,8 @@ def _shared(images: Images, claims: Claims, c: Ints, t: Ints, holder: Ints, row:
 
 def information(images: Images, expected: Expected, claims: Claims) -> tuple[Floats, Floats]:
     """What the claimed images say of the positions: N (3, 3, T) 1/mm² and g (3, T) 1/mm of `motion.told`."""
+    if kernel := library():
+        return kernel.information(expected.uv, expected.J, claims.row, claims.variance, images.uv)
     has = claims.row >= 0
     off = np.where(has[:, None], images.uv[claims.row].swapaxes(1, 2) - expected.uv, 0.0)
     J = np.where(has[:, None, None], expected.J, 0.0)

@@ -87,7 +87,7 @@ def _moving(result: Followed) -> Moving:
     point, velocity = middle[near], velocity[near]
     in_time = np.argsort(cloud.frame[point], kind="stable")
     point, velocity = point[in_time], velocity[in_time]
-    expected = expect(result.images.P, Motion(cloud.xyz[point].T, np.zeros((3, 3, 1))))
+    expected = expect(result.images.P, Motion(cloud.xyz[point].T, np.zeros((3, 3, len(point)))))
     view = cloud.view[point]
     seen = (view >= 0)[..., None]
     J = np.where(seen[..., None], expected.J.transpose(3, 0, 1, 2), 0.0)

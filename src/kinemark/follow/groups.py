@@ -18,6 +18,7 @@ import numpy as np
 
 from ..geometry import fundamental, solve3
 from .claims import candidates, expect
+from .compiled import library
 from .images import Images
 from .motion import Bools, Floats, Ints, Motion, inverse
 
@@ -205,7 +206,10 @@ def placed(images: Images, view: Ints, camera: Ints | None = None) -> Placed:
         view: (k, H) rows of images, −1 for none.
         camera: (k, H) that they are of; None: k = C, one line for each camera.
     """
-    P = images.P.transpose(1, 2, 0)[:, :, np.arange(len(view))[:, None] if camera is None else camera]
+    camera = np.arange(len(view))[:, None] if camera is None else camera
+    if kernel := library():
+        return Placed(*kernel.placed(images.P, images.uv, images.variance, view, camera))
+    P = images.P.transpose(1, 2, 0)[:, :, camera]
     seen, uv = view >= 0, images.uv.T[:, view]
     rows = np.where(seen, P[:2] - uv[:, None] * P[2], 0.0)  # (2, 4, k, H)
     guess = solve3(_squares(rows[:, :3], rows[:, :3]).transpose(2, 0, 1), -_sums(rows[:, :3], rows[:, 3]).T).T
@@ -219,7 +223,7 @@ def placed(images: Images, view: Ints, camera: Ints | None = None) -> Placed:
     moved = np.einsum("ijh,jh->ih", cov, _sums(J / variance, off))
     off -= np.einsum("ijkh,jh->ikh", J, moved)
     squared = np.where(seen, (off * off).sum(0) / variance, -1.0)
-    return Placed(guess + moved, cov, np.nan_to_num(squared, nan=np.inf))
+    return Placed(guess + moved, cov, np.nan_to_num(squared, nan=np.inf, posinf=np.inf))
 
 
 def _squares(A: Floats, B: Floats) -> Floats:

@@ -56,6 +56,7 @@ class Images(NamedTuple):
         size: (C, 2) of the images, px.
         n_frames: F.
         order: (N) the usable rows by frame, camera and u; key: (N) their places, frame C + camera + a share of 1 for u.
+        first: (F C + 1) of these, the first of each frame and camera.
         across: the least u and the width of all images together, px.
     """
 
@@ -77,6 +78,7 @@ class Images(NamedTuple):
     n_frames: int
     order: Ints
     key: Floats
+    first: Ints
     across: tuple[float, float]
 
     def near(self, cell: Ints, u: Floats, reach: Floats) -> tuple[Ints, Ints]:
@@ -93,7 +95,7 @@ class Images(NamedTuple):
         first, stop = np.searchsorted(self.key, np.stack([frames, frames + 1]) * len(self.P))
         some = _ranges(first, stop - first)
         some = some[free[self.order[some]]]
-        return self._replace(order=self.order[some], key=self.key[some])
+        return self._replace(order=self.order[some], key=self.key[some])  # `first` is of no use to `near`
 
     def noisier(self, added: Floats) -> Images:
         """The same with more variance (C) px² in the images of each camera."""
@@ -106,7 +108,8 @@ class Images(NamedTuple):
             return self
         keep = ~np.isin(self.camera[self.order], cameras)
         usable = self.usable & ~np.isin(self.camera, cameras)
-        return self._replace(usable=usable, order=self.order[keep], key=self.key[keep])
+        first = np.concatenate([[0], np.cumsum(keep)])[self.first]
+        return self._replace(usable=usable, order=self.order[keep], key=self.key[keep], first=first)
 
     def in_frames(self, frames: list[int]) -> list[Ints]:
         """Usable rows of each frame, camera by camera."""
@@ -159,10 +162,11 @@ def read_images(detections: Detections, rig: Rig) -> Images:
 
 
 class Sorted(NamedTuple):
-    """`order`, `key` and `across` of `Images`."""
+    """`order`, `key`, `first` and `across` of `Images`."""
 
     order: Ints
     key: Floats
+    first: Ints
     across: tuple[float, float]
 
 
@@ -174,7 +178,9 @@ def _sorted(detections: Detections, uv: Floats, usable: Bools) -> Sorted:
     width = float(u.max(initial=0.0)) + 1 - low
     key = (detections.frame * len(detections.cameras) + detections.camera)[rows] + (u - low) / width
     order = np.argsort(key, kind="stable")
-    return Sorted(rows[order], key[order], (low, width))
+    key = key[order]
+    first = np.searchsorted(key, np.arange(detections.n_frames * len(detections.cameras) + 1))
+    return Sorted(rows[order], key, first, (low, width))
 
 
 def _ranges(first: Ints, count: Ints) -> Ints:

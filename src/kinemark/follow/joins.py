@@ -151,24 +151,18 @@ def _ends(points: Points, T: float, method: Simultaneous) -> Ends:
 def _by_motion(points: Points, ends: Ends, a: Ints, b: Ints, T: float, method: Simultaneous) -> tuple[Floats, Floats]:
     """(1) of pairs, and the standard deviation of the difference of positions, mm."""
     gap = ends.first[b] - ends.last[a]
-    worth, sd = np.empty(len(a)), np.empty(len(a))
-    extent = np.ptp(np.percentile(points.xyz, [5, 95], axis=0), axis=0) + 100.0
     if not len(a):
-        return worth, sd
+        return np.zeros(0), np.zeros(0)
+    extent = np.ptp(np.percentile(points.xyz, [5, 95], axis=0), axis=0) + 100.0
     begun = max(len(ends.first) * method.gap / (T * (points.frame.max() + 1)), 1.0)
     prior = 2 * np.log(SEEN / (1 - SEEN) * extent.prod() * (2 * method.speed) ** 3 / begun)
-    for k in np.unique(gap).tolist():
-        own = np.flatnonzero(gap == k)
-        before, i = np.unique(a[own], return_inverse=True)
-        after, j = np.unique(b[own], return_inverse=True)
-        one = ahead(ends.end.take(before), k * T / 2, method.wander)
-        other = reversed_time(ahead(ends.begin.take(after), k * T / 2, method.wander))
-        delta = (other.x[:6, j] - one.x[:6, i]).T
-        S = (one.V[:6, :6, i] + other.V[:6, :6, j]).transpose(2, 0, 1)
-        squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)
-        worth[own] = prior - np.linalg.slogdet(2 * np.pi * S)[1] - squared
-        sd[own] = np.sqrt(np.trace(S[:, :3, :3], axis1=1, axis2=2))
-    return worth, sd
+    one = ahead(ends.end.take(a), gap * T / 2, method.wander)
+    other = reversed_time(ahead(ends.begin.take(b), gap * T / 2, method.wander))
+    delta = (other.x[:6] - one.x[:6]).T
+    S = (one.V[:6, :6] + other.V[:6, :6]).transpose(2, 0, 1)
+    squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)
+    worth = prior - np.linalg.slogdet(2 * np.pi * S)[1] - squared
+    return worth, np.sqrt(np.trace(S[:, :3, :3], axis1=1, axis2=2))
 
 
 def _by_distance(points: Points, a: Ints, b: Ints, by_motion: Floats) -> Floats:

@@ -21,11 +21,12 @@ nine numbers this is twice as fast as the other way round.
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .compiled import library
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -65,14 +66,27 @@ def at_rest(xyz: Floats, cov: Floats, *, speed: float, acceleration: float) -> M
     return Motion(x, V)
 
 
-def ahead(motion: Motion, T: float, q: float) -> Motion:
-    """The points a time T in s later, by (1) and (2); q in mm/s^2.5."""
-    A, Q = _passage(T, q)
+def ahead(motion: Motion, T: float | Floats, q: float) -> Motion:
+    """The points a time T in s later, one for all or (T) one of each, by (1) and (2); q in mm/s^2.5."""
     n = motion.x.shape[-1]
-    half = (A @ motion.V.reshape(9, 9 * n)).reshape(9, 9, n)
-    V = (A @ half.swapaxes(0, 1).reshape(9, 9 * n)).reshape(9, 9, n)  # V is symmetric, so this is A V Aᵀ
-    V += Q
-    return Motion(A @ motion.x, V)
+    T = np.full(n, T) if np.ndim(T) == 0 else np.asarray(T)
+    if kernel := library():
+        return Motion(*kernel.ahead(motion.x, motion.V, T, q))
+    x, half = _gone_on(motion.x.reshape(3, 3, n), T), _gone_on(motion.V.reshape(3, 27, n), T)
+    V = _gone_on(half.reshape(9, 3, 3, n).swapaxes(0, 1), T).swapaxes(0, 1).reshape(9, 9, n)
+    V += q * q * np.kron(_wandered(T).T, np.eye(3)).T
+    return Motion(x.reshape(9, n), V)
+
+
+def _gone_on(state: Floats, T: Floats) -> Floats:
+    """A of (1) times (3, …, T)."""
+    p, v, a = state
+    return np.array([p + T * v + T * T / 2 * a, v + T * a, a])
+
+
+def _wandered(T: Floats) -> Floats:
+    """(3, 3, T) G of (2)."""
+    return np.array([[T**5 / 20, T**4 / 8, T**3 / 6], [T**4 / 8, T**3 / 3, T**2 / 2], [T**3 / 6, T**2 / 2, T]])
 
 
 def back(motion: Motion, T: float, q: float) -> Motion:
@@ -87,16 +101,10 @@ def reversed_time(motion: Motion) -> Motion:
     return Motion(motion.x * sign[:, None], motion.V * np.outer(sign, sign)[..., None])
 
 
-@lru_cache(maxsize=64)
-def _passage(T: float, q: float) -> tuple[Floats, Floats]:
-    """A of (1) and q² G of (2) for all three axes, (9, 9) and (9, 9, 1)."""
-    A = np.array([[1.0, T, T * T / 2], [0.0, 1.0, T], [0.0, 0.0, 1.0]])
-    G = np.array([[T**5 / 20, T**4 / 8, T**3 / 6], [T**4 / 8, T**3 / 3, T**2 / 2], [T**3 / 6, T**2 / 2, T]])
-    return np.kron(A, np.eye(3)), q * q * np.kron(G, np.eye(3))[..., None]
-
-
 def told(motion: Motion, N: Floats, g: Floats) -> Motion:
     """The points after a measurement with information N (3, 3, T) 1/mm² and pull g (3, T) 1/mm, by (3) and (4)."""
+    if kernel := library():
+        return Motion(*kernel.told(motion.x, motion.V, N, g))
     with_p = motion.V[:, :3]
     before = inverse(motion.cov)
     gain = np.einsum("ijt,jkt->ikt", before, inverse(before + N))  # V₀⁻¹ P

@@ -101,7 +101,7 @@ def learned(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
         added = np.maximum(added, np.median(added[known]))
     noise = Noise(
         np.sqrt(np.where(known, added, 0.0)),
-        np.array([np.nanmedian(one.off, axis=0) if one.off.size else (np.nan, np.nan) for one in offsets]),
+        np.array([_middle(one.off) for one in offsets]),
         np.array([np.isfinite(one.off[:, 0]).mean() if ok else np.nan for one, ok in zip(offsets, known, strict=True)]),
     )
     if not known.any():
@@ -129,6 +129,12 @@ def _offsets(images: Images, groups: Groups, c: int, gate: float) -> Offsets:
     off[own[order]] = (images.uv[row] - uv[own])[order]  # of several, the nearest is written last
     variance[own[order]] += images.variance[row[order]]
     return Offsets(off, variance)
+
+
+def _middle(off: Floats) -> Floats:
+    """(2) the median of (n, 2), of those that are known; NaN where none is."""
+    known = off[np.isfinite(off[:, 0])]
+    return np.median(known, axis=0) if len(known) else np.full(2, np.nan)
 
 
 def _missing(offsets: Offsets, added: float, stated: bool) -> float:

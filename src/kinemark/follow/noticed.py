@@ -129,7 +129,13 @@ def _parts(result: Followed, c: int) -> Parts:
 
 def _expected(result: Followed, c: int) -> Floats:
     """(P, 2) px where camera c should see the points of the tracks."""
-    return expect(result.images.P[c : c + 1], Motion(result.tracks.cloud.xyz.T, np.zeros((3, 3, 1)))).uv[0].T
+    return (
+        expect(
+            result.images.P[c : c + 1], Motion(result.tracks.cloud.xyz.T, np.zeros((3, 3, len(result.tracks.cloud))))
+        )
+        .uv[0]
+        .T
+    )
 
 
 def _in_view(result: Followed, c: int, uv: Floats, least: int) -> Bools:

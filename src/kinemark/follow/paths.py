@@ -5,7 +5,7 @@ from those after it, against time, another. Either alone tells where a path goes
 covariances V₋ and V₊ of the whole states x₋ and x₊, and what the images of the frame itself say of the position, N
 and p, give
 
-    V = (V₋⁻¹ + V₊⁻¹)⁻¹,   x = V (V₋⁻¹ x₋ + V₊⁻¹ x₊)                                    (1)
+    K = V₋ (V₋ + V₊)⁻¹,   x = x₋ + K (x₊ − x₋),   V = K V₊                               (1)
 
 told N (p − x) by (4) of `motion`: the smoothed position (Fraser & Potter 1969, "The optimum linear smoother as a
 combination of two optimum linear filters", IEEE Trans. Autom. Control 14, 387–390).
@@ -72,10 +72,10 @@ def smoothed(points: Points, which: Bools, sound: Bools, T: float, method: Simul
         one[0] = -1
     before, after = (motion_from(points, one, around, T, method) for one in near)
     after = reversed_time(after)
-    one, other = (np.linalg.inv(motion.V.transpose(2, 0, 1)) for motion in (before, after))
-    V = np.linalg.inv(one + other)
-    x = V @ (one @ before.x.T[..., None] + other @ after.x.T[..., None])  # (1)
+    one, other = (motion.V.transpose(2, 0, 1) for motion in (before, after))
+    K = np.linalg.solve(one + other, one).swapaxes(1, 2)
+    x, V = before.x.T + (K @ (after.x - before.x).T[..., None])[..., 0], K @ other  # (1)
     N = inverse(points.cov[row].transpose(1, 2, 0))
-    both = Motion(x[..., 0].T, V.transpose(1, 2, 0))
+    both = Motion(x.T, V.transpose(1, 2, 0))
     both = told(both, N, np.einsum("ijt,jt->it", N, around - both.position))
     return both.position.T, both.cov.transpose(2, 0, 1)

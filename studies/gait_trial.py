@@ -24,7 +24,9 @@ its extra points may be ghosts, and the others are markers.
 **Their merged images.** Where two markers run together in a camera, the reference takes the one image there is for a
 marker's own, and is drawn away from where the other cameras see it. A reference sample is called *bent* where a point
 of ours lies FARTHEST mm from it or less, three or more images agree on that to AGREE px RMS, and the reference fits
-these same images more than twice as badly.
+these same images more than twice as badly. A second judge knows nothing of images: where the two differ by NEAR to
+FARTHEST mm, it takes the distances to the MATES markers that keep theirs most steadily, of both points, and says which
+leaves its usual distances less, in their own spread.
 
 Run: python studies/gait_trial.py [method …], a part of its name, or "all"; the first three where none is given.
 """
@@ -51,6 +53,7 @@ from kinemark.signal import assign
 from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, TrackMethod, track
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 JUMP = 8.0  # mm; a second difference no marker on a body has at 250 Hz (500 m/s²)
 MARGIN = 3  # frames beside a jump that the reference's own smoothing has bent
@@ -58,6 +61,8 @@ NEAR = 5.0  # mm; a reference sample counts as found
 SHIFT = 0.8  # s; of each camera against the one before it, for the control
 FARTHEST = 30.0  # mm; of our point for a bent reference sample
 AGREE = 0.5  # px
+MATES = 4
+CLEARLY = 1.5  # times nearer to the usual distances
 RINGS = ((0.0, 0.2), (0.2, 0.3), (0.3, 0.4), (0.4, 1.0))
 
 
@@ -140,25 +145,88 @@ def shift_cameras(detections: Detections, frames: int) -> Detections:
     return Detections.build(detections.cameras, detections.rate, counts, detections.uv[row], cov)
 
 
+class Disputed(NamedTuple):
+    """N reference samples of marker and frame that are not found, while `point` of a cloud, at xyz (N, 3), is near."""
+
+    marker: Ints
+    frame: Ints
+    point: Ints
+    xyz: Floats
+
+
+def disputed(tracks: Tracks, xyz: Floats, found: Score, reference: Floats) -> Disputed:
+    """Missed samples with the points (P, 3) of tracks that no sample is near, as the assignment pairs them best."""
+    cloud, free = tracks.cloud, (found.owner < 0) & (tracks.id >= 0)
+    missed = np.isfinite(reference[..., 0]) & ~there(tracks, found, reference)
+    pairs = [np.zeros((3, 0), np.int64)]
+    for f in range(cloud.n_frames):
+        p = np.flatnonzero(free[cloud.start[f] : cloud.start[f + 1]]) + cloud.start[f]
+        m = np.flatnonzero(missed[:, f])
+        i, j = assign(np.linalg.norm(reference[m, f][:, None] - xyz[p], axis=-1), np.full(len(m), FARTHEST))
+        pairs.append(np.array([m[i], np.full(len(i), f), p[j]]))
+    marker, frame, point = np.concatenate(pairs, 1)
+    return Disputed(marker, frame, point, xyz[point])
+
+
+def there(tracks: Tracks, found: Score, reference: Floats) -> NDArray[np.bool_]:
+    """(M, F) whether a sample is found."""
+    out = np.zeros(reference.shape[:2], bool)
+    near = found.owner >= 0
+    out[found.owner[near], tracks.cloud.frame[near]] = True
+    return out
+
+
 def bent(rig: Rig, detections: Detections, tracks: Tracks, found: Score, reference: Floats) -> float:
     """Share of the reference samples that are bent."""
     xyz, off, _ = points(rig, detections, tracks.cloud, division)
     ours = np.sqrt(np.nanmean(off**2, axis=1))
-    agreed = ((tracks.cloud.view >= 0).sum(1) >= 3) & (ours < AGREE) & (found.owner < 0) & (tracks.id >= 0)
-    missed = np.isfinite(reference[..., 0])
-    missed[found.owner[found.owner >= 0], tracks.cloud.frame[found.owner >= 0]] = False
-    n = 0
-    for f in range(tracks.cloud.n_frames):
-        p = np.flatnonzero(agreed[tracks.cloud.start[f] : tracks.cloud.start[f + 1]]) + tracks.cloud.start[f]
-        m = np.flatnonzero(missed[:, f])
-        i, j = assign(np.linalg.norm(reference[m, f][:, None] - xyz[p], axis=-1), np.full(len(m), FARTHEST))
-        ideal = np.full((len(i), len(rig), 2), np.nan)
-        for c, camera in enumerate(rig):
-            view = tracks.cloud.view[p[j], c]
-            ideal[view >= 0, c] = division(camera, detections.uv[view[view >= 0]])
-        theirs = np.sqrt(np.nanmean(beside(rig, ideal, reference[m[i], f]) ** 2, axis=1))
-        n += int((theirs > 2 * ours[p[j]]).sum())
-    return n / int(np.isfinite(reference[..., 0]).sum())
+    some = disputed(tracks, xyz, found, reference)
+    view = tracks.cloud.view[some.point]
+    ideal = np.full((*view.shape, 2), np.nan)
+    for c, camera in enumerate(rig):
+        ideal[view[:, c] >= 0, c] = division(camera, detections.uv[view[view[:, c] >= 0, c]])
+    theirs = np.sqrt(np.nanmean(beside(rig, ideal, reference[some.marker, some.frame]) ** 2, axis=1))
+    agreed = ((view >= 0).sum(1) >= 3) & (ours[some.point] < AGREE)
+    return int((agreed & (theirs > 2 * ours[some.point])).sum()) / int(np.isfinite(reference[..., 0]).sum())
+
+
+class Judged(NamedTuple):
+    """Of n disputed samples, %: our point leaves its usual distances clearly less, the reference does, neither."""
+
+    n: int
+    ours: float
+    reference: float
+    neither: float
+
+
+def by_distances(some: Disputed, known: NDArray[np.bool_], reference: Floats, low: float, high: float) -> Judged:
+    """The second judge's word on samples disputed by low to high mm; `known` (M, F) are those found."""
+    theirs = reference[some.marker, some.frame]
+    apart = np.linalg.norm(some.xyz - theirs, axis=1)
+    off = np.array([_left(some.marker, some.frame, xyz, known, reference) for xyz in (some.xyz, theirs)])
+    which = (apart >= low) & (apart < high) & np.isfinite(off).all(0)
+    ours, theirs = off[:, which]
+    said = np.array([(CLEARLY * ours < theirs).mean(), (CLEARLY * theirs < ours).mean()]) * 100
+    return Judged(int(which.sum()), said[0], said[1], 100 - said.sum())
+
+
+def _left(marker: Ints, frame: Ints, xyz: Floats, known: NDArray[np.bool_], reference: Floats) -> Floats:
+    """(N) RMS by which points leave their usual distances, in their spread; NaN where no mate is known."""
+    out = np.full(len(marker), np.nan)
+    for m in np.unique(marker):
+        apart = np.where(known & known[m], np.linalg.norm(reference - reference[m], axis=-1), np.nan)
+        apart[m] = np.nan
+        mates = np.flatnonzero(np.isfinite(apart).sum(1) >= 200)
+        usual = np.nanmedian(apart[mates], axis=1)
+        spread = 1.4826 * np.nanmedian(np.abs(apart[mates] - usual[:, None]), axis=1)
+        best = np.argsort(spread)[:MATES]
+        own = np.flatnonzero(marker == m)
+        now = np.linalg.norm(reference[mates[best]][:, frame[own]] - xyz[own], axis=-1)
+        now[~known[mates[best]][:, frame[own]]] = np.nan
+        off = (now - usual[best, None]) / np.maximum(spread[best, None], 1.0)
+        some = np.isfinite(off).any(0)
+        out[own[some]] = np.sqrt(np.nanmean(off[:, some] ** 2, axis=0))
+    return out
 
 
 def pieces_per_track(result: Score, reference: Floats, shortest: int = 25) -> float:
@@ -205,11 +273,12 @@ def run(method: Method, detections: Detections, rig: Rig) -> Tracks:
 class Row(NamedTuple):
     """What a method made: its tracks, seconds of processor, and its scores through either lens.
 
-    whole: against the reference tracks; cut: against their continuous pieces.
+    placed: its points through either lens; whole: against the reference tracks; cut: against their continuous pieces.
     """
 
     tracks: Tracks
     seconds: float
+    placed: dict[str, Floats]
     whole: dict[str, Score]
     cut: dict[str, Score]
 
@@ -231,7 +300,7 @@ def made(method: Method, detections: Detections, rig: Rig, reference: Floats, pi
         {lens: score(tracks, truth, within=NEAR, xyz=xyz) for lens, xyz in placed.items()}
         for truth in (reference, pieces)
     )
-    return Row(tracks, seconds, whole, cut)
+    return Row(tracks, seconds, placed, whole, cut)
 
 
 def lens_table(rig: Rig, detections: Detections, cloud: Cloud) -> None:
@@ -295,6 +364,16 @@ def main(*asked: str) -> None:
     for name, row in rows.items():
         share = bent(rig, detections, row.tracks, row.whole[THEIRS], xyz)
         print(f"  {name:42}{100 * share:8.2f}{100 * (share + row.whole[THEIRS].recall):8.2f}")
+    print(f"Which of the two leaves the distances to steady markers {CLEARLY} times less, where they differ:")
+    for name, row in rows.items():
+        found = row.whole[THEIRS]
+        some = disputed(row.tracks, row.placed[THEIRS], found, xyz)
+        for low, high in ((NEAR, 10.0), (10.0, FARTHEST)):
+            judged = by_distances(some, there(row.tracks, found, xyz), xyz, low, high)
+            print(
+                f"  {name:42}{low:3.0f} to {high:2.0f} mm, {judged.n:4d} samples: ours{judged.ours:4.0f} %, "
+                f"the reference{judged.reference:4.0f} %, neither{judged.neither:4.0f} %"
+            )
     print("Without cutting the reference at its own jumps, so many of its swaps would count as ours:")
     for name, row in rows.items():
         print(f"  {name:42}{len(changes(row.tracks, row.whole[THEIRS].owner, xyz)):8d}")

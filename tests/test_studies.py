@@ -49,6 +49,8 @@ def test_a_clinical_gait_trial():
     assert found["simultaneous"]["recall"] > 97.5 and found["simultaneous"]["pieces"] < 1.2
     bent, found_or_bent = figures(text.split("found or bent, %:")[1], "simultaneous")[:2]
     assert bent < 1 and found_or_bent > 98.5
+    judged = re.search(r"10 to 30 mm.* ours +(\d+) %, the reference +(\d+) %", text)
+    assert judged and int(judged[1]) > 4 * int(judged[2])  # of the points that differ most, ours fit the body
     assert found["kiss_triplets, kiss_tracking"]["recall"] > 90
     for name, row in found.items():
         assert row["chance"] <= 0.2 and row["extra"] - row["markers"] <= 0.2

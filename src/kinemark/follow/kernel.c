@@ -111,7 +111,8 @@ static void gain_of(double V0[3][3], double N[3][3], double gain[3][3], double R
             gain[i][k] = before[i][0] * P[0][k] + before[i][1] * P[1][k] + before[i][2] * P[2][k];
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
-            R[i][k] = before[i][k] - (gain[i][0] * before[0][k] + gain[i][1] * before[1][k] + gain[i][2] * before[2][k]);
+            R[i][k] = before[i][k] -
+                      (gain[i][0] * before[0][k] + gain[i][1] * before[1][k] + gain[i][2] * before[2][k]);
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < i; k++)
             R[i][k] = R[k][i] = (R[i][k] + R[k][i]) / 2;
@@ -196,7 +197,8 @@ API void expect(int64_t C, int64_t n, const double *P, const double *xyz, const 
                 for (int i = 0; i < 3; i++)
                     J[(3 * a + i) * n + t] = D[a][i];
                 for (int j = 0; j < 3; j++)
-                    DV[a][j] = D[a][0] * cov[j * n + t] + D[a][1] * cov[(3 + j) * n + t] + D[a][2] * cov[(6 + j) * n + t];
+                    DV[a][j] =
+                        D[a][0] * cov[j * n + t] + D[a][1] * cov[(3 + j) * n + t] + D[a][2] * cov[(6 + j) * n + t];
             }
             S[t] = DV[0][0] * D[0][0] + DV[0][1] * D[0][1] + DV[0][2] * D[0][2]; /* (1) */
             S[n + t] = DV[0][0] * D[1][0] + DV[0][1] * D[1][1] + DV[0][2] * D[1][2];

@@ -213,6 +213,8 @@ def test_fills_taken_off_and_put_on_again_are_the_same():
     assert same(Fills.between(before, before).on(before), before)
     with pytest.raises(ValueError, match="reach beyond"):
         fills.on(replace(before, paths=()))
+    with pytest.raises(ValueError, match="reach beyond"):
+        fills.on(replace(before, paths=before.paths[: fills.marker.max()]))
     last = fills.frame.max()
     cut = tuple(Path.measured(p.name, p.xyz[:last]) for p in before)
     with pytest.raises(ValueError, match="reach beyond"):

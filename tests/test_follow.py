@@ -13,6 +13,7 @@ from kinemark.follow.claims import claim, expect
 from kinemark.follow.groups import _near_lines, _together, fundamentals, placed
 from kinemark.follow.images import read_images
 from kinemark.follow.motion import Motion, ahead, at_rest, back, inverse, reversed_time, told
+from kinemark.follow.paths import LOOK, Points, motion_from, rows_near, rows_of, smoothed
 from kinemark.geometry import project
 from kinemark.score import score
 from kinemark.synth import dressed, walking
@@ -205,6 +206,30 @@ def test_the_filter_is_the_textbooks():
     for t, (x, V) in enumerate(plain):
         np.testing.assert_allclose(motion.x[:, t], x, rtol=1e-6, atol=1e-6)
         np.testing.assert_allclose(motion.V[..., t], V, rtol=1e-6, atol=1e-6 * np.abs(V).max())
+
+
+def test_a_smoothed_place_is_that_of_both_sides_and_its_own_images():
+    """Against the textbook's form with all three kinds of information added up."""
+    rng, T, method = np.random.default_rng(8), 0.01, Simultaneous()
+    frame = np.arange(2 * LOOK + 3)
+    xyz = dance(1, len(frame))[0] + rng.normal(0, 0.3, (len(frame), 3))
+    root = rng.normal(0, 0.4, (len(frame), 3, 3)) + np.eye(3)
+    points = Points(frame, np.zeros_like(frame), xyz, root @ root.swapaxes(1, 2))
+    middle = frame == LOOK + 1
+    found, cov = smoothed(points, middle, ~middle, T, method)
+    rows = rows_of(points)
+    near = [rows_near(rows, np.zeros(1, int), frame[middle], way) for way in (-1, 1)]
+    for one in near:
+        one[0] = -1  # not the point itself
+    before, after = (motion_from(points, one, xyz[middle].T, T, method) for one in near)
+    after = reversed_time(after)
+    past, future = (np.linalg.inv(one.V[..., 0]) for one in (before, after))
+    N = np.zeros((9, 9))
+    N[:3, :3] = np.linalg.inv(points.cov[middle][0])
+    V = np.linalg.inv(past + future + N)
+    x = V @ (past @ before.x[:, 0] + future @ after.x[:, 0] + N[:, :3] @ xyz[middle][0])
+    np.testing.assert_allclose(found[0], x[:3], atol=1e-6)
+    np.testing.assert_allclose(cov[0], V[:3, :3], rtol=1e-5, atol=1e-9)
 
 
 def test_forth_and_back_in_time_is_the_same_place():

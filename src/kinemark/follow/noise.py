@@ -59,12 +59,10 @@ class Noise(NamedTuple):
 
     Attributes:
         added: (C) a of (1), px.
-        offset: (C, 2) median of where its images are, less where they are expected, px; NaN where not known.
         found: (C) share of expected places with an image; NaN where not known.
     """
 
     added: Floats
-    offset: Floats
     found: Floats
 
     @property
@@ -84,7 +82,7 @@ def learned(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     """The images with the noise that their cameras really have, and that noise."""
     C, n = len(images.P), images.n_frames
     if not n:
-        return images, Noise(np.zeros(C), np.full((C, 2), np.nan), np.full(C, np.nan))
+        return images, Noise(np.zeros(C), np.full(C, np.nan))
     looks = int(np.clip(LOOKS * n // max(len(images.order), 1), 2, max(n // SPARED, 2)))
     frames = np.unique(np.linspace(0, n - 1, looks + 2)[1:-1].astype(int)).tolist()
     stated = images if images.stated else images.noisier(np.full(C, LEAST_SD**2) - images.usual)
@@ -101,7 +99,6 @@ def learned(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
         added = np.maximum(added, np.median(added[known]))
     noise = Noise(
         np.sqrt(np.where(known, added, 0.0)),
-        np.array([_middle(one.off) for one in offsets]),
         np.array([np.isfinite(one.off[:, 0]).mean() if ok else np.nan for one, ok in zip(offsets, known, strict=True)]),
     )
     if not known.any():
@@ -129,12 +126,6 @@ def _offsets(images: Images, groups: Groups, c: int, gate: float) -> Offsets:
     off[own[order]] = (images.uv[row] - uv[own])[order]  # of several, the nearest is written last
     variance[own[order]] += images.variance[row[order]]
     return Offsets(off, variance)
-
-
-def _middle(off: Floats) -> Floats:
-    """(2) the median of (n, 2), of those that are known; NaN where none is."""
-    known = off[np.isfinite(off[:, 0])]
-    return np.median(known, axis=0) if len(known) else np.full(2, np.nan)
 
 
 def _missing(offsets: Offsets, added: float, stated: bool) -> float:

@@ -9,7 +9,7 @@ one marker, `three` a marker and its two nearest neighbours, `segment` all that 
 gap's error is the mean distance from the truth over its frames. For each row and method: median and 95th percentile of
 it, how many of the coordinates lie within their 95 % intervals, the median error expected of the gaps, ms a gap with
 its hidden tests, and gaps that it could not fill. All methods are calibrated by the same hidden tests, as `fill` does
-it; `auto` is what `fill` does with all of them.
+it; `auto` is what `fill` does with all of them. At the end stand its figures over all trials, and over the walks.
 """
 
 from __future__ import annotations
@@ -66,6 +66,10 @@ class Result(NamedTuple):
     covered: float
     chosen: str
     seconds: float
+
+
+Rows = dict[tuple[str, str, float], list[Result]]
+"""Results of `auto` by trial, what is hidden, and length in s."""
 
 
 def trial(name: str) -> Motion:
@@ -206,17 +210,34 @@ def main() -> None:
     if asked.speed:
         speed([*asked.methods, "auto"])
         return
+    every: Rows = {}
     for name in [*TRIALS, "synthetic walk"]:
         if asked.trials and not any(part in name for part in asked.trials):
             continue
         try:
-            rows(name, trial(name), asked)
+            every |= rows(name, trial(name), asked)
         except FileNotFoundError as absent:
             print(f"{name}: left out, {absent}")
+    summary(every)
 
 
-def rows(name: str, motion: Motion, asked: argparse.Namespace) -> None:
-    """All rows of one trial."""
+def summary(every: Rows) -> None:
+    """What `auto` does over all trials."""
+    walks = {at: found for at, found in every.items() if at[0].startswith("walk")}  # the real ones
+    for title, some in (("walks", walks), ("all", every)):
+        for how, seconds in dict.fromkeys((how, s) for _, how, s in some):
+            told = [r for at, found in some.items() if at[1:] == (how, seconds) for r in found]
+            able = [r for r in told if np.isfinite(r.error)]
+            middle, cover = np.median([r.error for r in able]), 100 * np.mean([r.covered for r in able])
+            print(f"{title}, {how} {seconds:g} s: {len(told)} gaps, auto {middle:.2f} mm, cover {cover:.1f} %")
+    covered = [r.covered for found in every.values() for r in found if np.isfinite(r.covered)]
+    if covered:
+        print(f"cover of all: {100 * np.mean(covered):.1f} %")
+
+
+def rows(name: str, motion: Motion, asked: argparse.Namespace) -> Rows:
+    """All rows of one trial; of `auto` its results."""
+    every: Rows = {}
     for how in asked.hide:
         for seconds in asked.lengths if how != "occlusion" else (0.0,):
             found: dict[str, list[Result]] = {}
@@ -227,6 +248,9 @@ def rows(name: str, motion: Motion, asked: argparse.Namespace) -> None:
                 length = f" {seconds:g} s" if seconds else ""
                 print(f"{name}, {how}{length}: {len(next(iter(found.values())))} gaps", flush=True)
                 table(found)
+                if "auto" in found:
+                    every[name, how, seconds] = found["auto"]
+    return every
 
 
 if __name__ == "__main__":

@@ -35,7 +35,10 @@ def births(images: Images, free: Bools, F: Floats, lasts: list[int], T: float, m
     groups = groups_of(images, free, F, frames, method.gate)
     born = []
     for last in lasts:
-        first, middle, final = (groups.take(groups.frame == f) for f in (last - 2, last - 1, last))
+        each = [groups.frame == f for f in (last - 2, last - 1, last)]
+        if not all(own.any() for own in each):  # mostly so, once all markers have their tracks
+            continue
+        first, middle, final = (groups.take(own) for own in each)
         i, j, k = _triples(first, middle, final, T, method)
         born.append(Births((first.take(i), middle.take(j), final.take(k))))
     return [one for one in born if len(one)]

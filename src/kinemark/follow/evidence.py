@@ -10,6 +10,9 @@ sum of their squares in standard deviations it speaks for the marker by
 which for g = 5 is 1.4 for two images that fit perfectly, 4.1 for three, and no point speaks against it by more than
 ln WEAK (2), as errors that last, such as a calibration's, are no chance. The evidence for a track is the sum over its
 points (3). Images that markers share or merge in say nothing. A track of less than `SURE` is dropped.
+
+Images of two markers that move alike may meet for a while. So a track that three cameras never see counts as nothing
+where its evidence is less than FAIR of what images that fit perfectly would give (4).
 """
 
 from __future__ import annotations
@@ -28,11 +31,27 @@ WEAK = 0.75
 SURE = float(np.log(10.0))
 """A marker is then ten times likelier than chance, whatever its length."""
 
+FAIR = 0.45
+"""Of (4); markers have 0.5 to 0.9, as their images have noise."""
 
-def evidence(seen: Sightings, own: Bools, gate: float) -> Floats:
-    """(N) by (3) for each track, whose own images are `own` (C, S)."""
+
+def says(seen: Sightings, own: Bools, gate: float) -> Floats:
+    """(S) by (1) and (2) for each sighting, whose own images are `own` (C, S)."""
     n = own.sum(0)
     free = 2 * np.maximum(n, 1.5) - 3
-    speaks = free * np.log(2 * gate / np.sqrt(2 * np.pi)) - (TAILS + free) / 2 * np.log1p(seen.squared / TAILS)  # (1)
-    speaks = np.where(n >= 2, np.maximum(speaks, np.log(WEAK)), 0.0)  # (2)
-    return np.asarray(np.bincount(seen.id, speaks, minlength=int(seen.id.max(initial=-1)) + 1), np.float64)
+    said = free * _perfect(gate) - (TAILS + free) / 2 * np.log1p(seen.squared / TAILS)  # (1)
+    return np.where(n >= 2, np.maximum(said, np.log(WEAK)), 0.0)  # (2)
+
+
+def evidence(seen: Sightings, own: Bools, gate: float) -> Floats:
+    """(N) by (3) and (4) for each track, whose own images are `own` (C, S)."""
+    n, tracks = own.sum(0), int(seen.id.max(initial=-1)) + 1
+    total = np.bincount(seen.id, says(seen, own, gate), minlength=tracks)
+    pairs = np.bincount(seen.id, n == 2, minlength=tracks)
+    only_pairs = np.bincount(seen.id, (seen.row >= 0).sum(0) > 2, minlength=tracks) == 0
+    return np.where(only_pairs & (total < FAIR * _perfect(gate) * pairs), 0.0, total)  # (4)
+
+
+def _perfect(gate: float) -> float:
+    """(1) of two images that fit perfectly."""
+    return float(np.log(2 * gate / np.sqrt(2 * np.pi)))

@@ -29,7 +29,7 @@ class Simultaneous:
     speed: float = 1500.0
     acceleration: float = 15_000.0
     patience: float = 0.12
-    every: float = 0.1
+    every: float = 0.05
     shortest: float = 0.06
     gap: float = 1.0
     worst: float = 10.0

@@ -35,6 +35,15 @@ class Points(NamedTuple):
     xyz: Floats
     cov: Floats
 
+    def take(self, which: Bools | slice) -> Points:
+        """Only these."""
+        return Points(self.frame[which], self.id[which], self.xyz[which], self.cov[which])
+
+    def plus(self, other: Points) -> Points:
+        """These and others after them."""
+        frame, id = np.concatenate([self.frame, other.frame]), np.concatenate([self.id, other.id])
+        return Points(frame, id, np.concatenate([self.xyz, other.xyz]), np.concatenate([self.cov, other.cov]))
+
 
 def rows_of(points: Points) -> Ints:
     """(N, F) the row of each track in each frame, −1 for none."""
@@ -71,11 +80,15 @@ def smoothed(points: Points, which: Bools, sound: Bools, T: float, method: Simul
     for one in near:
         one[0] = -1
     before, after = (motion_from(points, one, around, T, method) for one in near)
-    after = reversed_time(after)
-    one, other = (motion.V.transpose(2, 0, 1) for motion in (before, after))
-    K = np.linalg.solve(one + other, one).swapaxes(1, 2)
-    x, V = before.x.T + (K @ (after.x - before.x).T[..., None])[..., 0], K @ other  # (1)
+    both = between(before, reversed_time(after))
     N = inverse(points.cov[row].transpose(1, 2, 0))
-    both = Motion(x.T, V.transpose(1, 2, 0))
     both = told(both, N, np.einsum("ijt,jt->it", N, around - both.position))
     return both.position.T, both.cov.transpose(2, 0, 1)
+
+
+def between(before: Motion, after: Motion) -> Motion:
+    """What both sides say of the motion of n points, by (1)."""
+    one, other = (motion.V.transpose(2, 0, 1) for motion in (before, after))
+    K = np.linalg.solve(one + other, one).swapaxes(1, 2)
+    x = before.x.T + (K @ (after.x - before.x).T[..., None])[..., 0]
+    return Motion(x.T, (K @ other).transpose(1, 2, 0))

@@ -25,6 +25,10 @@ LOST = 2.0
 could then be taken up by another marker's images, and whether it goes on is for `joins` to decide, which knows what
 came afterwards."""
 
+LEFT = 0.05
+"""Of an image's variance, the least that is left beside the place's: an image that alone says where a track is agrees
+with itself."""
+
 ROUNDS = 3
 """Images at most that a track gives back in one frame."""
 
@@ -168,7 +172,7 @@ class Run:
         claims = claim(images, self.free, active.frame, expected, gate)
         claims = share(images, active.frame, expected, claims, gate)
         after = told(motion, *information(images, expected, claims))
-        claims, after, squared = self.without_loose(motion, expected, claims, after)
+        claims, after, squared = without_loose(images, gate, motion, expected, claims, after)
         has = claims.row >= 0
         self.free[claims.row[has]] = False
         own, count = (has & ~claims.shared).sum(0), has.sum(0)
@@ -182,23 +186,40 @@ class Run:
         active = Active(active.id, active.frame, alone, after)
         return active if alive.all() else active.take(alive)
 
-    def without_loose(self, before: Motion, expected: Expected, claims: Claims, after: Motion) -> Fit:
-        """The claims without images that do not fit the others of their track, and the tracks without them."""
-        for _ in range(ROUNDS):
-            has = claims.row >= 0
-            at = expected.uv + (expected.J * (after.position - before.position)).sum(2)
-            off = np.where(has[:, None], self.images.uv[claims.row].swapaxes(1, 2) - at, 0.0)
-            squared = (off * off).sum(1) / claims.variance
-            loose = (squared > self.method.gate**2) & (has.sum(0) >= 2)
-            if not loose.any():
-                break
-            wrong = (squared == squared.max(0)) | (has.sum(0) == 2)  # of two, nobody knows which it is
-            wrong &= has & loose.any(0)
-            row, variance = np.where(wrong, -1, claims.row), np.where(wrong, np.inf, claims.variance)
-            claims = claims._replace(row=row, variance=variance, worth=np.where(row < 0, 0.0, claims.worth))
-            after = told(before, *information(self.images, expected, claims))
-        not_own = claims.shared | self.images.merged[claims.row]
-        return Fit(claims, after, np.where(not_own, 0.0, squared).sum(0))
+
+def without_loose(
+    images: Images, gate: float, before: Motion, expected: Expected, claims: Claims, after: Motion
+) -> Fit:
+    """The claims without images that do not fit the others of their track, and the tracks without them."""
+    for _ in range(ROUNDS):
+        has = claims.row >= 0
+        seen = expect(images.P, after)
+        off = np.where(has[:, None], images.uv[claims.row].swapaxes(1, 2) - seen.uv, 0.0)
+        squared = (off * off).sum(1) / claims.variance
+        alone = _without_itself(off, claims.variance, seen.S)
+        loose = (alone > gate**2) & (has.sum(0) >= 2)
+        if not loose.any():
+            break
+        wrong = (alone == alone.max(0)) | (has.sum(0) == 2)  # of two, nobody knows which it is
+        wrong &= has & loose.any(0)
+        row, variance = np.where(wrong, -1, claims.row), np.where(wrong, np.inf, claims.variance)
+        claims = claims._replace(row=row, variance=variance, worth=np.where(row < 0, 0.0, claims.worth))
+        after = told(before, *information(images, expected, claims))
+    not_own = claims.shared | images.merged[claims.row]
+    return Fit(claims, after, np.where(not_own, 0.0, squared).sum(0))
+
+
+def _without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
+    """(C, T) how far images are off what all the others say, squared, in standard deviations.
+
+    off (C, 2, T) px from where they are seen with their own help, which leaves of their variance (C, T) what is not in
+    S (C, 3, T), the place's.
+    """
+    v = np.where(np.isfinite(variance), variance, 1.0)
+    a, b, d = np.maximum(v - S[:, 0], LEFT * v), -S[:, 1], np.maximum(v - S[:, 2], LEFT * v)
+    det = np.maximum(a * d - b * b, (LEFT * v) ** 2)
+    x, y = off.swapaxes(0, 1)
+    return np.where(np.isfinite(variance), (d * x * x - 2 * b * x * y + a * y * y) / det, 0.0)
 
 
 def _nothing(C: int) -> Sightings:

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..data import Cloud, Detections, Matches, Rig, Tracks
 from ..reconstruct import LeastSquares, located, wanted
-from .evidence import SURE, evidence
+from .evidence import SURE, evidence, says
 from .groups import fundamentals
 from .images import Images, read_images
 from .joins import Join, joined
@@ -29,6 +29,7 @@ from .motion import Bools, Floats, Ints
 from .noise import Noise, learned
 from .paths import Points, smoothed
 from .run import Sightings, run
+from .second import looked_again
 
 PLACE = LeastSquares()
 
@@ -69,18 +70,41 @@ def followed(detections: Detections, rig: Rig, method: Simultaneous, *, place: L
     """Tracks of all markers, their points as `place` says, and how they came about."""
     T = 1 / detections.rate
     images, noise = learned(images := read_images(detections, rig), fundamentals(images.P), method.gate)
+    least = max(method.shortest / T, 4)
     every = run(images.without(noise.deaf), detections.rate, method)  # images that fit nothing are left out
-    seen = _gathered(every, max(method.shortest / T, 4))
-    own = (seen.row >= 0) & ~seen.shared & ~images.merged[seen.row]
+    every = every.take(~_strayed(every, _own(every, images), least, method))
+    seen = _gathered(every, least)
+    own = _own(seen, images)
     speaks = evidence(seen, own, method.gate)
-    cloud = _surest(_placed(seen, _variance(seen, images), detections, rig, place), seen, own.sum(0) >= 2, T, method)
+    detections = replace(detections, cov=_variance(seen, images)[:, None, None] * np.eye(2))
+    cloud = _surest(_placed(seen.frame, seen.row, seen.xyz, detections, rig, place), seen, own.sum(0) >= 2, T, method)
     good = wanted(cloud, rig) & _sure(cloud, own.sum(0), method) & (speaks > SURE)[seen.id]
     cloud, ids = cloud.keep(good), seen.id[good]
     whole = joined(Points(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
-    kept, number = np.unique(whole.id[ids], return_inverse=True)
+    cloud, ids = _looked_again(cloud, whole.id[ids], images, detections, rig, method, place)
+    kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     return Followed(Tracks(cloud, number), every, final, speaks, whole.joins, images, noise)
+
+
+def _looked_again(
+    cloud: Cloud, ids: Ints, images: Images, detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares
+) -> tuple[Cloud, Ints]:
+    """The points and their tracks after a second look."""
+    points = Points(cloud.frame, ids, cloud.xyz, cloud.cov)
+    kept, found, row = looked_again(points, cloud.view.T, images, 1 / detections.rate, method)
+    order = np.argsort(found.frame, kind="stable")
+    row = row[:, order]
+    new = _placed(found.frame[order], row, found.xyz[order].T, detections, rig, place)
+    good = wanted(new, rig) & _sure(new, ((row >= 0) & ~images.merged[row]).sum(0), method)
+    both, ids = (cloud.keep(kept), new.keep(good)), np.concatenate([ids[kept], found.id[order][good]])
+    frame = np.concatenate([one.frame for one in both])
+    order = np.argsort(frame, kind="stable")
+    start = np.searchsorted(frame[order], np.arange(cloud.n_frames + 1))
+    names = ("xyz", "cov", "residual", "view")
+    columns = (np.concatenate([getattr(one, name) for one in both])[order] for name in names)
+    return Cloud(cloud.rate, start, *columns), ids[order]
 
 
 def _gathered(seen: Sightings, least: float) -> Sightings:
@@ -88,6 +112,32 @@ def _gathered(seen: Sightings, least: float) -> Sightings:
     own = np.flatnonzero((seen.row >= 0).sum(0) >= 2)
     own = own[np.bincount(seen.id[own], minlength=1)[seen.id[own]] >= least]
     return seen.take(own[np.lexsort([seen.id[own], seen.frame[own]])])
+
+
+def _own(seen: Sightings, images: Images) -> Bools:
+    """(C, S) images that are no other marker's too."""
+    return (seen.row >= 0) & ~seen.shared & ~images.merged[seen.row]
+
+
+def _strayed(every: Sightings, own: Bools, least: float, method: Simultaneous) -> Bools:
+    """(S) sightings of a track after it was lost, its place known no better than `worst`, where nothing says it is it.
+
+    What its own images (C, S) say until it is lost again must be evidence of a marker, or last as long as the shortest
+    track. In `every` a track's sightings stand as they were made, forwards from its birth and then backwards.
+    """
+    order = np.argsort(every.id, kind="stable")
+    id, frame = every.id[order], every.frame[order]
+    back = frame < frame[np.searchsorted(id, id)]
+    begins = np.ones(len(order), bool)
+    begins[1:] = (id[1:] != id[:-1]) | (back[1:] != back[:-1])
+    anchored = own.sum(0)[order] >= 2
+    lost = (every.before[order] > method.worst) & ~np.roll(anchored, 1)
+    spell = np.cumsum(begins | lost) - 1
+    said = np.bincount(spell, says(every, own, method.gate)[order])
+    sure = (np.bincount(spell, begins & ~lost) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
+    out = np.zeros(len(order), bool)
+    out[order] = ~sure[spell]
+    return out
 
 
 def _variance(seen: Sightings, images: Images) -> Floats:
@@ -99,11 +149,10 @@ def _variance(seen: Sightings, images: Images) -> Floats:
     return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
 
 
-def _placed(seen: Sightings, variance: Floats, detections: Detections, rig: Rig, place: LeastSquares) -> Cloud:
-    """The points of the sightings, one to one, by their images."""
-    detections = replace(detections, cov=variance[:, None, None] * np.eye(2))
-    matches = Matches(seen.frame, seen.row.T, np.zeros(len(seen.frame)), detections.n_frames)
-    return located(matches, detections, rig, guess=np.ascontiguousarray(seen.xyz.T), method=place)
+def _placed(frame: Ints, row: Ints, guess: Floats, detections: Detections, rig: Rig, place: LeastSquares) -> Cloud:
+    """The points of images row (C, P), one to one, that are thought to be at guess (3, P) mm."""
+    matches = Matches(frame, row.T, np.zeros(len(frame)), detections.n_frames)
+    return located(matches, detections, rig, guess=np.ascontiguousarray(guess.T), method=place)
 
 
 def _surest(cloud: Cloud, seen: Sightings, sound: Bools, T: float, method: Simultaneous) -> Cloud:
@@ -134,4 +183,4 @@ def _sd(cov: Floats) -> Floats:
 def _sure(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
     """Whether points are known well enough to be given."""
     sd = _sd(cloud.cov)
-    return ((own >= 2) | (sd < method.worst / 3)) & (sd < method.worst)
+    return ((own >= 2) | (sd < method.worst / 5)) & (sd < method.worst)

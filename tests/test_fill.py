@@ -9,9 +9,12 @@ from shared import shared_data
 
 from kinemark.data import Origin, Path, Trajectories
 from kinemark.fill import METHODS, Auto, Body, Edges, Gap, Linear, LocalRegression, Motion, fill, find_gaps
+from kinemark.fill.fill import UNASKED, ask, ask_winners, choose
 from kinemark.fill.frames import local, triad
+from kinemark.fill.local_regression import fill_local_regression
 from kinemark.fill.methods import FILLERS, NAMES, name_of, within_time
 from kinemark.fill.mirror import REFLECTED, partners
+from kinemark.fill.motion import Prediction
 from kinemark.formats import read
 from kinemark.synth import dressed, walking
 
@@ -175,6 +178,35 @@ class TestFill:
         motion, gap = moving(soft=3.0, noise=0.2), Gap(2, 100, 180)
         (told,) = fill(trial(motion.hidden([gap])), method=Auto((Linear(), LocalRegression()))).gaps
         assert "local_regression" in told.method and told.candidates["linear"] > told.expected_mm
+
+    def test_asking_only_the_winners_chooses_and_fills_alike(self, monkeypatch):
+        def shy(motion, gaps, *, method):
+            said = fill_local_regression(motion, gaps, method=method)
+            return [
+                Prediction.none(g.length, "shy") if g in gaps_of_shy else s for g, s in zip(gaps, said, strict=True)
+            ]
+
+        monkeypatch.setitem(FILLERS, LocalRegression, shy)
+        motion = moving(900, markers=6, soft=3.0, noise=0.5)
+        gaps = [Gap(k % 6, 12 + 36 * k, 13 + 36 * k + 3 * (k % 10)) for k in range(24)]
+        gaps_of_shy = gaps[7:10]  # which it does well in the tests of
+        hidden, candidates = motion.hidden(gaps), [Linear(), METHODS["pattern"](), LocalRegression()]
+        everyone, few = (make(hidden, gaps, candidates) for make in (ask, ask_winners))
+        chosen = []
+        for index in range(len(gaps)):
+            (a, said_a, cov_a), (b, said_b, cov_b) = (choose(hidden, gaps, index, each) for each in (everyone, few))
+            assert (a.method, a.reason, a.donors, a.expected_mm) == (b.method, b.reason, b.donors, b.expected_mm)
+            assert np.array_equal(said_a.xyz, said_b.xyz) and np.array_equal(cov_a, cov_b)
+            chosen.append(a.method)
+        assert set(chosen) == {"linear", "pattern", "local_regression"} and "local_regression" not in chosen[7:10]
+        asked = sum(said is not UNASKED for answer in few for said in answer.said)
+        assert asked == len(gaps) + 3
+
+    def test_what_hangs_on_the_other_gaps_is_asked_of_all(self):
+        motion = moving(900, markers=12, soft=3.0, noise=0.3)
+        gaps = [Gap(k % 12, 10 + 36 * k, 35 + 36 * k) for k in range(23)]
+        body, linear = ask_winners(motion.hidden(gaps), gaps, [Body(), Linear()])
+        assert all(said is not UNASKED for said in body.said) and all(said is UNASKED for said in linear.said)
 
     def test_ends_are_left_unless_asked_for(self):
         motion = moving(soft=2.0).hidden([Gap(1, 0, 20), Gap(1, 280, 300)])

@@ -6,7 +6,7 @@ import pytest
 from kinemark.fill import Gap, Motion
 from kinemark.fill.kalman import Kalman, fill_kalman
 from kinemark.signal.kalman import F, State, predict, update, update_position
-from kinemark.signal.smoother import filter_positions, jump_of, noise_of, smooth_positions
+from kinemark.signal.smoother import filter_positions, jump_of, noise_of, predict_gaps, smooth_gaps, smooth_positions
 
 MODES = ("forward", "forward_backward", "smoother")
 METHODS = [Kalman(mode) for mode in MODES] + [Kalman(mode, differences=True) for mode in MODES[:2]]
@@ -41,6 +41,25 @@ def test_the_smoother_is_the_same_with_time_reversed():
     one, other = smooth_positions(y, sd=sd, jump=jump), smooth_positions(y[:, ::-1], sd=sd, jump=jump)
     np.testing.assert_allclose(one.x[:, :, 0], other.x[:, ::-1, 0], atol=1e-3)
     np.testing.assert_allclose(one.P[..., 0, 0], other.P[:, ::-1, 0, 0], rtol=1e-3)
+
+
+def test_a_gap_in_one_step_is_what_frame_by_frame_makes_of_it():
+    _, y = walk(6, 140, 0.5, 0.02, 4)
+    sd, jump, length = np.full(6, 0.5), np.geomspace(0.005, 0.1, 6), np.array([1, 2, 10, 40, 60, 80])
+    y[:, ::7] = np.nan  # samples beside the gap may be missing too
+    for k, n in enumerate(length):
+        y[k, 30 : 30 + n] = np.nan
+    y[2, 40:] = y[3, :10] = np.nan  # nothing after the gap; a late beginning
+    one_by_one, filtered = smooth_positions(y, sd=sd, jump=jump), filter_positions(y, sd=sd, jump=jump)
+    after = np.stack([np.pad(y[k, 30 + n :], (0, n), constant_values=np.nan) for k, n in enumerate(length)])
+    smoothed = smooth_gaps(y[:, :30], after, length, sd=sd, jump=jump)
+    predicted = predict_gaps(y[:, :30], length, sd=sd, jump=jump)
+    for k, n in enumerate(length):
+        gap = slice(30, 30 + n)
+        np.testing.assert_allclose(smoothed[k].x, one_by_one.x[k, gap, 0], atol=1e-6)
+        np.testing.assert_allclose(smoothed[k].variance, one_by_one.P[k, gap, 0, 0], rtol=1e-6)
+        np.testing.assert_allclose(predicted[k].variance, filtered.P[k, gap, 0, 0], rtol=1e-4)
+        np.testing.assert_allclose(predicted[k].x, filtered.x[k, gap, 0], atol=1e-2)
 
 
 def test_the_smoother_solves_the_least_squares_problem():

@@ -43,7 +43,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
 from .frames import local, triad
 from .local_regression import ranked
@@ -252,12 +252,11 @@ def _view(scene: Scene, base: tuple[int, ...]) -> View | None:
     if not np.isfinite(R).all():
         return None
     seen = local(R, c, scene.xyz)
-    mean = np.zeros((2, len(seen), 3))
-    for s in np.unique(scene.side):
-        mean[s] = seen[:, : scene.n][:, scene.side[: scene.n] == s].mean(1)
-        seen[:, scene.side == s] -= mean[s][:, None]
+    of = scene.side[: scene.n] == np.array([[0], [1]])
+    mean = (of / np.maximum(of.sum(1, keepdims=True), 1)) @ seen[:, : scene.n]  # (1 + D, 2, 3)
+    seen = seen - mean[:, scene.side]
     y, phi = seen[0, : scene.n], seen[1:]
-    spread = np.sqrt((phi[:, : scene.n] ** 2).sum(-1).mean(1))
+    spread = np.sqrt(np.einsum("dni,dni->d", phi[:, : scene.n], phi[:, : scene.n]) / scene.n)
     weight = 1 / (np.maximum(spread, 1e-3) * np.sqrt(1 + np.arange(len(phi))))  # (4)
     phi = (phi * weight[:, None, None]).transpose(1, 0, 2).reshape(len(R), -1)
     size = np.sqrt((phi[: scene.n] ** 2).sum(1).mean()) or 1.0
@@ -283,9 +282,12 @@ def _turned(R: Floats, scene: Scene) -> Floats:
 def _fit(scene: Scene, view: View, h: Hyper) -> Fit:
     """(2), (5) and τ² of (6), with how likely what is seen is."""
     n, free = scene.n, 10.0 * max(10.0, h.lam)
-    r = np.sqrt(3) * scene.apart / h.ell
-    drift = (1 + r) * np.exp(-r) + free
-    k = h.lam * view.P * np.where(scene.same, 1.0, h.rho) + drift * scene.same
+    r = np.sqrt(3) / h.ell * scene.apart
+    k = np.exp(-r)
+    k *= 1 + r
+    k += free
+    k *= scene.same
+    k += view.P * np.where(scene.same, h.lam, h.lam * h.rho)
     factor = cho_factor(k[:n] + h.nu * np.eye(n), lower=True, check_finite=False)
     weights = cho_solve(factor, view.y, check_finite=False)
     tau2 = np.maximum((view.y * weights).sum(0) / n, 1e-8)
@@ -309,8 +311,12 @@ def _likeliest(looks: list[tuple[Scene, View]]) -> Hyper:
     """The best of the grid for all looks together, one parameter after the other."""
 
     def likely(h: Hyper) -> float:
-        return sum(_fit(scene, view, h).likely for scene, view in looks)
+        return sum(_fit(scene, view, h).likely for scene, view in known)
 
+    known = [  # without the frames to fill
+        (s._replace(apart=s.apart[: s.n], same=s.same[: s.n]), v._replace(P=v.P[: s.n], own=v.own[: s.n]))
+        for s, v in looks
+    ]
     best, at = Hyper(), likely(Hyper())
     for name in ("rho", "ell", "lam", "nu"):
         for value in GRID[name]:
@@ -324,7 +330,8 @@ def _predict(scene: Scene, view: View, fit: Fit) -> tuple[Floats, Floats]:
     """(6), turned back into the laboratory."""
     n, k = scene.n, fit.k[scene.n :]
     inside = view.mean + k @ fit.weights
-    left = fit.prior[n:] - np.einsum("fn,nf->f", k, cho_solve(fit.factor, k.T, check_finite=False))
+    half = solve_triangular(fit.factor[0], k.T, lower=True, check_finite=False)
+    left = fit.prior[n:] - np.einsum("nf,nf->f", half, half)
     var = np.maximum(left, 1e-9)[:, None] * fit.tau2
     R = view.R[n:]
     xyz = view.c[n:] + np.einsum("fij,fj->fi", R, inside)

@@ -78,6 +78,7 @@ class Measured:
 
     def __init__(self, tried: list[Tried]) -> None:
         self.means = np.array([t.mean for t in tried], np.float64)
+        self.logs = np.log(np.maximum(self.means, 1e-9))
         self.claims = np.array([size(t.cov) for t in tried], np.float64)
         self.same = same_frames([t.test for t in tried])
 
@@ -89,16 +90,16 @@ class Measured:
         w = weights[able]
         if not np.isfinite(said.xyz).all() or w.sum() < 0.5 * weights.sum():
             return np.inf, np.inf
-        means, usual = self.means[able], np.average(self.claims[able], weights=w)
+        w = w / w.sum()
+        usual = float(w @ self.claims[able])
         here = np.sqrt(size(said.cov) / usual) if usual > 0 else 1.0
         here = float(np.clip(here, 1 / MOST, MOST)) if np.isfinite(here) else 1.0
-        typical = np.exp(np.average(np.log(np.maximum(means, 1e-9)), weights=w))
-        return here * float(np.average(means, weights=w)), float(typical)
+        return here * float(w @ self.means[able]), float(np.exp(w @ self.logs[able]))
 
     def behind(self, other: Measured, weights: Floats) -> float:
         """(3): the left side of it, below 0 where this method is better than the other by more than chance."""
         with np.errstate(invalid="ignore"):
-            d = np.log(np.maximum(self.means, 1e-9)) - np.log(np.maximum(other.means, 1e-9))
+            d = self.logs - other.logs
         w = np.where(np.isfinite(d), weights, 0.0)
         if not w.sum():
             return np.inf
@@ -162,7 +163,8 @@ def same_frames(tests: list[HiddenTest]) -> Floats:
 
 def _product_quantile(s: Floats, x: Floats) -> float:
     """(8): the `LEVEL` quantile of s x, from equally likely values of both."""
-    return float(np.quantile(np.multiply.outer(s, x), LEVEL))
+    product = np.sort(np.multiply.outer(s, x), axis=None)
+    return float(np.interp(LEVEL * (product.size - 1), np.arange(product.size), product))
 
 
 class Growth:

@@ -184,7 +184,8 @@ def _mismatch(velocity: Floats, who: Ints, t: Ints, here: Floats, lags: Ints) ->
     """(2) at lags (K), infinite where nothing can be compared."""
     then = t - lags[:, None]
     inside = (then >= 0) & (then < velocity.shape[1])
-    there = velocity[who[:, None], np.where(inside, then, 0)]  # (W, K, T, 3)
+    at = who[:, None] * velocity.shape[1] + np.where(inside, then, 0)
+    there = velocity.reshape(-1, 3).take(at, axis=0)  # (W, K, T, 3)
     off = there - here[:, None]
     square = np.einsum("wkti,wkti->wkt", off, off)
     known = ~np.isnan(square) & inside

@@ -77,7 +77,7 @@ def triples(known: Known, half: int) -> Floats:
     h = min(rounded(half), (known.n_frames - 1) // 2)
     t = np.arange(h, known.n_frames - h) if h else np.zeros(0, np.int64)
     t = t[:: max(1, -(-len(t) // INSTANTS))]
-    return known.x[:, np.stack([t - h, t, t + h])]
+    return known.at(np.arange(len(known.names))[:, None, None], np.stack([t - h, t, t + h]))
 
 
 def bowed(y: Floats) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -15,7 +15,7 @@ from .calibration import Calibration, Measured, weigh
 from .combine import close_ones, mean_prediction, mean_tests
 from .edges import Edges, trim_edges
 from .hiding import Tried, edge_distance, plan, run
-from .methods import FILLERS, MANY, NAMES, affordable, name_of, within_time
+from .methods import FILLERS, MANY, NAMES, TOGETHER, affordable, name_of, within_time
 from .motion import Floats, Gap, Motion, Prediction, find_gaps
 from .static import place_absent
 from .static_shape import StaticShape
@@ -27,6 +27,8 @@ WILD = 1e6
 LIMIT = 20.0
 FIRST = "body"
 """The method that is best in most trials (docs/fill.md)."""
+UNASKED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
+"""Stands where a method was tried in the tests, but not asked about the gap itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +39,8 @@ class FilledGap:
         marker: its name; start, stop: its frames, from 0, stop excluded.
         method: name of the method that filled it; empty when it stays open.
         expected_mm: mean error expected of the fill, from hidden tests; NaN where none could be made.
-        candidates: expected mean error of every method that was tried, mm; infinite where it had nothing to say.
+        candidates: expected mean error of every method that was tried, mm; infinite where it had nothing to say. In
+            trials of many gaps by the tests alone for a method that was not asked about this gap.
         tests: number of hidden tests made for this gap.
         donors: markers that it was filled from.
         trimmed: frames of the gap that had been measured and are taken to be wrong; filled too, unless it stays open.
@@ -117,7 +120,7 @@ def fill(
     gaps = find_gaps(motion, ends=ends)
     if isinstance(method, Auto):
         candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
-    answers = ask(motion, gaps, candidates, seed=seed)
+    answers = (ask_winners if len(gaps) > MANY else ask)(motion, gaps, candidates, seed=seed)
     told = []
     for index, gap in enumerate(gaps):
         found, said, cov = choose(motion, gaps, index, answers)
@@ -144,17 +147,47 @@ def tame(motion: Motion) -> Motion:
 
 def ask(motion: Motion, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[Answer]:
     """What each method says of all gaps, and how it does in one set of hidden tests."""
+    return _asked(motion, gaps, candidates, seed, lambda _: True)
+
+
+def ask_winners(motion: Motion, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[Answer]:
+    """As `ask`, but of each gap only the methods that are needed to choose and fill are asked, for time's sake.
+
+    That is the one that does best in the tests; the next best where that has nothing to say; and those of `TOGETHER`.
+    """
+    answers = _asked(motion, gaps, candidates, seed, lambda method: isinstance(method, TOGETHER))
+    left = set(range(len(gaps)))
+    while left:
+        lead = {index: _leader(answers, *_told(answers, gaps, index)) for index in left}
+        left = {index for index in left if lead[index].said[index] is UNASKED}
+        for answer, candidate in zip(answers, candidates, strict=True):
+            mine = sorted(index for index in left if lead[index] is answer)
+            for index, said in zip(mine, _say(motion, [gaps[i] for i in mine], candidate, len(gaps)), strict=True):
+                answer.said[index] = said
+        left = {index for index in left if not np.isfinite(lead[index].said[index].xyz).all()}
+    return answers
+
+
+def _asked(
+    motion: Motion, gaps: list[Gap], candidates: Sequence[Any], seed: int, whether: Callable[[Any], bool]
+) -> list[Answer]:
+    """The hidden tests of all methods, and what those of them say that are asked."""
     if not gaps:
         return []
     planned = plan(motion, gaps, per_gap=tests_per_gap(len(gaps)), seed=seed)
     answers = []
     for candidate in candidates:
-        name, method = name_of(candidate), within_time(candidate, len(gaps))
-        filler = FILLERS[type(method)]
-        tried = run(motion, planned, filler, method)
-        said = filler(motion, gaps, method=method)
-        answers.append(Answer(name, said, Measured(tried), Calibration(tried), tried))
+        method = within_time(candidate, len(gaps))
+        tried = run(motion, planned, FILLERS[type(method)], method)
+        said = _say(motion, gaps, candidate, len(gaps)) if whether(candidate) else [UNASKED] * len(gaps)
+        answers.append(Answer(name_of(candidate), said, Measured(tried), Calibration(tried), tried))
     return answers
+
+
+def _say(motion: Motion, some: list[Gap], candidate: Any, gaps: int) -> list[Prediction]:
+    """What a method says of some of so many gaps."""
+    method = within_time(candidate, gaps)
+    return FILLERS[type(method)](motion, some, method=method) if some else []
 
 
 def _within(found: FilledGap, limit_mm: float) -> FilledGap:
@@ -198,8 +231,7 @@ def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Fille
 def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -> tuple[FilledGap, Prediction, Floats]:
     """The method that does best in the tests for one gap, its prediction, and the calibrated covariance."""
     gap = gaps[index]
-    weights = weigh([t.test for t in answers[0].tried], index, gaps)
-    told = {answer.name: answer.measured.expect(answer.said[index], weights) for answer in answers}
+    told, weights = _told(answers, gaps, index)
     best = _leader(answers, told, weights)
     if len(gaps) <= MANY and (mean := _mean_of_close(answers, told, index)):
         told[mean.name] = mean.measured.expect(mean.said[index], weights)
@@ -214,6 +246,12 @@ def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -
         return replace(found, method="", expected_mm=np.nan, reason=why), said, said.cov
     donors = tuple(motion.names[d] for d in said.donors)
     return replace(found, donors=donors), said, best.calibration.covariance(said, edge_distance(motion, gap), weights)
+
+
+def _told(answers: list[Answer], gaps: list[Gap], index: int) -> tuple[dict[str, tuple[float, float]], Floats]:
+    """Expected and typical error of one gap by each method, and what each test counts for it."""
+    weights = weigh([t.test for t in answers[0].tried], index, gaps)
+    return {answer.name: answer.measured.expect(answer.said[index], weights) for answer in answers}, weights
 
 
 def _leader(answers: list[Answer], told: dict[str, tuple[float, float]], weights: Floats) -> Answer:

@@ -23,7 +23,8 @@ def triad(points: Floats) -> tuple[Floats, Floats]:
 
 def local(R: Floats, c: Floats, xyz: Floats) -> Floats:
     """(…, F, 3) local coordinates of positions (…, F, 3) (1)."""
-    return ((xyz - c)[..., None, :] @ R)[..., 0, :]
+    apart = xyz - c
+    return (apart.reshape(-1, len(R), 3).swapaxes(0, 1) @ R).swapaxes(0, 1).reshape(apart.shape)
 
 
 def _cross(a: Floats, b: Floats) -> Floats:

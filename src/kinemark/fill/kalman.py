@@ -32,16 +32,13 @@ from numpy.typing import NDArray
 
 from ..data.arrays import check_positive
 from ..signal.kalman import State, predict, start, update
-from ..signal.smoother import filter_positions, jump_of, noise_of, smooth_positions
+from ..signal.smoother import Inside, jump_of, noise_of, predict_gaps, smooth_gaps
 from .motion import Gap, Motion, Prediction
 
 Floats = NDArray[np.float64]
 
 FEWEST = 3
 """Samples that a state of position, velocity and acceleration needs."""
-
-GROUPS = 4
-"""Of gaps about as long as each other that are worked out at once."""
 
 STRIDE = 0.05
 """Time over which U is found, s."""
@@ -95,31 +92,26 @@ def fill_kalman(motion: Motion, gaps: Sequence[Gap], *, method: Kalman = Kalman(
     """
     if not gaps:
         return []
-    order = np.argsort([gap.length for gap in gaps], kind="stable")
-    found: dict[int, Prediction] = {}
-    for some in np.array_split(order, min(GROUPS, 1 + len(gaps) // 50)):  # the longest of a group costs for all
-        group = [gaps[g] for g in some]
-        x, variance = _answers(_windows(motion, group, method), method)
-        found |= {int(g): _prediction(x[k], variance[k], gaps[g].length, method) for k, g in enumerate(some)}
-    return [found[g] for g in range(len(gaps))]
+    answers = _answers(_windows(motion, gaps, method), method)
+    return [_prediction(*answer, method) for answer in answers]
 
 
-def _answers(windows: _Windows, method: Kalman) -> tuple[Floats, Floats]:
-    """Positions and variances (G, 3, L) in the order of time."""
+def _answers(windows: _Windows, method: Kalman) -> list[Inside]:
+    """Positions and variances (3, L) of each gap in the order of time."""
     if method.mode == "smoother":
         return _smoothed(windows)
-    x, variance = _predicted(windows.before, windows, method)
+    found = _predicted(windows.before, windows, method)
     if method.mode == "forward":
-        return x, variance
-    back, back_variance = _predicted(windows.after, windows, method)
-    return _met(x, variance, *_turned(back, back_variance, windows.length))
+        return found
+    back = _predicted(windows.after, windows, method)
+    return [_met(one, Inside(*(a[:, ::-1] for a in other))) for one, other in zip(found, back, strict=True)]
 
 
-def _prediction(x: Floats, variance: Floats, length: int, method: Kalman) -> Prediction:
-    if not np.isfinite(x[:, :length]).all():
+def _prediction(x: Floats, variance: Floats, method: Kalman) -> Prediction:
+    if not np.isfinite(x).all():
         side = "before" if method.mode == "forward" else "on either side of"
-        return Prediction.none(length, f"fewer than {FEWEST} samples within {method.history:g} s {side} the gap")
-    return Prediction(x[:, :length].T, variance[:, :length].T[..., None] * np.eye(3))
+        return Prediction.none(x.shape[1], f"fewer than {FEWEST} samples within {method.history:g} s {side} the gap")
+    return Prediction(x.T, variance.T[..., None] * np.eye(3))
 
 
 def _windows(motion: Motion, gaps: Sequence[Gap], method: Kalman) -> _Windows:
@@ -133,7 +125,7 @@ def _windows(motion: Motion, gaps: Sequence[Gap], method: Kalman) -> _Windows:
         old, new = path[:, max(gap.start - size, 0) : gap.start], path[:, gap.stop : min(gap.stop + size, n_frames)]
         before[g, :, size - old.shape[1] :], after[g, :, size - new.shape[1] :] = old, new[:, ::-1]
         if gap.marker not in known:
-            known[gap.marker] = _noise_and_jump(path, motion.rate, method)
+            known[gap.marker] = _noise_and_jump(np.ascontiguousarray(path), motion.rate, method)
         sd[g], jump[g] = known[gap.marker]
     for side in (before, after):
         side[(~np.isnan(side[:, 0])).sum(1) < FEWEST] = np.nan
@@ -148,29 +140,25 @@ def _noise_and_jump(path: Floats, rate: float, method: Kalman) -> tuple[Floats, 
     return sd, jump_of(path, max(round(STRIDE * rate), 1), sd)
 
 
-def _predicted(side: Floats, windows: _Windows, method: Kalman) -> tuple[Floats, Floats]:
-    """(1): positions and variances (G, 3, L) from one side on, L of the longest gap."""
-    longest = int(windows.length.max())
+def _predicted(side: Floats, windows: _Windows, method: Kalman) -> list[Inside]:
+    """(1): positions and variances (3, L) from one side on."""
     if method.differences:
-        return _by_differences(side, windows, longest)
-    y = np.concatenate([side, np.full((*side.shape[:2], longest), np.nan)], -1).reshape(-1, side.shape[2] + longest)
-    found = filter_positions(y, sd=windows.sd.ravel(), jump=windows.jump.ravel())
-    shape = (*side.shape[:2], longest)
-    return found.x[:, -longest:, 0].reshape(shape), found.P[:, -longest:, 0, 0].reshape(shape)
+        each = zip(side, windows.sd, windows.jump, windows.length, strict=True)
+        return [_by_differences(*gap) for gap in each]
+    return _of_markers(predict_gaps(_flat(side), np.repeat(windows.length, 3), **_model(windows)))
 
 
-def _by_differences(side: Floats, windows: _Windows, longest: int) -> tuple[Floats, Floats]:
-    """(4): as `_predicted`, gap by gap, since these predictors begin with whole triples."""
-    x, variance = np.full((2, *side.shape[:2], longest), np.nan)
-    for g, path in enumerate(side):
-        sd, jump = float(np.sqrt((windows.sd[g] ** 2).mean())), float(np.sqrt((windows.jump[g] ** 2).mean()))
-        state = _follow(path, sd, jump)
-        if state is None:
-            continue
-        for k in range(longest):
-            x[g, :, k], variance[g, :, k] = state.x[0, 0], state.P[0, 0, 0]
-            state = predict(state, jump)
-    return x, variance
+def _by_differences(path: Floats, sd: Floats, jump: Floats, length: int) -> Inside:
+    """(4): as `_predicted` for one gap, since these predictors begin with whole triples."""
+    found = Inside(*np.full((2, 3, length), np.nan))
+    one_sd, one_jump = float(np.sqrt((sd**2).mean())), float(np.sqrt((jump**2).mean()))
+    state = _follow(path, one_sd, one_jump)
+    if state is None:
+        return found
+    for k in range(length):
+        found.x[:, k], found.variance[:, k] = state.x[0, 0], state.P[0, 0, 0]
+        state = predict(state, one_jump)
+    return found
 
 
 def _follow(path: Floats, sd: float, jump: float) -> State | None:
@@ -188,33 +176,33 @@ def _follow(path: Floats, sd: float, jump: float) -> State | None:
     return state
 
 
-def _smoothed(windows: _Windows) -> tuple[Floats, Floats]:
-    """(3): positions and variances (G, 3, L)."""
-    n, _, size = windows.before.shape
-    longest = int(windows.length.max())
-    y = np.full((n, 3, 2 * size + longest), np.nan)
-    y[..., :size] = windows.before
-    for g, length in enumerate(windows.length):
-        y[g, :, size + length : 2 * size + length] = windows.after[g, :, ::-1]
-    # A sequence begins at its first sample; a gap before which there is none is done backwards.
-    late = np.isnan(windows.before[:, 0]).all(1)
-    y[late] = y[late, :, ::-1]
-    found = smooth_positions(y.reshape(3 * n, -1), sd=windows.sd.ravel(), jump=windows.jump.ravel())
-    x, variance = found.x[..., 0].reshape(y.shape), found.P[..., 0, 0].reshape(y.shape)
-    x[late], variance[late] = x[late, :, ::-1], variance[late, :, ::-1]
-    return x[..., size : size + longest], variance[..., size : size + longest]
+def _smoothed(windows: _Windows) -> list[Inside]:
+    """(3): positions and variances (3, L); a gap before which there is no sample is done backwards."""
+    late = np.asarray(np.isnan(windows.before[:, 0]).all(1))
+    before = np.where(late[:, None, None], windows.after, windows.before)
+    after = np.where(late[:, None, None], windows.before, windows.after)
+    each = smooth_gaps(_flat(before), _flat(after)[:, ::-1], np.repeat(windows.length, 3), **_model(windows))
+    found = _of_markers(each)
+    return [Inside(*(a[:, ::-1] for a in one)) if back else one for one, back in zip(found, late, strict=True)]
 
 
-def _turned(x: Floats, variance: Floats, length: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """Backward predictions (G, 3, L) in the order of time."""
-    turned, turned_variance = np.full_like(x, np.nan), np.full_like(x, np.nan)
-    for g, n in enumerate(length):
-        turned[g, :, :n], turned_variance[g, :, :n] = x[g, :, :n][:, ::-1], variance[g, :, :n][:, ::-1]
-    return turned, turned_variance
+def _flat(side: Floats) -> Floats:
+    """(G, 3, H) as sequences (3 G, H)."""
+    return side.reshape(-1, side.shape[2])
 
 
-def _met(x1: Floats, P1: Floats, x2: Floats, P2: Floats) -> tuple[Floats, Floats]:
+def _model(windows: _Windows) -> dict[str, Floats]:
+    return {"sd": windows.sd.ravel(), "jump": windows.jump.ravel()}
+
+
+def _of_markers(each: list[Inside]) -> list[Inside]:
+    """Three coordinates (L) as one (3, L)."""
+    return [Inside(*map(np.array, zip(*each[k : k + 3], strict=True))) for k in range(0, len(each), 3)]
+
+
+def _met(one: Inside, other: Inside) -> Inside:
     """(2); where only one of the two is, that."""
-    w1, w2 = (np.where(np.isnan(x), 0.0, 1 / P) for x, P in ((x1, P1), (x2, P2)))
+    w1, w2 = (np.where(np.isnan(side.x), 0.0, 1 / side.variance) for side in (one, other))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return (np.nan_to_num(x1) * w1 + np.nan_to_num(x2) * w2) / (w1 + w2), 1 / (w1 + w2)
+        x = (np.nan_to_num(one.x) * w1 + np.nan_to_num(other.x) * w2) / (w1 + w2)
+        return Inside(x, 1 / (w1 + w2))

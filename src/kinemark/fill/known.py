@@ -101,12 +101,17 @@ class Known(NamedTuple):
         seen = square < FAR**2
         far = square >= FAR**2
         x = np.where(far[..., None], np.nan, motion.xyz) if far.any() else motion.xyz
-        return cls(x, seen, motion.rate, motion.names)
+        return cls(np.ascontiguousarray(x), seen, motion.rate, motion.names)
 
     @property
     def n_frames(self) -> int:
         """F."""
         return self.seen.shape[1]
+
+    def at(self, markers: Ints, frames: Ints) -> Floats:
+        """(…, 3) x[markers, frames] for indices that broadcast, 0 or more: as one index into all samples, for time's
+        sake."""
+        return self.x.reshape(-1, 3).take(markers * self.n_frames + frames, axis=0)
 
     def span(self, gap: Gap) -> Span:
         """The gap with what lies beside it."""

@@ -203,5 +203,5 @@ def _steps(known: Known, hood: Neighbourhood) -> Floats:
     """Steps (N, 3 K) from one frame to the next, where all are seen in both."""
     frames = hood.frames[hood.frames + 1 < known.n_frames]
     frames = frames[known.seen[hood.markers, frames[:, None] + 1].all(1)]
-    x = known.x[hood.markers, frames[:, None] + 1] - known.x[hood.markers, frames[:, None]]
-    return (x - x[:, : hood.n_seen].mean(1, keepdims=True)).reshape(len(frames), -1)
+    now, then = (columns(known, hood, f)[0] for f in (frames, frames + 1))
+    return then - now

@@ -60,6 +60,8 @@ NAMES: dict[str, type] = {
 TRIED = tuple(name for name in NAMES if name != "kalman_angles")
 """Those that `Auto` tries; `limb_angles` does all that the thesis' own algorithm does, and better."""
 
+TOGETHER = (Body, LimbAngles, KalmanAngles)
+"""Methods whose answer for one gap hangs on the others asked with it: they learn from those, or fill on from them."""
 
 SLOW = 600_000
 """Gaps times frames above which limb angles, which look at the whole trial for each hidden test, are not tried."""

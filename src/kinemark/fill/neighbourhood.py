@@ -54,6 +54,6 @@ def neighbourhood(known: Known, near: Ints, sought: Ints, *, frames: Ints, least
 
 def columns(known: Known, hood: Neighbourhood, frames: Ints) -> tuple[Floats, Floats]:
     """(1): signals (F, 3 K) in these frames, and the centres (F, 3) taken out."""
-    x = known.x[hood.markers, frames[:, None]]
-    centre = x[:, : hood.n_seen].mean(1)
+    x = known.at(hood.markers, frames[:, None])
+    centre = np.einsum("fki->fi", x[:, : hood.n_seen]) / hood.n_seen
     return (x - centre[:, None]).reshape(len(frames), -1), centre

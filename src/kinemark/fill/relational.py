@@ -101,7 +101,7 @@ def _choose(x: Floats, marker: int, sets: list[Ints]) -> tuple[Ints, Floats]:
 
 def _interpolate(known: Known, span: Span, three: Ints, cov: Floats) -> Prediction:
     at = np.concatenate([span.frames, [span.edges[0], span.edges[-1]]])
-    R, origin = frames(*known.x[three[:, None], at], sharp=LINE)
+    R, origin = frames(*known.at(three[:, None], at), sharp=LINE)
     y = (R.mT @ (known.x[span.marker, at] - origin)[..., None])[..., 0]
     if np.isnan(R).any():
         return Prediction.none(span.length, f"{known.called(three)} come to lie on a line in the gap")
@@ -113,16 +113,17 @@ def _interpolate(known: Known, span: Span, three: Ints, cov: Floats) -> Predicti
 
 
 def _cross(a: Floats, b: Floats) -> Floats:
-    after, before = [1, 2, 0], [2, 0, 1]  # numpy.cross takes far longer
-    return a[..., after] * b[..., before] - a[..., before] * b[..., after]
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def frames(origin: Floats, A: Floats, P: Floats, *, sharp: float) -> tuple[Floats, Floats]:
     """(1): R (…, 3, 3) with the axes as columns, and the origin; NaN where the three lie nearly on a line."""
-    e1, to_p = A - origin, P - origin
+    # Coordinates first: long arrays are many times as fast as many short ones.
+    e1, to_p = (np.ascontiguousarray(np.moveaxis(point - origin, -1, 0)) for point in (A, P))
     e3 = _cross(e1, to_p)
     with np.errstate(invalid="ignore", divide="ignore"):
-        n1, n3, n_p = (np.sqrt(np.einsum("...i,...i->...", v, v))[..., None] for v in (e1, e3, to_p))
-        e1, e3 = e1 / n1, np.where(n3 > sharp * n1 * n_p, e3 / n3, np.nan)
-    R = np.stack([e1, _cross(e3, e1), e3], -1)
-    return np.where(np.isnan(R).any((-2, -1), keepdims=True), np.nan, R), origin
+        n1, n3, n_p = (np.sqrt((v * v).sum(0)) for v in (e1, e3, to_p))
+        proper = n3 > sharp * n1 * n_p
+        e1, e3 = np.where(proper, e1 / n1, np.nan), np.where(proper, e3 / n3, np.nan)
+    axes = np.stack([e1, _cross(e3, e1), e3])
+    return np.ascontiguousarray(np.moveaxis(axes, (1, 0), (-2, -1))), origin

@@ -120,7 +120,7 @@ def _carried(known: Known, span: Span, learnt: _Learnt, method: RigidBody) -> Pr
 
 def _carry(known: Known, span: Span, body: Body, frames: Ints) -> tuple[Floats, Floats]:
     at = np.concatenate([frames, [max(span.before, 0), max(span.after, 0)]])
-    xyz = body.carry(known.x[body.donors[:, None], at])
+    xyz = body.carry(known.at(body.donors[:, None], at))
     beside = known.x[span.marker, at[-2:]] - xyz[-2:]
     beside[[span.before < 0, span.after < 0]] = np.nan
     xyz = xyz[:-2]
@@ -163,8 +163,8 @@ def _best(known: Known, marker: int, pool: Ints, method: RigidBody) -> Body | st
 def _judged(known: Known, marker: int, sets: list[Ints], flat: float) -> Body | None:
     """The body of the best of nested sets, compared in the same frames; None where too few show all."""
     who = np.append(sets[-1], marker)
-    x = known.x[who[:, None], known.thin(JUDGE)]
-    x = x[:, ~np.isnan(x[..., 0]).any(0)].swapaxes(0, 1)
+    x = known.at(who, known.thin(JUDGE)[:, None])
+    x = x[~np.isnan(x[..., 0]).any(1)]
     if len(x) < JUDGE // 2:
         return None
     use = np.arange(len(who) - 1) < np.array([[len(s)] for s in sets])
@@ -184,11 +184,11 @@ def _judged(known: Known, marker: int, sets: list[Ints], flat: float) -> Body | 
 
 def learn(known: Known, marker: int, donors: Ints, frames: Ints, flat: float) -> Body | None:
     """(1) from those of the frames, evenly spaced, where all are seen; None where there is none, or a line."""
-    points = known.x[np.append(donors, marker)[:, None], frames]
-    there = ~np.isnan(points[..., 0]).any(0)
+    points = known.at(np.append(donors, marker), frames[:, None])
+    there = ~np.isnan(points[..., 0]).any(1)
     if not there.any():
         return None
-    x = points[:, there].swapaxes(0, 1)
+    x = points[there]
     body = x - x[:, :-1].mean(1, keepdims=True)
     if on_line(body[len(x) // 2, :-1], flat):
         return None

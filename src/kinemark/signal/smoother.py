@@ -31,6 +31,13 @@ state at the edge of a gap hangs on the short times; h of a twentieth of a secon
 as far off as foretold (8). Over one and two frames motion is smooth, Δₕ³ ~ h³:
 
     20 σ² = (64 E[(Δ₁³ y)²] − E[(Δ₂³ y)²]) / 63                                                   (9)
+
+Across a gap (3) has a closed form, and so has (5). From the last sample before it, t frames on,
+
+    x⁻(t) = Fᵗ x,  P⁻(t) = Fᵗ P Fᵗᵀ + U² Σ_j v(j) v(j)ᵀ,   v(j) = (j²/2, j, 1),  j = 0 … t − 1     (10)
+    x̂(t) = x⁻(t) + J (x̂₊ − x⁻₊),   P̂(t) = P⁻(t) + J (P̂₊ − P⁻₊) Jᵀ,   J = P⁻(t) Fˢᵀ (P⁻₊)⁻¹        (11)
+
+where ₊ is now the first frame after the gap, s frames after t.
 """
 
 from __future__ import annotations
@@ -43,6 +50,8 @@ from numpy.typing import NDArray
 from .kalman import F
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+State = tuple[Floats, Floats]
 
 LEAST_SD = 0.01
 """No position is known better than this, mm."""
@@ -67,6 +76,13 @@ class Filtered(NamedTuple):
     P_before: Floats
 
 
+class Inside(NamedTuple):
+    """Of the frames of one gap: x (L) mm and its variance (L) mm²."""
+
+    x: Floats
+    variance: Floats
+
+
 def filter_positions(y: Floats, *, sd: Floats, jump: Floats) -> Filtered:
     """(1) to (4), forwards.
 
@@ -78,13 +94,19 @@ def filter_positions(y: Floats, *, sd: Floats, jump: Floats) -> Filtered:
     Returns:
         One prediction a frame; for a sequence without any sample all NaN.
     """
+    unknown = _unknown(y, sd)
+    return _filter(y, np.maximum(sd, 1e-7 * unknown.max(1)), jump, unknown)
+
+
+def _filter(y: Floats, sd: Floats, jump: Floats, unknown: Floats, before: State | None = None) -> Filtered:
+    """(1) to (4) from the first sample on; from the first frame where it is known what is `before` its sample."""
     n, n_frames = y.shape
     x, P = np.full((n_frames, n, 3), np.nan), np.full((n_frames, n, 3, 3), np.nan)
     x_before, P_before = x.copy(), P.copy()
     seen = ~np.isnan(y)
     begin = np.where(seen.any(1), seen.argmax(1), n_frames)
-    unknown = _unknown(y, sd)
-    sd = np.maximum(sd, 1e-7 * unknown.max(1))
+    if before is not None:
+        (x_before[0], P_before[0]), begin = before, np.full(n, -1)
     for k in range(n_frames):
         if k:
             x_before[k] = x[k - 1] @ F.T  # (3)
@@ -117,15 +139,99 @@ def _measured(x: Floats, P: Floats, y: Floats, sd: Floats) -> tuple[Floats, Floa
 def smooth_positions(y: Floats, *, sd: Floats, jump: Floats) -> Smoothed:
     """(5): what all samples of a sequence say of each frame from its first sample on; arguments as
     `filter_positions`."""
-    found = filter_positions(y, sd=sd, jump=jump)
+    return _smooth(filter_positions(y, sd=sd, jump=jump), jump)
+
+
+def _smooth(found: Filtered, jump: Floats) -> Smoothed:
+    """(5) for what the filter found."""
     x, P = found.x.copy(), found.P.copy()
-    for k in range(y.shape[1] - 2, -1, -1):
+    for k in range(x.shape[1] - 2, -1, -1):
         on = ~np.isnan(found.P[:, k, 0, 0])
         P_next = found.P_before[on, k + 1]
         J = _gain(P_next, jump[on])
         x[on, k] += (J @ (x[on, k + 1] - found.x_before[on, k + 1])[..., None])[..., 0]
         P[on, k] += J @ (P[on, k + 1] - P_next) @ J.swapaxes(1, 2)
     return Smoothed(x, (P + P.swapaxes(2, 3)) / 2)
+
+
+def predict_gaps(before: Floats, length: Ints, *, sd: Floats, jump: Floats) -> list[Inside]:
+    """(10): what the samples before a gap say of the frames in it.
+
+    Args:
+        before: (n, W) positions up to the gap, mm; NaN where nothing was measured.
+        length: (n) frames of the gap.
+        sd, jump: as in `filter_positions`.
+
+    Returns:
+        Position mm and its variance mm², (length) each, a sequence; NaN for one without samples.
+    """
+    last = filter_positions(before, sd=sd, jump=jump)
+    known = zip(last.x[:, -1], last.P[:, -1], jump, length, strict=True)
+    return [Inside(_powers(n) @ x, _ahead(P, u, _powers(n))[:, 0]) for x, P, u, n in known]
+
+
+def smooth_gaps(before: Floats, after: Floats, length: Ints, *, sd: Floats, jump: Floats) -> list[Inside]:
+    """(11): what the samples on both sides of a gap say of the frames in it, as `smooth_positions` does it.
+
+    Args:
+        before: (n, W) positions up to the gap, mm; NaN where nothing was measured.
+        after: (n, W') positions from the gap on.
+        length, sd, jump: as in `predict_gaps`.
+
+    Returns:
+        As `predict_gaps`; NaN for a sequence without samples before the gap.
+    """
+    unknown = np.maximum(_unknown(before, sd), _unknown(after, sd))
+    sd = np.maximum(sd, 1e-7 * unknown.max(1))
+    last = _filter(before, sd, jump, unknown)
+    x, P = last.x[:, -1], last.P[:, -1]
+    x_first, P_first = _beyond(x, P, jump, length)
+    found = _smooth(_filter(after, sd, jump, unknown, (x_first, P_first)), jump)
+    scale = np.sqrt(np.diagonal(P_first, axis1=1, axis2=2))
+    scale = scale[:, :, None] * scale[:, None, :]
+    inverse = np.linalg.inv(P_first / scale) / scale
+    off, less = found.x[:, 0] - x_first, found.P[:, 0] - P_first
+    out = []
+    for k, n in enumerate(length):
+        row = _powers(n)
+        r = _ahead(P[k], jump[k], row)
+        J = _moved(r, row[::-1]) @ inverse[k]
+        out.append(Inside(row @ x[k] + J @ off[k], np.maximum(r[:, 0] + ((J @ less[k]) * J) @ np.ones(3), 0.0)))
+    return out
+
+
+def _powers(n: int) -> Floats:
+    """(n, 3) the first row of Fᵗ for t = 1 … n."""
+    return np.arange(1.0, n + 1)[:, None] ** np.arange(3) / np.array([1, 1, 2])
+
+
+def _ahead(P: Floats, jump: float, row: Floats) -> Floats:
+    """(n, 3) the first row of P⁻(t) of (10), from the first row of Fᵗ."""
+    return _moved(row @ P, row) + jump**2 * _drift(row[:, 1])[:, 0]
+
+
+def _beyond(x: Floats, P: Floats, jump: Floats, length: Ints) -> State:
+    """(10) in the first frame after gaps: (n, 3) and (n, 3, 3)."""
+    t = np.asarray(length, np.float64) + 1
+    row = np.stack([np.ones(len(t)), t, t * t / 2], -1)
+    P = _moved(_moved(P, row[:, None]).mT, row[:, None])
+    return _moved(x, row), P + jump[:, None, None] ** 2 * _drift(t)
+
+
+def _moved(a: Floats, row: Floats) -> Floats:
+    """a Fᵗᵀ for rows a (…, 3), from the first row (…, 3) of Fᵗ."""
+    out = np.array(np.broadcast_to(a, np.broadcast_shapes(a.shape, row.shape)))
+    out[..., 0] += row[..., 1] * a[..., 1] + row[..., 2] * a[..., 2]
+    out[..., 1] += row[..., 1] * a[..., 2]
+    return out
+
+
+def _drift(t: Floats) -> Floats:
+    """Σ_j v(j) vᵀ(j) of (10): (…, 3, 3)."""
+    n = t - 1
+    one, two = n * t / 2, n * t * (2 * n + 1) / 6
+    three, four = one**2, two * (3 * n * n + 3 * n - 1) / 5
+    return np.stack([four / 4, three / 2, two / 2, three / 2, two, one, two / 2, one, t], -1).reshape(*t.shape, 3, 3)
 
 
 def _gain(P: Floats, jump: Floats) -> Floats:

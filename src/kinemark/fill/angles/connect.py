@@ -98,7 +98,7 @@ def directions(xyz: Floats, link: Ints) -> Floats:
     """(S, F, 3) unit vectors of segments (S, 2) between paths (M, F, 3) (3.34), NaN where an end is missing."""
     way = xyz[link[:, 1]] - xyz[link[:, 0]]
     with np.errstate(invalid="ignore", divide="ignore"):
-        return way / np.linalg.norm(way, axis=-1, keepdims=True)
+        return way / np.sqrt(np.einsum("sfi,sfi->sf", way, way))[..., None]
 
 
 def component_angles(direction: Floats) -> Floats:

@@ -21,11 +21,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.sparse import coo_array
 
 from ...data import AngleModel, KinemarkError
 from ...signal.periodic import cycle_length
@@ -47,9 +48,9 @@ MOST = 60
 """Sequences that the cycle and the phase are found from."""
 ROUNDS = 3
 DENSE = 24
-"""Frames a cycle that are enough for its phase."""
+"""Frames a cycle that are enough for its phase and its mean."""
 LONG = 1500
-"""Frames of a trial above which it is thinned for that."""
+"""Frames of a trial above which it is thinned to that."""
 ENOUGH = 40
 """Times the longest cycle that is looked for, of the middle of a trial in which the cycle is found."""
 CYCLES = 100
@@ -75,7 +76,7 @@ def learn_model(
     shortest: float = 0.3,
     longest: float = 6.0,
 ) -> Learned:
-    """The model of a trial (M, F, 3) mm, NaN where missing.
+    """The model of a trial (M, F, 3) mm, NaN where missing; of a long one at every so many frames.
 
     Args:
         xyz: paths.
@@ -90,37 +91,47 @@ def learn_model(
     """
     if not len(segments.link):
         raise KinemarkError("No two markers keep their distance, so there are no segments. Name them as links.")
-    u = directions(xyz, segments.link)
-    y = np.ascontiguousarray(u.transpose(1, 0, 2)).reshape(xyz.shape[1], -1)
-    T = _period(y, rate, period, shortest, longest)
-    if len(y) < WHOLE * T:
+    n_frames = xyz.shape[1]
+    T = period * rate if period else _period(xyz, segments.link, rate, shortest, longest)
+    if n_frames < WHOLE * T:
         raise KinemarkError(
-            f"The trial has {len(y)} frames, and a cycle of {T:.1f} frames needs {WHOLE:g} times as many."
+            f"The trial has {n_frames} frames, and a cycle of {T:.1f} frames needs {WHOLE:g} times as many."
         )
-    phase = _own_phase(y, T)
+    step = int(np.clip(min(T / DENSE, n_frames / LONG), 1, None))
+    y = _columns(xyz[:, ::step], segments.link)
+    phase = _own_phase(y, T / step)
     mean, cycles = mean_cycle(y, phase.cycles)
-    return Learned(_model(mean, cycles, names, segments, T / rate), phase)
+    return Learned(_model(mean, cycles, names, segments, T / rate), _spread_out(phase, step, n_frames))
+
+
+def _columns(xyz: Floats, link: Ints) -> Floats:
+    """Directions (F, 3 S) of segments (S, 2) as columns."""
+    u = directions(xyz, link)
+    return np.ascontiguousarray(u.transpose(1, 0, 2)).reshape(xyz.shape[1], -1)
 
 
 def _own_phase(y: Floats, T: float) -> Phase:
-    """Steps 2 to 4; in a long trial at every so many frames, as the phase bends little from frame to frame."""
-    step = int(np.clip(min(T / DENSE, len(y) / LONG), 1, None))
-    thin = y[::step, telling(y)]
-    phase = Phase(np.arange(len(thin)) * step / T, np.nan)
+    """Steps 2 to 4."""
+    some = y[:, telling(y)]
+    phase = Phase(np.arange(len(y)) / T, np.nan)
     for _ in range(ROUNDS):
-        phase = _better_phase(thin, phase, T / step)
+        phase = _better_phase(some, phase, T)
+    return phase
+
+
+def _spread_out(phase: Phase, step: int, n_frames: int) -> Phase:
+    """In all frames, of one known in every so many: it bends little from frame to frame."""
     if step == 1:
         return phase
-    return Phase(CubicSpline(step * np.arange(len(thin)), phase.cycles)(np.arange(len(y))), phase.cost)
+    return Phase(CubicSpline(step * np.arange(len(phase.cycles)), phase.cycles)(np.arange(n_frames)), phase.cost)
 
 
 def telling(y: Floats) -> Ints:
     """Columns of y (F, K) of segments that move most and are seen most, three each and `MOST` in all, for time's
     sake."""
     there = ~np.isnan(y)
-    n = there.sum(0)
-    mean = np.where(there, y, 0.0).sum(0) / np.maximum(n, 1)
-    moved = np.where(there, (y - mean) ** 2, 0.0).sum(0).reshape(-1, 3).sum(1)
+    known, n = np.where(there, y, 0.0), np.maximum(there.sum(0), 1)
+    moved = (np.einsum("fk,fk->k", known, known) - known.sum(0) ** 2 / n).reshape(-1, 3).sum(1)
     rows = np.sort(np.argsort(-moved, kind="stable")[: MOST // 3])
     return np.asarray((3 * rows[:, None] + np.arange(3)).ravel())
 
@@ -135,13 +146,12 @@ def _better_phase(y: Floats, phase: Phase, T: float) -> Phase:
     return refine_phase(y[:, known], Template(mean[:, known]), spread[known], phase.cycles, cycle=T)
 
 
-def _period(y: Floats, rate: float, period: float | None, shortest: float, longest: float) -> float:
-    """Frames of a cycle."""
-    if period is not None:
-        return period * rate
-    middle, reach = len(y) // 2, math.ceil(min(ENOUGH * longest * rate, len(y)) / 2)
-    some = y[max(middle - reach, 0) : middle + reach]
-    T = cycle_length(some[:, telling(some)].T, shortest=shortest * rate, longest=min(longest * rate, len(y) / WHOLE))
+def _period(xyz: Floats, link: Ints, rate: float, shortest: float, longest: float) -> float:
+    """Frames of a cycle, found from the segments that tell most."""
+    some = telling(_columns(xyz[:, :: max(1, xyz.shape[1] // LONG)], link))[::3] // 3
+    middle, reach = xyz.shape[1] // 2, math.ceil(min(ENOUGH * longest * rate, xyz.shape[1]) / 2)
+    y = _columns(xyz[:, max(middle - reach, 0) : middle + reach], link[some])
+    T = cycle_length(y.T, shortest=shortest * rate, longest=min(longest * rate, xyz.shape[1] / WHOLE))
     if np.isnan(T):
         raise KinemarkError(f"The motion does not come back within {longest:g} s, so there is no cycle to learn.")
     return T
@@ -190,13 +200,18 @@ class Between(NamedTuple):
 
     def read(self, y: Floats) -> Floats:
         """(N, K) of y (F, K): cubic, linear where that is not known, or NaN."""
-        found = sum(w[:, None] * y[frame] for w, frame in zip(self.cubic, self.frame, strict=True))
-        left = np.flatnonzero(np.isnan(found).any(1))
-        first, then = self.line[1, left, None], self.line[2, left, None]
-        a, b = y[self.frame[1, left]], y[self.frame[2, left]]
-        line = np.where(then == 0, a, np.where(first == 0, b, first * a + then * b)) + 0 * first
-        found[left] = np.where(np.isnan(found[left]), line, found[left])
+        found = weights(self.cubic, self.frame, len(y)) @ y
+        row, column = np.nonzero(np.isnan(found))
+        first, then = self.line[1, row], self.line[2, row]
+        a, b = y[self.frame[1, row], column], y[self.frame[2, row], column]
+        found[row, column] = np.where(then == 0, a, np.where(first == 0, b, first * a + then * b)) + 0 * first
         return np.asarray(found)
+
+
+def weights(weight: Floats, frame: Ints, n_frames: int) -> Any:
+    """A sparse matrix (N, F) of weights (…, N) of frames (…, N)."""
+    rows = np.broadcast_to(np.arange(weight.shape[-1]), weight.shape)
+    return coo_array((weight.ravel(), (rows.ravel(), frame.ravel())), (weight.shape[-1], n_frames)).tocsr()
 
 
 def bridged(mean: Floats) -> Floats:

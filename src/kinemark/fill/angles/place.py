@@ -38,14 +38,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
 
 from ...data import AngleModel
 from ...geometry import nearest_rotations
 from ...signal.phase import Phase, Template, phase_variance
 from ...signal.smoother import noise_of
 from .connect import directions
-from .learn import Between, telling, template_of
+from .learn import Between, telling, template_of, weights
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -69,6 +68,9 @@ FEW = 9
 """Frames of a gap at which the phase's variance is worked out."""
 UNKNOWN = 0.05
 """Spread of (1) as a share of ℓ, where r is not known."""
+LAGS = np.linspace(0.01, 6, 600)
+FALLING = -(1 + LAGS) * np.exp(-LAGS)
+"""−c of (5) at these Δt / τ, rising."""
 
 
 class Errors(NamedTuple):
@@ -93,6 +95,18 @@ class Placing(NamedTuple):
     errors: Errors
 
 
+class _Bank(NamedTuple):
+    """The R segments of a bank: rows of the model; curve, their directions by the phase; weighted (F, 3 R), the
+    directions seen with the weights of (3); and in the frames from which errors are judged, d and alone of
+    `_directions`."""
+
+    rows: Ints
+    curve: Template
+    weighted: Floats
+    d: Floats
+    alone: Bools
+
+
 class Placer:
     """Places markers of a trial by a model.
 
@@ -107,20 +121,24 @@ class Placer:
         self.xyz, self.phase, self.cycle = xyz, phase, cycle
         self.model, self._moments = model, _moments(phase) if own else []
         self._seen = np.ascontiguousarray(directions(xyz, model.links).transpose(1, 0, 2))  # (F, S, 3)
-        weight = np.stack([taper(~np.isnan(u[:, 0]), cycle / 10) for u in self._seen.swapaxes(0, 1)], 1)
-        self._weighted = np.nan_to_num(weight[..., None] * self._seen)
         y = self._seen.reshape(len(self._seen), -1)
         self._telling = telling(y)
         self._telling_seen, self._spread = y[:, self._telling], template_of(model)[1][self._telling]
         self._curve = _rows_of(model, self._telling[::3] // 3)
         self._lag = max(round(cycle / 10), 1)
         self._usual = _runs(xyz.shape[1], self._lag)
-        self._usual_directions = self._directions(np.arange(len(model.links)), self._usual)
+        self._usual_others = self._others(self._usual)
+        self._apart = np.arange(len(self._usual)) + APART * np.cumsum(np.diff(self._usual, prepend=self._usual[0]) > 1)
+        then = np.searchsorted(self._usual, self._usual + self._lag).clip(max=len(self._usual) - 1)
+        self._now = np.flatnonzero(self._usual[then] == self._usual + self._lag)
+        self._then = then[self._now]
+        self._banks: dict[int, _Bank] = {}
 
     def __call__(self, marker: int, frames: Ints) -> list[Placing]:
         """All neighbours from which a marker can be placed in these frames, rising, the surest first."""
-        rows = np.flatnonzero((self.model.links == marker).any(1))
-        found = [p for bank in np.unique(self.model.bank[rows]) for p in self._placings(marker, int(bank), frames)]
+        rows, others = np.flatnonzero((self.model.links == marker).any(1)), self._others(frames)
+        banks = [self._bank(int(number)) for number in np.unique(self.model.bank[rows])]
+        found = [p for bank in banks for p in self._placings(marker, bank, frames, others)]
         return sorted(found, key=lambda p: float(np.trace(p.errors.cov)))
 
     def phase_variance(self, frames: Ints) -> Floats:
@@ -132,15 +150,24 @@ class Placer:
         found = phase_variance(y, self._curve, self._spread, cycles, few - first, cycle=self.cycle)
         return np.interp(frames, few, found)
 
-    def _placings(self, marker: int, bank: int, frames: Ints) -> list[Placing]:
+    def _bank(self, number: int) -> _Bank:
+        """What is the same for all markers of a bank, worked out once."""
+        if number not in self._banks:
+            rows = np.flatnonzero(self.model.bank == number)
+            seen = self._seen[:, rows]
+            weight = np.stack([taper(~np.isnan(u[:, 0]), self.cycle / 10) for u in seen.swapaxes(0, 1)], 1)
+            weighted = np.nan_to_num(weight[..., None] * seen).reshape(len(seen), -1)
+            bank = _Bank(rows, _rows_of(self.model, rows), weighted, np.zeros(0), np.zeros(0, np.bool_))
+            d, alone = self._directions(bank, self._usual, self._usual_others)
+            self._banks[number] = bank._replace(d=d, alone=alone)
+        return self._banks[number]
+
+    def _placings(self, marker: int, bank: _Bank, frames: Ints, others: Any) -> list[Placing]:
         """From the neighbours of one bank; the frames of `_usual` come first, to tell how far off it is."""
-        rows = np.flatnonzero(self.model.bank == bank)
-        at, n = np.concatenate([self._usual, frames]), len(self._usual)
-        d, alone = (
-            np.concatenate([usual[:, rows], here])
-            for usual, here in zip(self._usual_directions, self._directions(rows, frames), strict=True)
-        )
-        slopes = _rows_of(self.model, rows).slope(self.phase.cycles[frames]).reshape(len(frames), -1, 3)
+        rows, at, n = bank.rows, np.concatenate([self._usual, frames]), len(self._usual)
+        here = self._directions(bank, frames, others)
+        d, alone = (np.concatenate(both) for both in zip((bank.d, bank.alone), here, strict=True))
+        slopes = bank.curve.slope(self.phase.cycles[frames]).reshape(len(frames), -1, 3)
         R = self._turn(marker, rows, d, at)
         out = []
         for k in np.flatnonzero((self.model.links[rows] == marker).any(1)):
@@ -155,20 +182,31 @@ class Placer:
             out.append(Placing(source, frames, way[n:], slope, self._errors(r[:n], r[n:], abs(length))))
         return out
 
-    def _directions(self, rows: Ints, frames: Ints) -> tuple[Floats, Bools]:
+    def _others(self, frames: Ints) -> Any:
+        """Weights (N, F) of the sum of (3): a sparse matrix; None where the model is not made of the trial."""
+        if not self._moments:
+            return None
+        place = Between.at(np.stack([m[frames] for m in self._moments]).ravel(), self.xyz.shape[1])
+        weight = np.nan_to_num(np.where(np.isnan(place.cubic), place.line, place.cubic)).reshape(-1, len(frames))
+        return weights(weight, place.frame.reshape(-1, len(frames)), self.xyz.shape[1])
+
+    def _directions(self, bank: _Bank, frames: Ints, others: Any) -> tuple[Floats, Bools]:
         """d(φ) (N, R, 3) of the model, or by (3) of the trial; of the model, too, where no other cycle has it.
 
         And where (N, R) that is so although the segment is seen.
         """
-        of_model = _rows_of(self.model, rows)(self.phase.cycles[frames]).reshape(len(frames), -1, 3)
-        if not self._moments:
-            return of_model, np.zeros(of_model.shape[:2], np.bool_)
-        total = _sum_at(self._weighted[:, rows].reshape(len(self._seen), -1), [m[frames] for m in self._moments])
-        total = total.reshape(of_model.shape)
-        size = np.sqrt((total * total).sum(-1, keepdims=True))
+        cycles, shape = self.phase.cycles[frames], (len(frames), len(bank.rows), 3)
+        if others is None:
+            return bank.curve(cycles).reshape(shape), np.zeros(shape[:2], np.bool_)
+        d = (others @ bank.weighted).reshape(shape)
+        size = np.sqrt(np.einsum("nri,nri->nr", d, d))
         alone = size < 1e-6
-        missing = np.isnan(self._seen[frames[:, None], rows, 0])
-        return np.where(alone, of_model, total / np.maximum(size, 1e-6)), alone[..., 0] & ~missing
+        d /= np.maximum(size, 1e-6)[..., None]
+        at, row = np.nonzero(alone)
+        some, at_some = np.unique(at, return_inverse=True)
+        d[at, row] = bank.curve(cycles[some]).reshape(-1, *shape[1:])[at_some, row]
+        alone[at, row] = ~np.isnan(self._seen[frames[at], bank.rows[row], 0])
+        return d, alone
 
     def _turn(self, marker: int, rows: Ints, d: Floats, frames: Ints) -> Floats | None:
         """(N, 3, 3) R of (2) for a bank of these rows; None where it has no pair but those of the marker."""
@@ -181,19 +219,15 @@ class Placer:
 
     def _errors(self, usual: Floats, r: Floats, length: float) -> Errors:
         """Of r (N, 3), by what it is in the frames of `_usual`, or in all there are where these are too few."""
-        frames = self._usual
         there = ~np.isnan(usual).any(1)
         if there.sum() < FEWEST:
             return Errors(r, np.zeros(3), np.eye(3) * (UNKNOWN * length) ** 2, self.cycle / 10, 0.0)
         mean, cov = usual[there].mean(0), np.cov(usual[there].T) + 1e-6 * np.eye(3)
-        apart = np.arange(len(frames)) + APART * np.cumsum(np.diff(frames, prepend=frames[0]) > 1)
-        spaced = np.full((apart[-1] + 1, 3), np.nan)
-        spaced[apart] = usual
-        noise = float(np.sqrt((noise_of(spaced.T) ** 2).mean()))
-        then = np.searchsorted(frames, frames + self._lag).clip(max=len(frames) - 1)
-        both = frames[then] == frames + self._lag
-        tau = lasting(usual[both] - mean, usual[then[both]] - mean, self._lag, noise)
-        return Errors(r, mean, cov, tau, noise)
+        spaced = np.full((3, self._apart[-1] + 1), np.nan)
+        spaced[:, self._apart] = usual.T
+        noise = float(np.sqrt((noise_of(spaced) ** 2).mean()))
+        off = usual - mean
+        return Errors(r, mean, cov, lasting(off[self._now], off[self._then], self._lag, noise), noise)
 
 
 def _rows_of(model: AngleModel, rows: Ints) -> Template:
@@ -217,14 +251,6 @@ def _moments(phase: Phase) -> list[Floats]:
     return [np.interp(rising + m, rising, frames, left=np.nan, right=np.nan) for m in others]
 
 
-def _sum_at(y: Floats, moments: list[Floats]) -> Floats:
-    """(N, K) the sum of y (F, K) read at several moments (N) each, NaN for none; one sparse matrix of weights."""
-    place, n = Between.at(np.concatenate(moments), len(y)), len(moments[0])
-    weight = np.nan_to_num(np.where(np.isnan(place.cubic), place.line, place.cubic))
-    rows = np.tile(np.arange(n), len(moments) * len(weight))
-    return np.asarray(coo_array((weight.ravel(), (rows, place.frame.ravel())), (n, len(y))).tocsr() @ y)
-
-
 def taper(there: Bools, reach: float) -> Floats:
     """(F) w of (3): 1, falling to 0 within `reach` frames of what is not there, and of the ends."""
     away = np.flatnonzero(np.concatenate([[True], ~there, [True]])) - 1
@@ -241,8 +267,7 @@ def lasting(now: Floats, then: Floats, lag: int, noise: float) -> float:
         return 2.0 * lag
     product, square = float((now[both] * then[both]).sum()), float(((now[both] ** 2 + then[both] ** 2) / 2).sum())
     rho = np.clip(product / max(square - 3 * noise**2 * both.sum(), 1e-9), 0.05, 0.99)
-    x = np.linspace(0.01, 6, 600)
-    return lag / float(np.interp(-rho, -(1 + x) * np.exp(-x), x))
+    return lag / float(np.interp(-rho, FALLING, LAGS))
 
 
 def correlation(frames: NDArray[Any], tau: float) -> Floats:

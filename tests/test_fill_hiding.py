@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_fill import moving
 
-from kinemark.fill import Body, Gap, Linear, Prediction
+from kinemark.fill import Body, Gap, Linear, Motion, Prediction
 from kinemark.fill.calibration import Calibration, Measured, weigh
 from kinemark.fill.combine import close_ones, mean_tests
 from kinemark.fill.hiding import HiddenTest, Tried, plan, run
@@ -54,6 +54,20 @@ class TestHiding:
         motion, gap = moving(200), Gap(0, 50, 180)
         planned = plan(motion.hidden([gap]), [gap], per_gap=3, seed=0)
         assert planned.tests and all(not t.own and t.window.length == gap.length for t in planned.tests)
+
+    def test_on_another_marker_its_own_neighbours_are_hidden_too(self):
+        xyz = np.tile(np.cumsum(np.full((10, 1, 1), 100.0), 0) * [1.0, 0, 0], (1, 200, 1))  # ten in a row
+        motion = Motion(xyz, 100.0, tuple(f"M{k}" for k in range(10)))
+        gaps = [Gap(k, 50, 180) for k in (0, 1, 2)]
+        hidden = motion.hidden(gaps)
+        planned = plan(hidden, gaps, per_gap=4, seed=0)
+        tests = [test for test in planned.tests if test.of == 0 and test.window.marker > 5]
+        assert tests
+        for test in tests:
+            copy = hidden.hidden(planned.copies[test.copy])
+            near = np.argsort(np.abs(np.arange(10) - test.window.marker), kind="stable")[1:3]
+            assert np.isnan(copy.xyz[near, 50:180]).all() and np.isnan(copy.xyz[:3, 50:180]).all()
+            assert np.isfinite(copy.xyz[[k for k in (3, 4) if k not in near]]).all()
 
     def test_gaps_at_an_end_are_tested_by_hiding_all_to_that_end(self):
         motion, gap = moving(300), Gap(0, 260, 300)

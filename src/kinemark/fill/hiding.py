@@ -11,7 +11,9 @@ hidden in one copy. Before a marker's first sample and after its last, all its s
 
 A short trial may have no room: where hiding the gap's length again would leave less than half of it of the marker to
 learn from, the test is made with the nearest other markers, hidden in the frames of the gap itself (3): the same
-length, and the same frames to learn from, but not always the same state.
+length, and the same frames to learn from. What is missing beside the gap's marker may be far from the other one, which
+would make the test too easy: so for each marker that is missing in the gap and k-th nearest to its marker, the k-th
+nearest to the other one is hidden in the same frames (4).
 
 The idea of testing a filler on data that it has hidden itself is that of cross-validation (Stone 1974).
 """
@@ -100,7 +102,7 @@ def plan(motion: Motion, gaps: list[Gap], *, per_gap: int, seed: int) -> Plan:
             copy = books.place(shape)
             if copy == len(made.copies):
                 made.copies.append([])
-            made.copies[copy] += [shape, *_state(seen, gaps[index], gap)]
+            made.copies[copy] += [shape, *_state(motion, seen, gaps[index], gap)]
             keep = (gap.start - shape.start, gap.stop - shape.start)
             made.tests.append(HiddenTest(int(index), copy, shape, keep, gap.marker == gaps[index].marker))
     return made
@@ -222,13 +224,29 @@ def _spread(starts: NDArray[np.int64], n: int, rng: np.random.Generator) -> NDAr
     return np.array([rng.choice(share) for share in shares])
 
 
-def _state(seen: NDArray[np.bool_], gap: Gap, window: Gap) -> list[Gap]:
-    """(1): what else is missing in the gap, shifted to the window."""
+def _state(motion: Motion, seen: NDArray[np.bool_], gap: Gap, window: Gap) -> list[Gap]:
+    """(1): what else is missing in the gap, shifted to the window; (4) where that is another marker's."""
     length = min(gap.length, window.length)
     missing = ~seen[:, gap.start : gap.start + length]
     missing[[gap.marker, window.marker]] = False
+    others = np.flatnonzero(missing.any(1))
+    alike = _alike(motion, gap.marker, window.marker, others) if window.marker != gap.marker and len(others) else {}
     out = []
-    for marker in np.flatnonzero(missing.any(1)):
+    for marker in others:
         steps = np.flatnonzero(np.diff(missing[marker], prepend=False, append=False))
-        out += [Gap(int(marker), window.start + int(a), window.start + int(b)) for a, b in list(pairwise(steps))[::2]]
+        for hidden in {int(marker), alike.get(int(marker), int(marker))}:
+            out += [Gap(hidden, window.start + int(a), window.start + int(b)) for a, b in list(pairwise(steps))[::2]]
     return out
+
+
+def _alike(motion: Motion, marker: int, other: int, missing: NDArray[np.int64]) -> dict[int, int]:
+    """(4): for each missing marker, that which is as many-th nearest to the other marker as it is to this one.
+
+    Those as near to the other marker that are missing anyway, this one too, stand for as many.
+    """
+    order, theirs = (np.argsort(distances(motion, k), kind="stable") for k in (marker, other))
+    place = np.argsort(order)[missing]
+    near, gone = theirs[1 : place.max() + 2], [marker, *missing]
+    spare = int(np.isin(near, gone).sum() - np.isin(theirs[place], gone).sum())
+    last = np.argsort(place)[: max(0, len(missing) - max(spare, 0))]
+    return {int(missing[k]): int(theirs[place[k]]) for k in last if theirs[place[k]] != other}

@@ -1,8 +1,8 @@
 """A marker regressed on the markers around it, in the local frame of its body part.
 
-The base of marker y are the three whose distance from y varies least over the trial, of those seen throughout the gap;
-its frame is (R, c) (see `frames`). In that frame y and the donors x₁ … x_D have local coordinates, so that only what
-is not rigid is left to explain, and
+The base of marker y are the three whose distance from y varies least over the trial, of those seen throughout the gap
+that do not jump in it (`trusted`); its frame is (R, c) (see `frames`). In that frame y and the donors x₁ … x_D have
+local coordinates, so that only what is not rigid is left to explain, and
 
     Rᵀ(y − c) = a + B φ,        φ = the donors' local coordinates less their means                     (1)
 
@@ -23,11 +23,12 @@ from numpy.typing import NDArray
 
 from .frames import local, triad
 from .motion import Floats, Gap, Motion, Prediction
+from .ranking import FEWEST
+from .ranking import ranked as ranked
+from .trusted import Trust
 
 MOST = 400
 """Frames to learn from, evenly spread; neighbours in time say the same."""
-FEWEST = 12
-"""Frames to learn from, at least."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,11 +66,11 @@ def fill_local_regression(motion: Motion, gaps: list[Gap], *, method: LocalRegre
     """Each gap from the donors that are seen throughout it; gaps of one marker with the same donors share one fit."""
     fits: dict[tuple[int, bytes], Fit | str] = {}
     ranks: dict[int, NDArray[np.int64]] = {}
-    seen, out = motion.seen, []
+    seen, trust, out = motion.seen, Trust(motion), []
     for gap in gaps:
         if gap.marker not in ranks:
             ranks[gap.marker] = ranked(motion, gap.marker)
-        ready = np.flatnonzero(seen[:, gap.start : gap.stop].all(1))
+        ready = np.flatnonzero(seen[:, gap.start : gap.stop].all(1) & trust.of(gap))
         order = ranks[gap.marker][np.isin(ranks[gap.marker], ready)][: max(3, *method.donors)]
         key = (gap.marker, order.tobytes())
         if key not in fits:
@@ -77,21 +78,6 @@ def fill_local_regression(motion: Motion, gaps: list[Gap], *, method: LocalRegre
         fit = fits[key]
         out.append(Prediction.none(gap.length, fit) if isinstance(fit, str) else _predict(motion, gap, fit))
     return out
-
-
-def ranked(motion: Motion, marker: int) -> NDArray[np.int64]:
-    """The other markers, that whose distance from this one varies least first; only those seen with it often enough."""
-    thin = motion.xyz[:, :: max(1, motion.xyz.shape[1] // 400)]
-    way = thin - thin[marker]
-    square = np.einsum("mfi,mfi->mf", way, way)
-    n = np.isfinite(square).sum(1)
-    square = np.where(np.isfinite(square), square, 0.0)
-    sum_, square = np.sqrt(square).sum(1), square.sum(1)
-    vary = np.sqrt(np.maximum(square / np.maximum(n, 1) - (sum_ / np.maximum(n, 1)) ** 2, 0.0))
-    vary[(n < FEWEST) | (n < 0.5 * n[marker])] = np.inf
-    vary[marker] = np.inf
-    order = np.argsort(vary, kind="stable")
-    return order[np.isfinite(vary[order])]
 
 
 def _fit(

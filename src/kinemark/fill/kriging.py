@@ -1,0 +1,122 @@
+"""Kriging in a local frame: the covariance of frames, how likely it is, what it leaves out, what it predicts.
+
+A marker's local coordinates y (n, 3), less a mean, are known in n frames; φ says for every frame in which pose the
+part about it is (`body`). With τ² in common the covariance of two frames t, t' of the sources s, s' (1: the mirrored
+side) is
+
+    k = λ P ρ^[s ≠ s'] + (M(|t − t'|/ℓ) + C) [s = s'] + ν δ                                               (1)
+    P = κ φ·φ' + 1/(1 + η |φ − φ'|²/2)                                                                    (2)
+
+P lets f be linear and bend, in short and long waves (a rational quadratic, Rasmussen & Williams 2006, 4.19); M is
+Matérn's covariance of order 3/2, which ties the fill to what is seen at the edges of the gap; C, great, leaves the
+constant of each source free. With K over the frames learnt from and k of the frames wanted (R & W 2.2, 2.7)
+
+    τ² = yᵀK⁻¹y / n,     y* = kᵀK⁻¹y,     var y* = τ²(k* − kᵀK⁻¹k)                                        (3)
+
+for each local coordinate, and ln p(y) = −½ n Σ ln τ² − ³⁄₂ ln|K| + const (R & W 5.8) (4). What a block b of the frames
+learnt from would be missed by, were it predicted from the others, follows without solving again (R & W 5.12, for
+blocks):
+
+    y_b − y_b* = ([K⁻¹]_bb)⁻¹ [K⁻¹y]_b                                                                    (5)
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dtrtrs
+
+from .motion import Floats
+
+Ints = NDArray[np.int64]
+
+
+class Hyper(NamedTuple):
+    """λ, ℓ in seconds, ν, ρ, κ and η of (1) and (2)."""
+
+    lam: float = 50.0
+    ell: float = 0.3
+    nu: float = 0.01
+    rho: float = 0.9
+    kappa: float = 2.0
+    eta: float = 3.0
+
+
+class Pairs(NamedTuple):
+    """What (1) asks of every pair of a frame (rows) and one learnt from (columns).
+
+    Attributes:
+        dot: φ·φ'.
+        half: |φ − φ'|²/2.
+        apart: |t − t'|, s.
+        same: s = s'.
+    """
+
+    dot: Floats
+    half: Floats
+    apart: Floats
+    same: NDArray[np.bool_]
+
+
+class Fit(NamedTuple):
+    """What (3) needs: `Hyper`, log-likelihood (4), factor of K, K⁻¹y, τ² (3)."""
+
+    hyper: Hyper
+    likely: float
+    factor: Floats
+    weights: Floats
+    tau2: Floats
+
+
+def free(h: Hyper) -> float:
+    """C of (1)."""
+    return 10.0 * max(10.0, h.lam)
+
+
+def covariance(pairs: Pairs, h: Hyper) -> Floats:
+    """(1), (2) without the noise."""
+    r = np.sqrt(3) / h.ell * pairs.apart
+    drift = ((1 + r) * np.exp(-r) + free(h)) * pairs.same
+    bend = h.lam / (1 + h.eta * pairs.half)
+    pose = h.lam * h.kappa * pairs.dot + bend
+    return np.asarray(pose * np.where(pairs.same, 1.0, h.rho) + drift, np.float64)
+
+
+def fit(pairs: Pairs, y: Floats, h: Hyper) -> Fit:
+    """K⁻¹y, τ² and (4); the pairs are those of the n frames learnt from, y (n, 3)."""
+    n = len(y)
+    K = covariance(pairs, h)
+    K.flat[:: n + 1] += h.nu
+    factor, wrong = dpotrf(K, lower=True, clean=True)
+    if wrong:
+        raise np.linalg.LinAlgError("the covariance of the frames is not positive definite")
+    weights = dpotrs(factor, y, lower=True)[0]
+    tau2 = np.maximum((y * weights).sum(0) / n, 1e-8)  # (3)
+    likely = -0.5 * n * np.log(tau2).sum() - 3 * np.log(np.diag(factor)).sum()  # (4)
+    return Fit(h, float(likely), factor, weights, tau2)
+
+
+def left_out(found: Fit, blocks: list[Ints]) -> float:
+    """Mean distance, mm, by which frames are missed that are left out block by block (5).
+
+    Args:
+        found: the fit.
+        blocks: the frames of each block.
+    """
+    lower = dpotri(found.factor, lower=True)[0]  # zero above the diagonal, as the factor is
+    inverse = lower + lower.T
+    inverse.flat[:: len(inverse) + 1] /= 2
+    off = [np.linalg.solve(inverse[b[:, None], b], found.weights[b]) for b in blocks]  # (5)
+    return float(np.linalg.norm(np.concatenate(off), axis=1).mean())
+
+
+def predict(pairs: Pairs, square: Floats, found: Fit) -> tuple[Floats, Floats]:
+    """(3): what is expected (L, 3), and its variance (L, 3), in L frames with |φ|² `square`."""
+    h = found.hyper
+    k = covariance(pairs, h)
+    half = dtrtrs(found.factor, k.T, lower=True)[0]
+    prior = h.lam * (h.kappa * square + 1) + 1 + free(h)
+    left = np.maximum(prior - (half * half).sum(0), 1e-9)
+    return k @ found.weights, left[:, None] * found.tau2

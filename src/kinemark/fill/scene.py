@@ -1,0 +1,180 @@
+"""What is looked at to fill one gap: frames to learn from, and the pose of the body part in them.
+
+Frames are those at the edges of the gap, half of the rest beside it, half all over the trial; those of the other side,
+mirrored, are a second source. In the local frame (R, c) of three donors, donor d, ranked by how little its distance
+from the marker varies (0 the least), has coordinates x_d. The pose is
+
+    φ = ( x_d / (s_d √(1 + rank_d)) for all d,  TURN · A )                                                (1)
+
+s_d being the spread of x_d, the donors' part scaled to unit mean square, as is A = R̄ᵀR, R̄ the rotation nearest to the
+mean of R: how the part is turned in space matters, as what is soft hangs. x_d and A are taken less their mean in their
+own source, and as the donors are seen in the gap too, over all frames of it: what is left of a trial beside a long gap
+may be another part of the stride than the mean of the other side is of (2).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .frames import local, triad
+from .kriging import Ints, Pairs
+from .mirror import REFLECTED
+from .motion import Floats, Gap, Motion
+
+FEWEST = 8
+"""Frames to learn from, at least."""
+EDGE = 3
+"""Frames beside a gap that are all used; further away they are thinned."""
+SEARCH = 100
+"""Frames from which models are judged, of those to learn from."""
+BLOCKS = 12
+"""At most so many are left out, the nearest to the gap."""
+TURN = 0.3
+STILL = 0.01
+"""Turns, in radians, below which they are noise."""
+
+
+class Scene(NamedTuple):
+    """What is looked at for one gap: n frames to learn from, then L to fill.
+
+    Attributes:
+        xyz: (1 + D, n + L, 3) mm, the marker first, then the donors.
+        apart: (n + L, n) s between frames.
+        same: (n + L, n) of the same source.
+        n: frames to learn from.
+        side: (n + L) source of each frame.
+        counts: (n + L) what each frame counts for the means (2).
+        few: those of the n that models are judged by.
+        blocks: of these, the frames of each block that is left out.
+    """
+
+    xyz: Floats
+    apart: Floats
+    same: NDArray[np.bool_]
+    n: int
+    side: Ints
+    counts: Floats
+    few: Ints
+    blocks: list[Ints]
+
+
+class View(NamedTuple):
+    """A scene in one local frame: R, c of all frames, y (n, 3) and its mean, φ and |φ|² of all frames."""
+
+    R: Floats
+    c: Floats
+    y: Floats
+    mean: Floats
+    phi: Floats
+    square: Floats
+
+
+def scene_of(
+    motion: Motion, seen: NDArray[np.bool_], gap: Gap, donors: Ints, *, partner: Ints, most: int, hz: float
+) -> Scene | None:
+    """What there is to learn from; None where fewer than `FEWEST` frames show the marker together with its donors.
+
+    Args:
+        motion: of the trial.
+        seen: (M, F) of it.
+        gap: to fill.
+        donors: their indices.
+        partner: (M) each marker's partner on the other side, itself where there is none.
+        most: frames to learn from.
+        hz: how densely they are taken.
+    """
+    rows, step = np.array([gap.marker, *donors]), max(1, round(motion.rate / hz))
+    own = _thin(np.flatnonzero(seen[rows].all(0)), gap, most, step)
+    if len(own) < FEWEST:
+        return None
+    other, twins = np.zeros(0, np.int64), partner[rows]
+    if (twins != rows).any():
+        other = np.flatnonzero(seen[twins].all(0))
+        other = other[:: max(1, round(1.5 * motion.rate / hz), -(-2 * len(other) // most))]
+    wanted = np.arange(gap.start, gap.stop)
+    xyz = np.concatenate(
+        [
+            motion.xyz[rows[:, None], own],
+            motion.xyz[twins[:, None], other] * REFLECTED,
+            motion.xyz[rows[:, None], wanted],
+        ],
+        axis=1,
+    )
+    n = len(own) + len(other)
+    side = np.repeat([0, 1, 0], [len(own), len(other), len(wanted)])
+    time = np.concatenate([own, other, wanted]) / motion.rate
+    counts = np.repeat([1.0, 1 / step], [n, len(wanted)])
+    few = _few(n)
+    blocks = _blocks(own[few[few < len(own)]], gap)
+    return Scene(xyz, np.abs(time[:, None] - time[:n]), side[:, None] == side[:n], n, side, counts, few, blocks)
+
+
+def _few(n: int) -> Ints:
+    """About SEARCH of n frames, the same ones from both ends."""
+    half = np.linspace(0, n - 1, min(n, SEARCH))[: (min(n, SEARCH) + 1) // 2].astype(int)
+    return np.unique(np.concatenate([half, n - 1 - half]))
+
+
+def _blocks(frames: Ints, gap: Gap) -> list[Ints]:
+    """Frames by blocks of the gap's length on either side of it, or of half of what is seen where that is less."""
+    before = frames < gap.start
+    away = np.where(before, gap.start - 1 - frames, frames - gap.stop)
+    length = max(1, min(gap.length, (int(away[before].max(initial=-1)) + int(away[~before].max(initial=-1)) + 2) // 2))
+    number = 2 * (away // length) + before
+    return [np.flatnonzero(number == b) for b in np.unique(number)[:BLOCKS]]
+
+
+def _thin(frames: Ints, gap: Gap, most: int, step: int) -> Ints:
+    """Frames to learn from: those at the edges, half of the rest beside the gap, half all over the trial."""
+    away = np.maximum(gap.start - frames, frames - gap.stop + 1)
+    kept = frames[(away <= EDGE) | (frames % step == 0)]
+    if len(kept) <= most:
+        return kept
+    away = np.maximum(gap.start - kept, kept - gap.stop + 1)
+    order = np.argsort(away, kind="stable")
+    near, far = order[: most // 2], np.sort(order[most // 2 :])
+    spread = far[np.linspace(0, len(far) - 1, most - len(near)).astype(int)]
+    return np.sort(kept[np.concatenate([near, spread])])
+
+
+def view_of(scene: Scene, base: tuple[int, ...]) -> View | None:
+    """A scene seen from one base; None where its markers ever stand on one line."""
+    R, c = triad(scene.xyz[list(base)])
+    if not np.isfinite(R).all():
+        return None
+    seen, n = local(R, c, scene.xyz), scene.n
+    y, phi = seen[0, :n], seen[1:]
+    mean = np.zeros((2, 3))
+    for s in np.unique(scene.side):
+        mine = scene.side == s
+        mean[s] = y[mine[:n]].mean(0)
+        count = scene.counts[mine] / scene.counts[mine].sum()
+        phi[:, mine] -= (count @ phi[:, mine])[:, None]  # (2)
+    spread = np.sqrt((phi[:, :n] ** 2).sum(-1).mean(1))
+    weight = 1 / (np.maximum(spread, 1e-3) * np.sqrt(1 + np.arange(len(phi))))  # (1)
+    phi = (phi * weight[:, None, None]).transpose(1, 0, 2).reshape(len(R), -1)
+    size = np.sqrt((phi[:n] ** 2).sum(1).mean()) or 1.0
+    phi = np.concatenate([phi / size, TURN * _turned(R, scene)], axis=1) / np.sqrt(1 + TURN**2)
+    return View(R, c, y - mean[scene.side[:n]], mean[0], phi, (phi**2).sum(1))
+
+
+def _turned(R: Floats, scene: Scene) -> Floats:
+    """(n + L, 9) A of (1), less the mean of each source, in unit mean square over the frames to learn from."""
+    out = np.empty_like(R)
+    for s in np.unique(scene.side):
+        mine = scene.side == s
+        mean = np.tensordot(scene.counts[mine] / scene.counts[mine].sum(), R[mine], 1)
+        U, _, Vt = np.linalg.svd(mean)
+        out[mine] = (U @ Vt).T @ (R[mine] - mean)
+    flat = out.reshape(len(R), 9)
+    return flat / max(np.sqrt((flat[: scene.n] ** 2).sum(1).mean()), STILL)
+
+
+def pairs_of(scene: Scene, view: View, rows: Ints | slice, columns: Ints | slice) -> Pairs:
+    """Of some frames of a scene with some of those learnt from."""
+    dot = view.phi[rows] @ view.phi[columns].T
+    half = np.maximum((view.square[rows][:, None] + view.square[columns]) / 2 - dot, 0.0)
+    return Pairs(dot, half, scene.apart[rows][:, columns], scene.same[rows][:, columns])

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from scipy.stats import spearmanr
 from shared import shared_data
 
 from kinemark.data import Origin, Path, Trajectories
 from kinemark.fill import METHODS, Auto, Body, Edges, Gap, Linear, LocalRegression, Motion, fill, find_gaps
-from kinemark.fill.fill import UNASKED, ask, ask_winners, choose
+from kinemark.fill.fill import ENOUGH, UNASKED, _tested, ask, ask_winners, choose
 from kinemark.fill.frames import local, triad
 from kinemark.fill.local_regression import fill_local_regression
 from kinemark.fill.methods import FILLERS, NAMES, name_of, within_time
@@ -349,3 +350,27 @@ def test_where_no_method_can_fill_nothing_is_warned_and_nothing_filled():
     filled = fill(trial(motion), method=Auto((Body(), LocalRegression(), "rigid_body")), limit_mm=np.inf)
     assert len(filled.gaps) == 2
     assert all(gap.method == "" and gap.reason for gap in filled.gaps if not np.isfinite(gap.expected_mm))
+
+
+def test_one_method_is_tested_on_some_gaps_of_every_marker():
+    gaps = [Gap(marker, 100 * k, 100 * k + 5 + 3 * k) for marker in range(10) for k in range(12)]
+    some = [gaps[k] for k in _tested(gaps)]
+    assert len(some) == ENOUGH and {gap.marker for gap in some} == set(range(10))
+    lengths = np.array([gap.length for gap in some])
+    assert lengths.min() == 5 and lengths.max() == 38 and len(np.unique(lengths)) == 12
+    assert _tested(gaps[:ENOUGH]) == list(range(ENOUGH))
+    many = [Gap(marker, 5, 9) for marker in range(3 * ENOUGH)]
+    assert len(_tested(many)) == ENOUGH
+
+
+def test_few_tests_tell_the_error_of_one_method_in_all_gaps():
+    subject = dressed(walking(duration_s=20, rate=50.0, wobble_mm=1.0, seed=5), 24, seed=5)
+    motion = Motion(subject.xyz, subject.rate, subject.names)
+    rng = np.random.default_rng(0)
+    gaps = {Gap(k % 24, int(a), int(a) + 5 + k // 4) for k, a in enumerate(rng.integers(10, 950, 90))}
+    found = fill(trial(motion.hidden(list(gaps))), method=LocalRegression(), limit_mm=np.inf)
+    assert sum(gap.tests > 0 for gap in found.gaps) <= ENOUGH < len(found.gaps)
+    error = np.linalg.norm(found.trajectories.xyz - motion.xyz, axis=-1)
+    true = [error[motion.names.index(g.marker), g.start : g.stop].mean() for g in found.gaps]
+    expected = [gap.expected_mm for gap in found.gaps]
+    assert np.mean(expected) == pytest.approx(np.mean(true), rel=0.2) and spearmanr(true, expected)[0] > 0.6

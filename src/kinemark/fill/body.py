@@ -201,14 +201,15 @@ def _bases(donors: int, n: int) -> list[tuple[int, int, int]]:
 
 
 def _hyper(trial: _Trial, key: tuple[int, bytes], scene: Scene, view: View, method: Body) -> Hyper:
-    """λ, ℓ, ν and ρ for a gap: its marker's, or the trial's by the first `FEW` scenes looked at."""
+    """λ, ℓ, ν and ρ for a gap: its marker's, or the trial's by the first scene looked at, then by the first `FEW`."""
     if not method.shared:
         if key not in trial.hypers:
             trial.hypers[key] = _best([(scene, view)])
         return trial.hypers[key]
     if len(trial.looks) < FEW:
         trial.looks.append((scene, view))
-        trial.hypers[SHARED] = _best(trial.looks)
+        if len(trial.looks) in (1, FEW):
+            trial.hypers[SHARED] = _best(trial.looks)
     return trial.hypers[SHARED]
 
 

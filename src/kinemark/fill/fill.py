@@ -25,6 +25,8 @@ METHODS: dict[str, type] = {"auto": Auto, **NAMES}
 WILD = 1e6
 """mm from the middle of all samples, beyond which a sample is no position of a marker."""
 LIMIT = 20.0
+ENOUGH = 60
+"""Hidden tests of one method that tell how far off it is; more are made to choose one for each gap."""
 FIRST = "body"
 """The method that is best in most trials (docs/fill.md)."""
 UNASKED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
@@ -41,7 +43,7 @@ class FilledGap:
         expected_mm: mean error expected of the fill, from hidden tests; NaN where none could be made.
         candidates: expected mean error of every method that was tried, mm; infinite where it had nothing to say. In
             trials of many gaps by the tests alone for a method that was not asked about this gap.
-        tests: number of hidden tests made for this gap.
+        tests: number of hidden tests made for this gap; some have none of their own where there is one method alone.
         donors: markers that it was filled from.
         trimmed: frames of the gap that had been measured and are taken to be wrong; filled too, unless it stays open.
         reason: why it stays open; empty when it is filled.
@@ -174,7 +176,9 @@ def _asked(
     """The hidden tests of all methods, and what those of them say that are asked."""
     if not gaps:
         return []
-    planned = plan(motion, gaps, per_gap=tests_per_gap(len(gaps)), seed=seed)
+    tested = _tested(gaps) if len(candidates) == 1 else list(range(len(gaps)))
+    planned = plan(motion, [gaps[k] for k in tested], per_gap=tests_per_gap(len(gaps)), seed=seed)
+    planned = planned._replace(tests=[test._replace(of=tested[test.of]) for test in planned.tests])
     answers = []
     for candidate in candidates:
         method = within_time(candidate, len(gaps))
@@ -182,6 +186,21 @@ def _asked(
         said = _say(motion, gaps, candidate, len(gaps)) if whether(candidate) else [UNASKED] * len(gaps)
         answers.append(Answer(name_of(candidate), said, Measured(tried), Calibration(tried), tried))
     return answers
+
+
+def _tested(gaps: list[Gap]) -> list[int]:
+    """The gaps for which tests are made where there is no method to choose: `ENOUGH`, of all markers and lengths.
+
+    Each marker's gap of middle length comes first, as methods do better with some markers than with others.
+    """
+    order = sorted(range(len(gaps)), key=lambda k: gaps[k].length)
+    of_marker: dict[int, list[int]] = {}
+    for k in order:
+        of_marker.setdefault(gaps[k].marker, []).append(k)
+    middle = [own[len(own) // 2] for own in of_marker.values()][:ENOUGH]
+    rest = [k for k in order if k not in middle]
+    places = np.linspace(0, len(rest) - 1, min(ENOUGH - len(middle), len(rest))).astype(int)
+    return sorted({*middle, *(rest[k] for k in places)})
 
 
 def _say(motion: Motion, some: list[Gap], candidate: Any, gaps: int) -> list[Prediction]:

@@ -78,10 +78,15 @@ def free(h: Hyper) -> float:
 def covariance(pairs: Pairs, h: Hyper) -> Floats:
     """(1), (2) without the noise."""
     r = np.sqrt(3) / h.ell * pairs.apart
-    drift = ((1 + r) * np.exp(-r) + free(h)) * pairs.same
-    bend = h.lam / (1 + h.eta * pairs.half)
-    pose = h.lam * h.kappa * pairs.dot + bend
-    return np.asarray(pose * np.where(pairs.same, 1.0, h.rho) + drift, np.float64)
+    drift = np.exp(-r)
+    drift *= r + 1
+    drift += free(h)
+    drift *= pairs.same
+    pose = h.eta * pairs.half
+    np.divide(h.lam, pose + 1, out=pose)
+    pose += h.lam * h.kappa * pairs.dot
+    pose *= np.where(pairs.same, 1.0, h.rho)
+    return pose + drift
 
 
 def fit(pairs: Pairs, y: Floats, h: Hyper) -> Fit:

@@ -20,7 +20,7 @@ class Simultaneous:
         every: how often new tracks are looked for, s.
         shortest: least duration of a track, s, and at least four points.
         gap: longest gap over which tracks are joined, s.
-        worst: standard deviation beyond which a point is not given, mm; a third of it where no two cameras have an
+        worst: standard deviation beyond which a point is not given, mm; a fifth of it where no two cameras have an
             image of it alone.
     """
 

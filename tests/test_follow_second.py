@@ -5,15 +5,16 @@ import pytest
 from laboratory import observe, ring
 from test_follow import dance
 
+from kinemark.data import Cloud
 from kinemark.follow import Simultaneous, follow
 from kinemark.follow.claims import Claims, expect, information
 from kinemark.follow.evidence import FAIR, SURE, evidence
 from kinemark.follow.images import read_images
 from kinemark.follow.motion import Motion, told
 from kinemark.follow.paths import Points
-from kinemark.follow.run import Sightings, _without_itself
+from kinemark.follow.run import Sightings, _without_itself, without_loose
 from kinemark.follow.second import looked_again
-from kinemark.follow.simultaneous import _strayed
+from kinemark.follow.simultaneous import _strayed, _sure
 from kinemark.score import score
 
 RATE, METHOD = 100.0, Simultaneous()
@@ -60,10 +61,21 @@ def test_what_a_lost_track_finds_must_be_evidence():
     assert [f for f, gone in zip(frame, _strayed(seen, seen.row >= 0, 4, METHOD), strict=True) if gone] == [22, 23, 24]
     more = sightings(frame, [0] * len(frame), own=np.where(np.array(frame) == 24, 4, own), before=before)
     assert [f for f, gone in zip(frame, _strayed(more, more.row >= 0, 4, METHOD), strict=True) if gone] == [22, 23]
+    bad = sightings(frame, [0] * len(frame), own=np.where(np.array(frame) > 23, 2, own), before=before, squared=60.0)
+    found = {"own": [2] * 4 + [1] * 4 + [2] * 10, "before": [1.0] * 8 + [30.0] + [1.0] * 9, "squared": 60.0}
+    longer = sightings(list(range(10, 28)), [0] * 18, **found)
+    assert _strayed(bad, bad.row >= 0, 4, METHOD).any() and not _strayed(longer, longer.row >= 0, 10, METHOD).any()
     wide = sightings(frame, [0] * len(frame), own=2, before=30.0)
     assert not _strayed(wide, wide.row >= 0, 4, METHOD).any(), "never lost, its place is only vague"
     backwards = sightings([10, 11, 12, 9, 8, 7, 6], [0] * 7, own=[2, 2, 2, 1, 1, 2, 1], before=[1, 1, 1, 1, 30, 30, 5])
     assert np.flatnonzero(_strayed(backwards, backwards.row >= 0, 4, METHOD)).tolist() == [4, 5, 6]
+
+
+@pytest.mark.parametrize(("own", "sd", "given"), [(2, 9.0, True), (2, 11.0, False), (1, 1.9, True), (1, 2.1, False)])
+def test_points_of_merged_images_must_be_known_better(own, sd, given):
+    cov = np.eye(3)[None] * sd**2 / 3
+    cloud = Cloud(RATE, np.array([0, 1]), np.zeros((1, 3)), cov, np.zeros(1), np.zeros((1, 2), int))
+    assert _sure(cloud, np.array([own]), METHOD).tolist() == [given]
 
 
 def test_two_images_that_agree_half_are_no_marker():
@@ -141,6 +153,97 @@ def test_a_point_of_two_images_gets_the_third_that_is_free():
     less = np.where(at, without(row, [0, 1]), row)
     again = looked_again(points, less, images, 1 / RATE, METHOD)
     assert (~again.kept == at).all() and (again.row[:, 0] == row[:, at][:, 0]).all()
+
+
+def test_images_that_known_points_have_are_not_taken():
+    images, points, row = made(n=1)
+    other = points._replace(
+        id=points.id + 1, xyz=np.add(points.xyz, [0.0, 0.0, 4.0])
+    )  # so near that its images would fit
+    gap = (points.frame >= 20) & (points.frame < 24)
+    both, views = points.take(~gap).plus(other), np.concatenate([row[:, ~gap], row], 1)
+    assert not len(looked_again(both, views, images, 1 / RATE, METHOD).found.id)
+    alone = looked_again(points.take(~gap), row[:, ~gap], images, 1 / RATE, METHOD)
+    assert len(alone.found.id) == 4
+
+
+def test_a_point_elsewhere_without_better_images_is_given_up():
+    images, points, row = made()
+    at = int(np.flatnonzero((points.id == 1) & (points.frame == 30))[0])
+    usable = images.usable.copy()
+    usable[row[2:, at][row[2:, at] >= 0]] = False
+    less, xyz, uv = row.copy(), points.xyz.copy(), images.uv.copy()
+    less[2:, at] = -1
+    xyz[at] += [40.0, 0, 0]
+    for c in (0, 1):
+        uv[row[c, at]] = expect(images.P, Motion(np.append(xyz[at], np.zeros(6))[:, None], np.eye(9)[..., None])).uv[
+            c, :, 0
+        ]
+    odd = looked_again(points._replace(xyz=xyz), less, images._replace(usable=usable, uv=uv), 1 / RATE, METHOD)
+    assert np.flatnonzero(~odd.kept).tolist() == [at] and not len(odd.found.id)
+
+
+def test_of_three_cameras_all_images_of_a_point_count_anew():
+    images, points, row = made(cameras=3)
+    at = (points.id == 2) & (points.frame == 15)
+    again = looked_again(points, np.where(at, without(row, [0, 1]), row), images, 1 / RATE, METHOD)
+    assert (~again.kept == at).all() and (again.row[:, 0] == row[:, at][:, 0]).all()
+
+
+def test_nothing_is_claimed_where_the_place_is_open():
+    images, points, row = made(frames=90)
+    gap = (points.id == 0) & (points.frame >= 10) & (points.frame < 80)
+    found = looked_again(points.take(~gap), row[:, ~gap], images, 1 / RATE, METHOD).found
+    assert 10 < len(found.id) < 40 and {10, 79} <= set(found.frame.tolist())
+    assert np.abs(found.frame - 44.5).min() > 15, "frames in the middle"
+
+
+def test_pairs_alone_do_not_go_on_into_a_gap_of_more_than_the_longest():
+    images, points, row = made(n=1, frames=200)
+    gap = (points.frame >= 40) & (points.frame < 160)
+    pairs = without(row, [0, 1])[:, ~gap]
+    assert not len(looked_again(points.take(~gap), pairs, images, 1 / RATE, METHOD).found.id)
+    assert len(looked_again(points.take(~gap), row[:, ~gap], images, 1 / RATE, METHOD).found.id) > 4
+
+
+def test_a_track_goes_back_before_its_first_point():
+    images, points, row = made()
+    early = (points.id == 0) & (points.frame < 20)
+    found = np.sort(looked_again(points.take(~early), row[:, ~early], images, 1 / RATE, METHOD).found.frame)
+    assert (found == np.arange(20 - len(found), 20)).all() and len(found) >= 8
+
+
+def test_the_wrong_image_of_four_is_given_back():
+    """Not the one that is farthest off, which may be a good one that the wrong one has drawn the point away from."""
+    rng, right = np.random.default_rng(3), 0
+    for seed in range(40):
+        images, points, row = made(n=1, frames=1, cameras=4, seed=seed)
+        uv, wrong = images.uv.copy(), int(rng.integers(4))
+        off = rng.normal(size=2)
+        uv[row[wrong, 0]] += 8 * off / np.linalg.norm(off)
+        images = images._replace(uv=uv)
+        V = np.diag([400.0] * 3 + [1e6] * 6)[..., None]
+        before = Motion(np.append(points.xyz[0] + rng.normal(0, 10, 3), np.zeros(6))[:, None], V)
+        expected = expect(images.P, before)
+        claims = Claims(row, images.variance[row], np.ones(row.shape), row < 0)
+        after = told(before, *information(images, expected, claims))
+        kept = without_loose(images, METHOD.gate, before, expected, claims, after).claims.row[:, 0] >= 0
+        right += (kept == (np.arange(4) != wrong)).all()
+    assert right >= 38
+
+
+def test_what_a_lost_track_meets_by_chance_is_no_point_of_it():
+    """A marker goes out of all cameras' sight, and two false images meet near where it would be, for two frames."""
+    rig, xyz = ring(6), dance(n=5, frames=70, seed=3)
+    ghost = np.full((1, 70, 3), np.nan)
+    ghost[0, 36:38] = xyz[2, 36:38] + [30.0, 20.0, 0.0]
+    detections, marker = observe(rig, np.concatenate([xyz, ghost]), noise=0.1, seed=3)
+    f, c = detections.frame, detections.camera
+    hidden = (marker == 2) & (f >= 30) & (f < 50)
+    tracks = follow(detections.keep(~hidden & ((marker < 5) | (c < 2))), rig)
+    found = score(tracks, xyz)
+    assert found.extra_per_frame == 0 and found.swaps == 0
+    assert not np.isin(tracks.cloud.frame[found.owner == 2], range(33, 47)).any()
 
 
 def test_nothing_to_look_at():

@@ -221,7 +221,9 @@ def test_the_wrong_image_of_four_is_given_back():
         uv, wrong = images.uv.copy(), int(rng.integers(4))
         off = rng.normal(size=2)
         uv[row[wrong, 0]] += 8 * off / np.linalg.norm(off)
-        images = images._replace(uv=uv)
+        variance = np.full(len(uv), 0.3**2)
+        variance[row[wrong, 0]] = 0.1**2  # it says that it is the surest
+        images = images._replace(uv=uv, variance=variance)
         V = np.diag([400.0] * 3 + [1e6] * 6)[..., None]
         before = Motion(np.append(points.xyz[0] + rng.normal(0, 10, 3), np.zeros(6))[:, None], V)
         expected = expect(images.P, before)
@@ -233,10 +235,10 @@ def test_the_wrong_image_of_four_is_given_back():
 
 
 def test_what_a_lost_track_meets_by_chance_is_no_point_of_it():
-    """A marker goes out of all cameras' sight, and two false images meet near where it would be, for two frames."""
+    """A marker goes out of all cameras' sight, and two false images meet near where it would be, for three frames."""
     rig, xyz = ring(6), dance(n=5, frames=70, seed=3)
     ghost = np.full((1, 70, 3), np.nan)
-    ghost[0, 36:38] = xyz[2, 36:38] + [30.0, 20.0, 0.0]
+    ghost[0, 34:37] = xyz[2, 34:37] + [15.0, 10.0, 0.0]
     detections, marker = observe(rig, np.concatenate([xyz, ghost]), noise=0.1, seed=3)
     f, c = detections.frame, detections.camera
     hidden = (marker == 2) & (f >= 30) & (f < 50)
@@ -268,3 +270,10 @@ def test_one_camera_for_a_while_and_two_for_a_moment():
     seen[4, 37:40] = True
     found = score(tracks, xyz, seen=seen)
     assert found.recall == 1 and found.extra_per_frame == 0 and len(tracks) == 8
+
+
+def test_markers_that_come_late_are_born_in_a_later_stretch():
+    rig, xyz = ring(5), dance(n=3, frames=160)
+    detections, _ = observe(rig, xyz, noise=0.1)
+    late = detections.keep(detections.frame >= 100)
+    assert score(follow(late, rig), np.where(np.arange(160)[:, None] >= 100, xyz, np.nan)).recall == 1

@@ -51,7 +51,7 @@ SPREAD = 0.5
 MARKER = 0.25
 OTHER = 0.05
 LEVEL = 0.95
-OMEGA, WORTH = 0.6, 4.0
+OMEGA, WORTH = 0.5, 4.0
 """ω₀ and ν₀ of (6). On 648 gaps of seven trials ω was 0.44 for body, 0.57, 0.60, 0.65 and 0.75 for four others."""
 MOST = 5.0
 """What a claim may move an expected error by, at most."""

@@ -6,10 +6,11 @@ from laboratory import observe, ring
 from test_follow import dance
 
 from kinemark.data import Cloud
-from kinemark.follow import Simultaneous, follow
+from kinemark.follow import Simultaneous, follow, joins, second
 from kinemark.follow.claims import Claims, expect, information
 from kinemark.follow.evidence import FAIR, SURE, evidence
 from kinemark.follow.images import read_images
+from kinemark.follow.joins import joined
 from kinemark.follow.motion import Motion, told
 from kinemark.follow.paths import Points
 from kinemark.follow.run import Sightings, _without_itself, without_loose
@@ -277,3 +278,25 @@ def test_markers_that_come_late_are_born_in_a_later_stretch():
     detections, _ = observe(rig, xyz, noise=0.1)
     late = detections.keep(detections.frame >= 100)
     assert score(follow(late, rig), np.where(np.arange(160)[:, None] >= 100, xyz, np.nan)).recall == 1
+
+
+def test_looking_in_parts_changes_nothing(monkeypatch):
+    images, points, row = made()
+    gone = np.random.default_rng(6).random(len(points.id)) < 0.3
+    args = points.take(~gone), row[:, ~gone], images, 1 / RATE, METHOD
+    whole = looked_again(*args)
+    monkeypatch.setattr(second, "AT_ONCE", 7)
+    parts = looked_again(*args)
+    assert len(whole.found.id) > 50 and (whole.row == parts.row).all() and (whole.kept == parts.kept).all()
+    assert (whole.found.frame == parts.found.frame).all()
+
+
+def test_joining_in_parts_changes_nothing(monkeypatch):
+    xyz = dance(n=6, frames=60)
+    id, frame = np.divmod(np.arange(6 * 60), 60)
+    there = (frame < 25) | (frame > 28)
+    points = Points(frame, np.where(frame < 25, id, id + 6), xyz.reshape(-1, 3), np.tile(np.eye(3) * 0.1, (360, 1, 1)))
+    whole = joined(points.take(there), 1 / RATE, METHOD)
+    monkeypatch.setattr(joins, "AT_ONCE", 5)
+    parts = joined(points.take(there), 1 / RATE, METHOD)
+    assert len(np.unique(whole.id)) == 6 and (whole.id == parts.id).all() and whole.joins == parts.joins

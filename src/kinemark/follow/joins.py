@@ -42,6 +42,9 @@ LEAST = 1.0
 MATES = 3
 """Other tracks of which (2) counts."""
 
+AT_ONCE = 20_000
+"""Pairs that are worked out in one go; more would take memory and no less time."""
+
 SEEN = 0.8
 """p of (1): how many of the tracks that end before their marker is gone begin again within the gap."""
 
@@ -156,13 +159,18 @@ def _by_motion(points: Points, ends: Ends, a: Ints, b: Ints, T: float, method: S
     extent = np.ptp(np.percentile(points.xyz, [5, 95], axis=0), axis=0) + 100.0
     begun = max(len(ends.first) * method.gap / (T * (points.frame.max() + 1)), 1.0)
     prior = 2 * np.log(SEEN / (1 - SEEN) * extent.prod() * (2 * method.speed) ** 3 / begun)
-    one = ahead(ends.end.take(a), gap * T / 2, method.wander)
-    other = reversed_time(ahead(ends.begin.take(b), gap * T / 2, method.wander))
-    delta = (other.x[:6] - one.x[:6]).T
-    S = (one.V[:6, :6] + other.V[:6, :6]).transpose(2, 0, 1)
-    squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)
-    worth = prior - np.linalg.slogdet(2 * np.pi * S)[1] - squared
-    return worth, np.sqrt(np.trace(S[:, :3, :3], axis1=1, axis2=2))
+    worth, sd = np.empty(len(a)), np.empty(len(a))
+    for first in range(0, len(a), AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        half = gap[part] * T / 2
+        one = ahead(ends.end.take(a[part]), half, method.wander)
+        other = reversed_time(ahead(ends.begin.take(b[part]), half, method.wander))
+        delta = (other.x[:6] - one.x[:6]).T
+        S = (one.V[:6, :6] + other.V[:6, :6]).transpose(2, 0, 1)
+        squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)
+        worth[part] = prior - np.linalg.slogdet(2 * np.pi * S)[1] - squared
+        sd[part] = np.sqrt(np.trace(S[:, :3, :3], axis1=1, axis2=2))
+    return worth, sd
 
 
 def _by_distance(points: Points, a: Ints, b: Ints, by_motion: Floats) -> Floats:

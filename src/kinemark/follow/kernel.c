@@ -230,8 +230,8 @@ typedef struct {
     double low, width;
 } Images;
 
-/* The free images within the gate (px² of standard deviations) of n places: cell, uv (2, n), S (3, n), reach in u (n).
-   own, row, squared (2), det |S|: the first `most`. The number of all. */
+/* The free images of which the squared distance (2) of a place is less than `gate`: n places in cells, at uv (2, n), S
+   (3, n), within reach (n) in u. own, row, squared (2), det |S| of the first `most`; returns the number of all. */
 API int64_t candidates(const Images *images, int64_t n, const int64_t *cell, const double *uv, const double *S,
                        const double *reach, double gate, int64_t most, int64_t *own, int64_t *row, double *squared,
                        double *det)

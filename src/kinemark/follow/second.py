@@ -32,6 +32,9 @@ LOOKS = 3
 SOUND = 3
 """Images of a point that is not in question."""
 
+AT_ONCE = 20_000
+"""Frames of tracks that are looked at in one go, and the rest of the last frame; more would take memory."""
+
 
 class Again(NamedTuple):
     """Which of P points are kept (P), and points that were found, with their images row (C, N)."""
@@ -49,7 +52,7 @@ class Doubtful(NamedTuple):
     before: Ints
     after: Ints
 
-    def take(self, which: Bools) -> Doubtful:
+    def take(self, which: Bools | Ints) -> Doubtful:
         """Only these."""
         return Doubtful(*(column[which] for column in self))
 
@@ -63,8 +66,10 @@ def looked_again(points: Points, row: Ints, images: Images, T: float, method: Si
         doubtful = _doubtful(known, images.n_frames, T, method)
         inside = (doubtful.before >= 0) & (doubtful.after >= 0)
         doubtful = doubtful.take(inside | np.isin(doubtful.id, points.id[sound]))
-        expected = _expected(known, doubtful, T, method)
-        claimed = _claimed(images, _free(images, view), doubtful.frame, expected, method)
+        free, claimed = _free(images, view), np.empty((len(row), len(doubtful.id)), np.int64)
+        for part in _parts(doubtful.frame):
+            expected = _expected(known, doubtful.take(part), T, method)
+            claimed[:, part] = _claimed(images, free, doubtful.frame[part], expected, method)
         place = placed(images, claimed)
         new = Points(doubtful.frame, doubtful.id, place.xyz.T, place.cov.transpose(2, 0, 1))
         good = ((claimed >= 0).sum(0) >= 2) & np.isfinite(new.xyz).all(1) & np.isfinite(new.cov).all((1, 2))  # (2)
@@ -82,14 +87,22 @@ def _wrong(points: Points, sound: Bools, row: Ints, images: Images, T: float, me
     doubtful = _doubtful(known, images.n_frames, T, method)
     at = rows_near(rows_of(points), doubtful.id, doubtful.frame, 1)[0]
     doubtful, at = doubtful.take(at >= 0), at[at >= 0]
-    expected = _expected(known, doubtful, T, method)
-    off = points.xyz[at].T - expected.position
-    N = inverse(expected.cov + points.cov[at].transpose(1, 2, 0))
-    elsewhere = (off * np.einsum("ijt,jt->it", N, off)).sum(0) > method.gate**2
     free = _free(images, np.delete(row, at, axis=1))
-    instead = _claimed(images, free, doubtful.frame, expected, method)
-    wrong[at] = elsewhere | ((instead >= 0).sum(0) >= SOUND)
+    for part in _parts(doubtful.frame):
+        own, expected = at[part], _expected(known, doubtful.take(part), T, method)
+        off = points.xyz[own].T - expected.position
+        N = inverse(expected.cov + points.cov[own].transpose(1, 2, 0))
+        elsewhere = (off * np.einsum("ijt,jt->it", N, off)).sum(0) > method.gate**2
+        instead = _claimed(images, free, doubtful.frame[part], expected, method)
+        wrong[own] = elsewhere | ((instead >= 0).sum(0) >= SOUND)
     return wrong
+
+
+def _parts(frame: Ints) -> list[Ints]:
+    """Places of about AT_ONCE of the frames (N), each frame in one part, as its claims are made together."""
+    order = np.argsort(frame, kind="stable")
+    cuts = np.searchsorted(frame[order], frame[order][AT_ONCE::AT_ONCE], "right")
+    return [part for part in np.split(order, np.unique(cuts)) if len(part)]
 
 
 def _free(images: Images, held: Ints) -> Bools:

@@ -4,7 +4,8 @@ The paper of the Kiss system (Shafiq, Tümer and Güler 2001) notes that no meth
 same time. Here the tracks, predicted with their covariance (`motion`), claim their images in all cameras (`claims`);
 what nobody claims gives birth to new tracks (`groups`, `births`); tracks go forwards and then backwards (`run`), and
 what their images say of each point is solved as by the other methods (`reconstruct.located`). A track is kept where
-there is evidence for it (`evidence`); pieces of one marker's path become one track (`joins`).
+there is evidence for it (`evidence`), and so is what it finds after it was lost; pieces of one marker's path become
+one track (`joins`), and what is missing or doubtful in it is looked for again (`second`).
 
 A point of which the images alone say little, as where two cameras look along almost one line or markers run together,
 is known better from its motion. Where the images leave more than VAGUE times as much open as they usually do, the
@@ -45,7 +46,8 @@ class Followed(NamedTuple):
 
     Attributes:
         tracks: the tracks.
-        seen: every time that a track was looked for, also of those that were dropped; its rows are of `images`.
+        seen: every time that a track was looked for, also of those that were dropped, but for what lost tracks found
+            without evidence and for the second look; its rows are of `images`.
         id: (N) the track that each of `seen` became, −1 for none.
         evidence: (N) for each of `seen`.
         joins: those that were made or thought of, of tracks of `seen`.

@@ -20,7 +20,8 @@ greater
 
     J = ln e − ln p / 3n                                                                                  (3)
 
-is. λ, ℓ, ν, ρ are those of a small grid with the least J, found one after the other; ρ = 0 sets the mirror aside.
+is. λ, ℓ, ν, ρ, θ and the order of r's covariance are those of a small grid with the least J, found one after the
+other, each at its usual value unless another is better by `MARGIN`; ρ = 0 sets the mirror aside.
 Which three donors carry the frame matters too, and how f may bend. Every base is tried with each of BENDS, and the
 `kept` best are averaged with weights w ∝ exp(−SHARPNESS J) (what is best in the blocks is best in the gap only by so
 much). With y_k and V_k what each predicts, the fill has (law of total covariance)
@@ -50,11 +51,19 @@ from .trusted import Trust
 FIRSTS = 4
 """Donors that are used even where their partner is missing in the gap."""
 FEW = 4
-"""Gaps that λ, ℓ, ν and ρ of a trial are found from."""
+"""Gaps that λ, ℓ, ν … of a trial are found from."""
 SHARPNESS = 5.0
 SHARED = (-1, b"")
-GRID = {"rho": (0.0, 0.5, 0.9, 0.98), "ell": (0.05, 0.3), "lam": (3.0, 50.0), "nu": (0.01, 0.1)}
-"""What is tried for ρ, ℓ (s), λ and ν."""
+MARGIN = 0.005
+GRID = {
+    "theta": (0.03, 0.1, 0.6),
+    "rho": (0.0, 0.5, 0.98),
+    "ell": (0.02, 0.05, 0.12),
+    "lam": (3.0,),
+    "nu": (1e-5, 1e-3, 0.1),
+    "order": (3.5,),
+}
+"""What is tried for θ, ρ, ℓ (s), λ, ν and the order beside their usual values (`Hyper`)."""
 BENDS = ((1.0, 3.0), (2.0, 0.5), (8.0, 3.0))
 """κ and η of `kriging` that are tried."""
 
@@ -70,7 +79,7 @@ class Body:
         frames: to learn from at most; half of them beside the gap, half all over the trial.
         hz: how densely frames are taken.
         mirror: learn from the other side of the body too.
-        shared: λ, ℓ, ν and ρ are those of the trial, found from a few of its gaps, not each marker's own; one
+        shared: λ, ℓ, ν … are those of the trial, found from a few of its gaps, not each marker's own; one
             prediction, in the first base.
     """
 
@@ -101,7 +110,7 @@ class _Trial(NamedTuple):
 
 
 def fill_body(motion: Motion, gaps: list[Gap], *, method: Body) -> list[Prediction]:
-    """Each gap by (4); gaps of one marker with the same donors share λ, ℓ, ν, ρ."""
+    """Each gap by (4); gaps of one marker with the same donors share λ, ℓ, ν …"""
     partner = partners(motion.names) if method.mirror else np.arange(len(motion.names))
     trial = _Trial(motion, motion.seen, partner, Trust(motion), {}, {}, [])
     return [_fill(trial, gap, method) for gap in gaps]
@@ -157,7 +166,7 @@ def _laboratory(scene: Scene, view: View, h: Hyper) -> tuple[Floats, Floats]:
     """What one model predicts for the gap, turned back into the laboratory."""
     seen, wanted = slice(scene.n), slice(scene.n, None)
     found = fit(pairs_of(scene, view, seen, seen), view.y, h)
-    inside, var = predict(pairs_of(scene, view, wanted, seen), view.square[wanted], found)
+    inside, var = predict(pairs_of(scene, view, wanted, seen), found)
     R = view.R[wanted]
     xyz = view.c[wanted] + np.einsum("fij,fj->fi", R, view.mean + inside)
     return xyz, np.einsum("fij,fj,fkj->fik", R, var, R)
@@ -201,7 +210,7 @@ def _bases(donors: int, n: int) -> list[tuple[int, int, int]]:
 
 
 def _hyper(trial: _Trial, key: tuple[int, bytes], scene: Scene, view: View, method: Body) -> Hyper:
-    """λ, ℓ, ν and ρ for a gap: its marker's, or the trial's by the first scene looked at, then by the first `FEW`."""
+    """λ, ℓ, ν … for a gap: its marker's, or the trial's by the first scene looked at, then by the first `FEW`."""
     if not method.shared:
         if key not in trial.hypers:
             trial.hypers[key] = _best([(scene, view)])
@@ -222,8 +231,9 @@ def _best(looks: list[tuple[Scene, View]]) -> Hyper:
 
     best, at = Hyper(), badness(Hyper())
     for name, values in GRID.items():
+        usual = best
         for value in values:
-            new = best._replace(**{name: value})
-            if new != best and (found := badness(new)) < at:
+            new = usual._replace(**{name: value})
+            if (found := badness(new)) < at - MARGIN * len(looks):
                 best, at = new, found
     return best

@@ -5,11 +5,13 @@ part about it is (`body`). With τ² in common the covariance of two frames t, t
 side) is
 
     k = λ P ρ^[s ≠ s'] + (M(|t − t'|/ℓ) + C) [s = s'] + ν δ                                               (1)
-    P = κ φ·φ' + 1/(1 + η |φ − φ'|²/2)                                                                    (2)
+    P = κ φ·φ' + 1/(1 + η |φ − φ'|²/2),     φ = (pose, θ · turned) / √(1 + θ²)                            (2)
 
-P lets f be linear and bend, in short and long waves (a rational quadratic, Rasmussen & Williams 2006, 4.19); M is
-Matérn's covariance of order 3/2, which ties the fill to what is seen at the edges of the gap; C, great, leaves the
-constant of each source free. With K over the frames learnt from and k of the frames wanted (R & W 2.2, 2.7)
+P lets f be linear and bend, in short and long waves (a rational quadratic, Rasmussen & Williams 2006, 4.19); θ says
+how much it matters how the part is turned in space. M is Matérn's covariance (R & W 4.14) of order 3/2 or 7/2, once or
+three times differentiable, which ties the fill to what is seen at the edges of the gap: smoothed data are smooth. C,
+great, leaves the constant of each source free. With K over the frames learnt from and k of the frames wanted
+(R & W 2.2, 2.7)
 
     τ² = yᵀK⁻¹y / n,     y* = kᵀK⁻¹y,     var y* = τ²(k* − kᵀK⁻¹k)                                        (3)
 
@@ -34,7 +36,7 @@ Ints = NDArray[np.int64]
 
 
 class Hyper(NamedTuple):
-    """λ, ℓ in seconds, ν, ρ, κ and η of (1) and (2)."""
+    """λ, ℓ in seconds, ν, ρ, κ, η and θ of (1) and (2), and the order of M."""
 
     lam: float = 50.0
     ell: float = 0.3
@@ -42,20 +44,23 @@ class Hyper(NamedTuple):
     rho: float = 0.9
     kappa: float = 2.0
     eta: float = 3.0
+    theta: float = 0.3
+    order: float = 1.5
 
 
 class Pairs(NamedTuple):
     """What (1) asks of every pair of a frame (rows) and one learnt from (columns).
 
     Attributes:
-        dot: φ·φ'.
-        half: |φ − φ'|²/2.
+        dot: (2, rows, columns) scalar products of the poses, and of how they are turned.
+        rows, columns: (2, rows), (2, columns) the squares of both.
         apart: |t − t'|, s.
         same: s = s'.
     """
 
     dot: Floats
-    half: Floats
+    rows: Floats
+    columns: Floats
     apart: Floats
     same: NDArray[np.bool_]
 
@@ -75,18 +80,35 @@ def free(h: Hyper) -> float:
     return 10.0 * max(10.0, h.lam)
 
 
+def parts(h: Hyper) -> Floats:
+    """What the pose and how it is turned count for |φ|² (2)."""
+    return np.array([1.0, h.theta**2]) / (1 + h.theta**2)
+
+
 def covariance(pairs: Pairs, h: Hyper) -> Floats:
     """(1), (2) without the noise."""
-    r = np.sqrt(3) / h.ell * pairs.apart
-    drift = np.exp(-r)
-    drift *= r + 1
+    drift = matern(pairs.apart / h.ell, h.order)
     drift += free(h)
     drift *= pairs.same
-    pose = h.eta * pairs.half
-    np.divide(h.lam, pose + 1, out=pose)
-    pose += h.lam * h.kappa * pairs.dot
+    share = parts(h)
+    dot = share[0] * pairs.dot[0]
+    dot += share[1] * pairs.dot[1]
+    pose = h.eta / 2 * np.add.outer(share @ pairs.rows, share @ pairs.columns)
+    pose -= h.eta * dot
+    pose += 1
+    np.divide(h.lam, pose, out=pose)
+    dot *= h.lam * h.kappa
+    pose += dot
     pose *= np.where(pairs.same, 1.0, h.rho)
     return pose + drift
+
+
+def matern(r: Floats, order: float) -> Floats:
+    """Matérn's covariance of the orders 3/2 and 7/2 (R & W 4.17)."""
+    x = np.sqrt(2 * order) * r
+    out = np.exp(-x)
+    out *= x + 1 if order == 1.5 else ((x / 15 + 0.4) * x + 1) * x + 1
+    return out
 
 
 def fit(pairs: Pairs, y: Floats, h: Hyper) -> Fit:
@@ -117,11 +139,11 @@ def left_out(found: Fit, blocks: list[Ints]) -> float:
     return float(np.linalg.norm(np.concatenate(off), axis=1).mean())
 
 
-def predict(pairs: Pairs, square: Floats, found: Fit) -> tuple[Floats, Floats]:
-    """(3): what is expected (L, 3), and its variance (L, 3), in L frames with |φ|² `square`."""
+def predict(pairs: Pairs, found: Fit) -> tuple[Floats, Floats]:
+    """(3): what is expected (L, 3), and its variance (L, 3), in L frames."""
     h = found.hyper
     k = covariance(pairs, h)
     half = dtrtrs(found.factor, k.T, lower=True)[0]
-    prior = h.lam * (h.kappa * square + 1) + 1 + free(h)
+    prior = h.lam * (h.kappa * parts(h) @ pairs.rows + 1) + 1 + free(h)
     left = np.maximum(prior - (half * half).sum(0), 1e-9)
     return k @ found.weights, left[:, None] * found.tau2

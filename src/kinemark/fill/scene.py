@@ -4,12 +4,12 @@ Frames are those at the edges of the gap, half of the rest beside it, half all o
 mirrored, are a second source. In the local frame (R, c) of three donors, donor d, ranked by how little its distance
 from the marker varies (0 the least), has coordinates x_d. The pose is
 
-    φ = ( x_d / (s_d √(1 + rank_d)) for all d,  TURN · A )                                                (1)
+    φ = ( x_d / (s_d √(1 + rank_d)) for all d,  θ A ) / √(1 + θ²)                                         (1)
 
 s_d being the spread of x_d, the donors' part scaled to unit mean square, as is A = R̄ᵀR, R̄ the rotation nearest to the
-mean of R: how the part is turned in space matters, as what is soft hangs. x_d and A are taken less their mean in their
-own source, and as the donors are seen in the gap too, over all frames of it: what is left of a trial beside a long gap
-may be another part of the stride than the mean of the other side is of (2).
+mean of R: how the part is turned in space matters by θ, as what is soft hangs. x_d and A are taken less their mean in
+their own source, and as the donors are seen in the gap too, over all frames of it: what is left of a trial beside a
+long gap may be another part of the stride than the mean of the other side is of (2).
 """
 
 from __future__ import annotations
@@ -32,7 +32,6 @@ SEARCH = 100
 """Frames from which models are judged, of those to learn from."""
 BLOCKS = 12
 """At most so many are left out, the nearest to the gap."""
-TURN = 0.3
 STILL = 0.01
 """Turns, in radians, below which they are noise."""
 
@@ -62,13 +61,22 @@ class Scene(NamedTuple):
 
 
 class View(NamedTuple):
-    """A scene in one local frame: R, c of all frames, y (n, 3) and its mean, φ and |φ|² of all frames."""
+    """A scene in one local frame.
+
+    Attributes:
+        R, c: the frame, in all n + L frames.
+        y: (n, 3) mm, the marker in it, less the mean of its source.
+        mean: (3) mm, of the marker's own source.
+        pose, turned: the donors' part of φ and A (1), in all frames.
+        square: (2, n + L) |·|² of both.
+    """
 
     R: Floats
     c: Floats
     y: Floats
     mean: Floats
-    phi: Floats
+    pose: Floats
+    turned: Floats
     square: Floats
 
 
@@ -146,19 +154,20 @@ def view_of(scene: Scene, base: tuple[int, ...]) -> View | None:
     if not np.isfinite(R).all():
         return None
     seen, n = local(R, c, scene.xyz), scene.n
-    y, phi = seen[0, :n], seen[1:]
+    y, pose = seen[0, :n], seen[1:]
     mean = np.zeros((2, 3))
     for s in np.unique(scene.side):
         mine = scene.side == s
         mean[s] = y[mine[:n]].mean(0)
         count = scene.counts[mine] / scene.counts[mine].sum()
-        phi[:, mine] -= (count @ phi[:, mine])[:, None]  # (2)
-    spread = np.sqrt((phi[:, :n] ** 2).sum(-1).mean(1))
-    weight = 1 / (np.maximum(spread, 1e-3) * np.sqrt(1 + np.arange(len(phi))))  # (1)
-    phi = (phi * weight[:, None, None]).transpose(1, 0, 2).reshape(len(R), -1)
-    size = np.sqrt((phi[:n] ** 2).sum(1).mean()) or 1.0
-    phi = np.concatenate([phi / size, TURN * _turned(R, scene)], axis=1) / np.sqrt(1 + TURN**2)
-    return View(R, c, y - mean[scene.side[:n]], mean[0], phi, (phi**2).sum(1))
+        pose[:, mine] -= (count @ pose[:, mine])[:, None]  # (2)
+    spread = np.sqrt((pose[:, :n] ** 2).sum(-1).mean(1))
+    weight = 1 / (np.maximum(spread, 1e-3) * np.sqrt(1 + np.arange(len(pose))))  # (1)
+    pose = (pose * weight[:, None, None]).transpose(1, 0, 2).reshape(len(R), -1)
+    pose /= np.sqrt((pose[:n] ** 2).sum(1).mean()) or 1.0
+    turned = _turned(R, scene)
+    square = np.stack([(pose**2).sum(1), (turned**2).sum(1)])
+    return View(R, c, y - mean[scene.side[:n]], mean[0], pose, turned, square)
 
 
 def _turned(R: Floats, scene: Scene) -> Floats:
@@ -175,6 +184,6 @@ def _turned(R: Floats, scene: Scene) -> Floats:
 
 def pairs_of(scene: Scene, view: View, rows: Ints | slice, columns: Ints | slice) -> Pairs:
     """Of some frames of a scene with some of those learnt from."""
-    dot = view.phi[rows] @ view.phi[columns].T
-    half = np.maximum((view.square[rows][:, None] + view.square[columns]) / 2 - dot, 0.0)
-    return Pairs(dot, half, scene.apart[rows][:, columns], scene.same[rows][:, columns])
+    dot = np.stack([part[rows] @ part[columns].T for part in (view.pose, view.turned)])
+    beside = view.square[:, rows], view.square[:, columns]
+    return Pairs(dot, *beside, scene.apart[rows][:, columns], scene.same[rows][:, columns])

@@ -18,6 +18,8 @@ from kinemark.fill.angles import (
     intervals,
     model_events,
 )
+from kinemark.fill.angles.limb_angles import _Filling
+from kinemark.fill.angles.place import taper
 from kinemark.geometry.rigid_pairs import distances, rigid_groups
 from kinemark.io.angle_model_csv import read_angle_model, write_angle_model
 from kinemark.signal.phase import Phase
@@ -306,3 +308,30 @@ def test_wrong_parameters_are_named():
         LimbAngles(shortest=3, longest=1)
     with pytest.raises(ValueError, match="edges is -1"):
         LimbAngles(edges=-1)
+
+
+def test_weights_fall_towards_what_is_missing_and_the_ends():
+    there = np.ones((2, 60), bool)
+    there[0, 20:24] = False
+    w = taper(there, 8.0)
+    for row, seen in zip(w, there, strict=True):
+        away = [-1, 60, *np.flatnonzero(~seen)]
+        near = np.array([min(abs(f - k) for k in away) for f in range(60)])
+        np.testing.assert_allclose(row, np.minimum(near / 8, 1))
+
+
+def test_neighbours_at_once_carry_errors_as_each_by_itself():
+    """Though near the gap other frames are missing of each."""
+    whole = leg()
+    gap = Gap(0, 400, 440)
+    motion = whole.hidden([gap, Gap(1, 396, 399), Gap(2, 441, 470), Gap(3, 370, 400)])
+    filling = _Filling(motion, [gap], fit_model(motion), LimbAngles())
+    near, frames = filling._placings(0), np.arange(gap.start, gap.stop)
+    every = np.arange(len(near.source))
+    mean, share = filling._carried(near, every, frames)
+    known = ~np.isnan(near.errors.r[..., 0])
+    assert len(every) >= 3 and len(np.unique(known, axis=0)) >= 3
+    for k in every:
+        alone, alone_share = filling._carried(near, every[k : k + 1], frames)
+        np.testing.assert_allclose(mean[k], alone[0], rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(share[k], alone_share[0], rtol=1e-9, atol=1e-9)

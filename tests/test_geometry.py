@@ -22,6 +22,7 @@ from kinemark.geometry import (
     line_distance,
     parameter_jacobian,
     point_jacobian,
+    polar_rotations,
     project,
     project_all,
     rays,
@@ -259,6 +260,25 @@ def test_rigid_alignment_finds_the_motion_and_never_a_reflection():
     assert np.linalg.det(rigid_align(POINTS, POINTS * [1, 1, -1])[0]) > 0
     with pytest.raises(ValueError, match="at least 3"):
         rigid_align(POINTS[:2], POINTS[:2])
+
+
+def test_polar_rotations_are_the_nearest_and_never_reflections():
+    """Against the decomposition by singular values; a third of the matrices turn points over, one is all but flat."""
+    rng = np.random.default_rng(2)
+    H = rng.normal(size=(300, 3, 3))
+    H[:100] += 3 * np.eye(3)
+    H[0] = np.diag([1.0, 1e-3, 1e-8])
+    given = H.copy()
+    U, s, Vt = np.linalg.svd(H)
+    U[..., 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
+    found = polar_rotations(H)
+    clear = s[:, 1] - s[:, 2] > 0.05  # where two are alike and det H < 0, others are as near
+    clear[0] = True
+    assert clear.sum() > 200 and (np.linalg.det(H) < 0).sum() > 50
+    assert np.abs(found - U @ Vt)[clear].max() < 1e-9
+    assert np.abs(found @ found.mT - np.eye(3)).max() < 1e-9 and (np.linalg.det(found) > 0).all()
+    assert (given == H).all()  # the argument stays as it was
+    assert polar_rotations(np.zeros((0, 3, 3))).shape == (0, 3, 3)
 
 
 def test_depth_is_along_the_optical_axis():

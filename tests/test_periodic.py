@@ -60,6 +60,16 @@ def test_differences_are_those_of_the_definition():
     for tau in (1, 5, 12):
         square = (y[:, tau:] - y[:, :-tau]) ** 2
         assert D[tau] == pytest.approx(np.nanmean(square) / 2 / scale, rel=1e-9)
+    y[1] = np.where(there[0], y[1], np.nan)  # of two sequences one mask
+    y[0] = np.where(np.isnan(y[1]), np.nan, y[0])
+    np.testing.assert_allclose(mean_differences(y, 15), mean_differences(y)[:15], rtol=1e-9, atol=1e-12)
+
+
+def test_some_sequences_of_a_template_are_those_of_the_whole():
+    phase = np.linspace(-1, 2, 50)
+    some = TEMPLATE.some(np.array([2, 0]))
+    np.testing.assert_array_equal(some(phase), TEMPLATE(phase)[:, [2, 0]])
+    np.testing.assert_array_equal(some.slope(phase), TEMPLATE.slope(phase)[:, [2, 0]])
 
 
 def test_harmonics_are_those_put_in():

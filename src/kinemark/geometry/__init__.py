@@ -1,6 +1,6 @@
 """Cameras, lenses, the DLT, epipolar lines, triangulation and rigid alignment."""
 
-from .align import nearest_rotations, rigid_align, rigid_poses
+from .align import nearest_rotations, polar_rotations, rigid_align, rigid_poses
 from .camera import (
     distort,
     normalised,
@@ -33,6 +33,7 @@ __all__ = [
     "normalised",
     "parameter_jacobian",
     "point_jacobian",
+    "polar_rotations",
     "project",
     "project_all",
     "rays",

@@ -44,18 +44,20 @@ class Distances(NamedTuple):
 def distances(xyz: Floats, *, most_frames: int = MOST_FRAMES) -> Distances:
     """(1) for paths (M, F, 3) mm, NaN where missing."""
     n, n_frames, _ = xyz.shape
-    xyz = xyz[:, :: max(-(-n_frames // max(most_frames, 1)), 1)]
+    step = max(-(-n_frames // max(most_frames, 1)), 1)
+    axes = np.ascontiguousarray(np.moveaxis(xyz[:, ::step], -1, 0))  # (3, M, F)
     mean, spread = np.full((2, n, n), np.nan)
     count = np.zeros((n, n), np.int64)
     for i in range(n):
-        d = np.linalg.norm(xyz - xyz[i], axis=-1)
+        x, y, z = axes[:, i:] - axes[:, i, None]
+        d = np.sqrt(x * x + y * y + z * z)
         there = ~np.isnan(d)
-        count[i] = there.sum(1)
-        some = count[i] > 0
-        some[i] = False
-        mean[i, some] = np.where(there, d, 0.0).sum(1)[some] / count[i, some]
-        off = np.where(there, d - mean[i, :, None], 0.0)[some]
-        spread[i, some] = np.sqrt((off**2).sum(1) / count[i, some])
+        count[i, i:] = count[i:, i] = there.sum(1)
+        both = np.where(count[i, i:] > 0, count[i, i:], np.nan)
+        both[0] = np.nan  # with itself
+        mean[i, i:] = mean[i:, i] = np.where(there, d, 0.0).sum(1) / both
+        off = np.where(there, d - mean[i, i:, None], 0.0)
+        spread[i, i:] = spread[i:, i] = np.sqrt((off * off).sum(1) / both)
     return Distances(mean, spread, count)
 
 

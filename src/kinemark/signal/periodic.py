@@ -26,6 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import irfft, next_fast_len, rfft
 from scipy.optimize import minimize_scalar
 
 Floats = NDArray[np.float64]
@@ -56,26 +57,35 @@ class Harmonics(NamedTuple):
         return self.power[:, 1:].sum(1) / np.maximum(self.power[:, 0], np.finfo(float).tiny)
 
 
-def mean_differences(y: Floats) -> Floats:
-    """D (W,) of (1) for sequences y (K, W) and τ = 0 … W − 1; NaN where too few samples have a partner."""
+def mean_differences(y: Floats, most: int | None = None) -> Floats:
+    """D (W,) of (1) for sequences y (K, W) and τ = 0 … W − 1, or below `most`; NaN where too few samples have a
+    partner."""
     n = y.shape[1]
-    there: NDArray[np.bool_] = ~np.isnan(y)
-    y = np.where(there, y, 0.0)
+    most = n if most is None else min(most, n)
+    seen: NDArray[np.bool_] = ~np.isnan(y)
+    y = np.where(seen, y, 0.0)
     scale = float((y**2).mean()) if y.size else 0.0
-    y = np.where(there, y - (y.sum(1) / np.maximum(there.sum(1), 1))[:, None], 0.0)
-    total = float((y**2).sum() / max(there.sum(), 1))
+    y = np.where(seen, y - (y.sum(1) / np.maximum(seen.sum(1), 1))[:, None], 0.0)
+    total = float((y**2).sum() / max(seen.sum(), 1))
     if not total > 1e-18 * scale:  # constant but for rounding
-        return np.full(n, np.nan)
-    y = y / np.sqrt(total)
-    spectra = [np.fft.rfft(a, 2 * n) for a in (y, y**2, there.astype(float))]
-    one, square, mask = spectra
+        return np.full(most, np.nan)
+    y /= np.sqrt(total)
+    keys = [row.tobytes() for row in seen]
+    masks = dict(zip(keys, seen.astype(float), strict=True))  # few: the axes of a marker have the same
+    same = np.array([[float(key == mask) for key in keys] for mask in masks])
+    size = next_fast_len(n + most, real=True)  # so that the ends of τ < most do not meet
+    one, square, mask = (rfft(a, size) for a in (y, same @ y**2, np.array(list(masks.values()))))
     pairs, squares, products = (
-        np.fft.irfft(s.sum(0), 2 * n)[:n]
-        for s in (np.abs(mask) ** 2, (square * mask.conj() + mask * square.conj()) / 2, np.abs(one) ** 2)
+        irfft(spectrum, size)[:most]
+        for spectrum in (same.sum(1) @ _power(mask), (square * mask.conj()).real.sum(0), _power(one).sum(0))
     )
-    enough = pairs > FEWEST_PAIRS * there.sum()
+    enough = pairs > FEWEST_PAIRS * seen.sum()
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(enough, np.maximum(squares - products, 0.0) / pairs, np.nan)
+
+
+def _power(spectrum: NDArray[np.complex128]) -> Floats:
+    return spectrum.real**2 + spectrum.imag**2
 
 
 def cycle_length(y: Floats, *, shortest: float, longest: float, limit: float = 0.3) -> float:
@@ -86,8 +96,8 @@ def cycle_length(y: Floats, *, shortest: float, longest: float, limit: float = 0
         shortest, longest: of cycles looked for, frames.
         limit: on D; 0 for a motion that repeats exactly, 1 for one that never does.
     """
-    D = mean_differences(y)
-    first, last = max(int(shortest), 2), min(int(longest) + 1, len(D) - 1)
+    first, last = max(int(shortest), 2), min(int(longest) + 1, y.shape[1] - 1)
+    D = mean_differences(y, last + 1)
     tau = np.arange(first, last)
     if len(tau) < 1 or not np.isfinite(D[first - 1 : last + 1]).any():
         return float("nan")

@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PPoly
 from scipy.linalg import LinAlgError, solveh_banded
 
 Floats = NDArray[np.float64]
@@ -44,8 +44,9 @@ class Template:
 
     def __init__(self, values: Floats) -> None:
         closed = np.concatenate([values, values[:1]])
-        self._curve = CubicSpline(np.linspace(0, 1, len(closed)), closed, bc_type="periodic")
-        self._slope = self._curve.derivative()
+        curve = CubicSpline(np.linspace(0, 1, len(closed)), closed, bc_type="periodic")
+        self._curve: PPoly[np.float64] = curve
+        self._slope: PPoly[np.float64] = curve.derivative()
 
     def __call__(self, phase: Floats) -> Floats:
         """(…, K) at phases (…) in cycles."""
@@ -54,6 +55,12 @@ class Template:
     def slope(self, phase: Floats) -> Floats:
         """(…, K) a cycle."""
         return np.asarray(self._slope(phase % 1.0))
+
+    def some(self, columns: Ints) -> Template:
+        """Of these sequences alone."""
+        out = object.__new__(Template)
+        out._curve, out._slope = (PPoly.construct_fast(p.c[..., columns], p.x) for p in (self._curve, self._slope))
+        return out
 
 
 class Phase(NamedTuple):
@@ -116,21 +123,20 @@ def refine_phase(
     y: Floats, template: Template, spread: Floats, phase: Floats, *, cycle: float, rounds: int = 10
 ) -> Phase:
     """(4) from a phase (F) near the right one; other arguments as in `find_phase`."""
-    there = ~np.isnan(y)
+    weight = np.where(np.isnan(y), 0.0, 1 / spread)
+    y = np.nan_to_num(y)
     for _ in range(rounds):
-        off = np.where(there, y - template(phase), 0.0)
-        slope = np.where(there, template.slope(phase), 0.0)
-        matrix = _matrix(slope, spread, cycle)
-        pull = INDEPENDENT / cycle * (slope * off / spread**2).sum(1) - _bend(phase, cycle)
+        off, slope = weight * (y - template(phase)), weight * template.slope(phase)
+        pull = INDEPENDENT / cycle * np.einsum("fk,fk->f", slope, off) - _bend(phase, cycle)
         try:
-            step = np.asarray(solveh_banded(matrix, pull, lower=True))
+            step = np.asarray(solveh_banded(_matrix(_told(slope, cycle), cycle), pull, lower=True))
         except LinAlgError:
             break
         phase = phase + step.clip(-0.05, 0.05)
         if np.abs(step).max() < 1e-5:
             break
-    off = np.where(there, y - template(phase), 0.0)
-    return Phase(phase, float((off**2 / spread**2).sum() / max(there.sum(), 1)))
+    off = weight * (y - template(phase))
+    return Phase(phase, float((off**2).sum() / max((weight > 0).sum(), 1)))
 
 
 def _bend(phase: Floats, cycle: float) -> Floats:
@@ -141,15 +147,20 @@ def _bend(phase: Floats, cycle: float) -> Floats:
     return force * cycle**3 / UNSTEADY**2
 
 
-def _matrix(slope: Floats, spread: Floats, cycle: float) -> Floats:
-    """The matrix of (4), its lower diagonals (3, F)."""
-    n = len(slope)
+def _told(slope: Floats, cycle: float) -> Floats:
+    """w Σ_j m_j'² / s_j² (F) from m' / s (F, K), 0 where nothing is seen."""
+    return np.asarray(INDEPENDENT / cycle * np.einsum("fk,fk->f", slope, slope))
+
+
+def _matrix(told: Floats, cycle: float) -> Floats:
+    """The matrix of (4), its lower diagonals (3, F), from its first term (F)."""
+    n = len(told)
     bands = np.zeros((3, n))
     for j in range(3):
         for i in range(j, 3):
             bands[i - j, j : max(n - 2 + j, j)] += (1.0, -2.0, 1.0)[i] * (1.0, -2.0, 1.0)[j]
     bands *= cycle**3 / UNSTEADY**2
-    bands[0] += INDEPENDENT / cycle * (slope**2 / spread**2).sum(1)
+    bands[0] += told
     bands[0] += 1e-9 * bands[0].max()
     return bands
 
@@ -158,9 +169,18 @@ def phase_variance(
     y: Floats, template: Template, spread: Floats, phase: Floats, frames: Ints, *, cycle: float
 ) -> Floats:
     """(5) at some frames, cycles²; looked at from one cycle about them."""
-    first, last = max(int(frames.min() - cycle), 0), min(int(frames.max() + cycle) + 1, len(y))
-    slope = np.where(np.isnan(y[first:last]), 0.0, template.slope(phase[first:last]))
+    return variance_at(information(~np.isnan(y), template, spread, phase, cycle=cycle), frames, cycle=cycle)
+
+
+def information(there: NDArray[np.bool_], template: Template, spread: Floats, phase: Floats, *, cycle: float) -> Floats:
+    """(F) the first term of the matrix of (4), from what is there (F, K) of the sequences."""
+    return _told(np.where(there, template.slope(phase) / spread, 0.0), cycle)
+
+
+def variance_at(told: Floats, frames: Ints, *, cycle: float) -> Floats:
+    """`phase_variance` from the `information` (F) of all frames."""
+    first, last = max(int(frames.min() - cycle), 0), min(int(frames.max() + cycle) + 1, len(told))
     unit = np.zeros((last - first, len(frames)))
     unit[frames - first, np.arange(len(frames))] = 1.0
-    solved = np.asarray(solveh_banded(_matrix(slope, spread, cycle), unit, lower=True))
+    solved = np.asarray(solveh_banded(_matrix(told[first:last], cycle), unit, lower=True, check_finite=False))
     return np.maximum(solved[frames - first, np.arange(len(frames))], 0.0)

@@ -96,9 +96,12 @@ def _measured(link: Ints, number: Ints, found: Distances) -> Segments:
 
 def directions(xyz: Floats, link: Ints) -> Floats:
     """(S, F, 3) unit vectors of segments (S, 2) between paths (M, F, 3) (3.34), NaN where an end is missing."""
-    way = xyz[link[:, 1]] - xyz[link[:, 0]]
+    way = np.empty((len(link), 3, xyz.shape[1]))  # each by itself, and axes as rows: small and fast
     with np.errstate(invalid="ignore", divide="ignore"):
-        return way / np.sqrt(np.einsum("sfi,sfi->sf", way, way))[..., None]
+        for own, (a, b) in zip(way, link, strict=True):
+            np.subtract(xyz[b].T, xyz[a].T, out=own)
+            own *= 1 / np.sqrt(own[0] ** 2 + own[1] ** 2 + own[2] ** 2)
+    return way.swapaxes(1, 2)
 
 
 def component_angles(direction: Floats) -> Floats:

@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator
-from scipy.sparse import coo_array
+from scipy.sparse import csr_array
 
 from ...data import AngleModel, KinemarkError
 from ...signal.periodic import cycle_length
@@ -98,16 +98,15 @@ def learn_model(
             f"The trial has {n_frames} frames, and a cycle of {T:.1f} frames needs {WHOLE:g} times as many."
         )
     step = int(np.clip(min(T / DENSE, n_frames / LONG), 1, None))
-    y = _columns(xyz[:, ::step], segments.link)
+    y = columns(xyz[:, ::step], segments.link)
     phase = _own_phase(y, T / step)
     mean, cycles = mean_cycle(y, phase.cycles)
     return Learned(_model(mean, cycles, names, segments, T / rate), _spread_out(phase, step, n_frames))
 
 
-def _columns(xyz: Floats, link: Ints) -> Floats:
+def columns(xyz: Floats, link: Ints) -> Floats:
     """Directions (F, 3 S) of segments (S, 2) as columns."""
-    u = directions(xyz, link)
-    return np.ascontiguousarray(u.transpose(1, 0, 2)).reshape(xyz.shape[1], -1)
+    return np.ascontiguousarray(directions(xyz, link).swapaxes(1, 2).reshape(-1, xyz.shape[1]).T)
 
 
 def _own_phase(y: Floats, T: float) -> Phase:
@@ -148,9 +147,9 @@ def _better_phase(y: Floats, phase: Phase, T: float) -> Phase:
 
 def _period(xyz: Floats, link: Ints, rate: float, shortest: float, longest: float) -> float:
     """Frames of a cycle, found from the segments that tell most."""
-    some = telling(_columns(xyz[:, :: max(1, xyz.shape[1] // LONG)], link))[::3] // 3
+    some = telling(columns(xyz[:, :: max(1, xyz.shape[1] // LONG)], link))[::3] // 3
     middle, reach = xyz.shape[1] // 2, math.ceil(min(ENOUGH * longest * rate, xyz.shape[1]) / 2)
-    y = _columns(xyz[:, max(middle - reach, 0) : middle + reach], link[some])
+    y = columns(xyz[:, max(middle - reach, 0) : middle + reach], link[some])
     T = cycle_length(y.T, shortest=shortest * rate, longest=min(longest * rate, xyz.shape[1] / WHOLE))
     if np.isnan(T):
         raise KinemarkError(f"The motion does not come back within {longest:g} s, so there is no cycle to learn.")
@@ -166,8 +165,9 @@ def mean_cycle(y: Floats, phase: Floats, steps: int = STEPS) -> tuple[Floats, Fl
     wanted = whole[:, None] + np.arange(steps) / steps
     frame = np.interp(wanted, rising, np.arange(len(rising)), left=np.nan, right=np.nan)
     cycles = Between.at(frame.ravel(), len(y)).read(y).reshape(*frame.shape, -1)
-    n = (~np.isnan(cycles)).sum(0)
-    mean = np.where(n > 0, np.nansum(cycles, axis=0) / np.maximum(n, 1), np.nan)
+    there = ~np.isnan(cycles)
+    n = there.sum(0)
+    mean = np.where(n > 0, np.where(there, cycles, 0.0).sum(0) / np.maximum(n, 1), np.nan)
     return bridged(mean), cycles
 
 
@@ -199,19 +199,24 @@ class Between(NamedTuple):
         return cls(np.clip(whole + np.arange(-1, 3)[:, None], 0, n_frames - 1), np.where(edge, np.nan, cubic), line)
 
     def read(self, y: Floats) -> Floats:
-        """(N, K) of y (F, K): cubic, linear where that is not known, or NaN."""
-        found = weights(self.cubic, self.frame, len(y)) @ y
-        row, column = np.nonzero(np.isnan(found))
-        first, then = self.line[1, row], self.line[2, row]
-        a, b = y[self.frame[1, row], column], y[self.frame[2, row], column]
-        found[row, column] = np.where(then == 0, a, np.where(first == 0, b, first * a + then * b)) + 0 * first
+        """(N, 3 S) of directions y (F, 3 S): cubic, linear where that is not known, or NaN."""
+        found, y = weights(self.cubic, self.frame, len(y)) @ y, y.reshape(len(y), -1, 3)
+        ways = found.reshape(len(found), -1, 3)
+        row, segment = np.nonzero(np.isnan(ways[..., 0]))
+        there, (first, then) = ~np.isnan(y[..., 0]), self.line[1:3, row]
+        known = (there[self.frame[1, row], segment] | (first == 0)) & (there[self.frame[2, row], segment] | (then == 0))
+        row, segment = row[known], segment[known]
+        first, then = self.line[1, row, None], self.line[2, row, None]
+        a, b = y[self.frame[1, row], segment], y[self.frame[2, row], segment]
+        ways[row, segment] = np.where(then == 0, a, np.where(first == 0, b, first * a + then * b))
         return np.asarray(found)
 
 
 def weights(weight: Floats, frame: Ints, n_frames: int) -> Any:
     """A sparse matrix (N, F) of weights (…, N) of frames (…, N)."""
-    rows = np.broadcast_to(np.arange(weight.shape[-1]), weight.shape)
-    return coo_array((weight.ravel(), (rows.ravel(), frame.ravel())), (weight.shape[-1], n_frames)).tocsr()
+    n, each = weight.shape[-1], weight.size // max(weight.shape[-1], 1)
+    entries = np.arange(n + 1) * each
+    return csr_array((weight.reshape(each, n).T.ravel(), frame.reshape(each, n).T.ravel(), entries), (n, n_frames))
 
 
 def bridged(mean: Floats) -> Floats:
@@ -232,9 +237,10 @@ def spread_of(cycles: Floats, mean: Floats) -> Floats:
     """(K) standard deviation of cycles (C, B, K) about the mean, `LEAST_SPREAD` at least; `ONE_CYCLE` where there is
     one."""
     off = cycles - mean
-    n = (~np.isnan(off)).sum(0)
+    there = ~np.isnan(off)
+    n, off = there.sum(0), np.where(there, off, 0.0)
     use = n >= 2
-    total = np.where(use, np.nansum(off**2, axis=0), 0.0).sum(0)
+    total = np.where(use, np.einsum("cbk,cbk->bk", off, off), 0.0).sum(0)
     free = np.where(use, n - 1, 0).sum(0)
     spread = np.sqrt(total / np.maximum(free, 1))
     return np.where(free > 0, np.maximum(spread, LEAST_SPREAD), ONE_CYCLE)
@@ -243,12 +249,15 @@ def spread_of(cycles: Floats, mean: Floats) -> Floats:
 def _model(mean: Floats, cycles: Floats, names: Sequence[str], segments: Segments, period: float) -> AngleModel:
     """Of the segments that were seen all round."""
     steps, n_segments = len(mean), len(segments.link)
-    off = (cycles - mean).reshape(len(cycles), steps, n_segments, 3)
-    there = np.asarray(~np.isnan(off).any(-1))
+    off = np.moveaxis((cycles - mean).reshape(len(cycles), steps, n_segments, 3), -1, 0).copy()  # (3, C, B, S)
+    there = ~np.isnan(off[0])
     n = there.sum(0)
-    off = np.where(there[..., None], off, 0.0)
+    off[:, ~there] = 0.0
+    cov = np.empty((n_segments, steps, 3, 3))
+    for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)):
+        cov[..., i, j] = cov[..., j, i] = np.einsum("cbs,cbs->sb", off[i], off[j])
     with np.errstate(invalid="ignore", divide="ignore"):
-        cov = np.einsum("cbsi,cbsj->sbij", off, off) / np.where(n >= 2, n - 1.0, np.nan).T[..., None, None]  # (2)
+        cov /= np.where(n >= 2, n - 1.0, np.nan).T[..., None, None]  # (2)
         direction = mean.reshape(steps, n_segments, 3).swapaxes(0, 1)
         direction = direction / np.linalg.norm(direction, axis=-1, keepdims=True)
     use = np.isfinite(direction).all((1, 2))

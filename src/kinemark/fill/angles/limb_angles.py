@@ -32,7 +32,7 @@ from ...signal.phase import Phase, find_phase
 from ..motion import Gap, Motion, Prediction
 from .connect import connect, directions
 from .learn import learn_model, template_of
-from .place import Placer, Placing, correlation
+from .place import Placer, Placings, correlation
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -169,9 +169,9 @@ class _Filling:
         self._filled = motion.xyz.copy()
         self._cov: dict[int, list[tuple[Gap, Floats]]] = {}
         self._found = [Prediction.none(gap.length, "") for gap in gaps]
-        self._near: dict[int, list[Placing]] = {}
+        self._near: dict[int, Placings | None] = {}
 
-    def _placings(self, marker: int) -> list[Placing]:
+    def _placings(self, marker: int) -> Placings | None:
         """Of a marker, in all its gaps and as far beside them as errors are carried over from."""
         if marker not in self._near:
             wanted = np.zeros(self._motion.xyz.shape[1], np.bool_)
@@ -204,55 +204,55 @@ class _Filling:
 
     def _one(self, gap: Gap) -> tuple[Floats, Floats]:
         """(L, 3) mm and (L, 3, 3) mm² of a gap by (1) to (5), NaN where no neighbour is known yet."""
-        frames = np.arange(gap.start, gap.stop)
-        near = self._placings(gap.marker)
-        whole = [p for p in near if not np.isnan(self._filled[p.source, frames]).any()]
-        total, cov, weight = np.zeros((len(frames), 3)), np.zeros((len(frames), 3, 3)), np.zeros(len(frames))
-        for placing in whole or near:
-            xyz, C = self._from(placing, frames)
-            w = np.where(np.isnan(xyz[:, 0]), 0.0, 1 / np.trace(C, axis1=1, axis2=2))
-            total += w[:, None] * np.nan_to_num(xyz)
-            cov += w[:, None, None] * C
-            weight += w
-        with np.errstate(invalid="ignore", divide="ignore"):
-            xyz, cov = total / weight[:, None], cov / weight[:, None, None]  # (4)
-        return xyz, self._with_phase(near[0], frames, cov) if near else cov
+        frames, near = np.arange(gap.start, gap.stop), self._placings(gap.marker)
+        if near is None:
+            return np.full((gap.length, 3), np.nan), np.full((gap.length, 3, 3), np.nan)
+        at = slice(*np.searchsorted(near.frames, [gap.start, gap.stop]))
+        whole = np.flatnonzero(~np.isnan(self._filled[near.source, gap.start : gap.stop, 0]).any(1))
+        xyz, cov = self._from(near, whole if len(whole) else np.arange(len(near.source)), frames, at)
+        there = ~np.isnan(xyz[..., 0])
+        w = there / np.trace(cov, axis1=2, axis2=3)
+        weight = w.sum(0)
+        with np.errstate(invalid="ignore", divide="ignore"):  # (4)
+            xyz = (w[..., None] * np.where(there[..., None], xyz, 0.0)).sum(0) / weight[:, None]
+            cov = (w[..., None, None] * cov).sum(0) / weight[:, None, None]
+        slope, variance = near.slope[at], self._placer.phase_variance(frames)
+        return xyz, cov + variance[:, None, None] * slope[:, :, None] * slope[:, None, :]  # (3)
 
-    def _from(self, placing: Placing, frames: Ints) -> tuple[Floats, Floats]:
-        """(1), (2) and (5) from one neighbour."""
-        errors, at = placing.errors, np.searchsorted(placing.frames, frames)
-        mean, share = self._carried(placing, frames)
-        xyz = self._filled[placing.source, frames] + placing.way[at] + mean
-        cov = share[:, None, None] * errors.cov + errors.noise**2 * np.eye(3)
-        for gap, of_source in self._cov.get(placing.source, []):
-            both = (frames >= gap.start) & (frames < gap.stop)
-            cov[both] += of_source[frames[both] - gap.start]
+    def _from(self, near: Placings, use: Ints, frames: Ints, at: slice) -> tuple[Floats, Floats]:
+        """(1), (2) and (5) from K neighbours `use`: (K, L, 3) and (K, L, 3, 3)."""
+        mean, share = self._carried(near, use, frames)
+        xyz = self._filled[near.source[use], frames[0] : frames[-1] + 1] + near.way[use, at] + mean
+        errors = near.errors
+        cov = share[..., None, None] * errors.cov[use, None]
+        cov += (errors.noise[use] ** 2)[:, None, None, None] * np.eye(3)
+        for own, source in zip(cov, near.source[use], strict=True):
+            for gap, of_source in self._cov.get(int(source), []):
+                both = (frames >= gap.start) & (frames < gap.stop)
+                own[both] += of_source[frames[both] - gap.start]
         return xyz, cov
 
-    def _carried(self, placing: Placing, frames: Ints) -> tuple[Floats, Floats]:
-        """(L, 3) r̂ of (1) and (L) the share of S in (2)."""
-        errors, known = placing.errors, self._edge(placing, int(frames[0]), int(frames[-1]))
-        edge = placing.frames[known]
-        if not len(edge):
-            return np.broadcast_to(errors.mean if self._edges else 0.0, (len(frames), 3)), np.ones(len(frames))
-        s2 = float(np.trace(errors.cov)) / 3
-        c_e = correlation(np.subtract.outer(edge, edge), errors.tau) + (errors.noise**2 / s2 + 1e-6) * np.eye(len(edge))
-        c_t = correlation(np.subtract.outer(frames, edge), errors.tau)
-        weights = np.linalg.solve(c_e, c_t.T).T
-        carried = errors.mean + weights @ (errors.r[known] - errors.mean)
-        return carried, np.clip(1 - (weights * c_t).sum(1), 0.0, 1.0)
+    def _carried(self, near: Placings, use: Ints, frames: Ints) -> tuple[Floats, Floats]:
+        """(K, L, 3) r̂ of (1) and (K, L) the share of S in (2)."""
+        errors, (columns, known) = near.errors, self._edge(near, use, int(frames[0]), int(frames[-1]))
+        mean, tau, edge = errors.mean[use, None], errors.tau[use], near.frames[columns]
+        s2 = np.trace(errors.cov[use], axis1=1, axis2=2) / 3
+        c_e = correlation(np.subtract.outer(edge, edge), tau) * (known[:, :, None] & known[:, None])
+        c_e += np.where(known, (errors.noise[use] ** 2 / s2 + 1e-6)[:, None], 1.0)[..., None] * np.eye(len(edge))
+        c_t = correlation(np.subtract.outer(frames, edge), tau) * known[:, None]
+        weights = c_t @ np.linalg.inv(c_e)
+        carried = weights @ np.where(known[..., None], errors.r[use[:, None], columns] - mean, 0.0)
+        return carried + (mean if self._edges else 0.0), np.clip(1 - (weights * c_t).sum(2), 0.0, 1.0)
 
-    def _edge(self, placing: Placing, first: int, last: int) -> Ints:
-        """Where frames of a placing next to a gap stand at which r is known, on each side as many as wanted, within a
-        quarter of a cycle."""
-        n, known = self._edges, np.flatnonzero(~np.isnan(placing.errors.r[:, 0]))
+    def _edge(self, near: Placings, use: Ints, first: int, last: int) -> tuple[Ints, NDArray[np.bool_]]:
+        """Where frames of a marker's placings next to a gap stand from which errors are carried over, and for which of
+        the K neighbours (K, E): at which r is known, on each side as many as wanted, within a quarter of a cycle."""
         low, start, stop, high = np.searchsorted(
-            placing.frames[known], [first - self._reach, first, last + 1, last + 1 + self._reach]
+            near.frames, [first - self._reach, first, last + 1, last + 1 + self._reach]
         )
-        return np.concatenate([known[low:start][max(start - low - n, 0) :], known[stop:high][:n]])
-
-    def _with_phase(self, placing: Placing, frames: Ints, cov: Floats) -> Floats:
-        """(3)."""
-        variance = self._placer.phase_variance(frames)
-        slope = placing.slope[np.searchsorted(placing.frames, frames)]
-        return cov + variance[:, None, None] * slope[:, :, None] * slope[:, None, :]
+        before, after = (~np.isnan(near.errors.r[use, a:b, 0]) for a, b in ((low, start), (stop, high)))
+        before &= before[:, ::-1].cumsum(1)[:, ::-1] <= self._edges
+        after &= after.cumsum(1) <= self._edges
+        known = np.concatenate([before, after], 1)
+        columns = np.flatnonzero(known.any(0))
+        return np.concatenate([np.arange(low, start), np.arange(stop, high)])[columns], known[:, columns]

@@ -34,17 +34,17 @@ it.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...data import AngleModel
-from ...geometry import nearest_rotations
-from ...signal.phase import Phase, Template, phase_variance
+from ...geometry import polar_rotations
+from ...signal.phase import Phase, Template, information, variance_at
 from ...signal.smoother import noise_of
-from .connect import directions
-from .learn import Between, telling, template_of, weights
+from .learn import LONG, Between, columns, telling, template_of, weights
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -74,21 +74,21 @@ FALLING = -(1 + LAGS) * np.exp(-LAGS)
 
 
 class Errors(NamedTuple):
-    """Of one segment and marker: r (N, 3) mm of (4) in the frames of the placing, NaN where not both are seen; mean
-    (3) r̄; cov (3, 3) S, mm²; tau frames; noise mm, what of r differs from frame to frame."""
+    """Of K neighbours of a marker: r (K, N, 3) mm of (4) in the frames of the placings, NaN where not both are seen;
+    mean (K, 3) r̄; cov (K, 3, 3) S, mm²; tau (K) frames; noise (K) mm, what of r differs from frame to frame."""
 
     r: Floats
     mean: Floats
     cov: Floats
-    tau: float
-    noise: float
+    tau: Floats
+    noise: Floats
 
 
-class Placing(NamedTuple):
-    """Marker k from its neighbour `source` in N frames, rising: way (N, 3) mm from there by (1), slope (N, 3) mm a
-    cycle, and how far off it is."""
+class Placings(NamedTuple):
+    """Marker k from each of K neighbours, the surest first, in N frames, rising: source (K) markers, way (K, N, 3) mm
+    from there by (1), slope (N, 3) mm a cycle of the first, and how far off they are."""
 
-    source: int
+    source: Ints
     frames: Ints
     way: Floats
     slope: Floats
@@ -96,15 +96,28 @@ class Placing(NamedTuple):
 
 
 class _Bank(NamedTuple):
-    """The R segments of a bank: rows of the model; curve, their directions by the phase; weighted (F, 3 R), the
-    directions seen with the weights of (3); and in the frames from which errors are judged, d and alone of
-    `_directions`."""
+    """The R segments of a bank: rows of the model, link (R, 2) and curve; seen (F, R, 3) the directions, 0 where
+    missing; weighted (F, 3 R), those with the weights of (3); and in the frames from which errors are judged, d and
+    alone of `_directions`."""
 
     rows: Ints
+    link: Ints
     curve: Template
+    seen: Floats
     weighted: Floats
     d: Floats
     alone: Bools
+
+
+class _Ways(NamedTuple):
+    """From the K neighbours of a marker in one bank: source (K) markers, length (K) mm, r (K, U + N, 3), in the U
+    frames of `_usual` first, way and its slope (K, N, 3) of `Placings`."""
+
+    source: Ints
+    length: Floats
+    r: Floats
+    way: Floats
+    slope: Floats
 
 
 class Placer:
@@ -120,75 +133,91 @@ class Placer:
     def __init__(self, xyz: Floats, model: AngleModel, phase: Phase, *, cycle: float, own: bool) -> None:
         self.xyz, self.phase, self.cycle = xyz, phase, cycle
         self.model, self._moments = model, _moments(phase) if own else []
-        self._seen = np.ascontiguousarray(directions(xyz, model.links).transpose(1, 0, 2))  # (F, S, 3)
-        y = self._seen.reshape(len(self._seen), -1)
-        self._telling = telling(y)
-        self._telling_seen, self._spread = y[:, self._telling], template_of(model)[1][self._telling]
-        self._curve = _rows_of(model, self._telling[::3] // 3)
+        self._curve, self._spread = template_of(model)
         self._lag = max(round(cycle / 10), 1)
         self._usual = _runs(xyz.shape[1], self._lag)
-        self._usual_others = self._others(self._usual)
         self._apart = np.arange(len(self._usual)) + APART * np.cumsum(np.diff(self._usual, prepend=self._usual[0]) > 1)
         then = np.searchsorted(self._usual, self._usual + self._lag).clip(max=len(self._usual) - 1)
         self._now = np.flatnonzero(self._usual[then] == self._usual + self._lag)
         self._then = then[self._now]
         self._banks: dict[int, _Bank] = {}
 
-    def __call__(self, marker: int, frames: Ints) -> list[Placing]:
-        """All neighbours from which a marker can be placed in these frames, rising, the surest first."""
-        rows, others = np.flatnonzero((self.model.links == marker).any(1)), self._others(frames)
-        banks = [self._bank(int(number)) for number in np.unique(self.model.bank[rows])]
-        found = [p for bank in banks for p in self._placings(marker, bank, frames, others)]
-        return sorted(found, key=lambda p: float(np.trace(p.errors.cov)))
+    def __call__(self, marker: int, frames: Ints) -> Placings | None:
+        """From all neighbours from which a marker can be placed in these frames, rising; None where it has none."""
+        numbers = np.unique(self.model.bank[(self.model.links == marker).any(1)])
+        others, n = self._others[frames] if self._moments else None, len(self._usual)
+        found = [self._ways(marker, self._bank(int(number)), frames, others) for number in numbers]
+        if not found:
+            return None
+        source, length, r, way, slope = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        errors = self._errors(r[:, :n], r[:, n:], length)
+        sure = np.argsort(np.trace(errors.cov, axis1=1, axis2=2), kind="stable")
+        return Placings(source[sure], frames, way[sure], slope[sure[0]], Errors(*(each[sure] for each in errors)))
 
     def phase_variance(self, frames: Ints) -> Floats:
         """(N) of the phase at frames in a row, cycles²; worked out at a few of them."""
-        few = np.unique(np.linspace(frames[0], frames[-1], FEW).round().astype(np.int64))
-        first = max(int(few[0] - self.cycle), 0)
-        near = slice(first, int(few[-1] + self.cycle) + 1)
-        y, cycles = self._telling_seen[near], self.phase.cycles[near]
-        found = phase_variance(y, self._curve, self._spread, cycles, few - first, cycle=self.cycle)
-        return np.interp(frames, few, found)
+        few = np.linspace(frames[0], frames[-1], min(FEW, len(frames))).round().astype(np.int64)
+        return np.interp(frames, few, variance_at(self._information, few, cycle=self.cycle))
+
+    @cached_property
+    def _information(self) -> Floats:
+        """(F) what the segments that tell most say of the phase."""
+        thin = self.xyz[:, :: max(1, self.xyz.shape[1] // LONG)]
+        some = telling(columns(thin, self.model.links))
+        gone = np.isnan(self.xyz[..., 0])[self.model.links[some // 3].T]
+        there = ~(gone[0] | gone[1]).T
+        return information(there, self._curve.some(some), self._spread[some], self.phase.cycles, cycle=self.cycle)
+
+    @cached_property
+    def _weight(self) -> Floats:
+        """(M, F) w of (3) of markers; a segment's is the lesser of its ends'."""
+        return taper(~np.isnan(self.xyz[..., 0]), self.cycle / 10)
+
+    @cached_property
+    def _usual_others(self) -> Any:
+        return self._others[self._usual] if self._moments else None
+
+    @cached_property
+    def _others(self) -> Any:
+        """Weights (F, F) of the sum of (3): a sparse matrix."""
+        n_frames = self.xyz.shape[1]
+        place = Between.at(np.concatenate(self._moments), n_frames)
+        weight = np.nan_to_num(np.where(np.isnan(place.cubic), place.line, place.cubic))
+        return weights(weight.reshape(-1, n_frames), place.frame.reshape(-1, n_frames), n_frames)
 
     def _bank(self, number: int) -> _Bank:
         """What is the same for all markers of a bank, worked out once."""
         if number not in self._banks:
             rows = np.flatnonzero(self.model.bank == number)
-            seen = self._seen[:, rows]
-            weight = np.stack([taper(~np.isnan(u[:, 0]), self.cycle / 10) for u in seen.swapaxes(0, 1)], 1)
-            weighted = np.nan_to_num(weight[..., None] * seen).reshape(len(seen), -1)
-            bank = _Bank(rows, _rows_of(self.model, rows), weighted, np.zeros(0), np.zeros(0, np.bool_))
+            link = self.model.links[rows]
+            seen = columns(self.xyz, link)
+            seen[np.isnan(seen)] = 0.0
+            weighted = seen * np.repeat(self._weight[link].min(1).T, 3, axis=1)
+            curve, seen = self._curve.some(_columns_of(rows)), seen.reshape(len(seen), -1, 3)
+            bank = _Bank(rows, link, curve, seen, weighted, np.zeros(0), np.zeros(0, np.bool_))
             d, alone = self._directions(bank, self._usual, self._usual_others)
             self._banks[number] = bank._replace(d=d, alone=alone)
         return self._banks[number]
 
-    def _placings(self, marker: int, bank: _Bank, frames: Ints, others: Any) -> list[Placing]:
-        """From the neighbours of one bank; the frames of `_usual` come first, to tell how far off it is."""
-        rows, at, n = bank.rows, np.concatenate([self._usual, frames]), len(self._usual)
+    def _ways(self, marker: int, bank: _Bank, frames: Ints, others: Any) -> _Ways:
+        """From the neighbours of one bank."""
+        at, n = np.concatenate([self._usual, frames]), len(self._usual)
         here = self._directions(bank, frames, others)
         d, alone = (np.concatenate(both) for both in zip((bank.d, bank.alone), here, strict=True))
-        slopes = bank.curve.slope(self.phase.cycles[frames]).reshape(len(frames), -1, 3)
-        R = self._turn(marker, rows, d, at)
-        out = []
-        for k in np.flatnonzero((self.model.links[rows] == marker).any(1)):
-            a, b = self.model.links[rows[k]]
-            source, sign = (int(a), 1.0) if b == marker else (int(b), -1.0)
-            length = sign * float(self.model.length[rows[k]])
-            way, slope = length * d[:, k], length * slopes[:, k]
-            if R is not None:
-                way, slope = (R @ way[..., None])[..., 0], (R[n:] @ slope[..., None])[..., 0]
-            r = self.xyz[marker, at] - self.xyz[source, at] - way
-            r[alone[:, k]] = np.nan  # the model there is this very cycle
-            out.append(Placing(source, frames, way[n:], slope, self._errors(r[:n], r[n:], abs(length))))
-        return out
-
-    def _others(self, frames: Ints) -> Any:
-        """Weights (N, F) of the sum of (3): a sparse matrix; None where the model is not made of the trial."""
-        if not self._moments:
-            return None
-        place = Between.at(np.stack([m[frames] for m in self._moments]).ravel(), self.xyz.shape[1])
-        weight = np.nan_to_num(np.where(np.isnan(place.cubic), place.line, place.cubic)).reshape(-1, len(frames))
-        return weights(weight, place.frame.reshape(-1, len(frames)), self.xyz.shape[1])
+        own = np.flatnonzero((bank.link == marker).any(1))
+        last = bank.link[own, 1] == marker
+        source, length = bank.link[own, np.where(last, 0, 1)], self.model.length[bank.rows[own]]
+        ahead = np.where(last, length, -length)[:, None]
+        curve = self._curve.some(_columns_of(bank.rows[own]))
+        way = ahead * d[:, own]
+        slope = ahead * curve.slope(self.phase.cycles[frames]).reshape(len(frames), -1, 3)
+        R = self._turn(marker, bank, d, at)
+        if R is not None:
+            way, slope = way @ R.mT, slope @ R[n:].mT
+        way = way.swapaxes(0, 1)
+        r = self.xyz[marker, at] - self.xyz[source[:, None], at] - way
+        r[alone[:, own].T] = np.nan  # the model there is this very cycle
+        return _Ways(source, length, r, way[:, n:], slope.swapaxes(0, 1))
 
     def _directions(self, bank: _Bank, frames: Ints, others: Any) -> tuple[Floats, Bools]:
         """d(φ) (N, R, 3) of the model, or by (3) of the trial; of the model, too, where no other cycle has it.
@@ -202,37 +231,41 @@ class Placer:
         size = np.sqrt(np.einsum("nri,nri->nr", d, d))
         alone = size < 1e-6
         d /= np.maximum(size, 1e-6)[..., None]
-        at, row = np.nonzero(alone)
-        some, at_some = np.unique(at, return_inverse=True)
-        d[at, row] = bank.curve(cycles[some]).reshape(-1, *shape[1:])[at_some, row]
-        alone[at, row] = ~np.isnan(self._seen[frames[at], bank.rows[row], 0])
+        some = np.flatnonzero(alone.any(1))
+        d[some] = np.where(alone[some, :, None], bank.curve(cycles[some]).reshape(-1, *shape[1:]), d[some])
+        alone[some] &= bank.seen[frames[some]].any(2)
         return d, alone
 
-    def _turn(self, marker: int, rows: Ints, d: Floats, frames: Ints) -> Floats | None:
-        """(N, 3, 3) R of (2) for a bank of these rows; None where it has no pair but those of the marker."""
-        other = (self.model.links[rows] != marker).all(1)
+    def _turn(self, marker: int, bank: _Bank, d: Floats, frames: Ints) -> Floats | None:
+        """(N, 3, 3) R of (2) for a bank; None where it has no pair but those of the marker."""
+        other = (bank.link != marker).all(1)
         if not other.any():
             return None
-        rows, d = rows[other], np.nan_to_num(d[:, other])
-        u = np.nan_to_num(self._seen[frames[:, None], rows]) * (self.model.length[rows, None] / SKIN) ** 2
-        return nearest_rotations(u.mT @ d + np.eye(3) / TURN**2)
+        weight = np.where(other, (self.model.length[bank.rows] / SKIN) ** 2, 0.0)[:, None]
+        return polar_rotations((weight * bank.seen[frames]).mT @ d + np.eye(3) / TURN**2)
 
-    def _errors(self, usual: Floats, r: Floats, length: float) -> Errors:
-        """Of r (N, 3), by what it is in the frames of `_usual`, or in all there are where these are too few."""
-        there = ~np.isnan(usual).any(1)
-        if there.sum() < FEWEST:
-            return Errors(r, np.zeros(3), np.eye(3) * (UNKNOWN * length) ** 2, self.cycle / 10, 0.0)
-        mean, cov = usual[there].mean(0), np.cov(usual[there].T) + 1e-6 * np.eye(3)
-        spaced = np.full((3, self._apart[-1] + 1), np.nan)
-        spaced[:, self._apart] = usual.T
-        noise = float(np.sqrt((noise_of(spaced) ** 2).mean()))
-        off = usual - mean
-        return Errors(r, mean, cov, lasting(off[self._now], off[self._then], self._lag, noise), noise)
+    def _errors(self, usual: Floats, r: Floats, length: Floats) -> Errors:
+        """Of r (K, N, 3), by what it is in the frames of `_usual`; a guess where these are too few."""
+        usual = np.ascontiguousarray(usual.swapaxes(1, 2))  # (K, 3, U)
+        there = ~np.isnan(usual[:, 0])
+        n = there.sum(1)
+        mean = np.where(there[:, None], usual, 0.0).sum(2) / np.maximum(n, 1)[:, None]
+        off = np.where(there[:, None], usual - mean[..., None], 0.0)
+        cov = off @ off.mT / np.maximum(n - 1, 1)[:, None, None] + 1e-6 * np.eye(3)
+        spaced = np.full((len(usual), 3, self._apart[-1] + 1), np.nan)
+        spaced[..., self._apart] = usual
+        noise = np.sqrt((noise_of(spaced.reshape(3 * len(usual), -1)) ** 2).reshape(-1, 3).mean(1))
+        both = there[:, self._now] & there[:, self._then]
+        tau = lasting(off[..., self._now], off[..., self._then], both, self._lag, noise)
+        few = n < FEWEST
+        mean[few], cov[few] = 0.0, np.eye(3) * ((UNKNOWN * length[few]) ** 2)[:, None, None]
+        tau[few], noise[few] = self.cycle / 10, 0.0
+        return Errors(r, mean, cov, tau, noise)
 
 
-def _rows_of(model: AngleModel, rows: Ints) -> Template:
-    """The directions of some of the model's segments as a template."""
-    return Template(model.direction[rows].swapaxes(0, 1).reshape(model.direction.shape[1], -1))
+def _columns_of(rows: Ints) -> Ints:
+    """Of the model's curve."""
+    return (3 * rows[:, None] + np.arange(3)).ravel()
 
 
 def _runs(n_frames: int, lag: int) -> Ints:
@@ -252,25 +285,25 @@ def _moments(phase: Phase) -> list[Floats]:
 
 
 def taper(there: Bools, reach: float) -> Floats:
-    """(F) w of (3): 1, falling to 0 within `reach` frames of what is not there, and of the ends."""
-    away = np.flatnonzero(np.concatenate([[True], ~there, [True]])) - 1
-    frames = np.arange(len(there))
-    after = np.searchsorted(away, frames)
-    distance = np.minimum(away[after.clip(0, len(away) - 1)] - frames, frames - away[(after - 1).clip(0)])
-    return np.where(there, np.clip(distance / max(reach, 1.0), 0.0, 1.0), 0.0)
+    """(M, F) w of (3): 1, falling to 0 within `reach` frames of what is not there, and of the ends."""
+    n = there.shape[1]
+    frames = np.arange(n)
+    before = np.maximum.accumulate(np.where(there, -1, frames), axis=1)
+    after = np.minimum.accumulate(np.where(there, n, frames)[:, ::-1], axis=1)[:, ::-1]
+    return np.minimum(np.minimum(frames - before, after - frames) / max(reach, 1.0), 1.0)
 
 
-def lasting(now: Floats, then: Floats, lag: int, noise: float) -> float:
-    """τ of (5), frames, from the correlation of r (N, 3) with what it is `lag` frames on, its noise left out."""
-    both = ~(np.isnan(now) | np.isnan(then)).any(1)
-    if both.sum() < FEWEST:
-        return 2.0 * lag
-    product, square = float((now[both] * then[both]).sum()), float(((now[both] ** 2 + then[both] ** 2) / 2).sum())
-    rho = np.clip(product / max(square - 3 * noise**2 * both.sum(), 1e-9), 0.05, 0.99)
-    return lag / float(np.interp(-rho, FALLING, LAGS))
+def lasting(now: Floats, then: Floats, both: Bools, lag: int, noise: Floats) -> Floats:
+    """(K) τ of (5), frames, from the correlation of r (K, 3, N), 0 where unknown, with what it is `lag` frames on, both
+    (K, N) known; its noise (K) left out."""
+    n = both.sum(1)
+    product = np.einsum("kin,kin->k", now, then)
+    square = ((now**2 + then**2).sum(1) * both).sum(1) / 2
+    rho = np.clip(product / np.maximum(square - 3 * noise**2 * n, 1e-9), 0.05, 0.99)
+    return np.where(n < FEWEST, 2.0 * lag, lag / np.interp(-rho, FALLING, LAGS))
 
 
-def correlation(frames: NDArray[Any], tau: float) -> Floats:
-    """c of (5) for differences of time, frames."""
-    x = np.abs(frames) / tau
+def correlation(frames: NDArray[Any], tau: Floats) -> Floats:
+    """(K, …) c of (5) for differences of time (…), frames, and each τ (K)."""
+    x = np.abs(frames) / tau.reshape(-1, *(1,) * frames.ndim)
     return np.asarray((1 + x) * np.exp(-x))

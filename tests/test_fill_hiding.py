@@ -8,7 +8,6 @@ from test_fill import moving
 
 from kinemark.fill import Body, Gap, Linear, Motion, Prediction
 from kinemark.fill.calibration import Calibration, Measured, weigh
-from kinemark.fill.combine import close_ones, mean_tests
 from kinemark.fill.hiding import HiddenTest, Tried, plan, run
 from kinemark.fill.methods import FILLERS
 
@@ -159,20 +158,3 @@ class TestCalibration:
         assert np.isnan(Measured([]).expect(said, np.zeros(0))).all()
         tried = [t._replace(error=t.error[:0]) for t in tries(3, 1.0, np.random.default_rng(0))]
         assert np.isinf(Measured(tried).expect(said, np.ones(3))).all()
-
-
-def test_methods_that_do_alike_are_weighed_together_and_better_for_it():
-    rng = np.random.default_rng(7)
-    a, b = tries(20, 2.0, rng), tries(20, 2.4, rng)
-    weights = close_ones([2.0, 2.4, 9.0])
-    assert set(weights) == {0, 1} and np.isclose(sum(weights.values()), 1) and weights[0] > weights[1]
-    assert close_ones([2.0, 9.0]) == {} and close_ones([np.inf, np.inf]) == {}
-    both = mean_tests([a, b], np.array([weights[0], weights[1]]))
-    assert np.mean([t.mean for t in both]) < 0.85 * np.mean([t.mean for t in a])  # independent errors cancel
-
-
-def test_a_mean_needs_all_its_methods():
-    rng = np.random.default_rng(8)
-    a, b = tries(2, 1.0, rng), tries(2, 1.0, rng)
-    b[1] = b[1]._replace(error=b[1].error[:0])
-    assert [len(t.error) for t in mean_tests([a, b], np.array([0.5, 0.5]))] == [20, 0]

@@ -5,16 +5,73 @@ import pytest
 from test_filling import segment, trial_of
 
 from kinemark.fill import Gap, LimbAngles, Linear, Motion, Prediction, fill
-from kinemark.fill.calibration import Calibration
-from kinemark.fill.combine import close_ones
+from kinemark.fill.calibration import Calibration, Measured
+from kinemark.fill.combine import close_ones, mean_prediction, mean_tests, together, weights
+from kinemark.fill.fill import Answer, _mean_of_close, _told
 from kinemark.fill.hiding import HiddenTest, Tried, plan
 from kinemark.fill.methods import affordable
 
 
-def test_methods_that_do_alike_are_weighed_by_their_precision():
-    weights = close_ones([1.0, 1.2, 9.0])
-    assert weights == pytest.approx({0: 1.44 / 2.44, 1: 1 / 2.44})
-    assert close_ones([1.0, 9.0]) == {}
+def filled_with(errors):
+    """One test of one gap after another; (T, L, 3) errors of one method."""
+    L = errors.shape[1]
+    tests = [HiddenTest(0, k, Gap(0, 2 * L * k + 10, 2 * L * k + 10 + L), (0, L), True) for k in range(len(errors))]
+    return [Tried(t, e, np.tile(np.eye(3), (L, 1, 1)), np.ones(L)) for t, e in zip(tests, errors, strict=True)]
+
+
+class TestWeighing:
+    def test_weights_are_those_of_the_least_error_where_tests_are_many(self):
+        """Independent errors: 1/σ². A method whose error is another's and more gets nothing."""
+        rng = np.random.default_rng(0)
+        a, b, c = rng.normal(0, 1, (3, 400, 20, 3)) * np.array([1.0, 1.5, 1.0]).reshape(3, 1, 1, 1)
+        w = weights(together([filled_with(e) for e in (a, b, a + c)]), np.ones(400))
+        assert np.allclose(w, [2.25 / 3.25, 1 / 3.25, 0], atol=0.03)
+
+    def test_a_hard_test_counts_no_more_than_an_easy_one(self):
+        rng = np.random.default_rng(2)
+        a, b = rng.normal(0, 1, (2, 50, 20, 3)) * np.array([1.0, 1.5]).reshape(2, 1, 1, 1)
+        a[0], b[0] = 1000 * b[0], 1000 * a[0]
+        w = weights(together([filled_with(a), filled_with(b)]), np.ones(50))
+        assert w[0] > 0.6
+
+    def test_filled_without_an_answer_are_left_out_and_none_at_all_give_equal_weights(self):
+        rng = np.random.default_rng(3)
+        a, b = (filled_with(e) for e in rng.normal(0, 1, (2, 6, 20, 3)))
+        b[2] = b[2]._replace(error=b[2].error[:0])
+        rest = np.array([1.0, 1, 0, 1, 1, 1])
+        assert np.allclose(weights(together([a, b]), np.ones(6)), weights(together([a, b]), rest))
+        assert np.allclose(weights(together([a, b]), np.zeros(6)), 0.5)
+        assert [len(t.error) for t in mean_tests([a, b], np.full((6, 2), 0.5))] == [20, 20, 0, 20, 20, 20]
+
+    def test_those_far_behind_are_not_weighed(self):
+        assert close_ones([1.0, 9.0, 1.2]) == [0, 2]
+        assert close_ones([1.0, 9.0]) == [] and close_ones([np.inf, np.inf]) == []
+
+    def test_a_mean_says_what_its_parts_say_and_names_the_donors_of_those_that_count(self):
+        said = [
+            Prediction(np.full((2, 3), float(k)), np.tile(k * np.eye(3), (2, 1, 1)), donors=(k,)) for k in (1, 2, 4)
+        ]
+        mean = mean_prediction(said, np.array([0.25, 0.75, 0.0]))
+        assert np.allclose(mean.xyz, 1.75) and np.allclose(mean.cov, 1.75 * np.eye(3)) and mean.donors == (1, 2)
+        silent = mean_prediction([s._replace(cov=np.full((2, 3, 3), np.nan)) for s in said], np.array([0.5, 0.5, 0.0]))
+        assert np.isnan(silent.cov).all()
+
+
+def test_a_mean_is_judged_in_tests_that_its_weights_were_not_made_from():
+    """Four fillers of pure chance in six tests: with weights from the same tests 0.85 of the true error is told."""
+    rng = np.random.default_rng(4)
+    gap, told, true = Gap(0, 0, 20), [], []
+    said = Prediction(np.zeros((20, 3)), np.tile(np.eye(3), (20, 1, 1)))
+    for _ in range(60):
+        tried = [filled_with(np.tile(e, (1, 20, 1))) for e in rng.normal(0, 1, (4, 6, 1, 3))]
+        answers = [Answer(name, [said], Measured(t), Calibration(t), t) for name, t in zip("abcd", tried, strict=True)]
+        expected, counts = _told(answers, [gap], 0)
+        mean = _mean_of_close(answers, expected, 0, counts)
+        if len(close_ones([mm for _, mm in expected.values()])) == 4:
+            told.append(np.mean([t.mean for t in mean.tried]))
+            w = weights(together(tried), counts)
+            true.append(np.linalg.norm(np.tensordot(w, rng.normal(0, 1, (4, 500, 3)), 1), axis=1).mean())
+    assert np.mean(told) == pytest.approx(np.mean(true), rel=0.1)
 
 
 def test_few_tests_make_wider_bands():

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from ..data import Origin, Path, Trajectories
 from .auto import Auto
 from .calibration import Calibration, Measured, weigh
-from .combine import close_ones, mean_prediction, mean_tests
+from .combine import close_ones, mean_prediction, mean_tests, together
+from .combine import weights as best_weights
 from .edges import Edges, trim_edges
 from .hiding import Tried, edge_distance, plan, run
 from .methods import FILLERS, MANY, NAMES, TOGETHER, affordable, name_of, within_time
@@ -29,6 +30,8 @@ ENOUGH = 60
 """Hidden tests of one method that tell how far off it is; more are made to choose one for each gap."""
 FIRST = "body"
 """The method that is best in most trials (docs/fill.md)."""
+LITTLE = 0.05
+"""Of the weight of a mean, below which a method is not named."""
 UNASKED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
 """Stands where a method was tried in the tests, but not asked about the gap itself."""
 
@@ -252,9 +255,9 @@ def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -
     gap = gaps[index]
     told, weights = _told(answers, gaps, index)
     best = _leader(answers, told, weights)
-    if len(gaps) <= MANY and (mean := _mean_of_close(answers, told, index)):
+    if len(gaps) <= MANY and (mean := _mean_of_close(answers, told, index, weights)) and mean.name not in told:
         told[mean.name] = mean.measured.expect(mean.said[index], weights)
-        if best.name in mean.name.split(" + ") and told[mean.name][1] < told[best.name][1]:
+        if told[mean.name][1] < told[best.name][1]:
             best = mean
     expected = {name: mm for name, (mm, _) in told.items()}
     said = best.said[index]
@@ -283,16 +286,24 @@ def _leader(answers: list[Answer], told: dict[str, tuple[float, float]], weights
     return best if best.measured.behind(first.measured, weights) < 0 else first
 
 
-def _mean_of_close(answers: list[Answer], told: dict[str, tuple[float, float]], index: int) -> Answer | None:
-    """The weighed mean of methods that do alike for one gap; other gaps of it are not worked out."""
-    weights = close_ones([np.nan_to_num(told[answer.name][1], nan=np.inf, posinf=np.inf) for answer in answers])
-    if not weights:
+def _mean_of_close(
+    answers: list[Answer], told: dict[str, tuple[float, float]], index: int, counts: Floats
+) -> Answer | None:
+    """The weighed mean of methods that do nearly as well for one gap; other gaps of it are not worked out."""
+    close = close_ones([np.nan_to_num(told[answer.name][1], nan=np.inf, posinf=np.inf) for answer in answers])
+    if not close:
         return None
-    chosen, w = [answers[k] for k in weights], np.array(list(weights.values()))
-    tried = mean_tests([answer.tried for answer in chosen], w)
+    chosen = [answers[k] for k in close]
+    products = together([answer.tried for answer in chosen])
+    w = best_weights(products, counts)
+    each = np.tile(w, (len(counts), 1))
+    for k in np.flatnonzero([tried.test.of == index for tried in chosen[0].tried]):
+        each[k] = best_weights(products, np.where(np.arange(len(counts)) == k, 0.0, counts))
+    tried = mean_tests([answer.tried for answer in chosen], each)
     said = list(chosen[0].said)
     said[index] = mean_prediction([answer.said[index] for answer in chosen], w)
-    return Answer(" + ".join(answer.name for answer in chosen), said, Measured(tried), Calibration(tried), tried)
+    name = " + ".join(answer.name for answer, share in zip(chosen, w, strict=True) if share > LITTLE)
+    return Answer(name, said, Measured(tried), Calibration(tried), tried)
 
 
 class _Columns:

@@ -31,7 +31,7 @@ from kinemark.data import Path as Path3D
 from kinemark.fill import METHODS, Auto, Gap, Motion, fill, find_gaps
 from kinemark.fill.fill import Answer, ask, choose
 from kinemark.fill.hiding import distances
-from kinemark.fill.local_regression import ranked
+from kinemark.fill.ranking import ranked
 from kinemark.formats import read
 from kinemark.synth import dressed, observe, ring, walking
 

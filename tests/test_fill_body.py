@@ -9,30 +9,31 @@ from test_fill import moving, off, trial
 from kinemark.fill import Body, Edges, Gap, LocalRegression, Motion, fill, find_gaps
 from kinemark.fill.kriging import Hyper, Pairs, covariance, fit, left_out, matern, predict
 from kinemark.fill.methods import FILLERS
+from kinemark.fill.ranking import Ranks
 from kinemark.fill.trusted import Trust
 from kinemark.formats import read
 from kinemark.synth import dressed, walking
 
 
 class Frames:
-    """Frames at random poses and turns, every third of another source; pairs of some with others."""
+    """Frames at random poses and turns, some of two sources; pairs of some with others, of the first source first."""
 
-    def __init__(self, n, *, seed=0):
+    def __init__(self, n, *, own, seed=0):
         rng = np.random.default_rng(seed)
-        self.t, self.side = np.arange(n) / 30, np.arange(n) % 3 == 0
+        self.t, self.own = np.arange(n) / 30, own
         self.parts = rng.normal(0, 0.5, (2, n, 4))
         self.square = (self.parts**2).sum(2)
 
     def pairs(self, rows, columns):
         dot = np.einsum("prd,pcd->prc", self.parts[:, rows], self.parts[:, columns])
         apart = np.abs(self.t[rows][:, None] - self.t[columns])
-        same = self.side[rows][:, None] == self.side[columns]
-        return Pairs(dot, self.square[:, rows], self.square[:, columns], apart, same)
+        own = np.count_nonzero(rows < self.own), np.count_nonzero(columns < self.own)
+        return Pairs(dot, self.square[:, rows], self.square[:, columns], apart, own)
 
 
 class TestKriging:
     def test_what_a_block_is_missed_by_is_what_learning_without_it_misses_it_by(self):
-        seen, every = Frames(40), np.arange(40)
+        seen, every = Frames(40, own=25), np.arange(40)
         y, h = np.random.default_rng(1).normal(0, 3, (40, 3)), Hyper(lam=5.0, nu=0.1)
         blocks = [np.arange(5, 12), np.arange(30, 37)]
         off = []
@@ -43,7 +44,7 @@ class TestKriging:
         assert np.isclose(left_out(fit(seen.pairs(every, every), y, h), blocks), np.concatenate(off).mean(), rtol=1e-6)
 
     def test_what_is_seen_is_met_and_what_is_far_is_not_known(self):
-        frames, n = Frames(35), np.arange(30)
+        frames, n = Frames(35, own=35), np.arange(30)
         y, h = np.random.default_rng(2).normal(0, 3, (30, 3)), Hyper(nu=1e-6)
         seen = fit(frames.pairs(n, n), y, h)
         there, var = predict(frames.pairs(n, n), seen)
@@ -57,7 +58,7 @@ class TestKriging:
         assert np.allclose(matern(r, order), 2 ** (1 - order) / gamma(order) * x**order * kv(order, x), rtol=1e-9)
 
     def test_how_the_part_is_turned_counts_by_theta(self):
-        frames, n = Frames(20), np.arange(20)
+        frames, n = Frames(20, own=12), np.arange(20)
         without = frames.pairs(n, n)._replace(dot=np.stack([frames.pairs(n, n).dot[0], np.zeros((20, 20))]))
         without = without._replace(rows=without.rows * [[1], [0]], columns=without.columns * [[1], [0]])
         unturned, turned = Hyper(theta=0.0), Hyper(theta=0.5)
@@ -150,13 +151,16 @@ class TestTrust:
     def test_a_fast_movement_is_no_jump(self):
         motion = moving(300)
         motion.xyz[:, 150:] += [60.0, 0, 0]  # within one frame
-        assert Trust(motion).bends[:, 145:155].any(1).all() and Trust(motion).of(Gap(0, 140, 160)).all()
+        assert (
+            Trust(motion, Ranks(motion)).bends[:, 145:155].any(1).all()
+            and Trust(motion, Ranks(motion)).of(Gap(0, 140, 160)).all()
+        )
 
     def test_the_neighbours_of_one_that_jumps_are_trusted(self):
         motion = moving(300)
         motion.xyz[3, 150:155] += 40.0
-        assert np.flatnonzero(~Trust(motion).of(Gap(0, 140, 160))).tolist() == [3]
-        assert Trust(motion).of(Gap(0, 200, 220)).all()
+        assert np.flatnonzero(~Trust(motion, Ranks(motion)).of(Gap(0, 140, 160))).tolist() == [3]
+        assert Trust(motion, Ranks(motion)).of(Gap(0, 200, 220)).all()
 
     def test_in_a_serve_the_arm_that_jumps_does_not_take_the_shoulder_along(self):
         folder = shared_data("mocap3d/tennis_serve_gap_pair")

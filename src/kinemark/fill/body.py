@@ -44,7 +44,7 @@ from numpy.typing import NDArray
 from .kriging import Hyper, Ints, Pairs, fit, left_out, predict
 from .mirror import partners
 from .motion import Floats, Gap, Motion, Prediction
-from .ranking import ranked
+from .ranking import Ranks
 from .scene import FEWEST, Scene, View, pairs_of, scene_of, view_of
 from .trusted import Trust
 
@@ -53,7 +53,6 @@ FIRSTS = 4
 FEW = 4
 """Gaps that λ, ℓ, ν … of a trial are found from."""
 SHARPNESS = 5.0
-SHARED = (-1, b"")
 MARGIN = 0.005
 GRID = {
     "theta": (0.03, 0.1, 0.6),
@@ -103,33 +102,61 @@ class _Trial(NamedTuple):
     motion: Motion
     seen: NDArray[np.bool_]
     partner: Ints
+    ranks: Ranks
     trust: Trust
-    ranks: dict[int, Ints]
     hypers: dict[tuple[int, bytes], Hyper]
-    looks: list[tuple[Scene, View]]
+
+
+class _Look(NamedTuple):
+    donors: Ints
+    scene: Scene
+    views: list[View]
 
 
 def fill_body(motion: Motion, gaps: list[Gap], *, method: Body) -> list[Prediction]:
     """Each gap by (4); gaps of one marker with the same donors share λ, ℓ, ν …"""
-    partner = partners(motion.names) if method.mirror else np.arange(len(motion.names))
-    trial = _Trial(motion, motion.seen, partner, Trust(motion), {}, {}, [])
-    return [_fill(trial, gap, method) for gap in gaps]
+    partner, ranks = partners(motion.names) if method.mirror else np.arange(len(motion.names)), Ranks(motion)
+    trial = _Trial(motion, motion.seen, partner, ranks, Trust(motion, ranks), {})
+    common = _common(trial, gaps, method) if method.shared else None
+    return [_fill(trial, gap, method, common) for gap in gaps]
 
 
-def _fill(trial: _Trial, gap: Gap, method: Body) -> Prediction:
-    donors = _donors(trial, gap, method.donors)
-    if len(donors) < 3:
-        return Prediction.none(gap.length, f"only {len(donors)} other markers are seen throughout the gap; wanted 3")
-    scene = _look(trial, gap, donors, method)
-    if scene is None:
-        return Prediction.none(gap.length, f"fewer than {FEWEST} frames show the marker together with its donors")
-    views = [view for base in _bases(len(donors), method.bases) if (view := view_of(scene, base))]
-    if not views:
-        return Prediction.none(gap.length, "the donors stand on one line or in one point: they carry no local frame")
-    hyper = _hyper(trial, (gap.marker, donors.tobytes()), scene, views[0], method)
-    kept = [(1.0, views[0], hyper)] if method.shared else _weighed(scene, views, hyper)[: method.kept]
+def _fill(trial: _Trial, gap: Gap, method: Body, common: Hyper | None) -> Prediction:
+    look = _look(trial, gap, method)
+    if isinstance(look, str):
+        return Prediction.none(gap.length, look)
+    donors, scene, views = look
+    if common:
+        kept = [(1.0, views[0], common)]
+    else:
+        key = gap.marker, donors.tobytes()
+        if key not in trial.hypers:
+            trial.hypers[key] = _best([look])
+        kept = _weighed(scene, views, trial.hypers[key])[: method.kept]
     xyz, cov = _mean(scene, kept)
     return Prediction(xyz, cov, donors=tuple(int(d) for d in donors))
+
+
+def _common(trial: _Trial, gaps: list[Gap], method: Body) -> Hyper:
+    """λ, ℓ, ν … for all gaps, from `FEW` of them."""
+    some = [gaps[k] for k in np.unique(np.linspace(0, len(gaps) - 1, FEW).astype(int))]
+    looks = [look for gap in some if not isinstance(look := _look(trial, gap, method), str)]
+    return _best(looks) if looks else Hyper()
+
+
+def _look(trial: _Trial, gap: Gap, method: Body) -> _Look | str:
+    """What there is to fill a gap from, or why there is too little."""
+    donors = _donors(trial, gap, method.donors)
+    if len(donors) < 3:
+        return f"only {len(donors)} other markers are seen throughout the gap; wanted 3"
+    most, hz = method.frames, method.hz
+    scene = scene_of(trial.motion, trial.seen, gap, donors, partner=trial.partner, most=most, hz=hz)
+    if scene is None:
+        return f"fewer than {FEWEST} frames show the marker together with its donors"
+    views = [view for base in _bases(len(donors), method.bases) if (view := view_of(scene, base))]
+    if not views:
+        return "the donors stand on one line or in one point: they carry no local frame"
+    return _Look(donors, scene, views)
 
 
 def _weighed(scene: Scene, views: list[View], hyper: Hyper) -> list[tuple[float, View, Hyper]]:
@@ -172,16 +199,9 @@ def _laboratory(scene: Scene, view: View, h: Hyper) -> tuple[Floats, Floats]:
     return xyz, np.einsum("fij,fj,fkj->fik", R, var, R)
 
 
-def _look(trial: _Trial, gap: Gap, donors: Ints, method: Body) -> Scene | None:
-    most, hz = method.frames, method.hz
-    return scene_of(trial.motion, trial.seen, gap, donors, partner=trial.partner, most=most, hz=hz)
-
-
 def _donors(trial: _Trial, gap: Gap, most: int) -> Ints:
     """The first of the ranked markers that are seen throughout the gap, and leave most frames to learn from."""
-    motion, marker = trial.motion, gap.marker
-    if marker not in trial.ranks:
-        trial.ranks[marker] = ranked(motion, marker)
+    marker = gap.marker
     thin = trial.seen[:, :: max(1, trial.seen.shape[1] // 400)]
     chosen: list[int] = []
     together = thin[marker]
@@ -190,7 +210,7 @@ def _donors(trial: _Trial, gap: Gap, most: int) -> Ints:
     n = np.count_nonzero(together)
     missing = ~ready
     missing[marker] = True
-    order = trial.ranks[marker][ready[trial.ranks[marker]]]
+    order = trial.ranks.of(marker)[ready[trial.ranks.of(marker)]]
     order = order[(np.arange(len(order)) < FIRSTS) | ~missing[trial.partner[order]]]  # (2)
     for donor in order:
         if len(chosen) == most:
@@ -209,22 +229,10 @@ def _bases(donors: int, n: int) -> list[tuple[int, int, int]]:
     return sorted(triples, key=lambda t: (max(t), sum(t)))[:n]
 
 
-def _hyper(trial: _Trial, key: tuple[int, bytes], scene: Scene, view: View, method: Body) -> Hyper:
-    """λ, ℓ, ν … for a gap: its marker's, or the trial's by the first scene looked at, then by the first `FEW`."""
-    if not method.shared:
-        if key not in trial.hypers:
-            trial.hypers[key] = _best([(scene, view)])
-        return trial.hypers[key]
-    if len(trial.looks) < FEW:
-        trial.looks.append((scene, view))
-        if len(trial.looks) in (1, FEW):
-            trial.hypers[SHARED] = _best(trial.looks)
-    return trial.hypers[SHARED]
-
-
-def _best(looks: list[tuple[Scene, View]]) -> Hyper:
-    """The best of the grid for all looks together, one parameter after the other."""
-    seen = [(pairs_of(s, view, s.few, s.few), view.y[s.few], s.blocks) for s, view in looks]
+def _best(looks: list[_Look]) -> Hyper:
+    """The best of the grid for the first views of all looks together, one parameter after the other."""
+    first = [(scene, views[0], scene.few) for _, scene, views in looks]
+    seen = [(pairs_of(s, view, few, few), view.y[few], s.blocks) for s, view, few in first]
 
     def badness(h: Hyper) -> float:
         return sum(_badness(pairs, y, h, blocks) for pairs, y, blocks in seen)

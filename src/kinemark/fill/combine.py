@@ -52,7 +52,7 @@ def weights(products: Floats, counts: Floats) -> Floats:
     if not known.any():
         return np.full(K, 1 / K)
     C = np.tensordot(counts[known] / counts[known].sum(), products[known], 1)
-    factor = np.linalg.cholesky(C / C.diagonal().min() + 1e-9 * np.eye(K)).T
+    factor = np.linalg.cholesky(C + 1e-9 * (1 + np.trace(C)) * np.eye(K)).T
     w = nnls(np.vstack([factor, np.full(K, HEAVY)]), np.append(np.zeros(K), HEAVY))[0]
     return np.asarray(w / w.sum())
 

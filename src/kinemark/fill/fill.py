@@ -125,7 +125,7 @@ def fill(
     gaps = find_gaps(motion, ends=ends)
     if isinstance(method, Auto):
         candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
-    answers = (ask_winners if len(gaps) > MANY else ask)(motion, gaps, candidates, seed=seed)
+    answers = (ask_winners if len(gaps) > MANY and len(candidates) > 1 else ask)(motion, gaps, candidates, seed=seed)
     told = []
     for index, gap in enumerate(gaps):
         found, said, cov = choose(motion, gaps, index, answers)

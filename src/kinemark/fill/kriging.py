@@ -55,14 +55,14 @@ class Pairs(NamedTuple):
         dot: (2, rows, columns) scalar products of the poses, and of how they are turned.
         rows, columns: (2, rows), (2, columns) the squares of both.
         apart: |t − t'|, s.
-        same: s = s'.
+        own: how many rows and columns are of the marker's own source; they come first.
     """
 
     dot: Floats
     rows: Floats
     columns: Floats
     apart: Floats
-    same: NDArray[np.bool_]
+    own: tuple[int, int]
 
 
 class Fit(NamedTuple):
@@ -87,20 +87,22 @@ def parts(h: Hyper) -> Floats:
 
 def covariance(pairs: Pairs, h: Hyper) -> Floats:
     """(1), (2) without the noise."""
-    drift = matern(pairs.apart / h.ell, h.order)
-    drift += free(h)
-    drift *= pairs.same
     share = parts(h)
     dot = share[0] * pairs.dot[0]
     dot += share[1] * pairs.dot[1]
-    pose = h.eta / 2 * np.add.outer(share @ pairs.rows, share @ pairs.columns)
-    pose -= h.eta * dot
-    pose += 1
-    np.divide(h.lam, pose, out=pose)
+    k = h.eta / 2 * np.add.outer(share @ pairs.rows, share @ pairs.columns)
+    k -= h.eta * dot
+    k += 1
+    np.divide(h.lam, k, out=k)
     dot *= h.lam * h.kappa
-    pose += dot
-    pose *= np.where(pairs.same, 1.0, h.rho)
-    return pose + drift
+    k += dot
+    r, c = pairs.own
+    k[:r, c:] *= h.rho
+    k[r:, :c] *= h.rho
+    for same in (np.s_[:r, :c], np.s_[r:, c:]):
+        k[same] += matern(pairs.apart[same] / h.ell, h.order)
+        k[same] += free(h)
+    return k
 
 
 def matern(r: Floats, order: float) -> Floats:

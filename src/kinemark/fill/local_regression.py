@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 
 from .frames import local, triad
 from .motion import Floats, Gap, Motion, Prediction
-from .ranking import FEWEST
-from .ranking import ranked as ranked
+from .ranking import FEWEST, Ranks
 from .trusted import Trust
 
 MOST = 400
@@ -65,13 +64,12 @@ class Fit(NamedTuple):
 def fill_local_regression(motion: Motion, gaps: list[Gap], *, method: LocalRegression) -> list[Prediction]:
     """Each gap from the donors that are seen throughout it; gaps of one marker with the same donors share one fit."""
     fits: dict[tuple[int, bytes], Fit | str] = {}
-    ranks: dict[int, NDArray[np.int64]] = {}
-    seen, trust, out = motion.seen, Trust(motion), []
+    seen, ranks, out = motion.seen, Ranks(motion), []
+    trust = Trust(motion, ranks)
     for gap in gaps:
-        if gap.marker not in ranks:
-            ranks[gap.marker] = ranked(motion, gap.marker)
-        ready = np.flatnonzero(seen[:, gap.start : gap.stop].all(1) & trust.of(gap))
-        order = ranks[gap.marker][np.isin(ranks[gap.marker], ready)][: max(3, *method.donors)]
+        ready = seen[:, gap.start : gap.stop].all(1) & trust.of(gap)
+        order = ranks.of(gap.marker)
+        order = order[ready[order]][: max(3, *method.donors)]
         key = (gap.marker, order.tobytes())
         if key not in fits:
             fits[key] = _fit(motion, seen, gap.marker, order, method)

@@ -78,7 +78,7 @@ def within_time(method: Any, gaps: int) -> Any:
     if gaps <= MANY:
         return method
     if isinstance(method, Body):
-        return replace(method, bases=1, frames=90, shared=True)
+        return replace(method, donors=min(method.donors, 12), bases=1, frames=min(method.frames, 75), shared=True)
     if isinstance(method, Kalman):
         return replace(method, history=min(method.history, 0.25))
     return method

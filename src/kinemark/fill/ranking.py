@@ -5,15 +5,33 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .motion import Motion
+from .motion import Floats, Motion
 
 FEWEST = 12
 """Frames to learn from, at least."""
 
 
+class Ranks:
+    """The other markers of a trial in order, for each marker worked out when it is first asked for."""
+
+    def __init__(self, motion: Motion) -> None:
+        """Of a trial, from some hundreds of its frames."""
+        self.thin = np.ascontiguousarray(motion.xyz[:, :: max(1, motion.xyz.shape[1] // 400)])
+        self._of: dict[int, NDArray[np.int64]] = {}
+
+    def of(self, marker: int) -> NDArray[np.int64]:
+        """That whose distance from the marker varies least first; only those seen with it often enough."""
+        if marker not in self._of:
+            self._of[marker] = _ranked(self.thin, marker)
+        return self._of[marker]
+
+
 def ranked(motion: Motion, marker: int) -> NDArray[np.int64]:
-    """The other markers, that whose distance from this one varies least first; only those seen with it often enough."""
-    thin = motion.xyz[:, :: max(1, motion.xyz.shape[1] // 400)]
+    """The same of one marker."""
+    return Ranks(motion).of(marker)
+
+
+def _ranked(thin: Floats, marker: int) -> NDArray[np.int64]:
     way = thin - thin[marker]
     square = np.einsum("mfi,mfi->mf", way, way)
     n = np.isfinite(square).sum(1)

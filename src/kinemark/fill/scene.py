@@ -41,18 +41,16 @@ class Scene(NamedTuple):
 
     Attributes:
         xyz: (1 + D, n + L, 3) mm, the marker first, then the donors.
-        apart: (n + L, n) s between frames.
-        same: (n + L, n) of the same source.
+        time: (n + L) s.
         n: frames to learn from.
-        side: (n + L) source of each frame.
+        side: (n + L) source of each frame; of those learnt from, the marker's own (0) come first.
         counts: (n + L) what each frame counts for the means (2).
         few: those of the n that models are judged by.
         blocks: of these, the frames of each block that is left out.
     """
 
     xyz: Floats
-    apart: Floats
-    same: NDArray[np.bool_]
+    time: Floats
     n: int
     side: Ints
     counts: Floats
@@ -117,7 +115,7 @@ def scene_of(
     counts = np.repeat([1.0, 1 / step], [n, len(wanted)])
     few = _few(n)
     blocks = _blocks(own[few[few < len(own)]], gap)
-    return Scene(xyz, np.abs(time[:, None] - time[:n]), side[:, None] == side[:n], n, side, counts, few, blocks)
+    return Scene(xyz, time, n, side, counts, few, blocks)
 
 
 def _few(n: int) -> Ints:
@@ -185,5 +183,6 @@ def _turned(R: Floats, scene: Scene) -> Floats:
 def pairs_of(scene: Scene, view: View, rows: Ints | slice, columns: Ints | slice) -> Pairs:
     """Of some frames of a scene with some of those learnt from."""
     dot = np.stack([part[rows] @ part[columns].T for part in (view.pose, view.turned)])
-    beside = view.square[:, rows], view.square[:, columns]
-    return Pairs(dot, *beside, scene.apart[rows][:, columns], scene.same[rows][:, columns])
+    apart = np.abs(scene.time[rows][:, None] - scene.time[columns])
+    own = int((scene.side[rows] == 0).sum()), int((scene.side[columns] == 0).sum())
+    return Pairs(dot, view.square[:, rows], view.square[:, columns], apart, own)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .motion import Floats, Gap, Motion
-from .ranking import ranked
+from .ranking import Ranks
 
 NEAR = 4
 JUMP = 5.0
@@ -32,10 +32,9 @@ OFTEN = 0.02
 class Trust:
     """Which markers of a trial can be trusted in a gap; bends are worked out once, distances where they are needed."""
 
-    def __init__(self, motion: Motion) -> None:
-        """Of a trial."""
-        self.motion = motion
-        self.near: dict[int, NDArray[np.int64]] = {}
+    def __init__(self, motion: Motion, ranks: Ranks) -> None:
+        """Of a trial and the order of its markers."""
+        self.motion, self.ranks = motion, ranks
         x = motion.xyz
         self.bends: NDArray[np.bool_] = np.zeros(x.shape[:2], np.bool_)
         with np.errstate(invalid="ignore", over="ignore"):
@@ -52,10 +51,9 @@ class Trust:
     def _jumps(self, marker: int, gap: Gap) -> bool:
         """(1) and (2) for most of its neighbours."""
         x = self.motion.xyz
-        if marker not in self.near:
-            self.near[marker] = ranked(self.motion, marker)
-        known = ~np.isnan(x[self.near[marker], gap.start : gap.stop, 0]).any(1)
-        near = [k for k in self.near[marker][known] if k != gap.marker][:NEAR]
+        others = self.ranks.of(marker)
+        known = ~np.isnan(x[others, gap.start : gap.stop, 0]).any(1)
+        near = [k for k in others[known] if k != gap.marker][:NEAR]
         odd = [_odd(np.linalg.norm(x[marker] - x[k], axis=1), gap) for k in near]
         return len(odd) > 1 and sum(odd) > len(odd) / 2
 

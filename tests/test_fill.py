@@ -246,7 +246,9 @@ class TestFill:
     def test_every_method_has_a_name_and_a_filler(self):
         assert set(METHODS) == {*NAMES, "auto"} and set(NAMES.values()) == set(FILLERS)
         assert all(name_of(kind()) == name for name, kind in NAMES.items())
-        assert within_time(Body(), 3) == Body() and within_time(Body(), 500).shared
+        motion = moving()
+        assert within_time(Body(), motion, [Gap(2, 100, 120)] * 3) == Body()
+        assert within_time(Body(), motion, [Gap(2, 100, 120)] * 30).hyper
 
 
 class TestOddInput:

@@ -1,15 +1,18 @@
 """Laws of choosing and judging that the whole of `fill` hardly shows: weights, few tests, ends, time, limits."""
 
+import sys
+
 import numpy as np
 import pytest
 from test_filling import segment, trial_of
 
-from kinemark.fill import Gap, LimbAngles, Linear, Motion, Prediction, fill
+from kinemark.fill import Body, Gap, LimbAngles, Linear, Motion, Prediction, fill
 from kinemark.fill.calibration import Calibration, Measured
 from kinemark.fill.combine import close_ones, mean_prediction, mean_tests, together, weights
-from kinemark.fill.fill import Answer, _mean_of_close, _told
+from kinemark.fill.fill import Answer, _mean_of_close, _told, ask
 from kinemark.fill.hiding import HiddenTest, Tried, plan
-from kinemark.fill.methods import affordable
+from kinemark.fill.methods import FILLERS, affordable, within_time
+from kinemark.synth import dressed, walking
 
 
 def filled_with(errors):
@@ -72,6 +75,27 @@ def test_a_mean_is_judged_in_tests_that_its_weights_were_not_made_from():
             w = weights(together(tried), counts)
             true.append(np.linalg.norm(np.tensordot(w, rng.normal(0, 1, (4, 500, 3)), 1), axis=1).mean())
     assert np.mean(told) == pytest.approx(np.mean(true), rel=0.1)
+
+
+@pytest.mark.parametrize("method", [Body(), LimbAngles()], ids=lambda m: type(m).__name__)
+def test_what_is_learnt_once_for_many_gaps_is_learnt_without_what_the_tests_hide(method, monkeypatch):
+    subject = dressed(walking(duration_s=12, rate=50.0, seed=2), 16, seed=2)
+    gaps = [Gap(k % 16, 12 * k + 20, 12 * k + 30) for k in range(40)]
+    motion = Motion(subject.xyz, 50.0, subject.names).hidden(gaps)
+    seen = []
+
+    def spy(one, learnt_from, some):
+        seen.append(learnt_from)
+        return within_time(one, learnt_from, some)
+
+    monkeypatch.setattr(sys.modules["kinemark.fill.fill"], "within_time", spy)
+    (answer,) = ask(motion, gaps, [method])
+    (learnt_from,) = seen
+    assert len(answer.tried) >= 40 and isinstance(answer.method, type(method)) and answer.method != method
+    for test in (tried.test for tried in answer.tried):
+        assert np.isnan(learnt_from.xyz[test.window.marker, test.window.start : test.window.stop]).all()
+    again = FILLERS[type(method)](motion, gaps, method=answer.method)
+    assert all(np.array_equal(a.xyz, b.xyz, equal_nan=True) for a, b in zip(again, answer.said, strict=True))
 
 
 def test_few_tests_make_wider_bands():

@@ -78,8 +78,8 @@ class Body:
         frames: to learn from at most; half of them beside the gap, half all over the trial.
         hz: how densely frames are taken.
         mirror: learn from the other side of the body too.
-        shared: λ, ℓ, ν … are those of the trial, found from a few of its gaps, not each marker's own; one
-            prediction, in the first base.
+        hyper: λ, ℓ, ν … of the trial (`common_hyper`), with which there is one prediction, in the first base; each
+            marker's own are found when None.
     """
 
     donors: int = 16
@@ -88,7 +88,7 @@ class Body:
     frames: int = 150
     hz: float = 30.0
     mirror: bool = True
-    shared: bool = False
+    hyper: Hyper | None = None
 
     def __post_init__(self) -> None:
         for name, least in (("donors", 3), ("bases", 1), ("kept", 1), ("frames", FEWEST)):
@@ -115,19 +115,31 @@ class _Look(NamedTuple):
 
 def fill_body(motion: Motion, gaps: list[Gap], *, method: Body) -> list[Prediction]:
     """Each gap by (4); gaps of one marker with the same donors share λ, ℓ, ν …"""
-    partner, ranks = partners(motion.names) if method.mirror else np.arange(len(motion.names)), Ranks(motion)
-    trial = _Trial(motion, motion.seen, partner, ranks, Trust(motion, ranks), {})
-    common = _common(trial, gaps, method) if method.shared else None
-    return [_fill(trial, gap, method, common) for gap in gaps]
+    trial = _trial(motion, method)
+    return [_fill(trial, gap, method) for gap in gaps]
 
 
-def _fill(trial: _Trial, gap: Gap, method: Body, common: Hyper | None) -> Prediction:
+def common_hyper(motion: Motion, gaps: list[Gap], *, method: Body) -> Hyper:
+    """λ, ℓ, ν … that are best for `FEW` of the gaps together."""
+    trial = _trial(motion, method)
+    some = [gaps[k] for k in np.unique(np.linspace(0, len(gaps) - 1, FEW).astype(int))] if gaps else []
+    looks = [look for gap in some if not isinstance(look := _look(trial, gap, method), str)]
+    return _best(looks) if looks else Hyper()
+
+
+def _trial(motion: Motion, method: Body) -> _Trial:
+    partner = partners(motion.names) if method.mirror else np.arange(len(motion.names))
+    ranks = Ranks(motion)
+    return _Trial(motion, motion.seen, partner, ranks, Trust(motion, ranks), {})
+
+
+def _fill(trial: _Trial, gap: Gap, method: Body) -> Prediction:
     look = _look(trial, gap, method)
     if isinstance(look, str):
         return Prediction.none(gap.length, look)
     donors, scene, views = look
-    if common:
-        kept = [(1.0, views[0], common)]
+    if method.hyper:
+        kept = [(1.0, views[0], method.hyper)]
     else:
         key = gap.marker, donors.tobytes()
         if key not in trial.hypers:
@@ -135,13 +147,6 @@ def _fill(trial: _Trial, gap: Gap, method: Body, common: Hyper | None) -> Predic
         kept = _weighed(scene, views, trial.hypers[key])[: method.kept]
     xyz, cov = _mean(scene, kept)
     return Prediction(xyz, cov, donors=tuple(int(d) for d in donors))
-
-
-def _common(trial: _Trial, gaps: list[Gap], method: Body) -> Hyper:
-    """λ, ℓ, ν … for all gaps, from `FEW` of them."""
-    some = [gaps[k] for k in np.unique(np.linspace(0, len(gaps) - 1, FEW).astype(int))]
-    looks = [look for gap in some if not isinstance(look := _look(trial, gap, method), str)]
-    return _best(looks) if looks else Hyper()
 
 
 def _look(trial: _Trial, gap: Gap, method: Body) -> _Look | str:

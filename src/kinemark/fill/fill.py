@@ -77,13 +77,14 @@ class Filled(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """One method's predictions for all gaps, and how it did in the hidden tests."""
+    """One method's predictions for all gaps, how it did in the hidden tests, and the form of it that did so."""
 
     name: str
     said: list[Prediction]
     measured: Measured
     calibration: Calibration
     tried: list[Tried]
+    method: Any = None
 
 
 def fill(
@@ -165,9 +166,9 @@ def ask_winners(motion: Motion, gaps: list[Gap], candidates: Sequence[Any], *, s
     while left:
         lead = {index: _leader(answers, *_told(answers, gaps, index)) for index in left}
         left = {index for index in left if lead[index].said[index] is UNASKED}
-        for answer, candidate in zip(answers, candidates, strict=True):
+        for answer in answers:
             mine = sorted(index for index in left if lead[index] is answer)
-            for index, said in zip(mine, _say(motion, [gaps[i] for i in mine], candidate, len(gaps)), strict=True):
+            for index, said in zip(mine, _say(motion, [gaps[i] for i in mine], answer.method), strict=True):
                 answer.said[index] = said
         left = {index for index in left if not np.isfinite(lead[index].said[index].xyz).all()}
     return answers
@@ -176,18 +177,22 @@ def ask_winners(motion: Motion, gaps: list[Gap], candidates: Sequence[Any], *, s
 def _asked(
     motion: Motion, gaps: list[Gap], candidates: Sequence[Any], seed: int, whether: Callable[[Any], bool]
 ) -> list[Answer]:
-    """The hidden tests of all methods, and what those of them say that are asked."""
+    """The hidden tests of all methods, and what those of them say that are asked.
+
+    What a method learns once for all gaps it learns from the trial with all tests hidden: none has its answer in it.
+    """
     if not gaps:
         return []
     tested = _tested(gaps) if len(candidates) == 1 else list(range(len(gaps)))
     planned = plan(motion, [gaps[k] for k in tested], per_gap=tests_per_gap(len(gaps)), seed=seed)
     planned = planned._replace(tests=[test._replace(of=tested[test.of]) for test in planned.tests])
+    hidden = motion.hidden(gap for copy in planned.copies for gap in copy)
     answers = []
     for candidate in candidates:
-        method = within_time(candidate, len(gaps))
+        method = within_time(candidate, hidden, gaps)
         tried = run(motion, planned, FILLERS[type(method)], method)
-        said = _say(motion, gaps, candidate, len(gaps)) if whether(candidate) else [UNASKED] * len(gaps)
-        answers.append(Answer(name_of(candidate), said, Measured(tried), Calibration(tried), tried))
+        said = _say(motion, gaps, method) if whether(method) else [UNASKED] * len(gaps)
+        answers.append(Answer(name_of(method), said, Measured(tried), Calibration(tried), tried, method))
     return answers
 
 
@@ -206,10 +211,9 @@ def _tested(gaps: list[Gap]) -> list[int]:
     return sorted({*middle, *(rest[k] for k in places)})
 
 
-def _say(motion: Motion, some: list[Gap], candidate: Any, gaps: int) -> list[Prediction]:
-    """What a method says of some of so many gaps."""
-    method = within_time(candidate, gaps)
-    return FILLERS[type(method)](motion, some, method=method) if some else []
+def _say(motion: Motion, gaps: list[Gap], method: Any) -> list[Prediction]:
+    """What a method says of some gaps."""
+    return FILLERS[type(method)](motion, gaps, method=method) if gaps else []
 
 
 def _within(found: FilledGap, limit_mm: float) -> FilledGap:

@@ -6,14 +6,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from .angles import KalmanAngles, LimbAngles, fill_kalman_angles, fill_limb_angles
-from .body import Body, fill_body
+from .angles import KalmanAngles, LimbAngles, fill_kalman_angles, fill_limb_angles, learned_of
+from .body import Body, common_hyper, fill_body
 from .cyclic import Cyclic, fill_cyclic
 from .hiding import MANY as MANY
 from .hiding import Filler
 from .kalman import Kalman, fill_kalman
 from .local_regression import LocalRegression, fill_local_regression
 from .low_rank_kalman import LowRankKalman, fill_low_rank_kalman
+from .motion import Gap, Motion
 from .pattern import Pattern, fill_pattern
 from .pca import PCA, fill_pca
 from .polynomials import Cubic, Linear, fill_cubic, fill_linear
@@ -73,12 +74,15 @@ def affordable(methods: Sequence[Any], gaps: int, frames: int) -> list[Any]:
     return quick if quick and gaps * frames > SLOW else list(methods)
 
 
-def within_time(method: Any, gaps: int) -> Any:
-    """The method itself, or a faster form of it where a trial has many gaps."""
-    if gaps <= MANY:
+def within_time(method: Any, motion: Motion, gaps: list[Gap]) -> Any:
+    """The method itself, or a faster form of it where there are many gaps, which learns once from a trial for all."""
+    if len(gaps) <= MANY:
         return method
     if isinstance(method, Body):
-        return replace(method, donors=min(method.donors, 12), bases=1, frames=min(method.frames, 75), shared=True)
+        quick = replace(method, donors=min(method.donors, 12), bases=1, frames=min(method.frames, 75))
+        return replace(quick, hyper=method.hyper or common_hyper(motion, gaps, method=quick))
+    if isinstance(method, LimbAngles) and method.model is None:
+        return replace(method, learned=learned_of(motion, method=method))
     if isinstance(method, Kalman):
         return replace(method, history=min(method.history, 0.25))
     return method

@@ -4,7 +4,7 @@ from .connect import component_angles, connect, directions
 from .events import cycle_events, intervals, model_events
 from .feedback import KalmanAngles, fill_kalman_angles
 from .learn import Learned, learn_model
-from .limb_angles import LimbAngles, fill_limb_angles, fit_model
+from .limb_angles import LimbAngles, fill_limb_angles, fit_model, learned_of
 
 __all__ = [
     "KalmanAngles",
@@ -19,5 +19,6 @@ __all__ = [
     "fit_model",
     "intervals",
     "learn_model",
+    "learned_of",
     "model_events",
 ]

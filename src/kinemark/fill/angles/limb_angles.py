@@ -31,7 +31,7 @@ from ...data.arrays import check_positive
 from ...signal.phase import Phase, find_phase
 from ..motion import Gap, Motion, Prediction
 from .connect import connect, directions
-from .learn import learn_model, template_of
+from .learn import Learned, learn_model, template_of
 from .place import Placer, Placings, correlation
 
 Floats = NDArray[np.float64]
@@ -57,6 +57,7 @@ class LimbAngles:
         shortest, longest: of cycles looked for, s.
         edges: samples on each side of a gap from which the error is carried over; 0: the bare model, as in the thesis.
         turn: whether another trial's model may be turned about the vertical to fit, as for a subject who walks back.
+        learned: of this trial (`learned_of`), to be used in several fills of it; None: made of the trial in each.
     """
 
     model: AngleModel | None = None
@@ -67,6 +68,7 @@ class LimbAngles:
     longest: float = 6.0
     edges: int = 5
     turn: bool = True
+    learned: Learned | None = None
 
     def __post_init__(self) -> None:
         check_positive(period=self.period, shortest=self.shortest, longest=self.longest)
@@ -97,12 +99,24 @@ def fit_model(motion: Motion, *, method: LimbAngles = LimbAngles()) -> Placer:
     if method.model is not None:
         model, phase = _foreign(motion, method.model, method.turn)
         return Placer(motion.xyz, model, phase, cycle=_cycle(phase, model.period * motion.rate), own=False)
+    learned = method.learned or _learn(motion, method)
+    return Placer(motion.xyz, learned.model, learned.phase, cycle=learned.model.period * motion.rate, own=True)
+
+
+def learned_of(motion: Motion, *, method: LimbAngles) -> Learned | None:
+    """The model made of a trial and the phase of its frames; None where none can be made."""
+    try:
+        return _learn(motion, method)
+    except KinemarkError:
+        return None
+
+
+def _learn(motion: Motion, method: LimbAngles) -> Learned:
     segments = connect(motion.xyz, names=motion.names, links=method.links, banks=method.banks)
-    learned = learn_model(
+    return learn_model(
         motion.xyz, rate=motion.rate, names=motion.names, segments=segments,
         period=method.period, shortest=method.shortest, longest=method.longest,
     )  # fmt: skip
-    return Placer(motion.xyz, learned.model, learned.phase, cycle=learned.model.period * motion.rate, own=True)
 
 
 def _cycle(phase: Phase, otherwise: float) -> float:

@@ -98,6 +98,19 @@ def test_what_is_learnt_once_for_many_gaps_is_learnt_without_what_the_tests_hide
     assert all(np.array_equal(a.xyz, b.xyz, equal_nan=True) for a, b in zip(again, answer.said, strict=True))
 
 
+def test_a_gap_in_which_the_methods_agree_is_expected_to_be_as_good_as_the_tests_in_which_they_do():
+    rng = np.random.default_rng(5)
+    hard = np.where(np.arange(20) % 2, 5.0, 0.5)[:, None, None]
+    tried = [filled_with(hard * rng.normal(0, 1, (20, 20, 3))) for _ in "ab"]
+    expected = {}
+    for apart in (0.5, 5.0):
+        said = [Prediction(k * apart * np.full((20, 3), np.sqrt(2)), np.full((20, 3, 3), np.nan)) for k in (0, 1)]
+        answers = [Answer(n, [x], Measured(t), Calibration(t), t) for n, x, t in zip("ab", said, tried, strict=True)]
+        expected[apart] = _told(answers, [Gap(0, 0, 20)], 0)[0]["a"][0]
+    usual = np.sqrt(8 / np.pi)  # mean length of a unit normal vector in space
+    assert expected[0.5] == pytest.approx(0.5 * usual, rel=0.15) and expected[5.0] == pytest.approx(5 * usual, rel=0.15)
+
+
 def test_few_tests_make_wider_bands():
     def band(n):
         rng = np.random.default_rng(0)

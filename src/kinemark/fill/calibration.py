@@ -5,7 +5,13 @@ are of the same marker:
 
     w = own · exp(−|ln L/L_gap| / SPREAD)                                                                  (1)
 
-with `own` 1 for the gap's tests and the shares MARKER and OTHER below for the rest. With s̄ the mean size of what the
+with `own` 1 for the gap's tests and the shares MARKER and OTHER below for the rest. Where several methods are tried,
+easy gaps and hard ones can be told apart: the two that do best are as far from one another, d, as the gap is hard.
+Tests in which they are as far apart as in the gap tell most of it,
+
+    w' = w · exp(−|ln d/d_gap| / SPREAD)                                                                   (9)
+
+With s̄ the mean size of what the
 filler claims its error to be (the root of the trace of its covariance), in a test or in the gap, the expected mean
 error of the gap is that of the tests, moved half way to what the claim says of this gap:
 
@@ -53,6 +59,8 @@ OTHER = 0.05
 LEVEL = 0.95
 OMEGA, WORTH = 0.5, 4.0
 """ω₀ and ν₀ of (6). On 648 gaps of seven trials ω was 0.44 for body, 0.57, 0.60, 0.65 and 0.75 for four others."""
+LEAST = 1e-3
+"""mm, and weight, below which differences do not count."""
 MOST = 5.0
 """What a claim may move an expected error by, at most."""
 Z = 1.959964
@@ -66,6 +74,12 @@ def weigh(tests: list[HiddenTest], of: int, gaps: list[Gap]) -> Floats:
     about = np.array([(t.of, t.window.marker, t.keep[1] - t.keep[0]) for t in tests], np.int64).reshape(-1, 3)
     share = np.where(about[:, 0] == of, 1.0, np.where(about[:, 1] == gap.marker, MARKER, OTHER))
     return share * np.exp(-np.abs(np.log(about[:, 2] / gap.length)) / SPREAD)
+
+
+def as_hard(apart: Floats, here: float) -> Floats:
+    """What (9) makes of each test, from how far the predictions of two methods are apart in it and in the gap, mm."""
+    ratio = np.log(np.maximum(apart, LEAST) / max(here, LEAST))
+    return np.asarray(np.maximum(np.exp(-np.abs(ratio) / SPREAD), LEAST))
 
 
 def size(cov: Floats) -> float:
@@ -96,8 +110,9 @@ class Measured:
         here = float(np.clip(here, 1 / MOST, MOST)) if np.isfinite(here) else 1.0
         return here * float(w @ self.means[able]), float(np.exp(w @ self.logs[able]))
 
-    def behind(self, other: Measured, weights: Floats) -> float:
-        """(3): the left side of it, below 0 where this method is better than the other by more than chance."""
+    def behind(self, other: Measured, weights: Floats, *, sure: float = 1.0) -> float:
+        """(3): the left side of it, below 0 where this method is better than the other by more than `sure` standard
+        errors."""
         with np.errstate(invalid="ignore"):
             d = self.logs - other.logs
         w = np.where(np.isfinite(d), weights, 0.0)
@@ -106,7 +121,7 @@ class Measured:
         w, d = w / w.sum(), np.where(w > 0, d, 0.0)
         n = 1 / float(w @ self.same @ w)
         mean = float(w @ d)
-        return mean + np.sqrt(float(w @ (d - mean) ** 2) / (n - 1)) if n > 1.001 else np.inf
+        return mean + sure * np.sqrt(float(w @ (d - mean) ** 2) / (n - 1)) if n > 1.001 else np.inf
 
 
 class Calibration:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..data import Origin, Path, Trajectories
 from .auto import Auto
-from .calibration import Calibration, Measured, weigh
+from .calibration import Calibration, Measured, as_hard, weigh
 from .combine import close_ones, mean_prediction, mean_tests, together
 from .combine import weights as best_weights
 from .edges import Edges, trim_edges
@@ -261,7 +261,7 @@ def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -
     best = _leader(answers, told, weights)
     if len(gaps) <= MANY and (mean := _mean_of_close(answers, told, index, weights)) and mean.name not in told:
         told[mean.name] = mean.measured.expect(mean.said[index], weights)
-        if told[mean.name][1] < told[best.name][1]:
+        if mean.measured.behind(best.measured, weights, sure=0.5) < 0:
             best = mean
     expected = {name: mm for name, (mm, _) in told.items()}
     said = best.said[index]
@@ -277,7 +277,22 @@ def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -
 def _told(answers: list[Answer], gaps: list[Gap], index: int) -> tuple[dict[str, tuple[float, float]], Floats]:
     """Expected and typical error of one gap by each method, and what each test counts for it."""
     weights = weigh([t.test for t in answers[0].tried], index, gaps)
-    return {answer.name: answer.measured.expect(answer.said[index], weights) for answer in answers}, weights
+
+    def told() -> dict[str, tuple[float, float]]:
+        return {answer.name: answer.measured.expect(answer.said[index], weights) for answer in answers}
+
+    found = told()
+    able = sorted((a for a in answers if np.isfinite(found[a.name][1])), key=lambda a: found[a.name][1])
+    if len(able) < 2 or len(gaps) > MANY:
+        return found, weights
+    apart = np.array([_apart(x.error, y.error) for x, y in zip(able[0].tried, able[1].tried, strict=True)])
+    weights = weights * as_hard(apart, _apart(able[0].said[index].xyz, able[1].said[index].xyz))
+    return told(), weights
+
+
+def _apart(one: Floats, other: Floats) -> float:
+    """Root mean square distance of two methods' predictions (L, 3), or of their errors, mm; 0 where one has none."""
+    return float(np.sqrt(((one - other) ** 2).sum(1).mean())) if len(one) and len(other) else 0.0
 
 
 def _leader(answers: list[Answer], told: dict[str, tuple[float, float]], weights: Floats) -> Answer:

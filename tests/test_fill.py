@@ -9,7 +9,7 @@ from scipy.stats import spearmanr
 from shared import shared_data
 
 from kinemark.data import Origin, Path, Trajectories
-from kinemark.fill import METHODS, Auto, Body, Edges, Gap, Linear, LocalRegression, Motion, fill, find_gaps
+from kinemark.fill import METHODS, Auto, Body, Edges, Gap, LimbAngles, Linear, LocalRegression, Motion, fill, find_gaps
 from kinemark.fill.fill import ENOUGH, UNASKED, _tested, ask, ask_winners, choose
 from kinemark.fill.frames import local, triad
 from kinemark.fill.local_regression import fill_local_regression
@@ -206,8 +206,9 @@ class TestFill:
     def test_what_hangs_on_the_other_gaps_is_asked_of_all(self):
         motion = moving(900, markers=12, soft=3.0, noise=0.3)
         gaps = [Gap(k % 12, 10 + 36 * k, 35 + 36 * k) for k in range(23)]
-        body, linear = ask_winners(motion.hidden(gaps), gaps, [Body(), Linear()])
-        assert all(said is not UNASKED for said in body.said) and all(said is UNASKED for said in linear.said)
+        limbs, body, linear = ask_winners(motion.hidden(gaps), gaps, [LimbAngles(), Body(), Linear()])
+        assert all(said is not UNASKED for each in (limbs, body) for said in each.said)
+        assert all(said is UNASKED for said in linear.said)
 
     def test_ends_are_left_unless_asked_for(self):
         motion = moving(soft=2.0).hidden([Gap(1, 0, 20), Gap(1, 280, 300)])
@@ -247,8 +248,8 @@ class TestFill:
         assert set(METHODS) == {*NAMES, "auto"} and set(NAMES.values()) == set(FILLERS)
         assert all(name_of(kind()) == name for name, kind in NAMES.items())
         motion = moving()
-        assert within_time(Body(), motion, [Gap(2, 100, 120)] * 3) == Body()
-        assert within_time(Body(), motion, [Gap(2, 100, 120)] * 30).hyper
+        assert within_time(Body(), [Gap(2, 100, 120)] * 3, motion) == Body()
+        assert within_time(Body(), [Gap(2, 100, 120)] * 30, motion).hyper
 
 
 class TestOddInput:

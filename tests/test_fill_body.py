@@ -7,9 +7,12 @@ from shared import shared_data
 from test_fill import moving, off, trial
 
 from kinemark.fill import Body, Edges, Gap, LocalRegression, Motion, fill, find_gaps
+from kinemark.fill.body import _best, _look, _trial, common_hyper
 from kinemark.fill.kriging import Hyper, Pairs, covariance, fit, left_out, matern, predict
 from kinemark.fill.methods import FILLERS
+from kinemark.fill.mirror import partners
 from kinemark.fill.ranking import Ranks
+from kinemark.fill.scene import scene_of, view_of
 from kinemark.fill.trusted import Trust
 from kinemark.formats import read
 from kinemark.synth import dressed, walking
@@ -169,3 +172,43 @@ class TestTrust:
         worst = next(gap for gap in find_gaps(motion) if gap.start == 192)
         (said,) = FILLERS[Body](motion, [worst], method=Body())
         assert off(said, Motion.of(truth), worst).mean() < 10  # of 45 mm with the upper arm as a donor
+
+
+def test_what_a_frame_varies_by_is_that_of_the_whole_covariance():
+    frames, n, w = Frames(40, own=25), np.arange(35), np.arange(20, 25)
+    n = np.setdiff1d(n, w)
+    y, h = np.random.default_rng(1).normal(0, 3, (30, 3)), Hyper(lam=0.1, nu=0.1, theta=0.5, ell=0.02)
+    found = fit(frames.pairs(n, n), y, h)
+    k, K = covariance(frames.pairs(w, n), h), covariance(frames.pairs(n, n), h) + h.nu * np.eye(30)
+    left = np.diag(covariance(frames.pairs(w, w), h)) - np.einsum("ij,ji->i", k, np.linalg.solve(K, k.T))
+    assert np.allclose(predict(frames.pairs(w, n), found)[1], left[:, None] * found.tau2, rtol=1e-6)
+
+
+def test_which_way_the_other_side_faces_does_not_matter():
+    motion, gap = mirrored(200), Gap(0, 60, 120)
+    donors, side = np.arange(1, 5), partners(motion.names)
+    hidden = motion.hidden([gap])
+    scene = scene_of(hidden, hidden.seen, gap, donors, partner=side, most=100, hz=30.0)
+    R = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    xyz = np.where((scene.side == 1)[:, None], scene.xyz @ R.T, scene.xyz)
+    one, other = (view_of(s, (1, 2, 3)) for s in (scene, scene._replace(xyz=xyz)))
+    assert np.allclose(one.turned, other.turned, atol=1e-9) and np.allclose(one.pose, other.pose, atol=1e-9)
+
+
+def test_hyper_of_many_gaps_is_no_single_ones():
+    motion, t = moving(300, soft=3.0, noise=0.3), np.arange(300) / 100
+    motion.xyz[2] += 4 * np.stack([np.sin(13 * t), np.cos(11 * t), np.sin(9 * t + 1)], 1)
+    gaps = [Gap(m, s, s + 15) for m, s in ((2, 60), (0, 100), (1, 150), (3, 200))]
+    hidden = motion.hidden(gaps)
+    common = common_hyper(hidden, gaps, method=Body())
+    assert common == common_hyper(hidden, gaps[::-1], method=Body())
+    assert common != common_hyper(hidden, gaps[:1], method=Body())
+    assert common_hyper(hidden, [], method=Body()) == Hyper()
+    assert common_hyper(hidden._replace(xyz=np.full_like(hidden.xyz, np.nan)), gaps, method=Body()) == Hyper()
+
+
+def test_four_like_gaps_have_the_hyper_of_one():
+    for marker in (1, 2, 3, 6):
+        motion, gap = mirrored(200, seed=3), Gap(marker, 60, 100)
+        look = _look(_trial(motion.hidden([gap]), Body()), gap, Body())
+        assert _best([look] * 4) == _best([look])

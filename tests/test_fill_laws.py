@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from test_filling import segment, trial_of
 
-from kinemark.fill import Body, Gap, LimbAngles, Linear, Motion, Prediction, fill
-from kinemark.fill.calibration import Calibration, Measured
+from kinemark.fill import Body, Gap, Kalman, LimbAngles, Linear, Motion, Prediction, fill
+from kinemark.fill.angles import fit_model, learned_of
+from kinemark.fill.calibration import LEAST, Calibration, Measured, as_hard
 from kinemark.fill.combine import close_ones, mean_prediction, mean_tests, together, weights
-from kinemark.fill.fill import Answer, _mean_of_close, _told, ask
+from kinemark.fill.fill import Answer, _mean_of_close, _told, ask, choose
 from kinemark.fill.hiding import HiddenTest, Tried, plan
+from kinemark.fill.kriging import Hyper
 from kinemark.fill.methods import FILLERS, affordable, within_time
 from kinemark.synth import dressed, walking
 
@@ -84,9 +86,9 @@ def test_what_is_learnt_once_for_many_gaps_is_learnt_without_what_the_tests_hide
     motion = Motion(subject.xyz, 50.0, subject.names).hidden(gaps)
     seen = []
 
-    def spy(one, learnt_from, some):
+    def spy(one, some, learnt_from):
         seen.append(learnt_from)
-        return within_time(one, learnt_from, some)
+        return within_time(one, some, learnt_from)
 
     monkeypatch.setattr(sys.modules["kinemark.fill.fill"], "within_time", spy)
     (answer,) = ask(motion, gaps, [method])
@@ -146,3 +148,86 @@ def test_the_limit_holds_for_markers_of_the_static_trial_too():
     (placed,) = fill(before, static=static).gaps
     (tight,) = fill(before, static=static, limit_mm=placed.expected_mm / 2).gaps
     assert placed.method == "static" and tight.method == "" and "more than the limit" in tight.reason
+
+
+def answer(name, errors, *, at=0.0, claim=1.0):
+    tried, L = filled_with(errors), errors.shape[1]
+    said = Prediction(np.full((L, 3), at), np.tile(claim * np.eye(3), (L, 1, 1)))
+    return Answer(name, [said], Measured(tried), Calibration(tried), tried)
+
+
+def along(axis, sizes):
+    """(T, 20, 3) errors of these sizes along one axis."""
+    return np.array(sizes, float)[:, None, None] * np.tile(np.eye(3)[axis], (20, 1))
+
+
+MOTION, GAP = Motion(np.zeros((1, 600, 3)), 100.0, ("A",)), Gap(0, 0, 20)
+
+
+def test_what_a_test_counts_is_what_it_counts_for_the_weights():
+    products = together([filled_with(along(0, [1, 3])), filled_with(along(1, [3, 1]))])
+    assert np.allclose(weights(products, np.array([9.0, 1.0])), [0.833, 0.167], atol=0.1)
+    assert weights(products, np.array([1.0, 9.0]))[1] > 0.7
+
+
+def test_however_easy_or_hard_a_test_it_counts_a_little():
+    assert np.allclose(as_hard(np.array([0.0, 1.0, 1e9]), 1.0), [LEAST, 1, LEAST])
+
+
+def test_how_hard_a_gap_is_the_best_two_tell():
+    rng = np.random.default_rng(5)
+    hard = np.where(np.arange(20) % 2, 5.0, 0.5)[:, None, None]
+    a, b, c = (
+        answer(name, hard * rng.normal(0, k, (20, 20, 3)), at=k * x)
+        for name, k, x in (("a", 1, 0), ("b", 1, 0.5), ("c", 90, 1))
+    )
+    assert np.array_equal(_told([c, a, b], [GAP], 0)[1], _told([a, b], [GAP], 0)[1])
+
+
+MIXED = [1] * 9 + [2.5] * 3, [1] * 6 + [2.5] * 3 + [1] * 3
+
+
+def test_a_mean_is_taken_if_better_by_half_a_standard_error_and_claims_what_it_says():
+    """It is better by 2.5 standard errors where errors are across, worse where they are along the same line."""
+    across = [answer("a", along(0, MIXED[0])), answer("b", along(1, MIXED[1]), claim=16.0)]
+    found = choose(MOTION, [GAP], 0, across)[0]
+    same = choose(MOTION, [GAP], 0, [across[0], across[1]._replace(said=across[0].said)])[0]
+    assert found.method == "a + b" == same.method and list(found.candidates) == ["a", "b", "a + b"]
+    assert found.expected_mm == pytest.approx(8.5**0.25 * same.expected_mm)  # half of 1 and 16
+    line = [answer("a", along(0, [1, 2] * 4)), answer("b", along(0, [2, 1] * 4))]
+    assert choose(MOTION, [GAP], 0, line)[0].method == "a"
+
+
+@pytest.mark.parametrize(("ahead", "aside", "name"), [(0.95, 1.29, "a"), (0.9, 0.995, "a + b")])
+def test_a_mean_is_named_after_those_that_count_and_one_alone_is_no_mean(ahead, aside, name):
+    """The other has 0.03 and 0.1 of the weight."""
+    both = [answer("a", along(0, [1] * 8)), answer("b", along(0, [ahead] * 8) + along(1, [aside] * 8))]
+    found, said, _ = choose(MOTION, [GAP], 0, both)
+    assert found.method == name and (said is both[0].said[0]) == (name == "a")
+    assert found.candidates["a"] == pytest.approx(1.0, abs=1e-9)
+
+
+def walker():
+    subject = dressed(walking(duration_s=6, rate=50.0, seed=2), 16, seed=2)
+    return Motion(subject.xyz, 50.0, subject.names)
+
+
+def test_the_faster_form_keeps_what_is_given():
+    motion, gaps, mine = walker(), [Gap(2, 100, 120)] * 30, Hyper(lam=7.0)
+    quick = within_time(Body(donors=5, frames=20, hyper=mine), gaps, motion)
+    assert quick.hyper == mine and quick.donors == 5 and quick.frames == 20
+    for given in (
+        LimbAngles(model=fit_model(motion).model),
+        LimbAngles(learned=learned_of(motion, method=LimbAngles())),
+    ):
+        assert within_time(given, gaps, motion) is given
+    assert [within_time(Kalman(history=h), gaps, motion).history for h in (0.1, 2.0)] == [0.1, 0.25]
+
+
+def test_where_the_tests_together_hide_most_of_the_trial_each_copy_is_learnt_from():
+    subject = dressed(walking(duration_s=8, rate=50.0, seed=2), 16, seed=2)
+    gaps = [Gap(k % 16, 10 + 14 * k, 35 + 14 * k) for k in range(24)]
+    motion = Motion(subject.xyz, 50.0, subject.names).hidden(gaps)
+    body, limbs = ask(motion, gaps, [Body(), LimbAngles()])
+    assert body.method.hyper is None and limbs.method.learned is None
+    assert np.isfinite([t.mean for t in body.tried]).mean() > 0.8

@@ -348,3 +348,9 @@ def test_what_refine_says_of_a_small_step_is_what_it_says_exactly():
     assert np.array_equal(quick.xyz, exact.xyz)
     assert np.abs(quick.off - exact.off).max() < 2e-3
     assert np.abs(quick.cov - exact.cov).max() < 0.01 * np.abs(exact.cov).max()
+
+
+def test_polar_rotations_of_great_and_small_matrices():
+    H = np.random.default_rng(3).normal(size=(50, 3, 3)) + 3 * np.eye(3)
+    for scale in (1e-9, 1e9):
+        assert np.abs(polar_rotations(scale * H) - polar_rotations(H)).max() < 1e-9

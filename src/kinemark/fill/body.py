@@ -21,7 +21,7 @@ greater
     J = ln e − ln p / 3n                                                                                  (3)
 
 is. λ, ℓ, ν, ρ, θ and the order of r's covariance are those of a small grid with the least J, found one after the
-other, each at its usual value unless another is better by `MARGIN`; ρ = 0 sets the mirror aside.
+other: each value in turn takes the place of the best so far if J is less by `MARGIN`. ρ = 0 sets the mirror aside.
 Which three donors carry the frame matters too, and how f may bend. Every base is tried with each of BENDS, and the
 `kept` best are averaged with weights w ∝ exp(−SHARPNESS J) (what is best in the blocks is best in the gap only by so
 much). With y_k and V_k what each predicts, the fill has (law of total covariance)
@@ -41,7 +41,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .kriging import Hyper, Ints, Pairs, fit, left_out, predict
+from .kriging import ORDERS, Hyper, Ints, Pairs, fit, left_out, predict
 from .mirror import partners
 from .motion import Floats, Gap, Motion, Prediction
 from .ranking import Ranks
@@ -96,6 +96,8 @@ class Body:
                 raise ValueError(f"{name} is {getattr(self, name)}, wanted at least {least}")
         if not self.hz > 0:
             raise ValueError(f"hz is {self.hz}, wanted above 0")
+        if self.hyper and self.hyper.order not in ORDERS:
+            raise ValueError(f"the order of the drift is {self.hyper.order}, wanted one of {ORDERS}")
 
 
 class _Trial(NamedTuple):
@@ -124,7 +126,7 @@ def common_hyper(motion: Motion, gaps: list[Gap], *, method: Body) -> Hyper:
     trial = _trial(motion, method)
     some = [gaps[k] for k in np.unique(np.linspace(0, len(gaps) - 1, FEW).astype(int))] if gaps else []
     looks = [look for gap in some if not isinstance(look := _look(trial, gap, method), str)]
-    return _best(looks) if looks else Hyper()
+    return _best(looks)
 
 
 def _trial(motion: Motion, method: Body) -> _Trial:
@@ -244,9 +246,8 @@ def _best(looks: list[_Look]) -> Hyper:
 
     best, at = Hyper(), badness(Hyper())
     for name, values in GRID.items():
-        usual = best
         for value in values:
-            new = usual._replace(**{name: value})
+            new = best._replace(**{name: value})
             if (found := badness(new)) < at - MARGIN * len(looks):
                 best, at = new, found
     return best

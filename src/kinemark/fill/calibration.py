@@ -5,13 +5,7 @@ are of the same marker:
 
     w = own · exp(−|ln L/L_gap| / SPREAD)                                                                  (1)
 
-with `own` 1 for the gap's tests and the shares MARKER and OTHER below for the rest. Where several methods are tried,
-easy gaps and hard ones can be told apart: the two that do best are as far from one another, d, as the gap is hard.
-Tests in which they are as far apart as in the gap tell most of it,
-
-    w' = w · exp(−|ln d/d_gap| / SPREAD)                                                                   (9)
-
-With s̄ the mean size of what the
+with `own` 1 for the gap's tests and the shares MARKER and OTHER below for the rest. With s̄ the mean size of what the
 filler claims its error to be (the root of the trace of its covariance), in a test or in the gap, the expected mean
 error of the gap is that of the tests, moved half way to what the claim says of this gap:
 
@@ -43,6 +37,12 @@ where ω₀ and ν₀ say what is usual, and how many tests that is worth. n is 
 one marker in a short trial overlap, and twelve of 1 s in 3 s are three. With ρ the share of two tests' frames that are
 the same ones of the same marker, n = (Σ w)² / Σ w_i w_j ρ_ij (7). The covariance is scaled such that `LEVEL` of the
 product s x, x distributed as in all tests of the method, lies within the interval of that share (8).
+
+Where several methods are tried in a trial of few gaps, easy gaps and hard ones can be told apart: the harder the gap,
+the farther are the two methods that do best from one another. With d the root mean square distance of their
+predictions, tests in which it is as in the gap tell most:
+
+    w' = w · exp(−|ln d/d_gap| / SPREAD)                                                                   (9)
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ LEVEL = 0.95
 OMEGA, WORTH = 0.5, 4.0
 """ω₀ and ν₀ of (6). On 648 gaps of seven trials ω was 0.44 for body, 0.57, 0.60, 0.65 and 0.75 for four others."""
 LEAST = 1e-3
-"""mm, and weight, below which differences do not count."""
+"""mm below which distances do not differ, and the least weight by (9)."""
 MOST = 5.0
 """What a claim may move an expected error by, at most."""
 Z = 1.959964

@@ -25,12 +25,13 @@ from .motion import Floats, Prediction
 
 CLOSE = 2.0
 HEAVY = 1e3
-"""How much more Σ w = 1 counts than the errors do, in the least squares that give (1)."""
+"""What Σ w = 1 counts in the least squares that give (1): any value gives the same w once Σ w is made 1, a great one
+keeps rounding away."""
 
 
 def close_ones(typical: Sequence[float]) -> list[int]:
     """The methods worth weighing together, by index; empty where one stands alone."""
-    order = [int(k) for k in np.argsort(typical) if typical[k] <= CLOSE * min(typical) and typical[k] > 0]
+    order = [int(k) for k in np.argsort(typical) if typical[k] <= CLOSE * min(typical)]
     return order if len(order) > 1 and np.isfinite(min(typical)) else []
 
 
@@ -78,6 +79,7 @@ def _mean_test(each: Sequence[Tried], w: Floats) -> Tried:
 
 
 def _claim(cov: Sequence[Floats], w: Floats) -> Floats:
-    """The weighed mean of those covariances (L, 3, 3) that are known throughout; the first, unknown, if none is."""
-    known = [k for k, c in enumerate(cov) if w[k] > 0 and np.isfinite(c).all()]
-    return np.average([cov[k] for k in known], axis=0, weights=w[known]) if known else np.full_like(cov[0], np.nan)
+    """The weighed mean of those covariances (L, 3, 3) that are known throughout, be it that of a method that hardly
+    counts; NaN if none is."""
+    known = [k for k, c in enumerate(cov) if np.isfinite(c).all()]
+    return np.average([cov[k] for k in known], axis=0, weights=w[known] + 1e-9) if known else cov[0]

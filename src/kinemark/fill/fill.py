@@ -30,6 +30,8 @@ ENOUGH = 60
 """Hidden tests of one method that tell how far off it is; more are made to choose one for each gap."""
 FIRST = "body"
 """The method that is best in most trials (docs/fill.md)."""
+MOSTLY = 0.6
+"""Of what is known must be left where all tests are hidden at once, for methods to learn from that."""
 LITTLE = 0.05
 """Of the weight of a mean, below which a method is not named."""
 UNASKED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
@@ -180,6 +182,7 @@ def _asked(
     """The hidden tests of all methods, and what those of them say that are asked.
 
     What a method learns once for all gaps it learns from the trial with all tests hidden: none has its answer in it.
+    Where that would leave too little to learn from, it learns in each copy anew.
     """
     if not gaps:
         return []
@@ -187,9 +190,10 @@ def _asked(
     planned = plan(motion, [gaps[k] for k in tested], per_gap=tests_per_gap(len(gaps)), seed=seed)
     planned = planned._replace(tests=[test._replace(of=tested[test.of]) for test in planned.tests])
     hidden = motion.hidden(gap for copy in planned.copies for gap in copy)
+    source = hidden if hidden.seen.sum() > MOSTLY * motion.seen.sum() else None
     answers = []
     for candidate in candidates:
-        method = within_time(candidate, hidden, gaps)
+        method = within_time(candidate, gaps, source)
         tried = run(motion, planned, FILLERS[type(method)], method)
         said = _say(motion, gaps, method) if whether(method) else [UNASKED] * len(gaps)
         answers.append(Answer(name_of(method), said, Measured(tried), Calibration(tried), tried, method))
@@ -275,7 +279,10 @@ def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -
 
 
 def _told(answers: list[Answer], gaps: list[Gap], index: int) -> tuple[dict[str, tuple[float, float]], Floats]:
-    """Expected and typical error of one gap by each method, and what each test counts for it."""
+    """Expected and typical error of one gap by each method, and what each test counts for it.
+
+    By how far two methods are apart too, where there are two, and few enough gaps that all were asked about each.
+    """
     weights = weigh([t.test for t in answers[0].tried], index, gaps)
 
     def told() -> dict[str, tuple[float, float]]:
@@ -291,8 +298,8 @@ def _told(answers: list[Answer], gaps: list[Gap], index: int) -> tuple[dict[str,
 
 
 def _apart(one: Floats, other: Floats) -> float:
-    """Root mean square distance of two methods' predictions (L, 3), or of their errors, mm; 0 where one has none."""
-    return float(np.sqrt(((one - other) ** 2).sum(1).mean())) if len(one) and len(other) else 0.0
+    """Root mean square distance of two methods' predictions (L, 3), or errors, mm; infinite where one has none."""
+    return float(np.sqrt(((one - other) ** 2).sum(1).mean())) if len(one) and len(other) else np.inf
 
 
 def _leader(answers: list[Answer], told: dict[str, tuple[float, float]], weights: Floats) -> Answer:

@@ -33,6 +33,7 @@ from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dtrtrs
 from .motion import Floats
 
 Ints = NDArray[np.int64]
+ORDERS = (1.5, 3.5)
 
 
 class Hyper(NamedTuple):
@@ -106,7 +107,7 @@ def covariance(pairs: Pairs, h: Hyper) -> Floats:
 
 
 def matern(r: Floats, order: float) -> Floats:
-    """Matérn's covariance of the orders 3/2 and 7/2 (R & W 4.17)."""
+    """Matérn's covariance of one of `ORDERS` (R & W 4.16)."""
     x = np.sqrt(2 * order) * r
     out = np.exp(-x)
     out *= x + 1 if order == 1.5 else ((x / 15 + 0.4) * x + 1) * x + 1

@@ -61,8 +61,8 @@ NAMES: dict[str, type] = {
 TRIED = tuple(name for name in NAMES if name != "kalman_angles")
 """Those that `Auto` tries; `limb_angles` does all that the thesis' own algorithm does, and better."""
 
-TOGETHER = (Body, LimbAngles, KalmanAngles)
-"""Methods whose answer for one gap hangs on the others asked with it: they learn from those, or fill on from them."""
+TOGETHER = (LimbAngles, KalmanAngles)
+"""Methods whose answer for one gap hangs on the others asked with it: they fill on from those."""
 
 SLOW = 600_000
 """Gaps times frames above which limb angles, which look at the whole trial for each hidden test, are not tried."""
@@ -74,15 +74,15 @@ def affordable(methods: Sequence[Any], gaps: int, frames: int) -> list[Any]:
     return quick if quick and gaps * frames > SLOW else list(methods)
 
 
-def within_time(method: Any, motion: Motion, gaps: list[Gap]) -> Any:
-    """The method itself, or a faster form of it where there are many gaps, which learns once from a trial for all."""
+def within_time(method: Any, gaps: list[Gap], source: Motion | None) -> Any:
+    """The method itself, or a faster form of it where there are many gaps, which learns once from a source for all."""
     if len(gaps) <= MANY:
         return method
     if isinstance(method, Body):
         quick = replace(method, donors=min(method.donors, 12), bases=1, frames=min(method.frames, 75))
-        return replace(quick, hyper=method.hyper or common_hyper(motion, gaps, method=quick))
-    if isinstance(method, LimbAngles) and method.model is None:
-        return replace(method, learned=learned_of(motion, method=method))
+        return quick if method.hyper or not source else replace(quick, hyper=common_hyper(source, gaps, method=quick))
+    if isinstance(method, LimbAngles) and source and not (method.model or method.learned):
+        return replace(method, learned=learned_of(source, method=method))
     if isinstance(method, Kalman):
         return replace(method, history=min(method.history, 0.25))
     return method

@@ -15,8 +15,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-LEAST_DET = 1e-9
-"""det H as a share of |H|³, below which (2) is surer than (3)."""
+LEAST_DET = 1e-14
+"""det H as a share of |H|³, below which rounding may decide its sign, and (2) is used."""
 ROUNDS = 20
 """Of (3) at most; five to seven are usual."""
 

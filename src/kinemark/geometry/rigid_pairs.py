@@ -1,10 +1,9 @@
 """Which markers keep their distance: links between pairs, the tree that joins all, and banks of several on one body.
 
-Of every pair of markers the mean distance and its spread are taken over the frames that have both (1). The spread as
-a share of the mean says how rigid the pair is; skin, and marks that lie across a joint, have more. Two markers that
-are both far from a
-joint can share little motion and still be of two bodies, so that nearness of rigidity is relative: the *tree* joins all
-markers with the least spread in all (2); a *bank* is a group of which every pair is rigid (3).
+Of every pair of markers the mean distance and its spread are taken over the frames that have both (1). The spread as a
+share of the mean says how rigid the pair is; skin, and marks that lie across a joint, have more. Two markers that are
+both far from a joint can share little motion and still be of two bodies, so that nearness of rigidity is relative: the
+*tree* joins all markers with the least spread in all (2); a *bank* is a group of which every pair is rigid (3).
 """
 
 from __future__ import annotations

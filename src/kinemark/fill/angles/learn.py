@@ -7,9 +7,8 @@ an angle with an axis folds where the segment crosses the axis, and the mean of 
 1. The cycle T is found from all directions together (`signal.periodic`), which, unlike positions, come back in walking.
 2. The phase is at first t / T.
 3. Each cycle is read at B equal steps of phase, between frames by the cubic through four of them, or a line where one
-   of the four is
-   missing; the mean of all cycles that have a step is the template (1), their spread about it the covariance (2),
-   with n − 1.
+   of the four is missing; the mean of all cycles that have a step is the template (1), their spread about it the
+   covariance (2), with n − 1.
 4. The phase of each frame is fitted to the template (`signal.phase`), so that a stride that is faster than the mean is
    no spread; then 3 again.
 

@@ -9,14 +9,12 @@ pairs s seen, without those of k itself, it is the rotation that makes tr(Rᵀ B
 
     B = Σ_s (ℓ_s / σ)² u_s d_sᵀ + I / a²                                                         (2)
 
-(Wahba 1965.) σ is what markers on skin move within a bank, a the spread of the
-model's angles: the second term asks for no turn. One formula serves all banks: with no pair seen R = I, which is the
-thesis; with one, the bank is swung into its line, by the shortest way; with two or more R is the pose of a rigid
-body.
+(Wahba 1965.) σ is what markers on skin move within a bank, a the spread of the model's angles: the second term asks for
+no turn. One formula serves all banks: with no pair seen R = I, which is the thesis; with one, the bank is swung into
+its line, by the shortest way; with two or more R is the pose of a rigid body.
 
-Where the model is made of the trial itself, d(φ(t)) for the frame t is not the mean of all cycles but that of the
-other ones, up to three
-before and three after: with t_m the moment at which φ(t_m) = φ(t) + m,
+Where the model is made of the trial itself, d(φ(t)) for the frame t is not the mean of all cycles but that of the other
+ones, up to three before and three after: with t_m the moment at which φ(t_m) = φ(t) + m,
 
     d(t) ∝ Σ_m≠0 w_m u(t_m)                                                                      (3)
 
@@ -27,9 +25,8 @@ are both seen:
     r(t) = x_k − x_i − ℓ R d                                                                     (4)
 
 Its mean r̄, covariance S and how long it lasts are taken over the whole trial, in runs of frames where it is long. r is
-likened to a process of
-covariance S c(Δt), c(Δt) = (1 + Δt / τ) exp(−Δt / τ) (5); τ is where the correlation found at a tenth of a cycle puts
-it.
+likened to a process of covariance S c(Δt), c(Δt) = (1 + Δt / τ) exp(−Δt / τ) (5); τ is where the correlation found at a
+tenth of a cycle puts it.
 """
 
 from __future__ import annotations
@@ -272,8 +269,9 @@ def _runs(n_frames: int, lag: int) -> Ints:
     """The frames from which errors are judged: all of a short trial, else runs of `RUN`, in pairs `lag` apart."""
     if n_frames <= MOST:
         return np.arange(n_frames)
-    first = np.linspace(0, n_frames - RUN - lag, MOST // (5 * RUN)).astype(np.int64)
-    return np.unique(first[:, None, None] + np.array([0, lag])[:, None] + np.arange(RUN))
+    first = np.linspace(0, max(n_frames - RUN - lag, 0), MOST // (5 * RUN)).astype(np.int64)
+    frames = np.unique(first[:, None, None] + np.array([0, lag])[:, None] + np.arange(RUN))
+    return frames[frames < n_frames]
 
 
 def _moments(phase: Phase) -> list[Floats]:

@@ -228,6 +228,6 @@ def test_where_the_tests_together_hide_most_of_the_trial_each_copy_is_learnt_fro
     subject = dressed(walking(duration_s=8, rate=50.0, seed=2), 16, seed=2)
     gaps = [Gap(k % 16, 10 + 14 * k, 35 + 14 * k) for k in range(24)]
     motion = Motion(subject.xyz, 50.0, subject.names).hidden(gaps)
-    body, limbs = ask(motion, gaps, [Body(), LimbAngles()])
+    body, limbs = ask(motion, gaps, [Body(donors=6, frames=40), LimbAngles()])
     assert body.method.hyper is None and limbs.method.learned is None
     assert np.isfinite([t.mean for t in body.tried]).mean() > 0.8

@@ -69,7 +69,7 @@ def test_the_list_of_methods_says_what_the_dataclasses_say():
     for stage, kinds in parameters().items():
         for name, defaults in kinds.items():
             method = METHODS[stage][name]()
-            records = {"static", "model", "limbs"}  # of filling: no text says these
+            records = {"static", "model", "limbs", "learned"}  # of filling: no text says these
             plain = [field.name for field in fields(method) if stage != "fill" or field.name not in records]
             assert defaults == {name: getattr(method, name) for name in plain}
     assert "search_radius      40.0" in methods_text(parameters("track"))

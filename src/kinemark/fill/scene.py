@@ -44,7 +44,7 @@ class Scene(NamedTuple):
         time: (n + L) s.
         n: frames to learn from.
         side: (n + L) source of each frame; of those learnt from, the marker's own (0) come first.
-        counts: (n + L) what each frame counts for the means (2).
+        shares: (sources, n + L) what each frame counts for the mean of its source (2), 1 in all.
         few: those of the n that models are judged by.
         blocks: of these, the frames of each block that is left out.
     """
@@ -53,7 +53,7 @@ class Scene(NamedTuple):
     time: Floats
     n: int
     side: Ints
-    counts: Floats
+    shares: Floats
     few: Ints
     blocks: list[Ints]
 
@@ -93,12 +93,12 @@ def scene_of(
         hz: how densely they are taken.
     """
     rows, step = np.array([gap.marker, *donors]), max(1, round(motion.rate / hz))
-    own = _thin(np.flatnonzero(seen[rows].all(0)), gap, most, step)
+    own = _thin(np.flatnonzero(np.logical_and.reduce(seen[rows])), gap, most, step)
     if len(own) < FEWEST:
         return None
     other, twins = np.zeros(0, np.int64), partner[rows]
     if (twins != rows).any():
-        other = np.flatnonzero(seen[twins].all(0))
+        other = np.flatnonzero(np.logical_and.reduce(seen[twins]))
         other = other[:: max(1, round(1.5 * motion.rate / hz), -(-2 * len(other) // most))]
     wanted = np.arange(gap.start, gap.stop)
     xyz = np.concatenate(
@@ -112,10 +112,10 @@ def scene_of(
     n = len(own) + len(other)
     side = np.repeat([0, 1, 0], [len(own), len(other), len(wanted)])
     time = np.concatenate([own, other, wanted]) / motion.rate
-    counts = np.repeat([1.0, 1 / step], [n, len(wanted)])
+    counts = np.repeat([1.0, 1 / step], [n, len(wanted)]) * (side == np.arange(2 if len(other) else 1)[:, None])
     few = _few(n)
     blocks = _blocks(own[few[few < len(own)]], gap)
-    return Scene(xyz, time, n, side, counts, few, blocks)
+    return Scene(xyz, time, n, side, counts / counts.sum(1, keepdims=True), few, blocks)
 
 
 def _few(n: int) -> Ints:
@@ -135,8 +135,9 @@ def _blocks(frames: Ints, gap: Gap) -> list[Ints]:
 
 def _thin(frames: Ints, gap: Gap, most: int, step: int) -> Ints:
     """Frames to learn from: those at the edges, half of the rest beside the gap, half all over the trial."""
-    away = np.maximum(gap.start - frames, frames - gap.stop + 1)
-    kept = frames[(away <= EDGE) | (frames % step == 0)]
+    wanted = frames % step == 0
+    wanted[slice(*np.searchsorted(frames, [gap.start - EDGE, gap.stop + EDGE]))] = True
+    kept = frames[wanted]
     if len(kept) <= most:
         return kept
     away = np.maximum(gap.start - kept, kept - gap.stop + 1)
@@ -151,33 +152,25 @@ def view_of(scene: Scene, base: tuple[int, ...]) -> View | None:
     R, c = triad(scene.xyz[list(base)])
     if not np.isfinite(R).all():
         return None
-    seen, n = local(R, c, scene.xyz), scene.n
+    seen, n, side = local(R, c, scene.xyz), scene.n, scene.side
     y, pose = seen[0, :n], seen[1:]
-    mean = np.zeros((2, 3))
-    for s in np.unique(scene.side):
-        mine = scene.side == s
-        mean[s] = y[mine[:n]].mean(0)
-        count = scene.counts[mine] / scene.counts[mine].sum()
-        pose[:, mine] -= (count @ pose[:, mine])[:, None]  # (2)
+    mean = np.array([y[side[:n] == s].mean(0) for s in range(len(scene.shares))])
+    pose = pose - (scene.shares @ pose)[:, side]  # (2)
     spread = np.sqrt((pose[:, :n] ** 2).sum(-1).mean(1))
     weight = 1 / (np.maximum(spread, 1e-3) * np.sqrt(1 + np.arange(len(pose))))  # (1)
     pose = (pose * weight[:, None, None]).transpose(1, 0, 2).reshape(len(R), -1)
     pose /= np.sqrt((pose[:n] ** 2).sum(1).mean()) or 1.0
     turned = _turned(R, scene)
     square = np.stack([(pose**2).sum(1), (turned**2).sum(1)])
-    return View(R, c, y - mean[scene.side[:n]], mean[0], pose, turned, square)
+    return View(R, c, y - mean[side[:n]], mean[0], pose, turned, square)
 
 
 def _turned(R: Floats, scene: Scene) -> Floats:
     """(n + L, 9) A of (1), less the mean of each source, in unit mean square over the frames to learn from."""
-    out = np.empty_like(R)
-    for s in np.unique(scene.side):
-        mine = scene.side == s
-        mean = np.tensordot(scene.counts[mine] / scene.counts[mine].sum(), R[mine], 1)
-        U, _, Vt = np.linalg.svd(mean)
-        out[mine] = (U @ Vt).T @ (R[mine] - mean)
-    flat = out.reshape(len(R), 9)
-    return flat / max(np.sqrt((flat[: scene.n] ** 2).sum(1).mean()), STILL)
+    mean = (scene.shares @ R.reshape(len(R), 9)).reshape(-1, 3, 3)
+    U, _, Vt = np.linalg.svd(mean)
+    flat = ((U @ Vt).swapaxes(1, 2)[scene.side] @ (R - mean[scene.side])).reshape(len(R), 9)
+    return np.asarray(flat / max(np.sqrt((flat[: scene.n] ** 2).sum(1).mean()), STILL))
 
 
 def pairs_of(scene: Scene, view: View, rows: Ints | slice, columns: Ints | slice) -> Pairs:

@@ -216,7 +216,7 @@ def _tested(gaps: list[Gap]) -> list[int]:
 
 
 def _say(motion: Motion, gaps: list[Gap], method: Any) -> list[Prediction]:
-    """What a method says of some gaps."""
+    """What a method says of some gaps, if any."""
     return FILLERS[type(method)](motion, gaps, method=method) if gaps else []
 
 
@@ -265,7 +265,7 @@ def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -
     best = _leader(answers, told, weights)
     if len(gaps) <= MANY and (mean := _mean_of_close(answers, told, index, weights)) and mean.name not in told:
         told[mean.name] = mean.measured.expect(mean.said[index], weights)
-        if mean.measured.behind(best.measured, weights, sure=0.5) < 0:
+        if mean.measured.behind(best.measured, weights, sure=0.5) < 0:  # one mean, no luckiest of many
             best = mean
     expected = {name: mm for name, (mm, _) in told.items()}
     said = best.said[index]

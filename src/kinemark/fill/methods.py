@@ -75,7 +75,13 @@ def affordable(methods: Sequence[Any], gaps: int, frames: int) -> list[Any]:
 
 
 def within_time(method: Any, gaps: list[Gap], source: Motion | None) -> Any:
-    """The method itself, or a faster form of it where there are many gaps, which learns once from a source for all."""
+    """The method itself, or a faster form of it where there are many gaps.
+
+    Args:
+        method: of filling.
+        gaps: all that are to be filled.
+        source: the trial from which it learns once for them all; each fill learns by itself when None.
+    """
     if len(gaps) <= MANY:
         return method
     if isinstance(method, Body):

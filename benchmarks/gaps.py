@@ -28,11 +28,11 @@ import numpy as np
 
 from kinemark.data import Origin, Trajectories
 from kinemark.data import Path as Path3D
+from kinemark.engine.formats import read
 from kinemark.fill import METHODS, Auto, Gap, Motion, fill, find_gaps
 from kinemark.fill.fill import Answer, ask, choose
-from kinemark.fill.hiding import distances
-from kinemark.fill.ranking import ranked
-from kinemark.formats import read
+from kinemark.fill.judge.hold_out import distances
+from kinemark.fill.reference_ranking import ranked
 from kinemark.synth import dressed, observe, ring, walking
 
 ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data")) / "mocap3d"

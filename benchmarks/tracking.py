@@ -25,12 +25,12 @@ from numpy.typing import NDArray
 from tracking_rivals import RIVALS
 
 from kinemark.data import Detections, Rig, Tracks
-from kinemark.follow import Simultaneous, follow
 from kinemark.match import EpipolarTriplets, KissTriplets, MatchMethod, match
 from kinemark.reconstruct import reconstruct
-from kinemark.score import Score, score
 from kinemark.synth import Observed, Subject, dressed, observe, ring, together, walking
+from kinemark.synth.score import Score, score
 from kinemark.track import ExtrapolationLadder, KissTracking, TrackMethod, track
+from kinemark.track.simultaneous import Simultaneous, follow
 
 
 @dataclass(frozen=True)

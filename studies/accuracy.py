@@ -38,10 +38,10 @@ from scipy.stats import t as student
 
 from kinemark.calibrate import ControlPoints, calibrate_control_points
 from kinemark.calibrate.bundle import Bundle, BundleFit, Points, bundle, calibrate_points, sticks_through
-from kinemark.calibrate.control_points.camera import Dlt
-from kinemark.calibrate.linearisation import GridView, Linearisation, linearise
+from kinemark.calibrate.control_points.fit_camera import Dlt
+from kinemark.calibrate.lens.linearisation import GridView, Linearisation, linearise
 from kinemark.calibrate.wand import KNOWN_LENS, calibrate_wand, wand_lengths
-from kinemark.calibrate.world import fit_moved_to, fit_scaled
+from kinemark.calibrate.world_frame import fit_moved_to, fit_scaled
 from kinemark.data import Camera, KinemarkError, Rig
 from kinemark.geometry import from_dlt, project_all, refine, rigid_align, triangulate, undistort
 from kinemark.io.easywand import EasyWand, read_easywand

@@ -43,14 +43,14 @@ from numpy.typing import NDArray
 from recordings import recording
 
 from kinemark.data import Camera, Cloud, Detections, Rig, Tracks
-from kinemark.follow import Simultaneous, follow
 from kinemark.geometry import normalised, triangulate, undistort
 from kinemark.io.tdf import read_tdf
 from kinemark.match import EpipolarTriplets, KissTriplets, MatchMethod, match
 from kinemark.reconstruct import CameraPairs, LeastSquares, ReconstructMethod, reconstruct
-from kinemark.score import Score, changes, score
 from kinemark.signal import assign
+from kinemark.synth.score import Score, changes, score
 from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, TrackMethod, track
+from kinemark.track.simultaneous import Simultaneous, follow
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

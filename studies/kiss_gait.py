@@ -24,14 +24,14 @@ from typing import NamedTuple
 import numpy as np
 
 from kinemark.data import Cloud, Detections, KinemarkError, Rig, Tracks
-from kinemark.follow import FormerTwoCameras, Simultaneous, follow
 from kinemark.match import EpipolarTriplets, KissTriplets, match
 from kinemark.reconstruct import LeastSquares, reconstruct
-from kinemark.score import score
 from kinemark.synth import Subject, observe, ring, walking
+from kinemark.synth.score import score
 from kinemark.track import ExtrapolationLadder, KissTracking, blend, track, without_short
 from kinemark.track.editing import inside_volume
-from kinemark.track.kiss import link
+from kinemark.track.kiss_tracking import link
+from kinemark.track.simultaneous import FormerTwoCameras, Simultaneous, follow
 
 WITHIN = 20.0
 """mm; the farthest that a point may be from a marker to count as it. The closest markers are 60 mm apart."""

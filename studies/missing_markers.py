@@ -45,9 +45,9 @@ from swamidas_runs import STARTS, Run, cloud_of, gap_frames, recorded, visible
 
 from kinemark.data import AngleModel
 from kinemark.fill import Gap, Motion, Prediction, find_gaps
-from kinemark.fill.angles import KalmanAngles, LimbAngles, fill_kalman_angles, fill_limb_angles, fit_model
-from kinemark.fill.angles.feedback import Feedback
-from kinemark.fill.kalman import Kalman, fill_kalman
+from kinemark.fill.methods.angles import KalmanAngles, LimbAngles, fill_kalman_angles, fill_limb_angles, fit_model
+from kinemark.fill.methods.angles.feedback import Feedback
+from kinemark.fill.methods.kalman_predictor import Kalman, fill_kalman
 from kinemark.track.swamidas import follow_points
 
 Floats = NDArray[np.float64]

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinemark.data import Detections, KinemarkError, Rig, Trajectories
+from kinemark.findings.sensitivity_figures import sensitivity_figures, sensitivity_summary
 from kinemark.geometry import project
 from kinemark.io.model_toml import load_model
 from kinemark.io.tdf import read_tdf
-from kinemark.report.sensitivity import sensitivity_figures, sensitivity_summary
 from kinemark.report.theme import FAINT, HUES, INK
 from kinemark.sensitivity import (
     Kinematics,
@@ -42,10 +42,17 @@ from kinemark.sensitivity import (
     rank,
     sample,
 )
-from kinemark.sensitivity.dlt import fit_parameters
-from kinemark.sensitivity.dlt import project as project_dlt
+from kinemark.sensitivity.dlt_samples import fit_parameters
+from kinemark.sensitivity.dlt_samples import project as project_dlt
 from kinemark.sensitivity.joints import kinematics_of
-from kinemark.sensitivity.um2as import CALIBRATION_PX, MARKER_PX, PERTURBED_4_2, TABLE_4_2, marker_error, pairs_mean
+from kinemark.sensitivity.um2as_experiment import (
+    CALIBRATION_PX,
+    MARKER_PX,
+    PERTURBED_4_2,
+    TABLE_4_2,
+    marker_error,
+    pairs_mean,
+)
 from kinemark.synth import arm
 
 Floats = NDArray[np.float64]

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from shared import shared_data
 
-from kinemark import cli
-from kinemark.angles import AngleSettings, angles_of_file, trial_angles
+from kinemark.apps import cli
 from kinemark.data import Angles, Cloud, Events, KinemarkError, Path, Tracks, Trajectories, Trial
-from kinemark.formats import read_trial
+from kinemark.engine.formats import read_trial
+from kinemark.engine.trial_angles import AngleSettings, angles_of_file, trial_angles
 from kinemark.io.c3d import markers, read_c3d, with_angles, write_c3d
 from kinemark.io.model_toml import load_model
 from kinemark.io.records import save

@@ -13,7 +13,7 @@ from kinemark.calibrate.bundle.adjust import observed
 from kinemark.calibrate.bundle.parts import all_points, slices
 from kinemark.calibrate.bundle.robust_points import robust_points
 from kinemark.calibrate.bundle.solver import State, cost, normal_equations, piece_inverses, reduced, solve
-from kinemark.calibrate.world import fit_moved_to
+from kinemark.calibrate.world_frame import fit_moved_to
 from kinemark.data import Rig
 from kinemark.geometry import project, project_all
 from kinemark.synth import ring

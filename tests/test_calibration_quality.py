@@ -11,12 +11,12 @@ from scipy.spatial.transform import Rotation
 from kinemark.calibrate import calibrate_control_points
 from kinemark.calibrate.bundle import Bundle, calibrate_sticks
 from kinemark.calibrate.quality import apart_from_frame, block_diagonal, predicted_covariance, visible
+from kinemark.calibrate.quality.calibration_evidence import Evidence, centroid_deviation
 from kinemark.calibrate.quality.change import compare
-from kinemark.calibrate.quality.evidence import Evidence, centroid_deviation
-from kinemark.calibrate.quality.images import cover_image
+from kinemark.calibrate.quality.image_coverage import cover_image
 from kinemark.calibrate.quality.volume import deviation, map_volume, points_of, ray_angle, view_volume, volume_grid
 from kinemark.calibrate.quality.wand import folds_of, image_errors, judge_poses, reconstructed, seen_by
-from kinemark.calibrate.world import fit_moved_to, moved_to
+from kinemark.calibrate.world_frame import fit_moved_to, moved_to
 from kinemark.data import KinemarkError, Rig
 from kinemark.geometry import project_all, refine, triangulate, undistort
 from kinemark.synth import ring as laboratory

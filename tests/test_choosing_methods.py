@@ -12,16 +12,16 @@ import pytest
 from laboratory import observe, ring
 from test_tracking import swarm
 
-from kinemark.cli import methods
+from kinemark.apps.cli import methods
 from kinemark.data import KinemarkError, same
-from kinemark.follow import FOLLOWERS, follow
+from kinemark.engine.session import Session
+from kinemark.engine.settings import METHODS, methods_text, parameters
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.match import MATCHERS, match
 from kinemark.reconstruct import RECONSTRUCTORS, reconstruct
-from kinemark.session import Session
-from kinemark.settings import METHODS, methods_text, parameters
 from kinemark.track import TRACKERS, track
+from kinemark.track.simultaneous import FOLLOWERS, follow
 
 NAMED = {
     "match": {

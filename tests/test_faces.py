@@ -12,17 +12,17 @@ from shared import shared_data
 from test_tracking import swarm
 
 import kinemark
+from kinemark.apps.demo import demo
 from kinemark.data import KinemarkError, Path, Trajectories, Trial, same
-from kinemark.demo import demo
-from kinemark.formats import convert, describe
+from kinemark.engine.formats import convert, describe
+from kinemark.engine.session import Session
+from kinemark.engine.simulate import Scene, simulate
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.io.detections_csv import read_detections_csv
 from kinemark.io.records import load, save
 from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
 from kinemark.io.trc import read_trc
-from kinemark.score import score
-from kinemark.session import Session
-from kinemark.simulate import Scene, simulate
+from kinemark.synth.score import score
 
 
 def kinemark_command(*arguments, folder=None):

@@ -9,14 +9,26 @@ from scipy.stats import spearmanr
 from shared import shared_data
 
 from kinemark.data import Origin, Path, Trajectories
-from kinemark.fill import METHODS, Auto, Body, Edges, Gap, LimbAngles, Linear, LocalRegression, Motion, fill, find_gaps
+from kinemark.engine.formats import read
+from kinemark.fill import (
+    METHODS,
+    Auto,
+    Body,
+    Edges,
+    Gap,
+    LimbAngles,
+    Linear,
+    LocalRegression,
+    Motion,
+    fill,
+    find_gaps,
+)
 from kinemark.fill.fill import ENOUGH, UNASKED, _tested, ask, ask_winners, choose
-from kinemark.fill.frames import local, triad
-from kinemark.fill.local_regression import fill_local_regression
-from kinemark.fill.methods import FILLERS, NAMES, name_of, within_time
-from kinemark.fill.mirror import REFLECTED, partners
-from kinemark.fill.motion import Prediction
-from kinemark.formats import read
+from kinemark.fill.local_frames import local, triad
+from kinemark.fill.marker_array import Prediction
+from kinemark.fill.methods.local_regression import fill_local_regression
+from kinemark.fill.methods.table import FILLERS, NAMES, name_of, within_time
+from kinemark.fill.mirrored_markers import REFLECTED, partners
 from kinemark.synth import dressed, walking
 
 OURS = [LocalRegression(), Body()]

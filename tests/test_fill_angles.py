@@ -5,7 +5,7 @@ import pytest
 
 from kinemark.data import AngleModel, KinemarkError, same
 from kinemark.fill import Gap, Motion
-from kinemark.fill.angles import (
+from kinemark.fill.methods.angles import (
     KalmanAngles,
     LimbAngles,
     component_angles,
@@ -18,8 +18,8 @@ from kinemark.fill.angles import (
     intervals,
     model_events,
 )
-from kinemark.fill.angles.limb_angles import _Filling
-from kinemark.fill.angles.place import taper
+from kinemark.fill.methods.angles.limb_angles import _Filling
+from kinemark.fill.methods.angles.place import taper
 from kinemark.geometry.rigid_pairs import distances, rigid_groups
 from kinemark.io.angle_model_csv import read_angle_model, write_angle_model
 from kinemark.signal.phase import Phase

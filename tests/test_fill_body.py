@@ -6,15 +6,15 @@ from scipy.special import gamma, kv
 from shared import shared_data
 from test_fill import moving, off, trial
 
+from kinemark.engine.formats import read
 from kinemark.fill import Body, Edges, Gap, LocalRegression, Motion, fill, find_gaps
-from kinemark.fill.body import _best, _look, _trial, common_hyper
-from kinemark.fill.kriging import Hyper, Pairs, covariance, fit, left_out, matern, predict
-from kinemark.fill.methods import FILLERS
-from kinemark.fill.mirror import partners
-from kinemark.fill.ranking import Ranks
-from kinemark.fill.scene import scene_of, view_of
-from kinemark.fill.trusted import Trust
-from kinemark.formats import read
+from kinemark.fill.jumping_markers import Trust
+from kinemark.fill.methods.body import _best, _look, _trial, common_hyper
+from kinemark.fill.methods.kriging import Hyper, Pairs, covariance, fit, left_out, matern, predict
+from kinemark.fill.methods.table import FILLERS
+from kinemark.fill.methods.training_frames import scene_of, view_of
+from kinemark.fill.mirrored_markers import partners
+from kinemark.fill.reference_ranking import Ranks
 from kinemark.synth import dressed, walking
 
 

@@ -8,7 +8,7 @@ from shared import shared_data
 from kinemark.fill import Gap, Motion, StaticShape
 from kinemark.fill.edges import Edges, trim_edges
 from kinemark.fill.static import FromStatic, place_absent
-from kinemark.io.c3d.trial import markers, read_c3d
+from kinemark.io.c3d.to_trial import markers, read_c3d
 
 GAIT = "mocap3d/qualisys_gait/Gait - CGM2 1.c3d"
 STATIC = "mocap3d/qualisys_gait/Static - CGM2 1.c3d"

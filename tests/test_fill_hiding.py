@@ -7,9 +7,9 @@ import pytest
 from test_fill import moving
 
 from kinemark.fill import Body, Gap, Linear, Motion, Prediction
-from kinemark.fill.calibration import Calibration, Measured, weigh
-from kinemark.fill.hiding import HiddenTest, Tried, plan, run
-from kinemark.fill.methods import FILLERS
+from kinemark.fill.judge.expected_error import Calibration, Measured, weigh
+from kinemark.fill.judge.hold_out import HiddenTest, Tried, plan, run
+from kinemark.fill.methods.table import FILLERS
 
 
 class TestHiding:

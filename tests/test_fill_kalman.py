@@ -4,9 +4,16 @@ import numpy as np
 import pytest
 
 from kinemark.fill import Gap, Motion
-from kinemark.fill.kalman import Kalman, fill_kalman
+from kinemark.fill.methods.kalman_predictor import Kalman, fill_kalman
 from kinemark.signal.kalman import F, State, predict, update, update_position
-from kinemark.signal.smoother import filter_positions, jump_of, noise_of, predict_gaps, smooth_gaps, smooth_positions
+from kinemark.signal.smoother import (
+    filter_positions,
+    jump_of,
+    noise_of,
+    predict_gaps,
+    smooth_gaps,
+    smooth_positions,
+)
 
 MODES = ("forward", "forward_backward", "smoother")
 METHODS = [Kalman(mode) for mode in MODES] + [Kalman(mode, differences=True) for mode in MODES[:2]]

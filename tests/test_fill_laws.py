@@ -7,13 +7,13 @@ import pytest
 from test_filling import segment, trial_of
 
 from kinemark.fill import Body, Gap, Kalman, LimbAngles, Linear, Motion, Prediction, fill
-from kinemark.fill.angles import fit_model, learned_of
-from kinemark.fill.calibration import LEAST, Calibration, Measured, as_hard
-from kinemark.fill.combine import close_ones, mean_prediction, mean_tests, together, weights
 from kinemark.fill.fill import Answer, _mean_of_close, _told, ask, choose
-from kinemark.fill.hiding import HiddenTest, Tried, plan
-from kinemark.fill.kriging import Hyper
-from kinemark.fill.methods import FILLERS, affordable, within_time
+from kinemark.fill.judge.combine import close_ones, mean_prediction, mean_tests, together, weights
+from kinemark.fill.judge.expected_error import LEAST, Calibration, Measured, as_hard
+from kinemark.fill.judge.hold_out import HiddenTest, Tried, plan
+from kinemark.fill.methods.angles import fit_model, learned_of
+from kinemark.fill.methods.kriging import Hyper
+from kinemark.fill.methods.table import FILLERS, affordable, within_time
 from kinemark.synth import dressed, walking
 
 

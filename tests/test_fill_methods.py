@@ -23,8 +23,9 @@ from kinemark.fill import (
     StaticShape,
     find_gaps,
 )
-from kinemark.fill.low_rank_kalman import solve
-from kinemark.fill.methods import (
+from kinemark.fill.methods.low_rank_kalman import solve
+from kinemark.fill.methods.polynomials import lagrange
+from kinemark.fill.methods.table import (
     fill_cubic,
     fill_cyclic,
     fill_linear,
@@ -35,9 +36,8 @@ from kinemark.fill.methods import (
     fill_relational,
     fill_rigid_body,
 )
-from kinemark.fill.polynomials import lagrange
 from kinemark.geometry import nearest_rotations
-from kinemark.io.c3d.trial import markers, read_c3d
+from kinemark.io.c3d.to_trial import markers, read_c3d
 from kinemark.signal import smoothing_spline
 
 FILLERS = {

@@ -9,29 +9,18 @@ from laboratory import observe, ring
 from test_fill_edges_static import swaying
 from test_filling import GAP, segment, trial_of, with_gap
 
-from kinemark.cli import app
+from kinemark.apps.cli import app
 from kinemark.data import Fills, Origin, Path, same
-from kinemark.fill import (
-    Cubic,
-    FilledGap,
-    Filling,
-    Gap,
-    Linear,
-    Prediction,
-    Rays,
-    RigidBody,
-    fill,
-    fill_recording,
-)
-from kinemark.fill.calibration import Measured
+from kinemark.engine.fill_files import fill_file, filled_text
+from kinemark.engine.settings.method_tables import filling_of
+from kinemark.fill import Cubic, FilledGap, Filling, Gap, Linear, Prediction, Rays, RigidBody, fill, fill_recording
 from kinemark.fill.fill import Filled
-from kinemark.fill.hiding import HiddenTest, Tried
-from kinemark.filling import fill_file, filled_text
+from kinemark.fill.judge.expected_error import Measured
+from kinemark.fill.judge.hold_out import HiddenTest, Tried
+from kinemark.findings.gaps import filling_figures
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.report.figures_gaps import gap_figure
-from kinemark.report.filling import filling_figures
 from kinemark.report.filling_page import filling_page
-from kinemark.settings.methods import filling_of
 
 QUICK = {"method": Linear(), "name": "linear", "limit_mm": np.inf}
 

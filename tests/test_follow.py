@@ -8,17 +8,17 @@ import pytest
 from laboratory import observe, ring
 
 from kinemark.data import Detections, KinemarkError, Rig
-from kinemark.follow import Simultaneous, follow
-from kinemark.follow.claims import claim, expect
-from kinemark.follow.groups import _near_lines, _together, fundamentals, placed
-from kinemark.follow.images import read_images
-from kinemark.follow.motion import Motion, ahead, at_rest, back, inverse, reversed_time, told
-from kinemark.follow.paths import LOOK, Points, motion_from, rows_near, rows_of, smoothed
 from kinemark.geometry import project
-from kinemark.score import score
 from kinemark.synth import dressed, walking
 from kinemark.synth import observe as seen_by
 from kinemark.synth import ring as synth_ring
+from kinemark.synth.score import score
+from kinemark.track.simultaneous import Simultaneous, follow
+from kinemark.track.simultaneous.associate import claim, expect
+from kinemark.track.simultaneous.candidate_points import _near_lines, _together, fundamentals, placed
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.kalman_states import Motion, ahead, at_rest, back, inverse, reversed_time, told
+from kinemark.track.simultaneous.neighbouring_points import LOOK, Points, motion_from, rows_near, rows_of, smoothed
 
 
 def dance(n=8, frames=60, *, rate=100.0, seed=0):
@@ -275,7 +275,7 @@ def test_claims_are_the_best_of_all(seed):
 @pytest.mark.parametrize("at_once", [1, 40, 4000])
 def test_pairs_near_lines_are_those_of_a_loop_over_all_pairs(at_once, monkeypatch):
     """Whatever the number of images in each frame and camera, and however many frames are looked at together."""
-    monkeypatch.setattr(sys.modules["kinemark.follow.groups"], "AT_ONCE", at_once)
+    monkeypatch.setattr(sys.modules["kinemark.track.simultaneous.candidate_points"], "AT_ONCE", at_once)
     rig, rng = ring(4), np.random.default_rng(3)
     xyz = dance(6, 9)
     xyz[:, 4] = np.nan  # nothing there

@@ -8,8 +8,8 @@ from laboratory import observe, ring
 from test_follow import dance
 
 from kinemark.data import Detections
-from kinemark.follow import Simultaneous, followed, noticed
-from kinemark.follow.clocks import clocks
+from kinemark.track.simultaneous import Simultaneous, followed, noticed
+from kinemark.track.simultaneous.time_offsets import clocks
 
 FRAMES = 160
 

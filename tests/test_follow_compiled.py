@@ -8,9 +8,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinemark.compiled import PLAIN
-from kinemark.follow import claims, compiled, follow, groups, motion
-from kinemark.follow.images import Images, read_images
 from kinemark.synth import dressed, observe, ring, walking
+from kinemark.track.simultaneous import (
+    associate as claims,
+)
+from kinemark.track.simultaneous import (
+    candidate_points as groups,
+)
+from kinemark.track.simultaneous import (
+    compiled,
+    follow,
+)
+from kinemark.track.simultaneous import (
+    kalman_states as motion,
+)
+from kinemark.track.simultaneous.detection_index import Images, read_images
 
 needs_kernel = pytest.mark.skipif(compiled.library() is None, reason="the tracker was installed without a compiler")
 some = settings(max_examples=40, deadline=None)

@@ -9,17 +9,17 @@ from test_follow import dance
 from test_follow_trouble import in_pieces, points
 
 from kinemark.data import Cloud, Tracks
-from kinemark.follow import Simultaneous, follow, followed, noticed, noticed_of
-from kinemark.follow.births import _triples
-from kinemark.follow.doubts import SURE_INDEED, _found_again, _joins, _jumps, _merged, _near, _weak
-from kinemark.follow.evidence import WEAK, evidence
-from kinemark.follow.groups import Groups
-from kinemark.follow.joins import CLEAR, Join, joined
-from kinemark.follow.run import Sightings
 from kinemark.match import match
 from kinemark.reconstruct import reconstruct
-from kinemark.score import score
+from kinemark.synth.score import score
 from kinemark.track import track
+from kinemark.track.simultaneous import Simultaneous, follow, followed, noticed, noticed_of
+from kinemark.track.simultaneous.ambiguous import SURE_INDEED, _found_again, _joins, _jumps, _merged, _near, _weak
+from kinemark.track.simultaneous.candidate_points import Groups
+from kinemark.track.simultaneous.initiate import _triples
+from kinemark.track.simultaneous.likelihood import WEAK, evidence
+from kinemark.track.simultaneous.passes import Sightings
+from kinemark.track.simultaneous.stitch import CLEAR, Join, joined
 
 METHOD = Simultaneous()
 

@@ -10,11 +10,11 @@ from laboratory import observe, ring
 from test_tracking import swarm
 
 from kinemark.data import Detections, KinemarkError, same
-from kinemark.follow.former import FormerTwoCameras, follow_former
-from kinemark.follow.former_pairs import best_interval, paired, residuals, unbranched
-from kinemark.follow.former_paths import Paths, paths_of, start_of
 from kinemark.geometry import epipolar_lines, fundamental, project, to_dlt
-from kinemark.score import score
+from kinemark.synth.score import score
+from kinemark.track.two_cameras.former_two_cameras import FormerTwoCameras, follow_former
+from kinemark.track.two_cameras.image_paths import Paths, paths_of, start_of
+from kinemark.track.two_cameras.paired_paths import best_interval, paired, residuals, unbranched
 
 IDEAL = np.zeros(5)
 SIZE = np.array([1000, 800])

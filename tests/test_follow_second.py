@@ -6,17 +6,19 @@ from laboratory import observe, ring
 from test_follow import dance
 
 from kinemark.data import Cloud
-from kinemark.follow import Simultaneous, follow, joins, second
-from kinemark.follow.claims import Claims, expect, information
-from kinemark.follow.evidence import FAIR, SURE, evidence
-from kinemark.follow.images import read_images
-from kinemark.follow.joins import joined
-from kinemark.follow.motion import Motion, told
-from kinemark.follow.paths import Points
-from kinemark.follow.run import Sightings, _without_itself, without_loose
-from kinemark.follow.second import looked_again
-from kinemark.follow.simultaneous import _strayed, _sure
-from kinemark.score import score
+from kinemark.synth.score import score
+from kinemark.track.simultaneous import Simultaneous, follow
+from kinemark.track.simultaneous import second_pass as second
+from kinemark.track.simultaneous import stitch as joins
+from kinemark.track.simultaneous.associate import Claims, expect, information
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.kalman_states import Motion, told
+from kinemark.track.simultaneous.likelihood import FAIR, SURE, evidence
+from kinemark.track.simultaneous.neighbouring_points import Points
+from kinemark.track.simultaneous.passes import Sightings, _without_itself, without_loose
+from kinemark.track.simultaneous.second_pass import looked_again
+from kinemark.track.simultaneous.stitch import joined
+from kinemark.track.simultaneous.tracker import _strayed, _sure
 
 RATE, METHOD = 100.0, Simultaneous()
 

@@ -8,13 +8,13 @@ from laboratory import observe, ring
 from test_follow import dance
 
 from kinemark.data import Rig
-from kinemark.follow import Simultaneous, follow_with_doubts, followed, noticed
-from kinemark.follow.groups import fundamentals
-from kinemark.follow.images import read_images
-from kinemark.follow.joins import CLEAR, joined
-from kinemark.follow.noise import learned
-from kinemark.follow.paths import Points, smoothed
-from kinemark.score import changes, score
+from kinemark.synth.score import changes, score
+from kinemark.track.simultaneous import Simultaneous, follow_with_doubts, followed, noticed
+from kinemark.track.simultaneous.candidate_points import fundamentals
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.measurement_noise import learned
+from kinemark.track.simultaneous.neighbouring_points import Points, smoothed
+from kinemark.track.simultaneous.stitch import CLEAR, joined
 
 METHOD = Simultaneous()
 

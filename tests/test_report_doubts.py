@@ -3,8 +3,8 @@
 import pytest
 from captures import capture, judge, ring, walk
 
-from kinemark.report.advice import warnings
-from kinemark.report.doubts import SILENT, doubt_table, grouped
+from kinemark.findings.trial_advice import warnings
+from kinemark.report.ambiguous_table import SILENT, doubt_table, grouped
 
 
 def doubt(kind, at, who, reason):

@@ -27,9 +27,9 @@ from kinemark.sensitivity import (
     rig_points,
     sample,
 )
-from kinemark.sensitivity.dlt import fit_parameters, pair_points, parameter_gain, point_gains, project, rows
+from kinemark.sensitivity.dlt_samples import fit_parameters, pair_points, parameter_gain, point_gains, project, rows
 from kinemark.sensitivity.sampling import circle
-from kinemark.sensitivity.um2as import (
+from kinemark.sensitivity.um2as_experiment import (
     CONTROL_BALLS,
     DISTANCE_MM,
     PERTURBED_4_2,

@@ -9,10 +9,10 @@ from test_sensitivity_session import RATE, dance, moved_cameras, recorded, shown
 
 from kinemark.data import Cloud, Detections, Path, Tracks, Trajectories
 from kinemark.geometry import project
-from kinemark.reconstruct.pairs import agreeing
+from kinemark.reconstruct.camera_pairs import agreeing
 from kinemark.sensitivity import angle_jacobian, gather_named, rank, typical
-from kinemark.sensitivity.dlt import pair_points
-from kinemark.sensitivity.um2as import laboratory, pairs_mean
+from kinemark.sensitivity.dlt_samples import pair_points
+from kinemark.sensitivity.um2as_experiment import laboratory, pairs_mean
 
 
 def hidden(share, px=5.0):

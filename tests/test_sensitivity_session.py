@@ -10,16 +10,16 @@ from scipy.spatial.transform import Rotation
 from shared import shared_data
 from test_studies import figures, printed
 
-from kinemark import cli
+from kinemark.apps import cli
 from kinemark.data import Cloud, Detections, KinemarkError, Path, Rig, Tracks, Trajectories
+from kinemark.engine.error_budget import limits
+from kinemark.engine.session import Session
+from kinemark.findings.sensitivity_figures import sensitivity_figures, sensitivity_summary
 from kinemark.geometry import project, refine
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml
-from kinemark.limits import limits
-from kinemark.report.sensitivity import sensitivity_figures, sensitivity_summary
 from kinemark.report.sensitivity_page import sensitivity_page
 from kinemark.sensitivity import Limits, Seen, gather, gather_named, rank, segments, shown, typical
-from kinemark.session import Session
 
 RATE = 100.0
 

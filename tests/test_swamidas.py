@@ -10,7 +10,7 @@ from laboratory import observe, ring
 from test_tracking import swarm
 
 from kinemark.data import Cloud, Detections, KinemarkError, Rig, Validity, same
-from kinemark.match.nearest import NearestEpipolar, match_nearest, nearest_pairs
+from kinemark.match.nearest_epipolar import NearestEpipolar, match_nearest, nearest_pairs
 from kinemark.track.swamidas import (
     Constraint,
     DistanceOnly,

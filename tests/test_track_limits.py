@@ -12,14 +12,14 @@ from test_swamidas import parabolas
 from test_track_kiss import cloud_of, line, pieces
 
 from kinemark.data import Tracks
-from kinemark.follow.former_pairs import residuals
-from kinemark.score import score
 from kinemark.signal import gain
+from kinemark.synth.score import score
 from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, blend, track
 from kinemark.track.swamidas import Constraint, follow_points, start, track_distance, track_swamidas, update
 from kinemark.track.swamidas.active import advance, begin, none
 from kinemark.track.swamidas.constraints import Expected, match_points
 from kinemark.track.swamidas.segments import Segments, allowed_points
+from kinemark.track.two_cameras.paired_paths import residuals
 
 
 def sure(points, rate=50.0, cov=1e-6):

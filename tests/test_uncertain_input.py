@@ -12,10 +12,10 @@ from laboratory import observe, ring
 from test_follow import dance
 
 from kinemark.data import Rig
+from kinemark.engine.session import Session
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml
-from kinemark.score import score
-from kinemark.session import Session
+from kinemark.synth.score import score
 
 RIG, PATHS = ring(6), dance(n=10, frames=60)
 SEEN, _ = observe(RIG, PATHS, noise=0.1)

@@ -8,7 +8,7 @@ from laboratory import ring
 from scipy.spatial.transform import Rotation
 
 from kinemark.calibrate.bundle import Points, bundle
-from kinemark.calibrate.world import fit_moved_to, fit_scaled, l_frame, moved_to, scaled, similarity
+from kinemark.calibrate.world_frame import fit_moved_to, fit_scaled, l_frame, moved_to, scaled, similarity
 from kinemark.data import KinemarkError, Rig
 from kinemark.geometry import parameter_jacobian, project, project_all
 

@@ -8,7 +8,7 @@ The stages, each `stage(data, …, method=Method(…)) -> data`:
     filled, gaps = fill(trajectories)
     write_c3d("walk.c3d", Trial("walk", filled))
 
-A whole session with its report: `from kinemark.session import Session`.
+A whole session with its report: `from kinemark.engine.session import Session`.
 """
 
 from .calibrate import (
@@ -47,7 +47,6 @@ from .data import (
 )
 from .detect import Centroids, KissNearest, KissScanning, Masks, detect, learn_masks, propose
 from .fill import Auto, Filled, FilledGap, fill, place_absent, trim_edges
-from .follow import FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed, noticed_of
 from .geometry import project, refine, triangulate, undistort
 from .io.c3d import read_c3d, write_c3d
 from .io.detections_csv import read_detections_csv, write_detections_csv
@@ -62,8 +61,9 @@ from .io.trc import read_trc, write_trc
 from .kinematics import InverseCosines, SignedAngles, joint_angles
 from .match import EpipolarTriplets, KissTriplets, NearestEpipolar, match
 from .reconstruct import CameraPairs, LeastSquares, reconstruct
-from .score import score
+from .synth.score import score
 from .track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, to_trajectories, track
+from .track.simultaneous import FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed, noticed_of
 from .version import __version__
 
 __all__ = [

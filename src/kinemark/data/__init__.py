@@ -12,7 +12,7 @@ from .detections import Detections, Validity
 from .errors import KinemarkError
 from .events import Events
 from .fills import Fills
-from .markerset import MarkerSet
+from .marker_set import MarkerSet
 from .matches import Matches
 from .rig import PARAMETERS, Camera, Rig
 from .rods import Rods

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Validity
+from .background_noise import background
 from .blobs import Blobs, joined
+from .centroids_method import Centroids, grey_scale
 from .grouping import Groups, group_runs
-from .method import Centroids, grey_scale
 from .moments import Moments, measure, outline_centroids
-from .noise import background
 from .runs import find_runs
 from .saturation import without_clipped
 from .separate import separated

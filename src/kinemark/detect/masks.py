@@ -19,8 +19,8 @@ from scipy.ndimage import distance_transform_edt
 
 from ..data import KinemarkError, Validity
 from .blobs import Blobs
+from .centroids_method import Centroids, check_images, grey_scale
 from .kiss import KissNearest, KissScanning
-from .method import Centroids, check_images, grey_scale
 from .source import BATCH, Source
 
 MOSTLY = 0.5

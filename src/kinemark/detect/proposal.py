@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .centroids_method import Centroids, check_images, grey_scale
 from .kiss import KissNearest, KissScanning
-from .method import Centroids, check_images, grey_scale
 from .sizes import Sizes, marker_sizes
 from .source import Source
 from .stability import Gap, groups_above, marker_gap, peaks_of

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from ..data import Validity
 from .blobs import Blobs
+from .centroids_method import Centroids, grey_scale
 from .grouping import Groups
-from .method import Centroids, grey_scale
 from .overlap import CUT, ONE, UNCLEAR, Seen, explain
 from .patches import MARGIN, cut_out
 from .suspicion import suspicious

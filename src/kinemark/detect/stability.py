@@ -31,9 +31,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .background_noise import background
 from .grouping import Groups, group_runs
 from .kiss.white import pixels_of
-from .noise import background
 from .runs import find_runs
 
 STEPS = 36

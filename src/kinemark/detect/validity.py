@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Validity
+from .centroids_method import Centroids
 from .grouping import Groups
-from .method import Centroids
 
 
 def remove_noise(groups: Groups, *, method: Centroids) -> Groups:

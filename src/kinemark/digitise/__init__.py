@@ -8,9 +8,10 @@ from .drive import Digitised, Operator, Stopped, drive, result
 from .identity import Identified, called, identified, identified_matches, identified_tracks
 from .looks import Look, clicked, look_at, nearest_free
 from .machine import advance, begin, question_of
-from .method import SemiAutomatic
-from .proposals import OtherViews, propose
+from .other_views import OtherViews, propose
+from .question_text import answer_text, parse_answer, words
 from .replay import Given, Replay, given, row_of
+from .semi_automatic import SemiAutomatic
 from .state import (
     Absent,
     Accept,
@@ -30,7 +31,6 @@ from .state import (
     Verify,
     Yes,
 )
-from .words import answer_text, parse_answer, words
 
 __all__ = [
     "Absent",

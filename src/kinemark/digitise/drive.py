@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError
 from .machine import Looks, Proposer, advance, begin, question_of
-from .method import SemiAutomatic
+from .semi_automatic import SemiAutomatic
 from .state import Answer, Floats, Found, Phase, Question, State
 
 Operator = Callable[[Question, State], Answer]

@@ -43,7 +43,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .looks import Look, clicked, nearest_free
-from .method import FIRST, SemiAutomatic
+from .semi_automatic import FIRST, SemiAutomatic
 from .state import (
     Absent,
     Accept,

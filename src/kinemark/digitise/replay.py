@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 from ..data import KinemarkError
 from .drive import Operator
+from .question_text import answer_text, words
 from .state import Accept, Answer, Phase, Question, State
-from .words import answer_text, words
 
 
 class Given(NamedTuple):

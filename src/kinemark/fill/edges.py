@@ -34,9 +34,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.arrays import check_positive
-from .donors import Distances, distances, nearest
-from .known import Ints, Known
-from .motion import Floats, Gap, Motion
+from .known_samples import Ints, Known
+from .marker_array import Floats, Gap, Motion
+from .reference_markers import Distances, distances, nearest
 
 
 @dataclass(frozen=True, slots=True)

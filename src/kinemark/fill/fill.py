@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Origin, Path, Trajectories
-from .auto import Auto
-from .calibration import Calibration, Measured, as_hard, weigh
-from .combine import close_ones, mean_prediction, mean_tests, together
-from .combine import weights as best_weights
 from .edges import Edges, trim_edges
-from .hiding import Tried, edge_distance, plan, run
-from .methods import FILLERS, MANY, NAMES, TOGETHER, affordable, name_of, within_time
-from .motion import Floats, Gap, Motion, Prediction, find_gaps
+from .judge.auto import Auto
+from .judge.combine import close_ones, mean_prediction, mean_tests, together
+from .judge.combine import weights as best_weights
+from .judge.expected_error import Calibration, Measured, as_hard, weigh
+from .judge.hold_out import Tried, edge_distance, plan, run
+from .marker_array import Floats, Gap, Motion, Prediction, find_gaps
+from .methods.table import FILLERS, MANY, NAMES, TOGETHER, affordable, name_of, within_time
 from .static import place_absent
 from .static_shape import StaticShape
 

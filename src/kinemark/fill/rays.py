@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ..data import Camera, Detections, Rig, Tracks
 from ..geometry import point_jacobian, project
-from .motion import Floats
+from .marker_array import Floats
 
 GATE = 9.21
 """99 % of χ² with two degrees of freedom."""

@@ -36,9 +36,9 @@ import numpy as np
 
 from ..data.arrays import check_positive
 from ..geometry import rigid_poses
-from .known import Ints, Known
-from .motion import Floats, Motion
-from .rigid_body import on_line
+from .known_samples import Ints, Known
+from .marker_array import Floats, Motion
+from .methods.rigid_body import on_line
 from .static_shape import StaticShape
 
 JUDGE = 40

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .known import Known
-from .motion import Floats, Motion
+from .known_samples import Known
+from .marker_array import Floats, Motion
 
 
 class StaticShape(NamedTuple):

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
-from .text import read_text
+from .number_text import read_text
 
 SNAP = 8.0  # px; an operator points within this distance of a marker's centre
 

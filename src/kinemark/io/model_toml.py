@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 from ..data import KinemarkError
-from ..kinematics.model import Axis, Centre, Cluster, Joint, Model, Motion, Segment
-from .text import read_text
+from ..data.models import Axis, Centre, Cluster, Joint, Model, Motion, Segment
+from .number_text import read_text
 
 T = TypeVar("T")
 SIMPLE = ("name", "source", "side", "forward", "up")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Angles
-from .model import Model, Motion
+from ..data.models import Model, Motion
 
 
 class Named(NamedTuple):

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Origin, Path, Trajectories
-from .plain import Array
+from ..findings.plain import Array
+from .formatting import number
 from .theme import FAINT, GRID, INK, STATES
-from .words import number
 
 WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 360, 110, 46, 6, 16
 """px; of a panel, and of its margins."""

@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from ..data import Angles, Events
-from .body import LINKS, NAMES, Pose, Segments, build
+from .body_segments import LINKS, NAMES, Pose, Segments, build
 from .subjects import Subject, pairs
 from .wobble import smooth_noise
 

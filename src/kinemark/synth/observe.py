@@ -21,7 +21,7 @@ from ..data import Camera, Detections, Rig
 from ..geometry import project, to_camera
 from .occlusion import visible_fraction
 from .render import one_to_one
-from .sphere import sphere_ellipse
+from .sphere_image import sphere_ellipse
 from .subjects import Subject
 
 Array = NDArray[np.float64]

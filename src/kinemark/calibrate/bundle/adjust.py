@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError, Rig
-from .covariance import joint_covariance
+from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust import equations, solve_softly, solve_without_outliers, unknowns
 from .solver import Freedom, Observed, State, cost, normal_equations, residuals

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...data import Camera, KinemarkError, Rig
 from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
 from .initial import Views, start
-from .initial.optics import Optics, unknown_optics
+from .initial.unknown_optics import Optics, unknown_optics
 from .robust_points import robust_points
 from .solver import Freedom, State, placed
 

@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...data import Camera, KinemarkError, Rig
 from ...geometry import project, sphere_offset
-from .camera import ControlPoints, Dlt, Fitted, Method, fit_camera, free_parameters
 from .checks import check_extent, check_points, labels
+from .fit_camera import ControlPoints, Dlt, Fitted, Method, fit_camera, free_parameters
 from .left_out import leave_one_out
 from .mistaken import exchanged_words
 

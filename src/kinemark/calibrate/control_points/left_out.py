@@ -33,8 +33,8 @@ from ...data import Rig
 from ...geometry import parameter_jacobian, project, refine, triangulate, undistort
 from ...geometry.dlt import equations
 from ..resection import directions, moved, resect, scaled_inverse
-from .camera import POSE_AND_FOCUS, Dlt, Fitted, Method
 from .checks import FEWEST
+from .fit_camera import POSE_AND_FOCUS, Dlt, Fitted, Method
 
 LEVERAGE = 0.5
 STEPS = 8

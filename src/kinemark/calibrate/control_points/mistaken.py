@@ -23,8 +23,8 @@ from scipy.special import fdtrc
 
 from ...data import KinemarkError
 from ...geometry.dlt import equations
-from .camera import ControlPoints, fit_all
 from .checks import FEWEST
+from .fit_camera import ControlPoints, fit_all
 
 CHANCE = 1e-3
 MOST_POINTS = 60

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .groups import Groups, Rectangles, rectangles, separated
+from .pixel_groups import Groups, Rectangles, rectangles, separated
 
 
 def split_long_and_wide(groups: Groups, *, min_ratio: float, max_ratio: float) -> Groups:

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..runs import Runs
-from .groups import Groups, Ints, numbered
+from .pixel_groups import Groups, Ints, numbered
 
 
 def preliminary_groups(runs: Runs, *, near_x: float, near_y: int, height: int, width: int) -> Groups:

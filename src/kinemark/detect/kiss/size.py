@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Validity
-from .groups import Groups, rectangles, white_pixels
+from .pixel_groups import Groups, rectangles, white_pixels
 
 
 def size_validity(groups: Groups, *, min_area: float, max_area: float, height: int, width: int) -> NDArray[np.uint8]:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .groups import Groups, Ints, Rectangles, numbered, rectangles, white_pixels
+from .pixel_groups import Groups, Ints, Rectangles, numbered, rectangles, white_pixels
 
 
 def merge_sub_markers(groups: Groups, *, small_area: float, small_rows: int, inside: float, height: int) -> Groups:

@@ -20,7 +20,7 @@ from .parameters import Parameter
 from .storing_analog import with_analog, with_plates
 from .storing_points import with_points
 from .tables import matched, rows_from, with_numbers, with_text
-from .trial import events_of
+from .to_trial import events_of
 from .writing import with_counts, write_document
 
 

@@ -3,8 +3,8 @@
 from ...signal.kalman import State, predict, start, update
 from .constraints import Constraint
 from .distance import DistanceOnly, track_distance
-from .method import Swamidas
-from .run import Followed, follow_points, track_swamidas
+from .parameters import Swamidas
+from .tracking import Followed, follow_points, track_swamidas
 
 __all__ = [
     "Constraint",

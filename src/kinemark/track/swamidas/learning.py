@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Cloud
-from .method import SENSORS, Swamidas
+from .parameters import SENSORS, Swamidas
 from .segments import Segments, learn_segments, no_segments
 
 Floats = NDArray[np.float64]

@@ -8,6 +8,6 @@ resection   a further camera from points that are known
 """
 
 from .growth import Views, start
-from .optics import Optics, unknown_optics
+from .unknown_optics import Optics, unknown_optics
 
 __all__ = ["Optics", "Views", "start", "unknown_optics"]

@@ -22,10 +22,10 @@ from ..parts import Part, Points, all_points, complete, sticks_through, supporte
 from ..robust import solve_softly
 from ..robust_points import robust_points
 from ..solver import State, placed
-from .optics import Optics
-from .pairs import FEWEST_COMMON, Pair, common_points, find_pairs
-from .resection import alike, resected, rough_freedom
+from .rough_resection import alike, resected, rough_freedom
 from .seeds import Seed, known_focus_seed, point_seeds, stick_seeds
+from .unknown_optics import Optics
+from .view_pairs import FEWEST_COMMON, Pair, common_points, find_pairs
 
 Array = NDArray[np.float64]
 

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from ....geometry.two_view import essential, homogeneous, midpoints, relative_pose
 from ..parts import complete
-from .optics import Optics
-from .pairs import FEWEST_COMMON, Pair
+from .unknown_optics import Optics
+from .view_pairs import FEWEST_COMMON, Pair
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from test_c3d import made_trial
 from test_follow_trouble import body
 
 from kinemark.apps.cli import app
-from kinemark.data import KinemarkError, Origin, Path, Trajectories, Trial, same
+from kinemark.data import KinemarkError, MarkerTrajectory, Origin, Trajectories, Trial, same
 from kinemark.engine.fill_files import fill_file, fill_method
 from kinemark.engine.session import Session
 from kinemark.fill import Linear, RigidBody
@@ -37,7 +37,7 @@ def with_gap(xyz):
 
 
 def trial_of(xyz, names="ABCDEFG"):
-    paths = tuple(Path.measured(name, one) for name, one in zip(names, xyz, strict=False))
+    paths = tuple(MarkerTrajectory.measured(name, one) for name, one in zip(names, xyz, strict=False))
     return Trial("t", Trajectories(paths, 100.0, 5))
 
 

@@ -13,7 +13,7 @@ from kinemark.data import AngleModel, KinemarkError, Origin, Trajectories, same
 from kinemark.engine.fill_files import angle_model, fill_file, fill_files, fill_method, filled_figures, filled_text
 from kinemark.engine.formats import read, write_trial
 from kinemark.engine.settings.method_tables import filling_of
-from kinemark.fill import Auto, Body, Gap, KalmanAngles, LimbAngles, Linear, Motion
+from kinemark.fill import Auto, Body, Gap, KalmanAngles, LimbAngles, Linear, MarkerArray
 from kinemark.fill.methods.angles import fill_limb_angles
 from kinemark.io.angle_model_csv import write_angle_model
 from kinemark.io.c3d import read_c3d, write_c3d
@@ -295,7 +295,7 @@ def test_a_model_of_another_walk_fills_half_a_step(walk, tmp_path):
     hole = np.zeros(70, bool)
     hole[25:50] = True
     gone = replace(path, xyz=np.where(hole[:, None], np.nan, path.xyz), origin=np.where(hole, 0, path.origin))
-    motion = Motion.of(replace(short, paths=tuple(gone if p.name == knee else p for p in short)))
+    motion = MarkerArray.of(replace(short, paths=tuple(gone if p.name == knee else p for p in short)))
     gap = Gap(motion.names.index(knee), 25, 50)
     (found,) = fill_limb_angles(motion, [gap], method=fill_method("limb_angles", model=tmp_path / "other.c3d"))
     assert np.linalg.norm(found.xyz - path.xyz[hole], axis=1).mean() < 20

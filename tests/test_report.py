@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from captures import RATE, capture, empty_capture, found, judge, ring, walk
 
-from kinemark.data import Detections, KinemarkError, Origin, Path, Rig, Tracks, Trajectories, Validity
+from kinemark.data import Detections, KinemarkError, MarkerTrajectory, Origin, Rig, Tracks, Trajectories, Validity
 from kinemark.findings.markers import completeness, in_view, jitter, markers_worn
 from kinemark.findings.plain import plain, runs
 from kinemark.findings.trial_advice import CHECKS
@@ -249,7 +249,7 @@ def pieces(at):
     for k, (first, stop) in enumerate(at):
         xyz = np.full((100, 3), np.nan)
         xyz[first:stop] = [k, 0, 0]
-        paths.append(Path.measured(f"*{k + 1}", xyz))
+        paths.append(MarkerTrajectory.measured(f"*{k + 1}", xyz))
     return Trajectories(tuple(paths), 100.0)
 
 

@@ -116,11 +116,11 @@ def test_stages_that_would_do_nothing_are_refused(folder):
 
 def test_what_the_tracker_doubts_outlives_the_run(folder):
     first = run(folder)
-    said = json.loads((folder / "results/one/doubts.json").read_text())
-    assert set(said) == {"doubts", "noticed"}
+    said = json.loads((folder / "results/one/ambiguous_decisions.json").read_text())
+    assert set(said) == {"ambiguous_decisions", "diagnostics"}
     again = run(folder)
-    assert again.computed == () and again.quality["doubts"] == first.quality["doubts"]
-    (folder / "results/one/doubts.json").write_text("{")
+    assert again.computed == () and again.quality["ambiguous_decisions"] == first.quality["ambiguous_decisions"]
+    (folder / "results/one/ambiguous_decisions.json").write_text("{")
     assert run(folder).computed == ("track",)
 
 
@@ -142,7 +142,7 @@ def test_a_run_that_was_cut_off_goes_on(folder, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("kinemark.engine.pipeline.followed", fail)
+        patch.setattr("kinemark.engine.pipeline.track_simultaneously", fail)
         with pytest.raises(KeyboardInterrupt):
             run(folder)
     assert not list(folder.rglob("*.part*"))

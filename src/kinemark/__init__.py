@@ -4,7 +4,7 @@ The stages, each `stage(data, …, method=Method(…)) -> data`:
 
     rig = read_rig_toml("rig.toml")
     seen = detect([open_images(f"walk/{c}.mkv") for c in rig.names], cameras=rig.names, rate=50.0)
-    trajectories = to_trajectories(follow(seen, rig), rig)
+    trajectories = to_trajectories(track_detections(seen, rig), rig)
     filled, gaps = fill(trajectories)
     write_c3d("walk.c3d", Trial("walk", filled))
 
@@ -35,9 +35,9 @@ from .data import (
     ForcePlate,
     KinemarkError,
     MarkerSet,
+    MarkerTrajectory,
     Matches,
     Origin,
-    Path,
     Rig,
     Rods,
     Tracks,
@@ -63,7 +63,15 @@ from .match import EpipolarTriplets, KissTriplets, NearestEpipolar, match
 from .reconstruct import CameraPairs, LeastSquares, reconstruct
 from .synth.score import score
 from .track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, to_trajectories, track
-from .track.simultaneous import FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed, noticed_of
+from .track.simultaneous import (
+    FormerTwoCameras,
+    Simultaneous,
+    ambiguous_decisions,
+    diagnose,
+    diagnose_tracks,
+    track_detections,
+    track_simultaneously,
+)
 from .version import __version__
 
 __all__ = [
@@ -95,11 +103,11 @@ __all__ = [
     "LeastSquares",
     "Linearisation",
     "MarkerSet",
+    "MarkerTrajectory",
     "Masks",
     "Matches",
     "NearestEpipolar",
     "Origin",
-    "Path",
     "Rig",
     "Rods",
     "SignedAngles",
@@ -111,24 +119,22 @@ __all__ = [
     "Validity",
     "Wand",
     "__version__",
+    "ambiguous_decisions",
     "calibrate_control_frame",
     "calibrate_control_points",
     "calibrate_points",
     "calibrate_sticks",
     "calibrate_wand",
     "detect",
-    "doubts",
+    "diagnose",
+    "diagnose_tracks",
     "fill",
-    "follow",
-    "followed",
     "joint_angles",
     "learn_masks",
     "linearise",
     "load",
     "load_model",
     "match",
-    "noticed",
-    "noticed_of",
     "open_images",
     "place_absent",
     "predicted_covariance",
@@ -147,6 +153,8 @@ __all__ = [
     "score",
     "to_trajectories",
     "track",
+    "track_detections",
+    "track_simultaneously",
     "triangulate",
     "trim_edges",
     "undistort",

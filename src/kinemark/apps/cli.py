@@ -17,7 +17,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 
 from ..data import KinemarkError
 from ..engine.detection_proposals import learn_session_masks, propose_detection
-from ..engine.error_budget import limits
+from ..engine.error_budget import error_budget
 from ..engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ..engine.formats import convert as convert_file
 from ..engine.formats import describe
@@ -27,12 +27,12 @@ from ..engine.settings import methods_text, parameters
 from ..engine.simulate import Scene
 from ..engine.simulate import simulate as simulate_session
 from ..engine.trial_angles import AngleSettings, angles_of_file
-from ..fill import LIMIT, Edges
+from ..fill import LIMIT, GapEdges
 from ..findings.angles import angle_summary
 from ..findings.sensitivity_figures import sensitivity_summary
 from ..report.calibration_text import calibration_summary
 from ..report.terminal_summary import summary
-from ..sensitivity import Limits
+from ..sensitivity import ErrorBudget
 from ..version import __version__
 from .demo import demo as run_demo
 from .um2as import digitise, um2as
@@ -178,7 +178,7 @@ def fill(
     model: Path | None = None,
     limit_mm: float = LIMIT,
     ends: bool = False,
-    trim: int = Edges().most,
+    trim: int = GapEdges().most,
     static: Path | None = None,
     report: bool = False,
     rate_hz: float | None = None,
@@ -325,11 +325,11 @@ def sensitivity(
         json: print the figures for a machine.
     """
     try:
-        asked = Limits(placement_mm=placement_mm, cycles=cycles, centroid_sd=centroid_px)
+        asked = ErrorBudget(placement_mm=placement_mm, cycles=cycles, centroid_sd=centroid_px)
     except ValueError as error:
         raise KinemarkError(f"{error}.") from error
     with progress() as tell:
-        found = limits(session, trial=trial, method=asked, model=model, markers=markers, progress=tell)
+        found = error_budget(session, trial=trial, method=asked, model=model, markers=markers, progress=tell)
     _print(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")
 
 

@@ -10,7 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError
-from ..digitise import Answer, Look, Phase, Point, Question, State, Stopped, clicked, parse_answer, words
+from ..digitise import (
+    Answer,
+    DigitisingPhase,
+    DigitisingState,
+    DigitisingStopped,
+    Look,
+    Point,
+    Question,
+    clicked,
+    parse_answer,
+    words,
+)
 from ..engine.digitising import Reel
 
 Floats = NDArray[np.float64]
@@ -28,19 +39,19 @@ class Terminal:
     def __init__(self, reel: Reel) -> None:
         self._reel = reel
 
-    def __call__(self, question: Question, state: State) -> Answer:
+    def __call__(self, question: Question, state: DigitisingState) -> Answer:
         """What was typed.
 
         Raises:
-            Stopped: quit was, or nothing more comes.
+            DigitisingStopped: quit was, or nothing more comes.
         """
         say(words(question))
-        if question.phase in (Phase.POINT, Phase.CORRECT):
+        if question.phase in (DigitisingPhase.POINT, DigitisingPhase.CORRECT):
             say(nearby(self._reel(question.frame), question.uv))
         while True:
             text = typed()
             if text is None or text.strip().lower() == "quit":
-                raise Stopped
+                raise DigitisingStopped
             try:
                 return parse_answer(text)
             except ValueError as error:
@@ -69,7 +80,7 @@ def pointed(look: Look, what: str, at: str | None) -> Floats:
         say(f"Point at {what}.\n{nearby(look, np.full(2, np.nan))}")
         text = typed()
         if text is None or text.strip().lower() == "quit":
-            raise KinemarkError(f"Stopped before {what} was digitised, and nothing is written.")
+            raise KinemarkError(f"DigitisingStopped before {what} was digitised, and nothing is written.")
         try:
             return _centroid(look, what, text)
         except KinemarkError as error:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError
 from ..detect import Centroids
-from ..digitise import Digitised, Look, OtherViews, SemiAutomatic, look_at
+from ..digitise import DigitisedImages, Look, OtherViews, SemiAutomatic, look_at
 from ..engine.calibration.from_known_points import rig_of_cp
 from ..engine.digitising import Reel, digitise_camera, digitise_trial
 from ..engine.recordings import frame_of
@@ -317,7 +317,7 @@ def _date(text: str | None) -> date:
         raise KinemarkError(f"{text!r} is no date. Say it as 1992-11-27.") from None
 
 
-def _said(output: Path, done: Digitised, n_frames: int) -> str:
+def _said(output: Path, done: DigitisedImages, n_frames: int) -> str:
     """What came of digitising, in words."""
     f = done.figures
     why = ", ".join(f"{n} {reason.replace('_', ' ')}" for reason, n in f["questions_by_reason"].items() if n)

@@ -16,7 +16,7 @@ from .marker_set import MarkerSet
 from .matches import Matches
 from .rig import PARAMETERS, Camera, Rig
 from .rods import Rods
-from .trajectories import Origin, Path, Trajectories
+from .trajectories import MarkerTrajectory, Origin, Trajectories
 from .trial import Step, Trial
 
 __all__ = [
@@ -32,9 +32,9 @@ __all__ = [
     "ForcePlate",
     "KinemarkError",
     "MarkerSet",
+    "MarkerTrajectory",
     "Matches",
     "Origin",
-    "Path",
     "Rig",
     "Rods",
     "Step",

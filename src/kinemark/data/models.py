@@ -53,7 +53,7 @@ class Segment:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class JointMotion:
     """One angle of a joint in the words of anatomy.
 
     Attributes:
@@ -90,7 +90,7 @@ class Joint:
     parent: str
     child: str
     sequence: str
-    motions: tuple[Motion | None, ...] = (None, None, None)
+    motions: tuple[JointMotion | None, ...] = (None, None, None)
     middle: Literal["positive", "negative"] = "positive"
 
     def __post_init__(self) -> None:

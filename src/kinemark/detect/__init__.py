@@ -6,17 +6,17 @@ from .detect_frames import detect_frames
 from .detect_recording import detect
 from .kiss import KissNearest, KissScanning
 from .masks import Masks, combined_masks, learn_masks
-from .proposal import Proposal, propose
-from .source import Source
+from .proposal import DetectionProposal, propose
+from .source import FrameSource
 
 __all__ = [
     "Blobs",
     "Centroids",
+    "DetectionProposal",
+    "FrameSource",
     "KissNearest",
     "KissScanning",
     "Masks",
-    "Proposal",
-    "Source",
     "combined_masks",
     "detect",
     "detect_frames",

@@ -18,13 +18,13 @@ from .detect_frames import detect_frames
 from .kiss import KissNearest, KissScanning
 from .levels import levelled
 from .masks import Masks, masked
-from .source import Source, ahead
+from .source import FrameSource, ahead
 
 Method = Centroids | KissScanning | KissNearest
 
 
 def detect(
-    sources: Sequence[Source],
+    sources: Sequence[FrameSource],
     *,
     cameras: Sequence[str],
     rate: float,
@@ -59,7 +59,7 @@ def detect(
             if progress:
                 progress(done[0])
 
-    def one(source: Source, name: str) -> Blobs:
+    def one(source: FrameSource, name: str) -> Blobs:
         mask = masks.pixels(name) if masks and name in masks.cameras else None
         return _detect_camera(source, name, method or Centroids(), mask, tell)
 
@@ -82,7 +82,7 @@ def _check_masks(masks: Masks | None, cameras: Sequence[str]) -> None:
         )
 
 
-def _common_length(sources: Sequence[Source], cameras: Sequence[str]) -> int:
+def _common_length(sources: Sequence[FrameSource], cameras: Sequence[str]) -> int:
     lengths = [source.n_frames for source in sources]
     if len(set(lengths)) > 1:
         found = ", ".join(f"{name} {n}" for name, n in zip(cameras, lengths, strict=True))
@@ -94,7 +94,7 @@ def _common_length(sources: Sequence[Source], cameras: Sequence[str]) -> int:
 
 
 def _detect_camera(
-    source: Source, name: str, method: Method, mask: NDArray[np.bool_] | None, tell: Callable[[int], None]
+    source: FrameSource, name: str, method: Method, mask: NDArray[np.bool_] | None, tell: Callable[[int], None]
 ) -> Blobs:
     """One camera's detections, batch by batch.
 
@@ -121,7 +121,7 @@ def _detect_camera(
     return joined(parts)
 
 
-def _for_camera(method: Method, images: NDArray[np.uint8 | np.uint16], source: Source) -> Method | None:
+def _for_camera(method: Method, images: NDArray[np.uint8 | np.uint16], source: FrameSource) -> Method | None:
     """The method with what it leaves to the camera: its level, and the form of markers in fields."""
     if isinstance(method, Centroids) and method.aspect is None:
         fields = source.v_offset(0) != source.v_offset(1)
@@ -155,7 +155,7 @@ def _by(shape: tuple[int, ...]) -> str:
 
 
 def _detect_batch(
-    source: Source,
+    source: FrameSource,
     images: NDArray[np.uint8 | np.uint16],
     first: int,
     name: str,

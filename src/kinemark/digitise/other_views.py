@@ -24,7 +24,7 @@ from ..data.arrays import column, set_columns
 from ..geometry import epipolar_lines, fundamental, line_distance, project, triangulate, undistort
 from .looks import Look, nearest_free
 from .semi_automatic import SemiAutomatic
-from .state import Floats, Proposal
+from .state import Floats, PlaceProposal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +57,7 @@ def propose(
     look: Look,
     free: NDArray[np.bool_],
     method: SemiAutomatic,
-) -> Proposal | None:
+) -> PlaceProposal | None:
     """The answer that other cameras give, if they do.
 
     Args:
@@ -82,7 +82,7 @@ def propose(
 
 def _where_lines_meet(
     views: OtherViews, uv: Floats, shift: Floats, look: Look, free: NDArray[np.bool_], method: SemiAutomatic
-) -> Proposal | None:
+) -> PlaceProposal | None:
     """(1) and (2)."""
     ideal = np.stack([undistort(camera, at[None]) for camera, at in zip(views.rig, uv, strict=True)], 1)
     xyz = triangulate(ideal, views.rig.P)
@@ -91,8 +91,8 @@ def _where_lines_meet(
         return None
     near = nearest_free(look, place, free=free, side=2 * int(np.ceil(method.tolerance)) + 1)
     if near is None or near[0] > method.tolerance:
-        return Proposal(place, False)  # (2)
-    return Proposal(look.uv[near[1]], True)
+        return PlaceProposal(place, False)  # (2)
+    return PlaceProposal(look.uv[near[1]], True)
 
 
 def _on_the_line(
@@ -104,15 +104,15 @@ def _on_the_line(
     look: Look,
     free: NDArray[np.bool_],
     method: SemiAutomatic,
-) -> Proposal | None:
+) -> PlaceProposal | None:
     """(3) and (4)."""
     here, there = views.rig[views.camera], views.rig[other]
     line = epipolar_lines(fundamental(there.P, here.P), undistort(there, uv[None]))
     ideal = undistort(here, look.uv[free] - shift)  # (5)
     on = np.flatnonzero(free)[np.abs(line_distance(line, ideal)) <= method.tolerance]
     if not len(on):
-        return Proposal(np.full(2, np.nan), False)  # (4)
+        return PlaceProposal(np.full(2, np.nan), False)  # (4)
     if np.isfinite(expected).all():
         reach = method.grid * method.expansions / 2
         on = on[np.abs(look.uv[on] - expected).max(1) <= reach]
-    return Proposal(look.uv[on[0]], True) if len(on) == 1 else None
+    return PlaceProposal(look.uv[on[0]], True) if len(on) == 1 else None

@@ -12,7 +12,7 @@ import re
 
 import numpy as np
 
-from .state import Absent, Accept, Answer, ByHand, No, Phase, Point, Question, Revisit, Undo, Verify, Yes
+from .state import Absent, Accept, Answer, ByHand, DigitisingPhase, No, Point, Question, Revisit, Undo, Verify, Yes
 
 FIXED: dict[str, Answer] = {
     "-": Absent(),
@@ -63,16 +63,16 @@ def words(question: Question) -> str:
     """A question for the operator; frames count from 1."""
     frame, who = f"Frame {question.frame + 1}", f"marker {question.name}"
     place = "" if np.isnan(question.uv).any() else f" near ({question.uv[0]:.0f}, {question.uv[1]:.0f})"
-    if question.phase is Phase.POINT:
+    if question.phase is DigitisingPhase.POINT:
         where = f", expected{place}" if place else ""
         why = " Two images would do." if question.in_doubt else ""
         return f"{frame}: point at {who}{where}, or - if it is not present.{why}{_proposed(question)}"
     return {
-        Phase.REFERENCE: f"{frame}: is the reference marker the one{place}? y or n",
-        Phase.REVIEW: f"{frame}: all markers are settled. save, verify, hand, frame N or undo",
-        Phase.VERIFY: f"{frame}: {who} is {'not present' if not place else place[6:]}. Right? y or n",
-        Phase.CORRECT: f"{frame}: give the place of {who}, or - if it is not present.",
-        Phase.DONE: "All frames are saved.",
+        DigitisingPhase.REFERENCE: f"{frame}: is the reference marker the one{place}? y or n",
+        DigitisingPhase.REVIEW: f"{frame}: all markers are settled. save, verify, hand, frame N or undo",
+        DigitisingPhase.VERIFY: f"{frame}: {who} is {'not present' if not place else place[6:]}. Right? y or n",
+        DigitisingPhase.CORRECT: f"{frame}: give the place of {who}, or - if it is not present.",
+        DigitisingPhase.DONE: "All frames are saved.",
     }[question.phase]
 
 

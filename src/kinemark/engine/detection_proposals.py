@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..data import KinemarkError
-from ..detect.proposal import Proposal, propose
+from ..detect.proposal import DetectionProposal, propose
 from ..io.images import ImageSource, open_images
 from ..io.masks_toml import write_masks
 from .recordings import masks_of, open_cameras
@@ -17,7 +17,7 @@ FRAMES = 12
 """Looked at, of all cameras together at least two each."""
 
 
-def propose_detection(source: Path) -> dict[str, Proposal]:
+def propose_detection(source: Path) -> dict[str, DetectionProposal]:
     """Proposals by camera, and of all cameras together under "all" where their images are of one size.
 
     Args:
@@ -40,7 +40,7 @@ def propose_detection(source: Path) -> dict[str, Proposal]:
     return _together(sources) | found
 
 
-def _together(sources: dict[str, ImageSource]) -> dict[str, Proposal]:
+def _together(sources: dict[str, ImageSource]) -> dict[str, DetectionProposal]:
     """What the images of all cameras propose, for `[detect]` is one for all."""
     if len({source.size for source in sources.values()}) > 1 or len(sources) < 2:
         return {}

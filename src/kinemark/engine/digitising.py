@@ -21,16 +21,16 @@ from ..data import KinemarkError, Rig
 from ..detect import Centroids, Masks
 from ..digitise import (
     Answer,
-    Digitised,
+    DigitisedImages,
+    DigitisingState,
     Identified,
     Look,
     Operator,
     OtherViews,
-    Proposal,
+    PlaceProposal,
     Question,
     Replay,
     SemiAutomatic,
-    State,
     drive,
     given,
     identified,
@@ -105,7 +105,7 @@ def digitise_camera(
     save_all: bool = False,
     constant: Floats | None = None,
     views: OtherViews | None = None,
-) -> Digitised:
+) -> DigitisedImages:
     """One camera, with the answers of a file first and an operator's after; these are added to the file.
 
     Args:
@@ -149,7 +149,7 @@ def _answering(
     """Who answers, and what keeps those answers in the file that are not there yet and could be used."""
     fresh: list[Question] = []
 
-    def ask(question: Question, state: State) -> Answer:
+    def ask(question: Question, state: DigitisingState) -> Answer:
         assert operator is not None  # else nobody asks
         fresh[:] = [question]
         return operator(question, state)
@@ -170,7 +170,7 @@ def _proposer(views: OtherViews | None, method: SemiAutomatic) -> Any:
 
     def proposer(
         frame: int, marker: int, shift: Floats, expected: Floats, look: Look, free: NDArray[np.bool_]
-    ) -> Proposal | None:
+    ) -> PlaceProposal | None:
         if frame >= views.uv.shape[2]:
             return None
         return propose(views, frame, marker, shift=shift, expected=expected, look=look, free=free, method=method)

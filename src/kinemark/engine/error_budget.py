@@ -15,29 +15,29 @@ from ..findings.sensitivity_figures import sensitivity_figures
 from ..io.model_toml import load_model
 from ..io.tdf import Tdf
 from ..report.sensitivity_page import write_sensitivity_page
-from ..sensitivity import Limits, Seen, gather, gather_named, rank
+from ..sensitivity import ErrorBudget, SampledFrames, gather, gather_named, rank
 from ..sensitivity.joints import kinematics_of
 from .formats import read
 from .pipeline import Progress, Results, silent
 from .session import Session
 
 
-class Limited(NamedTuple):
+class ErrorBudgetResult(NamedTuple):
     """Figures of what limits a trial, and where the page is."""
 
     figures: dict[str, Any]
     page: Path
 
 
-def limits(
+def error_budget(
     session: Path | str,
     *,
     trial: str | None = None,
-    method: Limits = Limits(),  # noqa: B008  frozen
+    method: ErrorBudget = ErrorBudget(),  # noqa: B008  frozen
     model: str | None = None,
     markers: Path | None = None,
     progress: Progress = silent,
-) -> Limited:
+) -> ErrorBudgetResult:
     """What limits the accuracy of a trial, ranked; runs the session as far as it was not run before.
 
     Args:
@@ -61,10 +61,10 @@ def limits(
     figures = sensitivity_figures(ranking, session=opened.settings.name, trial=name)
     write_quality(results.folder / "sensitivity.json", figures)
     write_sensitivity_page(results.folder / "sensitivity.html", figures=figures, ranking=ranking, rig=rig)
-    return Limited(figures, results.folder / "sensitivity.html")
+    return ErrorBudgetResult(figures, results.folder / "sensitivity.html")
 
 
-def _there(results: Results, markers: Path | None, frames: int) -> Seen:
+def _there(results: Results, markers: Path | None, frames: int) -> SampledFrames:
     """Markers and their images."""
     if markers is None:
         return gather(results.tracks, results.detections, frames=frames)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from ..data import AngleModel, KinemarkError, Trajectories, Trial
-from ..fill import LIMIT, Auto, Edges, Filled, KalmanAngles, LimbAngles, Motion, fill, fit_model
+from ..fill import LIMIT, Auto, Filled, GapEdges, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
 from ..findings.gaps import filling_figures, filling_summary
 from ..io.angle_model_csv import FIRST, read_angle_model
 from ..io.c3d import markers
@@ -40,7 +40,7 @@ def fill_file(
     name: str = "auto",
     limit_mm: float = LIMIT,
     ends: bool = False,
-    trim: int = Edges().most,
+    trim: int = GapEdges().most,
     static: Path | None = None,
     report: Path | None = None,
     rate_hz: float | None = None,
@@ -182,7 +182,7 @@ def angle_model(path: Path) -> AngleModel:
     if path.suffix.lower() == ".csv" and read_text(path).startswith(",".join(FIRST)):
         return read_angle_model(path)
     try:
-        return fit_model(Motion.of(markers(_trial(path, None)))).model
+        return fit_model(MarkerArray.of(markers(_trial(path, None)))).model
     except KinemarkError as error:
         raise KinemarkError(f"No model can be made of {path}. {error}") from error
 
@@ -199,7 +199,7 @@ def _with_model(method: Any, name: str, model: AngleModel) -> Any:
     raise KinemarkError(f"{name} takes no model. Those that do are limb_angles, kalman_angles and auto.")
 
 
-def _checked(limit_mm: float, trim: int, rate_hz: float | None) -> Edges:
+def _checked(limit_mm: float, trim: int, rate_hz: float | None) -> GapEdges:
     """How edges are trimmed.
 
     Raises:
@@ -211,7 +211,7 @@ def _checked(limit_mm: float, trim: int, rate_hz: float | None) -> Edges:
         raise KinemarkError(f"trim is {trim}. Wanted is a number of samples, 0 for none.")
     if rate_hz is not None and not 0 < rate_hz < math.inf:
         raise KinemarkError(f"The rate is {rate_hz} Hz. Wanted is one above 0.")
-    return Edges(most=trim)
+    return GapEdges(most=trim)
 
 
 def with_markers(trial: Trial, changed: Trajectories) -> Trial:

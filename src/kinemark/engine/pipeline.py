@@ -31,29 +31,29 @@ from ..report.filling_page import write_filling_page
 from ..report.page import write_report
 from ..track import TrackMethod, to_trajectories, track
 from ..track.simultaneous import (
-    FOLLOWERS,
-    Doubt,
+    DETECTION_TRACKERS,
+    AmbiguousDecision,
     FormerTwoCameras,
     Simultaneous,
-    doubts,
-    follow,
-    followed,
-    noticed,
-    noticed_of,
+    ambiguous_decisions,
+    diagnose,
+    diagnose_tracks,
+    track_detections,
+    track_simultaneously,
 )
-from .store import Ledger, digest
-from .swapped_cameras import exchanged_cameras
+from .store import Store, digest
+from .swapped_cameras import swapped_cameras
 
 Record = TypeVar("Record")
 
-DOUBTS, GAPS = "doubts.json", "gaps.html"
+DOUBTS, GAPS = "ambiguous_decisions.json", "gaps.html"
 
 Progress = Callable[[str, int, int], None]
 """Called with the stage, how much of it is done, and how much there is."""
 
 
 DetectMethod = Centroids | KissScanning | KissNearest
-FollowMethod = Simultaneous | FormerTwoCameras
+DetectionTrackMethod = Simultaneous | FormerTwoCameras
 
 
 def silent(stage: str, done: int, total: int) -> None:
@@ -67,11 +67,11 @@ class Methods:
     detect: DetectMethod = field(default_factory=Centroids)
     match: MatchMethod = field(default_factory=EpipolarTriplets)
     reconstruct: ReconstructMethod = field(default_factory=LeastSquares)
-    track: TrackMethod | FollowMethod = field(default_factory=Simultaneous)
+    track: TrackMethod | DetectionTrackMethod = field(default_factory=Simultaneous)
     fill: Filling | None = None
 
 
-class Operated(NamedTuple):
+class OperatorIdentities(NamedTuple):
     """What an operator said of a trial: names (M) of its markers, the marker of each detection (D), and figures."""
 
     names: Callable[[], Sequence[str]]
@@ -80,13 +80,13 @@ class Operated(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class TrialSource:
     """Where the detections of a trial come from.
 
     Attributes:
         key: changes when the input does.
         detections: reads or detects them, given the method and a progress callback.
-        doubts: what contradicts itself in the input, for the report.
+        contradictions: what contradicts itself in the input, for the report.
         beside: analog channels, force plates and events of the same recording, in a trial without markers.
         pictures: gives one image (H, W) of each camera, of the frames (C) asked for; None where there are no images.
         operated: which marker each detection is, where an operator said it; then nothing is matched or tracked.
@@ -94,18 +94,18 @@ class Source:
 
     key: str
     detections: Callable[[DetectMethod, Progress], Detections]
-    doubts: tuple[str, ...] = ()
+    contradictions: tuple[str, ...] = ()
     beside: Trial | None = None
     pictures: Callable[[Sequence[int]], Sequence[Picture]] | None = None
-    operated: Operated | None = None
+    operated: OperatorIdentities | None = None
 
 
 class Tracked(NamedTuple):
-    """Tracks, the decisions of the tracker that were close, and what it noticed of its input, in sentences."""
+    """Tracks, the decisions of the tracker that were close, and what it found of its input, in sentences."""
 
     tracks: Tracks
-    doubts: tuple[Doubt, ...] = ()
-    noticed: tuple[str, ...] = ()
+    ambiguous_decisions: tuple[AmbiguousDecision, ...] = ()
+    diagnostics: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +134,7 @@ def rig_key(rig: Rig) -> str:
 
 
 def run(
-    source: Source,
+    source: TrialSource,
     rig: Rig,
     folder: Path,
     *,
@@ -160,7 +160,7 @@ def run(
         KinemarkError: the input is unusable; the message says what to do.
     """
     methods = methods or Methods()
-    ledger = Ledger.open(folder)
+    ledger = Store.open(folder)
     detections, (tracks, unsure, odd), key = _stages(ledger, source, rig, methods, progress)
     measured = to_trajectories(tracks, rig)
     if source.operated is not None:
@@ -169,8 +169,8 @@ def run(
     trajectories = filled.trajectories
     steps = tuple(ledger.steps)
     notes = (
-        *source.doubts,
-        *exchanged_cameras(detections, rig, tracks.cloud, matching=methods.match, placing=methods.reconstruct),
+        *source.contradictions,
+        *swapped_cameras(detections, rig, tracks.cloud, matching=methods.match, placing=methods.reconstruct),
     )
     figures = quality(
         session=session,
@@ -181,8 +181,8 @@ def run(
         trajectories=trajectories,
         steps=(*calibration, *steps),
         notes=notes,
-        doubts=unsure,
-        noticed=odd,
+        ambiguous_decisions=unsure,
+        diagnostics=odd,
         judged=judged,
         filling=_gap_figures(folder.name, filled, measured, methods.fill),
     )
@@ -241,7 +241,7 @@ def alongside(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Ana
 
 
 def _stages(
-    ledger: Ledger, source: Source, rig: Rig, methods: Methods, progress: Progress
+    ledger: Store, source: TrialSource, rig: Rig, methods: Methods, progress: Progress
 ) -> tuple[Detections, Tracked, str]:
     """The stages in their order, each from its file where that still holds; and the key of the last."""
 
@@ -269,7 +269,7 @@ def _stages(
         operated, place, track_method = source.operated, methods.reconstruct, None
         key = digest(key, list(operated.names()), type(place).__name__, asdict(place))
         make = told("track", lambda: _as_operated(detections, rig, operated.markers(), methods))
-    elif type(methods.track) in FOLLOWERS:
+    elif type(methods.track) in DETECTION_TRACKERS:
         key = digest(key, methods.reconstruct)
         make = told("track", lambda: _followed(detections, rig, methods))
     else:
@@ -289,25 +289,23 @@ def _as_operated(detections: Detections, rig: Rig, marker: NDArray[np.int64], me
 
 
 def _followed(detections: Detections, rig: Rig, methods: Methods) -> Tracked:
-    """Tracks straight from the detections; Kinemark's own tracker says what it doubts."""
+    """Tracks straight from the detections; Kinemark's own tracker lists its ambiguous decisions."""
     method, place = methods.track, methods.reconstruct
     check_cameras(detections, rig)
     if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
-        tracks = follow(detections, rig, method=method)  # type: ignore[arg-type]
-        return Tracked(tracks, noticed=tuple(noticed_of(detections, rig, tracks)))
-    result = followed(detections, rig, method, place=place)
-    return Tracked(result.tracks, tuple(doubts(result, method)), tuple(noticed(detections, rig, result)))
+        tracks = track_detections(detections, rig, method=method)  # type: ignore[arg-type]
+        return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
+    result = track_simultaneously(detections, rig, method, place=place)
+    return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), tuple(diagnose(detections, rig, result)))
 
 
 def _linked(detections: Detections, rig: Rig, cloud: Cloud, methods: Methods) -> Tracked:
     """Tracks of points that were matched before."""
     tracks = track(cloud, method=methods.track)  # type: ignore[arg-type]
-    return Tracked(tracks, noticed=tuple(noticed_of(detections, rig, tracks)))
+    return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
 
 
-def _cloud(
-    ledger: Ledger, detections: Detections, rig: Rig, methods: Methods, key: str, told: Any
-) -> tuple[Cloud, str]:
+def _cloud(ledger: Store, detections: Detections, rig: Rig, methods: Methods, key: str, told: Any) -> tuple[Cloud, str]:
     """Points without an identity, matched and reconstructed."""
     matches, key = ledger.do(
         "match",
@@ -330,7 +328,7 @@ def _cloud(
 
 
 def _filled(
-    ledger: Ledger, measured: Trajectories, rays: Rays, method: Filling | None, key: str, progress: Progress
+    ledger: Store, measured: Trajectories, rays: Rays, method: Filling | None, key: str, progress: Progress
 ) -> tuple[Filled, str]:
     """The trajectories with their gaps filled where a method says how, and the key of that."""
     if method is None:
@@ -356,7 +354,10 @@ def _gap_figures(trial: str, filled: Filled, measured: Trajectories, method: Fil
 
 def _save_tracked(path: Path, record: Tracked) -> None:
     """The tracks, and beside them what was doubted."""
-    said = {"doubts": [doubt._asdict() for doubt in record.doubts], "noticed": record.noticed}
+    said = {
+        "ambiguous_decisions": [decision._asdict() for decision in record.ambiguous_decisions],
+        "diagnostics": record.diagnostics,
+    }
     with replacing(path.with_name(DOUBTS)) as beside:
         beside.write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", "utf-8")
     save(path, record.tracks)
@@ -366,8 +367,10 @@ def _load_tracked(path: Path) -> Tracked:
     """What an earlier run left; damaged files count as none."""
     try:
         said = json.loads(path.with_name(DOUBTS).read_text("utf-8"))
-        unsure = tuple(Doubt(**{**doubt, "tracks": tuple(doubt["tracks"])}) for doubt in said["doubts"])
-        return Tracked(_reader(Tracks)(path), unsure, tuple(said["noticed"]))
+        unsure = tuple(
+            AmbiguousDecision(**{**row, "tracks": tuple(row["tracks"])}) for row in said["ambiguous_decisions"]
+        )
+        return Tracked(_reader(Tracks)(path), unsure, tuple(said["diagnostics"]))
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise KinemarkError(f"{path.with_name(DOUBTS)} is damaged: {error}. Delete it.") from error
 

@@ -18,7 +18,7 @@ from ..io.images import ImageSource, open_images
 from ..io.masks_toml import read_masks
 from ..io.records import load
 from .pipeline import Progress
-from .settings import Seen, Settings
+from .settings import Settings, TargetRecording
 from .store import file_key
 
 
@@ -55,7 +55,7 @@ def frame_of(source: ImageSource, f: int) -> NDArray[np.uint8] | NDArray[np.uint
 def recorded(
     root: Path,
     settings: Settings,
-    seen: Seen,
+    seen: TargetRecording,
     names: Sequence[str],
     *,
     progress: Progress,
@@ -128,11 +128,11 @@ def size_of_cameras(root: Path, settings: Settings, names: Sequence[str]) -> NDA
     return np.array([source.size for source in open_cameras(root, settings, pattern, names).values()])
 
 
-def files_of(root: Path, settings: Settings, seen: Seen | str | None, names: Sequence[str]) -> list[Path]:
+def files_of(root: Path, settings: Settings, seen: TargetRecording | str | None, names: Sequence[str]) -> list[Path]:
     """The files that a recording consists of."""
     if seen is None:
         return []
-    if isinstance(seen, Seen) and seen.detections is not None:
+    if isinstance(seen, TargetRecording) and seen.detections is not None:
         return [root / seen.detections]
     pattern = seen if isinstance(seen, str) else str(seen.images)
     return [path for source in open_cameras(root, settings, pattern, names).values() for path in source.paths]

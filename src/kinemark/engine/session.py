@@ -25,7 +25,7 @@ from ..io.tdf import read_tdf
 from ..io.um2as import siblings
 from .calibration import Calibrated, calibrate
 from .digitising import Digitising, answer_files, digitise_trial, read_digitised, read_figures, write_digitised
-from .pipeline import Methods, Operated, Progress, Results, Source, rig_key, run, silent
+from .pipeline import Methods, OperatorIdentities, Progress, Results, TrialSource, rig_key, run, silent
 from .recordings import frame_of, masks_key, masks_of, open_cameras
 from .settings import ADVICE, Settings, TrialEntry, is_da, read_settings
 from .store import digest, file_key
@@ -104,7 +104,7 @@ class Session:
         """
         return calibrate(self.root, self.results, self.settings, progress=progress)
 
-    def source(self, trial: TrialEntry, rig: Rig) -> Source:
+    def source(self, trial: TrialEntry, rig: Rig) -> TrialSource:
         """Where a trial's detections come from.
 
         Raises:
@@ -135,14 +135,14 @@ class Session:
         fields = str(self.settings.cameras.first_field)
         masks = masks_key(self.root, self.settings, rig.names)
         key = digest(file_key(*files), rig.names, rate, fields, *self._marks(trial), *masks)
-        return Source(
+        return TrialSource(
             key,
             detections,
-            doubts=_doubts(images, rate),
+            contradictions=_contradictions(images, rate),
             pictures=lambda frames: [frame_of(images[name], f) for name, f in zip(rig.names, frames, strict=True)],
         )
 
-    def _detections_source(self, path: Path, trial: TrialEntry, rig: Rig) -> Source:
+    def _detections_source(self, path: Path, trial: TrialEntry, rig: Rig) -> TrialSource:
         """Detections that were made before, by us or by another system."""
         beside = operated = None
         others: list[Path] = []
@@ -150,7 +150,7 @@ class Session:
             others = siblings(path, "da")
             given = read_digitised(path, cameras=rig.names, rate=self._rate(trial, None))
             found, names = given.seen.detections, self._names_of(path, given.n_markers)
-            operated = Operated(lambda: names, lambda: given.seen.marker, dict)
+            operated = OperatorIdentities(lambda: names, lambda: given.seen.marker, dict)
         elif path.suffix.lower() == ".tdf":
             tdf = read_tdf(path)
             if tdf.detections is None:
@@ -176,7 +176,7 @@ class Session:
                 f"{path} has cameras {', '.join(found.cameras)}, and the calibration also {', '.join(missing)}. "
                 "Call them alike in both, and name in [cameras] those to be used."
             )
-        return Source(
+        return TrialSource(
             digest(file_key(path, *others), rig.names, found.rate, *self._marks(trial)),
             lambda method, progress: self._unshifted(found.select(rig.names), trial),
             beside=beside,
@@ -213,7 +213,7 @@ class Session:
         masks = masks_of(self.root, self.settings, rig.names)
         return Digitising(images, files, rig, method, self.settings.detect, constants, masks)
 
-    def _operated_source(self, trial: TrialEntry, rig: Rig) -> Source:
+    def _operated_source(self, trial: TrialEntry, rig: Rig) -> TrialSource:
         """Detections that an operator digitises; his answers are read."""
         task, folder = self.digitising(trial.name, rig), self.results / trial.name
         rate = self._rate(trial, next(iter(task.images.values())).rate)
@@ -233,12 +233,14 @@ class Session:
         said = file_key(*files, *task.answers.values())
         marks = task.constants if task.constants is not None else 0
         parts = [marks, rig_key(rig), *masks_key(self.root, self.settings, rig.names)]
-        return Source(
+        return TrialSource(
             digest(said, rig.names, rate, asdict(task.method), *parts),
             detections,
-            doubts=_doubts(dict(task.images), rate),
+            contradictions=_contradictions(dict(task.images), rate),
             pictures=lambda frames: [frame_of(task.images[n], f) for n, f in zip(rig.names, frames, strict=True)],
-            operated=Operated(lambda: task.method.markers, lambda: digitised().marker, lambda: read_figures(folder)),
+            operated=OperatorIdentities(
+                lambda: task.method.markers, lambda: digitised().marker, lambda: read_figures(folder)
+            ),
         )
 
     def _marks(self, trial: TrialEntry) -> list[object]:
@@ -288,7 +290,7 @@ def places_of(marks: Mapping[str, Sequence[tuple[float, float]]], names: Sequenc
     return places
 
 
-def _doubts(images: dict[str, ImageSource], rate: float) -> tuple[str, ...]:
+def _contradictions(images: dict[str, ImageSource], rate: float) -> tuple[str, ...]:
     """Where the videos' own frame rates contradict the one that is used."""
     others = {name: s.rate for name, s in images.items() if s.rate and abs(s.rate - rate) > 0.01 * rate}
     if not others:

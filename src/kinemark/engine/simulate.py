@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..data import KinemarkError, Path, Rig, Trajectories
+from ..data import KinemarkError, MarkerTrajectory, Rig, Trajectories
 from ..io.c3d import markers, read_c3d
 from ..io.images import write_png
 from ..io.video import write_video
@@ -125,7 +125,7 @@ class Scene:
 def _first_seconds(trajectories: Trajectories, seconds: float) -> Trajectories:
     """The beginning of a recording."""
     stop = max(round(seconds * trajectories.rate), 1)
-    paths = tuple(Path.measured(path.name, path.xyz[:stop]) for path in trajectories)
+    paths = tuple(MarkerTrajectory.measured(path.name, path.xyz[:stop]) for path in trajectories)
     return Trajectories(paths, trajectories.rate)
 
 

@@ -48,7 +48,7 @@ def file_key(*paths: Path) -> str:
 
 
 @dataclass(slots=True)
-class Ledger:
+class Store:
     """The steps of one results folder.
 
     Attributes:
@@ -63,7 +63,7 @@ class Ledger:
     computed: list[str] = field(default_factory=list)
 
     @classmethod
-    def open(cls, folder: Path) -> Ledger:
+    def open(cls, folder: Path) -> Store:
         """The ledger of a folder; one that is absent or unreadable counts as empty, and all is computed anew."""
         try:
             rows = json.loads((folder / STEPS).read_text("utf-8"))

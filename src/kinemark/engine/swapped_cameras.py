@@ -20,7 +20,7 @@ LOOKED_AT = 20
 MOST_PAIRS = 30
 
 
-def exchanged_cameras(
+def swapped_cameras(
     detections: Detections, rig: Rig, cloud: Cloud, *, matching: MatchMethod, placing: ReconstructMethod
 ) -> tuple[str, ...]:
     """Which two cameras have each other's images or calibration, as a sentence, if so; nothing where all is well.

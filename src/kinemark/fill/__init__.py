@@ -1,10 +1,10 @@
 """Missing samples: fillers, which of them to trust, and how far off they may be."""
 
-from .edges import Edges, Trimmed, trim_edges
+from .edges import GapEdges, Trimmed, trim_edges
 from .fill import LIMIT, METHODS, Filled, FilledGap, fill
 from .fill_recording import Filling, fill_recording
 from .judge.auto import Auto
-from .marker_array import Gap, Motion, Prediction, find_gaps
+from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 from .methods.angles import KalmanAngles, LimbAngles, cycle_events, fit_model, model_events
 from .methods.body import Body
 from .methods.cyclic import Cyclic
@@ -18,7 +18,7 @@ from .methods.quintic import Quintic
 from .methods.relational import Relational
 from .methods.rigid_body import RigidBody
 from .rays import Rays
-from .static import FromStatic, Placed, place_absent
+from .static import FromStatic, PlacedMarker, place_absent
 from .static_shape import StaticShape
 
 __all__ = [
@@ -29,21 +29,21 @@ __all__ = [
     "Body",
     "Cubic",
     "Cyclic",
-    "Edges",
     "Filled",
     "FilledGap",
     "Filling",
     "FromStatic",
     "Gap",
+    "GapEdges",
     "Kalman",
     "KalmanAngles",
     "LimbAngles",
     "Linear",
     "LocalRegression",
     "LowRankKalman",
-    "Motion",
+    "MarkerArray",
     "Pattern",
-    "Placed",
+    "PlacedMarker",
     "Prediction",
     "Quintic",
     "Rays",

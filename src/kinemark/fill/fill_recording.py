@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Origin, Path, Trajectories
+from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.arrays import check_positive
-from .edges import Edges
+from .edges import GapEdges
 from .fill import LIMIT, Filled, FilledGap, fill
 from .judge.auto import Auto
 from .rays import Rays, sharpened
@@ -31,12 +31,12 @@ class Filling:
     name: str = "auto"
     limit_mm: float = LIMIT
     ends: bool = False
-    trim: int = Edges().most
+    trim: int = GapEdges().most
     rays: bool = True
 
     def __post_init__(self) -> None:
         check_positive(limit_mm=self.limit_mm)
-        Edges(most=self.trim)
+        GapEdges(most=self.trim)
 
 
 def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -> Filled:
@@ -44,7 +44,7 @@ def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -
 
     The expected error of a gap is that of the method without the cameras' help, as no hidden test has one.
     """
-    edges = Edges(most=method.trim)
+    edges = GapEdges(most=method.trim)
     filled = fill(trajectories, method=method.method, limit_mm=method.limit_mm, ends=method.ends, edges=edges)
     if not method.rays:
         return filled
@@ -55,7 +55,7 @@ def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -
     return Filled(replace(filled.trajectories, paths=tuple(paths.values())), filled.gaps)
 
 
-def _told(path: Path, gap: FilledGap, rays: Rays) -> Path:
+def _told(path: MarkerTrajectory, gap: FilledGap, rays: Rays) -> MarkerTrajectory:
     """A marker with what single cameras say of one gap."""
     at = slice(gap.start, gap.stop)
     found = sharpened(path.xyz[at], path.cov[at], gap.start, rays)

@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .marker_array import Floats, Gap, Motion
+from .marker_array import Floats, Gap, MarkerArray
 from .reference_ranking import Ranks
 
 NEAR = 4
@@ -29,10 +29,10 @@ TIMES = 3.0
 OFTEN = 0.02
 
 
-class Trust:
+class JumpingMarkers:
     """Which markers of a trial can be trusted in a gap; bends are worked out once, distances where they are needed."""
 
-    def __init__(self, motion: Motion, ranks: Ranks) -> None:
+    def __init__(self, motion: MarkerArray, ranks: Ranks) -> None:
         """Of a trial and the order of its markers."""
         self.motion, self.ranks = motion, ranks
         x = motion.xyz

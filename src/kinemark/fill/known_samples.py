@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .marker_array import Floats, Gap, Motion
+from .marker_array import Floats, Gap, MarkerArray
 
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int64]
@@ -79,7 +79,7 @@ class Span(NamedTuple):
         return np.abs(self.frames - edge) / self.half
 
 
-class Known(NamedTuple):
+class KnownSamples(NamedTuple):
     """A trial without impossible samples.
 
     Attributes:
@@ -95,7 +95,7 @@ class Known(NamedTuple):
     names: tuple[str, ...]
 
     @classmethod
-    def of(cls, motion: Motion) -> Known:
+    def of(cls, motion: MarkerArray) -> KnownSamples:
         """What of a trial can be true."""
         square = np.einsum("mfi,mfi->mf", motion.xyz, motion.xyz)
         seen = square < FAR**2
@@ -159,7 +159,7 @@ class Known(NamedTuple):
         return ", ".join(self.names[k] for k in markers)
 
 
-def pieces(known: Known, span: Span, *, least: int, most: int = 12) -> list[tuple[int, int]]:
+def pieces(known: KnownSamples, span: Span, *, least: int, most: int = 12) -> list[tuple[int, int]]:
     """Frames (start, stop) into which a gap is cut where too few of its neighbours are seen throughout it.
 
     It stays whole where at least `least` markers, and seven in ten of those seen on average, are seen throughout. Else

@@ -32,7 +32,7 @@ class Gap(NamedTuple):
         return self.stop - self.start
 
 
-class Motion(NamedTuple):
+class MarkerArray(NamedTuple):
     """All markers of a trial.
 
     Attributes:
@@ -46,7 +46,7 @@ class Motion(NamedTuple):
     names: tuple[str, ...]
 
     @classmethod
-    def of(cls, trajectories: Trajectories) -> Motion:
+    def of(cls, trajectories: Trajectories) -> MarkerArray:
         """The markers of a trial; what is filled counts as seen."""
         return cls(trajectories.xyz, trajectories.rate, trajectories.names)
 
@@ -55,7 +55,7 @@ class Motion(NamedTuple):
         """(M, F)."""
         return ~np.isnan(self.xyz[..., 0])
 
-    def hidden(self, gaps: Iterable[Gap]) -> Motion:
+    def hidden(self, gaps: Iterable[Gap]) -> MarkerArray:
         """The same with all samples in the gaps missing."""
         xyz = self.xyz.copy()
         for gap in gaps:
@@ -84,7 +84,7 @@ class Prediction(NamedTuple):
         return cls(np.full((length, 3), np.nan), np.full((length, 3, 3), np.nan), reason)
 
 
-def find_gaps(motion: Motion, *, ends: bool = False) -> list[Gap]:
+def find_gaps(motion: MarkerArray, *, ends: bool = False) -> list[Gap]:
     """The gaps of all markers, by marker and frame.
 
     Args:

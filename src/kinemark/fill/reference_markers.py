@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .known_samples import Bools, Ints, Known
+from .known_samples import Bools, Ints, KnownSamples
 from .marker_array import Floats
 
 INSTANTS = 150
@@ -42,7 +42,7 @@ class Apart(NamedTuple):
 Distances = Callable[[int], Apart]
 
 
-def distances(known: Known) -> Distances:
+def distances(known: KnownSamples) -> Distances:
     """A function that gives the distances of all markers from one, worked out once for each."""
     x = known.x[:, known.thin(INSTANTS)]
     return cache(lambda marker: _apart(x, marker))
@@ -72,7 +72,7 @@ def rounded(half: int) -> int:
     return half if half <= 8 else round(8 * 1.12 ** round(np.log(half / 8) / np.log(1.12)))
 
 
-def triples(known: Known, half: int) -> Floats:
+def triples(known: KnownSamples, half: int) -> Floats:
     """All markers (M, 3, T, 3) at t − h, t and t + h for T instants t; h shrinks where the trial is too short."""
     h = min(rounded(half), (known.n_frames - 1) // 2)
     t = np.arange(h, known.n_frames - h) if h else np.zeros(0, np.int64)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .marker_array import Floats, Motion
+from .marker_array import Floats, MarkerArray
 
 FEWEST = 12
 """Frames to learn from, at least."""
@@ -14,7 +14,7 @@ FEWEST = 12
 class Ranks:
     """The other markers of a trial in order, for each marker worked out when it is first asked for."""
 
-    def __init__(self, motion: Motion) -> None:
+    def __init__(self, motion: MarkerArray) -> None:
         """Of a trial, from some hundreds of its frames."""
         self.thin = np.ascontiguousarray(motion.xyz[:, :: max(1, motion.xyz.shape[1] // 400)])
         self._of: dict[int, NDArray[np.int64]] = {}
@@ -26,7 +26,7 @@ class Ranks:
         return self._of[marker]
 
 
-def ranked(motion: Motion, marker: int) -> NDArray[np.int64]:
+def ranked(motion: MarkerArray, marker: int) -> NDArray[np.int64]:
     """The same of one marker."""
     return Ranks(motion).of(marker)
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from ..calibrate.quality import (
     Change,
     Evidence,
-    ImageCover,
+    ImageCoverage,
     VolumeMap,
     block_diagonal,
     centroid_deviation,
-    cover_image,
+    image_coverage,
     map_volume,
     points_of,
     view_volume,
@@ -55,7 +55,7 @@ def calibration_figures(
     sd = centroid_deviation(rig, evidence)
     grid = map_volume(rig, volume, centroid_sd=sd, joint=evidence.joint)
     places = points_of(grid.axes)
-    covers = [cover_image(camera, _used(evidence, c), places) for c, camera in enumerate(rig)]
+    covers = [image_coverage(camera, _used(evidence, c), places) for c, camera in enumerate(rig)]
     figures: dict[str, Any] = plain(
         {
             "kinemark": __version__,
@@ -154,7 +154,7 @@ def _fit(rig: Rig, evidence: Evidence) -> dict[str, Any]:
     }
 
 
-def _camera(rig: Rig, c: int, evidence: Evidence, grid: VolumeMap, cover: ImageCover) -> dict[str, Any]:
+def _camera(rig: Rig, c: int, evidence: Evidence, grid: VolumeMap, cover: ImageCoverage) -> dict[str, Any]:
     camera = rig[c]
     known = bool((camera.size > 0).all())
     return {

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ..data import MarkerTrajectory as MarkerPath
 from ..data import Origin, Trajectories
-from ..data import Path as MarkerPath
 from ..fill import Filled, FilledGap
 from ..fill.fill import WILD
 from ..report.formatting import count, millimetres, number, percent, some

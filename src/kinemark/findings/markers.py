@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Origin, Path, Trajectories
+from ..data import MarkerTrajectory, Origin, Trajectories
 from .plain import Array, Mask, mean, quantile, runs, share
 
 IN_VIEW = 0.75
@@ -35,7 +35,7 @@ def standard_deviation(cov: Array) -> Array:
     return np.sqrt(np.where(variance >= 0, variance, np.nan))  # (1)
 
 
-def sample_deviation(path: Path) -> Array:
+def sample_deviation(path: MarkerTrajectory) -> Array:
     """σ (F) mm of a path; NaN where it has no sample."""
     return np.where(path.origin == Origin.MISSING, np.nan, standard_deviation(path.cov))
 
@@ -120,7 +120,7 @@ def trajectory_figures(trajectories: Trajectories, markers: list[dict[str, Any]]
     }
 
 
-def _one(path: Path, rate: float, span: tuple[int, int]) -> dict[str, Any]:
+def _one(path: MarkerTrajectory, rate: float, span: tuple[int, int]) -> dict[str, Any]:
     seen = path.origin != Origin.MISSING
     at = np.flatnonzero(seen)
     inside = seen[slice(*span)]
@@ -145,7 +145,7 @@ def _one(path: Path, rate: float, span: tuple[int, int]) -> dict[str, Any]:
     }
 
 
-def _exactness(path: Path) -> dict[str, float]:
+def _exactness(path: MarkerTrajectory) -> dict[str, float]:
     sd = sample_deviation(path)
     return {
         "sd_per_axis_mean_mm": mean(sd),
@@ -155,7 +155,7 @@ def _exactness(path: Path) -> dict[str, float]:
     }
 
 
-def _cameras(path: Path) -> NDArray[np.float64]:
+def _cameras(path: MarkerTrajectory) -> NDArray[np.float64]:
     """(F) how many cameras saw each sample; NaN where unknown."""
     count = np.bitwise_count(path.cameras).astype(float)
     return np.where(count > 0, count, np.nan)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..data import Cloud, Detections, Rig, Step, Tracks, Trajectories
 from ..io.files import replacing
-from ..track.simultaneous import Doubt
+from ..track.simultaneous import AmbiguousDecision
 from ..version import __version__
 from .cameras import camera_figures, residuals
 from .markers import marker_figures, positions, trajectory_figures
@@ -29,8 +29,8 @@ def quality(
     trajectories: Trajectories,
     steps: Sequence[Step],
     notes: Sequence[str] = (),
-    doubts: Sequence[Doubt] = (),
-    noticed: Sequence[str] = (),
+    ambiguous_decisions: Sequence[AmbiguousDecision] = (),
+    diagnostics: Sequence[str] = (),
     judged: Mapping[str, Any] | None = None,
     filling: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
@@ -44,8 +44,8 @@ def quality(
         trajectories: the markers as they leave the last stage.
         steps: how the trial was made.
         notes: sentences to pass on to the reader.
-        doubts: decisions of the tracker that were close.
-        noticed: sentences on what the tracker found odd about its input.
+        ambiguous_decisions: decisions of the tracker that were close.
+        diagnostics: sentences on what the tracker found odd about its input.
         judged: how good the calibration is, from `calibration.calibration_figures`; None where nobody judged it.
         filling: what became of the gaps, from `filling.filling_figures`; None where none was to be filled.
 
@@ -74,8 +74,8 @@ def quality(
             "timing": _timing(steps, detections.n_frames),
             "steps": [_step(step) for step in steps],
             "notes": list(notes),
-            "noticed": list(noticed),
-            "doubts": [_doubt(doubt, detections.rate) for doubt in doubts],
+            "diagnostics": list(diagnostics),
+            "ambiguous_decisions": [_decision(row, detections.rate) for row in ambiguous_decisions],
             "filling": filling,
         }
     )
@@ -150,15 +150,15 @@ def _tracks(tracks: Tracks) -> dict[str, Any]:
     }
 
 
-def _doubt(doubt: Doubt, rate: float) -> dict[str, Any]:
+def _decision(row: AmbiguousDecision, rate: float) -> dict[str, Any]:
     """A close decision, its tracks by the names of their trajectories."""
     return {
-        "kind": doubt.kind,
-        "first_frame": doubt.first,
-        "last_frame": doubt.last,
-        "time_s": doubt.first / rate,
-        "trajectories": [f"*{track + 1}" for track in doubt.tracks if track >= 0],
-        "reason": doubt.reason,
+        "kind": row.kind,
+        "first_frame": row.first,
+        "last_frame": row.last,
+        "time_s": row.first / rate,
+        "trajectories": [f"*{track + 1}" for track in row.tracks if track >= 0],
+        "reason": row.reason,
     }
 
 

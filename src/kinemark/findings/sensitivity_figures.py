@@ -10,7 +10,7 @@ import math
 from typing import Any
 
 from ..report.formatting import measure, millimetres, number, percent, some
-from ..sensitivity import Lost, Ranking, Source, typical
+from ..sensitivity import ErrorSource, LostCamera, Ranking, typical
 from ..sensitivity.ranked_sources import Unit
 from ..version import __version__
 from .plain import Array, plain, quantile, share
@@ -63,7 +63,7 @@ def sensitivity_figures(ranking: Ranking, *, session: str, trial: str) -> dict[s
     return figures
 
 
-def _source(ranking: Ranking, source: Source) -> dict[str, Any]:
+def _source(ranking: Ranking, source: ErrorSource) -> dict[str, Any]:
     n = ranking.method.cycles if source.averages else 1
     unit = ranking.unit
     squares = [typical(getattr(each, unit)) ** 2 for each in ranking.sources]
@@ -94,7 +94,7 @@ def _mean_of(ranking: Ranking, n: int) -> dict[str, Any]:
     return row
 
 
-def _lost(ranking: Ranking, camera: Lost) -> dict[str, Any]:
+def _lost(ranking: Ranking, camera: LostCamera) -> dict[str, Any]:
     return {
         "camera": camera.camera,
         "mm": typical(camera.mm),

@@ -110,7 +110,7 @@ def _nothing(figures: Figures) -> Iterator[Remark]:
     elif not figures["points"]["count"]:
         what = "The cameras saw markers, but no marker was found in space."
         do = "Check that the calibration belongs to this camera set-up and that the cameras are synchronised."
-        yield from _say("red", what, "See what was noticed, below." if figures["noticed"] else do)
+        yield from _say("red", what, "See the diagnostics below." if figures["diagnostics"] else do)
     elif not figures["trajectories"]["samples"]:
         what = "3D points were reconstructed, but no trajectory came of them."
         yield from _say("red", what, "Check the parameters of [track]: shortest, and speed; and rate_hz.")
@@ -181,7 +181,7 @@ def _judged(figures: Figures) -> Iterator[Remark]:
 
 def _unused(figures: Figures) -> Iterator[Remark]:
     used = {c["name"]: c["used_of_valid_share"] for c in figures["cameras"]}
-    told = " ".join(figures["noticed"])
+    told = " ".join(figures["diagnostics"])
     little = [name for name, part in used.items() if part is not None and part < USED_SHARE and f" {name} " not in told]
     if figures["points"]["count"] and little:
         least = percent(min(used[name] for name in little))
@@ -287,8 +287,8 @@ def _doubtful(figures: Figures) -> Iterator[Remark]:
         yield from _say("amber", note, "Correct the one that is wrong.")
 
 
-def _noticed(figures: Figures) -> Iterator[Remark]:
-    for sentence in figures["noticed"]:
+def _diagnostics(figures: Figures) -> Iterator[Remark]:
+    for sentence in figures["diagnostics"]:
         if "frame rate" in sentence:
             do = "Correct rate_hz, or the rate in the file: every speed and every limit of [track] depends on it."
         else:
@@ -297,13 +297,12 @@ def _noticed(figures: Figures) -> Iterator[Remark]:
 
 
 def _unsure(figures: Figures) -> Iterator[Remark]:
-    doubts = figures["doubts"]
-    if doubts:
-        kinds = {kind: sum(doubt["kind"] == kind for doubt in doubts) for kind in ("swap", "merge", "ghost", "join")}
+    decisions = figures["ambiguous_decisions"]
+    if decisions:
+        kinds = {kind: sum(row["kind"] == kind for row in decisions) for kind in ("swap", "merge", "ghost", "join")}
         listed = ", ".join(count(n, f"possible {kind}") for kind, n in kinds.items() if n)
-        what = (
-            f"{count(len(doubts), 'decision')} of the tracking {'was' if len(doubts) == 1 else 'were'} close: {listed}."
-        )
+        were = "was" if len(decisions) == 1 else "were"
+        what = f"{count(len(decisions), 'decision')} of the tracking {were} close: {listed}."
         yield from _say("info", what, "They are listed with their times and reasons below.")
 
 
@@ -323,6 +322,6 @@ def worst_cameras(figures: Figures) -> list[str]:
 
 CHECKS = (
     *(_nothing, _blind, _unlike_others, _residual, _calibration, _judged, _unused, _few_views, _absent),
-    *(_incomplete, _pieces, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over, _doubtful, _noticed),
+    *(_incomplete, _pieces, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over, _doubtful, _diagnostics),
     *(_unsure, _stretched),
 )

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
-from ..data import Path as MarkerPath
+from ..data import MarkerTrajectory as MarkerPath
 from .files import replacing
 from .number_text import bad_line, numbers, plain, read_text, whole
 

@@ -1,6 +1,6 @@
 """Markers → joint angles: segment chains, angles with their covariance, poses, centres, velocities, cycles."""
 
-from ..data.models import LABORATORY, Axis, Centre, Cluster, Joint, Model, Motion, Segment
+from ..data.models import LABORATORY, Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
 from .centres import JointCentre, joint_centre, static_template
 from .chain import joint_angles, joint_matrices, segment_axes
 from .cycles import Cycles, cycles, resampled, spans_of
@@ -22,9 +22,9 @@ __all__ = [
     "InverseCosines",
     "Joint",
     "JointCentre",
+    "JointMotion",
     "Method",
     "Model",
-    "Motion",
     "Named",
     "Pose",
     "Segment",

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Path, Trajectories
+from ..data import MarkerTrajectory, Trajectories
 
 DIFFERENCES = 4
 GAIN = 70.0
@@ -48,7 +48,7 @@ def with_marker_sd(trajectories: Trajectories, sd_mm: float | None = None) -> Tr
     return replace(trajectories, paths=tuple(_stated(path, sd_mm) for path in trajectories))
 
 
-def _stated(path: Path, sd_mm: float | None) -> Path:
+def _stated(path: MarkerTrajectory, sd_mm: float | None) -> MarkerTrajectory:
     unknown = np.asarray(np.isnan(path.cov).any((1, 2)) & np.isfinite(path.xyz).all(1))
     if not unknown.any():
         return path

@@ -70,14 +70,14 @@ class EpipolarTriplets:
         )
 
 
-class Seen(NamedTuple):
+class FrameImages(NamedTuple):
     """The images of one block: ideal pixels (D, 2), and rows[c] (F, n) of each camera, −1 beyond the frame's last."""
 
     uv: Floats
     rows: list[Ints]
 
 
-class Edges(NamedTuple):
+class TripletEdges(NamedTuple):
     """E pairs of images: cameras r < s, rows i and j, distance px from the epipolar line (the greater of the two)."""
 
     r: Ints
@@ -102,13 +102,13 @@ def collected(groups: list[tuple[Ints, Floats]], detections: Detections) -> Matc
     return Matches(frame[order], view[order], cost[order], detections.n_frames)
 
 
-def blocks_of(detections: Detections, rig: Rig) -> Iterator[Seen]:
+def blocks_of(detections: Detections, rig: Rig) -> Iterator[FrameImages]:
     """The valid detections, without lens distortion, a block of frames at a time."""
     uv = ideal_pixels(detections, rig)
     block = min(BLOCK, max(CELLS // max(int(detections.counts.max(initial=1)), 1) ** 2, 1))
     for first in range(0, detections.n_frames, block):
         cut = detections.start[:, first : first + block + 1]
-        yield Seen(uv, [_padded(rows) for rows in cut])
+        yield FrameImages(uv, [_padded(rows) for rows in cut])
 
 
 def _padded(start: Ints) -> Ints:
@@ -118,7 +118,7 @@ def _padded(start: Ints) -> Ints:
     return np.where(j < counts[:, None], start[:-1, None] + j, -1)
 
 
-def _match_block(seen: Seen, P: Floats, method: EpipolarTriplets) -> tuple[Ints, Floats]:
+def _match_block(seen: FrameImages, P: Floats, method: EpipolarTriplets) -> tuple[Ints, Floats]:
     """Views (G, C) and costs (G) px of all frames of a block."""
     edges = _edges(seen, P, method)
     view, merit = _groups(edges, seen, P, method)
@@ -136,18 +136,18 @@ def costs(view: Ints, uv: Floats, P: Floats) -> Floats:
     return np.sqrt(np.nansum(squared, axis=1) / (view >= 0).sum(1))
 
 
-def _edges(seen: Seen, P: Floats, method: EpipolarTriplets) -> Edges:
+def _edges(seen: FrameImages, P: Floats, method: EpipolarTriplets) -> TripletEdges:
     """Step 1 for all pairs of cameras."""
     parts = []
     for r, s in combinations(range(len(P)), 2):
         frame, i, j, distance = _near_lines(seen, r, s, fundamental(P[r], P[s]), method.search_band)
         i, j = seen.rows[r][frame, i], seen.rows[s][frame, j]
         few = (_rank(i, distance) < method.candidates) & (_rank(j, distance) < method.candidates)
-        parts.append(Edges(np.full(few.sum(), r), np.full(few.sum(), s), i[few], j[few], distance[few]))
-    return Edges(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+        parts.append(TripletEdges(np.full(few.sum(), r), np.full(few.sum(), s), i[few], j[few], distance[few]))
+    return TripletEdges(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def _near_lines(seen: Seen, r: int, s: int, F: Floats, band: float) -> tuple[Ints, Ints, Ints, Floats]:
+def _near_lines(seen: FrameImages, r: int, s: int, F: Floats, band: float) -> tuple[Ints, Ints, Ints, Floats]:
     """Frame, place in camera r, place in camera s and distance of all pairs within the band, both ways."""
     first, second = seen.uv[seen.rows[r]], seen.uv[seen.rows[s]]
     first[seen.rows[r] < 0] = np.nan
@@ -171,7 +171,7 @@ def _rank(key: Ints, value: Floats) -> Ints:
     return rank
 
 
-def _groups(edges: Edges, seen: Seen, P: Floats, method: EpipolarTriplets) -> tuple[Ints, Floats]:
+def _groups(edges: TripletEdges, seen: FrameImages, P: Floats, method: EpipolarTriplets) -> tuple[Ints, Floats]:
     """Steps 2 and 3: views (H, C) of three or more cameras and their merit (H)."""
     neighbours, base = _neighbours(edges, len(seen.uv), len(P))
     views = []
@@ -188,7 +188,7 @@ def _groups(edges: Edges, seen: Seen, P: Floats, method: EpipolarTriplets) -> tu
     return _weigh(view, seen.uv, P, method.search_radius)
 
 
-def _neighbours(edges: Edges, n: int, n_cameras: int) -> tuple[Ints, Ints]:
+def _neighbours(edges: TripletEdges, n: int, n_cameras: int) -> tuple[Ints, Ints]:
     """Candidates (B, C, k) of each image that has any, −1 beyond the last, and where in them each row stands (n)."""
     i, other = np.concatenate([edges.i, edges.j]), np.concatenate([edges.j, edges.i])
     camera, distance = np.concatenate([edges.s, edges.r]), np.concatenate([edges.distance, edges.distance])
@@ -276,10 +276,10 @@ def _winners(view: Ints, merit: Floats, n: int) -> NDArray[np.bool_]:
     return ((best[view] == place[:, None]) | (view < 0)).all(1)
 
 
-def _pairs(edges: Edges, taken: NDArray[np.bool_], n_cameras: int, method: EpipolarTriplets) -> Ints:
+def _pairs(edges: TripletEdges, taken: NDArray[np.bool_], n_cameras: int, method: EpipolarTriplets) -> Ints:
     """Step 5: views (G, C) of two cameras each, from images that no larger group has taken."""
     free = ~taken[edges.i] & ~taken[edges.j] & (edges.distance < method.pair_band)
-    edges = Edges(edges.r[free], edges.s[free], edges.i[free], edges.j[free], edges.distance[free])
+    edges = TripletEdges(edges.r[free], edges.s[free], edges.i[free], edges.j[free], edges.distance[free])
     view = np.full((len(edges.i), n_cameras), -1)
     view[np.arange(len(view)), edges.r] = edges.i
     view[np.arange(len(view)), edges.s] = edges.j

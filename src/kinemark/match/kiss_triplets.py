@@ -78,7 +78,7 @@ class KissTriplets:
             raise ValueError(f"priority is {self.priority!r}, wanted 'distance' or 'angle'")
 
 
-class Frame(NamedTuple):
+class TripletFrame(NamedTuple):
     """The N images of one frame, counted from 0.
 
     row: (N) in `Detections`; camera: of each; uv: px; lines: lines[s][i], the epipolar line of image i in camera s;
@@ -133,7 +133,7 @@ def crossings(rig: Rig) -> Floats:
     return np.linalg.norm(np.cross(sight[:, None], sight), axis=-1)
 
 
-def _frame(row: Ints, uv: Floats, detections: Detections, F: Floats, band: float) -> Frame:
+def _frame(row: Ints, uv: Floats, detections: Detections, F: Floats, band: float) -> TripletFrame:
     """The images of one frame with all their lines and candidates."""
     camera = np.searchsorted(detections.start[:, -1], row, side="right")
     h = np.column_stack([uv[row], np.ones(len(row))])
@@ -152,10 +152,10 @@ def _frame(row: Ints, uv: Floats, detections: Detections, F: Floats, band: float
     where = camera.tolist()
     for a, b, d in zip(i[order].tolist(), j[order].tolist(), distance[i, j][order].tolist(), strict=True):
         near[a].setdefault(where[b], []).append((d, b))
-    return Frame(row, where, uv[row].tolist(), lines.tolist(), near)
+    return TripletFrame(row, where, uv[row].tolist(), lines.tolist(), near)
 
 
-def _markers(frame: Frame, steep: list[list[float]], method: KissTriplets) -> Iterator[list[int]]:
+def _markers(frame: TripletFrame, steep: list[list[float]], method: KissTriplets) -> Iterator[list[int]]:
     """The images of each marker, with every camera as the base in turn (4)."""
     free = [True] * len(frame.row)
     pairs: set[tuple[int, int]] = set()
@@ -175,7 +175,7 @@ def _markers(frame: Frame, steep: list[list[float]], method: KissTriplets) -> It
     yield from (list(pair) for pair in sorted(pairs))
 
 
-def _ranked(frame: Frame, i: int, free: list[bool], steep: list[list[float]], method: KissTriplets) -> Ranked:
+def _ranked(frame: TripletFrame, i: int, free: list[bool], steep: list[list[float]], method: KissTriplets) -> Ranked:
     """The candidate cameras of image i."""
     found = []
     for s, candidates in frame.near[i].items():
@@ -186,7 +186,7 @@ def _ranked(frame: Frame, i: int, free: list[bool], steep: list[list[float]], me
     return [(s, images) for _, s, images in sorted(found)]
 
 
-def _triplet(frame: Frame, i: int, ranked: Ranked, radius: float) -> list[int]:
+def _triplet(frame: TripletFrame, i: int, ranked: Ranked, radius: float) -> list[int]:
     """The first three images that agree by (2); none if there are none."""
     (_, first), *others = ranked
     for _, second in others:
@@ -197,7 +197,7 @@ def _triplet(frame: Frame, i: int, ranked: Ranked, radius: float) -> list[int]:
     return []
 
 
-def _off(frame: Frame, one: int, other: int, image: int) -> float:
+def _off(frame: TripletFrame, one: int, other: int, image: int) -> float:
     """Distance px of an image from where the epipolar lines of two others meet in its camera."""
     lines = frame.lines[frame.camera[image]]
     u, v = _meet(lines[one], lines[other])
@@ -218,7 +218,7 @@ def _steepness(one: Line, other: Line) -> float:
     return one[0] * other[1] - one[1] * other[0]
 
 
-def _joined(frame: Frame, marker: list[int], ranked: Ranked, radius: float) -> list[int]:
+def _joined(frame: TripletFrame, marker: list[int], ranked: Ranked, radius: float) -> list[int]:
     """The marker's three images and those that join them (3)."""
     joined = list(marker)
     cameras = {frame.camera[image] for image in marker}

@@ -19,7 +19,7 @@ SILENT = "This method of tracking does not tell which of its decisions were clos
 Doubts = Sequence[dict[str, Any]]
 
 
-def doubt_table(doubts: Doubts, *, told: bool) -> str:
+def ambiguous_table(doubts: Doubts, *, told: bool) -> str:
     """A row for each doubt about the same markers, the earliest first; `told`: whether the tracking tells doubts."""
     if not told:
         return f"<p>{escape(SILENT)}</p>"

@@ -16,7 +16,7 @@ from ..data import Detections, Rig, Tracks, Trajectories
 from ..findings.trial_advice import LONG_GAP_S, worst_cameras
 from ..io.files import replacing
 from ..track.simultaneous import Simultaneous
-from .ambiguous_table import doubt_table
+from .ambiguous_table import ambiguous_table
 from .digitised import digitised_card
 from .figures import exactness_figure, timeline_figure, trajectories_figure, uncertainty_figure
 from .figures_calibration import slices_figure
@@ -117,7 +117,7 @@ def page(
         camera_table=camera_table(quality["cameras"], worst_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),
         filling=_filling(quality["filling"]),
-        doubt_table=doubt_table(quality["doubts"], told=_tells(quality["steps"])),
+        ambiguous_table=ambiguous_table(quality["ambiguous_decisions"], told=_tells(quality["steps"])),
         step_table=step_table(quality["steps"]),
     )
     return framed(main, heading=quality["trial"], below=of_session(quality), nav=NAV)

@@ -17,26 +17,34 @@ from .propagation import (
     placed_points,
     rig_points,
 )
-from .ranked_sources import Limits, Lost, Ranking, Source, rank, typical
-from .sample_frames import Seen, gather, gather_named
+from .ranked_sources import ErrorBudget, ErrorSource, LostCamera, Ranking, rank, typical
+from .sample_frames import SampledFrames, gather, gather_named
 from .sampling import Sampled, Sampling, climb, sample
 from .segment_directions import Rigid, segment_jacobian, segments
-from .um2as_experiment import Changed, Linear, Moved, calibration_experiment, laboratory, marker, marker_experiment
+from .um2as_experiment import (
+    Changed,
+    LinearisedErrors,
+    Moved,
+    calibration_experiment,
+    laboratory,
+    marker,
+    marker_experiment,
+)
 
 __all__ = [
     "Changed",
+    "ErrorBudget",
+    "ErrorSource",
     "Kinematics",
-    "Limits",
-    "Linear",
-    "Lost",
+    "LinearisedErrors",
+    "LostCamera",
     "Moved",
     "Ranking",
     "Rigid",
     "Sampled",
+    "SampledFrames",
     "Sampling",
-    "Seen",
     "Shown",
-    "Source",
     "Spread",
     "angle_jacobian",
     "angle_spread",

@@ -43,7 +43,7 @@ from ..calibrate.quality import block_diagonal, views
 from ..data import Rig
 from ..geometry import inverse3
 from .dlt_samples import parameter_gain, point_gains
-from .um2as_experiment import Linear
+from .um2as_experiment import LinearisedErrors
 
 Array = NDArray[np.float64]
 Kinematics = Callable[[Array], Array]
@@ -98,7 +98,7 @@ def rig_points(rig: Rig, xyz: Array, *, centroid_sd: float, joint: Array | None 
     return Spread(own.reshape(*xyz.shape, 3), by.reshape(*xyz.shape, -1), joint)
 
 
-def linear_points(cameras: Linear, xyz: Array, *, centroid_sd: float, calibration_sd: float) -> Spread:
+def linear_points(cameras: LinearisedErrors, xyz: Array, *, centroid_sd: float, calibration_sd: float) -> Spread:
     """Markers (M, F, 3) mm by the means of all pairs of linear cameras, as UM²AS has them (3).
 
     Args:

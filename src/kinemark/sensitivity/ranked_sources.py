@@ -34,7 +34,7 @@ from ..calibrate.quality import apart_from_frame, block_diagonal
 from ..data import KinemarkError, Rig
 from .observed_errors import Gains, Shown, gains, shown
 from .propagation import Kinematics, angle_jacobian
-from .sample_frames import Seen
+from .sample_frames import SampledFrames
 from .segment_directions import segment_jacobian, segments
 
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ EVERY = 7
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class ErrorBudget:
     """What is asked.
 
     Attributes:
@@ -74,7 +74,7 @@ class Limits:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Source:
+class ErrorSource:
     """One source of error, alone.
 
     Attributes:
@@ -95,7 +95,7 @@ class Source:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lost:
+class LostCamera:
     """A camera that is lost.
 
     Attributes:
@@ -132,15 +132,15 @@ class Ranking:
         method: what was asked.
     """
 
-    sources: tuple[Source, ...]
-    lost: tuple[Lost, ...]
+    sources: tuple[ErrorSource, ...]
+    lost: tuple[LostCamera, ...]
     angles: tuple[str, ...]
     markers: tuple[str, ...]
     by_model: bool
     evidence: Shown
     stated_mm: float
     shown_mm: float
-    method: Limits
+    method: ErrorBudget
 
     @property
     def unit(self) -> Unit:
@@ -168,9 +168,9 @@ def typical(values: Array) -> float:
 
 def rank(
     rig: Rig,
-    there: Seen,
+    there: SampledFrames,
     *,
-    method: Limits = Limits(),
+    method: ErrorBudget = ErrorBudget(),
     angles: tuple[tuple[str, ...], Kinematics] | None = None,
 ) -> Ranking:
     """The sources of error of a recording, and what each camera's loss would cost.
@@ -195,7 +195,7 @@ def rank(
     return Ranking(*ordered, work.found, stated, by_residuals, method)
 
 
-def _begun(rig: Rig, there: Seen, method: Limits, J: Array) -> _Work:
+def _begun(rig: Rig, there: SampledFrames, method: ErrorBudget, J: Array) -> _Work:
     """The points that two cameras see, and what their residuals show.
 
     Raises:
@@ -214,7 +214,7 @@ def _begun(rig: Rig, there: Seen, method: Limits, J: Array) -> _Work:
     return _Work(rig, there.xyz.shape[:2], method, found, gains(rig, safe, seen), seen, safe, J)
 
 
-def _angles(there: Seen, angles: tuple[tuple[str, ...], Kinematics] | None) -> tuple[tuple[str, ...], Array]:
+def _angles(there: SampledFrames, angles: tuple[tuple[str, ...], Kinematics] | None) -> tuple[tuple[str, ...], Array]:
     """Names (A) and J (F, A, M, 3) deg/mm of a model's angles, or of the two turns of each segment."""
     if angles is not None:
         return angles[0], angle_jacobian(angles[1], there.xyz)
@@ -229,14 +229,14 @@ class _Work:
 
     rig: Rig
     shape: tuple[int, ...]
-    method: Limits
+    method: ErrorBudget
     found: Shown
     gain: Gains
     seen: Mask
     xyz: Array
     J: Array
 
-    def sources(self) -> tuple[list[Source], float, float]:
+    def sources(self) -> tuple[list[ErrorSource], float, float]:
         """All of them, and σ mm of the calibration as stated and as shown."""
         noise, origin = self.noise()
         calibration, stated, by_residuals = self.calibration(noise)
@@ -256,38 +256,38 @@ class _Work:
             return float(np.sqrt(np.mean(np.square(known)) / 2)), "residuals of the calibration"
         return USUAL_PX, "assumed: no marker is seen by three cameras"
 
-    def images(self, name: str, sd: float, gain: Gains, seen: Mask, origin: str) -> Source:
+    def images(self, name: str, sd: float, gain: Gains, seen: Mask, origin: str) -> ErrorSource:
         """A source that is new in every image."""
         there = seen.sum(1) >= 2
         cov = sd**2 * np.einsum("ncij,nckj->nik", gain.H, gain.H)
         cov = np.where(there[:, None, None], cov, np.nan).reshape(*self.shape, 3, 3)
         deg2 = np.einsum("fami,mfij,famj->fa", self.J, np.nan_to_num(cov), self.J, optimize=True)
         deg = self.known(np.sqrt(np.maximum(deg2, 0)), there)
-        return Source(name, sd, _sigma(cov), deg, True, origin)
+        return ErrorSource(name, sd, _sigma(cov), deg, True, origin)
 
-    def disturbed(self) -> Source:
+    def disturbed(self) -> ErrorSource:
         """Images that show something else than a whole marker; at the same phase of every cycle, so that it stays."""
         words = "points with residuals far beyond all others"
         name, unit = "disturbed images", self.images("", 1.0, self.gain, self.seen, "")
         sd = np.sqrt(self.found.disturbed)
         if not self.found.freedom:
-            return Source(
+            return ErrorSource(
                 name, float("nan"), np.full_like(unit.mm, np.nan), np.full_like(unit.deg, np.nan), False, words
             )
         H = self.gain.H * sd[:, None, None, None]
         each = self.images(name, 1.0, self.gain._replace(H=H), self.seen, words)
         views = self.seen.sum(1)
         px = float(np.sqrt((self.found.disturbed * views).sum() / max(views.sum(), 1)))
-        return Source(name, px, each.mm, each.deg, False, words)
+        return ErrorSource(name, px, each.mm, each.deg, False, words)
 
-    def shifted(self, name: str, px: float, move: Array, origin: str) -> Source:
+    def shifted(self, name: str, px: float, move: Array, origin: str) -> ErrorSource:
         """A source found as displacements (N, 3) mm, each marker and place having its own."""
         at = np.where(self.found.placed[:, None], move, np.nan).reshape(*self.shape, 3)
         deg = np.abs(np.einsum("fami,mfi->fa", self.J, np.nan_to_num(at), optimize=True))
         mm = np.linalg.norm(at, axis=2) / np.sqrt(3)
-        return Source(name, px, mm, self.known(deg, np.isfinite(at[..., 0]).ravel()), False, origin)
+        return ErrorSource(name, px, mm, self.known(deg, np.isfinite(at[..., 0]).ravel()), False, origin)
 
-    def calibration(self, noise: float) -> tuple[Source, float, float]:
+    def calibration(self, noise: float) -> tuple[ErrorSource, float, float]:
         """By the covariance that the calibration states, or by residuals, whichever is more."""
         words = "a change of the cameras that the residuals ask for; scale cannot be seen"
         by_residuals = self.shifted("calibration", self.found.calibration_px, self.found.calibration, words)
@@ -298,7 +298,7 @@ class _Work:
         a = typical(stated.mm)
         return (by_residuals if b > a else stated), a, b
 
-    def stated(self, noise: float) -> Source:
+    def stated(self, noise: float) -> ErrorSource:
         """By the calibration's covariance."""
         there = self.seen.sum(1) >= 2
         joint = apart_from_frame(self.rig, block_diagonal(self.rig), self.xyz[there][::EVERY], centroid_sd=noise)
@@ -311,16 +311,18 @@ class _Work:
         own = np.stack([joint[c * k : (c + 1) * k, c * k : (c + 1) * k] for c in range(len(self.rig))])
         px2 = np.einsum("ncik,ckl,ncil->n", self.gain.T, own, self.gain.T, optimize=True)
         px = float(np.sqrt(np.median(px2[there] / (2 * self.seen[there].sum(1)))))
-        return Source("calibration", px, _sigma(cov), self.known(deg, there), False, "covariance of the calibration")
+        return ErrorSource(
+            "calibration", px, _sigma(cov), self.known(deg, there), False, "covariance of the calibration"
+        )
 
-    def placement(self) -> Source:
+    def placement(self) -> ErrorSource:
         """Of markers on the skin."""
         sd, there = self.method.placement_mm, self.seen.sum(1) >= 2
         deg = self.known(sd * np.sqrt((self.J**2).sum((2, 3))), there)
         mm = np.where(there, sd, np.nan).reshape(self.shape)
-        return Source("marker placement", float("nan"), mm, deg, False, f"assumed, {sd:g} mm along each axis")
+        return ErrorSource("marker placement", float("nan"), mm, deg, False, f"assumed, {sd:g} mm along each axis")
 
-    def lost(self, c: int) -> Lost:
+    def lost(self, c: int) -> LostCamera:
         """Without camera c, by (2)."""
         noise, _ = self.noise()
         sd = float(np.sqrt(noise**2 + self.found.lens_px**2 + self.found.calibration_px**2))
@@ -331,7 +333,7 @@ class _Work:
         all_mm = np.where(np.isfinite(after.mm), before.mm, np.nan)
         all_deg = np.where(np.isfinite(after.deg), before.deg, np.nan)
         gone = 1 - float((seen.sum(1) >= 2).sum()) / float((self.seen.sum(1) >= 2).sum())
-        return Lost(self.rig.names[c], after.mm, after.deg, all_mm, all_deg, gone)
+        return LostCamera(self.rig.names[c], after.mm, after.deg, all_mm, all_deg, gone)
 
     def known(self, values: Array, there: Mask) -> Array:
         """Values (F, A), NaN where a marker of the angle is not there, of (N)."""

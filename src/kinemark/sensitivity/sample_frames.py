@@ -16,7 +16,7 @@ SAME_MM = 20.0
 """A point nearer to a named marker than this is that marker."""
 
 
-class Seen(NamedTuple):
+class SampledFrames(NamedTuple):
     """M markers in F frames: xyz (M, F, 3) mm and uv (M, F, C, 2) px, both NaN where missing; time (F) s."""
 
     names: tuple[str, ...]
@@ -30,7 +30,7 @@ class Seen(NamedTuple):
         return np.isfinite(self.uv[..., 0])
 
 
-def gather(tracks: Tracks, detections: Detections, *, frames: int, most: int = 60) -> Seen:
+def gather(tracks: Tracks, detections: Detections, *, frames: int, most: int = 60) -> SampledFrames:
     """The longest tracks of a recording in some of its frames, with the images that they were found from.
 
     Raises:
@@ -55,10 +55,10 @@ def gather(tracks: Tracks, detections: Detections, *, frames: int, most: int = 6
     xyz[m, f] = cloud.xyz[own]
     view = cloud.view[own]
     uv[m, f] = np.where((view >= 0)[..., None], detections.uv[view], np.nan)
-    return Seen(tuple(f"*{t + 1}" for t in chosen), xyz, uv, at / cloud.rate)
+    return SampledFrames(tuple(f"*{t + 1}" for t in chosen), xyz, uv, at / cloud.rate)
 
 
-def gather_named(named: Trajectories, tracks: Tracks, detections: Detections, *, frames: int) -> Seen:
+def gather_named(named: Trajectories, tracks: Tracks, detections: Detections, *, frames: int) -> SampledFrames:
     """The markers of a file with names, and the images of the points of this recording that lie where they are.
 
     Raises:
@@ -83,7 +83,7 @@ def gather_named(named: Trajectories, tracks: Tracks, detections: Detections, *,
         own = near.min(1) < SAME_MM
         view = cloud.view[rows[near.argmin(1)[own]]]
         uv[own, i] = np.where((view >= 0)[..., None], detections.uv[view], np.nan)
-    there = Seen(named.names, xyz, uv, (at + first) / cloud.rate)
+    there = SampledFrames(named.names, xyz, uv, (at + first) / cloud.rate)
     share = there.seen.any(2).sum() / max(np.isfinite(xyz[..., 0]).sum(), 1)
     if share < 0.5:
         raise KinemarkError(

@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from .sample_frames import Seen
+from .sample_frames import SampledFrames
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ RIGID = Rigid()
 FEWEST = 10
 
 
-def segments(there: Seen, method: Rigid = RIGID) -> list[tuple[int, int]]:
+def segments(there: SampledFrames, method: Rigid = RIGID) -> list[tuple[int, int]]:
     """Pairs of markers that keep their distance: for each marker its steadiest partner, each pair once."""
     found: dict[tuple[int, int], float] = {}
     for a, b in combinations(range(len(there.xyz)), 2):

@@ -82,7 +82,7 @@ CALIBRATION_PX, MARKER_PX = 0.5, 13.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Linear:
+class LinearisedErrors:
     """C linear cameras and the N control points that they were calibrated with.
 
     Attributes:
@@ -107,12 +107,12 @@ class Linear:
         object.__setattr__(self, "L", fit_parameters(self.points, self.uv))
 
     @classmethod
-    def of_rig(cls, rig: Rig, points: Array = CONTROL_BALLS) -> Linear:
+    def of_rig(cls, rig: Rig, points: Array = CONTROL_BALLS) -> LinearisedErrors:
         """The linear cameras of a rig that sees all points (N, 3) mm, its lenses' distortion taken as if absent."""
         return cls(rig.names, points, project_all(rig, points))
 
     @classmethod
-    def of_parameters(cls, L: Array, points: Array = CONTROL_BALLS) -> Linear:
+    def of_parameters(cls, L: Array, points: Array = CONTROL_BALLS) -> LinearisedErrors:
         """One camera of printed parameters (11)."""
         return cls(("printed",), points, project_dlt(L, points)[None])
 
@@ -136,7 +136,7 @@ class Changed(NamedTuple):
     worst_L: Array
 
 
-def laboratory(points: Array = CONTROL_BALLS) -> Linear:
+def laboratory(points: Array = CONTROL_BALLS) -> LinearisedErrors:
     """The three cameras, along X, along Y and from the ceiling."""
     middle = (points.min(0) + points.max(0)) / 2
     cx = (np.array(SIZE) - 1) / 2
@@ -145,7 +145,9 @@ def laboratory(points: Array = CONTROL_BALLS) -> Linear:
     for R in _rotations():
         centre = middle - DISTANCE_MM * R[2]
         L.append(to_dlt(K @ np.column_stack([R, -R @ centre])))
-    return Linear(("camera 1", "camera 2", "camera 3"), points, np.stack([project_dlt(each, points) for each in L]))
+    return LinearisedErrors(
+        ("camera 1", "camera 2", "camera 3"), points, np.stack([project_dlt(each, points) for each in L])
+    )
 
 
 def _rotations() -> Array:
@@ -154,13 +156,13 @@ def _rotations() -> Array:
     return np.stack([np.cross(down, ahead), down, ahead], 1)
 
 
-def marker(cameras: Linear, distance: float = FROM_ORIGIN_MM) -> Array:
+def marker(cameras: LinearisedErrors, distance: float = FROM_ORIGIN_MM) -> Array:
     """(3) mm the thesis' marker: on the line from the origin through the middle of the control points."""
     middle = (cameras.points.min(0) + cameras.points.max(0)) / 2
     return np.asarray(middle * distance / np.linalg.norm(middle))
 
 
-def calibration_error(cameras: Linear, c: int, radius: float) -> Error:
+def calibration_error(cameras: LinearisedErrors, c: int, radius: float) -> Error:
     """e_L (S) % by (1) of angles (S, N): every control point of camera c moved by `radius` px."""
     _check_radius(radius)
     L, size = cameras.L[c], np.linalg.norm(cameras.L[c])
@@ -173,7 +175,7 @@ def calibration_error(cameras: Linear, c: int, radius: float) -> Error:
 
 
 def calibration_experiment(
-    cameras: Linear,
+    cameras: LinearisedErrors,
     c: int,
     *,
     radius: float = CALIBRATION_PX,
@@ -192,7 +194,7 @@ def calibration_experiment(
 
 
 def marker_error(
-    cameras: Linear, place: Array, radius: float, *, L: Array | None = None, calibration_radius: float = 0.0
+    cameras: LinearisedErrors, place: Array, radius: float, *, L: Array | None = None, calibration_radius: float = 0.0
 ) -> Error:
     """d (S) mm by (2) of angles (S, D): the marker's centroids moved by `radius` px.
 
@@ -233,7 +235,7 @@ def pairs_mean(L: Array, uv: Array) -> Array:
 
 
 def marker_experiment(
-    cameras: Linear,
+    cameras: LinearisedErrors,
     place: Array,
     *,
     radius: float = MARKER_PX,

@@ -6,7 +6,7 @@ from .dressed import dressed, together
 from .gait import walking
 from .laboratory import rods_toml, write_calibration, write_session
 from .motions import circle_over_cylinder, elbow_flexion, tilted_rectangle
-from .observe import Observed, Sight, observe, truth
+from .observe import ObservedImages, Sight, observe, truth
 from .optics import Optics
 from .render import film, interlace, render
 from .sphere_image import Ellipse, sphere_ellipse
@@ -17,7 +17,7 @@ __all__ = [
     "VOLUME",
     "Capsules",
     "Ellipse",
-    "Observed",
+    "ObservedImages",
     "Optics",
     "Sight",
     "Subject",

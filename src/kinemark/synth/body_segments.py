@@ -30,7 +30,7 @@ GAP = 1.0
 """Between skin and marker, mm."""
 
 
-class Pose(NamedTuple):
+class WalkingPose(NamedTuple):
     """F frames: pelvis (F, 3) mm, its turn (F, 3, 3), those of both legs' segments, swing (2, F) deg of both arms."""
 
     pelvis: Array
@@ -39,7 +39,7 @@ class Pose(NamedTuple):
     arms: Array
 
 
-class Segments(NamedTuple):
+class BodySegments(NamedTuple):
     """Lengths and thicknesses of one person, mm; x forward, y left, z up, for the left side.
 
     The hip centre is seen from the pelvis's middle; heel and ball of the sole and the ends of the foot's limb from the
@@ -55,20 +55,20 @@ class Segments(NamedTuple):
     ball: Array
 
     @classmethod
-    def of(cls, height: float, marker: float) -> Segments:
+    def of(cls, height: float, marker: float) -> BodySegments:
         """In proportion to a body height, mm (Drillis and Contini)."""
         s, hip = height / 1730.0, np.array([0.0, 86.0, 0.0])
         heel, ball = np.array([-48.0, 0.0, -76.0]), np.array([122.0, 0.0, -76.0])
         return cls(s, marker, 0.245 * height, 0.246 * height, s * hip, s * heel, s * ball)
 
-    def soles(self, pose: Pose) -> Array:
+    def soles(self, pose: WalkingPose) -> Array:
         """(4, F, 3) mm left heel and ball, right heel and ball."""
         points = []
         for joints, leg, mirror in zip(self.joints(pose), pose.legs, _MIRRORS, strict=True):
             points += [joints[2] + leg[2] @ (mirror * sole) for sole in (self.heel, self.ball)]
         return np.array(points)
 
-    def joints(self, pose: Pose) -> tuple[Leg, Leg]:
+    def joints(self, pose: WalkingPose) -> tuple[Leg, Leg]:
         """Centres (F, 3) mm of hip, knee and ankle, left and right."""
         sides = []
         for (thigh, shank, _), mirror in zip(pose.legs, _MIRRORS, strict=True):
@@ -87,7 +87,7 @@ WAND = 55.0
 """How far the wands hold their markers off the skin, mm."""
 
 
-def build(body: Segments, pose: Pose) -> tuple[Array, Capsules]:
+def build(body: BodySegments, pose: WalkingPose) -> tuple[Array, Capsules]:
     """Markers (15, F, 3) mm in the order of `NAMES`, and the limbs."""
     sides = [
         _leg_markers(body, joints, leg, mirror)
@@ -96,7 +96,7 @@ def build(body: Segments, pose: Pose) -> tuple[Array, Capsules]:
     return np.concatenate([_pelvis_markers(body, pose), *sides]), _limbs(body, pose)
 
 
-def _pelvis_markers(body: Segments, pose: Pose) -> Array:
+def _pelvis_markers(body: BodySegments, pose: WalkingPose) -> Array:
     """(3, F, 3) SACR, LASI, RASI: on the skin of the pelvis's capsule."""
     out = body.scale * PELVIS + body.marker + GAP
     middle = body.scale * _HIPS
@@ -109,7 +109,7 @@ _HIPS = np.array([-8.0, 0.0, 45.0])
 """Middle of the pelvis's capsule, seen from between the hips, mm."""
 
 
-def _leg_markers(body: Segments, joints: Leg, leg: Leg, mirror: Array) -> Array:
+def _leg_markers(body: BodySegments, joints: Leg, leg: Leg, mirror: Array) -> Array:
     """(6, F, 3) of one leg, in the order of `SIDE`; knee and ankle markers lie on the hinges' axes."""
     s, skin = body.scale, body.marker + GAP
     wand = np.array([0.0, s * (THIGH + WAND) + skin, -0.55 * body.thigh])
@@ -130,7 +130,7 @@ def _unit(*xyz: float) -> Array:
     return np.array(xyz) / np.linalg.norm(xyz)
 
 
-def _limbs(body: Segments, pose: Pose) -> Capsules:
+def _limbs(body: BodySegments, pose: WalkingPose) -> Capsules:
     """Legs, pelvis, trunk, head and swinging arms."""
     rows = [*_middle_limbs(body, pose)]
     for k, side in enumerate(("left", "right")):
@@ -143,7 +143,7 @@ def _limbs(body: Segments, pose: Pose) -> Capsules:
 Limb = tuple[str, Array, Array, float]
 
 
-def _middle_limbs(body: Segments, pose: Pose) -> list[Limb]:
+def _middle_limbs(body: BodySegments, pose: WalkingPose) -> list[Limb]:
     """Pelvis, trunk and head."""
     s, p = body.scale, pose.pelvis
     ends = [p + pose.hips @ (s * (_HIPS + np.array([0.0, y, 0.0]))) for y in (70.0, -70.0)]
@@ -155,7 +155,7 @@ def _middle_limbs(body: Segments, pose: Pose) -> list[Limb]:
     return [("pelvis", ends[0], ends[1], PELVIS), *trunk, ("head", neck, crown, 85.0)]
 
 
-def _leg_limbs(body: Segments, side: str, joints: Leg, foot: Array) -> list[Limb]:
+def _leg_limbs(body: BodySegments, side: str, joints: Leg, foot: Array) -> list[Limb]:
     """Thigh, calf, shin and foot; thigh and calf stop short of the joints, which are thinner."""
     hip, knee, ankle = joints
     heel, ball = (ankle + foot @ (body.scale * end) for end in _SOLE)
@@ -167,7 +167,7 @@ def _leg_limbs(body: Segments, side: str, joints: Leg, foot: Array) -> list[Limb
     ]
 
 
-def _arm_limbs(body: Segments, side: str, pose: Pose, mirror: Array, swing: Array) -> list[Limb]:
+def _arm_limbs(body: BodySegments, side: str, pose: WalkingPose, mirror: Array, swing: Array) -> list[Limb]:
     """Upper arm and forearm, the elbow bent by 25 deg, hanging a little away from the body."""
     s = body.scale
     shoulder = pose.pelvis + s * mirror * np.array([0.0, 190.0, 470.0])

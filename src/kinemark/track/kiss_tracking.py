@@ -61,7 +61,7 @@ class KissTracking:
             raise ValueError(f"volume is {self.volume}, wanted its least corner and then its greatest")
 
 
-class Active(NamedTuple):
+class ActiveKissTrack(NamedTuple):
     """T tracks that may grow: id (T); known (T) points so far; past (T, 5, 3) the last of them, mm."""
 
     id: Ints
@@ -81,7 +81,7 @@ def track_kiss(cloud: Cloud, *, method: KissTracking) -> Tracks:
 def link(cloud: Cloud, *, method: KissTracking) -> Tracks:
     """All track pieces, (1) to (3), numbered in the order in which they begin."""
     identity = np.full(len(cloud), -1)
-    active = Active(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, PAST, 3)))
+    active = ActiveKissTrack(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, PAST, 3)))
     n_tracks = 0
     for f in range(cloud.n_frames):
         points, own = cloud[f], identity[cloud.rows(f)]
@@ -94,7 +94,7 @@ def link(cloud: Cloud, *, method: KissTracking) -> Tracks:
         own[fresh] = np.arange(n_tracks, n_tracks + len(fresh))
         n_tracks += len(fresh)
         grown = np.concatenate([active.past[which, 1:], points[taken, None]], 1)
-        active = Active(
+        active = ActiveKissTrack(
             np.concatenate([active.id[which], own[fresh]]),
             np.concatenate([active.known[which] + 1, np.ones(len(fresh), np.int64)]),
             np.concatenate([grown, np.repeat(points[fresh, None], PAST, 1)]),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Cloud, Path, Rig, Tracks, Trajectories
+from ..data import Cloud, MarkerTrajectory, Rig, Tracks, Trajectories
 from ..geometry import to_camera
 
 
@@ -26,7 +26,7 @@ def to_trajectories(tracks: Tracks, rig: Rig | None) -> Trajectories:
     for i in range(len(tracks)):
         own = order[edges[i] : edges[i + 1]]
         paths.append(
-            Path.measured(
+            MarkerTrajectory.measured(
                 f"*{i + 1}",
                 _spread(cloud.xyz[own], frame[own], cloud.n_frames),
                 cov=_spread(cloud.cov[own], frame[own], cloud.n_frames),

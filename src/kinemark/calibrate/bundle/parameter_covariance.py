@@ -27,13 +27,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .parts import Sticks, slices
-from .solver import Freedom, Normal, State, piece_inverses, reduced
+from .solver import BundleState, Freedom, Normal, piece_inverses, reduced
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-def joint_covariance(state: State, normal: Normal, freedoms: tuple[Freedom, ...], used: Mask) -> tuple[Array, int]:
+def joint_covariance(
+    state: BundleState, normal: Normal, freedoms: tuple[Freedom, ...], used: Mask
+) -> tuple[Array, int]:
     """(15 C, 15 C) before the factor (1), and g; `used` (N) are the points that a camera sees."""
     T = _block_columns(state, freedoms)
     motions = allowed_motions(state, freedoms, used)
@@ -54,7 +56,7 @@ def joint_covariance(state: State, normal: Normal, freedoms: tuple[Freedom, ...]
     return (cov + cov.T) / 2, motions.shape[1]
 
 
-def allowed_motions(state: State, freedoms: tuple[Freedom, ...], used: Mask) -> Array:
+def allowed_motions(state: BundleState, freedoms: tuple[Freedom, ...], used: Mask) -> Array:
     """(7, g) combinations of turn, shift and growth (σ in units of the points' spread) that move nothing held: (3)."""
     middle = _middle(state, used)
     held = np.concatenate([~f.free[9:15] for f in freedoms])
@@ -73,13 +75,13 @@ def allowed_motions(state: State, freedoms: tuple[Freedom, ...], used: Mask) -> 
     return np.asarray(Vt[rank:].T / size[:, None])
 
 
-def _middle(state: State, used: Mask) -> Array:
+def _middle(state: BundleState, used: Mask) -> Array:
     """(4,) the points' mean place and spread, about which the world turns and grows."""
     xyz = np.concatenate([part.xyz.reshape(-1, 3) for part in state.parts])[used]
     return np.append(xyz.mean(0), np.sqrt(xyz.var(0).sum()) or 1.0)
 
 
-def _camera_motions(state: State, middle: Array) -> Array:
+def _camera_motions(state: BundleState, middle: Array) -> Array:
     """(15 C, 7) of (2), turning and growing about the points' middle."""
     G = np.zeros((len(state.cameras), 15, 7))
     for g, camera in zip(G, state.cameras, strict=True):
@@ -99,7 +101,7 @@ def _point_motions(xyz: Array, middle: Array) -> Array:
 
 
 def _points_follow(
-    state: State, normal: Normal, inverses: list[Array], motions: Array, used: Mask
+    state: BundleState, normal: Normal, inverses: list[Array], motions: Array, used: Mask
 ) -> tuple[Array, Array, Array]:
     """d H / d δ (g, Q), the covariance of H that does not come from δ (g, g), and BᵀB (g, g)."""
     middle, g = _middle(state, used), motions.shape[1]
@@ -115,7 +117,7 @@ def _points_follow(
     return follow, noise, BtB
 
 
-def _block_columns(state: State, freedoms: tuple[Freedom, ...]) -> Array:
+def _block_columns(state: BundleState, freedoms: tuple[Freedom, ...]) -> Array:
     """T of all cameras together (15 C, Q)."""
     columns = [freedom.columns(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True)]
     T = np.zeros((15 * len(columns), sum(t.shape[1] for t in columns)))

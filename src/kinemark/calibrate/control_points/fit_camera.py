@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from ...data import Camera, KinemarkError
 from ...geometry import decompose, fit_dlt, from_dlt, parameter_jacobian, project, undistort
-from ..resection import Fit, lens_covariance, resect, scaled_inverse
+from ..resection import ResectionFit, lens_covariance, resect, scaled_inverse
 
 RADIAL = (4, 5, 8)
 TANGENTIAL = (6, 7)
@@ -81,7 +81,7 @@ class Dlt:
 Method = ControlPoints | Dlt
 
 
-class Fitted(NamedTuple):
+class FittedCamera(NamedTuple):
     """A camera; which points (N) took part; and what of it was free: `data.PARAMETERS` (15), `tied` as in `resect`."""
 
     camera: Camera
@@ -105,7 +105,7 @@ def fit_camera(
     *,
     method: Method,
     lens: Camera | None = None,
-) -> Fitted:
+) -> FittedCamera:
     """One camera from points (N, 3) mm that it sees at (N, 2) px with covariance (N, 2, 2), its lens known or not.
 
     Raises:
@@ -147,7 +147,7 @@ def fit_all(
     kept: NDArray[np.bool_],
     method: Method,
     lens: Camera | None,
-) -> tuple[Fitted, Fit]:
+) -> tuple[FittedCamera, ResectionFit]:
     """The camera of the kept points, none left out, with their residuals (2).
 
     Raises:
@@ -170,7 +170,7 @@ def fit_all(
             "No camera has all control points before it and sees them where they were seen. "
             "Check the order of the points and their places."
         )
-    return Fitted(fit.camera, kept.copy(), free, tied, p), fit
+    return FittedCamera(fit.camera, kept.copy(), free, tied, p), fit
 
 
 def _straight(camera: Camera) -> Camera:
@@ -194,7 +194,7 @@ def _through(lens: Camera, start: Camera) -> Camera:
     return replace(camera, cov=lens_covariance(lens, camera))
 
 
-def _with_covariance(camera: Camera, xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> Fit:
+def _with_covariance(camera: Camera, xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> ResectionFit:
     """The DLT's camera with residuals and covariance, by (3)."""
     residual = uv - project(camera, xyz)
     chosen = list(POSE_AND_FOCUS)
@@ -206,10 +206,10 @@ def _with_covariance(camera: Camera, xyz: NDArray[np.float64], uv: NDArray[np.fl
     rms = float(np.sqrt((residual**2).sum(1).mean()))
     if np.isfinite(cov).all():
         camera = replace(camera, cov=cov, residual=rms)
-    return Fit(camera, residual, np.linalg.norm(residual, axis=1))
+    return ResectionFit(camera, residual, np.linalg.norm(residual, axis=1))
 
 
-def _check_plausible(fit: Fit, uv: NDArray[np.float64]) -> None:
+def _check_plausible(fit: ResectionFit, uv: NDArray[np.float64]) -> None:
     """No lens and no surveyor is so bad that a camera is further off its points than this."""
     spread = float(np.sqrt(uv.var(0).sum()))
     if fit.camera.residual > ABSURD * spread:
@@ -219,7 +219,7 @@ def _check_plausible(fit: Fit, uv: NDArray[np.float64]) -> None:
         )
 
 
-def _outlier(fit: Fit, p: int, base: int, reject: float) -> int | None:
+def _outlier(fit: ResectionFit, p: int, base: int, reject: float) -> int | None:
     """The point that fits worst, if it is an outlier and enough points are there to say so."""
     n = len(fit.normalised)
     if n <= base:

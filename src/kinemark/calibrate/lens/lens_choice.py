@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .plane_views import POSE, Known, PlaneFit, PlanePoints, fit_planes, normalised_residuals
+from .plane_views import POSE, KnownOptics, PlaneFit, PlanePoints, fit_planes, normalised_residuals
 
 Floats = NDArray[np.float64]
 
@@ -69,7 +69,7 @@ def lens_terms(radial: int, tangential: bool) -> NDArray[np.bool_]:
 
 
 def score_lenses(
-    models: Sequence[tuple[int, bool]], start: PlaneFit, points: PlanePoints, known: Known
+    models: Sequence[tuple[int, bool]], start: PlaneFit, points: PlanePoints, known: KnownOptics
 ) -> list[LensScore]:
     """The scores of models (radial, tangential) from a fit of a large one, in the order given."""
     block = _blocks(points)
@@ -94,7 +94,7 @@ def simplest(scores: Sequence[LensScore]) -> LensScore:
 
 
 def _block_errors(
-    lens: NDArray[np.bool_], start: PlaneFit, points: PlanePoints, block: NDArray[np.int64], known: Known
+    lens: NDArray[np.bool_], start: PlaneFit, points: PlanePoints, block: NDArray[np.int64], known: KnownOptics
 ) -> Floats:
     """Mean square error in each block when it was left out."""
     total, views = np.zeros(block.max() + 1), len(start.planes.t)

@@ -38,7 +38,7 @@ from .plane_views import (
     START_NOISE,
     STEPS,
     ZOOM,
-    Known,
+    KnownOptics,
     PlaneFit,
     PlanePoints,
     fit_planes,
@@ -270,7 +270,7 @@ def _best(fits: list[PlaneFit]) -> PlaneFit:
 
 
 def _without_outliers(
-    fit: PlaneFit, points: PlanePoints, known: Known, reject: float, *, steps: int = STEPS
+    fit: PlaneFit, points: PlanePoints, known: KnownOptics, reject: float, *, steps: int = STEPS
 ) -> tuple[PlaneFit, Bools]:
     """The fit to the points that agree with each other, and which (N) they are."""
     kept = np.ones(len(points.uv), np.bool_)
@@ -298,7 +298,7 @@ def _result(
     views: Sequence[GridView],
     points: PlanePoints,
     kept: Bools,
-    known: Known,
+    known: KnownOptics,
     scores: tuple[LensScore, ...],
 ) -> LensFit:
     camera, focal_known = _camera(fit, points.part(kept), known)
@@ -322,7 +322,7 @@ def _result(
     return LensFit(camera, focal_known, straight, scores, tuple(poses), tuple(which), tuple(residual), coverage)
 
 
-def _camera(fit: PlaneFit, points: PlanePoints, known: Known) -> tuple[Camera, bool]:
+def _camera(fit: PlaneFit, points: PlanePoints, known: KnownOptics) -> tuple[Camera, bool]:
     """The camera, the covariance of its steps turned into that of `data.PARAMETERS`."""
     cov9 = shared_covariance(fit, points, known)
     focal_known = bool(np.sqrt(cov9[0, 0]) <= FOCAL_KNOWN)
@@ -337,7 +337,7 @@ def _camera(fit: PlaneFit, points: PlanePoints, known: Known) -> tuple[Camera, b
     return replace(camera, cov=cov), focal_known
 
 
-def _coverage(camera: Camera, uv: Floats, known: Known) -> float:
+def _coverage(camera: Camera, uv: Floats, known: KnownOptics) -> float:
     """Share of the image within the points' outline, which must hold the middle of image and lens."""
     outline = Delaunay(uv)
     for what, place in (("middle of the image", known.middle), ("centre of the lens", camera.K[:2, 2])):

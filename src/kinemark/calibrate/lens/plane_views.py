@@ -77,7 +77,7 @@ class Planes(NamedTuple):
     t: Floats
 
 
-class Known(NamedTuple):
+class KnownOptics(NamedTuple):
     """What is known of any camera: its middle (2) px, nominal focal length px, and τ (9) of (3)."""
 
     middle: Floats
@@ -102,13 +102,13 @@ class PlaneFit(NamedTuple):
         return self.chi2 / self.nu + 1e-16
 
 
-def known_of(size: NDArray[np.int64], uv: Floats) -> Known:
+def known_of(size: NDArray[np.int64], uv: Floats) -> KnownOptics:
     """What is known of a camera with images of this size (2) px, (0, 0) where unknown, that has seen points (N, 2)."""
     side = size.astype(np.float64) if size.all() else uv.max(0) - uv.min(0)
     middle = (side - 1) / 2 if size.all() else (uv.max(0) + uv.min(0)) / 2
     nominal = float(side.max())
     tau = np.array([1.0, 1.0, nominal / 4, nominal / 4, np.inf, np.inf, DECENTRED, DECENTRED, np.inf])
-    return Known(middle, nominal, tau)
+    return KnownOptics(middle, nominal, tau)
 
 
 def fit_homography(xy: Floats, uv: Floats) -> Floats:
@@ -122,7 +122,7 @@ def fit_homography(xy: Floats, uv: Floats) -> Floats:
     return np.asarray(H / np.linalg.norm(H))
 
 
-def start_planes(name: str, size: NDArray[np.int64], points: PlanePoints, known: Known) -> list[Planes]:
+def start_planes(name: str, size: NDArray[np.int64], points: PlanePoints, known: KnownOptics) -> list[Planes]:
     """Planes to begin with, for some focal lengths: that of (1), and the nominal one and its like."""
     each = [points.part(points.view == v) for v in range(int(points.view.max()) + 1)]
     flat = [fit_homography(p.xyz[:, :2], p.uv - known.middle) for p in each]
@@ -148,7 +148,13 @@ def start_planes(name: str, size: NDArray[np.int64], points: PlanePoints, known:
 
 
 def fit_planes(
-    start: Planes, points: PlanePoints, *, lens: Bools, known: Known, noise: float | None = None, steps: int = STEPS
+    start: Planes,
+    points: PlanePoints,
+    *,
+    lens: Bools,
+    known: KnownOptics,
+    noise: float | None = None,
+    steps: int = STEPS,
 ) -> PlaneFit:
     """Step to the least of (3) from `start`; `lens` (5) tells which of k1, k2, p1, p2, k3 are fitted.
 
@@ -164,7 +170,7 @@ def fit_planes(
     return PlaneFit(planes, lens, nu, chi2 if np.isfinite(chi2) else float("inf"))
 
 
-def shared_covariance(fit: PlaneFit, points: PlanePoints, known: Known) -> Floats:
+def shared_covariance(fit: PlaneFit, points: PlanePoints, known: KnownOptics) -> Floats:
     """(5) (9, 9) of ε, ln(fy/fx), cx, cy, k1, k2, p1, p2, k3, with zero rows for lens terms that are held."""
     free = _free(fit.lens, len(fit.planes.t))
     A, _ = _normal(fit.planes, points, free, known, fit.noise)
@@ -231,7 +237,7 @@ def _before_camera(planes: Planes, points: PlanePoints) -> Floats:
     return (planes.R[points.view] @ points.xyz[..., None])[..., 0] + planes.t[points.view]
 
 
-def _settled(planes: Planes, points: PlanePoints, free: Bools, known: Known, noise: float, steps: int) -> Planes:
+def _settled(planes: Planes, points: PlanePoints, free: Bools, known: KnownOptics, noise: float, steps: int) -> Planes:
     cost, damping, grow = _cost(planes, points, known, noise), 1e-3, 2.0
     for _ in range(steps if np.isfinite(cost) else 0):
         A, g = _normal(planes, points, free, known, noise)
@@ -256,7 +262,9 @@ def _settled(planes: Planes, points: PlanePoints, free: Bools, known: Known, noi
     return planes
 
 
-def _normal(planes: Planes, points: PlanePoints, free: Bools, known: Known, noise: float) -> tuple[Floats, Floats]:
+def _normal(
+    planes: Planes, points: PlanePoints, free: Bools, known: KnownOptics, noise: float
+) -> tuple[Floats, Floats]:
     """JᵀJ and Jᵀr of (3), of the free parameters."""
     A, g = np.zeros((len(free), len(free))), np.zeros(len(free))
     J = points.whiten @ plane_jacobian(planes, points)
@@ -273,7 +281,7 @@ def _normal(planes: Planes, points: PlanePoints, free: Bools, known: Known, nois
     return A[np.ix_(free, free)], g[free]
 
 
-def _from_known(camera: Camera, known: Known) -> Floats:
+def _from_known(camera: Camera, known: KnownOptics) -> Floats:
     """(9) θ − θ0 of (3)."""
     fx, fy = camera.K[0, 0], camera.K[1, 1]
     return np.concatenate(
@@ -281,7 +289,7 @@ def _from_known(camera: Camera, known: Known) -> Floats:
     )
 
 
-def _cost(planes: Planes, points: PlanePoints, known: Known, noise: float) -> float:
+def _cost(planes: Planes, points: PlanePoints, known: KnownOptics, noise: float) -> float:
     """(3); infinite where a point lies behind the camera."""
     total = _chi2(planes, points) + noise * float(((_from_known(planes.camera, known) / known.tau) ** 2).sum())
     return total if np.isfinite(total) else float("inf")

@@ -7,7 +7,7 @@ compares with a former calibration. `evidence` holds all that a verdict needs.
 
 from .calibration_evidence import Check, Evidence, centroid_deviation
 from .change import Change, compare
-from .image_coverage import ImageCover, cover_image
+from .image_coverage import ImageCoverage, image_coverage
 from .predicted_covariance import (
     apart_from_frame,
     block_diagonal,
@@ -23,14 +23,14 @@ __all__ = [
     "Change",
     "Check",
     "Evidence",
-    "ImageCover",
+    "ImageCoverage",
     "VolumeMap",
     "apart_from_frame",
     "block_diagonal",
     "centroid_deviation",
     "compare",
     "covariance_from",
-    "cover_image",
+    "image_coverage",
     "judge_poses",
     "map_volume",
     "points_of",

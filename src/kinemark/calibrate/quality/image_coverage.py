@@ -27,7 +27,7 @@ COLUMNS, ROWS = 16, 12
 """Places of the map of (1) over an image."""
 
 
-class ImageCover(NamedTuple):
+class ImageCoverage(NamedTuple):
     """How one camera's image was calibrated.
 
     points: how many points it rests on; hull: (h, 2) px corners of their convex hull; image_share: of the image within
@@ -46,7 +46,7 @@ class ImageCover(NamedTuple):
     aim_volume: Array
 
 
-def cover_image(camera: Camera, uv: Array, xyz: Array) -> ImageCover:
+def image_coverage(camera: Camera, uv: Array, xyz: Array) -> ImageCoverage:
     """What points at (N, 2) px, NaN unseen, tell of the image of a camera, for a control volume of places (M, 3) mm."""
     uv = uv[np.isfinite(uv).all(1)]
     places = xyz[visible(Rig((camera,)), xyz)[0]]
@@ -58,7 +58,7 @@ def cover_image(camera: Camera, uv: Array, xyz: Array) -> ImageCover:
         for n, c, k in zip(camera.size, np.abs(camera.K[:2, 2]), (COLUMNS, ROWS), strict=True)
     )
     depth = float(np.median(to_camera(camera, places)[:, 2])) if len(places) else np.nan
-    return ImageCover(
+    return ImageCoverage(
         points=len(uv),
         hull=hull,
         image_share=area / float(np.prod(camera.size)) if known else np.nan,

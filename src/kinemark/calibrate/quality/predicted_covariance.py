@@ -43,7 +43,7 @@ Mask = NDArray[np.bool_]
 FOLDED = 1e-3  # px; further than this from its own image, a point is on the far side of a lens term's fold
 
 
-class Views(NamedTuple):
+class CameraViews(NamedTuple):
     """What each of C cameras says of each of N places; zero where it does not see the place.
 
     information: (C, N, 3, 3) Jᵀ W J, 1/mm²; noise: (C, N, 3, 3) s² Jᵀ W² J; pull: (C, N, 3, 15) Jᵀ W T; seen: (C, N).
@@ -74,7 +74,7 @@ def _without_lens(camera: Camera) -> Camera:
     return Camera(camera.name, camera.size, camera.K, camera.R, camera.t)
 
 
-def views(rig: Rig, xyz: Array, *, centroid_sd: float) -> Views:
+def views(rig: Rig, xyz: Array, *, centroid_sd: float) -> CameraViews:
     """The parts of (2) and (3) of every camera at places (N, 3) mm, for centroids of `centroid_sd` px."""
     c, n = len(rig), len(xyz)
     information, noise, pull = np.zeros((c, n, 3, 3)), np.zeros((c, n, 3, 3)), np.zeros((c, n, 3, len(PARAMETERS)))
@@ -86,10 +86,10 @@ def views(rig: Rig, xyz: Array, *, centroid_sd: float) -> Views:
         information[i, seen[i]] = JtW @ J
         noise[i, seen[i]] = centroid_sd**2 * JtW @ JtW.transpose(0, 2, 1)
         pull[i, seen[i]] = JtW @ T
-    return Views(information, noise, pull, seen)
+    return CameraViews(information, noise, pull, seen)
 
 
-def covariance_from(said: Views, joint: Array, *, without: Sequence[int] = ()) -> Array:
+def covariance_from(said: CameraViews, joint: Array, *, without: Sequence[int] = ()) -> Array:
     """(N, 3, 3) mm² by (3); NaN where fewer than two cameras remain."""
     left = np.array([c not in without for c in range(len(said.seen))], np.bool_)
     information = inverse3(said.information[left].sum(0))

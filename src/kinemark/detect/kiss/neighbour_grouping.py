@@ -25,10 +25,10 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from .pixel_groups import Floats, Groups, Ints, Rectangles, numbered, rectangles, separated
+from .pixel_groups import Floats, Ints, KissGroups, Rectangles, numbered, rectangles, separated
 
 
-def neighbour_groups(y: Ints, x: Ints, *, neighbourhood: int, height: int, width: int) -> Groups:
+def neighbour_groups(y: Ints, x: Ints, *, neighbourhood: int, height: int, width: int) -> KissGroups:
     """Groups of white pixels (N), (N) in scan order of frames of this height and width, px."""
     n = len(y)
     stride = width + neighbourhood
@@ -49,14 +49,14 @@ def neighbour_groups(y: Ints, x: Ints, *, neighbourhood: int, height: int, width
     return numbered(y, x, x, label.astype(np.int64), height=height)
 
 
-def adaptive_limits(groups: Groups, *, factor: float, frames: int) -> tuple[Floats, Floats]:
+def adaptive_limits(groups: KissGroups, *, factor: float, frames: int) -> tuple[Floats, Floats]:
     """Width (frames) and height (frames) beyond which groups are split, px."""
     brect, number = rectangles(groups), np.maximum(np.bincount(groups.frame, minlength=frames), 1)
     wide, high = (np.bincount(groups.frame, side, frames) / number for side in (brect.width, brect.height))
     return factor * wide, factor * high  # (B)
 
 
-def split_harshly(groups: Groups, *, wide: Floats, high: Floats) -> Groups:
+def split_harshly(groups: KissGroups, *, wide: Floats, high: Floats) -> KissGroups:
     """Groups wider or higher than the limits (frames) of their frame, px, cut into equal rectangles."""
     brect = rectangles(groups)
     columns = np.ceil(brect.width / wide[groups.frame]).astype(np.int64)  # (C)

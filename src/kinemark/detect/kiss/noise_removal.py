@@ -6,12 +6,12 @@ lonely pixels; groups one pixel wide; groups one pixel high.
 
 from __future__ import annotations
 
-from .pixel_groups import Groups, rectangles, white_pixels
+from .pixel_groups import KissGroups, rectangles, white_pixels
 
 
 def remove_noise(
-    groups: Groups, *, min_width: int, min_height: int, lonely: bool, one_wide: bool, one_high: bool
-) -> Groups:
+    groups: KissGroups, *, min_width: int, min_height: int, lonely: bool, one_wide: bool, one_high: bool
+) -> KissGroups:
     """The groups without those narrower and lower than the limits, px, and without those that a criterion names."""
     brect = rectangles(groups)
     noise = (brect.width < min_width) & (brect.height < min_height)

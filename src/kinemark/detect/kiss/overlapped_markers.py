@@ -43,10 +43,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .pixel_groups import Floats, Groups, Ints, Rectangles, rectangles, separated, white_pixels
+from .pixel_groups import Floats, Ints, KissGroups, Rectangles, rectangles, separated, white_pixels
 
 
-class Rows(NamedTuple):
+class WhiteRows(NamedTuple):
     """Of each group (G): the boundary pixels of the top row, 1, and of the bottom row, n."""
 
     x1_1: Ints
@@ -65,7 +65,7 @@ class Rows(NamedTuple):
         return (self.x1_n + self.x2_n) / 2
 
 
-def separate_overlapped(groups: Groups, *, fill: float, shift: float, row_overlap: float) -> Groups:
+def separate_overlapped(groups: KissGroups, *, fill: float, shift: float, row_overlap: float) -> KissGroups:
     """The groups, each overlapped one replaced by the two markers that it is made of."""
     brect, rows = rectangles(groups), _rows(groups)
     ul, ur = kinds_of_overlap(groups, fill=fill, shift=shift, row_overlap=row_overlap)
@@ -88,7 +88,7 @@ def separate_overlapped(groups: Groups, *, fill: float, shift: float, row_overla
 
 
 def kinds_of_overlap(
-    groups: Groups, *, fill: float, shift: float, row_overlap: float
+    groups: KissGroups, *, fill: float, shift: float, row_overlap: float
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """(G) whether a group is of the kind upper-left, and (G) whether it is of the kind upper-right."""
     rows = _rows(groups)
@@ -100,20 +100,20 @@ def kinds_of_overlap(
     return ul, ur
 
 
-def _rows(groups: Groups) -> Rows:
+def _rows(groups: KissGroups) -> WhiteRows:
     """The top and the bottom row of each group; a row in several runs counts from the first to the last."""
     if len(groups.frame) == 0:
-        return Rows(*(np.zeros(0, np.int64),) * 4)
+        return WhiteRows(*(np.zeros(0, np.int64),) * 4)
     brect, head = rectangles(groups), groups.start[:-1]
     sides = []
     for line in (brect.top, brect.bottom):
         there = groups.y == line[groups.of]
         sides.append(np.minimum.reduceat(np.where(there, groups.first, np.iinfo(np.int64).max), head))
         sides.append(np.maximum.reduceat(np.where(there, groups.last, -1), head))
-    return Rows(*sides)
+    return WhiteRows(*sides)
 
 
-def _middle_at_side(groups: Groups, brect: Rectangles) -> Floats:
+def _middle_at_side(groups: KissGroups, brect: Rectangles) -> Floats:
     """(2, G) the middle of the lines in which a group reaches its rectangle's left side, and its right side."""
     of, n = groups.of, len(groups.frame)
     middle = np.empty((2, n))

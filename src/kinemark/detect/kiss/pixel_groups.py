@@ -21,7 +21,7 @@ Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 
-class Groups(NamedTuple):
+class KissGroups(NamedTuple):
     """G groups of R runs, sorted by frame; lines count in the tall image of all frames.
 
     Attributes:
@@ -43,13 +43,13 @@ class Groups(NamedTuple):
         """(G+1) runs start[g]:start[g+1] are group g."""
         return np.searchsorted(self.of, np.arange(len(self.frame) + 1))
 
-    def keep(self, mask: NDArray[np.bool_]) -> Groups:
+    def keep(self, mask: NDArray[np.bool_]) -> KissGroups:
         """The groups where `mask` (G) is true."""
         if mask.all():
             return self
         runs = mask[self.of]
         number = np.cumsum(mask) - 1
-        return Groups(
+        return KissGroups(
             self.y[runs],
             self.first[runs],
             self.last[runs],
@@ -83,7 +83,7 @@ class Rectangles(NamedTuple):
         return self.width * self.height  # (4)
 
 
-def numbered(y: Ints, first: Ints, last: Ints, label: Ints, *, height: int) -> Groups:
+def numbered(y: Ints, first: Ints, last: Ints, label: Ints, *, height: int) -> KissGroups:
     """Groups from runs in scan order and any label a run; groups are in the order of their first runs."""
     _, head, label = np.unique(label, return_index=True, return_inverse=True)
     place = np.empty(len(head), np.int64)
@@ -91,10 +91,10 @@ def numbered(y: Ints, first: Ints, last: Ints, label: Ints, *, height: int) -> G
     of = place[label]
     order = np.argsort(of, kind="stable")
     frame = y[np.sort(head)] // height
-    return Groups(y[order], first[order], last[order], of[order], frame, np.zeros(len(head), np.bool_))
+    return KissGroups(y[order], first[order], last[order], of[order], frame, np.zeros(len(head), np.bool_))
 
 
-def rectangles(groups: Groups) -> Rectangles:
+def rectangles(groups: KissGroups) -> Rectangles:
     """The bounding rectangle (brect) of each group."""
     if len(groups.frame) == 0:
         none = np.zeros(0, np.int64)
@@ -109,13 +109,13 @@ def rectangles(groups: Groups) -> Rectangles:
     )
 
 
-def white_pixels(groups: Groups) -> Ints:
+def white_pixels(groups: KissGroups) -> Ints:
     """(G) white pixels of each group."""
     lengths = groups.last - groups.first + 1
     return np.bincount(groups.of, lengths, len(groups.frame)).astype(np.int64)  # (5)
 
 
-def separated(groups: Groups, parent: Ints, parts: Rectangles) -> Groups:
+def separated(groups: KissGroups, parent: Ints, parts: Rectangles) -> KissGroups:
     """The groups, but in the place of each `parent` (K, rising) its white pixels in each of the rectangles (K).
 
     A pixel in several rectangles is in each of the new groups, as markers that lie on each other share pixels. A
@@ -136,7 +136,7 @@ def separated(groups: Groups, parent: Ints, parts: Rectangles) -> Groups:
     order = np.lexsort((label, place))  # stable: runs stay in order of line and column
     place, label = place[order], label[order]
     new = np.concatenate([[True], (np.diff(place) != 0) | (np.diff(label) != 0)])
-    return Groups(
+    return KissGroups(
         np.concatenate([groups.y[whole], y[kept]])[order],
         np.concatenate([groups.first[whole], first[kept]])[order],
         np.concatenate([groups.last[whole], last[kept]])[order],

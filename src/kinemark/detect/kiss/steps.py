@@ -14,7 +14,7 @@ from .long_wide import split_long_and_wide
 from .neighbour_grouping import adaptive_limits, neighbour_groups, split_harshly
 from .noise_removal import remove_noise
 from .overlapped_markers import separate_overlapped
-from .pixel_groups import Groups, rectangles, white_pixels
+from .pixel_groups import KissGroups, rectangles, white_pixels
 from .scanning import preliminary_groups
 from .size import size_validity
 from .submarkers import merge_sub_markers
@@ -49,7 +49,7 @@ def detect_scanning(images: Images, first: int, method: KissScanning) -> Blobs:
     return _blobs(images, groups, validity, method.inverted)
 
 
-def advanced_analysis(groups: Groups, method: KissScanning, *, height: int) -> Groups:
+def advanced_analysis(groups: KissGroups, method: KissScanning, *, height: int) -> KissGroups:
     """Sub-marker detection, overlapped markers and the long/wide test, as far as the method asks for them."""
     if method.sub_markers:
         groups = merge_sub_markers(
@@ -95,7 +95,7 @@ def _white_runs(images: Images, method: KissScanning | KissNearest) -> Runs:
     return runs_of(np.invert(images), np.floor(np.iinfo(images.dtype).max - level))
 
 
-def _without_noise(groups: Groups, method: KissScanning | KissNearest) -> Groups:
+def _without_noise(groups: KissGroups, method: KissScanning | KissNearest) -> KissGroups:
     return remove_noise(
         groups,
         min_width=method.noise_width,
@@ -106,7 +106,7 @@ def _without_noise(groups: Groups, method: KissScanning | KissNearest) -> Groups
     )
 
 
-def _blobs(images: Images, groups: Groups, validity: NDArray[np.uint8], inverted: bool) -> Blobs:
+def _blobs(images: Images, groups: KissGroups, validity: NDArray[np.uint8], inverted: bool) -> Blobs:
     """The columns of every group; where it is too large for a marker, no covariance and no peak."""
     brect = rectangles(groups)
     uv, cov = centroids(groups, height=images.shape[1])
@@ -131,7 +131,7 @@ def _too_many(runs: Runs) -> bool:
     return int((runs.last - runs.first + 1).sum()) > MOST_PIXELS
 
 
-def _check_number(groups: Groups, first: int, n: int, threshold: float) -> None:
+def _check_number(groups: KissGroups, first: int, n: int, threshold: float) -> None:
     counts = np.bincount(groups.frame, minlength=n)
     if counts.max(initial=0) > MOST_GROUPS:
         raise KinemarkError(

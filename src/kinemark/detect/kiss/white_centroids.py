@@ -32,13 +32,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .pixel_groups import Floats, Groups, rectangles, white_pixels
+from .pixel_groups import Floats, KissGroups, rectangles, white_pixels
 from .white import pixels_of
 
 SHARE = 0.035
 
 
-def centroids(groups: Groups, *, height: int) -> tuple[Floats, Floats]:
+def centroids(groups: KissGroups, *, height: int) -> tuple[Floats, Floats]:
     """Means (G, 2) of the white pixels in their frames of this height, px, and their covariances (G, 2, 2), px²."""
     brect, white = rectangles(groups), np.maximum(white_pixels(groups), 1)
     n = groups.last - groups.first + 1
@@ -50,7 +50,7 @@ def centroids(groups: Groups, *, height: int) -> tuple[Floats, Floats]:
     return np.stack([x, y], -1), cov
 
 
-def peaks(images: NDArray[np.uint8 | np.uint16], groups: Groups, *, darkest: bool = False) -> Floats:
+def peaks(images: NDArray[np.uint8 | np.uint16], groups: KissGroups, *, darkest: bool = False) -> Floats:
     """(G) the brightest grey level of each group in frames (n, H, W), or its darkest."""
     if len(groups.frame) == 0:
         return np.zeros(0)

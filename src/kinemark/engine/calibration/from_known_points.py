@@ -21,7 +21,7 @@ from ...io.rods_toml import read_rods
 from ...io.tdf import read_tdf
 from ...io.um2as import read_cp_set, siblings
 from ..recordings import size_of_cameras
-from ..settings import DigitisedPoints, Seen
+from ..settings import DigitisedPoints, TargetRecording
 from .lens_grids import Lenses, lenses_of
 from .task import Made, Task
 
@@ -120,7 +120,7 @@ class Pointed(NamedTuple):
 
 def digitised(task: Task, way: DigitisedPoints) -> Pointed:
     """Control points of a CSV file, at the markers of the images where there are images."""
-    seen = task.look(Seen(images=way.images), "calibrate") if way.images else None
+    seen = task.look(TargetRecording(images=way.images), "calibrate") if way.images else None
     file = task.root / way.points
     points = read_control_points(file, task.names, seen.detections if seen else None)
     sizes = seen.sizes if seen else size_of_cameras(task.root, task.settings, task.names)
@@ -132,7 +132,7 @@ def from_control_frame(task: Task) -> Made:
     way = task.settings.calibration.control_frame
     assert way is not None
     rods = read_rods(task.root / way.rods)
-    seen = task.look(Seen(images=way.images), "calibrate")
+    seen = task.look(TargetRecording(images=way.images), "calibrate")
     lenses = lenses_of(task)
     method: Any = task.settings.calibrate
     fit = control_frame_quality(seen.detections, rods, sizes=seen.sizes, method=method, lenses=lenses.cameras)

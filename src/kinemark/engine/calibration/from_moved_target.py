@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...calibrate.bundle import BundleFit, calibrate_points
 from ...calibrate.quality.calibration_evidence import Evidence
-from ...calibrate.quality.wand import LeftOut, image_errors, judge_poses, seen_by
+from ...calibrate.quality.wand import LeftOutPoses, image_errors, judge_poses, seen_by
 from ...calibrate.wand import calibrate_wand
 from ...data import Detections, KinemarkError
 from .lens_grids import Lenses, lenses_of
@@ -23,12 +23,12 @@ FEWEST_FRAMES = 20
 """In which two cameras each see one marker."""
 
 
-class Fitted(NamedTuple):
+class FittedRig(NamedTuple):
     """A bundle in a world of its own; along (K) mm of the stick, (1) for a marker; how poses left out judge it."""
 
     fit: BundleFit
     along: Array
-    judged: LeftOut
+    judged: LeftOutPoses
     lenses: Lenses
 
 
@@ -49,7 +49,7 @@ def from_wand(task: Task) -> Made:
     judged = judge_poses(fit, along, method=method.bundle, lens_held=lenses.cameras is not None)
     task.progress("calibrate", 1, 1)
     gaps = " + ".join(f"{mm:g}" for mm in way.lengths_mm)
-    made = _placed(task, Fitted(fit, along, judged, lenses), f"a wand of {gaps} mm")
+    made = _placed(task, FittedRig(fit, along, judged, lenses), f"a wand of {gaps} mm")
     return made._replace(evidence=replace(made.evidence, known=np.diff(along), lengths=judged.lengths))
 
 
@@ -66,7 +66,7 @@ def from_single_marker(task: Task) -> Made:
     fit = calibrate_points(task.names, seen.sizes, uv, cov=known, method=method, lenses=lenses.cameras)
     judged = judge_poses(fit, np.zeros(1), method=method, lens_held=lenses.cameras is not None)
     task.progress("calibrate", 1, 1)
-    return _placed(task, Fitted(fit, np.zeros(1), judged, lenses), "a single marker")
+    return _placed(task, FittedRig(fit, np.zeros(1), judged, lenses), "a single marker")
 
 
 def _check_sizes(sizes: NDArray[np.int64]) -> None:
@@ -96,7 +96,7 @@ def _single(detections: Detections) -> tuple[Array, Array]:
     return uv, cov
 
 
-def _placed(task: Task, fitted: Fitted, way: str) -> Made:
+def _placed(task: Task, fitted: FittedRig, way: str) -> Made:
     """The rig in the world that the session wants, with the evidence of the bundle."""
     k = len(fitted.along)
     placed = placed_in_world(task, fitted.fit, unscaled=k == 1)

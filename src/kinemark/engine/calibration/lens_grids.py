@@ -13,7 +13,7 @@ from ...calibrate.lens.linearisation import GridView, LensFit, Linearisation, li
 from ...data import Camera, Detections, KinemarkError
 from ...io.images import ImageSource
 from ..recordings import open_cameras
-from ..settings import LinearisationGrid, Seen
+from ..settings import LinearisationGrid, TargetRecording
 from .task import Task
 
 Array = NDArray[np.float64]
@@ -66,7 +66,7 @@ def _dots(task: Task, way: LinearisationGrid) -> list[Detections]:
                 update={"cameras": task.settings.cameras.model_copy(update={"names": (name,)})}
             )
         )
-        seen = Seen(images=way.images.replace("{camera}", name))
+        seen = TargetRecording(images=way.images.replace("{camera}", name))
         found.append(one.look(seen, "linearise", masked=False).detections)  # the grid may hang before what is masked
     return found
 

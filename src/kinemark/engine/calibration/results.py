@@ -28,7 +28,7 @@ from ...report.calibration_page import write_calibration_page
 from ..pipeline import Progress, rig_key, silent
 from ..recordings import files_of, masks_key
 from ..settings import Settings
-from ..store import Ledger, digest, file_key
+from ..store import Store, digest, file_key
 from .from_known_points import from_control_frame, from_control_points, from_file, is_cp
 from .from_moved_target import from_single_marker, from_wand
 from .task import Made, Task
@@ -71,7 +71,7 @@ def calibrate(root: Path, results: Path, settings: Settings, *, progress: Progre
         KinemarkError: what the calibration needs is absent or unusable, or it has fewer than two cameras.
     """
     task = Task(root, settings, progress)
-    ledger = Ledger.open(results)
+    ledger = Store.open(results)
     (rig, figures), _ = ledger.do(
         "calibrate",
         None if settings.calibration.file else settings.calibrate,

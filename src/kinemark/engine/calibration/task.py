@@ -9,7 +9,7 @@ from ...calibrate.quality import Evidence
 from ...data import KinemarkError, Rig
 from ..pipeline import Progress
 from ..recordings import Recorded, recorded
-from ..settings import Seen, Settings
+from ..settings import Settings, TargetRecording
 
 
 class Made(NamedTuple):
@@ -37,6 +37,6 @@ class Task(NamedTuple):
             raise KinemarkError("[cameras] names is empty. Name the cameras, so that their images can be found.")
         return self.settings.cameras.names
 
-    def look(self, seen: Seen, what: str, *, masked: bool = True) -> Recorded:
+    def look(self, seen: TargetRecording, what: str, *, masked: bool = True) -> Recorded:
         """What the cameras saw of something, called `what` where progress is told; the session's masks count or not."""
         return recorded(self.root, self.settings, seen, self.names, progress=self.progress, what=what, masked=masked)

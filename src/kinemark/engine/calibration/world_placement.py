@@ -28,7 +28,7 @@ NO_WORLD = (
 )
 
 
-class Placed(NamedTuple):
+class PlacedRig(NamedTuple):
     """A fit in the world that was wanted; checks of lengths that took no part; and doubts."""
 
     fit: BundleFit
@@ -36,7 +36,7 @@ class Placed(NamedTuple):
     doubts: tuple[str, ...] = ()
 
 
-def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> Placed:
+def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> PlacedRig:
     """The fit where the session's `l_frame`, `world_points` or `distance` put it.
 
     Raises:
@@ -57,9 +57,9 @@ def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> Placed:
             "[calibration], or remove volume_mm."
         )
     else:
-        return Placed(fit, doubts=(NO_WORLD,))
+        return PlacedRig(fit, doubts=(NO_WORLD,))
     checks = () if unscaled else _checks(what, seen, known)
-    return Placed(fit_moved_to(fit, seen, known, scale=unscaled), checks)
+    return PlacedRig(fit_moved_to(fit, seen, known, scale=unscaled), checks)
 
 
 def _apart(task: Task, rig: Rig, way: Distance) -> float:

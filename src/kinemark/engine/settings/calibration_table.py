@@ -19,7 +19,7 @@ FREE = ("wand", "single_marker")
 """Those that know no laboratory: their world is the first camera's unless it is given."""
 
 
-class Seen(Strict):
+class TargetRecording(Strict):
     """What cameras saw of something: images, or detections made of them before. Exactly one of both."""
 
     images: str | None = None
@@ -51,7 +51,7 @@ class ControlFrame(Strict):
     images: str
 
 
-class WandRecording(Seen):
+class WandRecording(TargetRecording):
     """A stick with markers in a row, waved through the volume.
 
     lengths_mm: gaps between neighbouring markers, K − 1 of K markers; marker_diameter_mm: of spheres.
@@ -61,19 +61,19 @@ class WandRecording(Seen):
     marker_diameter_mm: float | None = Field(None, gt=0)
 
 
-class Distance(Seen):
+class Distance(TargetRecording):
     """Two markers at a known distance, from centre to centre, that all cameras see."""
 
     mm: float = Field(gt=0)
 
 
-class SingleMarker(Seen):
+class SingleMarker(TargetRecording):
     """One marker, as an LED, moved through the volume; the scale is that of `distance`, or of the world frame."""
 
     distance: Distance | None = None
 
 
-class LFrame(Seen):
+class LFrame(TargetRecording):
     """Three markers on the floor that make the world: a corner, a long arm along X and a short one along Y.
 
     arms_mm: from the corner to the marker on each arm, centre to centre; height_mm: of the centres above the floor.
@@ -101,7 +101,7 @@ class LinearisationGrid(Strict):
 Places = dict[str, tuple[tuple[float, float], ...]]
 
 
-class Calibration(Strict):
+class CalibrationTable(Strict):
     """`[calibration]`: exactly one way; beside most of them the lenses, the world frame, and fixed marks.
 
     reference_marker: where each camera saw marks that never move when it was calibrated, px; their shift in a trial
@@ -128,7 +128,7 @@ class Calibration(Strict):
         return next(way for way in WAYS if getattr(self, way) is not None)
 
     @model_validator(mode="after")
-    def one_way(self) -> Calibration:
+    def one_way(self) -> CalibrationTable:
         """Exactly one way must be given, and beside it only what goes with it."""
         ways = [way for way in WAYS if getattr(self, way) is not None]
         if len(ways) != 1:

@@ -17,8 +17,8 @@ from ...fill import Filling
 from ...match import EpipolarTriplets, KissTriplets, NearestEpipolar
 from ...reconstruct import CameraPairs, LeastSquares
 from ...track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas
-from ...track.simultaneous import FOLLOWERS, FormerTwoCameras, Simultaneous
-from .calibration_table import Calibration, Places
+from ...track.simultaneous import DETECTION_TRACKERS, FormerTwoCameras, Simultaneous
+from .calibration_table import CalibrationTable, Places
 from .method_tables import METHODS, calibrate_method, filling_of, method_name, method_of, parameters_of
 from .table import Strict
 
@@ -50,7 +50,7 @@ class Cameras(Strict):
         return "top" if self.interlaced is True else self.interlaced
 
 
-class Masks(Strict):
+class MaskTable(Strict):
     """`[masks]`: parts of the images to leave out, drawn in a file, or learned from a recording of the empty volume."""
 
     file: Path | None = None
@@ -58,7 +58,7 @@ class Masks(Strict):
     grow_px: float | None = Field(None, ge=0)
 
     @model_validator(mode="after")
-    def something(self) -> Masks:
+    def something(self) -> MaskTable:
         """An empty table would mask nothing."""
         if self.file is None and self.empty is None:
             raise ValueError("wants file, empty or both")
@@ -113,9 +113,9 @@ class Settings(Strict):
     rate_hz: float | None = Field(None, gt=0, le=1e6)
     volume_mm: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
     cameras: Cameras = Cameras()
-    calibration: Calibration
+    calibration: CalibrationTable
     trials: tuple[TrialEntry, ...] = Field(min_length=1)
-    masks: Masks | None = None
+    masks: MaskTable | None = None
     calibrate: ControlPoints | Dlt | Wand | Bundle = Field(None, validate_default=True)
     detect: Centroids | KissScanning | KissNearest = Centroids()
     match: EpipolarTriplets | KissTriplets | NearestEpipolar = EpipolarTriplets()
@@ -151,12 +151,12 @@ class Settings(Strict):
             )
         if all(trial.operated for trial in self.trials):
             return self  # nothing is matched or tracked, and all points are placed by [reconstruct]
-        idle = {"match", "reconstruct"} & self.model_fields_set if type(self.track) in FOLLOWERS else set()
+        idle = {"match", "reconstruct"} & self.model_fields_set if type(self.track) in DETECTION_TRACKERS else set()
         if isinstance(self.track, Simultaneous) and isinstance(self.reconstruct, LeastSquares):
             idle -= {"reconstruct"}  # its points are placed so
         if idle:
             own = method_name("track", self.track)
-            staged = ", ".join(name for name, kind in METHODS["track"].items() if kind not in FOLLOWERS)
+            staged = ", ".join(name for name, kind in METHODS["track"].items() if kind not in DETECTION_TRACKERS)
             raise ValueError(
                 f"track by {own!r} matches by itself, so [{'] and ['.join(sorted(idle))}] would do nothing: "
                 f"leave it out, or give [track] one of the methods {staged}"

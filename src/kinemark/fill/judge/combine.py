@@ -21,7 +21,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from ..marker_array import Floats, Prediction
-from .hold_out import Tried
+from .hold_out import Candidate
 
 CLOSE = 2.0
 HEAVY = 1e3
@@ -35,7 +35,7 @@ def close_ones(typical: Sequence[float]) -> list[int]:
     return order if len(order) > 1 and np.isfinite(min(typical)) else []
 
 
-def together(tried: Sequence[list[Tried]]) -> Floats:
+def together(tried: Sequence[list[Candidate]]) -> Floats:
     """(T, K, K) ⟨e_j · e_k⟩ / s² of every test; NaN where one of the K methods had nothing to say."""
     out = np.full((len(tried[0]), len(tried), len(tried)), np.nan)
     for k, each in enumerate(zip(*tried, strict=True)):
@@ -66,12 +66,12 @@ def mean_prediction(said: Sequence[Prediction], w: Floats) -> Prediction:
     return Prediction(xyz, _claim([s.cov for s in said], w), donors=donors)
 
 
-def mean_tests(tried: Sequence[list[Tried]], w: Floats) -> list[Tried]:
+def mean_tests(tried: Sequence[list[Candidate]], w: Floats) -> list[Candidate]:
     """The same of all tests, each with its own weights (T, K); empty errors where a method had nothing to say."""
     return [_mean_test(each, of) for each, of in zip(zip(*tried, strict=True), w, strict=True)]
 
 
-def _mean_test(each: Sequence[Tried], w: Floats) -> Tried:
+def _mean_test(each: Sequence[Candidate], w: Floats) -> Candidate:
     if not all(len(t.error) for t in each):
         return min(each, key=lambda t: len(t.error))
     error = np.tensordot(w, np.array([t.error for t in each]), 1)

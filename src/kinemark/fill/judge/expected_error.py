@@ -51,7 +51,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ..marker_array import Floats, Gap, Prediction
-from .hold_out import HiddenTest, Tried
+from .hold_out import Candidate, HoldOutGap
 
 SPREAD = 0.5
 MARKER = 0.25
@@ -68,7 +68,7 @@ QUANTILES = (np.arange(40) + 0.5) / 40
 """At which distributions are tabulated."""
 
 
-def weigh(tests: list[HiddenTest], of: int, gaps: list[Gap]) -> Floats:
+def weigh(tests: list[HoldOutGap], of: int, gaps: list[Gap]) -> Floats:
     """(1): what each test counts for the gap of that index."""
     gap = gaps[of]
     about = np.array([(t.of, t.window.marker, t.keep[1] - t.keep[0]) for t in tests], np.int64).reshape(-1, 3)
@@ -87,10 +87,10 @@ def size(cov: Floats) -> float:
     return float(np.sqrt(np.trace(cov, axis1=-2, axis2=-1)).mean()) if len(cov) else np.nan
 
 
-class Measured:
+class MeasuredErrors:
     """What the tests of one method say of its errors: mean error and claimed size of each, mm."""
 
-    def __init__(self, tried: list[Tried]) -> None:
+    def __init__(self, tried: list[Candidate]) -> None:
         self.means = np.array([t.mean for t in tried], np.float64)
         self.logs = np.log(np.maximum(self.means, 1e-9))
         self.claims = np.array([size(t.cov) for t in tried], np.float64)
@@ -110,7 +110,7 @@ class Measured:
         here = float(np.clip(here, 1 / MOST, MOST)) if np.isfinite(here) else 1.0
         return here * float(w @ self.means[able]), float(np.exp(w @ self.logs[able]))
 
-    def behind(self, other: Measured, weights: Floats, *, sure: float = 1.0) -> float:
+    def behind(self, other: MeasuredErrors, weights: Floats, *, sure: float = 1.0) -> float:
         """(3): the left side of it, below 0 where this method is better than the other by more than `sure` standard
         errors."""
         with np.errstate(invalid="ignore"):
@@ -124,10 +124,10 @@ class Measured:
         return mean + sure * np.sqrt(float(w @ (d - mean) ** 2) / (n - 1)) if n > 1.001 else np.inf
 
 
-class Calibration:
+class ErrorCalibration:
     """What one method's tests say of its covariances; (5) and (7) once for all gaps."""
 
-    def __init__(self, tried: list[Tried]) -> None:
+    def __init__(self, tried: list[Candidate]) -> None:
         """From all tests of the method in which it had something to say."""
         self.used = np.array([k for k, t in enumerate(tried) if len(t.error)], np.int64)
         told = [tried[k] for k in self.used]
@@ -135,7 +135,7 @@ class Calibration:
             return
         errors, cov = np.concatenate([t.error for t in told]), np.concatenate([t.cov for t in told])
         edge = np.concatenate([t.edge for t in told])
-        self.growth = None if np.isfinite(cov).all() else Growth(edge, errors)
+        self.growth = None if np.isfinite(cov).all() else ErrorGrowth(edge, errors)
         if self.growth:
             cov = self.growth.cov(edge)
         ratio = errors / np.sqrt(np.maximum(np.diagonal(cov, axis1=-2, axis2=-1), 1e-12))
@@ -166,7 +166,7 @@ class Calibration:
         return shape * (_product_quantile(s, self.within) / Z) ** 2
 
 
-def same_frames(tests: list[HiddenTest]) -> Floats:
+def same_frames(tests: list[HoldOutGap]) -> Floats:
     """ρ of (7) for all pairs of tests: the frames that both compare of one marker, by the mean length."""
     about = [(t.window.marker, t.window.start + t.keep[0], t.window.start + t.keep[1]) for t in tests]
     marker, start, stop = np.array(about, np.float64).reshape(-1, 3).T
@@ -182,7 +182,7 @@ def _product_quantile(s: Floats, x: Floats) -> float:
     return float(np.interp(LEVEL * (product.size - 1), np.arange(product.size), product))
 
 
-class Growth:
+class ErrorGrowth:
     """(4): how the squared error grows from the edges, learnt from tests' samples."""
 
     def __init__(self, edge: Floats, errors: Floats) -> None:

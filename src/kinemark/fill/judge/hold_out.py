@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..marker_array import Floats, Gap, Motion, Prediction
+from ..marker_array import Floats, Gap, MarkerArray, Prediction
 
 Filler = Callable[..., list[Prediction]]
 SHARE = 0.1
@@ -41,7 +41,7 @@ SHORTER = 0.7
 """By what a test's length shrinks until it fits, where no marker of the trial has room."""
 
 
-class HiddenTest(NamedTuple):
+class HoldOutGap(NamedTuple):
     """One window to be filled in one copy of the trial.
 
     Attributes:
@@ -59,14 +59,14 @@ class HiddenTest(NamedTuple):
     own: bool
 
 
-class Plan(NamedTuple):
+class HoldOutPlan(NamedTuple):
     """All tests, and what is hidden in each copy."""
 
-    tests: list[HiddenTest]
+    tests: list[HoldOutGap]
     copies: list[list[Gap]]
 
 
-class Tried(NamedTuple):
+class Candidate(NamedTuple):
     """What one filler did in one test of L frames.
 
     Attributes:
@@ -76,7 +76,7 @@ class Tried(NamedTuple):
         edge: (L) frames to the nearest known sample of the marker.
     """
 
-    test: HiddenTest
+    test: HoldOutGap
     error: Floats
     cov: Floats
     edge: Floats
@@ -87,10 +87,10 @@ class Tried(NamedTuple):
         return float(np.linalg.norm(self.error, axis=1).mean()) if len(self.error) else np.inf
 
 
-def plan(motion: Motion, gaps: list[Gap], *, per_gap: int, seed: int) -> Plan:
+def plan(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, seed: int) -> HoldOutPlan:
     """Tests for all gaps; a gap for which no marker has room at any length has none."""
     rng = np.random.default_rng(seed)
-    made = Plan([], [])
+    made = HoldOutPlan([], [])
     seen = motion.seen
     books = _Books(seen, [], {})
     order, tight = rng.permutation(len(gaps)), len(gaps) > MANY
@@ -104,13 +104,13 @@ def plan(motion: Motion, gaps: list[Gap], *, per_gap: int, seed: int) -> Plan:
                 made.copies.append([])
             made.copies[copy] += [shape, *_state(motion, seen, gaps[index], gap)]
             keep = (gap.start - shape.start, gap.stop - shape.start)
-            made.tests.append(HiddenTest(int(index), copy, shape, keep, gap.marker == gaps[index].marker))
+            made.tests.append(HoldOutGap(int(index), copy, shape, keep, gap.marker == gaps[index].marker))
     return made
 
 
-def run(motion: Motion, planned: Plan, filler: Filler, method: Any) -> list[Tried]:
+def run(motion: MarkerArray, planned: HoldOutPlan, filler: Filler, method: Any) -> list[Candidate]:
     """All tests of one method, copy by copy."""
-    found: list[Tried] = []
+    found: list[Candidate] = []
     for number, hide in enumerate(planned.copies):
         tests = [test for test in planned.tests if test.copy == number]
         copy = motion.hidden(hide)
@@ -119,7 +119,7 @@ def run(motion: Motion, planned: Plan, filler: Filler, method: Any) -> list[Trie
     return found
 
 
-def edge_distance(motion: Motion, gap: Gap) -> Floats:
+def edge_distance(motion: MarkerArray, gap: Gap) -> Floats:
     """(L) frames from each frame of the gap to the nearest known sample beside it."""
     frames = np.arange(gap.start, gap.stop, dtype=np.float64)
     before = frames - gap.start + 1 if gap.start > 0 else np.full(gap.length, np.inf)
@@ -127,13 +127,13 @@ def edge_distance(motion: Motion, gap: Gap) -> Floats:
     return np.minimum(before, after)
 
 
-def _compare(motion: Motion, test: HiddenTest, said: Prediction) -> Tried:
+def _compare(motion: MarkerArray, test: HoldOutGap, said: Prediction) -> Candidate:
     window, (first, last) = test.window, test.keep
     error = (said.xyz - motion.xyz[window.marker, window.start : window.stop])[first:last]
     cov, edge = said.cov[first:last], edge_distance(motion, window)[first:last]
     if not np.isfinite(error).all():
-        return Tried(test, error[:0], cov[:0], edge[:0])
-    return Tried(test, error, cov, edge)
+        return Candidate(test, error[:0], cov[:0], edge[:0])
+    return Candidate(test, error, cov, edge)
 
 
 class _Books(NamedTuple):
@@ -170,7 +170,7 @@ class _Books(NamedTuple):
 
 
 def _windows(
-    motion: Motion, seen: NDArray[np.bool_], gap: Gap, n: int, rng: np.random.Generator, books: _Books | None
+    motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, n: int, rng: np.random.Generator, books: _Books | None
 ) -> list[tuple[int, Gap, int]]:
     """Up to n windows (first hidden frame, window compared, last hidden frame + 1) for a gap.
 
@@ -190,7 +190,7 @@ def _windows(
     return []
 
 
-def _twins(motion: Motion, seen: NDArray[np.bool_], gap: Gap, length: int, n: int) -> list[Gap]:
+def _twins(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, length: int, n: int) -> list[Gap]:
     """(3): the same frames, or the first so many of them, of the n nearest markers known there and on both sides."""
     window = slice(max(gap.start - 1, 0), gap.start + length + 1)
     known = seen[:, window].all(1) & (seen.sum(1) > length + 2)
@@ -200,7 +200,7 @@ def _twins(motion: Motion, seen: NDArray[np.bool_], gap: Gap, length: int, n: in
     return [Gap(int(k), gap.start, gap.start + length) for k in near[:n]]
 
 
-def distances(motion: Motion, marker: int) -> Floats:
+def distances(motion: MarkerArray, marker: int) -> Floats:
     """(M) mm, median distance of all markers from one, over at most a few hundred frames; NaN where never together."""
     thin = motion.xyz[:, :: max(1, motion.xyz.shape[1] // 300)]
     apart = np.linalg.norm(thin - thin[marker], axis=-1)
@@ -224,7 +224,7 @@ def _spread(starts: NDArray[np.int64], n: int, rng: np.random.Generator) -> NDAr
     return np.array([rng.choice(share) for share in shares])
 
 
-def _state(motion: Motion, seen: NDArray[np.bool_], gap: Gap, window: Gap) -> list[Gap]:
+def _state(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, window: Gap) -> list[Gap]:
     """(1): what else is missing in the gap, shifted to the window; (4) where that is another marker's."""
     length = min(gap.length, window.length)
     missing = ~seen[:, gap.start : gap.start + length]
@@ -239,7 +239,7 @@ def _state(motion: Motion, seen: NDArray[np.bool_], gap: Gap, window: Gap) -> li
     return out
 
 
-def _alike(motion: Motion, marker: int, other: int, missing: NDArray[np.int64]) -> dict[int, int]:
+def _alike(motion: MarkerArray, marker: int, other: int, missing: NDArray[np.int64]) -> dict[int, int]:
     """(4): for each missing marker, that which is as many-th nearest to the other marker as it is to this one.
 
     Those as near to the other marker that are missing anyway, this one too, stand for as many.

@@ -41,12 +41,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jumping_markers import Trust
-from ..marker_array import Floats, Gap, Motion, Prediction
+from ..jumping_markers import JumpingMarkers
+from ..marker_array import Floats, Gap, MarkerArray, Prediction
 from ..mirrored_markers import partners
 from ..reference_ranking import Ranks
-from .kriging import ORDERS, Hyper, Ints, Pairs, fit, left_out, predict
-from .training_frames import FEWEST, Scene, View, pairs_of, scene_of, view_of
+from .kriging import ORDERS, FramePairs, Hyper, Ints, fit, left_out, predict
+from .training_frames import FEWEST, TrainingFrames, View, pairs_of, scene_of, view_of
 
 FIRSTS = 4
 """Donors that are used even where their partner is missing in the gap."""
@@ -101,27 +101,27 @@ class Body:
 
 
 class _Trial(NamedTuple):
-    motion: Motion
+    motion: MarkerArray
     seen: NDArray[np.bool_]
     partner: Ints
     ranks: Ranks
-    trust: Trust
+    trust: JumpingMarkers
     hypers: dict[tuple[int, bytes], Hyper]
 
 
 class _Look(NamedTuple):
     donors: Ints
-    scene: Scene
+    scene: TrainingFrames
     views: list[View]
 
 
-def fill_body(motion: Motion, gaps: list[Gap], *, method: Body) -> list[Prediction]:
+def fill_body(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> list[Prediction]:
     """Each gap by (4); gaps of one marker with the same donors share λ, ℓ, ν …"""
     trial = _trial(motion, method)
     return [_fill(trial, gap, method) for gap in gaps]
 
 
-def common_hyper(motion: Motion, gaps: list[Gap], *, method: Body) -> Hyper:
+def common_hyper(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> Hyper:
     """λ, ℓ, ν … that are best for `FEW` of the gaps together."""
     trial = _trial(motion, method)
     some = [gaps[k] for k in np.unique(np.linspace(0, len(gaps) - 1, FEW).astype(int))] if gaps else []
@@ -129,10 +129,10 @@ def common_hyper(motion: Motion, gaps: list[Gap], *, method: Body) -> Hyper:
     return _best(looks)
 
 
-def _trial(motion: Motion, method: Body) -> _Trial:
+def _trial(motion: MarkerArray, method: Body) -> _Trial:
     partner = partners(motion.names) if method.mirror else np.arange(len(motion.names))
     ranks = Ranks(motion)
-    return _Trial(motion, motion.seen, partner, ranks, Trust(motion, ranks), {})
+    return _Trial(motion, motion.seen, partner, ranks, JumpingMarkers(motion, ranks), {})
 
 
 def _fill(trial: _Trial, gap: Gap, method: Body) -> Prediction:
@@ -166,7 +166,7 @@ def _look(trial: _Trial, gap: Gap, method: Body) -> _Look | str:
     return _Look(donors, scene, views)
 
 
-def _weighed(scene: Scene, views: list[View], hyper: Hyper) -> list[tuple[float, View, Hyper]]:
+def _weighed(scene: TrainingFrames, views: list[View], hyper: Hyper) -> list[tuple[float, View, Hyper]]:
     """Every view with every bend, the least J (3) first, with weights that are not normed yet."""
     out = []
     for view in views:
@@ -178,14 +178,14 @@ def _weighed(scene: Scene, views: list[View], hyper: Hyper) -> list[tuple[float,
     return [(float(np.exp(-SHARPNESS * (J - out[0][0]))), view, bent) for J, view, bent in out]
 
 
-def _badness(pairs: Pairs, y: Floats, h: Hyper, blocks: list[Ints]) -> float:
+def _badness(pairs: FramePairs, y: Floats, h: Hyper, blocks: list[Ints]) -> float:
     """J of (3)."""
     found = fit(pairs, y, h)
     missed = np.log(max(left_out(found, blocks), 1e-6)) if blocks else 0.0
     return float(missed - found.likely / (3 * len(y)))
 
 
-def _mean(scene: Scene, kept: list[tuple[float, View, Hyper]]) -> tuple[Floats, Floats]:
+def _mean(scene: TrainingFrames, kept: list[tuple[float, View, Hyper]]) -> tuple[Floats, Floats]:
     """(4)."""
     w = np.array([weight for weight, _, _ in kept])
     w /= w.sum()
@@ -196,7 +196,7 @@ def _mean(scene: Scene, kept: list[tuple[float, View, Hyper]]) -> tuple[Floats, 
     return mean, cov + np.einsum("k,kfi,kfj->fij", w, each - mean, each - mean)
 
 
-def _laboratory(scene: Scene, view: View, h: Hyper) -> tuple[Floats, Floats]:
+def _laboratory(scene: TrainingFrames, view: View, h: Hyper) -> tuple[Floats, Floats]:
     """What one model predicts for the gap, turned back into the laboratory."""
     seen, wanted = slice(scene.n), slice(scene.n, None)
     found = fit(pairs_of(scene, view, seen, seen), view.y, h)

@@ -26,8 +26,8 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
 from ...data.arrays import check_positive
-from ..known_samples import Ints, Known, Span
-from ..marker_array import Floats, Gap, Motion, Prediction
+from ..known_samples import Ints, KnownSamples, Span
+from ..marker_array import Floats, Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 
 FINE = 1500
@@ -65,7 +65,7 @@ class Cyclic:
             raise ValueError(f"alike is {self.alike}, wanted from −1 to 1")
 
 
-class _Learnt(NamedTuple):
+class _LearntCycle(NamedTuple):
     """What gaps of a call share: the cycle in frames (0: none), velocities (M, F, 3), mean distances."""
 
     period: float
@@ -73,19 +73,19 @@ class _Learnt(NamedTuple):
     distances: Distances
 
 
-def fill_cyclic(motion: Motion, gaps: list[Gap], *, method: Cyclic = Cyclic()) -> list[Prediction]:
+def fill_cyclic(motion: MarkerArray, gaps: list[Gap], *, method: Cyclic = Cyclic()) -> list[Prediction]:
     """Each gap from other cycles of its own marker."""
-    known = Known.of(motion)
+    known = KnownSamples.of(motion)
     if not gaps:
         return []
     period = method.period * known.rate if method.period else find_period(known, method.shortest, method.alike)
     velocity = np.full_like(known.x, np.nan)
     velocity[:, 1:-1] = (known.x[:, 2:] - known.x[:, :-2]) / 2
-    learnt = _Learnt(period, velocity, distances(known))
+    learnt = _LearntCycle(period, velocity, distances(known))
     return [_repeat(known, known.span(gap), learnt, method) for gap in gaps]
 
 
-def find_period(known: Known, shortest: float, alike: float) -> float:
+def find_period(known: KnownSamples, shortest: float, alike: float) -> float:
     """Frames of one cycle, from (1); 0 where the trial shows no two like cycles."""
     step = max(1, -(-known.n_frames // FINE))
     x = known.x[known.seen.any(1), ::step]
@@ -115,7 +115,7 @@ def _correlation(v: Floats, there: Floats, n: int) -> Floats:
     return np.divide(product, norm, out=np.zeros(n), where=norm > 1e-9 * max(norm[0], 1e-300))
 
 
-def _repeat(known: Known, span: Span, learnt: _Learnt, method: Cyclic) -> Prediction:
+def _repeat(known: KnownSamples, span: Span, learnt: _LearntCycle, method: Cyclic) -> Prediction:
     if not span.edges:
         return Prediction.none(span.length, known.never(span))
     if not learnt.period:
@@ -134,7 +134,7 @@ def _repeat(known: Known, span: Span, learnt: _Learnt, method: Cyclic) -> Predic
     return Prediction(mean, span.bow()[:, None, None] * spread)  # (4)
 
 
-def _lags(known: Known, span: Span, learnt: _Learnt, method: Cyclic) -> list[tuple[float, float]]:
+def _lags(known: KnownSamples, span: Span, learnt: _LearntCycle, method: Cyclic) -> list[tuple[float, float]]:
     """(m, lag in frames) of every repeat that shows the whole gap."""
     low, high = min(span.edges[0], span.start), max(span.edges[-1], span.stop - 1)
     margin = round(method.margin * known.rate)
@@ -193,7 +193,7 @@ def _mismatch(velocity: Floats, who: Ints, t: Ints, here: Floats, lags: Ints) ->
     return np.divide(np.where(known, square, 0.0).sum((0, 2)), n, out=np.full(len(lags), np.inf), where=n > 0)
 
 
-def _taken_over(known: Known, span: Span, lag: float) -> Floats:
+def _taken_over(known: KnownSamples, span: Span, lag: float) -> Floats:
     """(3): the repeat at a lag, between frames read linearly, in the gap (L, 3)."""
     at = np.concatenate([span.frames, [span.edges[0], span.edges[-1]]]) - lag
     low = np.floor(at).astype(np.int64)

@@ -31,9 +31,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.arrays import check_positive
-from ...signal.kalman import State, predict, start, update
+from ...signal.kalman import KalmanState, predict, start, update
 from ...signal.smoother import Inside, jump_of, noise_of, predict_gaps, smooth_gaps
-from ..marker_array import Gap, Motion, Prediction
+from ..marker_array import Gap, MarkerArray, Prediction
 
 Floats = NDArray[np.float64]
 
@@ -85,7 +85,7 @@ class _Windows(NamedTuple):
     jump: Floats
 
 
-def fill_kalman(motion: Motion, gaps: Sequence[Gap], *, method: Kalman = Kalman()) -> list[Prediction]:
+def fill_kalman(motion: MarkerArray, gaps: Sequence[Gap], *, method: Kalman = Kalman()) -> list[Prediction]:
     """What the predictor, forwards, from both sides or smoothed, says of each gap.
 
     A gap with fewer than three samples within `history` before it ("forward") or on either side, gets none.
@@ -114,7 +114,7 @@ def _prediction(x: Floats, variance: Floats, method: Kalman) -> Prediction:
     return Prediction(x.T, variance.T[..., None] * np.eye(3))
 
 
-def _windows(motion: Motion, gaps: Sequence[Gap], method: Kalman) -> _Windows:
+def _windows(motion: MarkerArray, gaps: Sequence[Gap], method: Kalman) -> _Windows:
     """The samples about each gap; σ and U of its marker."""
     n_frames, size = motion.xyz.shape[1], max(round(method.history * motion.rate), FEWEST)
     before, after = np.full((2, len(gaps), 3, size), np.nan)
@@ -161,9 +161,9 @@ def _by_differences(path: Floats, sd: Floats, jump: Floats, length: int) -> Insi
     return found
 
 
-def _follow(path: Floats, sd: float, jump: float) -> State | None:
+def _follow(path: Floats, sd: float, jump: float) -> KalmanState | None:
     """The thesis' predictor one frame after the last of the samples (3, H); None without three in a row."""
-    state: State | None = None
+    state: KalmanState | None = None
     for k in range(2, path.shape[1]):
         past = path[:, k - 2 : k + 1].T[None, ::-1]
         whole = not np.isnan(past).any()

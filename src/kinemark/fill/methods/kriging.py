@@ -49,7 +49,7 @@ class Hyper(NamedTuple):
     order: float = 1.5
 
 
-class Pairs(NamedTuple):
+class FramePairs(NamedTuple):
     """What (1) asks of every pair of a frame (rows) and one learnt from (columns).
 
     Attributes:
@@ -66,7 +66,7 @@ class Pairs(NamedTuple):
     own: tuple[int, int]
 
 
-class Fit(NamedTuple):
+class KrigingFit(NamedTuple):
     """What (3) needs: `Hyper`, log-likelihood (4), factor of K, K⁻¹y, τ² (3)."""
 
     hyper: Hyper
@@ -86,7 +86,7 @@ def parts(h: Hyper) -> Floats:
     return np.array([1.0, h.theta**2]) / (1 + h.theta**2)
 
 
-def covariance(pairs: Pairs, h: Hyper) -> Floats:
+def covariance(pairs: FramePairs, h: Hyper) -> Floats:
     """(1), (2) without the noise."""
     share = parts(h)
     dot = share[0] * pairs.dot[0]
@@ -114,7 +114,7 @@ def matern(r: Floats, order: float) -> Floats:
     return out
 
 
-def fit(pairs: Pairs, y: Floats, h: Hyper) -> Fit:
+def fit(pairs: FramePairs, y: Floats, h: Hyper) -> KrigingFit:
     """K⁻¹y, τ² and (4); the pairs are those of the n frames learnt from, y (n, 3)."""
     n = len(y)
     K = covariance(pairs, h)
@@ -125,10 +125,10 @@ def fit(pairs: Pairs, y: Floats, h: Hyper) -> Fit:
     weights = dpotrs(factor, y, lower=True)[0]
     tau2 = np.maximum((y * weights).sum(0) / n, 1e-8)  # (3)
     likely = -0.5 * n * np.log(tau2).sum() - 3 * np.log(np.diag(factor)).sum()  # (4)
-    return Fit(h, float(likely), factor, weights, tau2)
+    return KrigingFit(h, float(likely), factor, weights, tau2)
 
 
-def left_out(found: Fit, blocks: list[Ints]) -> float:
+def left_out(found: KrigingFit, blocks: list[Ints]) -> float:
     """Mean distance, mm, by which frames are missed that are left out block by block (5).
 
     Args:
@@ -142,7 +142,7 @@ def left_out(found: Fit, blocks: list[Ints]) -> float:
     return float(np.linalg.norm(np.concatenate(off), axis=1).mean())
 
 
-def predict(pairs: Pairs, found: Fit) -> tuple[Floats, Floats]:
+def predict(pairs: FramePairs, found: KrigingFit) -> tuple[Floats, Floats]:
     """(3): what is expected (L, 3), and its variance (L, 3), in L frames."""
     h = found.hyper
     k = covariance(pairs, h)

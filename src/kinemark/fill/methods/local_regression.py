@@ -21,9 +21,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jumping_markers import Trust
+from ..jumping_markers import JumpingMarkers
 from ..local_frames import local, triad
-from ..marker_array import Floats, Gap, Motion, Prediction
+from ..marker_array import Floats, Gap, MarkerArray, Prediction
 from ..reference_ranking import FEWEST, Ranks
 
 MOST = 400
@@ -51,7 +51,7 @@ class LocalRegression:
             raise ValueError(f"blocks is {self.blocks}, wanted at least 2")
 
 
-class Fit(NamedTuple):
+class RegressionFit(NamedTuple):
     """What a marker's regression came to: base, donors in use, their means, weights (1)."""
 
     base: NDArray[np.int64]
@@ -61,11 +61,11 @@ class Fit(NamedTuple):
     B: Floats
 
 
-def fill_local_regression(motion: Motion, gaps: list[Gap], *, method: LocalRegression) -> list[Prediction]:
+def fill_local_regression(motion: MarkerArray, gaps: list[Gap], *, method: LocalRegression) -> list[Prediction]:
     """Each gap from the donors that are seen throughout it; gaps of one marker with the same donors share one fit."""
-    fits: dict[tuple[int, bytes], Fit | str] = {}
+    fits: dict[tuple[int, bytes], RegressionFit | str] = {}
     seen, ranks, out = motion.seen, Ranks(motion), []
-    trust = Trust(motion, ranks)
+    trust = JumpingMarkers(motion, ranks)
     for gap in gaps:
         ready = seen[:, gap.start : gap.stop].all(1) & trust.of(gap)
         order = ranks.of(gap.marker)
@@ -79,8 +79,8 @@ def fill_local_regression(motion: Motion, gaps: list[Gap], *, method: LocalRegre
 
 
 def _fit(
-    motion: Motion, seen: NDArray[np.bool_], marker: int, order: NDArray[np.int64], method: LocalRegression
-) -> Fit | str:
+    motion: MarkerArray, seen: NDArray[np.bool_], marker: int, order: NDArray[np.int64], method: LocalRegression
+) -> RegressionFit | str:
     """The best of the numbers of donors and ridges for one marker; a sentence where there is none."""
     if len(order) < 3:
         return f"only {len(order)} other markers are seen throughout the gap and often enough beside it; wanted 3"
@@ -98,10 +98,12 @@ def _fit(
     n, ridge = _most_skilled(phi - mean, y - a, method)
     G, C = _sums(phi[:, : 3 * n] - mean[: 3 * n], y - a)
     B = _solve(G, C, ridge * len(frames))
-    return Fit(base, donors[:n], mean[: 3 * n], a, B)
+    return RegressionFit(base, donors[:n], mean[: 3 * n], a, B)
 
 
-def _features(motion: Motion, donors: NDArray[np.int64], frames: NDArray[np.int64], R: Floats, c: Floats) -> Floats:
+def _features(
+    motion: MarkerArray, donors: NDArray[np.int64], frames: NDArray[np.int64], R: Floats, c: Floats
+) -> Floats:
     """(F, 3 D) local coordinates of the donors."""
     apart = motion.xyz[donors, frames[:, None]] - c[:, None]
     return (apart @ R).reshape(len(frames), -1)
@@ -137,7 +139,7 @@ def _most_skilled(phi: Floats, y: Floats, method: LocalRegression) -> tuple[int,
     return chosen
 
 
-def _predict(motion: Motion, gap: Gap, fit: Fit) -> Prediction:
+def _predict(motion: MarkerArray, gap: Gap, fit: RegressionFit) -> Prediction:
     F = motion.xyz.shape[1]
     frames = np.arange(max(gap.start - 1, 0), min(gap.stop + 1, F))
     R, c = triad(motion.xyz[fit.base[:, None], frames])

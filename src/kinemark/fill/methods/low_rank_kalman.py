@@ -33,8 +33,8 @@ import numpy as np
 from scipy.fft import dst
 
 from ...data.arrays import check_positive
-from ..known_samples import Bools, Ints, Known, Span
-from ..marker_array import Floats, Gap, Motion, Prediction
+from ..known_samples import Bools, Ints, KnownSamples, Span
+from ..marker_array import Floats, Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 from .neighbourhood import Neighbourhood, columns, neighbourhood
 
@@ -84,7 +84,7 @@ class Walk(NamedTuple):
         return 3 * self.hood.n_seen
 
 
-class _Learnt(NamedTuple):
+class _LearntDynamics(NamedTuple):
     """What gaps of a call share."""
 
     distances: Distances
@@ -93,15 +93,15 @@ class _Learnt(NamedTuple):
 
 
 def fill_low_rank_kalman(
-    motion: Motion, gaps: list[Gap], *, method: LowRankKalman = LowRankKalman()
+    motion: MarkerArray, gaps: list[Gap], *, method: LowRankKalman = LowRankKalman()
 ) -> list[Prediction]:
     """Each gap from the markers seen throughout it."""
-    known = Known.of(motion)
-    learnt = _Learnt(distances(known), known.thin(), {})
+    known = KnownSamples.of(motion)
+    learnt = _LearntDynamics(distances(known), known.thin(), {})
     return [_smooth(known, known.span(gap), learnt, method) for gap in gaps]
 
 
-def _smooth(known: Known, span: Span, learnt: _Learnt, method: LowRankKalman) -> Prediction:
+def _smooth(known: KnownSamples, span: Span, learnt: _LearntDynamics, method: LowRankKalman) -> Prediction:
     if not span.edges:
         return Prediction.none(span.length, known.never(span))
     there = known.throughout(span.start, span.stop, but=span.marker)
@@ -119,7 +119,7 @@ def _smooth(known: Known, span: Span, learnt: _Learnt, method: LowRankKalman) ->
     return Prediction(u @ target.T + walk.mean[-3:] + centre, cov, donors=donors)
 
 
-def _beside(known: Known, walk: Walk, frame: int) -> Floats | None:
+def _beside(known: KnownSamples, walk: Walk, frame: int) -> Floats | None:
     """u (d) at a frame where the marker is seen, from all that is seen there; None where the centre is not known."""
     Y, centre = columns(known, walk.hood, np.array([frame]))
     seen = ~np.isnan(Y[0])
@@ -170,7 +170,9 @@ def _variance(information: Floats, n: int, *, mirrored: bool) -> Floats:
     return variance
 
 
-def _walk(known: Known, marker: int, there: Bools, learnt: _Learnt, method: LowRankKalman) -> Walk | None:
+def _walk(
+    known: KnownSamples, marker: int, there: Bools, learnt: _LearntDynamics, method: LowRankKalman
+) -> Walk | None:
     near = nearest(learnt.distances(marker).mean, there, method.markers)
     key = (marker, near.tobytes())
     if key not in learnt.walks:
@@ -180,7 +182,7 @@ def _walk(known: Known, marker: int, there: Bools, learnt: _Learnt, method: LowR
     return learnt.walks[key]
 
 
-def _learn(known: Known, hood: Neighbourhood, method: LowRankKalman) -> Walk | None:
+def _learn(known: KnownSamples, hood: Neighbourhood, method: LowRankKalman) -> Walk | None:
     Y, _ = columns(known, hood, hood.frames)
     mean = Y.mean(0)
     e, V = np.linalg.eigh((Y - mean).T @ (Y - mean) / len(Y))
@@ -199,7 +201,7 @@ def _learn(known: Known, hood: Neighbourhood, method: LowRankKalman) -> Walk | N
     return Walk(hood, mean, V @ A @ W, np.maximum(information, 0.0), r)
 
 
-def _steps(known: Known, hood: Neighbourhood) -> Floats:
+def _steps(known: KnownSamples, hood: Neighbourhood) -> Floats:
     """Steps (N, 3 K) from one frame to the next, where all are seen in both."""
     frames = hood.frames[hood.frames + 1 < known.n_frames]
     frames = frames[known.seen[hood.markers, frames[:, None] + 1].all(1)]

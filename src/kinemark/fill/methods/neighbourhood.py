@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..known_samples import Ints, Known
+from ..known_samples import Ints, KnownSamples
 from ..marker_array import Floats
 
 
@@ -30,7 +30,7 @@ class Neighbourhood(NamedTuple):
     step: int
 
 
-def neighbourhood(known: Known, near: Ints, sought: Ints, *, frames: Ints, least: int) -> Neighbourhood | None:
+def neighbourhood(known: KnownSamples, near: Ints, sought: Ints, *, frames: Ints, least: int) -> Neighbourhood | None:
     """The seen markers `near`, most useful first, with those sought.
 
     Where fewer than `least` frames show them all, those that cost the most frames are left out, one by one; None where
@@ -52,7 +52,7 @@ def neighbourhood(known: Known, near: Ints, sought: Ints, *, frames: Ints, least
     return Neighbourhood(np.array([*use, *sought]), len(use), frames[together], step)
 
 
-def columns(known: Known, hood: Neighbourhood, frames: Ints) -> tuple[Floats, Floats]:
+def columns(known: KnownSamples, hood: Neighbourhood, frames: Ints) -> tuple[Floats, Floats]:
     """(1): signals (F, 3 K) in these frames, and the centres (F, 3) taken out."""
     x = known.at(hood.markers, frames[:, None])
     centre = np.einsum("fki->fi", x[:, : hood.n_seen]) / hood.n_seen

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..known_samples import Known, Span
-from ..marker_array import Floats, Gap, Motion, Prediction
+from ..known_samples import KnownSamples, Span
+from ..marker_array import Floats, Gap, MarkerArray, Prediction
 from ..reference_markers import bowed, covariance, mean_square, rounded, triples
 
 
@@ -32,20 +32,20 @@ class Pattern:
     donors: tuple[str, ...] = ()
 
 
-def fill_pattern(motion: Motion, gaps: list[Gap], *, method: Pattern = Pattern()) -> list[Prediction]:
+def fill_pattern(motion: MarkerArray, gaps: list[Gap], *, method: Pattern = Pattern()) -> list[Prediction]:
     """Each gap from its best donor, which must be seen throughout the gap and beside it.
 
     Raises:
         ValueError: a donor named is not in the trial.
     """
-    known = Known.of(motion)
+    known = KnownSamples.of(motion)
     allowed = np.zeros(len(known.names), np.bool_)
     allowed[known.places(method.donors) if method.donors else slice(None)] = True
     bent: dict[int, Floats] = {}
     return [_follow(known, known.span(gap), allowed, bent) for gap in gaps]
 
 
-def _follow(known: Known, span: Span, allowed: np.ndarray, bent: dict[int, Floats]) -> Prediction:
+def _follow(known: KnownSamples, span: Span, allowed: np.ndarray, bent: dict[int, Floats]) -> Prediction:
     there = np.flatnonzero(known.around(span) & allowed)
     if not span.edges or not len(there):
         return Prediction.none(span.length, known.never(span) or "no donor is seen throughout the gap and beside it")

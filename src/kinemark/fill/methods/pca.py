@@ -30,8 +30,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...data.arrays import check_positive
-from ..known_samples import Bools, Ints, Known, Span, pieces
-from ..marker_array import Floats, Gap, Motion, Prediction
+from ..known_samples import Bools, Ints, KnownSamples, Span, pieces
+from ..marker_array import Floats, Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 from ..residual_bridge import Leftover, bridge
 from .neighbourhood import Neighbourhood, columns, neighbourhood
@@ -86,13 +86,13 @@ class Map(NamedTuple):
     B: Floats
     left: Leftover
 
-    def at(self, known: Known, frames: Ints) -> Floats:
+    def at(self, known: KnownSamples, frames: Ints) -> Floats:
         """The marker (F, 3) mm; NaN where one of those it needs is missing."""
         Y, centre = columns(known, self.hood._replace(markers=self.hood.markers[: self.hood.n_seen]), frames)
         return (Y - self.mean[: Y.shape[1]]) @ self.B + self.mean[-3:] + centre
 
 
-class _Learnt(NamedTuple):
+class _LearntComponents(NamedTuple):
     """What gaps of a call share."""
 
     distances: Distances
@@ -100,14 +100,14 @@ class _Learnt(NamedTuple):
     maps: dict[tuple[int, bytes], Map | None]
 
 
-def fill_pca(motion: Motion, gaps: list[Gap], *, method: PCA = PCA()) -> list[Prediction]:
+def fill_pca(motion: MarkerArray, gaps: list[Gap], *, method: PCA = PCA()) -> list[Prediction]:
     """Each gap from the markers seen in it, or piece by piece where markers come and go."""
-    known = Known.of(motion)
-    learnt = _Learnt(distances(known), known.thin(), {})
+    known = KnownSamples.of(motion)
+    learnt = _LearntComponents(distances(known), known.thin(), {})
     return [_reconstruct(known, known.span(gap), learnt, method) for gap in gaps]
 
 
-def _reconstruct(known: Known, span: Span, learnt: _Learnt, method: PCA) -> Prediction:
+def _reconstruct(known: KnownSamples, span: Span, learnt: _LearntComponents, method: PCA) -> Prediction:
     if not span.edges:
         return Prediction.none(span.length, known.never(span))
     out, lost, donors = Prediction.none(span.length, ""), list[str](), set[int]()
@@ -124,7 +124,7 @@ def _reconstruct(known: Known, span: Span, learnt: _Learnt, method: PCA) -> Pred
     return out._replace(donors=tuple(sorted(donors)), reason=f"frames {', '.join(lost)}: {wanted}" if lost else "")
 
 
-def _apply(known: Known, span: Span, found: Map, frames: Ints, bridged: bool) -> tuple[Floats, Floats]:
+def _apply(known: KnownSamples, span: Span, found: Map, frames: Ints, bridged: bool) -> tuple[Floats, Floats]:
     at = np.concatenate([frames, [max(span.before, 0), max(span.after, 0)]])
     xyz = found.at(known, at)
     if not bridged:
@@ -135,7 +135,7 @@ def _apply(known: Known, span: Span, found: Map, frames: Ints, bridged: bool) ->
     return xyz[:-2] + correction, cov
 
 
-def _map(known: Known, marker: int, there: Bools, learnt: _Learnt, method: PCA) -> Map | None:
+def _map(known: KnownSamples, marker: int, there: Bools, learnt: _LearntComponents, method: PCA) -> Map | None:
     """The map for a marker with these others at hand; the same for all gaps with the same ones."""
     near = nearest(learnt.distances(marker).mean, there, method.markers)
     sought = np.array([marker])
@@ -149,7 +149,7 @@ def _map(known: Known, marker: int, there: Bools, learnt: _Learnt, method: PCA) 
     return learnt.maps[key]
 
 
-def _learn(known: Known, hood: Neighbourhood, learnt: _Learnt, method: PCA) -> Map:
+def _learn(known: KnownSamples, hood: Neighbourhood, learnt: _LearntComponents, method: PCA) -> Map:
     """The map from all frames, and what a map from a part of them leaves over in the others."""
     Y, _ = columns(known, hood, hood.frames)
     seen, sought = hood.markers[: hood.n_seen], hood.markers[hood.n_seen :]

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..known_samples import Ints, Known, Span
-from ..marker_array import Floats, Gap, Motion, Prediction
+from ..known_samples import Ints, KnownSamples, Span
+from ..marker_array import Floats, Gap, MarkerArray, Prediction
 from ..reference_markers import INSTANTS, covariance, rounded
 
 
@@ -40,23 +40,23 @@ class Cubic:
             raise ValueError(f"within is {self.within} s, wanted more than 0")
 
 
-def fill_linear(motion: Motion, gaps: list[Gap], *, method: Linear = Linear()) -> list[Prediction]:
+def fill_linear(motion: MarkerArray, gaps: list[Gap], *, method: Linear = Linear()) -> list[Prediction]:
     """Straight lines; a gap at an end of the marker's path has none."""
-    return _fill(Known.of(motion), gaps, samples=1, within=np.inf)
+    return _fill(KnownSamples.of(motion), gaps, samples=1, within=np.inf)
 
 
-def fill_cubic(motion: Motion, gaps: list[Gap], *, method: Cubic = Cubic()) -> list[Prediction]:
+def fill_cubic(motion: MarkerArray, gaps: list[Gap], *, method: Cubic = Cubic()) -> list[Prediction]:
     """Cubics; a gap needs two samples near each side."""
-    return _fill(Known.of(motion), gaps, samples=2, within=method.within)
+    return _fill(KnownSamples.of(motion), gaps, samples=2, within=method.within)
 
 
-def _fill(known: Known, gaps: list[Gap], *, samples: int, within: float) -> list[Prediction]:
+def _fill(known: KnownSamples, gaps: list[Gap], *, samples: int, within: float) -> list[Prediction]:
     measured: dict[tuple[int, int], Floats] = {}
     return [_bridge(known, known.span(gap), samples, within, measured) for gap in gaps]
 
 
 def _bridge(
-    known: Known, span: Span, samples: int, within: float, measured: dict[tuple[int, int], Floats]
+    known: KnownSamples, span: Span, samples: int, within: float, measured: dict[tuple[int, int], Floats]
 ) -> Prediction:
     t = beside(known, span, samples, max(samples, round(min(within, known.n_frames / known.rate) * known.rate)))
     if len(t) < 2 * samples:
@@ -69,7 +69,7 @@ def _bridge(
     return Prediction(xyz, (span.bow() ** 2)[:, None, None] * measured[key])  # (2)
 
 
-def beside(known: Known, span: Span, samples: int, reach: int) -> Ints:
+def beside(known: KnownSamples, span: Span, samples: int, reach: int) -> Ints:
     """Up to so many frames on each side of a gap in which its marker is seen, within a reach in frames, in order."""
     seen = known.seen[span.marker]
     low = max(span.before + 1 - reach, 0) if span.before >= 0 else 0
@@ -90,7 +90,7 @@ def lagrange(known: Ints, at: Ints) -> Floats:
     return factors.prod(2)
 
 
-def _half_way(known: Known, marker: int, half: int, samples: int) -> Floats:
+def _half_way(known: KnownSamples, marker: int, half: int, samples: int) -> Floats:
     """(3, 3) mm², mean square error half way through a gap of this half length, where the marker is seen."""
     half = max(1, min(half, (known.n_frames - 2 * samples + 1) // 2))
     side = half + np.arange(samples)

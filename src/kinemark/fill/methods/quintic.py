@@ -13,8 +13,8 @@ import numpy as np
 
 from ...data.arrays import check_positive
 from ...signal import smoothing_spline
-from ..known_samples import Known, Span
-from ..marker_array import Gap, Motion, Prediction
+from ..known_samples import KnownSamples, Span
+from ..marker_array import Gap, MarkerArray, Prediction
 from .polynomials import beside
 
 MOST = 60
@@ -37,13 +37,13 @@ class Quintic:
         check_positive(margin=self.margin, smoothing=self.smoothing)
 
 
-def fill_quintic(motion: Motion, gaps: list[Gap], *, method: Quintic = Quintic()) -> list[Prediction]:
+def fill_quintic(motion: MarkerArray, gaps: list[Gap], *, method: Quintic = Quintic()) -> list[Prediction]:
     """Splines through up to `margin` of samples on each side, at least six in all."""
-    known = Known.of(motion)
+    known = KnownSamples.of(motion)
     return [_bridge(known, known.span(gap), method) for gap in gaps]
 
 
-def _bridge(known: Known, span: Span, method: Quintic) -> Prediction:
+def _bridge(known: KnownSamples, span: Span, method: Quintic) -> Prediction:
     reach = max(3, round(min(method.margin, known.n_frames / known.rate) * known.rate))
     frames = beside(known, span, min(reach, MOST), reach)
     if len(frames) < 6:

@@ -18,8 +18,8 @@ from itertools import combinations
 
 import numpy as np
 
-from ..known_samples import Ints, Known, Span
-from ..marker_array import Floats, Gap, Motion, Prediction
+from ..known_samples import Ints, KnownSamples, Span
+from ..marker_array import Floats, Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, bowed, covariance, distances, mean_square, nearest, rounded, triples
 
 POOL = 5
@@ -48,13 +48,13 @@ class Relational:
 Chosen = dict[tuple[int, int, bytes], tuple[Ints, Floats]]
 
 
-def fill_relational(motion: Motion, gaps: list[Gap], *, method: Relational = Relational()) -> list[Prediction]:
+def fill_relational(motion: MarkerArray, gaps: list[Gap], *, method: Relational = Relational()) -> list[Prediction]:
     """Each gap in the frame of three markers, which must be seen throughout the gap and beside it.
 
     Raises:
         ValueError: a marker named is not in the trial.
     """
-    known = Known.of(motion)
+    known = KnownSamples.of(motion)
     named = np.array(known.places(method.markers), np.int64)
     bent: dict[int, Floats] = {}
     chosen: Chosen = {}
@@ -63,7 +63,7 @@ def fill_relational(motion: Motion, gaps: list[Gap], *, method: Relational = Rel
 
 
 def _relate(
-    known: Known, span: Span, named: Ints, far: Distances, bent: dict[int, Floats], chosen: Chosen
+    known: KnownSamples, span: Span, named: Ints, far: Distances, bent: dict[int, Floats], chosen: Chosen
 ) -> Prediction:
     there = known.around(span)
     if len(named):
@@ -83,7 +83,7 @@ def _relate(
     return _interpolate(known, span, three, cov)
 
 
-def _lacking(known: Known, named: Ints) -> str:
+def _lacking(known: KnownSamples, named: Ints) -> str:
     if len(named):
         return f"{known.called(named)} are not all seen throughout the gap and beside it"
     return "needs three markers seen throughout the gap and beside it"
@@ -99,7 +99,7 @@ def _choose(x: Floats, marker: int, sets: list[Ints]) -> tuple[Ints, Floats]:
     return index[best], covariance(e[best])
 
 
-def _interpolate(known: Known, span: Span, three: Ints, cov: Floats) -> Prediction:
+def _interpolate(known: KnownSamples, span: Span, three: Ints, cov: Floats) -> Prediction:
     at = np.concatenate([span.frames, [span.edges[0], span.edges[-1]]])
     R, origin = frames(*known.at(three[:, None], at), sharp=LINE)
     y = (R.mT @ (known.x[span.marker, at] - origin)[..., None])[..., 0]

@@ -23,8 +23,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...geometry import nearest_rotations, rigid_poses
-from ..known_samples import Bools, Ints, Known, Span, pieces
-from ..marker_array import Floats, Gap, Motion, Prediction
+from ..known_samples import Bools, Ints, KnownSamples, Span, pieces
+from ..marker_array import Floats, Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 from ..residual_bridge import Leftover, bridge
 from ..static_shape import StaticShape
@@ -60,7 +60,7 @@ class RigidBody:
             raise ValueError(f"flat is {self.flat}, wanted 0 or more, below 1")
 
 
-class Body(NamedTuple):
+class BodyShape(NamedTuple):
     """Donors, their shape, the marker in it, and what the body leaves over.
 
     Attributes:
@@ -84,28 +84,28 @@ class Body(NamedTuple):
         return out
 
 
-class _Learnt(NamedTuple):
+class _LearntBody(NamedTuple):
     """What gaps of a call share: which donors may be used, distances, bodies by marker and donors at hand."""
 
     allowed: Bools
     distances: Distances
-    bodies: dict[tuple[int, bytes], Body | str]
+    bodies: dict[tuple[int, bytes], BodyShape | str]
 
 
-def fill_rigid_body(motion: Motion, gaps: list[Gap], *, method: RigidBody = RigidBody()) -> list[Prediction]:
+def fill_rigid_body(motion: MarkerArray, gaps: list[Gap], *, method: RigidBody = RigidBody()) -> list[Prediction]:
     """Each gap from its own donors, or piece by piece where donors come and go.
 
     Raises:
         ValueError: a donor named is not in the trial.
     """
-    known = Known.of(motion)
+    known = KnownSamples.of(motion)
     allowed = np.zeros(len(known.names), np.bool_)
     allowed[known.places(method.donors) if method.donors else slice(None)] = True
-    learnt = _Learnt(allowed, distances(known), {})
+    learnt = _LearntBody(allowed, distances(known), {})
     return [_carried(known, known.span(gap), learnt, method) for gap in gaps]
 
 
-def _carried(known: Known, span: Span, learnt: _Learnt, method: RigidBody) -> Prediction:
+def _carried(known: KnownSamples, span: Span, learnt: _LearntBody, method: RigidBody) -> Prediction:
     out, reasons, donors = Prediction.none(span.length, ""), list[str](), set[int]()
     for start, stop in pieces(known, span, least=3):
         body = _body(known, span, known.throughout(start, stop, but=span.marker), learnt, method)
@@ -118,7 +118,7 @@ def _carried(known: Known, span: Span, learnt: _Learnt, method: RigidBody) -> Pr
     return out._replace(donors=tuple(sorted(donors)), reason="; ".join(reasons))
 
 
-def _carry(known: Known, span: Span, body: Body, frames: Ints) -> tuple[Floats, Floats]:
+def _carry(known: KnownSamples, span: Span, body: BodyShape, frames: Ints) -> tuple[Floats, Floats]:
     at = np.concatenate([frames, [max(span.before, 0), max(span.after, 0)]])
     xyz = body.carry(known.at(body.donors[:, None], at))
     beside = known.x[span.marker, at[-2:]] - xyz[-2:]
@@ -130,7 +130,7 @@ def _carry(known: Known, span: Span, body: Body, frames: Ints) -> tuple[Floats, 
     return xyz + correction, cov
 
 
-def _body(known: Known, span: Span, there: Bools, learnt: _Learnt, method: RigidBody) -> Body | str:
+def _body(known: KnownSamples, span: Span, there: Bools, learnt: _LearntBody, method: RigidBody) -> BodyShape | str:
     """The body of a marker with these others at hand, or why there is none."""
     there = there & learnt.allowed
     if there.sum() < 3:
@@ -145,7 +145,7 @@ def _body(known: Known, span: Span, there: Bools, learnt: _Learnt, method: Rigid
     return learnt.bodies[key]
 
 
-def _best(known: Known, marker: int, pool: Ints, method: RigidBody) -> Body | str:
+def _best(known: KnownSamples, marker: int, pool: Ints, method: RigidBody) -> BodyShape | str:
     """The body of the best set from a pool, most rigid first."""
     sets = [pool] if method.donors else [pool[:n] for n in range(3, min(method.at_most, len(pool)) + 1)]
     if len(sets) > 1 and (judged := _judged(known, marker, sets, method.flat)):
@@ -160,7 +160,7 @@ def _best(known: Known, marker: int, pool: Ints, method: RigidBody) -> Body | st
     return learn(known, marker, best[0], known.thin(LEARN), method.flat) or best[1]
 
 
-def _judged(known: Known, marker: int, sets: list[Ints], flat: float) -> Body | None:
+def _judged(known: KnownSamples, marker: int, sets: list[Ints], flat: float) -> BodyShape | None:
     """The body of the best of nested sets, compared in the same frames; None where too few show all."""
     who = np.append(sets[-1], marker)
     x = known.at(who, known.thin(JUDGE)[:, None])
@@ -182,7 +182,7 @@ def _judged(known: Known, marker: int, sets: list[Ints], flat: float) -> Body | 
     return learn(known, marker, sets[int(np.argmin(error))], known.thin(LEARN), flat)
 
 
-def learn(known: Known, marker: int, donors: Ints, frames: Ints, flat: float) -> Body | None:
+def learn(known: KnownSamples, marker: int, donors: Ints, frames: Ints, flat: float) -> BodyShape | None:
     """(1) from those of the frames, evenly spaced, where all are seen; None where there is none, or a line."""
     points = known.at(np.append(donors, marker), frames[:, None])
     there = ~np.isnan(points[..., 0]).any(1)
@@ -197,7 +197,7 @@ def learn(known: Known, marker: int, donors: Ints, frames: Ints, flat: float) ->
     R, _ = rigid_poses(s[:-1], x[:, :-1])
     residual = np.full((len(frames), 3), np.nan)
     residual[there] = body[:, -1] - R @ s[-1]
-    return Body(donors, s[:-1], s[-1], Leftover.of(residual, int(frames[1] - frames[0]) if len(frames) > 1 else 1))
+    return BodyShape(donors, s[:-1], s[-1], Leftover.of(residual, int(frames[1] - frames[0]) if len(frames) > 1 else 1))
 
 
 def on_line(shape: Floats, flat: float) -> bool:
@@ -206,7 +206,7 @@ def on_line(shape: Floats, flat: float) -> bool:
     return not size[1] > max(flat * size[0], 1e-6)
 
 
-def _from_static(known: Known, marker: int, pool: Ints, method: RigidBody) -> Body | str:
+def _from_static(known: KnownSamples, marker: int, pool: Ints, method: RigidBody) -> BodyShape | str:
     """The body as it lies in the static trial."""
     name = known.names[marker]
     if method.static is None:
@@ -218,4 +218,4 @@ def _from_static(known: Known, marker: int, pool: Ints, method: RigidBody) -> Bo
     shape = method.static.xyz[[at[known.names[k]] for k in usable]]
     if on_line(shape, method.flat):
         return f"the donors {known.called(usable)} lie on a line in the static trial"
-    return Body(np.array(usable), shape - shape.mean(0), method.static.xyz[at[name]] - shape.mean(0), None)
+    return BodyShape(np.array(usable), shape - shape.mean(0), method.static.xyz[at[name]] - shape.mean(0), None)

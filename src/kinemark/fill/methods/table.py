@@ -8,7 +8,7 @@ from typing import Any
 
 from ..judge.hold_out import MANY as MANY
 from ..judge.hold_out import Filler
-from ..marker_array import Gap, Motion
+from ..marker_array import Gap, MarkerArray
 from .angles import KalmanAngles, LimbAngles, fill_kalman_angles, fill_limb_angles, learned_of
 from .body import Body, common_hyper, fill_body
 from .cyclic import Cyclic, fill_cyclic
@@ -74,7 +74,7 @@ def affordable(methods: Sequence[Any], gaps: int, frames: int) -> list[Any]:
     return quick if quick and gaps * frames > SLOW else list(methods)
 
 
-def within_time(method: Any, gaps: list[Gap], source: Motion | None) -> Any:
+def within_time(method: Any, gaps: list[Gap], source: MarkerArray | None) -> Any:
     """The method itself, or a faster form of it where there are many gaps.
 
     Args:

@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..local_frames import local, triad
-from ..marker_array import Floats, Gap, Motion
+from ..marker_array import Floats, Gap, MarkerArray
 from ..mirrored_markers import REFLECTED
-from .kriging import Ints, Pairs
+from .kriging import FramePairs, Ints
 
 FEWEST = 8
 """Frames to learn from, at least."""
@@ -36,7 +36,7 @@ STILL = 0.01
 """Turns, in radians, below which they are noise."""
 
 
-class Scene(NamedTuple):
+class TrainingFrames(NamedTuple):
     """What is looked at for one gap: n frames to learn from, then L to fill.
 
     Attributes:
@@ -79,8 +79,8 @@ class View(NamedTuple):
 
 
 def scene_of(
-    motion: Motion, seen: NDArray[np.bool_], gap: Gap, donors: Ints, *, partner: Ints, most: int, hz: float
-) -> Scene | None:
+    motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, donors: Ints, *, partner: Ints, most: int, hz: float
+) -> TrainingFrames | None:
     """What there is to learn from; None where fewer than `FEWEST` frames show the marker together with its donors.
 
     Args:
@@ -115,7 +115,7 @@ def scene_of(
     counts = np.repeat([1.0, 1 / step], [n, len(wanted)]) * (side == np.arange(2 if len(other) else 1)[:, None])
     few = _few(n)
     blocks = _blocks(own[few[few < len(own)]], gap)
-    return Scene(xyz, time, n, side, counts / counts.sum(1, keepdims=True), few, blocks)
+    return TrainingFrames(xyz, time, n, side, counts / counts.sum(1, keepdims=True), few, blocks)
 
 
 def _few(n: int) -> Ints:
@@ -147,7 +147,7 @@ def _thin(frames: Ints, gap: Gap, most: int, step: int) -> Ints:
     return np.sort(kept[np.concatenate([near, spread])])
 
 
-def view_of(scene: Scene, base: tuple[int, ...]) -> View | None:
+def view_of(scene: TrainingFrames, base: tuple[int, ...]) -> View | None:
     """A scene seen from one base; None where its markers ever stand on one line."""
     R, c = triad(scene.xyz[list(base)])
     if not np.isfinite(R).all():
@@ -165,7 +165,7 @@ def view_of(scene: Scene, base: tuple[int, ...]) -> View | None:
     return View(R, c, y - mean[side[:n]], mean[0], pose, turned, square)
 
 
-def _turned(R: Floats, scene: Scene) -> Floats:
+def _turned(R: Floats, scene: TrainingFrames) -> Floats:
     """(n + L, 9) A of (1), less the mean of each source, in unit mean square over the frames to learn from."""
     mean = (scene.shares @ R.reshape(len(R), 9)).reshape(-1, 3, 3)
     U, _, Vt = np.linalg.svd(mean)
@@ -173,9 +173,9 @@ def _turned(R: Floats, scene: Scene) -> Floats:
     return np.asarray(flat / max(np.sqrt((flat[: scene.n] ** 2).sum(1).mean()), STILL))
 
 
-def pairs_of(scene: Scene, view: View, rows: Ints | slice, columns: Ints | slice) -> Pairs:
+def pairs_of(scene: TrainingFrames, view: View, rows: Ints | slice, columns: Ints | slice) -> FramePairs:
     """Of some frames of a scene with some of those learnt from."""
     dot = np.stack([part[rows] @ part[columns].T for part in (view.pose, view.turned)])
     apart = np.abs(scene.time[rows][:, None] - scene.time[columns])
     own = int((scene.side[rows] == 0).sum()), int((scene.side[columns] == 0).sum())
-    return Pairs(dot, view.square[:, rows], view.square[:, columns], apart, own)
+    return FramePairs(dot, view.square[:, rows], view.square[:, columns], apart, own)

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...data import Angles, KinemarkError, Path, Trial
+from ...data import Angles, KinemarkError, MarkerTrajectory, Trial
 from .document import C3D, with_parameters
 from .parameters import Parameter
 from .storing import blank_document
@@ -35,7 +35,7 @@ def with_angles(trial: Trial, angles: Angles) -> Trial:
         raise KinemarkError(f"The trial has a marker called {', '.join(taken)}, as a joint is. Rename the joint.")
     values = np.concatenate([angles.deg, angles.sd])
     values[~np.isfinite(values)] = np.nan
-    paths = tuple(Path.measured(name, xyz) for name, xyz in zip(new, values, strict=True))
+    paths = tuple(MarkerTrajectory.measured(name, xyz) for name, xyz in zip(new, values, strict=True))
     kept = tuple(path for path in trajectories if path.name not in new)
     listed = [name for name in had if name not in new] + new
     doc = with_text(doc, "POINT", "ANGLES", listed, [-1] * len(listed), ())

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path as FilePath
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...data import Analog, Events, ForcePlate, KinemarkError, Path, Trajectories, Trial
+from ...data import Analog, Events, ForcePlate, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from .document import C3D, has_unsigned_analog, with_parameters
 from .parameters import Parameter
 from .points import LENGTH, distinct, kinds_of, mm_per_unit, point_names, samples_of
@@ -20,7 +20,7 @@ PLATE_COLUMNS = {"CORNERS": 3, "ORIGIN": 2, "CHANNEL": 2, "CAL_MATRIX": 3}
 """Parameters of a force plate and how many dimensions they have."""
 
 
-def read_c3d(path: FilePath | str, *, units: str | None = None, partial: bool = False) -> Trial:
+def read_c3d(path: Path | str, *, units: str | None = None, partial: bool = False) -> Trial:
     """A trial from a C3D file. `Trial.source` keeps the file's own document, so that writing gives it back.
 
     Args:
@@ -35,7 +35,7 @@ def read_c3d(path: FilePath | str, *, units: str | None = None, partial: bool = 
     if units is not None:
         doc = with_parameters(doc, "POINT", [Parameter.text("UNITS", units)])
     try:
-        return trial_of(doc, name=FilePath(path).stem)
+        return trial_of(doc, name=Path(path).stem)
     except KinemarkError as error:
         raise KinemarkError(f"{path}: {error}") from error
 
@@ -68,11 +68,11 @@ def markers(trial: Trial) -> Trajectories:
     return replace(all_paths, paths=tuple(p for p, kind in zip(all_paths, kinds, strict=True) if kind == LENGTH))
 
 
-def _paths(doc: C3D) -> tuple[Path, ...]:
+def _paths(doc: C3D) -> tuple[MarkerTrajectory, ...]:
     samples = samples_of(doc)
     unknown = np.broadcast_to(np.nan, (doc.points.shape[0], 3, 3))
     return tuple(
-        Path(name, samples.xyz[i], unknown, samples.origin[i], samples.residual[i], samples.cameras[i])
+        MarkerTrajectory(name, samples.xyz[i], unknown, samples.origin[i], samples.residual[i], samples.cameras[i])
         for i, name in enumerate(point_names(doc))
     )
 

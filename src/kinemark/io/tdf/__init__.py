@@ -50,7 +50,7 @@ def read_tdf(path: Path | str, *, parts: Collection[str] = TDF_PARTS) -> Tdf:
 
     Lengths become mm; the world keeps the file's axes, in which **Y points up**. Cameras are called `cam1`, `cam2`, …
     after their physical channel, in the rig and in the detections alike. Force plates become C3D's type 1
-    (see `signal_blocks` for the frames and signs), with `Fx1, Fy1, Fz1` N, `Px1, Py1` mm and `Mz1` N·m as their channels.
+    (frames and signs: `signal_blocks`), with `Fx1, Fy1, Fz1` N, `Px1, Py1` mm and `Mz1` N·m as their channels.
 
     Args:
         path: the file.

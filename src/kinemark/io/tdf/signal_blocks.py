@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...data import Analog, Events, ForcePlate, Path, Trajectories
+from ...data import Analog, Events, ForcePlate, MarkerTrajectory, Trajectories
 from .cursor import Cursor
 
 WRENCH = ("Fx", "Fy", "Fz", "Px", "Py", "Mz")
@@ -54,7 +54,8 @@ def trajectories(cursor: Cursor) -> Trajectories:
     if not np.isfinite(start):
         raise cursor.bad(f"starts at {start} s")
     paths = (
-        Path.measured(name or f"*{m + 1}", 1000 * track) for m, (name, track) in enumerate(zip(names, xyz, strict=True))
+        MarkerTrajectory.measured(name or f"*{m + 1}", 1000 * track)
+        for m, (name, track) in enumerate(zip(names, xyz, strict=True))
     )
     return Trajectories(tuple(paths), rate, first_frame=round(start * rate) + 1)
 

@@ -25,14 +25,14 @@ from .calibration_files import (
     write_rf,
 )
 from .motion_files import read_da, read_da_set, read_tdc, trajectories_of_tdc, write_da, write_tdc
-from .tab_tables import MM, Header, camera_number
+from .tab_tables import MM, TabHeader, camera_number
 
 __all__ = [
     "ENDINGS",
     "MM",
     "PER_LENGTH",
-    "Header",
     "Parameters",
+    "TabHeader",
     "camera_number",
     "read_angles",
     "read_cp",

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...data import KinemarkError, Trajectories
-from ...data import Path as MarkerPath
+from ...data import MarkerTrajectory as MarkerPath
 from .calibration_files import DECIMALS, in_order
-from .tab_tables import MM, Header, Rows, camera_number, heading, read_rows, shaped, write_rows
+from .tab_tables import MM, TabHeader, TabRows, camera_number, heading, read_rows, shaped, write_rows
 
 
 def read_da(path: Path | str, *, markers: int | None = None) -> NDArray[np.float64]:
@@ -63,13 +63,13 @@ def read_da_set(
     return np.stack(each), tuple(numbered)
 
 
-def _header(path: Path | str, rows: Rows, camera: int, markers: int | None) -> Header:
+def _header(path: Path | str, rows: TabRows, camera: int, markers: int | None) -> TabHeader:
     """The header of camera 1, or what stands for it in another camera's file."""
     if camera == 1:
         if rows.header is None:
             raise KinemarkError(
                 f"{path} does not begin with the header that camera 1's file has, as "
-                f"'{heading(Header(2, 10))}'. Put it in, or name the file after its camera."
+                f"'{heading(TabHeader(2, 10))}'. Put it in, or name the file after its camera."
             )
         return rows.header
     if rows.header is not None:
@@ -80,7 +80,7 @@ def _header(path: Path | str, rows: Rows, camera: int, markers: int | None) -> H
             f"{path} has {len(rows.values)} rows, which is no whole number of frames of {markers} markers. Was it cut "
             "off, or made with other markers? Digitise it again."
         )
-    return Header(len(rows.values) // max(markers, 1), markers)
+    return TabHeader(len(rows.values) // max(markers, 1), markers)
 
 
 def write_da(path: Path | str, uv: ArrayLike) -> None:
@@ -102,7 +102,7 @@ def read_tdc(path: Path | str) -> NDArray[np.float64]:
     """
     rows = read_rows(path, 3)
     if rows.header is None:
-        raise KinemarkError(f"{path} does not begin with '{heading(Header(2, 10))}'. Put the header in.")
+        raise KinemarkError(f"{path} does not begin with '{heading(TabHeader(2, 10))}'. Put the header in.")
     return shaped(path, rows, rows.header) * MM
 
 
@@ -135,10 +135,10 @@ def write_tdc(path: Path | str, xyz: ArrayLike) -> None:
 
 
 def _write(path: Path | str, values: NDArray[np.float64], name: str, width: int, *, headed: bool) -> None:
-    """Rows (M, F, k) frame after frame."""
+    """TabRows (M, F, k) frame after frame."""
     if values.ndim != 3 or values.shape[2] != width or not values.size:
         raise ValueError(f"{name} has shape {values.shape}, wanted (markers, frames, {width})")
     if (np.isnan(values).any(2) != np.isnan(values).all(2)).any():
         raise ValueError(f"{name} is NaN in some coordinates of a marker only, wanted all of them or none")
-    first = heading(Header(values.shape[1], values.shape[0])) if headed else None
+    first = heading(TabHeader(values.shape[1], values.shape[0])) if headed else None
     write_rows(path, values.transpose(1, 0, 2).reshape(-1, width), decimals=DECIMALS, heading=first)

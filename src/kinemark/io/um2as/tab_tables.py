@@ -21,17 +21,17 @@ HEADER = re.compile(r"\s*Number of frames:\s*(\d+)\s+Number of markers:\s*(\d+)\
 MOST = 10_000_000
 
 
-class Header(NamedTuple):
+class TabHeader(NamedTuple):
     """What the first line of `.da1` and `.tdc` says."""
 
     frames: int
     markers: int
 
 
-class Rows(NamedTuple):
+class TabRows(NamedTuple):
     """A file's header, if it has one, its numbers (N, k) with 999 as NaN, and the line that each row stands in."""
 
-    header: Header | None
+    header: TabHeader | None
     values: NDArray[np.float64]
     line: list[int]
 
@@ -48,7 +48,7 @@ def camera_number(path: Path | str, letters: str) -> int:
     return int(found[1])
 
 
-def read_rows(path: Path | str, *widths: int, absent: bool = True) -> Rows:
+def read_rows(path: Path | str, *widths: int, absent: bool = True) -> TabRows:
     """The rows of a file that all have one of these widths.
 
     Args:
@@ -70,7 +70,7 @@ def read_rows(path: Path | str, *widths: int, absent: bool = True) -> Rows:
     if width not in widths:
         raise bad_line(path, lines[0][0], f"has {width} entries, wanted {wanted} numbers")
     values = np.array([_row(path, n, text.split(), width, absent) for n, text in lines])
-    return Rows(Header(int(header[1]), int(header[2])) if header else None, values, [n for n, _ in lines])
+    return TabRows(TabHeader(int(header[1]), int(header[2])) if header else None, values, [n for n, _ in lines])
 
 
 def _row(path: Path | str, line: int, cells: list[str], width: int, absent: bool) -> list[float]:
@@ -119,12 +119,12 @@ def write_lines(path: Path | str, lines: list[str]) -> None:
         beside.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8", newline="\n")
 
 
-def heading(header: Header) -> str:
+def heading(header: TabHeader) -> str:
     """The first line of `.da1` and `.tdc`."""
     return f"Number of frames: {header.frames} Number of markers: {header.markers}"
 
 
-def shaped(path: Path | str, rows: Rows, header: Header) -> NDArray[np.float64]:
+def shaped(path: Path | str, rows: TabRows, header: TabHeader) -> NDArray[np.float64]:
     """(M, F, k) from rows frame after frame.
 
     Raises:

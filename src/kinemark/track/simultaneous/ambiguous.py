@@ -22,19 +22,19 @@ import numpy as np
 
 from ...data import Detections, Rig, Tracks
 from .kalman_states import Bools, Floats, Ints
-from .passes import Sightings
+from .passes import Associations
 from .simultaneous_method import DEFAULT, Simultaneous
 from .stitch import CLEAR
-from .tracker import Followed, followed
+from .tracker import TrackingResult, track_simultaneously
 
 SURE_INDEED = float(np.log(1000.0))
 """A marker is then a thousand times likelier than chance."""
 
 CLOSE = 3
-"""Frames apart that two doubts of the same tracks may lie to be one."""
+"""Frames apart that two ambiguous decisions of the same tracks may lie to be one."""
 
 
-class Doubt(NamedTuple):
+class AmbiguousDecision(NamedTuple):
     """A decision that was close: kind; first and last frame; the tracks that it is about; the reason in words."""
 
     kind: Literal["swap", "merge", "ghost", "join"]
@@ -44,15 +44,15 @@ class Doubt(NamedTuple):
     reason: str
 
 
-def follow_with_doubts(
+def track_with_decisions(
     detections: Detections, rig: Rig, *, method: Simultaneous = DEFAULT
-) -> tuple[Tracks, list[Doubt]]:
+) -> tuple[Tracks, list[AmbiguousDecision]]:
     """Tracks of all markers as `follow` gives them, and the decisions that were close."""
-    result = followed(detections, rig, method)
-    return result.tracks, doubts(result, method)
+    result = track_simultaneously(detections, rig, method)
+    return result.tracks, ambiguous_decisions(result, method)
 
 
-def doubts(result: Followed, method: Simultaneous) -> list[Doubt]:
+def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
     """The decisions of a run that were close, by frame."""
     seen = result.seen.take(np.flatnonzero(result.id[result.seen.id] >= 0))
     seen = seen.take(np.argsort(seen.frame, kind="stable"))
@@ -68,7 +68,7 @@ def doubts(result: Followed, method: Simultaneous) -> list[Doubt]:
     return sorted(found, key=lambda doubt: (doubt.first, doubt.last, doubt.tracks))
 
 
-def _near(seen: Sightings, method: Simultaneous) -> list[Doubt]:
+def _near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that came nearer than their gates (1), both having images."""
     seen = seen.take(np.flatnonzero((seen.row >= 0).any(0)))
     start = np.searchsorted(seen.frame, np.arange(int(seen.frame.max(initial=-1)) + 2))
@@ -83,21 +83,23 @@ def _near(seen: Sightings, method: Simultaneous) -> list[Doubt]:
     who = np.sort(seen.id[rows], axis=0)
     other = who[0] != who[1]
     return [
-        Doubt("swap", a, b, who, f"came within {least:.0f} mm of each other, nearer than their places were certain")
+        AmbiguousDecision(
+            "swap", a, b, who, f"came within {least:.0f} mm of each other, nearer than their places were certain"
+        )
         for who, a, b, least in _spells(who.T[other], seen.frame[rows[0]][other], far[other])
     ]
 
 
-def _found_again(seen: Sightings, method: Simultaneous) -> list[Doubt]:
+def _found_again(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that were lost, and then had two images where their place was hardly known."""
     again = np.flatnonzero((seen.before > method.worst) & ((seen.row >= 0).sum(0) >= 2))
     return [
-        Doubt("swap", a, b, who, f"lost, and found again where its place was known to {most:.0f} mm only")
+        AmbiguousDecision("swap", a, b, who, f"lost, and found again where its place was known to {most:.0f} mm only")
         for who, a, b, most in _spells(seen.id[again][:, None], seen.frame[again], seen.before[again])
     ]
 
 
-def _jumps(tracks: Tracks, method: Simultaneous) -> list[Doubt]:
+def _jumps(tracks: Tracks, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that jumped (3)."""
     order = np.lexsort([tracks.cloud.frame, tracks.id])
     a, b, c = order[:-2], order[1:-1], order[2:]
@@ -110,30 +112,30 @@ def _jumps(tracks: Tracks, method: Simultaneous) -> list[Doubt]:
     sure = sd[c] + sd[b] * (1 + ratio) + sd[a] * ratio
     far = np.flatnonzero(same & (off > method.gate * (usual + sure)))
     return [
-        Doubt("swap", a, b, who, f"jumped by {most:.0f} mm")
+        AmbiguousDecision("swap", a, b, who, f"jumped by {most:.0f} mm")
         for who, a, b, most in _spells(tracks.id[c[far]][:, None], frame[c[far]], off[far])
     ]
 
 
-def _merged(seen: Sightings, merged: Bools) -> list[Doubt]:
+def _merged(seen: Associations, merged: Bools) -> list[AmbiguousDecision]:
     """Tracks that lived on images of others."""
     has = seen.row >= 0
     own = (has & ~seen.shared & ~merged[seen.row]).sum(0)
     rows = np.flatnonzero((own < 2) & (has & seen.shared).any(0) & (has.sum(0) >= 2))
     return [
-        Doubt("merge", a, b, who, "lived on images in which markers run together")
+        AmbiguousDecision("merge", a, b, who, "lived on images in which markers run together")
         for who, a, b, _ in _spells(seen.id[rows][:, None], seen.frame[rows], np.zeros(len(rows)))
     ]
 
 
-def _weak(result: Followed) -> list[Doubt]:
+def _weak(result: TrackingResult) -> list[AmbiguousDecision]:
     """Tracks of little evidence."""
     cloud, ids = result.tracks.cloud, result.tracks.id
     total = np.zeros(len(result.tracks))
     raw = np.flatnonzero(result.id[: len(result.evidence)] >= 0)
     np.add.at(total, result.id[raw], result.evidence[raw])
     return [
-        Doubt(
+        AmbiguousDecision(
             "ghost",
             int(cloud.frame[ids == i].min()),
             int(cloud.frame[ids == i].max()),
@@ -144,7 +146,7 @@ def _weak(result: Followed) -> list[Doubt]:
     ]
 
 
-def _joins(result: Followed, method: Simultaneous) -> list[Doubt]:
+def _joins(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
     """Joins that had a rival, and those over wide gaps."""
     found = []
     for join in result.joins:
@@ -154,7 +156,7 @@ def _joins(result: Followed, method: Simultaneous) -> list[Doubt]:
         tracks = tuple(dict.fromkeys(int(result.id[i]) for i in (join.before, join.after)))
         what = "were joined over a gap" if join.margin > CLEAR else "may be one marker with a gap"
         why = "another join was nearly as likely" if rival else f"its motion alone leaves {join.sd:.0f} mm open"
-        found.append(Doubt("join", join.last, join.first, tracks, f"{what}, but {why}"))
+        found.append(AmbiguousDecision("join", join.last, join.first, tracks, f"{what}, but {why}"))
     return found
 
 

@@ -32,13 +32,13 @@ from scipy.optimize import linear_sum_assignment
 
 from .compiled import library
 from .detection_index import Images
-from .kalman_states import Bools, Floats, Ints, Motion
+from .kalman_states import Bools, Floats, Ints, KalmanStates
 
 IN_ROW = 1.15
 """(n − 1)/√n for three discs in a row."""
 
 
-class Expected(NamedTuple):
+class PredictedImages(NamedTuple):
     """Tracks in the cameras: uv (C, 2, T) px, NaN behind; J (C, 2, 3, T) px/mm; S (C, 3, T) px², its xx, xy and yy,
     the centroid's variance not yet in it."""
 
@@ -47,7 +47,7 @@ class Expected(NamedTuple):
     S: Floats
 
 
-class Claims(NamedTuple):
+class Association(NamedTuple):
     """Images of tracks: row (C, T) of `Images`, −1 for none; variance (C, T) px², inf for none; worth (C, T) of (3);
     shared (C, T) whether another track has it too."""
 
@@ -57,7 +57,7 @@ class Claims(NamedTuple):
     shared: Bools
 
 
-class Pairs(NamedTuple):
+class TrackImagePairs(NamedTuple):
     """Places own = c T + t of track t in camera c and rows of images that may belong together; (2), and ln |S|."""
 
     own: Ints
@@ -66,20 +66,20 @@ class Pairs(NamedTuple):
     log_det: Floats
 
 
-def expect(P: Floats, motion: Motion) -> Expected:
+def predict_images(P: Floats, motion: KalmanStates) -> PredictedImages:
     """Where the cameras P (C, 3, 4) are expected to see the tracks."""
     if kernel := library():
-        return Expected(*kernel.expect(P, motion.position, motion.cov))
+        return PredictedImages(*kernel.expect(P, motion.position, motion.cov))
     h = (P[:, :, :3].reshape(-1, 3) @ motion.position + P[:, :, 3].reshape(-1, 1)).reshape(len(P), 3, -1)
     z = np.where(h[:, 2:] > 0, h[:, 2:], np.nan)
     uv = h[:, :2] / z
     J = (P[:, :2, :3, None] - uv[:, :, None] * P[:, 2:, :3, None]) * (1 / z)[:, None]
     JV = np.einsum("cait,ijt->cajt", J, motion.cov)
     S = np.einsum("cait,cait->cat", JV[:, [0, 0, 1]], J[:, [0, 1, 1]])
-    return Expected(uv, J, S)
+    return PredictedImages(uv, J, S)
 
 
-def candidates(images: Images, free: Bools, frame: Ints, expected: Expected, gate: float) -> Pairs:
+def candidates(images: Images, free: Bools, frame: Ints, expected: PredictedImages, gate: float) -> TrackImagePairs:
     """The free images within the gate of tracks in frames (T)."""
     u, v = expected.uv.swapaxes(0, 1).reshape(2, -1)
     a, b, d = expected.S.swapaxes(0, 1).reshape(3, -1)
@@ -90,17 +90,17 @@ def candidates(images: Images, free: Bools, frame: Ints, expected: Expected, gat
         own, row, squared, det = kernel.candidates(
             images, free, cell, np.stack([u, v]), np.stack([a, b, d]), reach, gate**2
         )
-        return Pairs(own, row, squared, np.log(det))
+        return TrackImagePairs(own, row, squared, np.log(det))
     own, row = images.part(np.unique(frame), free).near(cell, u, reach)
     x, y, noise = images.uv[row, 0] - u[own], images.uv[row, 1] - v[own], images.variance[row]
     a, b, d = a[own] + noise, b[own], d[own] + noise
     det = a * d - b * b  # |S|
     squared = (d * x * x - 2 * b * x * y + a * y * y) / det  # (2)
     within = np.flatnonzero(squared < gate**2)
-    return Pairs(own[within], row[within], squared[within], np.log(det[within]))
+    return TrackImagePairs(own[within], row[within], squared[within], np.log(det[within]))
 
 
-def claim(images: Images, free: Bools, frame: Ints, expected: Expected, gate: float) -> Claims:
+def associate(images: Images, free: Bools, frame: Ints, expected: PredictedImages, gate: float) -> Association:
     """The claims of T tracks in frames (T) on the free images there."""
     C, n = expected.uv.shape[::2]
     pairs = candidates(images, free, frame, expected, gate)
@@ -112,7 +112,7 @@ def claim(images: Images, free: Bools, frame: Ints, expected: Expected, gate: fl
     row[own[best]], gain[own[best]] = image[best], worth[best]
     row = row.reshape(C, n)
     variance = np.where(row >= 0, images.variance[row], np.inf)
-    return Claims(row, variance, gain.reshape(C, n), np.zeros((C, n), bool))
+    return Association(row, variance, gain.reshape(C, n), np.zeros((C, n), bool))
 
 
 def _best(own: Ints, image: Ints, worth: Floats, cell: Ints) -> Ints:
@@ -163,7 +163,7 @@ def _assigned(own: Ints, image: Ints, worth: Floats, pair: Ints) -> Ints:
     return np.asarray(chosen[chosen >= 0])
 
 
-def share(images: Images, frame: Ints, expected: Expected, claims: Claims, gate: float) -> Claims:
+def share(images: Images, frame: Ints, expected: PredictedImages, claims: Association, gate: float) -> Association:
     """The claims, and those of tracks that find nothing on merged images of others that cover their place."""
     has = claims.row >= 0
     holder_c, holder = np.nonzero(has & images.merged[claims.row])
@@ -178,7 +178,7 @@ def share(images: Images, frame: Ints, expected: Expected, claims: Claims, gate:
     return _shared(images, claims, c[near], t[near], holder[near], row[near])
 
 
-def _shared(images: Images, claims: Claims, c: Ints, t: Ints, holder: Ints, row: Ints) -> Claims:
+def _shared(images: Images, claims: Association, c: Ints, t: Ints, holder: Ints, row: Ints) -> Association:
     """The claims with rows also had by tracks t in cameras c."""
     if not len(t):
         return claims
@@ -187,10 +187,10 @@ def _shared(images: Images, claims: Claims, c: Ints, t: Ints, holder: Ints, row:
     for track in (t, holder):
         variance[c, track] = np.maximum(images.variance[row], images.radius[row] ** 2 / 2)  # (4)
         shared[c, track] = True
-    return Claims(rows, variance, claims.worth, shared)
+    return Association(rows, variance, claims.worth, shared)
 
 
-def information(images: Images, expected: Expected, claims: Claims) -> tuple[Floats, Floats]:
+def information(images: Images, expected: PredictedImages, claims: Association) -> tuple[Floats, Floats]:
     """What the claimed images say of the positions: N (3, 3, T) 1/mm² and g (3, T) 1/mm of `motion.told`."""
     if kernel := library():
         return kernel.information(expected.uv, expected.J, claims.row, claims.variance, images.uv)

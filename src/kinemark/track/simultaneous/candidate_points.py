@@ -17,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...geometry import fundamental, solve3
-from .associate import candidates, expect
+from .associate import candidates, predict_images
 from .compiled import library
 from .detection_index import Images
-from .kalman_states import Bools, Floats, Ints, Motion, inverse
+from .kalman_states import Bools, Floats, Ints, KalmanStates, inverse
 
 AT_ONCE = 4000
 """Images of all frames that are paired in one go: fewer waste time on overhead, more take memory."""
@@ -29,7 +29,7 @@ MOST = 1500
 """Images of a frame that are looked at; more than these are noise."""
 
 
-class Groups(NamedTuple):
+class CandidatePoints(NamedTuple):
     """G points: frame (G), xyz (3, G) mm, cov (3, 3, G) mm², row (C, G) of their images or −1; χ² and merit (G)."""
 
     frame: Ints
@@ -39,9 +39,9 @@ class Groups(NamedTuple):
     squared: Floats
     merit: Floats
 
-    def take(self, which: Ints | Bools) -> Groups:
+    def take(self, which: Ints | Bools) -> CandidatePoints:
         """Only these."""
-        return Groups(
+        return CandidatePoints(
             self.frame[which],
             self.xyz[:, which],
             self.cov[..., which],
@@ -51,7 +51,7 @@ class Groups(NamedTuple):
         )
 
 
-class Placed(NamedTuple):
+class PlacedPoints(NamedTuple):
     """Points of views: xyz (3, H) mm, cov (3, 3, H) mm², squared (C, H) d²/s², −1 unseen."""
 
     xyz: Floats
@@ -65,7 +65,7 @@ def fundamentals(P: Floats) -> Floats:
     return np.array([[fundamental(P[r], P[s]) if r != s else np.zeros((3, 3)) for s in range(C)] for r in range(C)])
 
 
-def groups_of(images: Images, free: Bools, F: Floats, frames: list[int], gate: float) -> Groups:
+def groups_of(images: Images, free: Bools, F: Floats, frames: list[int], gate: float) -> CandidatePoints:
     """The groups of the free images of some frames, sorted by frame.
 
     Most images belong to markers that four and more cameras see, and these are found from pairs of cameras that stand
@@ -83,14 +83,14 @@ def groups_of(images: Images, free: Bools, F: Floats, frames: list[int], gate: f
             view = _completed(images, free, pair[:, some], gate)
             view = _distinct(view[:, (view >= 0).sum(0) >= least[-1]])
             won += _chosen(images, free, view, gate, least)
-    groups = Groups(*(np.concatenate(columns, -1) for columns in zip(*won, strict=True)))
+    groups = CandidatePoints(*(np.concatenate(columns, -1) for columns in zip(*won, strict=True)))
     return groups.take(np.argsort(groups.frame, kind="stable"))
 
 
-def _nothing(C: int) -> Groups:
+def _nothing(C: int) -> CandidatePoints:
     """No groups."""
     zero, none = np.zeros(0, np.int64), np.zeros(0)
-    return Groups(zero, np.zeros((3, 0)), np.zeros((3, 3, 0)), np.zeros((C, 0), np.int64), none, none)
+    return CandidatePoints(zero, np.zeros((3, 0)), np.zeros((3, 3, 0)), np.zeros((C, 0), np.int64), none, none)
 
 
 def _together(rows: list[Ints]) -> list[Ints]:
@@ -137,7 +137,7 @@ def _completed(images: Images, free: Bools, pair: Ints, gate: float) -> Ints:
     """The views (C, H) of pairs (2, H), with the likeliest images where their points are expected elsewhere."""
     camera, n = images.camera[pair], np.arange(pair.shape[1])
     point = placed(images, pair, camera)
-    expected = expect(images.P, Motion(point.xyz, point.cov))
+    expected = predict_images(images.P, KalmanStates(point.xyz, point.cov))
     expected.uv[camera, :, n] = np.nan
     pairs = candidates(images, free, images.frame[pair[0]], expected, gate)
     order = np.argsort(-pairs.squared, kind="stable")  # of several, the nearest is written last
@@ -155,7 +155,7 @@ def _distinct(view: Ints) -> Ints:
     return view[:, np.sort(order[new])]
 
 
-def _chosen(images: Images, free: Bools, view: Ints, gate: float, leasts: tuple[int, ...]) -> list[Groups]:
+def _chosen(images: Images, free: Bools, view: Ints, gate: float, leasts: tuple[int, ...]) -> list[CandidatePoints]:
     """The groups that win their images, weighed by (1), those of more images first; theirs are free no longer."""
     left = _weighed(images, view, gate)
     won = []
@@ -169,7 +169,7 @@ def _chosen(images: Images, free: Bools, view: Ints, gate: float, leasts: tuple[
     return won
 
 
-def _award(groups: Groups, free: Bools, least: int) -> tuple[Ints, Ints]:
+def _award(groups: CandidatePoints, free: Bools, least: int) -> tuple[Ints, Ints]:
     """Places of the groups of `least` and more images, all free, which they are then no longer; and of the others."""
     kept, robbed = [], []
     for g, own in enumerate(groups.row.T.tolist()):
@@ -182,7 +182,7 @@ def _award(groups: Groups, free: Bools, least: int) -> tuple[Ints, Ints]:
     return np.array(kept, int), np.array(robbed, int)
 
 
-def _weighed(images: Images, view: Ints, gate: float) -> Groups:
+def _weighed(images: Images, view: Ints, gate: float) -> CandidatePoints:
     """Points of views (C, H), without images that are too far off, and their merit."""
     point = placed(images, view)
     while (bad := point.squared.max(0, initial=0.0) > gate**2).any():
@@ -196,10 +196,10 @@ def _weighed(images: Images, view: Ints, gate: float) -> Groups:
     squared = np.where(has, point.squared, 0.0).sum(0)
     merit = np.where(has, worth, 0.0).sum(0) - squared
     sure = np.flatnonzero(np.isfinite(point.xyz).all(0) & np.isfinite(point.cov).all((0, 1)))
-    return Groups(images.frame[view.max(0, initial=0)], point.xyz, point.cov, view, squared, merit).take(sure)
+    return CandidatePoints(images.frame[view.max(0, initial=0)], point.xyz, point.cov, view, squared, merit).take(sure)
 
 
-def placed(images: Images, view: Ints, camera: Ints | None = None) -> Placed:
+def placed(images: Images, view: Ints, camera: Ints | None = None) -> PlacedPoints:
     """Where views meet: the linear solution of `geometry.triangulate`, then one step of least squares by the noise.
 
     Args:
@@ -208,7 +208,7 @@ def placed(images: Images, view: Ints, camera: Ints | None = None) -> Placed:
     """
     camera = np.arange(len(view))[:, None] if camera is None else camera
     if kernel := library():
-        return Placed(*kernel.placed(images.P, images.uv, images.variance, view, camera))
+        return PlacedPoints(*kernel.placed(images.P, images.uv, images.variance, view, camera))
     P = images.P.transpose(1, 2, 0)[:, :, camera]
     seen, uv = view >= 0, images.uv.T[:, view]
     rows = np.where(seen, P[:2] - uv[:, None] * P[2], 0.0)  # (2, 4, k, H)
@@ -223,7 +223,7 @@ def placed(images: Images, view: Ints, camera: Ints | None = None) -> Placed:
     moved = np.einsum("ijh,jh->ih", cov, _sums(J / variance, off))
     off -= np.einsum("ijkh,jh->ikh", J, moved)
     squared = np.where(seen, (off * off).sum(0) / variance, -1.0)
-    return Placed(guess + moved, cov, np.nan_to_num(squared, nan=np.inf, posinf=np.inf))
+    return PlacedPoints(guess + moved, cov, np.nan_to_num(squared, nan=np.inf, posinf=np.inf))
 
 
 def _squares(A: Floats, B: Floats) -> Floats:

@@ -4,7 +4,7 @@ Each camera is compared with what all the others together say. From its images i
 projection over a tenth of the recording shows a camera that stands otherwise than it is calibrated (1), and since when.
 The share of the tracked points for which it has an image shows one whose images fit nothing, or nothing any more (2).
 A camera whose images fit nothing may be another one's: its images are tried with the calibration of each other (3).
-Images that lie where the marker was, or will be, show a camera that is not synchronous (`clocks`).
+Images that lie where the marker was, or will be, show a camera that is not synchronous (`time_offsets`).
 A rate that is wrong changes all speeds by one factor, which no image tells; only one that makes people faster than they
 are is seen (4). Half of the true rate goes unnoticed.
 """
@@ -16,12 +16,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data import Detections, Rig
-from .associate import expect
+from .associate import predict_images
 from .detection_index import Images
-from .kalman_states import Bools, Floats, Ints, Motion
+from .kalman_states import Bools, Floats, Ints, KalmanStates
 from .measurement_noise import DEAF, FAR
-from .time_offsets import Clocks, clocks
-from .tracker import Followed
+from .time_offsets import TimeOffsets, time_offsets
+from .tracker import TrackingResult
 
 PARTS = 10
 """Into which a recording is cut."""
@@ -39,16 +39,16 @@ FEW = 30
 """Points from which a median is taken."""
 
 
-def noticed(detections: Detections, rig: Rig, result: Followed) -> list[str]:
+def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[str]:
     """Sentences on what is odd about the input; none where nothing is."""
-    said, late = [], _not_synchronous(detections, rig, clocks(result))
+    said, late = [], _not_synchronous(detections, rig, time_offsets(result))
     for c, name in enumerate(rig.names):
         said += _silent(detections, result, c) or late.get(c) or _beside(result, c, name)
     said += [_misfit(result, rig, c) for c in result.noise.deaf.tolist()]
     return said + _too_fast(result, detections.rate)
 
 
-def _not_synchronous(detections: Detections, rig: Rig, found: Clocks) -> dict[int, list[str]]:
+def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> dict[int, list[str]]:
     """About cameras that see at other times than the others, under their numbers."""
     there = (np.abs(found.delay) > CERTAIN * found.error) & (found.shift > BESIDE)
     said = {}
@@ -62,7 +62,7 @@ def _not_synchronous(detections: Detections, rig: Rig, found: Clocks) -> dict[in
     return said
 
 
-def _silent(detections: Detections, result: Followed, c: int) -> list[str]:
+def _silent(detections: Detections, result: TrackingResult, c: int) -> list[str]:
     """About a camera without images at the end, or the beginning, of the recording, though markers were in its view."""
     n, some, name = detections.n_frames, np.flatnonzero(detections.counts[c]), detections.cameras[c]
     if not n or not len(some):
@@ -85,7 +85,7 @@ class Parts(NamedTuple):
     first: Ints
 
 
-def _beside(result: Followed, c: int, name: str) -> list[str]:
+def _beside(result: TrackingResult, c: int, name: str) -> list[str]:
     """About a camera whose images lie beside the others', or fit no longer."""
     if c in result.noise.deaf:
         return []
@@ -108,7 +108,7 @@ def _beside(result: Followed, c: int, name: str) -> list[str]:
     ]
 
 
-def _parts(result: Followed, c: int) -> Parts:
+def _parts(result: TrackingResult, c: int) -> Parts:
     """What a camera has where the points of the tracks are, by parts of the recording."""
     cloud, images = result.tracks.cloud, result.images
     first = np.unique(np.linspace(0, cloud.n_frames, PARTS + 1).astype(int))[:-1]
@@ -127,18 +127,19 @@ def _parts(result: Followed, c: int) -> Parts:
     return Parts(off, share, first)
 
 
-def _expected(result: Followed, c: int) -> Floats:
+def _expected(result: TrackingResult, c: int) -> Floats:
     """(P, 2) px where camera c should see the points of the tracks."""
     return (
-        expect(
-            result.images.P[c : c + 1], Motion(result.tracks.cloud.xyz.T, np.zeros((3, 3, len(result.tracks.cloud))))
+        predict_images(
+            result.images.P[c : c + 1],
+            KalmanStates(result.tracks.cloud.xyz.T, np.zeros((3, 3, len(result.tracks.cloud)))),
         )
         .uv[0]
         .T
     )
 
 
-def _in_view(result: Followed, c: int, uv: Floats, least: int) -> Bools:
+def _in_view(result: TrackingResult, c: int, uv: Floats, least: int) -> Bools:
     """(P) points of the tracks that lie in the image of camera c, at uv (P, 2), and that so many others see."""
     others = np.delete(result.tracks.cloud.view, c, axis=1) >= 0
     return np.asarray(((uv >= 0) & (uv < result.images.size[c])).all(1) & (others.sum(1) >= least))
@@ -155,7 +156,7 @@ def _nearest(images: Images, frame: Ints, c: int, uv: Floats) -> Ints:
     return out
 
 
-def _misfit(result: Followed, rig: Rig, c: int) -> str:
+def _misfit(result: TrackingResult, rig: Rig, c: int) -> str:
     """About a camera whose images fit nothing: which other one it might be (3)."""
     cloud, images = result.tracks.cloud, result.images
     found = np.zeros(len(rig))
@@ -176,7 +177,7 @@ def _misfit(result: Followed, rig: Rig, c: int) -> str:
     )
 
 
-def _too_fast(result: Followed, rate: float) -> list[str]:
+def _too_fast(result: TrackingResult, rate: float) -> list[str]:
     """About speeds that nobody has (4)."""
     cloud, ids = result.tracks.cloud, result.tracks.id
     order = np.lexsort([cloud.frame, ids])

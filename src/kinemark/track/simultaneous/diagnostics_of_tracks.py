@@ -1,4 +1,4 @@
-"""What tracks of any method show of their input, in the sentences of `noticed`."""
+"""What tracks of any method show of their input, in the sentences of `diagnose`."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ import numpy as np
 from ...data import Detections, Rig, Tracks
 from .candidate_points import fundamentals
 from .detection_index import read_images
-from .diagnostics import noticed
+from .diagnostics import diagnose
 from .measurement_noise import learned
-from .passes import Sightings
+from .passes import Associations
 from .simultaneous_method import DEFAULT
-from .tracker import Followed
+from .tracker import TrackingResult
 
 LEFT_OUT = " It was left out."
 """True of `Simultaneous` only: the other methods match whatever they are given."""
 
 
-def noticed_of(detections: Detections, rig: Rig, tracks: Tracks) -> list[str]:
+def diagnose_tracks(detections: Detections, rig: Rig, tracks: Tracks) -> list[str]:
     """Sentences on what is odd about the input of a method that says nothing of it itself; none where nothing is.
 
     Args:
@@ -29,11 +29,11 @@ def noticed_of(detections: Detections, rig: Rig, tracks: Tracks) -> list[str]:
     images, noise = learned(images, fundamentals(images.P), DEFAULT.gate)
     own = tracks.id >= 0
     tracks = Tracks(tracks.cloud.keep(own), tracks.id[own])
-    result = Followed(tracks, _not_known(len(rig)), np.zeros(0, np.int64), np.zeros(0), [], images, noise)
-    return [sentence.removesuffix(LEFT_OUT) for sentence in noticed(detections, rig, result)]
+    result = TrackingResult(tracks, _not_known(len(rig)), np.zeros(0, np.int64), np.zeros(0), [], images, noise)
+    return [sentence.removesuffix(LEFT_OUT) for sentence in diagnose(detections, rig, result)]
 
 
-def _not_known(C: int) -> Sightings:
+def _not_known(C: int) -> Associations:
     """No sightings: of other methods it is not known where they looked."""
     zero, none, row = np.zeros(0, np.int64), np.zeros(0), np.zeros((C, 0), np.int64)
-    return Sightings(zero, zero, row, row > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))
+    return Associations(zero, zero, row, row > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))

@@ -1,7 +1,7 @@
 """New tracks, from images that no track has.
 
-Groups (`groups`) of three successive frames make a track where they lie as a point may that moves at the usual speed v
-and acceleration a,
+Points (`candidate_points`) of three successive frames make a track where they lie as a point may that moves at the
+usual speed v and acceleration a,
 
     c² = (x₁ − 2 x₂ + x₃)ᵀ (V₁ + 4 V₂ + V₃ + (a T²)² I)⁻¹ (x₁ − 2 x₂ + x₃) + |x₃ − x₁|² / (2 v T)²    (1)
 
@@ -14,22 +14,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .candidate_points import Groups, groups_of
+from .candidate_points import CandidatePoints, groups_of
 from .detection_index import Images
 from .kalman_states import Bools, Floats, Ints, inverse
 from .simultaneous_method import Simultaneous
 
 
-class Births(NamedTuple):
-    """B tracks seen in three successive frames: places (3) of `Groups`, all in the same order."""
+class InitiatedTracks(NamedTuple):
+    """B tracks seen in three successive frames: places (3) of `CandidatePoints`, all in the same order."""
 
-    groups: tuple[Groups, Groups, Groups]
+    groups: tuple[CandidatePoints, CandidatePoints, CandidatePoints]
 
     def __len__(self) -> int:
         return self.groups[0].xyz.shape[-1]
 
 
-def births(images: Images, free: Bools, F: Floats, lasts: list[int], T: float, method: Simultaneous) -> list[Births]:
+def initiate(
+    images: Images, free: Bools, F: Floats, lasts: list[int], T: float, method: Simultaneous
+) -> list[InitiatedTracks]:
     """Tracks that begin in the three frames that end with each of `lasts`, among the free images."""
     frames = [last - back for last in lasts for back in (2, 1, 0)]
     groups = groups_of(images, free, F, frames, method.gate)
@@ -40,11 +42,13 @@ def births(images: Images, free: Bools, F: Floats, lasts: list[int], T: float, m
             continue
         first, middle, final = (groups.take(own) for own in each)
         i, j, k = _triples(first, middle, final, T, method)
-        born.append(Births((first.take(i), middle.take(j), final.take(k))))
+        born.append(InitiatedTracks((first.take(i), middle.take(j), final.take(k))))
     return [one for one in born if len(one)]
 
 
-def _triples(first: Groups, middle: Groups, last: Groups, T: float, method: Simultaneous) -> tuple[Ints, Ints, Ints]:
+def _triples(
+    first: CandidatePoints, middle: CandidatePoints, last: CandidatePoints, T: float, method: Simultaneous
+) -> tuple[Ints, Ints, Ints]:
     """Places in each of the groups that are one point each, the surest first."""
     a, b = _neighbours(first, middle, T, method)
     b2, c = _neighbours(middle, last, T, method)
@@ -74,13 +78,13 @@ def _once(triples: list[list[int]]) -> list[int]:
     return chosen
 
 
-def _neighbours(one: Groups, other: Groups, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
-    """Groups of successive frames between which a point may have gone: within three times the usual speed."""
+def _neighbours(one: CandidatePoints, other: CandidatePoints, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
+    """Points of successive frames between which a point may have gone: within three times the usual speed."""
     apart = np.linalg.norm(one.xyz[:, :, None] - other.xyz[:, None], axis=0)
     a, b = np.nonzero(apart < 3 * method.speed * T + _spread(one)[:, None] + _spread(other))
     return a, b
 
 
-def _spread(groups: Groups) -> Floats:
+def _spread(groups: CandidatePoints) -> Floats:
     """(G) standard deviation of all three axes together, mm."""
     return np.sqrt(groups.cov[0, 0] + groups.cov[1, 1] + groups.cov[2, 2])

@@ -33,7 +33,7 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 
-class Motion(NamedTuple):
+class KalmanStates(NamedTuple):
     """T points: x (9, T) their positions, velocities, accelerations in mm and s; V (9, 9, T) the covariance."""
 
     x: Floats
@@ -49,33 +49,33 @@ class Motion(NamedTuple):
         """(3, 3, T) of the positions, mm²."""
         return self.V[:3, :3]
 
-    def take(self, which: Ints | Bools) -> Motion:
+    def take(self, which: Ints | Bools) -> KalmanStates:
         """Only these points."""
-        return Motion(self.x[:, which], self.V[:, :, which])
+        return KalmanStates(self.x[:, which], self.V[:, :, which])
 
-    def plus(self, other: Motion) -> Motion:
+    def plus(self, other: KalmanStates) -> KalmanStates:
         """These and others after them."""
-        return Motion(np.concatenate([self.x, other.x], -1), np.concatenate([self.V, other.V], -1))
+        return KalmanStates(np.concatenate([self.x, other.x], -1), np.concatenate([self.V, other.V], -1))
 
 
-def at_rest(xyz: Floats, cov: Floats, *, speed: float, acceleration: float) -> Motion:
+def at_rest(xyz: Floats, cov: Floats, *, speed: float, acceleration: float) -> KalmanStates:
     """Points (3, T) of covariance (3, 3, T) of which no motion is known but its usual size, mm/s and mm/s²."""
     x, V = np.zeros((9, xyz.shape[-1])), np.zeros((9, 9, xyz.shape[-1]))
     x[:3], V[:3, :3] = xyz, cov
     V[3:6, 3:6], V[6:, 6:] = np.eye(3)[..., None] * speed**2, np.eye(3)[..., None] * acceleration**2
-    return Motion(x, V)
+    return KalmanStates(x, V)
 
 
-def ahead(motion: Motion, T: float | Floats, q: float) -> Motion:
+def ahead(motion: KalmanStates, T: float | Floats, q: float) -> KalmanStates:
     """The points a time T in s later, one for all or (T) one of each, by (1) and (2); q in mm/s^2.5."""
     n = motion.x.shape[-1]
     T = np.full(n, T) if np.ndim(T) == 0 else np.asarray(T)
     if kernel := library():
-        return Motion(*kernel.ahead(motion.x, motion.V, T, q))
+        return KalmanStates(*kernel.ahead(motion.x, motion.V, T, q))
     x, half = _gone_on(motion.x.reshape(3, 3, n), T), _gone_on(motion.V.reshape(3, 27, n), T)
     V = _gone_on(half.reshape(9, 3, 3, n).swapaxes(0, 1), T).swapaxes(0, 1).reshape(9, 9, n)
     V += q * q * np.kron(_wandered(T).T, np.eye(3)).T
-    return Motion(x.reshape(9, n), V)
+    return KalmanStates(x.reshape(9, n), V)
 
 
 def _gone_on(state: Floats, T: Floats) -> Floats:
@@ -89,22 +89,22 @@ def _wandered(T: Floats) -> Floats:
     return np.array([[T**5 / 20, T**4 / 8, T**3 / 6], [T**4 / 8, T**3 / 3, T**2 / 2], [T**3 / 6, T**2 / 2, T]])
 
 
-def back(motion: Motion, T: float, q: float) -> Motion:
+def back(motion: KalmanStates, T: float, q: float) -> KalmanStates:
     """The points a time T in s earlier."""
     turned = ahead(reversed_time(motion), T, q)
     return reversed_time(turned)
 
 
-def reversed_time(motion: Motion) -> Motion:
+def reversed_time(motion: KalmanStates) -> KalmanStates:
     """The points as they look when time runs backwards: (p, −v, a)."""
     sign = np.repeat([1.0, -1.0, 1.0], 3)
-    return Motion(motion.x * sign[:, None], motion.V * np.outer(sign, sign)[..., None])
+    return KalmanStates(motion.x * sign[:, None], motion.V * np.outer(sign, sign)[..., None])
 
 
-def told(motion: Motion, N: Floats, g: Floats) -> Motion:
+def told(motion: KalmanStates, N: Floats, g: Floats) -> KalmanStates:
     """The points after a measurement with information N (3, 3, T) 1/mm² and pull g (3, T) 1/mm, by (3) and (4)."""
     if kernel := library():
-        return Motion(*kernel.told(motion.x, motion.V, N, g))
+        return KalmanStates(*kernel.told(motion.x, motion.V, N, g))
     with_p = motion.V[:, :3]
     before = inverse(motion.cov)
     gain = np.einsum("ijt,jkt->ikt", before, inverse(before + N))  # V₀⁻¹ P
@@ -112,7 +112,7 @@ def told(motion: Motion, N: Floats, g: Floats) -> Motion:
     R = (R + R.swapaxes(0, 1)) / 2  # rounding would make it lopsided, more and more
     x = motion.x + np.einsum("ijt,jt->it", with_p, np.einsum("ijt,jt->it", gain, g))  # (4)
     V = motion.V - np.einsum("ijt,kjt->ikt", np.einsum("ijt,jkt->ikt", with_p, R), with_p)
-    return Motion(x, V)
+    return KalmanStates(x, V)
 
 
 def inverse(A: Floats) -> Floats:

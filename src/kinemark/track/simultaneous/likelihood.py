@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from .kalman_states import Bools, Floats
-from .passes import Sightings
+from .passes import Associations
 
 TAILS = 4.0
 """ν"""
@@ -35,7 +35,7 @@ FAIR = 0.45
 """Of (4); markers have 0.5 to 0.9, as their images have noise."""
 
 
-def says(seen: Sightings, own: Bools, gate: float) -> Floats:
+def says(seen: Associations, own: Bools, gate: float) -> Floats:
     """(S) by (1) and (2) for each sighting, whose own images are `own` (C, S)."""
     n = own.sum(0)
     free = 2 * np.maximum(n, 1.5) - 3
@@ -43,7 +43,7 @@ def says(seen: Sightings, own: Bools, gate: float) -> Floats:
     return np.where(n >= 2, np.maximum(said, np.log(WEAK)), 0.0)  # (2)
 
 
-def evidence(seen: Sightings, own: Bools, gate: float) -> Floats:
+def evidence(seen: Associations, own: Bools, gate: float) -> Floats:
     """(N) by (3) and (4) for each track, whose own images are `own` (C, S)."""
     n, tracks = own.sum(0), int(seen.id.max(initial=-1)) + 1
     total = np.bincount(seen.id, says(seen, own, gate), minlength=tracks)

@@ -21,10 +21,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .associate import expect
-from .candidate_points import Groups, groups_of, placed
+from .associate import predict_images
+from .candidate_points import CandidatePoints, groups_of, placed
 from .detection_index import LEAST_SD, Images
-from .kalman_states import Floats, Ints, Motion
+from .kalman_states import Floats, Ints, KalmanStates
 
 LOOSE = 0.4
 """px"""
@@ -106,14 +106,14 @@ def learned(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     return stated.noisier(np.where(known, added, np.median(added[known]))), noise
 
 
-def _offsets(images: Images, groups: Groups, c: int, gate: float) -> Offsets:
+def _offsets(images: Images, groups: CandidatePoints, c: int, gate: float) -> Offsets:
     """What camera c has where groups of three and more without it expect an image."""
     view = groups.row.copy()
     view[c] = -1
     enough = (view >= 0).sum(0) >= 2
     view, frame = view[:, enough], groups.frame[enough]
     point = placed(images, view)
-    expected = expect(images.P[c : c + 1], Motion(point.xyz, point.cov))
+    expected = predict_images(images.P[c : c + 1], KalmanStates(point.xyz, point.cov))
     uv = expected.uv[0].T
     inside = np.isfinite(uv).all(1) & ((uv >= 0) & (uv < images.size[c])).all(1)
     uv, frame = uv[inside], frame[inside]

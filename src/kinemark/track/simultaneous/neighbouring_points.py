@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .kalman_states import Bools, Floats, Ints, Motion, ahead, at_rest, inverse, reversed_time, told
+from .kalman_states import Bools, Floats, Ints, KalmanStates, ahead, at_rest, inverse, reversed_time, told
 from .simultaneous_method import Simultaneous
 
 LOOK = 8
@@ -27,7 +27,7 @@ NOWHERE = 1000.0
 """mm, the standard deviation of a position of which nothing is known."""
 
 
-class Points(NamedTuple):
+class TrackPoints(NamedTuple):
     """P points of tracks: frame, id (P), xyz (P, 3) mm, cov (P, 3, 3) mm²."""
 
     frame: Ints
@@ -35,17 +35,17 @@ class Points(NamedTuple):
     xyz: Floats
     cov: Floats
 
-    def take(self, which: Bools | slice) -> Points:
+    def take(self, which: Bools | slice) -> TrackPoints:
         """Only these."""
-        return Points(self.frame[which], self.id[which], self.xyz[which], self.cov[which])
+        return TrackPoints(self.frame[which], self.id[which], self.xyz[which], self.cov[which])
 
-    def plus(self, other: Points) -> Points:
+    def plus(self, other: TrackPoints) -> TrackPoints:
         """These and others after them."""
         frame, id = np.concatenate([self.frame, other.frame]), np.concatenate([self.id, other.id])
-        return Points(frame, id, np.concatenate([self.xyz, other.xyz]), np.concatenate([self.cov, other.cov]))
+        return TrackPoints(frame, id, np.concatenate([self.xyz, other.xyz]), np.concatenate([self.cov, other.cov]))
 
 
-def rows_of(points: Points) -> Ints:
+def rows_of(points: TrackPoints) -> Ints:
     """(N, F) the row of each track in each frame, −1 for none."""
     rows = np.full((int(points.id.max(initial=-1)) + 1, int(points.frame.max(initial=-1)) + 1), -1)
     rows[points.id, points.frame] = np.arange(len(points.id))
@@ -59,7 +59,7 @@ def rows_near(rows: Ints, id: Ints, frame: Ints, way: int) -> Ints:
     return np.where(inside, rows[id, np.where(inside, frames, 0)], -1)
 
 
-def motion_from(points: Points, near: Ints, around: Floats, T: float, method: Simultaneous) -> Motion:
+def motion_from(points: TrackPoints, near: Ints, around: Floats, T: float, method: Simultaneous) -> KalmanStates:
     """The motion of n tracks in a frame, from their rows `near` (LOOK, n) it; somewhere about `around` (3, n) mm."""
     n = near.shape[1]
     wide = np.broadcast_to(np.eye(3)[..., None] * NOWHERE**2, (3, 3, n))
@@ -71,7 +71,7 @@ def motion_from(points: Points, near: Ints, around: Floats, T: float, method: Si
     return motion
 
 
-def smoothed(points: Points, which: Bools, sound: Bools, T: float, method: Simultaneous) -> tuple[Floats, Floats]:
+def smoothed(points: TrackPoints, which: Bools, sound: Bools, T: float, method: Simultaneous) -> tuple[Floats, Floats]:
     """Positions (n, 3) mm and covariances (n, 3, 3) mm² of the points `which` (P) by (1), from sound ones (P) near."""
     row = np.flatnonzero(which)
     rows, id, frame = rows_of(points), points.id[row], points.frame[row]
@@ -86,9 +86,9 @@ def smoothed(points: Points, which: Bools, sound: Bools, T: float, method: Simul
     return both.position.T, both.cov.transpose(2, 0, 1)
 
 
-def between(before: Motion, after: Motion) -> Motion:
+def between(before: KalmanStates, after: KalmanStates) -> KalmanStates:
     """What both sides say of the motion of n points, by (1)."""
     one, other = (motion.V.transpose(2, 0, 1) for motion in (before, after))
     K = np.linalg.solve(one + other, one).swapaxes(1, 2)
     x = before.x.T + (K @ (after.x - before.x).T[..., None])[..., 0]
-    return Motion(x.T, (K @ other).transpose(1, 2, 0))
+    return KalmanStates(x.T, (K @ other).transpose(1, 2, 0))

@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .associate import Claims, Expected, claim, expect, information, share
-from .candidate_points import Groups, fundamentals
+from .associate import Association, PredictedImages, associate, information, predict_images, share
+from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
-from .initiate import births
-from .kalman_states import Bools, Floats, Ints, Motion, ahead, at_rest, inverse, told
+from .initiate import initiate
+from .kalman_states import Bools, Floats, Ints, KalmanStates, ahead, at_rest, inverse, told
 from .simultaneous_method import Simultaneous
 
 LANES = 8
@@ -33,26 +33,26 @@ ROUNDS = 3
 """Images at most that a track gives back in one frame."""
 
 
-class Active(NamedTuple):
+class ActiveTracks(NamedTuple):
     """T tracks that go on: id, frame and alone, the frames since two cameras saw them (T) each; and their motion."""
 
     id: Ints
     frame: Ints
     alone: Ints
-    motion: Motion
+    motion: KalmanStates
 
-    def take(self, which: Bools) -> Active:
+    def take(self, which: Bools) -> ActiveTracks:
         """Only these."""
-        return Active(self.id[which], self.frame[which], self.alone[which], self.motion.take(which))
+        return ActiveTracks(self.id[which], self.frame[which], self.alone[which], self.motion.take(which))
 
-    def plus(self, other: Active) -> Active:
+    def plus(self, other: ActiveTracks) -> ActiveTracks:
         """These and others after them."""
         old, new = self[:3], other[:3]
         id, frame, alone = (np.concatenate(pair) for pair in zip(old, new, strict=True))
-        return Active(id, frame, alone, self.motion.plus(other.motion))
+        return ActiveTracks(id, frame, alone, self.motion.plus(other.motion))
 
 
-class Sightings(NamedTuple):
+class Associations(NamedTuple):
     """S times that a track was looked for.
 
     Attributes:
@@ -72,9 +72,9 @@ class Sightings(NamedTuple):
     xyz: Floats
     cov: Floats
 
-    def take(self, which: NDArray[Any]) -> Sightings:
+    def take(self, which: NDArray[Any]) -> Associations:
         """Only these."""
-        return Sightings(
+        return Associations(
             self.frame[which],
             self.id[which],
             self.row[:, which],
@@ -86,11 +86,11 @@ class Sightings(NamedTuple):
         )
 
 
-class Fit(NamedTuple):
-    """Claims, the tracks with them, and how far the images of each are off, as `Sightings.squared`."""
+class PassFit(NamedTuple):
+    """Association, the tracks with them, and how far the images of each are off, as `Associations.squared`."""
 
-    claims: Claims
-    after: Motion
+    claims: Association
+    after: KalmanStates
     squared: Floats
 
 
@@ -101,11 +101,11 @@ class Run:
         self.images, self.method, self.T = images, method, 1 / rate
         self.free = images.usable.copy()
         self.F = fundamentals(images.P)
-        self.seen: list[Sightings] = []
+        self.seen: list[Associations] = []
         self.born = self.nobody()
         self.n = 0
 
-    def whole(self) -> Sightings:
+    def whole(self) -> Associations:
         """All tracks, forwards in each stretch, then backwards from where they began."""
         stride = max(round(self.method.every / self.T), 1)
         first = self.stretches()
@@ -122,7 +122,7 @@ class Run:
             active = self.step(active.take(active.frame >= 0))
         if not self.seen:
             return _nothing(len(self.images.P))
-        return Sightings(*(np.concatenate(column, -1) for column in zip(*self.seen, strict=True)))
+        return Associations(*(np.concatenate(column, -1) for column in zip(*self.seen, strict=True)))
 
     def stretches(self) -> Ints:
         """Frames at which the stretches begin that are gone through side by side, and the number of frames."""
@@ -130,15 +130,15 @@ class Run:
         count = int(np.clip(n // LANE, 1, LANES))
         return np.minimum(np.arange(count + 1) * -(-n // count), n)
 
-    def nobody(self) -> Active:
+    def nobody(self) -> ActiveTracks:
         """No tracks."""
         zero = np.zeros(0, np.int64)
-        return Active(zero, zero, zero, Motion(np.zeros((9, 0)), np.zeros((9, 9, 0))))
+        return ActiveTracks(zero, zero, zero, KalmanStates(np.zeros((9, 0)), np.zeros((9, 9, 0))))
 
-    def begin(self, lasts: list[int]) -> Active:
+    def begin(self, lasts: list[int]) -> ActiveTracks:
         """New tracks of the three frames that end with each of `lasts`."""
         active = self.nobody()
-        for born in births(self.images, self.free, self.F, lasts, self.T, self.method):
+        for born in initiate(self.images, self.free, self.F, lasts, self.T, self.method):
             ids = np.arange(self.n, self.n + len(born))
             self.n += len(born)
             for group in born.groups:
@@ -146,13 +146,13 @@ class Run:
                 none = np.zeros(group.row.shape, bool)
                 wide = np.sqrt(np.trace(group.cov))
                 self.seen.append(
-                    Sightings(group.frame, ids, group.row, none, group.squared, wide, group.xyz, group.cov)
+                    Associations(group.frame, ids, group.row, none, group.squared, wide, group.xyz, group.cov)
                 )
             self.born = self.born.plus(self.started(ids, born.groups[::-1]))
             active = active.plus(self.started(ids, born.groups))
         return active
 
-    def started(self, ids: Ints, groups: tuple[Groups, ...]) -> Active:
+    def started(self, ids: Ints, groups: tuple[CandidatePoints, ...]) -> ActiveTracks:
         """New tracks at the last of their three points, in the order given."""
         first, *others = groups
         motion = at_rest(first.xyz, first.cov, speed=self.method.speed, acceleration=self.method.acceleration)
@@ -160,16 +160,16 @@ class Run:
             motion = ahead(motion, self.T, self.method.wander)
             N = inverse(group.cov)
             motion = told(motion, N, np.einsum("ijt,jt->it", N, group.xyz - motion.position))
-        return Active(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
+        return ActiveTracks(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
 
-    def step(self, active: Active) -> Active:
+    def step(self, active: ActiveTracks) -> ActiveTracks:
         """The tracks one frame on."""
         if not len(active.id):
             return active
         images, gate = self.images, self.method.gate
         motion = ahead(active.motion, self.T, self.method.wander)
-        expected = expect(images.P, motion)
-        claims = claim(images, self.free, active.frame, expected, gate)
+        expected = predict_images(images.P, motion)
+        claims = associate(images, self.free, active.frame, expected, gate)
         claims = share(images, active.frame, expected, claims, gate)
         after = told(motion, *information(images, expected, claims))
         claims, after, squared = without_loose(images, gate, motion, expected, claims, after)
@@ -178,22 +178,27 @@ class Run:
         own, count = (has & ~claims.shared).sum(0), has.sum(0)
         before = np.sqrt(np.trace(motion.cov))
         self.seen.append(
-            Sightings(active.frame, active.id, claims.row, claims.shared, squared, before, after.position, after.cov)
+            Associations(active.frame, active.id, claims.row, claims.shared, squared, before, after.position, after.cov)
         )
         alone = np.where((own >= 1) & (count >= 2), 0, active.alone + 1)
         lost = np.sqrt(np.trace(after.cov)) > LOST * self.method.worst
         alive = (alone <= self.method.patience / self.T) & ~((alone > 0) & lost)
-        active = Active(active.id, active.frame, alone, after)
+        active = ActiveTracks(active.id, active.frame, alone, after)
         return active if alive.all() else active.take(alive)
 
 
 def without_loose(
-    images: Images, gate: float, before: Motion, expected: Expected, claims: Claims, after: Motion
-) -> Fit:
+    images: Images,
+    gate: float,
+    before: KalmanStates,
+    expected: PredictedImages,
+    claims: Association,
+    after: KalmanStates,
+) -> PassFit:
     """The claims without images that do not fit the others of their track, and the tracks without them."""
     for _ in range(ROUNDS):
         has = claims.row >= 0
-        seen = expect(images.P, after)
+        seen = predict_images(images.P, after)
         off = np.where(has[:, None], images.uv[claims.row].swapaxes(1, 2) - seen.uv, 0.0)
         squared = (off * off).sum(1) / claims.variance
         alone = _without_itself(off, claims.variance, seen.S)
@@ -206,7 +211,7 @@ def without_loose(
         claims = claims._replace(row=row, variance=variance, worth=np.where(row < 0, 0.0, claims.worth))
         after = told(before, *information(images, expected, claims))
     not_own = claims.shared | images.merged[claims.row]
-    return Fit(claims, after, np.where(not_own, 0.0, squared).sum(0))
+    return PassFit(claims, after, np.where(not_own, 0.0, squared).sum(0))
 
 
 def _without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
@@ -222,13 +227,13 @@ def _without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
     return np.where(np.isfinite(variance), (d * x * x - 2 * b * x * y + a * y * y) / det, 0.0)
 
 
-def _nothing(C: int) -> Sightings:
+def _nothing(C: int) -> Associations:
     """No images."""
     zero, none = np.zeros(0, np.int64), np.zeros(0)
     row = np.zeros((C, 0), np.int64)
-    return Sightings(zero, zero, row, row > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))
+    return Associations(zero, zero, row, row > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))
 
 
-def run(images: Images, rate: float, method: Simultaneous) -> Sightings:
+def run(images: Images, rate: float, method: Simultaneous) -> Associations:
     """All tracks of a recording."""
     return Run(images, rate, method).whole()

@@ -19,11 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .associate import claim, expect, information
+from .associate import associate, information, predict_images
 from .candidate_points import placed
 from .detection_index import Images
-from .kalman_states import Bools, Ints, Motion, ahead, inverse, reversed_time, told
-from .neighbouring_points import Points, between, motion_from, rows_near, rows_of
+from .kalman_states import Bools, Ints, KalmanStates, ahead, inverse, reversed_time, told
+from .neighbouring_points import TrackPoints, between, motion_from, rows_near, rows_of
 from .passes import without_loose
 from .simultaneous_method import Simultaneous
 
@@ -36,11 +36,11 @@ AT_ONCE = 20_000
 """Frames of tracks that are looked at in one go, and the rest of the last frame; more would take memory."""
 
 
-class Again(NamedTuple):
+class SecondPass(NamedTuple):
     """Which of P points are kept (P), and points that were found, with their images row (C, N)."""
 
     kept: Bools
-    found: Points
+    found: TrackPoints
     row: Ints
 
 
@@ -57,7 +57,7 @@ class Doubtful(NamedTuple):
         return Doubtful(*(column[which] for column in self))
 
 
-def looked_again(points: Points, row: Ints, images: Images, T: float, method: Simultaneous) -> Again:
+def second_pass(points: TrackPoints, row: Ints, images: Images, T: float, method: Simultaneous) -> SecondPass:
     """A second look at the tracks of P points with the images row (C, P)."""
     sound = (row >= 0).sum(0) >= SOUND
     kept = ~_wrong(points, sound, row, images, T, method)
@@ -71,17 +71,17 @@ def looked_again(points: Points, row: Ints, images: Images, T: float, method: Si
             expected = _expected(known, doubtful.take(part), T, method)
             claimed[:, part] = _claimed(images, free, doubtful.frame[part], expected, method)
         place = placed(images, claimed)
-        new = Points(doubtful.frame, doubtful.id, place.xyz.T, place.cov.transpose(2, 0, 1))
+        new = TrackPoints(doubtful.frame, doubtful.id, place.xyz.T, place.cov.transpose(2, 0, 1))
         good = ((claimed >= 0).sum(0) >= 2) & np.isfinite(new.xyz).all(1) & np.isfinite(new.cov).all((1, 2))  # (2)
         if not good.any():
             break
         known = known.plus(new.take(good))
         view = np.concatenate([view, claimed[:, good]], 1)
     old = int(kept.sum())
-    return Again(kept, known.take(slice(old, None)), view[:, old:])
+    return SecondPass(kept, known.take(slice(old, None)), view[:, old:])
 
 
-def _wrong(points: Points, sound: Bools, row: Ints, images: Images, T: float, method: Simultaneous) -> Bools:
+def _wrong(points: TrackPoints, sound: Bools, row: Ints, images: Images, T: float, method: Simultaneous) -> Bools:
     """(P) by (1), from the sound points (P)."""
     known, wrong = points.take(sound), np.zeros(len(sound), bool)
     doubtful = _doubtful(known, images.n_frames, T, method)
@@ -112,7 +112,7 @@ def _free(images: Images, held: Ints) -> Bools:
     return free
 
 
-def _doubtful(known: Points, n_frames: int, T: float, method: Simultaneous) -> Doubtful:
+def _doubtful(known: TrackPoints, n_frames: int, T: float, method: Simultaneous) -> Doubtful:
     """The frames between known points of a track, and those soon after its last and before its first."""
     order = np.lexsort([known.frame, known.id])
     a, b = order[:-1], order[1:]
@@ -131,7 +131,7 @@ def _doubtful(known: Points, n_frames: int, T: float, method: Simultaneous) -> D
     return Doubtful(known.id[own], known.frame[own] + way * nth, before[k], after[k])
 
 
-def _expected(known: Points, doubtful: Doubtful, T: float, method: Simultaneous) -> Motion:
+def _expected(known: TrackPoints, doubtful: Doubtful, T: float, method: Simultaneous) -> KalmanStates:
     """What the known points on both sides, or on the only one, say of the motion in the doubtful frames."""
     rows, sides = rows_of(known), []
     for point, way in ((doubtful.before, -1), (doubtful.after, 1)):
@@ -142,16 +142,16 @@ def _expected(known: Points, doubtful: Doubtful, T: float, method: Simultaneous)
     before, after = sides[0], reversed_time(sides[1])
     both = between(before, after)
     one_sided = [doubtful.after < 0, doubtful.before < 0]
-    return Motion(*(np.select(one_sided, each[:2], each[2]) for each in zip(before, after, both, strict=True)))
+    return KalmanStates(*(np.select(one_sided, each[:2], each[2]) for each in zip(before, after, both, strict=True)))
 
 
-def _claimed(images: Images, free: Bools, frame: Ints, expected: Motion, method: Simultaneous) -> Ints:
+def _claimed(images: Images, free: Bools, frame: Ints, expected: KalmanStates, method: Simultaneous) -> Ints:
     """(C, N) the images claimed in frames (N) that fit one another; none where the place is not known to `worst`."""
     row = np.full((len(images.P), len(frame)), -1)
     near = np.sqrt(np.trace(expected.cov)) < method.worst
     expected = expected.take(near)
-    seen = expect(images.P, expected)
-    claims = claim(images, free, frame[near], seen, method.gate)
+    seen = predict_images(images.P, expected)
+    claims = associate(images, free, frame[near], seen, method.gate)
     after = told(expected, *information(images, seen, claims))
     row[:, near] = without_loose(images, method.gate, expected, seen, claims, after).claims.row
     return row

@@ -26,8 +26,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from .kalman_states import Floats, Ints, Motion, ahead, reversed_time
-from .neighbouring_points import LOOK, Points, motion_from, rows_near, rows_of
+from .kalman_states import Floats, Ints, KalmanStates, ahead, reversed_time
+from .neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of
 from .simultaneous_method import Simultaneous
 
 CLEAR = 2 * np.log(100.0)
@@ -54,11 +54,11 @@ class Ends(NamedTuple):
 
     first: Ints
     last: Ints
-    begin: Motion
-    end: Motion
+    begin: KalmanStates
+    end: KalmanStates
 
 
-class Join(NamedTuple):
+class Stitch(NamedTuple):
     """Track `before` goes on as track `after`; worth of (1) and (2), and margin over the next best (3);
     sd of the difference of positions (1), mm; last and first: the frames at both sides of the gap."""
 
@@ -71,16 +71,16 @@ class Join(NamedTuple):
     first: int
 
 
-class Joined(NamedTuple):
+class Stitched(NamedTuple):
     """(N) the identity of each track after the clear joins, that of the first of its pieces; and the joins that were
     thought of, clear or not."""
 
     id: Ints
-    joins: list[Join]
+    joins: list[Stitch]
 
 
-def joined(points: Points, T: float, method: Simultaneous) -> Joined:
-    """Tracks that do not overlap joined to longer ones; T is the time between frames in s.
+def stitched(points: TrackPoints, T: float, method: Simultaneous) -> Stitched:
+    """Tracks that do not overlap stitched to longer ones; T is the time between frames in s.
 
     Most gaps are short, and motion alone is clear; distances to others are only looked at for what is then left.
     """
@@ -89,10 +89,10 @@ def joined(points: Points, T: float, method: Simultaneous) -> Joined:
         best = _best(points._replace(id=ids[points.id]), T, method, distances)
         found += [join for join in best if distances or join.margin > CLEAR]
         ids = _followed(ids, best)
-    return Joined(ids, found)
+    return Stitched(ids, found)
 
 
-def _followed(ids: Ints, found: list[Join]) -> Ints:
+def _followed(ids: Ints, found: list[Stitch]) -> Ints:
     """Identities after the clear joins."""
     before = {join.after: join.before for join in found if join.margin > CLEAR}
     ids = ids.copy()
@@ -102,7 +102,7 @@ def _followed(ids: Ints, found: list[Join]) -> Ints:
     return ids
 
 
-def _best(points: Points, T: float, method: Simultaneous, distances: bool) -> list[Join]:
+def _best(points: TrackPoints, T: float, method: Simultaneous, distances: bool) -> list[Stitch]:
     """The joins of the greatest worth together."""
     if not len(points.id):
         return []
@@ -121,7 +121,7 @@ def _best(points: Points, T: float, method: Simultaneous, distances: bool) -> li
     rest[before, after] = 0.0
     margin = best - np.maximum(rest.max(1)[before], rest.max(0)[after])
     return [
-        Join(i, j, float(best[k]), float(margin[k]), float(open_[i, j]), int(ends.last[i]), int(ends.first[j]))
+        Stitch(i, j, float(best[k]), float(margin[k]), float(open_[i, j]), int(ends.last[i]), int(ends.first[j]))
         for k, (i, j) in enumerate(zip(before.tolist(), after.tolist(), strict=True))
         if best[k] > 0
     ]
@@ -136,7 +136,7 @@ def _possible(ends: Ends, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
     return a[near], b[near]
 
 
-def _ends(points: Points, T: float, method: Simultaneous) -> Ends:
+def _ends(points: TrackPoints, T: float, method: Simultaneous) -> Ends:
     """First and last frames of the tracks, and their motion there."""
     n = int(points.id.max()) + 1
     first, last = np.full(n, NEVER), np.full(n, -NEVER)
@@ -151,7 +151,9 @@ def _ends(points: Points, T: float, method: Simultaneous) -> Ends:
     return Ends(first, last, *motion)
 
 
-def _by_motion(points: Points, ends: Ends, a: Ints, b: Ints, T: float, method: Simultaneous) -> tuple[Floats, Floats]:
+def _by_motion(
+    points: TrackPoints, ends: Ends, a: Ints, b: Ints, T: float, method: Simultaneous
+) -> tuple[Floats, Floats]:
     """(1) of pairs, and the standard deviation of the difference of positions, mm."""
     gap = ends.first[b] - ends.last[a]
     if not len(a):
@@ -173,7 +175,7 @@ def _by_motion(points: Points, ends: Ends, a: Ints, b: Ints, T: float, method: S
     return worth, sd
 
 
-def _by_distance(points: Points, a: Ints, b: Ints, by_motion: Floats) -> Floats:
+def _by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats) -> Floats:
     """(2) of pairs, 0 where no other track is there on both sides, or where it could not bring (1) above 0."""
     spread = float(np.linalg.norm(points.xyz.std(0)) * np.sqrt(2)) + LEAST
     most = MATES * 2 * np.log(spread / (np.sqrt(2 * np.pi) * LEAST))
@@ -191,7 +193,7 @@ def _by_distance(points: Points, a: Ints, b: Ints, by_motion: Floats) -> Floats:
     return worth
 
 
-def _distances(points: Points, place: Ints, i: int) -> tuple[Floats, Floats]:
+def _distances(points: TrackPoints, place: Ints, i: int) -> tuple[Floats, Floats]:
     """Mean distances of track i from every other, and their standard deviations; NaN where less than LOOK frames."""
     own = np.flatnonzero(place[i] >= 0)
     there = place[:, own] >= 0

@@ -23,9 +23,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .associate import expect
-from .kalman_states import Floats, Ints, Motion
-from .tracker import Followed
+from .associate import predict_images
+from .kalman_states import Floats, Ints, KalmanStates
+from .tracker import TrackingResult
 
 PARTS = 10
 """k of (3)."""
@@ -40,10 +40,10 @@ STEADY = 0.5
 """Of a point's velocity: the most by which it may change in a frame; nothing else says when the point was where."""
 
 FAST = 0.9
-"""Quantile of the images' speed for `Clocks.shift`: where people move, most markers hardly do."""
+"""Quantile of the images' speed for `TimeOffsets.shift`: where people move, most markers hardly do."""
 
 
-class Clocks(NamedTuple):
+class TimeOffsets(NamedTuple):
     """delay, error (C): how much later than the others each camera sees, and its standard error, in frames; NaN where
     not known. shift (C): by how much that moves its images where they are fast, px."""
 
@@ -61,20 +61,20 @@ class Moving(NamedTuple):
     frame: Ints
 
 
-def clocks(result: Followed) -> Clocks:
+def time_offsets(result: TrackingResult) -> TimeOffsets:
     """The delays of the cameras of a run, by (2)."""
     C = len(result.images.P)
     moving = _moving(result)
     if len(moving.frame) < ENOUGH:
-        return Clocks(*np.full((3, C), np.nan))
+        return TimeOffsets(*np.full((3, C), np.nan))
     A, b = _sums(moving)
     without = np.array([_delays(A.sum(0) - A[j], b.sum(0) - b[j]) for j in range(PARTS)])
     delay, error = _delays(A.sum(0), b.sum(0)), without.std(0) * np.sqrt(PARTS - 1)  # (3)
     speed = np.quantile(np.linalg.norm(moving.flow, axis=-1), FAST, axis=0)
-    return Clocks(delay, error, np.abs(delay) * speed)
+    return TimeOffsets(delay, error, np.abs(delay) * speed)
 
 
-def _moving(result: Followed) -> Moving:
+def _moving(result: TrackingResult) -> Moving:
     """The points of tracks that three cameras see, with the point before and after them."""
     cloud, ids = result.tracks.cloud, result.tracks.id
     order = np.lexsort([cloud.frame, ids])
@@ -87,7 +87,7 @@ def _moving(result: Followed) -> Moving:
     point, velocity = middle[near], velocity[near]
     in_time = np.argsort(cloud.frame[point], kind="stable")
     point, velocity = point[in_time], velocity[in_time]
-    expected = expect(result.images.P, Motion(cloud.xyz[point].T, np.zeros((3, 3, len(point)))))
+    expected = predict_images(result.images.P, KalmanStates(cloud.xyz[point].T, np.zeros((3, 3, len(point)))))
     view = cloud.view[point]
     seen = (view >= 0)[..., None]
     J = np.where(seen[..., None], expected.J.transpose(3, 0, 1, 2), 0.0)

@@ -26,11 +26,11 @@ from .detection_index import Images, read_images
 from .kalman_states import Bools, Floats, Ints
 from .likelihood import SURE, evidence, says
 from .measurement_noise import Noise, learned
-from .neighbouring_points import Points, smoothed
-from .passes import Sightings, run
-from .second_pass import looked_again
+from .neighbouring_points import TrackPoints, smoothed
+from .passes import Associations, run
+from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
-from .stitch import Join, joined
+from .stitch import Stitch, stitched
 
 PLACE = LeastSquares()
 
@@ -41,7 +41,7 @@ VAGUE = 5.0
 """Of the median of the standard deviations."""
 
 
-class Followed(NamedTuple):
+class TrackingResult(NamedTuple):
     """What the method gives.
 
     Attributes:
@@ -55,20 +55,22 @@ class Followed(NamedTuple):
     """
 
     tracks: Tracks
-    seen: Sightings
+    seen: Associations
     id: Ints
     evidence: Floats
-    joins: list[Join]
+    joins: list[Stitch]
     images: Images
     noise: Noise
 
 
-def follow_simultaneous(detections: Detections, rig: Rig, method: Simultaneous) -> Tracks:
+def simultaneous_tracks(detections: Detections, rig: Rig, method: Simultaneous) -> Tracks:
     """Tracks of all markers; called through `follow`."""
-    return followed(detections, rig, method).tracks
+    return track_simultaneously(detections, rig, method).tracks
 
 
-def followed(detections: Detections, rig: Rig, method: Simultaneous, *, place: LeastSquares = PLACE) -> Followed:
+def track_simultaneously(
+    detections: Detections, rig: Rig, method: Simultaneous, *, place: LeastSquares = PLACE
+) -> TrackingResult:
     """Tracks of all markers, their points as `place` says, and how they came about."""
     T = 1 / detections.rate
     images, noise = learned(images := read_images(detections, rig), fundamentals(images.P), method.gate)
@@ -82,20 +84,20 @@ def followed(detections: Detections, rig: Rig, method: Simultaneous, *, place: L
     cloud = _surest(_placed(seen.frame, seen.row, seen.xyz, detections, rig, place), seen, own.sum(0) >= 2, T, method)
     good = wanted(cloud, rig) & _sure(cloud, own.sum(0), method) & (speaks > SURE)[seen.id]
     cloud, ids = cloud.keep(good), seen.id[good]
-    whole = joined(Points(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
+    whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
     cloud, ids = _looked_again(cloud, whole.id[ids], images, detections, rig, method, place)
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
-    return Followed(Tracks(cloud, number), every, final, speaks, whole.joins, images, noise)
+    return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.joins, images, noise)
 
 
 def _looked_again(
     cloud: Cloud, ids: Ints, images: Images, detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares
 ) -> tuple[Cloud, Ints]:
     """The points and their tracks after a second look."""
-    points = Points(cloud.frame, ids, cloud.xyz, cloud.cov)
-    kept, found, row = looked_again(points, cloud.view.T, images, 1 / detections.rate, method)
+    points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
+    kept, found, row = second_pass(points, cloud.view.T, images, 1 / detections.rate, method)
     order = np.argsort(found.frame, kind="stable")
     row = row[:, order]
     new = _placed(found.frame[order], row, found.xyz[order].T, detections, rig, place)
@@ -109,19 +111,19 @@ def _looked_again(
     return Cloud(cloud.rate, start, *columns), ids[order]
 
 
-def _gathered(seen: Sightings, least: float) -> Sightings:
+def _gathered(seen: Associations, least: float) -> Associations:
     """The sightings in two and more cameras of tracks that have enough of them, by frame."""
     own = np.flatnonzero((seen.row >= 0).sum(0) >= 2)
     own = own[np.bincount(seen.id[own], minlength=1)[seen.id[own]] >= least]
     return seen.take(own[np.lexsort([seen.id[own], seen.frame[own]])])
 
 
-def _own(seen: Sightings, images: Images) -> Bools:
+def _own(seen: Associations, images: Images) -> Bools:
     """(C, S) images that are no other marker's too."""
     return (seen.row >= 0) & ~seen.shared & ~images.merged[seen.row]
 
 
-def _strayed(every: Sightings, own: Bools, least: float, method: Simultaneous) -> Bools:
+def _strayed(every: Associations, own: Bools, least: float, method: Simultaneous) -> Bools:
     """(S) sightings of a track after it was lost, its place known no better than `worst`, where nothing says it is it.
 
     What its own images (C, S) say until it is lost again must be evidence of a marker, or last as long as the shortest
@@ -142,7 +144,7 @@ def _strayed(every: Sightings, own: Bools, least: float, method: Simultaneous) -
     return out
 
 
-def _variance(seen: Sightings, images: Images) -> Floats:
+def _variance(seen: Associations, images: Images) -> Floats:
     """(D) px², of all images, those that tracks share being anywhere in their blobs."""
     shared = np.zeros(len(images.uv), bool)
     shared[seen.row[seen.shared & (seen.row >= 0)]] = True
@@ -157,7 +159,7 @@ def _placed(frame: Ints, row: Ints, guess: Floats, detections: Detections, rig: 
     return located(matches, detections, rig, guess=np.ascontiguousarray(guess.T), method=place)
 
 
-def _surest(cloud: Cloud, seen: Sightings, sound: Bools, T: float, method: Simultaneous) -> Cloud:
+def _surest(cloud: Cloud, seen: Associations, sound: Bools, T: float, method: Simultaneous) -> Cloud:
     """The cloud with the points of which the images say little by their motion (1)."""
     sd = _sd(cloud.cov)
     known = np.isfinite(cloud.xyz).all(1) & np.isfinite(sd)
@@ -165,7 +167,7 @@ def _surest(cloud: Cloud, seen: Sightings, sound: Bools, T: float, method: Simul
     if not vague.any():
         return cloud
     xyz, cov = cloud.xyz.copy(), cloud.cov.copy()
-    points = Points(cloud.frame[known], seen.id[known], xyz[known], cov[known])
+    points = TrackPoints(cloud.frame[known], seen.id[known], xyz[known], cov[known])
     smooth = smoothed(points, vague[known], sound[known], T, method)
     filtered = seen.xyz.T[vague], seen.cov.transpose(2, 0, 1)[vague]
     better = _sd(smooth[1]) < _sd(filtered[1])

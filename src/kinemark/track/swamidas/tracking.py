@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Cloud, Tracks
-from .active import Active, advance, begin, expect, none
-from .constraints import Constraint, Expected, match_points
+from .active import ActiveSwamidasTracks, advance, begin, expect, none
+from .constraints import Constraint, PredictedPoints, match_points
 from .learning import Knowledge, before_learning
 from .parameters import DEFAULT, Swamidas
 from .segments import allowed_points
@@ -32,7 +32,7 @@ class Expectation(NamedTuple):
     half: Floats
 
 
-class Followed(NamedTuple):
+class SwamidasResult(NamedTuple):
     """Tracks, and how they came about.
 
     tracks; by (P) the `Constraint` that gave each point its identity; expected (F) what was predicted in each frame.
@@ -60,7 +60,7 @@ def track_swamidas(cloud: Cloud, *, method: Swamidas = DEFAULT) -> Tracks:
     return follow_points(cloud, method=method).tracks
 
 
-def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> Followed:
+def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult:
     """As `track_swamidas`, with all predictions and the constraints that decided."""
     identity, by = np.full(len(cloud), -1), np.full(len(cloud), int(Constraint.NONE))
     jump = method.jerk / cloud.rate**3
@@ -83,11 +83,11 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> Followed:
             active = begin(active, mine[fresh], points[fresh])
         active = active.keep(active.missed <= patience)
         known.listen(mine, points, lesson, method)
-    return Followed(Tracks(cloud, identity), by, frames)
+    return SwamidasResult(Tracks(cloud, identity), by, frames)
 
 
 def _allowed(
-    active: Active, expected: Expected, points: Floats, known: Knowledge, method: Swamidas
+    active: ActiveSwamidasTracks, expected: PredictedPoints, points: Floats, known: Knowledge, method: Swamidas
 ) -> NDArray[np.bool_]:
     """(T, N) pairs that the segments do not forbid; before they are learned, all."""
     if not (method.segment_tolerance and len(known.segments.link)):

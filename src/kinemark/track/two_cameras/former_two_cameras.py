@@ -46,7 +46,7 @@ class FormerTwoCameras:
         )
 
 
-def follow_former(detections: Detections, rig: Rig, method: FormerTwoCameras) -> Tracks:
+def track_two_cameras(detections: Detections, rig: Rig, method: FormerTwoCameras) -> Tracks:
     """Tracks of all markers that both cameras show at the start of the following; called through `follow`.
 
     A point whose image in one camera was filled by prediction has no row there (−1), and its covariance says that the

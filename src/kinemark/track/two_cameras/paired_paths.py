@@ -53,7 +53,7 @@ class Paired(NamedTuple):
     id: Ints
 
 
-class Exchange(NamedTuple):
+class PathSwap(NamedTuple):
     """Two pairs that fit better crosswise in the fields first … stop − 1, and by how much in all, px."""
 
     gain: float
@@ -137,14 +137,14 @@ def best_interval(value: Floats) -> tuple[Floats, Ints, Ints]:
     return at[..., 1] - at[..., 0], first, stop
 
 
-def _crosswise(r: Floats, pairs: tuple[tuple[int, int], tuple[int, int]]) -> Exchange:
+def _crosswise(r: Floats, pairs: tuple[tuple[int, int], tuple[int, int]]) -> PathSwap:
     """Where two pairs are better exchanged, by (4)."""
     (a, b), (c, d) = pairs
     gain, first, stop = best_interval(r[a, b] + r[c, d] - r[a, d] - r[c, b])
-    return Exchange(float(gain), int(first), int(stop), pairs)
+    return PathSwap(float(gain), int(first), int(stop), pairs)
 
 
-def _exchanged(one: Paths, other: Paths, exchange: Exchange, near: float) -> bool:
+def _exchanged(one: Paths, other: Paths, exchange: PathSwap, near: float) -> bool:
     """Exchange two paths in the camera in which they were closer (5); False where they were not near in either."""
     (a, b), (c, d) = exchange.pairs
     n_fields = one.uv.shape[1]

@@ -15,9 +15,9 @@ from ....data import Camera, KinemarkError
 from ....geometry import decompose
 from ..parts import Held, complete
 from ..robust import solve_softly
-from ..solver import Freedom, Observed, State
+from ..solver import BundleState, Freedom, ImageObservations
 from .seeds import projections
-from .unknown_optics import Optics
+from .unknown_optics import UnknownOptics
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ FOCUS = (0.3, 6.0)
 POSE = np.arange(15) >= 9
 
 
-def rough_freedom(optics: Optics, *, focus_held: bool = False) -> Freedom:
+def rough_freedom(optics: UnknownOptics, *, focus_held: bool = False) -> Freedom:
     """Pose, focal length and k1, or the lens in pixels where it is known."""
     free = POSE.copy()
     free[[0, 1]] = not focus_held
@@ -35,12 +35,12 @@ def rough_freedom(optics: Optics, *, focus_held: bool = False) -> Freedom:
     return Freedom(free, True, optics.lens)
 
 
-def alike(uv: Array) -> Observed:
+def alike(uv: Array) -> ImageObservations:
     """Points (C, N, 2) that all weigh the same."""
-    return Observed(uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)), complete(uv))
+    return ImageObservations(uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)), complete(uv))
 
 
-def resected(optics: Optics, xyz: Array, uv: Array) -> Camera:
+def resected(optics: UnknownOptics, xyz: Array, uv: Array) -> Camera:
     """A camera from points (n, 3) that it sees at (n, 2), some of them wrong."""
     f0 = float(optics.camera.size.max())
     P = _robust_projection(xyz, optics.ideal(uv) / f0)
@@ -49,7 +49,7 @@ def resected(optics: Optics, xyz: Array, uv: Array) -> Camera:
         raise KinemarkError(f"Camera {optics.camera.name} sees the others' points mirrored. Check their order.")
     f = f0 * float(np.clip(np.sqrt(K[0, 0] * K[1, 1]), FOCUS[0], FOCUS[1]))
     t = _translation(R, xyz, optics.ideal(uv) / f)
-    state = State((optics.with_focus(f, R, t),), (Held(xyz),))
+    state = BundleState((optics.with_focus(f, R, t),), (Held(xyz),))
     for freedom in (Freedom(POSE), rough_freedom(optics)):
         state, _ = solve_softly(state, alike(uv[None]), (freedom,), steps=15)
     return state.cameras[0]

@@ -33,7 +33,7 @@ ENOUGH = 200
 SHARPEST = 0.05  # px; a finer fit is chance
 
 
-class Optics(NamedTuple):
+class UnknownOptics(NamedTuple):
     """One camera before it is calibrated.
 
     Attributes:
@@ -70,14 +70,14 @@ class Optics(NamedTuple):
         return replace(self.camera, K=K, distortion=k, R=R, t=t, cov=np.zeros((15, 15)), residual=float("nan"))
 
 
-def unknown_optics(name: str, size: NDArray[np.int64]) -> Optics:
+def unknown_optics(name: str, size: NDArray[np.int64]) -> UnknownOptics:
     """A camera of which only the image size (2) px is known."""
     width = float(size.max())
     K = np.array([[width, 0.0, (size[0] - 1) / 2], [0.0, width, (size[1] - 1) / 2], [0.0, 0.0, 1.0]])
-    return Optics(Camera(name, size, K, np.eye(3), np.zeros(3)), 0.0, False)
+    return UnknownOptics(Camera(name, size, K, np.eye(3), np.zeros(3)), 0.0, False)
 
 
-def straightened(optics: list[Optics], uv: Array, pairs: dict[tuple[int, int], Mask]) -> list[Optics]:
+def straightened(optics: list[UnknownOptics], uv: Array, pairs: dict[tuple[int, int], Mask]) -> list[UnknownOptics]:
     """The optics with λ by (3), from pixels uv (C, N, 2) and, for pairs of cameras, which points (N) fit each other."""
     free = [c for c, o in enumerate(optics) if not o.lens]
     chosen = {pair: _thinned(np.flatnonzero(good)) for pair, good in pairs.items()}

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ....data import KinemarkError
 from ....geometry.two_view import homogeneous, robust_fundamental, sampson_distance
 from ..parts import complete
-from .unknown_optics import Optics, straightened
+from .unknown_optics import UnknownOptics, straightened
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -43,7 +43,7 @@ def common_points(uv: Array) -> NDArray[np.int64]:
     return np.asarray(seen @ seen.T)
 
 
-def find_pairs(optics: list[Optics], uv: Array, *, seed: int) -> tuple[list[Optics], list[Pair]]:
+def find_pairs(optics: list[UnknownOptics], uv: Array, *, seed: int) -> tuple[list[UnknownOptics], list[Pair]]:
     """Cameras whose lines are straightened, and all pairs with enough points in common, most points first.
 
     Raises:
@@ -64,7 +64,7 @@ def find_pairs(optics: list[Optics], uv: Array, *, seed: int) -> tuple[list[Opti
     return optics, pairs
 
 
-def _pair(optics: list[Optics], uv: Array, a: int, b: int, seed: int) -> Pair:
+def _pair(optics: list[UnknownOptics], uv: Array, a: int, b: int, seed: int) -> Pair:
     x, y = optics[a].ideal(uv[a]), optics[b].ideal(uv[b])
     F, good = robust_fundamental(x, y, seed=seed)
     return Pair(a, b, F, good, 1.4826 * float(np.median(np.abs(sampson_distance(F, x[good], y[good])))))

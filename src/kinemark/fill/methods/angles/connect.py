@@ -25,7 +25,7 @@ LONG = 1500
 """Frames of a trial above which fewer of them tell distances."""
 
 
-class Segments(NamedTuple):
+class LinkedSegments(NamedTuple):
     """S segments: link (S, 2) markers, bank (S) number of the rigid body, length and spread (S) mm."""
 
     link: Ints
@@ -42,7 +42,7 @@ def connect(
     banks: Sequence[Sequence[str]] = (),
     stiff: float = 0.02,
     loose: float = 0.25,
-) -> Segments:
+) -> LinkedSegments:
     """Segments of markers (M, F, 3) mm, NaN where missing.
 
     Args:
@@ -70,7 +70,7 @@ def connect(
 
 def _given(
     found: Distances, names: Sequence[str], links: Sequence[tuple[str, str]], banks: Sequence[Sequence[str]]
-) -> Segments:
+) -> LinkedSegments:
     place = {name: m for m, name in enumerate(names)}
     if wrong := sorted({name for group in (*links, *banks) for name in group} - set(place)):
         raise ValueError(f"links or banks name {wrong}, which are not among the markers")
@@ -85,13 +85,13 @@ def _given(
     return _measured(np.array(link, np.int64), np.array(number, np.int64), found)
 
 
-def _measured(link: Ints, number: Ints, found: Distances) -> Segments:
+def _measured(link: Ints, number: Ints, found: Distances) -> LinkedSegments:
     """Those whose length is known, of 1 mm and more."""
     a, b = link[:, 0], link[:, 1]
     with np.errstate(invalid="ignore"):
         use = (found.frames[a, b] >= FEWEST) & (found.mean[a, b] >= 1.0) & np.isfinite(found.spread[a, b])
     a, b = a[use], b[use]
-    return Segments(link[use], number[use], found.mean[a, b], found.spread[a, b])
+    return LinkedSegments(link[use], number[use], found.mean[a, b], found.spread[a, b])
 
 
 def directions(xyz: Floats, link: Ints) -> Floats:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....data import AngleModel, Events
-from ....signal.phase import Phase
+from ....signal.phase import CyclePhase
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def model_events(model: AngleModel) -> dict[str, float]:
     return found
 
 
-def cycle_events(phase: Phase, percents: Mapping[str, float], *, rate: float) -> Events:
+def cycle_events(phase: CyclePhase, percents: Mapping[str, float], *, rate: float) -> Events:
     """When the motion passes each percent of its cycle, in the order of time.
 
     Args:

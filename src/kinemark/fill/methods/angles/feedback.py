@@ -51,9 +51,9 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from ....data import AngleModel, KinemarkError
 from ....data.arrays import check_positive
-from ....signal.kalman import State, predict, start, update, update_position
+from ....signal.kalman import KalmanState, predict, start, update, update_position
 from ....signal.smoother import jump_of, noise_of
-from ...marker_array import Gap, Motion, Prediction
+from ...marker_array import Gap, MarkerArray, Prediction
 from ..kalman_predictor import STRIDE
 from .connect import component_angles
 from .learn import template_of
@@ -101,7 +101,7 @@ class KalmanAngles:
             raise ValueError(f"tolerance is {self.tolerance}, wanted a share of the cycle from 0 to below 0.5")
 
 
-class Followed(NamedTuple):
+class PredictedPath(NamedTuple):
     """Markers as the predictor and the model have them: xyz (M, F, 3) mm, NaN where the predictor has not begun;
     variance (M, F) mm² of a coordinate; corrected (M, F) whether the model put the marker there."""
 
@@ -111,7 +111,7 @@ class Followed(NamedTuple):
 
 
 def fill_kalman_angles(
-    motion: Motion, gaps: Sequence[Gap], *, method: KalmanAngles = KalmanAngles()
+    motion: MarkerArray, gaps: Sequence[Gap], *, method: KalmanAngles = KalmanAngles()
 ) -> list[Prediction]:
     """What predictor and model say of each gap; where there is no model, or nothing before the gap, the reason."""
     if not gaps:
@@ -124,7 +124,7 @@ def fill_kalman_angles(
     return [_prediction(found, gap) for gap in gaps]
 
 
-def _prediction(found: Followed, gap: Gap) -> Prediction:
+def _prediction(found: PredictedPath, gap: Gap) -> Prediction:
     xyz = found.xyz[gap.marker, gap.start : gap.stop]
     if np.isnan(xyz).any():
         return Prediction.none(
@@ -133,7 +133,7 @@ def _prediction(found: Followed, gap: Gap) -> Prediction:
     return Prediction(xyz, found.variance[gap.marker, gap.start : gap.stop, None, None] * np.eye(3))
 
 
-def _near(motion: Motion, gaps: Sequence[Gap], method: KalmanAngles) -> Bools:
+def _near(motion: MarkerArray, gaps: Sequence[Gap], method: KalmanAngles) -> Bools:
     """(F) frames in gaps and shortly before."""
     use = np.zeros(motion.xyz.shape[1], bool)
     for gap in gaps:
@@ -141,17 +141,17 @@ def _near(motion: Motion, gaps: Sequence[Gap], method: KalmanAngles) -> Bools:
     return use
 
 
-def follow(motion: Motion, placer: Placer, frames: Bools, method: KalmanAngles) -> Followed:
+def follow(motion: MarkerArray, placer: Placer, frames: Bools, method: KalmanAngles) -> PredictedPath:
     """Predict, check, correct and feed back in the `frames` (F) wanted; where they have a hole, all begins anew."""
     run = _Run(motion, placer, method)
     for f in np.flatnonzero(frames):
         if f == 0 or not frames[f - 1]:
             run.begin()
         run.step(int(f))
-    return Followed(run.xyz, run.variance, run.corrected)
+    return PredictedPath(run.xyz, run.variance, run.corrected)
 
 
-def _noise_and_jump(motion: Motion, method: KalmanAngles) -> tuple[float, float]:
+def _noise_and_jump(motion: MarkerArray, method: KalmanAngles) -> tuple[float, float]:
     """σ and U, given or found, one for all markers."""
     y = motion.xyz.transpose(0, 2, 1).reshape(-1, motion.xyz.shape[1])
     noise = noise_of(y)
@@ -164,7 +164,7 @@ def _noise_and_jump(motion: Motion, method: KalmanAngles) -> tuple[float, float]
 class _Run:
     """The state of all markers in one frame, and what was found in those before."""
 
-    def __init__(self, motion: Motion, placer: Placer, method: KalmanAngles) -> None:
+    def __init__(self, motion: MarkerArray, placer: Placer, method: KalmanAngles) -> None:
         n, n_frames, _ = motion.xyz.shape
         self._seen, self._method = motion.xyz, method
         self._sd, self._jump = _noise_and_jump(motion, method)
@@ -177,7 +177,7 @@ class _Run:
     def begin(self) -> None:
         """Nothing is known."""
         n = len(self._seen)
-        self._state = State(np.zeros((n, 3, 3)), np.zeros((n, 3, 3)))
+        self._state = KalmanState(np.zeros((n, 3, 3)), np.zeros((n, 3, 3)))
         self._next = self._state
         self._going, self._row = np.zeros(n, bool), np.zeros(n, np.int64)
 
@@ -203,7 +203,7 @@ class _Run:
     def _weighed(self, placed: Floats, variance: Floats, wrong: Bools) -> tuple[Floats, Floats]:
         """(5): places (M, 3) and variances (M) of the markers `wrong`, whose state becomes that of the frame's end."""
         placed, variance = placed.copy(), variance.copy()
-        state = State(self._state.x[wrong], self._state.P[wrong])
+        state = KalmanState(self._state.x[wrong], self._state.P[wrong])
         prior, R = state.P[:, 0, 0].copy(), np.maximum(variance[wrong], LEAST)
         placed[wrong], self._next = update_position(state, placed[wrong], R, self._jump)
         variance[wrong] = prior * R / (prior + R)
@@ -228,7 +228,7 @@ class _Run:
             new.x[begins], new.P[begins] = start(past[begins], self._sd, self._jump)
         if on.any():
             whole = ((self._row == 3) | fed)[on]  # (3)
-            state = State(old.x[on], old.P[on])
+            state = KalmanState(old.x[on], old.P[on])
             new.x[on], new.P[on] = update(state, np.nan_to_num(past[on]), whole, self._sd, self._jump)
         if self._method.feedback == "measured" and wrong.any():
             new.x[wrong], new.P[wrong] = self._next

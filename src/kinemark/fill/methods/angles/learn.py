@@ -29,8 +29,8 @@ from scipy.sparse import csr_array
 
 from ....data import AngleModel, KinemarkError
 from ....signal.periodic import cycle_length
-from ....signal.phase import Phase, Template, refine_phase
-from .connect import Segments, directions
+from ....signal.phase import CyclePhase, CycleTemplate, refine_phase
+from .connect import LinkedSegments, directions
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -62,7 +62,7 @@ class Learned(NamedTuple):
     """A model and the phase of the trial's frames in it."""
 
     model: AngleModel
-    phase: Phase
+    phase: CyclePhase
 
 
 def learn_model(
@@ -70,7 +70,7 @@ def learn_model(
     *,
     rate: float,
     names: Sequence[str],
-    segments: Segments,
+    segments: LinkedSegments,
     period: float | None = None,
     shortest: float = 0.3,
     longest: float = 6.0,
@@ -108,20 +108,20 @@ def columns(xyz: Floats, link: Ints) -> Floats:
     return np.ascontiguousarray(directions(xyz, link).swapaxes(1, 2).reshape(-1, xyz.shape[1]).T)
 
 
-def _own_phase(y: Floats, T: float) -> Phase:
+def _own_phase(y: Floats, T: float) -> CyclePhase:
     """Steps 2 to 4."""
     some = y[:, telling(y)]
-    phase = Phase(np.arange(len(y)) / T, np.nan)
+    phase = CyclePhase(np.arange(len(y)) / T, np.nan)
     for _ in range(ROUNDS):
         phase = _better_phase(some, phase, T)
     return phase
 
 
-def _spread_out(phase: Phase, step: int, n_frames: int) -> Phase:
+def _spread_out(phase: CyclePhase, step: int, n_frames: int) -> CyclePhase:
     """In all frames, of one known in every so many: it bends little from frame to frame."""
     if step == 1:
         return phase
-    return Phase(CubicSpline(step * np.arange(len(phase.cycles)), phase.cycles)(np.arange(n_frames)), phase.cost)
+    return CyclePhase(CubicSpline(step * np.arange(len(phase.cycles)), phase.cycles)(np.arange(n_frames)), phase.cost)
 
 
 def telling(y: Floats) -> Ints:
@@ -134,14 +134,14 @@ def telling(y: Floats) -> Ints:
     return np.asarray((3 * rows[:, None] + np.arange(3)).ravel())
 
 
-def _better_phase(y: Floats, phase: Phase, T: float) -> Phase:
+def _better_phase(y: Floats, phase: CyclePhase, T: float) -> CyclePhase:
     """Steps 3 and 4."""
     mean, cycles = mean_cycle(y, phase.cycles)
     known = np.isfinite(mean).all(0)
     if not known.any():
         raise KinemarkError("No segment was seen through all parts of the cycle.")
     spread = spread_of(cycles, mean)
-    return refine_phase(y[:, known], Template(mean[:, known]), spread[known], phase.cycles, cycle=T)
+    return refine_phase(y[:, known], CycleTemplate(mean[:, known]), spread[known], phase.cycles, cycle=T)
 
 
 def _period(xyz: Floats, link: Ints, rate: float, shortest: float, longest: float) -> float:
@@ -163,14 +163,14 @@ def mean_cycle(y: Floats, phase: Floats, steps: int = STEPS) -> tuple[Floats, Fl
     whole = whole[:: -(-len(whole) // CYCLES)]
     wanted = whole[:, None] + np.arange(steps) / steps
     frame = np.interp(wanted, rising, np.arange(len(rising)), left=np.nan, right=np.nan)
-    cycles = Between.at(frame.ravel(), len(y)).read(y).reshape(*frame.shape, -1)
+    cycles = CycleInterpolation.at(frame.ravel(), len(y)).read(y).reshape(*frame.shape, -1)
     there = ~np.isnan(cycles)
     n = there.sum(0)
     mean = np.where(n > 0, np.where(there, cycles, 0.0).sum(0) / np.maximum(n, 1), np.nan)
     return bridged(mean), cycles
 
 
-class Between(NamedTuple):
+class CycleInterpolation(NamedTuple):
     """Places between frames: frame (4, N) those about each, cubic and line (4, N) their weights; NaN outside the
     frames."""
 
@@ -179,7 +179,7 @@ class Between(NamedTuple):
     line: Floats
 
     @classmethod
-    def at(cls, moments: Floats, n_frames: int) -> Between:
+    def at(cls, moments: Floats, n_frames: int) -> CycleInterpolation:
         """For moments (N) in frames and parts of them, NaN for none."""
         inside = np.isfinite(moments)
         moment = np.where(inside, moments, 0.0)
@@ -245,7 +245,7 @@ def spread_of(cycles: Floats, mean: Floats) -> Floats:
     return np.where(free > 0, np.maximum(spread, LEAST_SPREAD), ONE_CYCLE)
 
 
-def _model(mean: Floats, cycles: Floats, names: Sequence[str], segments: Segments, period: float) -> AngleModel:
+def _model(mean: Floats, cycles: Floats, names: Sequence[str], segments: LinkedSegments, period: float) -> AngleModel:
     """Of the segments that were seen all round."""
     steps, n_segments = len(mean), len(segments.link)
     off = np.moveaxis((cycles - mean).reshape(len(cycles), steps, n_segments, 3), -1, 0).copy()  # (3, C, B, S)
@@ -268,10 +268,10 @@ def _model(mean: Floats, cycles: Floats, names: Sequence[str], segments: Segment
     )  # fmt: skip
 
 
-def template_of(model: AngleModel) -> tuple[Template, Floats]:
+def template_of(model: AngleModel) -> tuple[CycleTemplate, Floats]:
     """The model's directions as a template of 3 S sequences, and their spread (3 S)."""
     values = model.direction.swapaxes(0, 1).reshape(model.direction.shape[1], -1)
     variance = np.diagonal(model.cov, axis1=-2, axis2=-1)
     some = np.isfinite(variance).any(1)
     mean = np.where(some, np.nansum(variance, axis=1) / np.maximum(np.isfinite(variance).sum(1), 1), ONE_CYCLE**2)
-    return Template(values), np.maximum(np.sqrt(mean), LEAST_SPREAD).ravel()
+    return CycleTemplate(values), np.maximum(np.sqrt(mean), LEAST_SPREAD).ravel()

@@ -28,8 +28,8 @@ from numpy.typing import NDArray
 
 from ....data import AngleModel, KinemarkError
 from ....data.arrays import check_positive
-from ....signal.phase import Phase, find_phase
-from ...marker_array import Gap, Motion, Prediction
+from ....signal.phase import CyclePhase, find_phase
+from ...marker_array import Gap, MarkerArray, Prediction
 from .connect import connect, directions
 from .learn import Learned, learn_model, template_of
 from .place import Placer, Placings, correlation
@@ -78,7 +78,9 @@ class LimbAngles:
             raise ValueError(f"edges is {self.edges}, wanted 0 or more")
 
 
-def fill_limb_angles(motion: Motion, gaps: Sequence[Gap], *, method: LimbAngles = LimbAngles()) -> list[Prediction]:
+def fill_limb_angles(
+    motion: MarkerArray, gaps: Sequence[Gap], *, method: LimbAngles = LimbAngles()
+) -> list[Prediction]:
     """What the model says of each gap; where the motion has no cycle, or a marker no segment, the reason."""
     if not gaps:
         return []
@@ -89,7 +91,7 @@ def fill_limb_angles(motion: Motion, gaps: Sequence[Gap], *, method: LimbAngles 
     return _Filling(motion, gaps, placer, method).done()
 
 
-def fit_model(motion: Motion, *, method: LimbAngles = LimbAngles()) -> Placer:
+def fit_model(motion: MarkerArray, *, method: LimbAngles = LimbAngles()) -> Placer:
     """A model, the method's own or made of the trial, with the phase of the trial's frames.
 
     Raises:
@@ -103,7 +105,7 @@ def fit_model(motion: Motion, *, method: LimbAngles = LimbAngles()) -> Placer:
     return Placer(motion.xyz, learned.model, learned.phase, cycle=learned.model.period * motion.rate, own=True)
 
 
-def learned_of(motion: Motion, *, method: LimbAngles) -> Learned | None:
+def learned_of(motion: MarkerArray, *, method: LimbAngles) -> Learned | None:
     """The model made of a trial and the phase of its frames; None where none can be made."""
     try:
         return _learn(motion, method)
@@ -111,7 +113,7 @@ def learned_of(motion: Motion, *, method: LimbAngles) -> Learned | None:
         return None
 
 
-def _learn(motion: Motion, method: LimbAngles) -> Learned:
+def _learn(motion: MarkerArray, method: LimbAngles) -> Learned:
     segments = connect(motion.xyz, names=motion.names, links=method.links, banks=method.banks)
     return learn_model(
         motion.xyz, rate=motion.rate, names=motion.names, segments=segments,
@@ -119,13 +121,13 @@ def _learn(motion: Motion, method: LimbAngles) -> Learned:
     )  # fmt: skip
 
 
-def _cycle(phase: Phase, otherwise: float) -> float:
+def _cycle(phase: CyclePhase, otherwise: float) -> float:
     """Frames of a cycle of the trial's own."""
     speed = float(phase.cycles[-1] - phase.cycles[0]) / max(len(phase.cycles) - 1, 1)
     return 1 / speed if speed > 0 else otherwise
 
 
-def _foreign(motion: Motion, model: AngleModel, turn: bool) -> tuple[AngleModel, Phase]:
+def _foreign(motion: MarkerArray, model: AngleModel, turn: bool) -> tuple[AngleModel, CyclePhase]:
     """Another trial's model with the markers and lengths of this one, and the phase."""
     place = {name: m for m, name in enumerate(motion.names)}
     use = np.array([all(model.names[m] in place for m in link) for link in model.links])
@@ -142,7 +144,7 @@ def _foreign(motion: Motion, model: AngleModel, turn: bool) -> tuple[AngleModel,
     y = directions(motion.xyz, links).transpose(1, 0, 2).reshape(motion.xyz.shape[1], -1)
     if len(y) < 2 or np.isnan(y).all():
         raise KinemarkError("No segment of the model is seen in the trial.")
-    best: tuple[AngleModel, Phase] | None = None
+    best: tuple[AngleModel, CyclePhase] | None = None
     for angle in np.arange(HEADINGS) * 360 / HEADINGS if turn else (0.0,):
         turned = own.turned(float(angle))
         phase = _phase(y, turned, motion.rate)
@@ -151,12 +153,12 @@ def _foreign(motion: Motion, model: AngleModel, turn: bool) -> tuple[AngleModel,
     return _checked(*(_upright(y, *best, motion.rate) if turn else best))
 
 
-def _phase(y: Floats, model: AngleModel, rate: float) -> Phase:
+def _phase(y: Floats, model: AngleModel, rate: float) -> CyclePhase:
     template, spread = template_of(model)
     return find_phase(y, template, np.maximum(spread, FOREIGN), cycle=model.period * rate)
 
 
-def _upright(y: Floats, model: AngleModel, phase: Phase, rate: float) -> tuple[AngleModel, Phase]:
+def _upright(y: Floats, model: AngleModel, phase: CyclePhase, rate: float) -> tuple[AngleModel, CyclePhase]:
     """The model turned about the vertical by the mean angle that the trial still has to it."""
     template, _ = template_of(model)
     d, u = (a.reshape(len(y), -1, 3) for a in (template(phase.cycles), y))
@@ -166,7 +168,7 @@ def _upright(y: Floats, model: AngleModel, phase: Phase, rate: float) -> tuple[A
     return (better, again) if again.cost < phase.cost else (model, phase)
 
 
-def _checked(model: AngleModel, phase: Phase) -> tuple[AngleModel, Phase]:
+def _checked(model: AngleModel, phase: CyclePhase) -> tuple[AngleModel, CyclePhase]:
     if phase.cost > STRANGE:
         raise KinemarkError(
             f"The motion is not that of the model: its segments are {np.sqrt(phase.cost):.1f} spreads off in the mean."
@@ -177,7 +179,7 @@ def _checked(model: AngleModel, phase: Phase) -> tuple[AngleModel, Phase]:
 class _Filling:
     """Rounds over the gaps: those that have seen neighbours first, then from these."""
 
-    def __init__(self, motion: Motion, gaps: Sequence[Gap], placer: Placer, method: LimbAngles) -> None:
+    def __init__(self, motion: MarkerArray, gaps: Sequence[Gap], placer: Placer, method: LimbAngles) -> None:
         self._motion, self._gaps, self._placer, self._edges = motion, gaps, placer, method.edges
         self._reach = max(round(placer.cycle / 4), 1)
         self._filled = motion.xyz.copy()

@@ -39,9 +39,9 @@ from numpy.typing import NDArray
 
 from ....data import AngleModel
 from ....geometry import polar_rotations
-from ....signal.phase import Phase, Template, information, variance_at
+from ....signal.phase import CyclePhase, CycleTemplate, information, variance_at
 from ....signal.smoother import noise_of
-from .learn import LONG, Between, columns, telling, template_of, weights
+from .learn import LONG, CycleInterpolation, columns, telling, template_of, weights
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -99,7 +99,7 @@ class _Bank(NamedTuple):
 
     rows: Ints
     link: Ints
-    curve: Template
+    curve: CycleTemplate
     seen: Floats
     weighted: Floats
     d: Floats
@@ -127,7 +127,7 @@ class Placer:
         phase: of the trial's frames.
     """
 
-    def __init__(self, xyz: Floats, model: AngleModel, phase: Phase, *, cycle: float, own: bool) -> None:
+    def __init__(self, xyz: Floats, model: AngleModel, phase: CyclePhase, *, cycle: float, own: bool) -> None:
         self.xyz, self.phase, self.cycle = xyz, phase, cycle
         self.model, self._moments = model, _moments(phase) if own else []
         self._curve, self._spread = template_of(model)
@@ -178,7 +178,7 @@ class Placer:
     def _others(self) -> Any:
         """Weights (F, F) of the sum of (3): a sparse matrix."""
         n_frames = self.xyz.shape[1]
-        place = Between.at(np.concatenate(self._moments), n_frames)
+        place = CycleInterpolation.at(np.concatenate(self._moments), n_frames)
         weight = np.nan_to_num(np.where(np.isnan(place.cubic), place.line, place.cubic))
         return weights(weight.reshape(-1, n_frames), place.frame.reshape(-1, n_frames), n_frames)
 
@@ -274,7 +274,7 @@ def _runs(n_frames: int, lag: int) -> Ints:
     return frames[frames < n_frames]
 
 
-def _moments(phase: Phase) -> list[Floats]:
+def _moments(phase: CyclePhase) -> list[Floats]:
     """t_m (F) of (3) for the other cycles, frames; NaN where there is none."""
     rising = np.maximum.accumulate(phase.cycles)
     frames = np.arange(len(rising))

@@ -16,6 +16,8 @@ from .marker_set import MarkerSet
 from .matches import Matches
 from .rig import PARAMETERS, Camera, Rig
 from .rods import Rods
+from .sample_images import SampleImages, images_of, matches_of
+from .signals import Signal, Signals
 from .trajectories import MarkerTrajectory, Origin, Trajectories
 from .trial import Step, Trial
 
@@ -37,10 +39,15 @@ __all__ = [
     "Origin",
     "Rig",
     "Rods",
+    "SampleImages",
+    "Signal",
+    "Signals",
     "Step",
     "Tracks",
     "Trajectories",
     "Trial",
     "Validity",
+    "images_of",
+    "matches_of",
     "same",
 ]

@@ -28,7 +28,7 @@ import numpy as np
 
 from kinemark.data import MarkerTrajectory as Path3D
 from kinemark.data import Origin, Trajectories
-from kinemark.engine.formats import read
+from kinemark.io.trial import read_trial
 from kinemark.fill import METHODS, Auto, Gap, MarkerArray, fill, find_gaps
 from kinemark.fill.fill import FillAnswer, ask, choose
 from kinemark.fill.judge.hold_out import distances
@@ -85,7 +85,7 @@ def trial(name: str) -> MarkerArray:
     file, wanted = TRIALS[name]
     if not (ROOT / file).exists():
         raise FileNotFoundError(f"{ROOT / file} is absent")
-    trajectories: Trajectories = read(ROOT / file).trajectories
+    trajectories: Trajectories = read_trial(ROOT / file).trajectories
     motion = MarkerArray.of(trajectories)
     rows = [k for k, label in enumerate(motion.names) if wanted(k, label) and motion.seen[k].all()]
     return MarkerArray(motion.xyz[rows], motion.rate, tuple(motion.names[k] for k in rows))

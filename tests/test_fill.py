@@ -9,7 +9,7 @@ from scipy.stats import spearmanr
 from shared import shared_data
 
 from kinemark.data import MarkerTrajectory, Origin, Trajectories
-from kinemark.engine.formats import read
+from kinemark.io.trial import read_trial
 from kinemark.fill import (
     METHODS,
     Auto,
@@ -326,7 +326,7 @@ class TestOddInput:
 
 
 def test_a_real_walk_is_filled_to_millimetres_and_says_so():
-    trajectories = read(shared_data("mocap3d/pig_gait_3plates_emg/PiG_Motion3_FF.c3d")).trajectories
+    trajectories = read_trial(shared_data("mocap3d/pig_gait_3plates_emg/PiG_Motion3_FF.c3d")).trajectories
     motion = MarkerArray.of(trajectories)
     motion = MarkerArray(motion.xyz[:16], motion.rate, motion.names[:16])
     error, inside = [], []

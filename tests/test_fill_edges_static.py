@@ -8,14 +8,14 @@ from shared import shared_data
 from kinemark.fill import Gap, MarkerArray, StaticShape
 from kinemark.fill.edges import GapEdges, trim_edges
 from kinemark.fill.static import FromStatic, place_absent
-from kinemark.io.c3d.to_trial import markers, read_c3d
+from kinemark.io.c3d.to_trial import read_c3d
 
 GAIT = "mocap3d/qualisys_gait/Gait - CGM2 1.c3d"
 STATIC = "mocap3d/qualisys_gait/Static - CGM2 1.c3d"
 
 
 def read(path):
-    return MarkerArray.of(markers(read_c3d(shared_data(path))))
+    return MarkerArray.of(read_c3d(shared_data(path)).trajectories)
 
 
 def swaying(markers_=5, frames=600, noise=0.2, bend=0.0, seed=1):

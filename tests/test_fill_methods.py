@@ -37,7 +37,7 @@ from kinemark.fill.methods.table import (
     fill_rigid_body,
 )
 from kinemark.geometry import nearest_rotations
-from kinemark.io.c3d.to_trial import markers, read_c3d
+from kinemark.io.c3d.to_trial import read_c3d
 from kinemark.signal import smoothing_spline
 
 FILLERS = {
@@ -389,7 +389,7 @@ def test_the_closed_form_is_the_kalman_smoother(sides):
 
 def test_a_real_walk_is_filled_to_a_few_millimetres():
     """Hidden gaps of 1 s, raw data with measured residuals; the bounds are the field's best known figures."""
-    trial = markers(read_c3d(shared_data("mocap3d/qualisys_gait/Gait - CGM2 1.c3d")))
+    trial = read_c3d(shared_data("mocap3d/qualisys_gait/Gait - CGM2 1.c3d")).trajectories
     motion = MarkerArray.of(getattr(trial, "trajectories", trial))
     rng = np.random.default_rng(1)
     whole = np.flatnonzero(motion.seen.all(1))
@@ -403,7 +403,7 @@ def test_a_real_walk_is_filled_to_a_few_millimetres():
 
 
 def test_all_gaps_of_a_trial_with_gaps_are_answered():
-    motion = MarkerArray.of(markers(read_c3d(shared_data("mocap3d/arm_box_lift_gaps/Vicon.c3d"))))
+    motion = MarkerArray.of(read_c3d(shared_data("mocap3d/arm_box_lift_gaps/Vicon.c3d")).trajectories)
     gaps = find_gaps(motion)
     for name in FILLERS:
         assert all(p.reason or not np.isnan(p.xyz).any() for p in fill(name, motion, gaps))

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Analog, Cloud, Detections, Fills, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
+from ..data import Cloud, Detections, Fills, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
 from ..detect import Centroids, KissNearest, KissScanning
 from ..digitise import called, identified_matches, identified_tracks
 from ..fill import Filled, FilledGap, Filling, Rays, fill_recording
@@ -195,7 +195,7 @@ def run(
     if not ledger.stands("write", key) or not all(path.is_file() for path in outputs):
         progress("write", 0, 1)
         beside = source.beside or Trial("", trajectories)
-        write_c3d(outputs[0], replace(together(beside, trajectories), name=folder.name, steps=steps))
+        write_c3d(outputs[0], replace(beside, trajectories=trajectories, name=folder.name, steps=steps))
         write_quality(outputs[1], figures)
         write_report(
             outputs[2],
@@ -212,32 +212,6 @@ def run(
         progress("write", 1, 1)
     ledger.note("write", key)  # only now: what was cut off before is written again
     return Results(folder, rig, detections, tracks, trajectories, figures, steps, tuple(ledger.computed))
-
-
-def _whole(ratio: float) -> bool:
-    """Whether a ratio of rates is a whole number."""
-    return abs(ratio - round(ratio)) < 1e-6 and round(ratio) >= 1
-
-
-def alongside(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Analog, ...]:
-    """Channels as a C3D file can hold them: one record, as many samples to every frame, from the first to the last.
-
-    Channels whose rate is no multiple of the frame rate, or that start later, are left out; they stay in their own
-    file. What was recorded beyond the last frame is cut, and what is missing before it is NaN.
-    """
-    fitting = [a for a in analog if a.start == 0 and _whole(a.rate / rate)]
-    if not fitting:
-        return ()
-    fastest = max(a.rate for a in fitting)
-    samples = round(fastest / rate) * n_frames
-    rows = []
-    for a in fitting:
-        held = np.repeat(a.values, round(fastest / a.rate), axis=1)[:, :samples] if _whole(fastest / a.rate) else None
-        if held is not None:
-            rows.append((a, np.pad(held, ((0, 0), (0, samples - held.shape[1])), constant_values=np.nan)))
-    names = tuple(name for a, _ in rows for name in a.names)
-    units = tuple(unit for a, _ in rows for unit in a.units)
-    return (Analog(names, units, fastest, np.concatenate([values for _, values in rows])),)
 
 
 def _stages(
@@ -373,14 +347,6 @@ def _load_tracked(path: Path) -> Tracked:
         return Tracked(_reader(Tracks)(path), unsure, tuple(said["diagnostics"]))
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise KinemarkError(f"{path.with_name(DOUBTS)} is damaged: {error}. Delete it.") from error
-
-
-def together(beside: Trial, trajectories: Trajectories) -> Trial:
-    """The trajectories with what was recorded beside them, as far as a C3D file can hold it."""
-    analog = alongside(beside.analog, trajectories.rate, trajectories.n_frames)
-    kept = {name for a in analog for name in a.names}
-    plates = tuple(plate for plate in beside.plates if set(plate.channels) <= kept)
-    return replace(beside, trajectories=trajectories, analog=analog, plates=plates)
 
 
 def _reader(kind: type[Record]) -> Callable[[Path], Record]:

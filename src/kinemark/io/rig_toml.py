@@ -20,8 +20,8 @@ from scipy.spatial.transform import Rotation
 from ..data import Camera, KinemarkError, Rig
 from .files import replacing
 from .number_text import read_text
+from .units import USUAL, mm_per
 
-TO_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 NOT_CAMERAS = ("metadata", "kinemark")
 SAME_TURN = 1e-9
 LARGEST = 1e100  # what may be squared without overflow
@@ -33,14 +33,14 @@ def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:
 
     Args:
         path: the file.
-        length_unit: "mm", "cm" or "m", for a file whose `[metadata]` does not say `units`.
+        length_unit: "mm", "cm", "m" or "in", for a file whose `[metadata]` does not say `units`.
 
     Raises:
         ValueError: `length_unit` is another word.
         KinemarkError: the file is no TOML, has no cameras, no unit, or a camera that the model cannot express.
     """
-    if length_unit is not None and length_unit not in TO_MM:
-        raise ValueError(f"length_unit is {length_unit!r}, wanted one of {', '.join(TO_MM)}")
+    if length_unit is not None and mm_per(length_unit) is None:
+        raise ValueError(f"length_unit is {length_unit!r}, wanted {USUAL}")
     try:
         document = tomllib.loads(read_text(path))
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -51,7 +51,7 @@ def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:
         raise KinemarkError(
             f"{path} has {len(tables)} cameras, wanted tables with `matrix`, `rotation`, `translation`."
         )
-    scale = TO_MM[unit_of(path, metadata, length_unit)]
+    scale = unit_of(path, metadata, length_unit)
     try:
         cameras = tuple(camera(f"{path}, [{k}]", k, v, table_of(own, k), scale) for k, v in tables.items())
         volume = (
@@ -62,20 +62,21 @@ def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:
         raise KinemarkError(f"{path}: {error}. Correct the file or calibrate again.") from error
 
 
-def unit_of(path: Path | str, metadata: Mapping[str, Any], length_unit: str | None) -> str:
-    """The unit that the file or the caller states; not two different ones."""
+def unit_of(path: Path | str, metadata: Mapping[str, Any], length_unit: str | None) -> float:
+    """mm in the unit that the file or the caller states; not two different ones."""
     stated = metadata.get("units")
     unit = stated if stated is not None else length_unit
     if unit is None:
         raise KinemarkError(
-            f"{path} does not say the unit of its translations. Set `length_unit` in [calibration] to mm, cm or m."
+            f"{path} does not say the unit of its translations. Set `length_unit` in [calibration] to {USUAL}."
         )
-    if unit not in TO_MM or (length_unit is not None and length_unit != unit):
+    mm = mm_per(unit)
+    if mm is None or (length_unit is not None and mm_per(length_unit) != mm):
         raise KinemarkError(
-            f"{path} states units = {stated!r}, wanted {length_unit or ', '.join(TO_MM)}. "
+            f"{path} states units = {stated!r}, wanted {length_unit or USUAL}. "
             "Correct the file, or `length_unit` in [calibration]."
         )
-    return str(unit)
+    return mm
 
 
 def table_of(own: Mapping[str, Any], key: str) -> Mapping[str, Any]:

@@ -120,7 +120,8 @@ def escaped(line: str) -> str:
     pieces = line.split("`")
     if len(pieces) % 2 == 0:  # a lone backquote
         return _plain(line.replace("`", "'"))
-    return "".join(f"``{piece}``" if k % 2 else _plain(piece) for k, piece in enumerate(pieces))
+    joined = "".join(f"``{piece}``" if k % 2 else _plain(piece) for k, piece in enumerate(pieces))
+    return re.sub(r"``(?=[^\s`.,:;!?()\[\]'\"/-])(?=[^`]*(?:``[^`]*``[^`]*)*$)", r"``\\ ", joined)
 
 
 def _plain(text: str) -> str:

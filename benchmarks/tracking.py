@@ -25,12 +25,12 @@ from numpy.typing import NDArray
 from tracking_rivals import RIVALS
 
 from kinemark.data import Detections, Rig, Tracks
-from kinemark.follow import Simultaneous, follow
 from kinemark.match import EpipolarTriplets, KissTriplets, MatchMethod, match
 from kinemark.reconstruct import reconstruct
-from kinemark.score import Score, score
-from kinemark.synth import Observed, Subject, dressed, observe, ring, together, walking
+from kinemark.synth import ObservedImages, Subject, dressed, observe, ring, together, walking
+from kinemark.synth.score import Score, score
 from kinemark.track import ExtrapolationLadder, KissTracking, TrackMethod, track
+from kinemark.track.simultaneous import Simultaneous, track_detections
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Made(NamedTuple):
 
     subject: Subject
     rig: Rig
-    observed: Observed
+    observed: ObservedImages
     seen: NDArray[np.bool_]
 
 
@@ -128,7 +128,7 @@ def staged(matching: MatchMethod, tracking: TrackMethod) -> Callable[[Detections
 
 
 METHODS: dict[str, Callable[[Detections, Rig], Tracks]] = {
-    "simultaneous": lambda detections, rig: follow(detections, rig, method=Simultaneous()),
+    "simultaneous": lambda detections, rig: track_detections(detections, rig, method=Simultaneous()),
     "epipolar_triplets, extrapolation_ladder": staged(EpipolarTriplets(), ExtrapolationLadder()),
     "kiss_triplets, kiss_tracking": staged(KissTriplets(), KissTracking()),
 }
@@ -173,7 +173,9 @@ def warm_up() -> None:
         run(observed.detections, rig)
 
 
-def timed(run: Callable[[Detections, Rig], Tracks], observed: Observed, rig: Rig, runs: int) -> tuple[Tracks, float]:
+def timed(
+    run: Callable[[Detections, Rig], Tracks], observed: ObservedImages, rig: Rig, runs: int
+) -> tuple[Tracks, float]:
     """The tracks, and the median of the seconds of processor that they take."""
     seconds = []
     for _ in range(runs):
@@ -188,7 +190,7 @@ def growth(runs: int) -> None:
     print("markers cameras       s   µs a sample   µs an image")
     for scene in (*(Scene(n, 8) for n in (20, 40, 80, 160)), *(Scene(39, n) for n in (4, 8, 16))):
         _, rig, observed, seen = made(scene)
-        _, s = timed(follow, observed, rig, runs)
+        _, s = timed(track_detections, observed, rig, runs)
         per = 1e6 * s / seen.sum(), 1e6 * s / len(observed.detections)
         print(f"{scene.markers:7d}{scene.cameras:8d}{s:8.3f}{per[0]:14.1f}{per[1]:14.2f}", flush=True)
 

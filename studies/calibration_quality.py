@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from kinemark.calibrate import calibrate_control_points
 from kinemark.calibrate.bundle import calibrate_sticks
 from kinemark.calibrate.quality import predicted_covariance, visible
-from kinemark.calibrate.world import fit_moved_to
+from kinemark.calibrate.world_frame import fit_moved_to
 from kinemark.data import Rig
 from kinemark.geometry import project_all, refine, triangulate, undistort
 from kinemark.synth import control_frame, ring, wand

@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 from recordings import recording
 
 from kinemark.data import Camera, Rig
+from kinemark.engine.session import Session
 from kinemark.geometry import rigid_align
 from kinemark.io.rig_toml import write_rig_toml
-from kinemark.session import Session
 from kinemark.signal import assign
 
 Floats = NDArray[np.float64]

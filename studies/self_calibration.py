@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from recordings import recording
 
 from kinemark.calibrate.bundle import Bundle, BundleFit, calibrate_points
-from kinemark.calibrate.world import similarity
+from kinemark.calibrate.world_frame import similarity
 from kinemark.data import Camera, Rig
 from kinemark.geometry import decompose, distort, project, refine, triangulate, undistort
 from kinemark.io.selfcal import SelfCal, read_selfcal

@@ -23,7 +23,7 @@ from swamidas_runs import Run, recorded
 
 from kinemark.data import Detections, Rig
 from kinemark.geometry import epipolar_lines, fundamental, line_distance, project_all, triangulate
-from kinemark.match.nearest import match_nearest
+from kinemark.match.nearest_epipolar import match_nearest
 from kinemark.synth import look_at, observe
 
 Floats = NDArray[np.float64]

@@ -21,7 +21,7 @@ from recordings import recording
 from scipy.spatial.transform import Rotation
 
 from kinemark.data import Angles, Trajectories
-from kinemark.data import Path as MarkerPath
+from kinemark.data import MarkerTrajectory as MarkerPath
 from kinemark.io.c3d import markers, read_c3d
 from kinemark.io.mat5 import read_mat5
 from kinemark.io.model_toml import load_model

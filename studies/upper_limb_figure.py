@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from recordings import recording
 from upper_limb import BONE, bones, cluster_misfit, eating, first_frames, thinned
 
-from kinemark.data import Path as MarkerPath
+from kinemark.data import MarkerTrajectory as MarkerPath
 from kinemark.data import Trajectories
 from kinemark.io.model_toml import load_model
 from kinemark.kinematics import InverseCosines, joint_angles, static_template

@@ -5,10 +5,10 @@ from datetime import date
 import numpy as np
 from eating import laboratory, meal
 
+from kinemark.engine.um2as import calibrate_file
 from kinemark.geometry import project_all
 from kinemark.io.um2as import write_da, write_msr
 from kinemark.synth import truth
-from kinemark.um2as import calibrate_file
 
 CM = ((72.2, 40.5, -6.4), (60.0, 31.8, 31.5), (63.6, 5.8, 59.5), (46.8, 16.8, -7.5))
 CM += ((21.0, 5.7, 73.9), (13.7, 46.7, 37.8), (48.3, 72.3, 62.2), (32.5, 31.2, 58.9))

@@ -5,10 +5,10 @@ from laboratory import observe
 
 from kinemark.calibrate.control_points import control_point_quality
 from kinemark.calibrate.quality import visible
-from kinemark.calibrate.quality.evidence import Evidence
+from kinemark.calibrate.quality.calibration_evidence import Evidence
+from kinemark.engine.session import Session
 from kinemark.geometry import project_all
 from kinemark.io.detections_csv import write_detections_csv
-from kinemark.session import Session
 from kinemark.synth import control_frame, ring, wand
 
 FRAME = control_frame()

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from kinemark.data import Camera, Cloud, Detections, Path, Rig, Step, Tracks, Trajectories
+from kinemark.data import Camera, Cloud, Detections, MarkerTrajectory, Rig, Step, Tracks, Trajectories
 from kinemark.geometry import project
 from kinemark.report import quality
 
@@ -52,7 +52,7 @@ def capture(rig, xyz, offset=None, sd=0.5, names=None):
     start = np.concatenate([[0], np.cumsum(seen.sum(0))])
     tracks = Tracks(Cloud(RATE, start, points, cov, np.zeros(len(points)), view), marker)
     known = {"cov": np.broadcast_to(sd**2 * np.eye(3), (F, 3, 3)), "cameras": np.full(F, 2 ** len(rig) - 1)}
-    paths = [Path.measured(names[m] if names else f"m{m}", xyz[m], **known) for m in range(M)]
+    paths = [MarkerTrajectory.measured(names[m] if names else f"m{m}", xyz[m], **known) for m in range(M)]
     return {"detections": detections, "tracks": tracks, "trajectories": Trajectories(tuple(paths), RATE)}
 
 

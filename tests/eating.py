@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 from kinemark.data import Rig
-from kinemark.digitise import Absent, Accept, No, Phase, Point, Verify, Yes, look_at
+from kinemark.digitise import Absent, Accept, DigitisingPhase, No, Point, Verify, Yes, look_at
 from kinemark.synth import Capsules, Optics, Subject, arm, film, truth
 from kinemark.synth import look_at as aimed
 
@@ -77,17 +77,17 @@ class Knowing:
     def __call__(self, question, state):
         self.asked.append(question)
         m, f = question.marker, question.frame
-        if question.phase is Phase.REVIEW:
+        if question.phase is DigitisingPhase.REVIEW:
             return Accept() if all(self.right(state.draft, k, f) for k in range(len(self.uv))) else Verify()
-        if question.phase is Phase.VERIFY:
+        if question.phase is DigitisingPhase.VERIFY:
             return Yes() if self.right(state.draft, m, f) else No()
-        if question.phase is Phase.REFERENCE:
+        if question.phase is DigitisingPhase.REFERENCE:
             return Yes()
         if question.proposal is not None and self.agrees(question):
             return Yes()
         if self.visible[m, f] < self.least:
             return Absent()
-        if question.phase is Phase.CORRECT:
+        if question.phase is DigitisingPhase.CORRECT:
             return Point(*(self.place(m, f) + self.rng.uniform(-1, 1, 2)))
         at = self.place(m, f) + self.rng.uniform(-2, 2, 2)
         v, u = np.nonzero(self.look(f).owner >= 0)

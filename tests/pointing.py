@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from kinemark.digitise import Absent, Accept, Phase, Point, SemiAutomatic, Yes, drive, look_at, result
+from kinemark.digitise import Absent, Accept, DigitisingPhase, Point, SemiAutomatic, Yes, drive, look_at, result
 
 SIZE = (160, 120)
 RADIUS = 4
@@ -47,15 +47,15 @@ class Shown:
 
     def __call__(self, question, state):
         self.asked.append(question)
-        if question.phase is Phase.REVIEW:
+        if question.phase is DigitisingPhase.REVIEW:
             return Accept()
-        if question.phase in (Phase.REFERENCE, Phase.VERIFY):
+        if question.phase in (DigitisingPhase.REFERENCE, DigitisingPhase.VERIFY):
             return Yes()
         place = self.paths[question.marker, question.frame]
         return Point(*np.rint(place)) if np.isfinite(place).all() else Absent()
 
     def pointed(self):
-        return [(q.frame, q.marker) for q in self.asked if q.phase is Phase.POINT]
+        return [(q.frame, q.marker) for q in self.asked if q.phase is DigitisingPhase.POINT]
 
 
 def run(paths, m, shown=None, **options):

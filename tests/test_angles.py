@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from shared import shared_data
 
-from kinemark import cli
-from kinemark.angles import AngleSettings, angles_of_file, trial_angles
-from kinemark.data import Angles, Cloud, Events, KinemarkError, Path, Tracks, Trajectories, Trial
-from kinemark.formats import read_trial
+from kinemark.apps import cli
+from kinemark.data import Angles, Cloud, Events, KinemarkError, MarkerTrajectory, Tracks, Trajectories, Trial
+from kinemark.engine.formats import read_trial
+from kinemark.engine.trial_angles import AngleSettings, angles_of_file, trial_angles
 from kinemark.io.c3d import markers, read_c3d, with_angles, write_c3d
 from kinemark.io.model_toml import load_model
 from kinemark.io.records import save
@@ -32,7 +32,7 @@ def eating(*, duration_s=6.0, sd=0.7, hole=True, first_frame=1):
     xyz = subject.xyz + sd * np.random.default_rng(3).normal(size=subject.xyz.shape)
     if hole:
         xyz[3, 100:115] = np.nan
-    paths = tuple(Path.measured(n, x) for n, x in zip(subject.names, xyz, strict=True))
+    paths = tuple(MarkerTrajectory.measured(n, x) for n, x in zip(subject.names, xyz, strict=True))
     events = Events(("Reach",) * 2 + ("Bite",), ("Right",) * 3, np.array([0.0, 3.0, 1.3]) + (first_frame - 1) / 50)
     return Trial("eating", Trajectories(paths, 50.0, first_frame), events=events), subject.angles
 
@@ -95,7 +95,8 @@ def test_c3d_keeps_the_trial_and_gains_angles(written):
     with pytest.raises(KinemarkError, match="frames"):
         with_angles(eating(duration_s=1.0)[0], result.angles)
     named = replace(
-        before, trajectories=replace(before.trajectories, paths=(Path.measured("elbow", np.ones((300, 3))),))
+        before,
+        trajectories=replace(before.trajectories, paths=(MarkerTrajectory.measured("elbow", np.ones((300, 3))),)),
     )
     with pytest.raises(KinemarkError, match="a marker called elbow"):
         with_angles(named, result.angles)
@@ -177,7 +178,8 @@ def test_ranges_locks_and_joints_without_frames_are_told():
     assert sum(shape.type == "line" and shape.y0 == 100.0 for shape in shapes) == 1  # the limit of flexion
     assert sum(shape.type == "rect" for shape in shapes) == 2 * len(result.figures["joints"][1]["locked"])
     blind = replace(trial, trajectories=replace(trial.trajectories, paths=tuple(
-        Path.measured(p.name, np.full_like(p.xyz, np.nan)) if p.name == "MC37" else p for p in trial.trajectories
+        MarkerTrajectory.measured(p.name, np.full_like(p.xyz, np.nan)) if p.name == "MC37" else p
+        for p in trial.trajectories
     )))  # fmt: skip
     found = trial_angles(blind, model=UM2AS)
     assert found.figures["verdict"]["grade"] == "red" and np.isfinite(found.angles.deg[:2]).all()

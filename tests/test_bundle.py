@@ -8,12 +8,12 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 from waved import ALONG, MIDDLE, benchmark, waved
 
-from kinemark.calibrate.bundle import Bundle, Freedom, Held, Points, Sticks, bundle, sticks_through
+from kinemark.calibrate.bundle import Bundle, Freedom, FreePoints, Held, Sticks, bundle, sticks_through
 from kinemark.calibrate.bundle.adjust import observed
 from kinemark.calibrate.bundle.parts import all_points, slices
 from kinemark.calibrate.bundle.robust_points import robust_points
-from kinemark.calibrate.bundle.solver import State, cost, normal_equations, piece_inverses, reduced, solve
-from kinemark.calibrate.world import fit_moved_to
+from kinemark.calibrate.bundle.solver import BundleState, cost, normal_equations, piece_inverses, reduced, solve
+from kinemark.calibrate.world_frame import fit_moved_to
 from kinemark.data import Rig
 from kinemark.geometry import project, project_all
 from kinemark.synth import ring
@@ -28,14 +28,14 @@ def small_state():
     at = MIDDLE + 300 * rng.normal(size=(11, 3))
     parts = (
         Sticks(at[:4], ahead, np.array([-200.0, 0.0, 300.0])),
-        Points(at[4:7]),
-        Points(at[7:9], at[7:9] + rng.normal(size=(2, 3)), np.tile(np.eye(3) / 4, (2, 1, 1))),
+        FreePoints(at[4:7]),
+        FreePoints(at[7:9], at[7:9] + rng.normal(size=(2, 3)), np.tile(np.eye(3) / 4, (2, 1, 1))),
         Held(at[9:]),
     )
     uv = np.stack([project(camera, all_points(parts)) for camera in rig]) + rng.normal(size=(3, 19, 2))
     uv[0, 3] = uv[2, 13] = np.nan
     cov = np.einsum("...ij,...kj->...ik", *(2 * [np.eye(2) + 0.3 * rng.normal(size=(3, 19, 2, 2))]))
-    return State(rig.cameras, parts), observed(uv, cov)
+    return BundleState(rig.cameras, parts), observed(uv, cov)
 
 
 FREEDOMS = (
@@ -110,7 +110,7 @@ def test_the_optimum_is_that_of_another_program():
     scene = waved(rig, 12, noise=0.3)
     begun, sticks = benchmark.disturbed(rig, scene.xyz, np.random.default_rng(1))
     uv, freedom = scene.uv.reshape(3, -1, 2), Bundle(radial=1, centre=False).freedom
-    ours = solve(State(begun.cameras, (sticks,)), observed(uv, None), (freedom,) * 3)
+    ours = solve(BundleState(begun.cameras, (sticks,)), observed(uv, None), (freedom,) * 3)
     rival = benchmark.Rival(begun, sticks, uv, freedom)
     start = np.zeros(3 * rival.q + 5 * 12)
     theirs = least_squares(rival.residual, start, jac=lambda x: rival.jacobian(x).toarray(), method="lm", x_scale="jac")
@@ -190,17 +190,17 @@ def test_what_is_held_stays_and_known_points_fix_the_world():
     uv = np.stack([project(camera, at) for camera in rig]) + 0.1 * rng.normal(size=(4, 60, 2))
     begun = Rig((rig[0], *(replace(c, t=c.t + rng.normal(size=3) * 20) for c in rig.cameras[1:])))
     pose = Freedom(np.arange(15) >= 9)
-    held = bundle(begun, (Points(at),), uv, freedoms=[Freedom(np.zeros(15, bool)), pose, pose, pose])
+    held = bundle(begun, (FreePoints(at),), uv, freedoms=[Freedom(np.zeros(15, bool)), pose, pose, pose])
     assert np.array_equal(held.rig[0].P, rig[0].P)
     assert not held.joint[:15].any()
     surveyed = at[:8] + 2.0 * rng.normal(size=(8, 3))
     known = bundle(
         begun,
-        (Held(at[:0]), Points(surveyed, surveyed, np.tile(np.eye(3) / 4 * 0.01, (8, 1, 1))), Points(at[8:])),
+        (Held(at[:0]), FreePoints(surveyed, surveyed, np.tile(np.eye(3) / 4 * 0.01, (8, 1, 1))), FreePoints(at[8:])),
         uv,
         freedoms=[pose] * 4,
     )
-    exact = bundle(begun, (Held(at[:8]), Points(at[8:])), uv, freedoms=[pose] * 4)
+    exact = bundle(begun, (Held(at[:8]), FreePoints(at[8:])), uv, freedoms=[pose] * 4)
     assert np.abs(exact.rig.centres - rig.centres).max() < 3
     assert np.abs(known.rig.centres - rig.centres).max() < 15
     assert (np.diag(exact.joint)[9:15] > 0).all()  # nothing is free to move as a whole, so all have an error

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.data import Analog, Events, ForcePlate, KinemarkError, Origin, Path, Trajectories, Trial, same
+from kinemark.data import Analog, Events, ForcePlate, KinemarkError, MarkerTrajectory, Origin, Trajectories, Trial, same
 from kinemark.io.c3d import (
     C3D,
     ByteOrder,
@@ -35,7 +35,7 @@ def made_trial(n=40, m=5, rate=100.0, first_frame=7, seed=1):
     rng = np.random.default_rng(seed)
     paths = []
     for i in range(m):
-        path = Path.measured(
+        path = MarkerTrajectory.measured(
             f"M{i}",
             rng.normal(0, 600, (n, 3)),
             residual=rng.uniform(0.1, 3, n),
@@ -148,7 +148,7 @@ def test_other_readers_find_what_was_written(tmp_path):
     for order, floats in FORMATS:
         paths.append(str(tmp_path / f"{order.name}-{floats}.c3d"))
         write_c3d(paths[-1], trial, order=order, floats=floats)
-    long = Trial("long", Trajectories((Path.measured("a", np.ones((70001, 3))),), 100.0))
+    long = Trial("long", Trajectories((MarkerTrajectory.measured("a", np.ones((70001, 3))),), 100.0))
     paths.append(str(tmp_path / "long.c3d"))
     write_c3d(paths[-1], long)
     subprocess.run([sys.executable, "-c", READERS, tmp_path / "out", *paths], check=True, timeout=100)
@@ -190,7 +190,7 @@ def test_more_than_255_points_channels_and_events(tmp_path):
     xyz = np.random.default_rng(3).normal(size=(600, n, 3)) * 100
     trial = Trial(
         "many",
-        Trajectories(tuple(Path.measured(name, x) for name, x in zip(names, xyz, strict=True)), 50.0),
+        Trajectories(tuple(MarkerTrajectory.measured(name, x) for name, x in zip(names, xyz, strict=True)), 50.0),
         (Analog(tuple(f"c{i}" for i in range(300)), ("V",) * 300, 50.0, np.arange(900.0).reshape(300, 3)),),
         events=Events(tuple(f"e{i}" for i in range(300)), ("Left",) * 300, np.arange(300.0)),
     )
@@ -208,7 +208,7 @@ def test_more_than_255_points_channels_and_events(tmp_path):
 def test_more_than_65535_frames(tmp_path, first_frame):
     n = 70001
     xyz = np.arange(3 * n).reshape(n, 3).astype(np.float32)
-    trial = Trial("long", Trajectories((Path.measured("a", xyz + 1),), 1000.0, first_frame))
+    trial = Trial("long", Trajectories((MarkerTrajectory.measured("a", xyz + 1),), 1000.0, first_frame))
     write_c3d(tmp_path / "t.c3d", trial)
     back = read_c3d(tmp_path / "t.c3d")
     assert back.trajectories.first_frame == first_frame
@@ -284,7 +284,7 @@ def test_a_file_that_marks_everything_as_missing_is_read_and_stays_readable_when
 
 @pytest.mark.parametrize("floats", [True, False])
 def test_a_marker_at_the_origin_is_not_lost(floats):
-    trial = Trial("o", Trajectories((Path.measured("a", [[0, 0, 0], [320, 0, 0]]),), 10.0))
+    trial = Trial("o", Trajectories((MarkerTrajectory.measured("a", [[0, 0, 0], [320, 0, 0]]),), 10.0))
     back = trial_of(again(document_of(trial, floats=floats)), name="o")
     assert list(back.trajectories["a"].origin) == [1, 1]
     assert np.abs(back.trajectories["a"].xyz[0]).max() <= back.source.scale
@@ -303,7 +303,7 @@ def test_edited_markers_keep_their_own_bytes_and_take_their_descriptions_along(t
     trial = read_c3d(tmp_path / "a.c3d")
     doc = with_parameters(trial.source, "POINT", [Parameter.text("DESCRIPTIONS", [f"about {i}" for i in range(5)])])
     old = trial.trajectories
-    extra = Path.measured("new", np.full((40, 3), 5000.0))
+    extra = MarkerTrajectory.measured("new", np.full((40, 3), 5000.0))
     paths = (old["M3"], extra, replace(old["M0"], name="renamed"), old["M1"])
     changed = replace(trial, trajectories=replace(old, paths=paths), source=doc)
     back = trial_of(again(document_of(changed)), name="a")
@@ -318,7 +318,8 @@ def test_cutting_frames_keeps_time_and_numbers(tmp_path):
     write_c3d(tmp_path / "a.c3d", made_trial())
     trial = read_c3d(tmp_path / "a.c3d")
     cut = tuple(
-        Path(p.name, p.xyz[10:], p.cov[10:], p.origin[10:], p.residual[10:], p.cameras[10:]) for p in trial.trajectories
+        MarkerTrajectory(p.name, p.xyz[10:], p.cov[10:], p.origin[10:], p.residual[10:], p.cameras[10:])
+        for p in trial.trajectories
     )
     analog = replace(trial.analog[0], values=trial.analog[0].values[:, 40:])
     shorter = replace(trial, trajectories=Trajectories(cut, 100.0, 17), analog=(analog,))
@@ -405,7 +406,7 @@ def filled_trial(first_frame=7, seed=2):
     rng = np.random.default_rng(seed)
     paths = []
     for name, runs in (("LKNE", [(3, 6), (30, 40)]), ("RKNE", []), ("LANK", [(0, 1), (39, 40)])):
-        path = Path.measured(name, rng.normal(0, 600, (40, 3)))
+        path = MarkerTrajectory.measured(name, rng.normal(0, 600, (40, 3)))
         origin = path.origin.copy()
         for a, b in runs:
             origin[a:b] = Origin.FILLED
@@ -432,7 +433,7 @@ def test_what_was_measured_since_is_not_called_filled():
 
 
 def test_a_file_without_fills_gets_no_group_and_nonsense_in_it_is_passed_over():
-    plain = Trial("p", Trajectories((Path.measured("a", np.ones((4, 3))),), 10.0))
+    plain = Trial("p", Trajectories((MarkerTrajectory.measured("a", np.ones((4, 3))),), 10.0))
     assert not any(group.name == "KINEMARK" for group in document_of(plain).groups)
     group = Group(40, "KINEMARK", parameters=(
         Parameter.text("FILLED_POINTS", ["*1", "nobody", "*1"]),

@@ -11,8 +11,16 @@ import pytest
 from shared import ROOT, shared_data
 
 from kinemark.data import KinemarkError, Origin, same
-from kinemark.io.c3d import ByteOrder, decode_document, document_of, encode_document, read_c3d, read_document, trial_of
-from kinemark.io.c3d.trial import analog_of
+from kinemark.io.c3d import (
+    ByteOrder,
+    decode_document,
+    document_of,
+    encode_document,
+    read_c3d,
+    read_document,
+    trial_of,
+)
+from kinemark.io.c3d.to_trial import analog_of
 
 MALFORMED = "mocap3d/c3d_malformed/"
 FILES = sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("mocap3d/**/*.[cC]3[dD]"))

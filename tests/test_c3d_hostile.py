@@ -6,14 +6,14 @@ from itertools import product
 import numpy as np
 import pytest
 
-from kinemark.data import Analog, Events, KinemarkError, Path, Trajectories, Trial
+from kinemark.data import Analog, Events, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from kinemark.io.c3d import ByteOrder, decode_document, document_of, encode_document, read_c3d, trial_of
 
 
 def small(order=ByteOrder.INTEL, floats=True):
     """A small file: 3 markers, 20 frames, 2 channels, one event."""
     rng = np.random.default_rng(4)
-    paths = tuple(Path.measured(f"M{i}", rng.normal(0, 300, (20, 3))) for i in range(3))
+    paths = tuple(MarkerTrajectory.measured(f"M{i}", rng.normal(0, 300, (20, 3))) for i in range(3))
     analog = Analog(("a", "b"), ("V", "V"), 200.0, rng.normal(size=(2, 40)))
     trial = Trial("s", Trajectories(paths, 100.0), (analog,), events=Events(("x",), ("Left",), np.array([0.1])))
     return encode_document(document_of(trial, order=order, floats=floats))

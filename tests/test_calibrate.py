@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 from shared import shared_data
 
-from kinemark.calibrate import (
-    ControlPoints,
-    Dlt,
-    calibrate_control_points,
-    control_point_quality,
-)
+from kinemark.calibrate import ControlPoints, Dlt, calibrate_control_points, control_point_quality
 from kinemark.calibrate.control_points import fit_camera, free_parameters
 from kinemark.calibrate.control_points.left_out import errors_without
 from kinemark.data import PARAMETERS, Rig

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from waved import ALONG, MIDDLE, benchmark, sizes, waved
 
-from kinemark.calibrate.bundle import Bundle, Points, bundle, calibrate_sticks
+from kinemark.calibrate.bundle import Bundle, FreePoints, bundle, calibrate_sticks
 from kinemark.data import KinemarkError, Rig
 from kinemark.geometry import project, rigid_align
 from kinemark.synth import look_at, ring
@@ -215,4 +215,4 @@ def test_mistakes_of_the_caller_are_named():
         with pytest.raises(ValueError, match=next(iter(wrong))):
             Bundle(**wrong)
     with pytest.raises(ValueError, match="uv has shape"):
-        bundle(rig, (Points(np.zeros((2, 3))),), uv.reshape(3, -1, 2))
+        bundle(rig, (FreePoints(np.zeros((2, 3))),), uv.reshape(3, -1, 2))

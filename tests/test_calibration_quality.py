@@ -11,12 +11,12 @@ from scipy.spatial.transform import Rotation
 from kinemark.calibrate import calibrate_control_points
 from kinemark.calibrate.bundle import Bundle, calibrate_sticks
 from kinemark.calibrate.quality import apart_from_frame, block_diagonal, predicted_covariance, visible
+from kinemark.calibrate.quality.calibration_evidence import Evidence, centroid_deviation
 from kinemark.calibrate.quality.change import compare
-from kinemark.calibrate.quality.evidence import Evidence, centroid_deviation
-from kinemark.calibrate.quality.images import cover_image
+from kinemark.calibrate.quality.image_coverage import image_coverage
 from kinemark.calibrate.quality.volume import deviation, map_volume, points_of, ray_angle, view_volume, volume_grid
 from kinemark.calibrate.quality.wand import folds_of, image_errors, judge_poses, reconstructed, seen_by
-from kinemark.calibrate.world import fit_moved_to, moved_to
+from kinemark.calibrate.world_frame import fit_moved_to, moved_to
 from kinemark.data import KinemarkError, Rig
 from kinemark.geometry import project_all, refine, triangulate, undistort
 from kinemark.synth import ring as laboratory
@@ -254,12 +254,12 @@ def test_the_centroids_noise_is_read_from_residuals_with_what_was_fitted_to_them
 def test_an_image_is_covered_where_its_points_are():
     cam = RIG[0]
     corners = np.array([[100.0, 100], [1180, 100], [1180, 924], [100, 924]])
-    cover = cover_image(cam, corners, PLACES)
+    cover = image_coverage(cam, corners, PLACES)
     assert cover.image_share == pytest.approx(1080 * 824 / (1280 * 1024))
     assert cover.volume_share > 0.9
-    half = cover_image(cam, corners * [0.5, 1], PLACES)
+    half = image_coverage(cam, corners * [0.5, 1], PLACES)
     assert 0.2 < half.volume_share < 0.8
-    none = cover_image(cam, corners[:1], PLACES)
+    none = image_coverage(cam, corners[:1], PLACES)
     assert (none.image_share, none.volume_share) == (0, 0)
 
 

@@ -27,17 +27,17 @@ from calibrations import (
 )
 from laboratory import camera
 
-from kinemark.cli import app
+from kinemark.apps.cli import app
 from kinemark.data import KinemarkError, Rig
+from kinemark.engine.detection_proposals import learn_session_masks
+from kinemark.engine.session import Session
+from kinemark.engine.simulate import Scene, simulate
 from kinemark.geometry import project_all
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.images import write_png
 from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
-from kinemark.proposals import learn_session_masks
-from kinemark.score import score
-from kinemark.session import Session
-from kinemark.simulate import Scene, simulate
 from kinemark.synth import Optics, control_frame, dot_grid, render, write_calibration
+from kinemark.synth.score import score
 
 GRID = """\
 [calibration.linearisation]

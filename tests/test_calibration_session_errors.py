@@ -19,10 +19,10 @@ from calibrations import (
 )
 
 from kinemark.data import KinemarkError, Rig
+from kinemark.engine.session import Session
 from kinemark.geometry import project_all
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.images import write_png
-from kinemark.session import Session
 from kinemark.synth import Optics, control_frame, write_calibration
 
 

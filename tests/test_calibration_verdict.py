@@ -9,11 +9,11 @@ from calibrations import POINTS, RIG, of_control_points, seen
 from laboratory import camera
 
 from kinemark.calibrate.control_points.judgement import Judgement
-from kinemark.calibrate.quality.evidence import Check, Evidence
+from kinemark.calibrate.quality.calibration_evidence import Check, Evidence
 from kinemark.calibrate.quality.volume import map_volume
 from kinemark.data import Rig
+from kinemark.findings.calibration_quality import calibration_figures
 from kinemark.geometry import project_all
-from kinemark.report.calibration import calibration_figures
 from kinemark.report.calibration_page import calibration_page
 from kinemark.report.calibration_text import calibration_summary
 from kinemark.report.figures_calibration import lost_figure

@@ -12,16 +12,16 @@ import pytest
 from laboratory import observe, ring
 from test_tracking import swarm
 
-from kinemark.cli import methods
+from kinemark.apps.cli import methods
 from kinemark.data import KinemarkError, same
-from kinemark.follow import FOLLOWERS, follow
+from kinemark.engine.session import Session
+from kinemark.engine.settings import METHODS, methods_text, parameters
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.match import MATCHERS, match
 from kinemark.reconstruct import RECONSTRUCTORS, reconstruct
-from kinemark.session import Session
-from kinemark.settings import METHODS, methods_text, parameters
 from kinemark.track import TRACKERS, track
+from kinemark.track.simultaneous import DETECTION_TRACKERS, track_detections
 
 NAMED = {
     "match": {
@@ -41,7 +41,7 @@ NAMED = {
 }
 """What the documents name, of each method in a session file."""
 
-CLASSES = {"match": MATCHERS, "reconstruct": RECONSTRUCTORS, "track": TRACKERS | FOLLOWERS}
+CLASSES = {"match": MATCHERS, "reconstruct": RECONSTRUCTORS, "track": TRACKERS | DETECTION_TRACKERS}
 
 POINTS = swarm(n=5, frames=20)
 
@@ -79,8 +79,8 @@ def test_the_list_of_methods_says_what_the_dataclasses_say():
 
 def by_hand(detections, rig, settings):
     """The tracks as a caller of the library makes them."""
-    if type(settings.track) in FOLLOWERS:
-        return follow(detections, rig, method=settings.track)
+    if type(settings.track) in DETECTION_TRACKERS:
+        return track_detections(detections, rig, method=settings.track)
     matches = match(detections, rig, method=settings.match)
     return track(reconstruct(matches, detections, rig, method=settings.reconstruct), method=settings.track)
 

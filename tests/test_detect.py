@@ -6,8 +6,8 @@ from scipy import ndimage
 
 from kinemark.data import KinemarkError, Validity, same
 from kinemark.detect import Centroids, detect, detect_frames
+from kinemark.detect.background_noise import background
 from kinemark.detect.grouping import group_runs
-from kinemark.detect.noise import background
 from kinemark.detect.runs import bright_cells, white_runs
 
 SIDE = 25

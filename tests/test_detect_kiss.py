@@ -14,9 +14,9 @@ from test_studies import STUDIES, printed
 
 from kinemark.data import KinemarkError, Validity, same
 from kinemark.detect import KissNearest, KissScanning, detect_frames
-from kinemark.detect.kiss.groups import numbered, rectangles, separated, white_pixels
-from kinemark.detect.kiss.nearest import adaptive_limits, neighbour_groups
-from kinemark.detect.kiss.overlap import kinds_of_overlap
+from kinemark.detect.kiss.neighbour_grouping import adaptive_limits, neighbour_groups
+from kinemark.detect.kiss.overlapped_markers import kinds_of_overlap
+from kinemark.detect.kiss.pixel_groups import numbered, rectangles, separated, white_pixels
 from kinemark.detect.kiss.scanning import preliminary_groups
 from kinemark.detect.kiss.submarkers import merge_sub_markers
 from kinemark.detect.kiss.white import pixels_of, runs_of

@@ -12,9 +12,9 @@ from test_studies import STUDIES
 
 from kinemark.data import KinemarkError, Validity
 from kinemark.detect import KissScanning, detect_frames, propose
+from kinemark.engine.detection_proposals import propose_detection
+from kinemark.engine.settings import method_of
 from kinemark.io.images import open_images, write_png
-from kinemark.proposals import propose_detection
-from kinemark.settings import method_of
 
 SIZE = (240, 320)
 

@@ -10,10 +10,10 @@ from kinemark.digitise import (
     Absent,
     Accept,
     ByHand,
+    DigitisingPhase,
     Found,
     Given,
     No,
-    Phase,
     Point,
     Replay,
     Revisit,
@@ -167,7 +167,7 @@ def test_the_reference_marker_is_confirmed_where_that_is_wanted():
     paths, _ = shifted(straight(5))
     m = method(3, reference="m3", confirm_reference=True)
     done, operator = run(paths, m)
-    assert [q.frame for q in operator.asked if q.phase is Phase.REFERENCE] == [2, 3, 4]
+    assert [q.frame for q in operator.asked if q.phase is DigitisingPhase.REFERENCE] == [2, 3, 4]
     assert done.figures["questions_by_reason"] == {
         "first_two_frames": 6,
         "not_found": 0,
@@ -184,11 +184,11 @@ def test_a_refused_reference_marker_is_pointed_at():
         for place in paths[:, f]:
             state = advance(state, Point(*np.rint(place)), looks, method=m)
         state = advance(state, Accept(), looks, method=m)
-    assert state.phase is Phase.REFERENCE
+    assert state.phase is DigitisingPhase.REFERENCE
     state = advance(state, No(), looks, method=m)
-    assert (state.phase, state.marker) == (Phase.POINT, 2)
+    assert (state.phase, state.marker) == (DigitisingPhase.POINT, 2)
     state = advance(state, Point(*np.rint(paths[2, 2])), looks, method=m)
-    assert state.phase is Phase.REVIEW
+    assert state.phase is DigitisingPhase.REVIEW
     np.testing.assert_allclose(state.draft.shift, shift[2], atol=0.02)
 
 
@@ -201,7 +201,7 @@ def second_frame(paths, m):
     state = begin(paths.shape[1], looks, method=m)
     for place in paths[:, 0]:
         state = advance(state, Point(*place), looks, method=m)
-    assert state.saved[0] is None and state.phase is Phase.REVIEW  # all is known and nothing saved
+    assert state.saved[0] is None and state.phase is DigitisingPhase.REVIEW  # all is known and nothing saved
     return advance(state, Accept(), looks, method=m), looks
 
 
@@ -231,7 +231,7 @@ def test_taking_back_is_the_state_before():
         state = after
     for _ in answers:
         state = advance(state, Undo(), looks, method=m)
-    assert state.saved == (None,) * 6 and state.phase is Phase.POINT
+    assert state.saved == (None,) * 6 and state.phase is DigitisingPhase.POINT
     with pytest.raises(ValueError, match="no answer to take back"):
         advance(state, Undo(), looks, method=m)
 
@@ -243,7 +243,7 @@ def test_a_marker_is_corrected_to_the_very_place_and_the_others_stay():
     before = state.draft
     for answer in (Verify(), Yes(), No(), Point(101.25, 77.5)):
         state = advance(state, answer, looks, method=m)
-    assert state.phase is Phase.REVIEW and not same(state.saved[0], state.draft)
+    assert state.phase is DigitisingPhase.REVIEW and not same(state.saved[0], state.draft)
     np.testing.assert_array_equal(state.draft.uv, [before.uv[0], (101.25, 77.5)])
     assert state.draft.found[1] == Found.PLACED
     state = advance(state, Accept(), looks, method=m)

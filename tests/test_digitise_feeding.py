@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from eating import Knowing, footage, looks_of
 
-from kinemark.digitise import Found, OtherViews, Phase, SemiAutomatic, drive, propose, result
+from kinemark.digitise import DigitisingPhase, Found, OtherViews, SemiAutomatic, drive, propose, result
 
 FRAMES = 40
 RADIUS = 8.0
@@ -100,7 +100,7 @@ def run_together(question):
 def test_two_other_cameras_propose_the_missing_answer():
     """Where the marker is, to a part of a pixel, and whether it is seen there: not if a limb or another is in front."""
     operator, done = digitised(0, others=(1, 2))
-    put = [q for q in operator.asked if q.phase is Phase.POINT and q.name != "REF"]
+    put = [q for q in operator.asked if q.phase is DigitisingPhase.POINT and q.name != "REF"]
     assert all(q.proposal is not None for q in put)
     places = np.array([q.proposal.uv - operator.place(q.marker, q.frame) for q in put])
     assert np.abs(places).max() < 0.3
@@ -114,7 +114,7 @@ def test_two_other_cameras_propose_the_missing_answer():
 def test_one_other_camera_gives_a_line(other):
     """What lies on it and is nobody's is mostly the marker, whole or in part; where nothing does, it is hidden."""
     operator, _ = digitised(0, others=(other,))
-    said = [q for q in operator.asked if q.phase is Phase.POINT and q.proposal is not None]
+    said = [q for q in operator.asked if q.phase is DigitisingPhase.POINT and q.proposal is not None]
     assert len(said) >= 15
     for q in said:
         if q.proposal.seen:
@@ -125,7 +125,7 @@ def test_one_other_camera_gives_a_line(other):
 
 def test_taken_without_a_question_only_the_reference_marker_is_asked_for():
     operator, done = digitised(0, others=(1, 2), take=True)
-    assert {q.name for q in operator.asked if q.phase is Phase.POINT} == {"REF"}
+    assert {q.name for q in operator.asked if q.phase is DigitisingPhase.POINT} == {"REF"}
     assert done.figures["questions"] == 2 and done.figures["proposals_taken_unasked"] >= 20
     assert done.figures["proposals_confirmed"] == 0  # nobody was asked
     off, visible = error(0, done)

@@ -12,17 +12,17 @@ from shared import shared_data
 from test_tracking import swarm
 
 import kinemark
-from kinemark.data import KinemarkError, Path, Trajectories, Trial, same
-from kinemark.demo import demo
-from kinemark.formats import convert, describe
+from kinemark.apps.demo import demo
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial, same
+from kinemark.engine.formats import convert, describe
+from kinemark.engine.session import Session
+from kinemark.engine.simulate import Scene, simulate
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.io.detections_csv import read_detections_csv
 from kinemark.io.records import load, save
 from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
 from kinemark.io.trc import read_trc
-from kinemark.score import score
-from kinemark.session import Session
-from kinemark.simulate import Scene, simulate
+from kinemark.synth.score import score
 
 
 def kinemark_command(*arguments, folder=None):
@@ -36,7 +36,7 @@ def trial(tmp_path):
     """A C3D file with two markers, one of them with a gap."""
     xyz = np.cumsum(np.random.default_rng(0).normal(size=(2, 20, 3)), axis=1).astype(np.float32) + 500
     xyz[1, 5:8] = np.nan
-    paths = tuple(Path.measured(name, p) for name, p in zip(("hip", "knee"), xyz, strict=True))
+    paths = tuple(MarkerTrajectory.measured(name, p) for name, p in zip(("hip", "knee"), xyz, strict=True))
     write_c3d(tmp_path / "trial.c3d", Trial("trial", Trajectories(paths, 100.0)))
     return tmp_path / "trial.c3d"
 
@@ -197,17 +197,15 @@ def test_the_library_imports_without_an_interface():
 
 def test_the_public_names_are_a_decision():
     """Whoever adds or removes one changes this list with it."""
-    records = (
-        "Analog AngleModel Angles Camera Cloud Detections Events ForcePlate MarkerSet Matches Origin Path Rig Rods"
-    )
-    records += " Tracks Trajectories Trial Validity KinemarkError"
+    records = "Analog AngleModel Angles Camera Cloud Detections Events ForcePlate MarkerSet Matches Origin"
+    records += " MarkerTrajectory Rig Rods Tracks Trajectories Trial Validity KinemarkError"
     methods = "Centroids ControlPoints EpipolarTriplets ExtrapolationLadder LeastSquares"
     methods += (
         " CameraPairs DistanceOnly FormerTwoCameras KissTracking KissTriplets NearestEpipolar Simultaneous Swamidas"
     )
     methods += " Dlt KissNearest KissScanning Linearisation Masks Wand Auto InverseCosines SignedAngles"
     stages = "calibrate_control_frame calibrate_control_points detect match reconstruct score to_trajectories track"
-    stages += " doubts follow followed noticed noticed_of fill Filled FilledGap place_absent trim_edges joint_angles"
+    stages += " ambiguous_decisions track_detections track_simultaneously diagnose diagnose_tracks fill Filled FilledGap place_absent trim_edges joint_angles"
     stages += " calibrate_points calibrate_sticks calibrate_wand learn_masks linearise predicted_covariance propose"
     geometry = "project refine triangulate undistort"
     kinds = "c3d detections_csv dlt_csv rig_toml trajectories_csv trc"

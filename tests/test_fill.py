@@ -8,15 +8,27 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import spearmanr
 from shared import shared_data
 
-from kinemark.data import Origin, Path, Trajectories
-from kinemark.fill import METHODS, Auto, Body, Edges, Gap, LimbAngles, Linear, LocalRegression, Motion, fill, find_gaps
+from kinemark.data import MarkerTrajectory, Origin, Trajectories
+from kinemark.engine.formats import read
+from kinemark.fill import (
+    METHODS,
+    Auto,
+    Body,
+    Gap,
+    GapEdges,
+    LimbAngles,
+    Linear,
+    LocalRegression,
+    MarkerArray,
+    fill,
+    find_gaps,
+)
 from kinemark.fill.fill import ENOUGH, UNASKED, _tested, ask, ask_winners, choose
-from kinemark.fill.frames import local, triad
-from kinemark.fill.local_regression import fill_local_regression
-from kinemark.fill.methods import FILLERS, NAMES, name_of, within_time
-from kinemark.fill.mirror import REFLECTED, partners
-from kinemark.fill.motion import Prediction
-from kinemark.formats import read
+from kinemark.fill.local_frames import local, triad
+from kinemark.fill.marker_array import Prediction
+from kinemark.fill.methods.local_regression import fill_local_regression
+from kinemark.fill.methods.table import FILLERS, NAMES, name_of, within_time
+from kinemark.fill.mirrored_markers import REFLECTED, partners
 from kinemark.synth import dressed, walking
 
 OURS = [LocalRegression(), Body()]
@@ -32,11 +44,13 @@ def moving(frames=300, markers=8, *, rate=100.0, seed=0, soft=0.0, noise=0.0):
     body = shape[:, None] + wobble
     xyz = np.stack([turn.apply(b) for b in body]) + np.stack([900 * t, 50 * np.sin(5 * t), 0 * t], 1)
     xyz += rng.normal(0, noise, xyz.shape) if noise else 0
-    return Motion(xyz, rate, tuple(f"M{k}" for k in range(markers)))
+    return MarkerArray(xyz, rate, tuple(f"M{k}" for k in range(markers)))
 
 
 def trial(motion):
-    return Trajectories(tuple(Path.measured(n, x) for n, x in zip(motion.names, motion.xyz, strict=True)), motion.rate)
+    return Trajectories(
+        tuple(MarkerTrajectory.measured(n, x) for n, x in zip(motion.names, motion.xyz, strict=True)), motion.rate
+    )
 
 
 def off(said, motion, gap):
@@ -112,7 +126,7 @@ def test_the_own_error_bars_of_kriging_hold_on_a_model_of_its_kind():
 
 def test_the_mirrored_side_teaches():
     subject = walking(duration_s=2.4, rate=100.0, seed=2, wobble_mm=3.0)
-    motion = Motion(subject.xyz, subject.rate, subject.names)
+    motion = MarkerArray(subject.xyz, subject.rate, subject.names)
     better = []
     for marker in range(0, 15, 2):
         gap = Gap(marker, 20, 190)
@@ -313,12 +327,12 @@ class TestOddInput:
 
 def test_a_real_walk_is_filled_to_millimetres_and_says_so():
     trajectories = read(shared_data("mocap3d/pig_gait_3plates_emg/PiG_Motion3_FF.c3d")).trajectories
-    motion = Motion.of(trajectories)
-    motion = Motion(motion.xyz[:16], motion.rate, motion.names[:16])
+    motion = MarkerArray.of(trajectories)
+    motion = MarkerArray(motion.xyz[:16], motion.rate, motion.names[:16])
     error, inside = [], []
     for marker in (1, 5, 8, 12):
         gap = Gap(marker, 90 + 5 * marker, 190 + 5 * marker)
-        found = fill(trial(motion.hidden([gap])), method=Body(), edges=Edges(most=0))
+        found = fill(trial(motion.hidden([gap])), method=Body(), edges=GapEdges(most=0))
         path = found.trajectories.paths[marker]
         miss = path.xyz[gap.start : gap.stop] - motion.xyz[marker, gap.start : gap.stop]
         error.append(np.linalg.norm(miss, axis=1).mean())
@@ -330,7 +344,7 @@ def test_a_real_walk_is_filled_to_millimetres_and_says_so():
 
 def test_a_dressed_walker_with_many_gaps():
     subject = dressed(walking(duration_s=4, rate=100.0, seed=5), 24, seed=5)
-    motion = Motion(subject.xyz, subject.rate, subject.names)
+    motion = MarkerArray(subject.xyz, subject.rate, subject.names)
     rng = np.random.default_rng(0)
     gaps = [Gap(k, int(a), int(a) + 30) for k, a in enumerate(rng.integers(10, 350, 24))]
     found = fill(trial(motion.hidden(gaps)), method=Body(), limit_mm=np.inf)
@@ -368,7 +382,7 @@ def test_one_method_is_tested_on_some_gaps_of_every_marker():
 
 def test_few_tests_tell_the_error_of_one_method_in_all_gaps():
     subject = dressed(walking(duration_s=20, rate=50.0, wobble_mm=1.0, seed=5), 24, seed=5)
-    motion = Motion(subject.xyz, subject.rate, subject.names)
+    motion = MarkerArray(subject.xyz, subject.rate, subject.names)
     rng = np.random.default_rng(0)
     gaps = {Gap(k % 24, int(a), int(a) + 5 + k // 4) for k, a in enumerate(rng.integers(10, 950, 90))}
     found = fill(trial(motion.hidden(list(gaps))), method=LocalRegression(), limit_mm=np.inf)

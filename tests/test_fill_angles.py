@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from kinemark.data import AngleModel, KinemarkError, same
-from kinemark.fill import Gap, Motion
-from kinemark.fill.angles import (
+from kinemark.fill import Gap, MarkerArray
+from kinemark.fill.methods.angles import (
     KalmanAngles,
     LimbAngles,
     component_angles,
@@ -18,11 +18,11 @@ from kinemark.fill.angles import (
     intervals,
     model_events,
 )
-from kinemark.fill.angles.limb_angles import _Filling
-from kinemark.fill.angles.place import taper
+from kinemark.fill.methods.angles.limb_angles import _Filling
+from kinemark.fill.methods.angles.place import taper
 from kinemark.geometry.rigid_pairs import distances, rigid_groups
 from kinemark.io.angle_model_csv import read_angle_model, write_angle_model
-from kinemark.signal.phase import Phase
+from kinemark.signal.phase import CyclePhase
 from kinemark.synth import circle_over_cylinder, elbow_flexion
 
 LINKS = (("B", "A"), ("C", "B"))
@@ -30,7 +30,7 @@ LINKS = (("B", "A"), ("C", "B"))
 
 def arm(period=2.2, seed=0, duration=9.0, unsteady=2.0):
     subject = circle_over_cylinder(duration_s=duration, period_s=period, seed=seed, unsteady_mm=unsteady)
-    return Motion(subject.xyz, subject.rate, subject.names)
+    return MarkerArray(subject.xyz, subject.rate, subject.names)
 
 
 def leg(n=900, rate=100.0, cycle=110.0, phase=0.0, heading=0.0, noise=0.2, seed=0, share=0.03):
@@ -50,7 +50,7 @@ def leg(n=900, rate=100.0, cycle=110.0, phase=0.0, heading=0.0, noise=0.2, seed=
         start = start + length * down
     c, s = np.cos(heading), np.sin(heading)
     xyz = np.array(xyz) @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
-    return Motion(xyz + noise * rng.normal(size=xyz.shape), rate, tuple("abcdefgh"))
+    return MarkerArray(xyz + noise * rng.normal(size=xyz.shape), rate, tuple("abcdefgh"))
 
 
 def errors(found, motion, gaps):
@@ -94,7 +94,7 @@ def test_links_and_banks_given():
 
 def test_a_periodic_motion_is_reproduced():
     subject = elbow_flexion(duration_s=8, period_s=1.0)  # its directions repeat exactly
-    motion = Motion(subject.xyz, subject.rate, subject.names)
+    motion = MarkerArray(subject.xyz, subject.rate, subject.names)
     fitted = fit_model(motion, method=LimbAngles(links=(("B", "D"), ("C", "B"))))
     assert fitted.model.period == pytest.approx(1.0, rel=2e-3)
     np.testing.assert_allclose(fitted.model.length, [45, 290], rtol=1e-9)
@@ -175,7 +175,7 @@ def test_another_trials_model_fits_from_any_phase_heading_and_cadence(heading):
 def test_another_motion_is_refused():
     model = fit_model(arm(), method=LimbAngles(links=LINKS)).model
     rng = np.random.default_rng(0)
-    other = Motion(rng.normal(size=(3, 300, 3)).cumsum(1) * 30, 30.0, ("A", "B", "C"))
+    other = MarkerArray(rng.normal(size=(3, 300, 3)).cumsum(1) * 30, 30.0, ("A", "B", "C"))
     found = fill_limb_angles(other.hidden([Gap(0, 100, 110)]), [Gap(0, 100, 110)], method=LimbAngles(model=model))
     assert "not that of the model" in found[0].reason
     strangers = fill_limb_angles(leg(), [Gap(0, 5, 9)], method=LimbAngles(model=model))
@@ -276,7 +276,7 @@ def test_events_come_where_the_cycle_has_them():
         assert abs(near[angle[near].argmax()] / 100 - time) < 0.03
     lengths = intervals(events, label, label)
     np.testing.assert_allclose(lengths, np.diff(events.time))
-    both = cycle_events(Phase(np.arange(300) / 100, 0.0), {"on": 10.0, "off": 70.0}, rate=100.0)
+    both = cycle_events(CyclePhase(np.arange(300) / 100, 0.0), {"on": 10.0, "off": 70.0}, rate=100.0)
     np.testing.assert_allclose(intervals(both, "on", "off"), 0.6)
     np.testing.assert_allclose(intervals(both, "off", "on"), 0.4)
 
@@ -294,7 +294,7 @@ def test_degenerate_input_has_reasons(fill, method):
     }
     for what, xyz in shapes.items():
         own = [Gap(0, 0, 1)] if what == "one frame" else gap
-        found = fill(Motion(xyz, 100.0, tuple("abcd"[: len(xyz)])).hidden(own), own, method=method)
+        found = fill(MarkerArray(xyz, 100.0, tuple("abcd"[: len(xyz)])).hidden(own), own, method=method)
         assert found[0].reason and np.isnan(found[0].xyz).all(), what
     assert fill(arm(), [], method=method) == []
 

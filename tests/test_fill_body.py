@@ -6,15 +6,15 @@ from scipy.special import gamma, kv
 from shared import shared_data
 from test_fill import moving, off, trial
 
-from kinemark.fill import Body, Edges, Gap, LocalRegression, Motion, fill, find_gaps
-from kinemark.fill.body import _best, _look, _trial, common_hyper
-from kinemark.fill.kriging import Hyper, Pairs, covariance, fit, left_out, matern, predict
-from kinemark.fill.methods import FILLERS
-from kinemark.fill.mirror import partners
-from kinemark.fill.ranking import Ranks
-from kinemark.fill.scene import scene_of, view_of
-from kinemark.fill.trusted import Trust
-from kinemark.formats import read
+from kinemark.engine.formats import read
+from kinemark.fill import Body, Gap, GapEdges, LocalRegression, MarkerArray, fill, find_gaps
+from kinemark.fill.jumping_markers import JumpingMarkers
+from kinemark.fill.methods.body import _best, _look, _trial, common_hyper
+from kinemark.fill.methods.kriging import FramePairs, Hyper, covariance, fit, left_out, matern, predict
+from kinemark.fill.methods.table import FILLERS
+from kinemark.fill.methods.training_frames import scene_of, view_of
+from kinemark.fill.mirrored_markers import partners
+from kinemark.fill.reference_ranking import Ranks
 from kinemark.synth import dressed, walking
 
 
@@ -31,7 +31,7 @@ class Frames:
         dot = np.einsum("prd,pcd->prc", self.parts[:, rows], self.parts[:, columns])
         apart = np.abs(self.t[rows][:, None] - self.t[columns])
         own = np.count_nonzero(rows < self.own), np.count_nonzero(columns < self.own)
-        return Pairs(dot, self.square[:, rows], self.square[:, columns], apart, own)
+        return FramePairs(dot, self.square[:, rows], self.square[:, columns], apart, own)
 
 
 class TestKriging:
@@ -84,7 +84,7 @@ def test_a_marker_that_moves_smoothly_by_itself_is_met_in_a_short_gap(noise, mos
 
 def test_several_frames_and_bends_do_better_than_one():
     subject = dressed(walking(duration_s=3, rate=100.0, wobble_mm=2.0, seed=6), 24, seed=6)
-    motion = Motion(subject.xyz + np.random.default_rng(6).normal(0, 0.4, subject.xyz.shape), 100.0, subject.names)
+    motion = MarkerArray(subject.xyz + np.random.default_rng(6).normal(0, 0.4, subject.xyz.shape), 100.0, subject.names)
     ratio = []
     for marker in range(0, 24, 2):
         gap = Gap(marker, 60, 200)
@@ -107,7 +107,7 @@ def mirrored(n, *, seed=3):
 
     phase = 2 * np.pi * np.arange(n) / 100
     xyz = np.concatenate([left(phase), left(phase + np.pi) * [-1.0, 1, 1]])
-    return Motion(xyz + rng.normal(0, 0.3, xyz.shape), 100.0, tuple(f"{s}M{k}" for s in "LR" for k in range(7)))
+    return MarkerArray(xyz + rng.normal(0, 0.3, xyz.shape), 100.0, tuple(f"{s}M{k}" for s in "LR" for k in range(7)))
 
 
 def test_the_other_side_teaches_where_little_of_the_stride_is_left():
@@ -143,7 +143,7 @@ class TestTrust:
             motion, gap = moving(400, soft=3.0, noise=0.3, seed=seed), Gap(2, 150, 230)
             hidden = motion.hidden([gap])
             hidden.xyz[5, 170:200] += [30.0, 0, 0]
-            done = fill(trial(hidden), method=Body(), edges=Edges(most=0))
+            done = fill(trial(hidden), method=Body(), edges=GapEdges(most=0))
             path, at = done.trajectories.paths[2], slice(150, 230)
             error = path.xyz[at] - motion.xyz[2, at]
             sd = np.sqrt(np.diagonal(path.cov[at], axis1=1, axis2=2))
@@ -155,23 +155,23 @@ class TestTrust:
         motion = moving(300)
         motion.xyz[:, 150:] += [60.0, 0, 0]  # within one frame
         assert (
-            Trust(motion, Ranks(motion)).bends[:, 145:155].any(1).all()
-            and Trust(motion, Ranks(motion)).of(Gap(0, 140, 160)).all()
+            JumpingMarkers(motion, Ranks(motion)).bends[:, 145:155].any(1).all()
+            and JumpingMarkers(motion, Ranks(motion)).of(Gap(0, 140, 160)).all()
         )
 
     def test_the_neighbours_of_one_that_jumps_are_trusted(self):
         motion = moving(300)
         motion.xyz[3, 150:155] += 40.0
-        assert np.flatnonzero(~Trust(motion, Ranks(motion)).of(Gap(0, 140, 160))).tolist() == [3]
-        assert Trust(motion, Ranks(motion)).of(Gap(0, 200, 220)).all()
+        assert np.flatnonzero(~JumpingMarkers(motion, Ranks(motion)).of(Gap(0, 140, 160))).tolist() == [3]
+        assert JumpingMarkers(motion, Ranks(motion)).of(Gap(0, 200, 220)).all()
 
     def test_in_a_serve_the_arm_that_jumps_does_not_take_the_shoulder_along(self):
         folder = shared_data("mocap3d/tennis_serve_gap_pair")
         truth, gaps = (read(folder / f"kinematics_tennis_serve{end}.c3d").trajectories for end in ("", "_nan"))
-        motion = Motion.of(gaps)
+        motion = MarkerArray.of(gaps)
         worst = next(gap for gap in find_gaps(motion) if gap.start == 192)
         (said,) = FILLERS[Body](motion, [worst], method=Body())
-        assert off(said, Motion.of(truth), worst).mean() < 10  # of 45 mm with the upper arm as a donor
+        assert off(said, MarkerArray.of(truth), worst).mean() < 10  # of 45 mm with the upper arm as a donor
 
 
 def test_what_a_frame_varies_by_is_that_of_the_whole_covariance():

@@ -5,17 +5,17 @@ import pytest
 from scipy.spatial.transform import Rotation
 from shared import shared_data
 
-from kinemark.fill import Gap, Motion, StaticShape
-from kinemark.fill.edges import Edges, trim_edges
+from kinemark.fill import Gap, MarkerArray, StaticShape
+from kinemark.fill.edges import GapEdges, trim_edges
 from kinemark.fill.static import FromStatic, place_absent
-from kinemark.io.c3d.trial import markers, read_c3d
+from kinemark.io.c3d.to_trial import markers, read_c3d
 
 GAIT = "mocap3d/qualisys_gait/Gait - CGM2 1.c3d"
 STATIC = "mocap3d/qualisys_gait/Static - CGM2 1.c3d"
 
 
 def read(path):
-    return Motion.of(markers(read_c3d(shared_data(path))))
+    return MarkerArray.of(markers(read_c3d(shared_data(path))))
 
 
 def swaying(markers_=5, frames=600, noise=0.2, bend=0.0, seed=1):
@@ -27,7 +27,7 @@ def swaying(markers_=5, frames=600, noise=0.2, bend=0.0, seed=1):
     own = bend * np.sin(rng.uniform(1, 6, (markers_, 1, 3)) * t[:, None] + rng.uniform(0, 6, (markers_, 1, 3)))
     x = np.einsum("fij,mfj->mfi", turn, shape[:, None] + own) + np.stack([700 * t, 30 * np.sin(6 * t), 0 * t + 900], 1)
     x += rng.normal(0, noise, x.shape)
-    return Motion(x, 100.0, tuple(f"M{k}" for k in range(markers_))), shape
+    return MarkerArray(x, 100.0, tuple(f"M{k}" for k in range(markers_))), shape
 
 
 def with_bad_edge(motion, gap, n, size, side, rng):
@@ -70,11 +70,11 @@ def test_a_stroke_in_which_the_marker_always_vanishes_is_no_error():
     motion, _ = swaying()
     frames, gap = np.arange(600), Gap(1, 290, 305)
     stroke = 300.0 * np.exp(-(((frames - 306) / 3.0) ** 2))[:, None] * np.array([0.3, 0.9, -0.3])
-    t = trim_edges(motion._replace(xyz=motion.xyz + stroke).hidden([gap]), [gap], method=Edges(donors=3))
+    t = trim_edges(motion._replace(xyz=motion.xyz + stroke).hidden([gap]), [gap], method=GapEdges(donors=3))
     assert t.before[0] == t.after[0] == 0
     alone = motion.xyz.copy()
     alone[1] += stroke
-    t = trim_edges(motion._replace(xyz=alone).hidden([gap]), [gap], method=Edges(donors=3))
+    t = trim_edges(motion._replace(xyz=alone).hidden([gap]), [gap], method=GapEdges(donors=3))
     assert t.after[0] > 0  # where its neighbours stay calm it is one
 
 
@@ -87,13 +87,13 @@ def test_a_gross_edge_of_a_real_walk_is_found():
 
 def test_a_trial_that_shows_too_little_is_left_alone():
     motion, _ = swaying(frames=40)
-    for m in (motion, Motion(motion.xyz[:1], 100.0, ("M0",)), motion._replace(xyz=np.full((5, 40, 3), np.nan))):
+    for m in (motion, MarkerArray(motion.xyz[:1], 100.0, ("M0",)), motion._replace(xyz=np.full((5, 40, 3), np.nan))):
         t = trim_edges(m.hidden([Gap(0, 15, 25)]), [Gap(0, 15, 25)])
         assert not t.before.any() and not t.after.any()
-    for method in (Edges(most=0), Edges(donors=0)):
+    for method in (GapEdges(most=0), GapEdges(donors=0)):
         assert trim_edges(motion, [Gap(0, 0, 40), Gap(1, 10, 11)], method=method).before.shape == (2,)
     with pytest.raises(ValueError, match="past"):
-        Edges(past=3)
+        GapEdges(past=3)
 
 
 def absent(motion, k):
@@ -108,7 +108,7 @@ def test_a_marker_of_a_rigid_body_is_placed_exactly():
     (placed,) = place_absent(absent(motion, 2), static)
     assert placed.name == "M2" and not placed.reason and len(placed.donors) >= 3
     assert np.abs(placed.xyz - motion.xyz[2]).max() < 1e-6 and placed.expected_mm < 1e-3
-    without = Motion(motion.xyz[[0, 1, 3, 4]], 100.0, ("M0", "M1", "M3", "M4"))  # not in the file at all
+    without = MarkerArray(motion.xyz[[0, 1, 3, 4]], 100.0, ("M0", "M1", "M3", "M4"))  # not in the file at all
     assert np.allclose(place_absent(without, static)[0].xyz, placed.xyz)
 
 
@@ -144,7 +144,7 @@ def test_a_real_walk_without_a_marker_of_its_static_trial():
 def test_what_cannot_be_placed_says_why():
     motion, shape = swaying()
     static = StaticShape(motion.names, shape, np.zeros(5))
-    few = Motion(motion.xyz[:2], 100.0, motion.names[:2])
+    few = MarkerArray(motion.xyz[:2], 100.0, motion.names[:2])
     for placed in place_absent(few, static):
         assert placed.reason and np.isnan(placed.xyz).all() and np.isnan(placed.expected_mm)
     line = static._replace(xyz=np.arange(5)[:, None] * np.array([50.0, 0, 0]))

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from test_fill import moving
 
-from kinemark.fill import Body, Gap, Linear, Motion, Prediction
-from kinemark.fill.calibration import Calibration, Measured, weigh
-from kinemark.fill.hiding import HiddenTest, Tried, plan, run
-from kinemark.fill.methods import FILLERS
+from kinemark.fill import Body, Gap, Linear, MarkerArray, Prediction
+from kinemark.fill.judge.expected_error import ErrorCalibration, MeasuredErrors, weigh
+from kinemark.fill.judge.hold_out import Candidate, HoldOutGap, plan, run
+from kinemark.fill.methods.table import FILLERS
 
 
 class TestHiding:
@@ -56,7 +56,7 @@ class TestHiding:
 
     def test_on_another_marker_its_own_neighbours_are_hidden_too(self):
         xyz = np.tile(np.cumsum(np.full((10, 1, 1), 100.0), 0) * [1.0, 0, 0], (1, 200, 1))  # ten in a row
-        motion = Motion(xyz, 100.0, tuple(f"M{k}" for k in range(10)))
+        motion = MarkerArray(xyz, 100.0, tuple(f"M{k}" for k in range(10)))
         gaps = [Gap(k, 50, 180) for k in (0, 1, 2)]
         hidden = motion.hidden(gaps)
         planned = plan(hidden, gaps, per_gap=4, seed=0)
@@ -90,10 +90,12 @@ def tries(n, sd, rng, *, said=1.0, length=20, spread=0.0, step=None):
     """n tests of one gap with errors of this sd times e^(spread N(0, 1)), and a method that claims `said`; a test
     every `step` frames, `length` when None."""
     step = length if step is None else step
-    tests = [HiddenTest(0, 0, Gap(0, k * step, k * step + length), (0, length), True) for k in range(n)]
+    tests = [HoldOutGap(0, 0, Gap(0, k * step, k * step + length), (0, length), True) for k in range(n)]
     cov = np.tile(said**2 * np.eye(3), (length, 1, 1))
     sizes = sd * np.exp(spread * rng.normal(size=n))
-    return [Tried(t, rng.normal(0, s, (length, 3)), cov, np.ones(length)) for t, s in zip(tests, sizes, strict=True)]
+    return [
+        Candidate(t, rng.normal(0, s, (length, 3)), cov, np.ones(length)) for t, s in zip(tests, sizes, strict=True)
+    ]
 
 
 class TestCalibration:
@@ -104,7 +106,7 @@ class TestCalibration:
         for _ in range(100):
             tried = tries(n, 2.0, rng, said=said, spread=0.5)
             (new,) = tries(1, 2.0, rng, said=said, spread=0.5)
-            cov = Calibration(tried).covariance(new, new.edge, np.ones(n))
+            cov = ErrorCalibration(tried).covariance(new, new.edge, np.ones(n))
             inside.append((np.abs(new.error) < 1.96 * np.sqrt(np.diagonal(cov, axis1=1, axis2=2))).mean())
         assert 0.92 < np.mean(inside) < 0.98
 
@@ -112,49 +114,52 @@ class TestCalibration:
         rng = np.random.default_rng(5)
         apart, over = (tries(12, 2.0, rng, length=100, step=step) for step in (100, 10))
         over = [t._replace(error=a.error) for t, a in zip(over, apart, strict=True)]
-        far, near = (Calibration(t).covariance(apart[0], apart[0].edge, np.ones(12))[0, 0, 0] for t in (apart, over))
+        far, near = (
+            ErrorCalibration(t).covariance(apart[0], apart[0].edge, np.ones(12))[0, 0, 0] for t in (apart, over)
+        )
         assert near > 1.2 * far
 
     def test_luck_in_few_tests_is_no_reason_to_leave_a_method(self):
         rng, left = np.random.default_rng(6), []
         for sd in [2.0] * 100 + [1.4] * 100:
-            old, new = Measured(tries(6, 2.0, rng)), Measured(tries(6, sd, rng))
+            old, new = MeasuredErrors(tries(6, 2.0, rng)), MeasuredErrors(tries(6, sd, rng))
             left.append(new.behind(old, np.ones(6)) < 0)
         assert np.mean(left[:100]) < 0.3 and np.mean(left[100:]) > 0.9  # half would go by the mean alone
-        assert np.isinf(Measured(tries(1, 2.0, rng)).behind(Measured(tries(1, 2.0, rng)), np.ones(1)))
+        assert np.isinf(MeasuredErrors(tries(1, 2.0, rng)).behind(MeasuredErrors(tries(1, 2.0, rng)), np.ones(1)))
 
     def test_a_silent_method_gets_errors_that_grow_from_the_edges(self):
         rng = np.random.default_rng(2)
         edge = np.minimum(np.arange(1, 41), np.arange(40, 0, -1)).astype(float)
-        test = HiddenTest(0, 0, Gap(0, 0, 40), (0, 40), True)
+        test = HoldOutGap(0, 0, Gap(0, 0, 40), (0, 40), True)
         nothing = np.full((40, 3, 3), np.nan)
-        tried = [Tried(test, rng.normal(0, edge[:, None], (40, 3)), nothing, edge) for _ in range(20)]
-        cov = Calibration(tried).covariance(tried[0], edge, np.ones(20))
+        tried = [Candidate(test, rng.normal(0, edge[:, None], (40, 3)), nothing, edge) for _ in range(20)]
+        cov = ErrorCalibration(tried).covariance(tried[0], edge, np.ones(20))
         sd = np.sqrt(cov[:, 0, 0])
         assert (np.diff(sd[:20]) >= 0).all() and sd[19] > 4 * sd[0]
 
     def test_tests_of_the_gap_itself_count_most(self):
         gaps = [Gap(0, 0, 20), Gap(0, 50, 70), Gap(3, 0, 20), Gap(3, 0, 200)]
-        tests = [HiddenTest(k, 0, Gap(g.marker, 0, g.length), (0, g.length), True) for k, g in enumerate(gaps)]
+        tests = [HoldOutGap(k, 0, Gap(g.marker, 0, g.length), (0, g.length), True) for k, g in enumerate(gaps)]
         w = weigh(tests, 0, gaps)
         assert w[0] > w[1] > w[2] > w[3] > 0
 
     def test_expected_error_is_the_mean_of_the_tests_for_a_method_that_claims_nothing(self):
         rng, n = np.random.default_rng(3), 200
         tried = tries(n, 2.0, rng, said=np.nan)
-        mean, typical = Measured(tried).expect(Prediction(np.zeros((20, 3)), tried[0].cov), np.ones(n))
+        mean, typical = MeasuredErrors(tried).expect(Prediction(np.zeros((20, 3)), tried[0].cov), np.ones(n))
         assert np.isclose(mean, 2.0 * np.sqrt(8 / np.pi), rtol=0.02) and typical < mean  # of a normal error in space
 
     def test_a_gap_that_the_method_finds_harder_is_expected_to_be_worse(self):
         rng = np.random.default_rng(4)
         tried = tries(10, 2.0, rng, said=1.0)
         same, worse = (
-            Measured(tried).expect(Prediction(np.zeros((20, 3)), k * tried[0].cov), np.ones(10))[0] for k in (1, 16)
+            MeasuredErrors(tried).expect(Prediction(np.zeros((20, 3)), k * tried[0].cov), np.ones(10))[0]
+            for k in (1, 16)
         )
         assert np.isclose(worse, 2 * same)
 
     def test_no_tests_no_error_and_no_answers_an_infinite_one(self):
         said = Prediction(np.zeros((4, 3)), np.full((4, 3, 3), np.nan))
-        assert np.isnan(Measured([]).expect(said, np.zeros(0))).all()
+        assert np.isnan(MeasuredErrors([]).expect(said, np.zeros(0))).all()
         tried = [t._replace(error=t.error[:0]) for t in tries(3, 1.0, np.random.default_rng(0))]
-        assert np.isinf(Measured(tried).expect(said, np.ones(3))).all()
+        assert np.isinf(MeasuredErrors(tried).expect(said, np.ones(3))).all()

@@ -3,10 +3,17 @@
 import numpy as np
 import pytest
 
-from kinemark.fill import Gap, Motion
-from kinemark.fill.kalman import Kalman, fill_kalman
-from kinemark.signal.kalman import F, State, predict, update, update_position
-from kinemark.signal.smoother import filter_positions, jump_of, noise_of, predict_gaps, smooth_gaps, smooth_positions
+from kinemark.fill import Gap, MarkerArray
+from kinemark.fill.methods.kalman_predictor import Kalman, fill_kalman
+from kinemark.signal.kalman import F, KalmanState, predict, update, update_position
+from kinemark.signal.smoother import (
+    filter_positions,
+    jump_of,
+    noise_of,
+    predict_gaps,
+    smooth_gaps,
+    smooth_positions,
+)
 
 MODES = ("forward", "forward_backward", "smoother")
 METHODS = [Kalman(mode) for mode in MODES] + [Kalman(mode, differences=True) for mode in MODES[:2]]
@@ -28,7 +35,7 @@ def walk(n, n_frames, sd, jump, seed):
 def test_constant_acceleration_is_exact(method):
     t = np.arange(150.0)
     xyz = np.stack([3 + 2 * t + 0.05 * t**2, 400 - t + 0.01 * t**2, 0 * t + 5], -1)
-    motion, gaps = Motion(xyz[None], 100.0, ("a",)), [Gap(0, 60, 100), Gap(0, 20, 30)]
+    motion, gaps = MarkerArray(xyz[None], 100.0, ("a",)), [Gap(0, 60, 100), Gap(0, 20, 30)]
     for gap, found in zip(gaps, fill_kalman(motion.hidden(gaps), gaps, method=method), strict=True):
         np.testing.assert_allclose(found.xyz, xyz[gap.start : gap.stop], atol=1e-4)
         assert (np.linalg.eigvalsh(found.cov) > 0).all()
@@ -102,7 +109,7 @@ def test_the_filters_covariance_is_honest():
 def test_intervals_hold_with_noise_and_jerk_found(mode):
     true, xyz = (np.stack(a, -1) for a in zip(*(walk(12, 400, 0.4, 0.03, seed) for seed in (4, 5, 6)), strict=True))
     gaps = [Gap(m, 50 + 60 * i, 65 + 60 * i) for m in range(12) for i in range(5)]
-    motion = Motion(xyz, 100.0, tuple(map(str, range(12))))
+    motion = MarkerArray(xyz, 100.0, tuple(map(str, range(12))))
     found = fill_kalman(motion.hidden(gaps), gaps, method=Kalman(mode))
     z = [
         (f.xyz - true[g.marker, g.start : g.stop]) / np.sqrt(f.cov[:, 0, 0])[:, None]
@@ -121,7 +128,7 @@ def test_meeting_in_the_middle_beats_forward_and_the_smoother_beats_both():
     t = np.arange(400) / 100
     xyz = np.stack([200 * np.sin(2 * np.pi * t), 100 * np.cos(4 * np.pi * t), 800 * t], -1)[None]
     gaps = [Gap(0, a, a + 30) for a in range(60, 300, 60)]
-    hidden = Motion(xyz, 100.0, ("a",)).hidden(gaps)
+    hidden = MarkerArray(xyz, 100.0, ("a",)).hidden(gaps)
     errors = [
         np.mean(
             [
@@ -135,7 +142,7 @@ def test_meeting_in_the_middle_beats_forward_and_the_smoother_beats_both():
 
 
 def test_one_position_pulls_as_the_filter_says():
-    state = State(np.zeros((1, 3, 3)), np.diag([4.0, 1.0, 1.0])[None])
+    state = KalmanState(np.zeros((1, 3, 3)), np.diag([4.0, 1.0, 1.0])[None])
     xyz, after = update_position(state, np.array([[5.0, 0, -5.0]]), np.array([4.0]), 0.0)
     np.testing.assert_allclose(xyz, [[2.5, 0, -2.5]])
     same = update(state, np.array([[[5.0, 0, -5.0], [0, 0, 0], [0, 0, 0]]]), np.array([False]), 2.0, 0.0)
@@ -147,18 +154,18 @@ def test_one_position_pulls_as_the_filter_says():
 @pytest.mark.parametrize("mode", MODES)
 def test_degenerate_input(mode):
     method = Kalman(mode)
-    assert fill_kalman(Motion(np.zeros((1, 1, 3)), 100.0, ("a",)), [], method=method) == []
-    nothing = Motion(np.full((1, 20, 3), np.nan), 100.0, ("a",))
+    assert fill_kalman(MarkerArray(np.zeros((1, 1, 3)), 100.0, ("a",)), [], method=method) == []
+    nothing = MarkerArray(np.full((1, 20, 3), np.nan), 100.0, ("a",))
     found = fill_kalman(nothing, [Gap(0, 5, 10)], method=method)[0]
     assert "fewer than 3 samples" in found.reason and np.isnan(found.xyz).all()
-    constant = Motion(np.ones((1, 60, 3)), 100.0, ("a",)).hidden([Gap(0, 30, 40)])
+    constant = MarkerArray(np.ones((1, 60, 3)), 100.0, ("a",)).hidden([Gap(0, 30, 40)])
     np.testing.assert_allclose(fill_kalman(constant, [Gap(0, 30, 40)], method=method)[0].xyz, 1.0, atol=1e-9)
     wild = np.random.default_rng(0).choice([-1e9, 1e9], (1, 60, 3))
     gap = [Gap(0, 30, 40)]
-    found = fill_kalman(Motion(wild, 100.0, ("a",)).hidden(gap), gap, method=method)[0]
+    found = fill_kalman(MarkerArray(wild, 100.0, ("a",)).hidden(gap), gap, method=method)[0]
     assert np.isfinite(found.xyz).all() and np.isfinite(found.cov).all()
     end = [Gap(0, 55, 60)]
-    assert not fill_kalman(Motion(wild, 100.0, ("a",)).hidden(end), end, method=method)[0].reason
+    assert not fill_kalman(MarkerArray(wild, 100.0, ("a",)).hidden(end), end, method=method)[0].reason
 
 
 def test_wrong_parameters_are_named():

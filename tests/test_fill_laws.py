@@ -6,22 +6,22 @@ import numpy as np
 import pytest
 from test_filling import segment, trial_of
 
-from kinemark.fill import Body, Gap, Kalman, LimbAngles, Linear, Motion, Prediction, fill
-from kinemark.fill.angles import fit_model, learned_of
-from kinemark.fill.calibration import LEAST, Calibration, Measured, as_hard
-from kinemark.fill.combine import close_ones, mean_prediction, mean_tests, together, weights
-from kinemark.fill.fill import Answer, _mean_of_close, _told, ask, choose
-from kinemark.fill.hiding import HiddenTest, Tried, plan
-from kinemark.fill.kriging import Hyper
-from kinemark.fill.methods import FILLERS, affordable, within_time
+from kinemark.fill import Body, Gap, Kalman, LimbAngles, Linear, MarkerArray, Prediction, fill
+from kinemark.fill.fill import FillAnswer, _mean_of_close, _told, ask, choose
+from kinemark.fill.judge.combine import close_ones, mean_prediction, mean_tests, together, weights
+from kinemark.fill.judge.expected_error import LEAST, ErrorCalibration, MeasuredErrors, as_hard
+from kinemark.fill.judge.hold_out import Candidate, HoldOutGap, plan
+from kinemark.fill.methods.angles import fit_model, learned_of
+from kinemark.fill.methods.kriging import Hyper
+from kinemark.fill.methods.table import FILLERS, affordable, within_time
 from kinemark.synth import dressed, walking
 
 
 def filled_with(errors):
     """One test of one gap after another; (T, L, 3) errors of one method."""
     L = errors.shape[1]
-    tests = [HiddenTest(0, k, Gap(0, 2 * L * k + 10, 2 * L * k + 10 + L), (0, L), True) for k in range(len(errors))]
-    return [Tried(t, e, np.tile(np.eye(3), (L, 1, 1)), np.ones(L)) for t, e in zip(tests, errors, strict=True)]
+    tests = [HoldOutGap(0, k, Gap(0, 2 * L * k + 10, 2 * L * k + 10 + L), (0, L), True) for k in range(len(errors))]
+    return [Candidate(t, e, np.tile(np.eye(3), (L, 1, 1)), np.ones(L)) for t, e in zip(tests, errors, strict=True)]
 
 
 class TestWeighing:
@@ -69,7 +69,10 @@ def test_a_mean_is_judged_in_tests_that_its_weights_were_not_made_from():
     said = Prediction(np.zeros((20, 3)), np.tile(np.eye(3), (20, 1, 1)))
     for _ in range(60):
         tried = [filled_with(np.tile(e, (1, 20, 1))) for e in rng.normal(0, 1, (4, 6, 1, 3))]
-        answers = [Answer(name, [said], Measured(t), Calibration(t), t) for name, t in zip("abcd", tried, strict=True)]
+        answers = [
+            FillAnswer(name, [said], MeasuredErrors(t), ErrorCalibration(t), t)
+            for name, t in zip("abcd", tried, strict=True)
+        ]
         expected, counts = _told(answers, [gap], 0)
         mean = _mean_of_close(answers, expected, 0, counts)
         if len(close_ones([mm for _, mm in expected.values()])) == 4:
@@ -83,7 +86,7 @@ def test_a_mean_is_judged_in_tests_that_its_weights_were_not_made_from():
 def test_what_is_learnt_once_for_many_gaps_is_learnt_without_what_the_tests_hide(method, monkeypatch):
     subject = dressed(walking(duration_s=12, rate=50.0, seed=2), 16, seed=2)
     gaps = [Gap(k % 16, 12 * k + 20, 12 * k + 30) for k in range(40)]
-    motion = Motion(subject.xyz, 50.0, subject.names).hidden(gaps)
+    motion = MarkerArray(subject.xyz, 50.0, subject.names).hidden(gaps)
     seen = []
 
     def spy(one, some, learnt_from):
@@ -107,7 +110,10 @@ def test_a_gap_in_which_the_methods_agree_is_expected_to_be_as_good_as_the_tests
     expected = {}
     for apart in (0.5, 5.0):
         said = [Prediction(k * apart * np.full((20, 3), np.sqrt(2)), np.full((20, 3, 3), np.nan)) for k in (0, 1)]
-        answers = [Answer(n, [x], Measured(t), Calibration(t), t) for n, x, t in zip("ab", said, tried, strict=True)]
+        answers = [
+            FillAnswer(n, [x], MeasuredErrors(t), ErrorCalibration(t), t)
+            for n, x, t in zip("ab", said, tried, strict=True)
+        ]
         expected[apart] = _told(answers, [Gap(0, 0, 20)], 0)[0]["a"][0]
     usual = np.sqrt(8 / np.pi)  # mean length of a unit normal vector in space
     assert expected[0.5] == pytest.approx(0.5 * usual, rel=0.15) and expected[5.0] == pytest.approx(5 * usual, rel=0.15)
@@ -116,17 +122,17 @@ def test_a_gap_in_which_the_methods_agree_is_expected_to_be_as_good_as_the_tests
 def test_few_tests_make_wider_bands():
     def band(n):
         rng = np.random.default_rng(0)
-        tests = [HiddenTest(0, k, Gap(0, 40 * k + 10, 40 * k + 30), (0, 20), True) for k in range(n)]
-        tried = [Tried(t, rng.normal(0, 1, (20, 3)), np.tile(np.eye(3), (20, 1, 1)), np.ones(20)) for t in tests]
+        tests = [HoldOutGap(0, k, Gap(0, 40 * k + 10, 40 * k + 30), (0, 20), True) for k in range(n)]
+        tried = [Candidate(t, rng.normal(0, 1, (20, 3)), np.tile(np.eye(3), (20, 1, 1)), np.ones(20)) for t in tests]
         said = Prediction(np.zeros((20, 3)), np.tile(np.eye(3), (20, 1, 1)))
-        return Calibration(tried).covariance(said, np.ones(20), np.ones(n))[0, 0, 0] ** 0.5
+        return ErrorCalibration(tried).covariance(said, np.ones(20), np.ones(n))[0, 0, 0] ** 0.5
 
     assert band(100) == pytest.approx(1.0, abs=0.1)
     assert band(2) > 1.4 and 1.0 < band(10) < 1.5
 
 
 def test_the_tests_of_an_end_hide_all_to_that_end():
-    motion = Motion(segment(200), 100.0, tuple("ABCDE"))
+    motion = MarkerArray(segment(200), 100.0, tuple("ABCDE"))
     first, last = Gap(1, 0, 20), Gap(2, 180, 200)
     for gap, end in ((first, "start"), (last, "stop")):
         tests = plan(motion.hidden([gap]), [gap], per_gap=6, seed=0).tests
@@ -153,7 +159,7 @@ def test_the_limit_holds_for_markers_of_the_static_trial_too():
 def answer(name, errors, *, at=0.0, claim=1.0):
     tried, L = filled_with(errors), errors.shape[1]
     said = Prediction(np.full((L, 3), at), np.tile(claim * np.eye(3), (L, 1, 1)))
-    return Answer(name, [said], Measured(tried), Calibration(tried), tried)
+    return FillAnswer(name, [said], MeasuredErrors(tried), ErrorCalibration(tried), tried)
 
 
 def along(axis, sizes):
@@ -161,7 +167,7 @@ def along(axis, sizes):
     return np.array(sizes, float)[:, None, None] * np.tile(np.eye(3)[axis], (20, 1))
 
 
-MOTION, GAP = Motion(np.zeros((1, 600, 3)), 100.0, ("A",)), Gap(0, 0, 20)
+MOTION, GAP = MarkerArray(np.zeros((1, 600, 3)), 100.0, ("A",)), Gap(0, 0, 20)
 
 
 def test_what_a_test_counts_is_what_it_counts_for_the_weights():
@@ -209,7 +215,7 @@ def test_a_mean_is_named_after_those_that_count_and_one_alone_is_no_mean(ahead, 
 
 def walker():
     subject = dressed(walking(duration_s=6, rate=50.0, seed=2), 16, seed=2)
-    return Motion(subject.xyz, 50.0, subject.names)
+    return MarkerArray(subject.xyz, 50.0, subject.names)
 
 
 def test_the_faster_form_keeps_what_is_given():
@@ -227,7 +233,7 @@ def test_the_faster_form_keeps_what_is_given():
 def test_where_the_tests_together_hide_most_of_the_trial_each_copy_is_learnt_from():
     subject = dressed(walking(duration_s=8, rate=50.0, seed=2), 16, seed=2)
     gaps = [Gap(k % 16, 10 + 14 * k, 35 + 14 * k) for k in range(24)]
-    motion = Motion(subject.xyz, 50.0, subject.names).hidden(gaps)
+    motion = MarkerArray(subject.xyz, 50.0, subject.names).hidden(gaps)
     body, limbs = ask(motion, gaps, [Body(donors=6, frames=40), LimbAngles()])
     assert body.method.hyper is None and limbs.method.learned is None
     assert np.isfinite([t.mean for t in body.tried]).mean() > 0.8

@@ -15,7 +15,7 @@ from kinemark.fill import (
     Gap,
     Linear,
     LowRankKalman,
-    Motion,
+    MarkerArray,
     Pattern,
     Quintic,
     Relational,
@@ -23,8 +23,9 @@ from kinemark.fill import (
     StaticShape,
     find_gaps,
 )
-from kinemark.fill.low_rank_kalman import solve
-from kinemark.fill.methods import (
+from kinemark.fill.methods.low_rank_kalman import solve
+from kinemark.fill.methods.polynomials import lagrange
+from kinemark.fill.methods.table import (
     fill_cubic,
     fill_cyclic,
     fill_linear,
@@ -35,9 +36,8 @@ from kinemark.fill.methods import (
     fill_relational,
     fill_rigid_body,
 )
-from kinemark.fill.polynomials import lagrange
 from kinemark.geometry import nearest_rotations
-from kinemark.io.c3d.trial import markers, read_c3d
+from kinemark.io.c3d.to_trial import markers, read_c3d
 from kinemark.signal import smoothing_spline
 
 FILLERS = {
@@ -63,7 +63,7 @@ def fill(name, motion, gaps, **parameters):
 
 
 def named(xyz, rate=100.0):
-    return Motion(np.asarray(xyz, float), rate, tuple(f"M{k}" for k in range(len(xyz))))
+    return MarkerArray(np.asarray(xyz, float), rate, tuple(f"M{k}" for k in range(len(xyz))))
 
 
 @cache
@@ -390,7 +390,7 @@ def test_the_closed_form_is_the_kalman_smoother(sides):
 def test_a_real_walk_is_filled_to_a_few_millimetres():
     """Hidden gaps of 1 s, raw data with measured residuals; the bounds are the field's best known figures."""
     trial = markers(read_c3d(shared_data("mocap3d/qualisys_gait/Gait - CGM2 1.c3d")))
-    motion = Motion.of(getattr(trial, "trajectories", trial))
+    motion = MarkerArray.of(getattr(trial, "trajectories", trial))
     rng = np.random.default_rng(1)
     whole = np.flatnonzero(motion.seen.all(1))
     gaps = [Gap(int(rng.choice(whole)), s, s + 100) for s in (int(rng.integers(5, 235)) for _ in range(30))]
@@ -403,7 +403,7 @@ def test_a_real_walk_is_filled_to_a_few_millimetres():
 
 
 def test_all_gaps_of_a_trial_with_gaps_are_answered():
-    motion = Motion.of(markers(read_c3d(shared_data("mocap3d/arm_box_lift_gaps/Vicon.c3d"))))
+    motion = MarkerArray.of(markers(read_c3d(shared_data("mocap3d/arm_box_lift_gaps/Vicon.c3d"))))
     gaps = find_gaps(motion)
     for name in FILLERS:
         assert all(p.reason or not np.isnan(p.xyz).any() for p in fill(name, motion, gaps))

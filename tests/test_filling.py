@@ -10,15 +10,15 @@ from shared import shared_data
 from test_c3d import made_trial
 from test_follow_trouble import body
 
-from kinemark.cli import app
-from kinemark.data import KinemarkError, Origin, Path, Trajectories, Trial, same
+from kinemark.apps.cli import app
+from kinemark.data import KinemarkError, MarkerTrajectory, Origin, Trajectories, Trial, same
+from kinemark.engine.fill_files import fill_file, fill_method
+from kinemark.engine.session import Session
 from kinemark.fill import Linear, RigidBody
-from kinemark.filling import fill_file, fill_method
 from kinemark.io.c3d import markers, read_c3d, write_c3d
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.io.trc import read_trc
-from kinemark.session import Session
 
 GAP = slice(40, 60)
 
@@ -37,7 +37,7 @@ def with_gap(xyz):
 
 
 def trial_of(xyz, names="ABCDEFG"):
-    paths = tuple(Path.measured(name, one) for name, one in zip(names, xyz, strict=False))
+    paths = tuple(MarkerTrajectory.measured(name, one) for name, one in zip(names, xyz, strict=False))
     return Trial("t", Trajectories(paths, 100.0, 5))
 
 

@@ -8,20 +8,13 @@ import pytest
 from shared import shared_data
 from test_filling import GAP, segment, trial_of, with_gap
 
-from kinemark.cli import app
+from kinemark.apps.cli import app
 from kinemark.data import AngleModel, KinemarkError, Origin, Trajectories, same
-from kinemark.fill import (
-    Auto,
-    Body,
-    Gap,
-    KalmanAngles,
-    LimbAngles,
-    Linear,
-    Motion,
-)
-from kinemark.fill.angles import fill_limb_angles
-from kinemark.filling import angle_model, fill_file, fill_files, fill_method, filled_figures, filled_text
-from kinemark.formats import read, write_trial
+from kinemark.engine.fill_files import angle_model, fill_file, fill_files, fill_method, filled_figures, filled_text
+from kinemark.engine.formats import read, write_trial
+from kinemark.engine.settings.method_tables import filling_of
+from kinemark.fill import Auto, Body, Gap, KalmanAngles, LimbAngles, Linear, MarkerArray
+from kinemark.fill.methods.angles import fill_limb_angles
 from kinemark.io.angle_model_csv import write_angle_model
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.io.c3d.document import with_parameters
@@ -29,7 +22,6 @@ from kinemark.io.c3d.parameters import Parameter
 from kinemark.io.c3d.provenance import told_filled
 from kinemark.io.c3d.writing import write_document
 from kinemark.io.trc import read_trc, write_trc
-from kinemark.settings.methods import filling_of
 from kinemark.synth import walking
 
 QUICK = {"method": Linear(), "name": "linear", "limit_mm": np.inf}
@@ -303,7 +295,7 @@ def test_a_model_of_another_walk_fills_half_a_step(walk, tmp_path):
     hole = np.zeros(70, bool)
     hole[25:50] = True
     gone = replace(path, xyz=np.where(hole[:, None], np.nan, path.xyz), origin=np.where(hole, 0, path.origin))
-    motion = Motion.of(replace(short, paths=tuple(gone if p.name == knee else p for p in short)))
+    motion = MarkerArray.of(replace(short, paths=tuple(gone if p.name == knee else p for p in short)))
     gap = Gap(motion.names.index(knee), 25, 50)
     (found,) = fill_limb_angles(motion, [gap], method=fill_method("limb_angles", model=tmp_path / "other.c3d"))
     assert np.linalg.norm(found.xyz - path.xyz[hole], axis=1).mean() < 20

@@ -9,29 +9,18 @@ from laboratory import observe, ring
 from test_fill_edges_static import swaying
 from test_filling import GAP, segment, trial_of, with_gap
 
-from kinemark.cli import app
-from kinemark.data import Fills, Origin, Path, same
-from kinemark.fill import (
-    Cubic,
-    FilledGap,
-    Filling,
-    Gap,
-    Linear,
-    Prediction,
-    Rays,
-    RigidBody,
-    fill,
-    fill_recording,
-)
-from kinemark.fill.calibration import Measured
+from kinemark.apps.cli import app
+from kinemark.data import Fills, MarkerTrajectory, Origin, same
+from kinemark.engine.fill_files import fill_file, filled_text
+from kinemark.engine.settings.method_tables import filling_of
+from kinemark.fill import Cubic, FilledGap, Filling, Gap, Linear, Prediction, Rays, RigidBody, fill, fill_recording
 from kinemark.fill.fill import Filled
-from kinemark.fill.hiding import HiddenTest, Tried
-from kinemark.filling import fill_file, filled_text
+from kinemark.fill.judge.expected_error import MeasuredErrors
+from kinemark.fill.judge.hold_out import Candidate, HoldOutGap
+from kinemark.findings.gaps import filling_figures
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.report.figures_gaps import gap_figure
-from kinemark.report.filling import filling_figures
 from kinemark.report.filling_page import filling_page
-from kinemark.settings.methods import filling_of
 
 QUICK = {"method": Linear(), "name": "linear", "limit_mm": np.inf}
 
@@ -193,9 +182,9 @@ def bare(svg):
 
 def test_a_gap_that_the_method_finds_harder_than_its_tests_is_expected_to_be_worse():
     """Half way in logarithms: a claim four times as large doubles what is expected."""
-    test = HiddenTest(0, 0, Gap(0, 10, 15), (0, 5), True)
-    tried = Tried(test, np.full((5, 3), 1.0), np.tile(np.eye(3), (5, 1, 1)), np.ones(5))
-    measured = Measured([tried, tried])
+    test = HoldOutGap(0, 0, Gap(0, 10, 15), (0, 5), True)
+    tried = Candidate(test, np.full((5, 3), 1.0), np.tile(np.eye(3), (5, 1, 1)), np.ones(5))
+    measured = MeasuredErrors([tried, tried])
     for claim, ratio in ((1.0, 1.0), (4.0, 2.0), (0.25, 0.5)):
         said = Prediction(np.zeros((5, 3)), claim**2 * np.tile(np.eye(3), (5, 1, 1)))
         assert measured.expect(said, np.ones(2))[0] == pytest.approx(ratio * 3**0.5)
@@ -216,7 +205,7 @@ def test_fills_taken_off_and_put_on_again_are_the_same():
     with pytest.raises(ValueError, match="reach beyond"):
         fills.on(replace(before, paths=before.paths[: fills.marker.max()]))
     last = fills.frame.max()
-    cut = tuple(Path.measured(p.name, p.xyz[:last]) for p in before)
+    cut = tuple(MarkerTrajectory.measured(p.name, p.xyz[:last]) for p in before)
     with pytest.raises(ValueError, match="reach beyond"):
         fills.on(replace(before, paths=cut))
 

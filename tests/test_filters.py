@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import make_smoothing_spline
 
-from kinemark.data import Path, Trajectories
+from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.kinematics import Butterworth, WoltringSpline, residual_cutoff, smooth
 from kinemark.signal.filters import butterworth, butterworth_gain, residual_analysis
 from kinemark.signal.splines import smoothing_spline
@@ -124,7 +124,7 @@ def trial(sd=0.5):
     noisy = true + sd * RNG.normal(size=true.shape)
     holed = noisy.copy()
     holed[300:340] = holed[700:702] = np.nan
-    paths = (Path.measured("whole", noisy, cov=cov), Path.measured("holed", holed, cov=cov))
+    paths = (MarkerTrajectory.measured("whole", noisy, cov=cov), MarkerTrajectory.measured("holed", holed, cov=cov))
     return Trajectories(paths, RATE), true
 
 
@@ -137,13 +137,17 @@ def test_markers_are_smoothed_gaps_stay_and_covariances_are_true(method):
     stated = np.sqrt(out["whole"].cov[500, 0, 0])
     assert error.std() < 0.3 and 0.85 < error.std() / stated < 1.3
     turn = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1.0]])  # what is smoothed turns with the laboratory
-    turned = smooth(Trajectories((Path.measured("w", raw["whole"].xyz @ turn.T),), RATE), method=method)
+    turned = smooth(Trajectories((MarkerTrajectory.measured("w", raw["whole"].xyz @ turn.T),), RATE), method=method)
     assert np.allclose(turned["w"].xyz, out["whole"].xyz @ turn.T, atol=1e-6)
 
 
 def test_short_paths_are_kept_as_they_are():
     short = Trajectories(
-        (Path.measured("s", RNG.normal(size=(6, 3))), Path.measured("n", np.full((6, 3), np.nan))), RATE
+        (
+            MarkerTrajectory.measured("s", RNG.normal(size=(6, 3))),
+            MarkerTrajectory.measured("n", np.full((6, 3), np.nan)),
+        ),
+        RATE,
     )
     for method in (Butterworth(6.0), Butterworth(), WoltringSpline()):
         out = smooth(short, method=method)

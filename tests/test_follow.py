@@ -8,17 +8,17 @@ import pytest
 from laboratory import observe, ring
 
 from kinemark.data import Detections, KinemarkError, Rig
-from kinemark.follow import Simultaneous, follow
-from kinemark.follow.claims import claim, expect
-from kinemark.follow.groups import _near_lines, _together, fundamentals, placed
-from kinemark.follow.images import read_images
-from kinemark.follow.motion import Motion, ahead, at_rest, back, inverse, reversed_time, told
-from kinemark.follow.paths import LOOK, Points, motion_from, rows_near, rows_of, smoothed
 from kinemark.geometry import project
-from kinemark.score import score
 from kinemark.synth import dressed, walking
 from kinemark.synth import observe as seen_by
 from kinemark.synth import ring as synth_ring
+from kinemark.synth.score import score
+from kinemark.track.simultaneous import Simultaneous, track_detections
+from kinemark.track.simultaneous.associate import associate, predict_images
+from kinemark.track.simultaneous.candidate_points import _near_lines, _together, fundamentals, placed
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.kalman_states import KalmanStates, ahead, at_rest, back, inverse, reversed_time, told
+from kinemark.track.simultaneous.neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of, smoothed
 
 
 def dance(n=8, frames=60, *, rate=100.0, seed=0):
@@ -53,7 +53,7 @@ def shuffled(detections, seed=0):
 def test_finds_all_points_of_a_dance():
     xyz = dance()
     detections, _ = observe(ring(5), xyz, noise=0.1)
-    result = score(follow(detections, ring(5)), xyz)
+    result = score(track_detections(detections, ring(5)), xyz)
     assert result.recall == 1 and result.extra_per_frame == 0 and result.swaps == 0
     assert (result.pieces == 1).all() and 0.92 < result.coverage < 0.98
 
@@ -61,7 +61,7 @@ def test_finds_all_points_of_a_dance():
 def test_order_of_detections_does_not_matter():
     rig = ring(5)
     detections, _ = observe(rig, dance(), noise=0.1)
-    assert partition(follow(detections, rig)) == partition(follow(shuffled(detections), rig))
+    assert partition(track_detections(detections, rig)) == partition(track_detections(shuffled(detections), rig))
 
 
 def test_order_of_cameras_does_not_matter():
@@ -69,7 +69,7 @@ def test_order_of_cameras_does_not_matter():
     xyz = dance()
     detections, _ = observe(rig, xyz, noise=0.1)
     names = [rig.names[i] for i in (3, 0, 5, 1, 4, 2)]
-    one, other = follow(detections, rig), follow(detections.select(names), rig.select(names))
+    one, other = track_detections(detections, rig), track_detections(detections.select(names), rig.select(names))
     assert len(one) == len(other) == len(xyz)
     assert partition(one, digits=2) == partition(other, digits=2)
 
@@ -82,7 +82,7 @@ def test_time_reversed_gives_the_same_tracks():
         [np.arange(forward.start[c, f], forward.start[c, f + 1]) for c in range(len(rig)) for f in range(last, -1, -1)]
     )
     backward = Detections.build(rig.names, 100.0, forward.counts[:, ::-1], forward.uv[order], forward.cov[order])
-    one, other = follow(forward, rig), follow(backward, rig)
+    one, other = track_detections(forward, rig), track_detections(backward, rig)
     turned = {frozenset((last - f, *x) for f, *x in track) for track in partition(other, digits=1)}
     both = partition(one, digits=1)
     assert len(both) == len(turned)
@@ -94,20 +94,20 @@ def test_runs_of_any_length_and_nothing_at_all():
     rig = ring(4)
     for frames in (1, 2, 3, 5):
         detections, _ = observe(rig, dance(frames=frames), noise=0.1)
-        assert len(follow(detections, rig)) in (0, 8)
-    assert len(follow(detections.keep(np.zeros(len(detections), bool)), rig)) == 0
-    assert len(follow(detections.frames(0, 0), rig)) == 0
+        assert len(track_detections(detections, rig)) in (0, 8)
+    assert len(track_detections(detections.keep(np.zeros(len(detections), bool)), rig)) == 0
+    assert len(track_detections(detections.frames(0, 0), rig)) == 0
     one = rig.select(rig.names[:1])
     with pytest.raises(KinemarkError, match="needs two"):
-        follow(detections.select(one.names), one)
+        track_detections(detections.select(one.names), one)
     with pytest.raises(KinemarkError, match="same order"):
-        follow(detections, Rig(rig.cameras[::-1]))
+        track_detections(detections, Rig(rig.cameras[::-1]))
 
 
 def test_stretches_side_by_side_are_one_track():
     xyz = dance(frames=260)
     detections, _ = observe(ring(4), xyz, noise=0.1)
-    result = score(follow(detections, ring(4)), xyz)
+    result = score(track_detections(detections, ring(4)), xyz)
     assert result.recall == 1 and (result.pieces == 1).all() and result.swaps == 0
 
 
@@ -117,14 +117,14 @@ def test_noise_alone_makes_no_tracks(per_frame):
     counts = rng.poisson(per_frame, (len(rig), 60))
     uv = rng.uniform(0, 1, (counts.sum(), 2)) * rig[0].size
     detections = Detections.build(rig.names, 100.0, counts, uv, np.broadcast_to(np.eye(2) * 0.01, (len(uv), 2, 2)))
-    assert len(follow(detections, rig)) == 0
+    assert len(track_detections(detections, rig)) == 0
 
 
 def test_a_stretch_of_one_camera_is_bridged():
     rig, xyz = ring(4), dance(n=5, frames=60)
     detections, truth = observe(rig, xyz, noise=0.1)
     hidden = (truth == 2) & (detections.frame >= 28) & (detections.frame < 34) & (detections.camera > 0)
-    tracks = follow(detections.keep(~hidden), rig)
+    tracks = track_detections(detections.keep(~hidden), rig)
     result = score(tracks, xyz)
     assert len(tracks) == 5 and result.swaps == 0 and (result.pieces == 1).all()
     at = tracks.cloud.frame[tracks.id == tracks.id[np.flatnonzero(result.owner == 2)[0]]]
@@ -152,7 +152,7 @@ def test_a_merged_image_serves_two_tracks():
     seen = Detections.build(rig.names, 100.0, detections.counts, uv, detections.cov, merged=merged, area=area).keep(
         ~drop
     )
-    tracks = follow(seen, rig)
+    tracks = track_detections(seen, rig)
     result = score(tracks, xyz)
     assert len(tracks) == 2 and result.swaps == 0 and result.recall > 0.99
     shared = tracks.cloud.view[seen.merged[tracks.cloud.view] & (tracks.cloud.view >= 0)]
@@ -163,7 +163,7 @@ def test_a_body_that_hides_its_markers():
     subject = dressed(walking(duration_s=0.7, rate=100.0, seed=1, middle=(1200.0, 700.0)), 39, seed=1)
     rig = synth_ring(6)
     seen = seen_by(rig, subject, noise_px=0.1, false_per_frame=2.0, merge_px=8.0, least_visible=0.3, seed=1)
-    tracks = follow(seen.detections, rig)
+    tracks = track_detections(seen.detections, rig)
     truth = subject.xyz.copy()
     own = (seen.marker >= 0) & (seen.merged == 1)
     views = np.zeros(truth.shape[:2], int)
@@ -214,7 +214,7 @@ def test_a_smoothed_place_is_that_of_both_sides_and_its_own_images():
     frame = np.arange(2 * LOOK + 3)
     xyz = dance(1, len(frame))[0] + rng.normal(0, 0.3, (len(frame), 3))
     root = rng.normal(0, 0.4, (len(frame), 3, 3)) + np.eye(3)
-    points = Points(frame, np.zeros_like(frame), xyz, root @ root.swapaxes(1, 2))
+    points = TrackPoints(frame, np.zeros_like(frame), xyz, root @ root.swapaxes(1, 2))
     middle = frame == LOOK + 1
     found, cov = smoothed(points, middle, ~middle, T, method)
     rows = rows_of(points)
@@ -235,7 +235,7 @@ def test_a_smoothed_place_is_that_of_both_sides_and_its_own_images():
 def test_forth_and_back_in_time_is_the_same_place():
     rng = np.random.default_rng(1)
     motion = at_rest(rng.normal(size=(3, 4)), np.eye(3)[..., None] * np.ones(4), speed=1000.0, acceleration=1e4)
-    motion = Motion(motion.x + rng.normal(size=(9, 4)), motion.V)
+    motion = KalmanStates(motion.x + rng.normal(size=(9, 4)), motion.V)
     again = back(ahead(motion, 0.02, 1e4), 0.02, 1e4)
     np.testing.assert_allclose(again.x, motion.x, atol=1e-9)
     np.testing.assert_allclose(reversed_time(reversed_time(motion)).V, motion.V)
@@ -254,8 +254,8 @@ def test_claims_are_the_best_of_all(seed):
     images = read_images(detections, rig)
     V = np.zeros((9, 9, 3))
     V[:3, :3] = cov
-    expected = expect(images.P, Motion(np.concatenate([xyz.T, np.zeros((6, 3))]), V))
-    claims = claim(images, images.usable, np.zeros(3, int), expected, 5.0)
+    expected = predict_images(images.P, KalmanStates(np.concatenate([xyz.T, np.zeros((6, 3))]), V))
+    claims = associate(images, images.usable, np.zeros(3, int), expected, 5.0)
     table = np.zeros((3, 6))  # the last three columns are none
     for t in range(3):
         S = (
@@ -275,7 +275,7 @@ def test_claims_are_the_best_of_all(seed):
 @pytest.mark.parametrize("at_once", [1, 40, 4000])
 def test_pairs_near_lines_are_those_of_a_loop_over_all_pairs(at_once, monkeypatch):
     """Whatever the number of images in each frame and camera, and however many frames are looked at together."""
-    monkeypatch.setattr(sys.modules["kinemark.follow.groups"], "AT_ONCE", at_once)
+    monkeypatch.setattr(sys.modules["kinemark.track.simultaneous.candidate_points"], "AT_ONCE", at_once)
     rig, rng = ring(4), np.random.default_rng(3)
     xyz = dance(6, 9)
     xyz[:, 4] = np.nan  # nothing there

@@ -1,4 +1,4 @@
-"""What the tracks say of the cameras' clocks."""
+"""What the tracks say of the cameras' time offsets."""
 
 import re
 
@@ -8,8 +8,8 @@ from laboratory import observe, ring
 from test_follow import dance
 
 from kinemark.data import Detections
-from kinemark.follow import Simultaneous, followed, noticed
-from kinemark.follow.clocks import clocks
+from kinemark.track.simultaneous import Simultaneous, diagnose, track_simultaneously
+from kinemark.track.simultaneous.time_offsets import time_offsets
 
 FRAMES = 160
 
@@ -38,7 +38,7 @@ def watched(rig, xyz, late):
 @pytest.mark.parametrize("late", [(0, 0, 0, 0, 0, 0), (0, 0, 0.3, 0, 0, 0), (0.2, 0, 0, -0.4, 0, 0)])
 def test_delays_are_found_with_their_errors(ball, late):
     rig, xyz = ball
-    found = clocks(followed(watched(rig, xyz, late), rig, Simultaneous()))
+    found = time_offsets(track_simultaneously(watched(rig, xyz, late), rig, Simultaneous()))
     assert found.delay == pytest.approx(np.array(late) - np.median(late), abs=0.02)
     assert (found.error < 0.01).all()
     assert (np.abs(found.delay - late) < 8 * found.error + 0.01).all()
@@ -47,13 +47,13 @@ def test_delays_are_found_with_their_errors(ball, late):
 def test_a_late_camera_is_named_and_not_taken_for_a_moved_one(ball):
     rig, xyz = ball
     detections = watched(rig, xyz, (0, 0, 0.3, 0, 0, 0))
-    (sentence,) = noticed(detections, rig, followed(detections, rig, Simultaneous()))
+    (sentence,) = diagnose(detections, rig, track_simultaneously(detections, rig, Simultaneous()))
     assert re.match(f"Camera {rig.names[2]} sees everything (2.9|3.0|3.1) ms later than the others", sentence)
 
 
 def test_nothing_is_known_of_clocks_when_nothing_moves(ball):
     rig, xyz = ball
     still = np.repeat(xyz[:, :1], FRAMES + 2, axis=1)
-    found = clocks(followed(watched(rig, still, (0, 0, 0.4, 0, 0, 0)), rig, Simultaneous()))
+    found = time_offsets(track_simultaneously(watched(rig, still, (0, 0, 0.4, 0, 0, 0)), rig, Simultaneous()))
     known = np.abs(found.delay) > 5 * found.error
     assert not (known & (found.shift > 0.1)).any()

@@ -8,9 +8,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinemark.compiled import PLAIN
-from kinemark.follow import claims, compiled, follow, groups, motion
-from kinemark.follow.images import Images, read_images
 from kinemark.synth import dressed, observe, ring, walking
+from kinemark.track.simultaneous import (
+    associate as claims,
+)
+from kinemark.track.simultaneous import (
+    candidate_points as groups,
+)
+from kinemark.track.simultaneous import (
+    compiled,
+    track_detections,
+)
+from kinemark.track.simultaneous import (
+    kalman_states as motion,
+)
+from kinemark.track.simultaneous.detection_index import Images, read_images
 
 needs_kernel = pytest.mark.skipif(compiled.library() is None, reason="the tracker was installed without a compiler")
 some = settings(max_examples=40, deadline=None)
@@ -44,7 +56,7 @@ def points(draw):
     n = draw(st.integers(0, 21))
     root = rng.normal(0, 1, (n, 9, 9)) * np.repeat([3.0, 50.0, 900.0], 3)[:, None]
     x = np.concatenate([rng.uniform(0, 1500, (3, n)), rng.normal(0, 800, (6, n))])
-    return motion.Motion(x, (root @ root.swapaxes(1, 2)).transpose(1, 2, 0)), rng
+    return motion.KalmanStates(x, (root @ root.swapaxes(1, 2)).transpose(1, 2, 0)), rng
 
 
 @needs_kernel
@@ -68,35 +80,37 @@ def test_places_candidates_and_information(made, all_free):
     n = state.x.shape[-1]
     if n:
         state.x[:3, 0] = 2 * RIG.centres[0] - state.x[:3, 0]  # behind a camera
-    expected = both(claims.expect, IMAGES.P, state)
+    expected = both(claims.predict_images, IMAGES.P, state)
     frame = rng.integers(0, IMAGES.n_frames, n)
     free = IMAGES.usable & (all_free | (rng.random(len(IMAGES.uv)) < 0.5))
-    expected = claims.Expected(*expected)
-    pairs = claims.Pairs(*both(claims.candidates, IMAGES, free, frame, expected, 4.0))
+    expected = claims.PredictedImages(*expected)
+    pairs = claims.TrackImagePairs(*both(claims.candidates, IMAGES, free, frame, expected, 4.0))
     assert (pairs.squared < 16).all() and free[pairs.row].all()
     row = np.full((len(RIG), n), -1)
     row.reshape(-1)[pairs.own] = pairs.row
     variance = np.where(row >= 0, IMAGES.variance[row], np.inf)
-    both(claims.information, IMAGES, expected, claims.Claims(row, variance, np.zeros(row.shape), row > 1 << 40))
+    both(claims.information, IMAGES, expected, claims.Association(row, variance, np.zeros(row.shape), row > 1 << 40))
 
 
 @needs_kernel
 def test_all_candidates_are_found_however_many():
     """More images lie about a place than the kernel has room for at first."""
     crowd = read_images(observe(RIG, WALK, false_per_frame=40.0, seed=6).detections, RIG)
-    state = motion.Motion(np.zeros((9, 1)), np.eye(9)[..., None] * 1e10)
+    state = motion.KalmanStates(np.zeros((9, 1)), np.eye(9)[..., None] * 1e10)
     state.x[:3, 0] = np.nanmean(WALK.xyz, axis=(0, 1))
-    expected = claims.expect(crowd.P, state)
-    pairs = claims.Pairs(*both(claims.candidates, crowd, crowd.usable, np.array([3]), expected, 4.0))
+    expected = claims.predict_images(crowd.P, state)
+    pairs = claims.TrackImagePairs(*both(claims.candidates, crowd, crowd.usable, np.array([3]), expected, 4.0))
     assert len(pairs.own) == (crowd.frame[crowd.order] == 3).sum() > 4 * len(RIG) + 64
 
 
 @needs_kernel
 def test_images_without_a_camera_are_no_candidates():
     less = IMAGES.without(np.array([1, 3]))
-    state = motion.Motion(np.concatenate([WALK.xyz[:, 4].T, np.zeros((6, 15))]), np.tile(np.eye(9)[..., None], 15))
-    args = IMAGES.usable, np.full(15, 4), claims.expect(IMAGES.P, state), 4.0
-    pairs = claims.Pairs(*both(claims.candidates, less, *args))
+    state = motion.KalmanStates(
+        np.concatenate([WALK.xyz[:, 4].T, np.zeros((6, 15))]), np.tile(np.eye(9)[..., None], 15)
+    )
+    args = IMAGES.usable, np.full(15, 4), claims.predict_images(IMAGES.P, state), 4.0
+    pairs = claims.TrackImagePairs(*both(claims.candidates, less, *args))
     assert set(IMAGES.camera[pairs.row]) == {0, 2, 4} and len(claims.candidates(IMAGES, *args).row) > len(pairs.row)
 
 
@@ -131,14 +145,14 @@ def test_rows_that_are_none_and_rays_that_are_parallel():
 
 @needs_kernel
 def test_tracks_are_the_same():
-    one, other = follow(SEEN.detections, RIG), plainly(follow, SEEN.detections, RIG)
+    one, other = track_detections(SEEN.detections, RIG), plainly(track_detections, SEEN.detections, RIG)
     assert (one.id == other.id).all() and (one.cloud.view == other.cloud.view).all()
     np.testing.assert_allclose(one.cloud.xyz, other.cloud.xyz, atol=1e-6)
     assert len(one) >= 15
 
 
 def test_without_a_kernel_numpy_tracks():
-    assert len(plainly(follow, SEEN.detections, RIG)) >= 15
+    assert len(plainly(track_detections, SEEN.detections, RIG)) >= 15
 
 
 def test_constants_of_both_languages_agree(monkeypatch):

@@ -9,17 +9,17 @@ from test_follow import dance
 from test_follow_trouble import in_pieces, points
 
 from kinemark.data import Cloud, Tracks
-from kinemark.follow import Simultaneous, follow, followed, noticed, noticed_of
-from kinemark.follow.births import _triples
-from kinemark.follow.doubts import SURE_INDEED, _found_again, _joins, _jumps, _merged, _near, _weak
-from kinemark.follow.evidence import WEAK, evidence
-from kinemark.follow.groups import Groups
-from kinemark.follow.joins import CLEAR, Join, joined
-from kinemark.follow.run import Sightings
 from kinemark.match import match
 from kinemark.reconstruct import reconstruct
-from kinemark.score import score
+from kinemark.synth.score import score
 from kinemark.track import track
+from kinemark.track.simultaneous import Simultaneous, diagnose, diagnose_tracks, track_detections, track_simultaneously
+from kinemark.track.simultaneous.ambiguous import SURE_INDEED, _found_again, _joins, _jumps, _merged, _near, _weak
+from kinemark.track.simultaneous.candidate_points import CandidatePoints
+from kinemark.track.simultaneous.initiate import _triples
+from kinemark.track.simultaneous.likelihood import WEAK, evidence
+from kinemark.track.simultaneous.passes import Associations
+from kinemark.track.simultaneous.stitch import CLEAR, Stitch, stitched
 
 METHOD = Simultaneous()
 
@@ -32,7 +32,7 @@ def sightings(xyz, *, rows=None, before=1.0, shared=None):
     shared = np.zeros(own.shape, bool) if shared is None else shared
     wide = np.broadcast_to(np.asarray(before, float), (n, frames)).ravel()
     cov = np.broadcast_to(np.eye(3)[..., None], (3, 3, n * frames))
-    every = Sightings(
+    every = Associations(
         frame,
         id,
         own.reshape(-1, 2).T,
@@ -96,7 +96,7 @@ def test_a_track_that_lives_on_images_of_others_is_merged():
 def result():
     """Of six markers in six cameras."""
     detections, _ = observe(ring(6), dance(n=6, frames=40), noise=0.1)
-    return followed(detections, ring(6), METHOD)
+    return track_simultaneously(detections, ring(6), METHOD)
 
 
 def test_a_track_of_little_evidence_may_be_a_ghost(result):
@@ -110,13 +110,13 @@ def test_a_track_of_little_evidence_may_be_a_ghost(result):
 
 
 def test_joins_are_doubted_at_their_gap():
-    """Also where a piece was itself joined before: the gap is that between the pieces that meet there."""
+    """Also where a piece was itself stitched before: the gap is that between the pieces that meet there."""
     path = np.stack([np.linspace(0, 600, 121), np.zeros(121), np.full(121, 1000.0)], -1)
     pieces = np.stack([path] * 3)
     pieces[0, 40:], pieces[1, :43], pieces[1, 80:], pieces[2, :84] = (np.nan,) * 4
-    found = joined(points(pieces), 0.01, METHOD).joins
+    found = stitched(points(pieces), 0.01, METHOD).joins
     assert {(join.last, join.first) for join in found} == {(39, 43), (79, 84)}
-    rest = joined(points(pieces[:, :, :]), 0.01, replace(METHOD, gap=0.045)).joins
+    rest = stitched(points(pieces[:, :, :]), 0.01, replace(METHOD, gap=0.045)).joins
     assert {(join.last, join.first) for join in rest} == {(39, 43)}
 
 
@@ -130,12 +130,12 @@ def test_joins_are_doubted_at_their_gap():
     ],
 )
 def test_joins_with_a_rival_or_over_a_wide_gap_are_doubts(result, margin, sd, words):
-    doubts = _joins(result._replace(joins=[Join(0, 1, 2 * margin, margin, sd, 10, 15)]), METHOD)
+    doubts = _joins(result._replace(joins=[Stitch(0, 1, 2 * margin, margin, sd, 10, 15)]), METHOD)
     assert [doubt.reason for doubt in doubts] == ([] if words is None else [doubts[0].reason])
     assert words is None or words in doubts[0].reason
 
 
-# What is noticed of the input
+# What is found of the input
 
 
 @pytest.fixture(scope="module")
@@ -152,7 +152,10 @@ def staged(detections, rig):
 def test_a_camera_that_starts_late_is_named(seen):
     rig, _, detections = seen
     late = detections.keep((detections.camera != 2) | (detections.frame >= 30))
-    for sentences in (noticed(late, rig, followed(late, rig, METHOD)), noticed_of(late, rig, staged(late, rig))):
+    for sentences in (
+        diagnose(late, rig, track_simultaneously(late, rig, METHOD)),
+        diagnose_tracks(late, rig, staged(late, rig)),
+    ):
         (sentence,) = sentences
         assert "c2" in sentence and "before frame 30" in sentence
 
@@ -166,24 +169,24 @@ def test_a_camera_whose_view_the_markers_enter_late_did_not_start_late():
     looks_away = replace(rig, cameras=tuple(turned if c == 2 else rig[c] for c in range(6)))
     for own in (detections.frame >= 30, detections.frame < 50):
         some = detections.keep((detections.camera != 2) | own)
-        sentences = noticed(some, looks_away, followed(some, looks_away, METHOD))
+        sentences = diagnose(some, looks_away, track_simultaneously(some, looks_away, METHOD))
         assert not any("start late" in one or "stop" in one for one in sentences)
 
 
 def test_speeds_that_nobody_has_name_the_rate(seen):
     rig, _, detections = seen
     tracks = staged(detections, rig)
-    assert noticed_of(detections, rig, tracks) == []
+    assert diagnose_tracks(detections, rig, tracks) == []
     fast = Tracks(replace(tracks.cloud, rate=2000.0), tracks.id)
-    (sentence,) = noticed_of(replace(detections, rate=2000.0), rig, fast)
+    (sentence,) = diagnose_tracks(replace(detections, rate=2000.0), rig, fast)
     assert "frame rate of 2000 Hz" in sentence and "m/s" in sentence
 
 
 def test_what_is_noticed_does_not_depend_on_who_made_the_tracks(seen):
     rig, _, detections = seen
     beside = replace(detections, uv=detections.uv + (detections.camera == 3)[:, None] * [2.0, 0.0])
-    ours = noticed(beside, rig, followed(beside, rig, METHOD))
-    theirs = noticed_of(beside, rig, staged(beside, rig))
+    ours = diagnose(beside, rig, track_simultaneously(beside, rig, METHOD))
+    theirs = diagnose_tracks(beside, rig, staged(beside, rig))
     assert ours == theirs and "(+2.0, " in ours[0]
 
 
@@ -192,7 +195,7 @@ def test_a_shift_is_said_to_be_since_when_it_was(seen):
     for since in (0, 40):
         those = (detections.camera == 3) & (detections.frame >= since)
         beside = replace(detections, uv=detections.uv + those[:, None] * [3.0, 1.0])
-        (sentence,) = noticed(beside, rig, followed(beside, rig, METHOD))
+        (sentence,) = diagnose(beside, rig, track_simultaneously(beside, rig, METHOD))
         assert "(+3.0, +1.0) px" in sentence and ("from frame 40 on" in sentence) == (since > 0)
 
 
@@ -200,8 +203,8 @@ def test_only_our_own_method_says_that_a_camera_was_left_out(seen):
     rig, _, detections = seen
     order = [0, 4, 2, 3, 1, 5]
     wrong = replace(rig, cameras=tuple(replace(rig[k], name=n) for k, n in zip(order, rig.names, strict=True)))
-    ours = noticed(detections, wrong, followed(detections, wrong, METHOD))
-    theirs = noticed_of(detections, wrong, staged(detections, wrong))
+    ours = diagnose(detections, wrong, track_simultaneously(detections, wrong, METHOD))
+    theirs = diagnose_tracks(detections, wrong, staged(detections, wrong))
     assert len(ours) == len(theirs) == 2
     assert all("left out" in one for one in ours) and not any("left out" in one for one in theirs)
 
@@ -210,14 +213,14 @@ def test_points_without_an_identity_say_nothing_of_speed(seen):
     rig, _, detections = seen
     tracks = staged(detections, rig)
     some = Tracks(tracks.cloud, np.where(tracks.id < 6, tracks.id, -1))
-    assert noticed_of(detections, rig, some) == []
+    assert diagnose_tracks(detections, rig, some) == []
 
 
 def test_two_cameras_and_nothing_seen_are_no_trouble():
     rig = ring(2)
     for n in (0, 3):
         detections, _ = observe(rig, dance(n=n, frames=12))
-        assert noticed_of(detections, rig, staged(detections, rig)) == ([] if n else noticed_of(*blind(rig)))
+        assert diagnose_tracks(detections, rig, staged(detections, rig)) == ([] if n else diagnose_tracks(*blind(rig)))
 
 
 def blind(rig):
@@ -234,7 +237,7 @@ def test_evidence_is_what_its_formula_says():
     for n, squared, wanted in ((2, 0.0, 1.383), (3, 0.0, 4.149), (3, 6.0, 0.942), (2, 6.0, -0.908), (3, 1e4, -99.0)):
         row = np.arange(3)[:, None]
         none = np.zeros((3, 1), bool)
-        one = Sightings(
+        one = Associations(
             np.array([0]),
             np.array([0]),
             row,
@@ -251,14 +254,16 @@ def test_of_two_that_end_neither_takes_the_one_that_begins():
     path = np.stack([np.linspace(0, 600, 61), np.zeros(61), np.full(61, 1000.0)], -1)
     one, other = in_pieces(path, 3)
     twin = np.where(np.isfinite(one), one + np.array([0, 2.0, 0]), np.nan)
-    assert joined(points(np.stack([one, twin, other])), 0.01, METHOD).id.tolist() == [0, 1, 2]
+    assert stitched(points(np.stack([one, twin, other])), 0.01, METHOD).id.tolist() == [0, 1, 2]
 
 
 def places(xyz, frame, sd=1.0):
-    """Groups of three images each at places (G, 3)."""
+    """CandidatePoints of three images each at places (G, 3)."""
     n = len(xyz)
     cov = np.broadcast_to((np.eye(3) * sd**2)[..., None], (3, 3, n))
-    return Groups(np.full(n, frame), np.asarray(xyz, float).T, cov, np.zeros((3, n), int), np.zeros(n), np.ones(n))
+    return CandidatePoints(
+        np.full(n, frame), np.asarray(xyz, float).T, cov, np.zeros((3, n), int), np.zeros(n), np.ones(n)
+    )
 
 
 def test_of_three_frames_the_straightest_and_slowest_begin_a_track():
@@ -284,7 +289,7 @@ def test_points_less_sure_than_asked_for_are_not_given():
     """Two cameras side by side know the depth poorly."""
     rig = ring(12).select(["c0", "c1"])
     detections, _ = observe(rig, dance(n=8, frames=40), noise=0.3)
-    every, sure = (follow(detections, rig, method=Simultaneous(worst=worst)).cloud for worst in (20.0, 2.0))
+    every, sure = (track_detections(detections, rig, method=Simultaneous(worst=worst)).cloud for worst in (20.0, 2.0))
     sd = np.sqrt(np.trace(every.cov, axis1=1, axis2=2))
     assert sd.max() > 2.0 and len(sure) < len(every)
     assert (np.sqrt(np.trace(sure.cov, axis1=1, axis2=2)) < 2.0).all()
@@ -296,5 +301,5 @@ def test_a_track_does_not_outlive_what_is_known_of_its_place():
     detections, _ = observe(rig, xyz, noise=0.1)
     blind = detections.keep((detections.frame < 30) | (detections.frame >= 80))
     patient = Simultaneous(patience=2.0, gap=0.011)
-    tracks = follow(blind, rig, method=patient)
+    tracks = track_detections(blind, rig, method=patient)
     assert score(tracks, xyz).pieces.tolist() == [2] * 6

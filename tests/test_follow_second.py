@@ -6,17 +6,19 @@ from laboratory import observe, ring
 from test_follow import dance
 
 from kinemark.data import Cloud
-from kinemark.follow import Simultaneous, follow, joins, second
-from kinemark.follow.claims import Claims, expect, information
-from kinemark.follow.evidence import FAIR, SURE, evidence
-from kinemark.follow.images import read_images
-from kinemark.follow.joins import joined
-from kinemark.follow.motion import Motion, told
-from kinemark.follow.paths import Points
-from kinemark.follow.run import Sightings, _without_itself, without_loose
-from kinemark.follow.second import looked_again
-from kinemark.follow.simultaneous import _strayed, _sure
-from kinemark.score import score
+from kinemark.synth.score import score
+from kinemark.track.simultaneous import Simultaneous, track_detections
+from kinemark.track.simultaneous import second_pass as second
+from kinemark.track.simultaneous import stitch as joins
+from kinemark.track.simultaneous.associate import Association, information, predict_images
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.kalman_states import KalmanStates, told
+from kinemark.track.simultaneous.likelihood import FAIR, SURE, evidence
+from kinemark.track.simultaneous.neighbouring_points import TrackPoints
+from kinemark.track.simultaneous.passes import Associations, _without_itself, without_loose
+from kinemark.track.simultaneous.second_pass import second_pass
+from kinemark.track.simultaneous.stitch import stitched
+from kinemark.track.simultaneous.tracker import _strayed, _sure
 
 RATE, METHOD = 100.0, Simultaneous()
 
@@ -27,12 +29,12 @@ def test_an_image_is_judged_by_what_all_the_others_say():
     images, points, row = made(n=3, frames=1, cameras=5)
     root = rng.normal(0, 1, (3, 9, 9))
     V = (root @ root.swapaxes(1, 2)).transpose(1, 2, 0) + np.eye(9)[..., None]
-    before = Motion(np.concatenate([points.xyz.T + rng.normal(0, 0.5, (3, 3)), np.zeros((6, 3))]), V)
-    expected = expect(images.P, before)
-    claims = Claims(row, images.variance[row], np.zeros(row.shape), row < 0)
+    before = KalmanStates(np.concatenate([points.xyz.T + rng.normal(0, 0.5, (3, 3)), np.zeros((6, 3))]), V)
+    expected = predict_images(images.P, before)
+    claims = Association(row, images.variance[row], np.zeros(row.shape), row < 0)
     after = told(before, *information(images, expected, claims))
     off = images.uv[row].swapaxes(1, 2) - expected.uv - (expected.J * (after.position - before.position)).sum(2)
-    found = _without_itself(off, claims.variance, expect(images.P, after).S)
+    found = _without_itself(off, claims.variance, predict_images(images.P, after).S)
     for c, t in np.ndindex(row.shape):
         out = np.arange(5)[:, None] == c
         others = claims._replace(row=np.where(out, -1, row), variance=np.where(out, np.inf, claims.variance))
@@ -44,13 +46,13 @@ def test_an_image_is_judged_by_what_all_the_others_say():
 
 
 def sightings(frame, id, *, own=3, before=1.0, squared=1.0, cameras=6):
-    """Sightings of tracks that have `own` images each."""
+    """Associations of tracks that have `own` images each."""
     n = len(frame)
     row = np.full((cameras, n), -1)
     for k, count in enumerate(np.broadcast_to(own, n)):
         row[:count, k] = np.arange(count)
     each = (np.broadcast_to(value, n).astype(float) for value in (squared, before))
-    return Sightings(np.array(frame), np.array(id), row, row > 99, *each, np.zeros((3, n)), np.zeros((3, 3, n)))
+    return Associations(np.array(frame), np.array(id), row, row > 99, *each, np.zeros((3, n)), np.zeros((3, 3, n)))
 
 
 def test_what_a_lost_track_finds_must_be_evidence():
@@ -101,7 +103,7 @@ def made(n=6, frames=60, cameras=6, seed=2):
     row[images.camera[marker >= 0], place[marker >= 0]] = np.flatnonzero(marker >= 0)
     id, frame = np.divmod(np.arange(n * frames), frames)
     cov = np.tile(np.eye(3) * 0.1, (len(id), 1, 1))
-    return images, Points(frame, id, xyz.reshape(-1, 3), cov), row
+    return images, TrackPoints(frame, id, xyz.reshape(-1, 3), cov), row
 
 
 def without(row, keep):
@@ -115,7 +117,7 @@ def test_frames_that_two_cameras_see_are_found_between_known_ones():
     usable = images.usable.copy()
     usable[row[2:, gap][row[2:, gap] >= 0]] = False  # two cameras alone have images of it there
     images = images._replace(usable=usable)
-    again = looked_again(points.take(~gap), row[:, ~gap], images, 1 / RATE, METHOD)
+    again = second_pass(points.take(~gap), row[:, ~gap], images, 1 / RATE, METHOD)
     assert again.kept.all() and again.found.id.tolist() == [0] * 8
     order = np.argsort(again.found.frame)
     assert again.found.frame[order].tolist() == list(range(20, 28))
@@ -126,12 +128,12 @@ def test_frames_that_two_cameras_see_are_found_between_known_ones():
 def test_a_track_goes_on_beyond_its_end_only_where_three_cameras_saw_it():
     images, points, row = made()
     late = (points.id == 0) & (points.frame >= 40)
-    again = looked_again(points.take(~late), row[:, ~late], images, 1 / RATE, METHOD)
+    again = second_pass(points.take(~late), row[:, ~late], images, 1 / RATE, METHOD)
     found = np.sort(again.found.frame)
     assert (found == np.arange(40, 40 + len(found))).all() and len(found) >= 8, "each look some frames on"
     assert set(again.found.id.tolist()) == {0}
     two = np.where(points.id == 0, without(row, [0, 1]), row)
-    again = looked_again(points.take(~late), two[:, ~late], images, 1 / RATE, METHOD)
+    again = second_pass(points.take(~late), two[:, ~late], images, 1 / RATE, METHOD)
     assert not (again.found.id == 0).any()
 
 
@@ -142,7 +144,7 @@ def test_a_point_elsewhere_is_given_up_and_found_again():
     wrong[2:, at] = -1
     xyz = points.xyz.copy()
     xyz[at] += [40.0, 0, 0]
-    again = looked_again(points._replace(xyz=xyz), wrong, images, 1 / RATE, METHOD)
+    again = second_pass(points._replace(xyz=xyz), wrong, images, 1 / RATE, METHOD)
     assert np.flatnonzero(~again.kept).tolist() == [at]
     assert again.found.id.tolist() == [1] and again.found.frame.tolist() == [30]
     assert (again.row[:, 0] == row[:, at]).all() and np.linalg.norm(again.found.xyz[0] - points.xyz[at]) < 1
@@ -152,7 +154,7 @@ def test_a_point_of_two_images_gets_the_third_that_is_free():
     images, points, row = made()
     at = (points.id == 2) & (points.frame == 15)
     less = np.where(at, without(row, [0, 1]), row)
-    again = looked_again(points, less, images, 1 / RATE, METHOD)
+    again = second_pass(points, less, images, 1 / RATE, METHOD)
     assert (~again.kept == at).all() and (again.row[:, 0] == row[:, at][:, 0]).all()
 
 
@@ -163,8 +165,8 @@ def test_images_that_known_points_have_are_not_taken():
     )  # so near that its images would fit
     gap = (points.frame >= 20) & (points.frame < 24)
     both, views = points.take(~gap).plus(other), np.concatenate([row[:, ~gap], row], 1)
-    assert not len(looked_again(both, views, images, 1 / RATE, METHOD).found.id)
-    alone = looked_again(points.take(~gap), row[:, ~gap], images, 1 / RATE, METHOD)
+    assert not len(second_pass(both, views, images, 1 / RATE, METHOD).found.id)
+    alone = second_pass(points.take(~gap), row[:, ~gap], images, 1 / RATE, METHOD)
     assert len(alone.found.id) == 4
 
 
@@ -177,24 +179,24 @@ def test_a_point_elsewhere_without_better_images_is_given_up():
     less[2:, at] = -1
     xyz[at] += [40.0, 0, 0]
     for c in (0, 1):
-        uv[row[c, at]] = expect(images.P, Motion(np.append(xyz[at], np.zeros(6))[:, None], np.eye(9)[..., None])).uv[
-            c, :, 0
-        ]
-    odd = looked_again(points._replace(xyz=xyz), less, images._replace(usable=usable, uv=uv), 1 / RATE, METHOD)
+        uv[row[c, at]] = predict_images(
+            images.P, KalmanStates(np.append(xyz[at], np.zeros(6))[:, None], np.eye(9)[..., None])
+        ).uv[c, :, 0]
+    odd = second_pass(points._replace(xyz=xyz), less, images._replace(usable=usable, uv=uv), 1 / RATE, METHOD)
     assert np.flatnonzero(~odd.kept).tolist() == [at] and not len(odd.found.id)
 
 
 def test_of_three_cameras_all_images_of_a_point_count_anew():
     images, points, row = made(cameras=3)
     at = (points.id == 2) & (points.frame == 15)
-    again = looked_again(points, np.where(at, without(row, [0, 1]), row), images, 1 / RATE, METHOD)
+    again = second_pass(points, np.where(at, without(row, [0, 1]), row), images, 1 / RATE, METHOD)
     assert (~again.kept == at).all() and (again.row[:, 0] == row[:, at][:, 0]).all()
 
 
 def test_nothing_is_claimed_where_the_place_is_open():
     images, points, row = made(frames=90)
     gap = (points.id == 0) & (points.frame >= 10) & (points.frame < 80)
-    found = looked_again(points.take(~gap), row[:, ~gap], images, 1 / RATE, METHOD).found
+    found = second_pass(points.take(~gap), row[:, ~gap], images, 1 / RATE, METHOD).found
     assert 10 < len(found.id) < 40 and {10, 79} <= set(found.frame.tolist())
     assert np.abs(found.frame - 44.5).min() > 15, "frames in the middle"
 
@@ -203,14 +205,14 @@ def test_pairs_alone_do_not_go_on_into_a_gap_of_more_than_the_longest():
     images, points, row = made(n=1, frames=200)
     gap = (points.frame >= 40) & (points.frame < 160)
     pairs = without(row, [0, 1])[:, ~gap]
-    assert not len(looked_again(points.take(~gap), pairs, images, 1 / RATE, METHOD).found.id)
-    assert len(looked_again(points.take(~gap), row[:, ~gap], images, 1 / RATE, METHOD).found.id) > 4
+    assert not len(second_pass(points.take(~gap), pairs, images, 1 / RATE, METHOD).found.id)
+    assert len(second_pass(points.take(~gap), row[:, ~gap], images, 1 / RATE, METHOD).found.id) > 4
 
 
 def test_a_track_goes_back_before_its_first_point():
     images, points, row = made()
     early = (points.id == 0) & (points.frame < 20)
-    found = np.sort(looked_again(points.take(~early), row[:, ~early], images, 1 / RATE, METHOD).found.frame)
+    found = np.sort(second_pass(points.take(~early), row[:, ~early], images, 1 / RATE, METHOD).found.frame)
     assert (found == np.arange(20 - len(found), 20)).all() and len(found) >= 8
 
 
@@ -226,9 +228,9 @@ def test_the_wrong_image_of_four_is_given_back():
         variance[row[wrong, 0]] = 0.1**2  # it says that it is the surest
         images = images._replace(uv=uv, variance=variance)
         V = np.diag([400.0] * 3 + [1e6] * 6)[..., None]
-        before = Motion(np.append(points.xyz[0] + rng.normal(0, 10, 3), np.zeros(6))[:, None], V)
-        expected = expect(images.P, before)
-        claims = Claims(row, images.variance[row], np.ones(row.shape), row < 0)
+        before = KalmanStates(np.append(points.xyz[0] + rng.normal(0, 10, 3), np.zeros(6))[:, None], V)
+        expected = predict_images(images.P, before)
+        claims = Association(row, images.variance[row], np.ones(row.shape), row < 0)
         after = told(before, *information(images, expected, claims))
         kept = without_loose(images, METHOD.gate, before, expected, claims, after).claims.row[:, 0] >= 0
         right += (kept == (np.arange(4) != wrong)).all()
@@ -243,7 +245,7 @@ def test_what_a_lost_track_meets_by_chance_is_no_point_of_it():
     detections, marker = observe(rig, np.concatenate([xyz, ghost]), noise=0.1, seed=3)
     f, c = detections.frame, detections.camera
     hidden = (marker == 2) & (f >= 30) & (f < 50)
-    tracks = follow(detections.keep(~hidden & ((marker < 5) | (c < 2))), rig)
+    tracks = track_detections(detections.keep(~hidden & ((marker < 5) | (c < 2))), rig)
     found = score(tracks, xyz)
     assert found.extra_per_frame == 0 and found.swaps == 0
     assert not np.isin(tracks.cloud.frame[found.owner == 2], range(33, 47)).any()
@@ -252,10 +254,10 @@ def test_what_a_lost_track_meets_by_chance_is_no_point_of_it():
 def test_nothing_to_look_at():
     images, points, row = made(n=2, frames=8)
     none = np.zeros(len(points.id), bool)
-    again = looked_again(points.take(none), row[:, none], images, 1 / RATE, METHOD)
+    again = second_pass(points.take(none), row[:, none], images, 1 / RATE, METHOD)
     assert not len(again.kept) and not len(again.found.id)
     pairs = without(row, [0, 1])
-    again = looked_again(points, pairs, images, 1 / RATE, METHOD)
+    again = second_pass(points, pairs, images, 1 / RATE, METHOD)
     assert again.kept.all() and not len(again.found.id)
 
 
@@ -265,7 +267,7 @@ def test_one_camera_for_a_while_and_two_for_a_moment():
     detections, marker = observe(rig, xyz, noise=0.1, seed=3)
     f, c = detections.frame, detections.camera
     hidden = (marker == 4) & (f >= 30) & (f < 45) & (c != 0) & ~((c == 3) & (f >= 37) & (f < 40))
-    tracks = follow(detections.keep(~hidden), rig)
+    tracks = track_detections(detections.keep(~hidden), rig)
     seen = np.ones(xyz.shape[:2], bool)
     seen[4, 30:45] = False
     seen[4, 37:40] = True
@@ -277,16 +279,16 @@ def test_markers_that_come_late_are_born_in_a_later_stretch():
     rig, xyz = ring(5), dance(n=3, frames=160)
     detections, _ = observe(rig, xyz, noise=0.1)
     late = detections.keep(detections.frame >= 100)
-    assert score(follow(late, rig), np.where(np.arange(160)[:, None] >= 100, xyz, np.nan)).recall == 1
+    assert score(track_detections(late, rig), np.where(np.arange(160)[:, None] >= 100, xyz, np.nan)).recall == 1
 
 
 def test_looking_in_parts_changes_nothing(monkeypatch):
     images, points, row = made()
     gone = np.random.default_rng(6).random(len(points.id)) < 0.3
     args = points.take(~gone), row[:, ~gone], images, 1 / RATE, METHOD
-    whole = looked_again(*args)
+    whole = second_pass(*args)
     monkeypatch.setattr(second, "AT_ONCE", 7)
-    parts = looked_again(*args)
+    parts = second_pass(*args)
     assert len(whole.found.id) > 50 and (whole.row == parts.row).all() and (whole.kept == parts.kept).all()
     assert (whole.found.frame == parts.found.frame).all()
 
@@ -295,8 +297,10 @@ def test_joining_in_parts_changes_nothing(monkeypatch):
     xyz = dance(n=6, frames=60)
     id, frame = np.divmod(np.arange(6 * 60), 60)
     there = (frame < 25) | (frame > 28)
-    points = Points(frame, np.where(frame < 25, id, id + 6), xyz.reshape(-1, 3), np.tile(np.eye(3) * 0.1, (360, 1, 1)))
-    whole = joined(points.take(there), 1 / RATE, METHOD)
+    points = TrackPoints(
+        frame, np.where(frame < 25, id, id + 6), xyz.reshape(-1, 3), np.tile(np.eye(3) * 0.1, (360, 1, 1))
+    )
+    whole = stitched(points.take(there), 1 / RATE, METHOD)
     monkeypatch.setattr(joins, "AT_ONCE", 5)
-    parts = joined(points.take(there), 1 / RATE, METHOD)
+    parts = stitched(points.take(there), 1 / RATE, METHOD)
     assert len(np.unique(whole.id)) == 6 and (whole.id == parts.id).all() and whole.joins == parts.joins

@@ -8,13 +8,13 @@ from laboratory import observe, ring
 from test_follow import dance
 
 from kinemark.data import Rig
-from kinemark.follow import Simultaneous, follow_with_doubts, followed, noticed
-from kinemark.follow.groups import fundamentals
-from kinemark.follow.images import read_images
-from kinemark.follow.joins import CLEAR, joined
-from kinemark.follow.noise import learned
-from kinemark.follow.paths import Points, smoothed
-from kinemark.score import changes, score
+from kinemark.synth.score import changes, score
+from kinemark.track.simultaneous import Simultaneous, diagnose, track_simultaneously, track_with_decisions
+from kinemark.track.simultaneous.candidate_points import fundamentals
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.measurement_noise import learned
+from kinemark.track.simultaneous.neighbouring_points import TrackPoints, smoothed
+from kinemark.track.simultaneous.stitch import CLEAR, stitched
 
 METHOD = Simultaneous()
 
@@ -26,7 +26,7 @@ def points(paths, sd=0.3, seed=0):
     order = np.argsort(frame, kind="stable")
     id, frame = id[order], frame[order]
     xyz = paths[id, frame] + sd * rng.normal(size=(len(id), 3))
-    return Points(frame, id, xyz, np.broadcast_to(np.eye(3) * sd**2, (len(id), 3, 3)))
+    return TrackPoints(frame, id, xyz, np.broadcast_to(np.eye(3) * sd**2, (len(id), 3, 3)))
 
 
 def in_pieces(path, gap):
@@ -40,7 +40,7 @@ def in_pieces(path, gap):
 @pytest.mark.parametrize("gap", [1, 5, 10])
 def test_pieces_join_by_their_motion(gap):
     paths = dance(n=4, frames=80)
-    whole = joined(points(np.concatenate([in_pieces(paths[0], gap), paths[1:]])), 0.01, METHOD)
+    whole = stitched(points(np.concatenate([in_pieces(paths[0], gap), paths[1:]])), 0.01, METHOD)
     assert whole.id.tolist() == [0, 0, 2, 3, 4]
 
 
@@ -58,18 +58,18 @@ def body(frames=100):
 def test_a_long_gap_is_joined_by_distances_and_not_without_them():
     paths = body(frames=130)
     pieces = in_pieces(paths[0], 45)
-    with_mates = joined(points(np.concatenate([pieces, paths[1:]])), 0.01, METHOD)
+    with_mates = stitched(points(np.concatenate([pieces, paths[1:]])), 0.01, METHOD)
     assert with_mates.id[1] == 0
-    assert joined(points(pieces), 0.01, METHOD).id[1] == 1
+    assert stitched(points(pieces), 0.01, METHOD).id[1] == 1
     others = np.concatenate([in_pieces(paths[0], 45)[:1], in_pieces(paths[1], 45)[1:], paths[2:]])
-    assert joined(points(others), 0.01, METHOD).id[1] == 1  # what begins is another one
+    assert stitched(points(others), 0.01, METHOD).id[1] == 1  # what begins is another one
 
 
 def test_two_that_might_both_be_are_not_joined():
     path = np.stack([np.linspace(0, 600, 61), np.zeros(61), np.full(61, 1000.0)], -1)
     one, other = in_pieces(path, 3)
     twin = np.where(np.isfinite(other), other + np.array([0, 2.0, 0]), np.nan)
-    both = joined(points(np.stack([one, other, twin])), 0.01, METHOD)
+    both = stitched(points(np.stack([one, other, twin])), 0.01, METHOD)
     assert both.id.tolist() == [0, 1, 2]
     assert any(join.before == 0 and join.margin < CLEAR for join in both.joins)
 
@@ -81,7 +81,7 @@ def test_smoothing_is_surer_than_the_images_and_as_sure_as_it_says():
     rng = np.random.default_rng(0)
     xyz, cov = cloud.xyz.copy(), np.array(cloud.cov)
     xyz[vague], cov[vague] = paths[cloud.id[vague], 10] + 10 * rng.normal(size=(40, 3)), np.eye(3) * 100
-    smooth, left = smoothed(Points(cloud.frame, cloud.id, xyz, cov), vague, ~vague, 0.01, METHOD)
+    smooth, left = smoothed(TrackPoints(cloud.frame, cloud.id, xyz, cov), vague, ~vague, 0.01, METHOD)
     off = smooth - paths[cloud.id[vague], 10]
     assert np.sqrt((off**2).sum(1).mean()) < 1.0
     squared = (off * np.linalg.solve(left, off[..., None])[..., 0]).sum(1)
@@ -98,16 +98,16 @@ def ball():
 
 def said(detections, rig, xyz, least=0.99):
     """The sentences about a run that found the truth."""
-    result = followed(detections, rig, METHOD)
+    result = track_simultaneously(detections, rig, METHOD)
     found = score(result.tracks, xyz)
     assert found.recall >= least and found.swaps == 0
-    return noticed(detections, rig, result)
+    return diagnose(detections, rig, result)
 
 
 def test_nothing_is_said_of_good_input(ball):
     rig, xyz, detections = ball
     assert said(detections, rig, xyz) == []
-    assert followed(detections, rig, METHOD).noise.added.max() == 0
+    assert track_simultaneously(detections, rig, METHOD).noise.added.max() == 0
 
 
 @pytest.mark.parametrize("true", [0.15, 0.6])
@@ -125,7 +125,7 @@ def test_a_camera_that_is_noisier_than_it_says(ball):
         detections.uv
         + (detections.camera == 2)[:, None] * np.random.default_rng(1).normal(size=detections.uv.shape) * 0.8
     )
-    result = followed(replace(detections, uv=uv), rig, METHOD)
+    result = track_simultaneously(replace(detections, uv=uv), rig, METHOD)
     assert np.flatnonzero(result.noise.added).tolist() == [2] and result.noise.added[2] == pytest.approx(0.8, rel=0.3)
     assert score(result.tracks, xyz).recall > 0.99
 
@@ -162,7 +162,7 @@ def test_a_camera_that_was_moved_is_named(ball):
 def test_an_impossible_rate_is_named(ball):
     rig, _, detections = ball
     fast = replace(detections, rate=5000.0)
-    assert any("frame rate" in one for one in noticed(fast, rig, followed(fast, rig, METHOD)))
+    assert any("frame rate" in one for one in diagnose(fast, rig, track_simultaneously(fast, rig, METHOD)))
 
 
 def crossing(frames=40, apart=6.0):
@@ -181,7 +181,7 @@ def test_a_swap_is_among_the_doubts():
         xyz = crossing()
         detections, _ = observe(rig, xyz, noise=0.3, seed=seed)
         hidden = np.isin(detections.frame, np.arange(18, 22))
-        tracks, found = follow_with_doubts(detections.keep(~hidden), rig)
+        tracks, found = track_with_decisions(detections.keep(~hidden), rig)
         result = score(tracks, xyz)
         for track, frame, *_ in changes(tracks, result.owner, xyz):
             swaps += 1
@@ -193,5 +193,5 @@ def test_a_swap_is_among_the_doubts():
 
 def test_good_input_raises_no_doubts(ball):
     rig, _, detections = ball
-    tracks, found = follow_with_doubts(detections, rig)
+    tracks, found = track_with_decisions(detections, rig)
     assert len(tracks) == 12 and found == []

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from kinemark.data import KinemarkError, Path, Trajectories
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
 from kinemark.io.model_toml import load_model
 from kinemark.kinematics import (
     InverseCosines,
@@ -34,7 +34,7 @@ NAMES = ("ACR1", "ACR2", "ARM3", "ELB4", "WRU5", "WRR6", "MC37")
 
 
 def trial_of(xyz, rate=50.0, names=NAMES):
-    return Trajectories(tuple(Path.measured(n, x) for n, x in zip(names, xyz, strict=True)), rate)
+    return Trajectories(tuple(MarkerTrajectory.measured(n, x) for n, x in zip(names, xyz, strict=True)), rate)
 
 
 def limb(deg):

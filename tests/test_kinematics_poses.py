@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from kinemark.data import Angles, Events, KinemarkError, Path, Trajectories
+from kinemark.data import Angles, Events, KinemarkError, MarkerTrajectory, Trajectories
 from kinemark.geometry import rigid_align
 from kinemark.io.model_toml import load_model, model_from_toml
 from kinemark.kinematics import (
@@ -15,8 +15,8 @@ from kinemark.kinematics import (
     Centre,
     Cluster,
     Joint,
+    JointMotion,
     Model,
-    Motion,
     Pose,
     Segment,
     SignedAngles,
@@ -88,7 +88,7 @@ HINGE = Model(
         Segment("first", Axis("y", ("A1", "B1")), Axis("x", ("A1", "B1", "A1", "C1"))),
         Segment("second", Axis("y", ("A2", "B2")), Axis("x", ("A2", "B2", "A2", "C2"))),
     ),
-    (Joint("joint", "first", "second", "zxy", (Motion("a", "b"),) * 3),),
+    (Joint("joint", "first", "second", "zxy", (JointMotion("a", "b"),) * 3),),
     clusters=(
         Cluster("one", ("M1", "M2", "M3", "M4"), ("A1", "B1", "C1")),
         Cluster("two", ("N1", "N2", "N3", "N4"), ("A2", "B2", "C2")),
@@ -110,9 +110,11 @@ def two_bodies(n, *, seed=0, sd=0.0, landmarks=True, centre=None):
     paths = []
     for letter, mark, R, t in (("M", "1", R1, t1), ("N", "2", R2, t2)):
         x = laid(R, t, SHAPE) + sd * np.random.default_rng(seed + 5).normal(size=(4, n, 3))
-        paths += [Path.measured(f"{letter}{k}", v) for k, v in enumerate(x, 1)]
+        paths += [MarkerTrajectory.measured(f"{letter}{k}", v) for k, v in enumerate(x, 1)]
         if landmarks:
-            paths += [Path.measured(f"{a}{mark}", v) for a, v in zip("ABC", laid(R, t, LANDMARKS), strict=True)]
+            paths += [
+                MarkerTrajectory.measured(f"{a}{mark}", v) for a, v in zip("ABC", laid(R, t, LANDMARKS), strict=True)
+            ]
     return Trajectories(tuple(paths), 100.0)
 
 
@@ -132,7 +134,7 @@ def test_clusters_carry_landmarks_from_the_static_trial():
 def _hole(path, f):
     xyz = path.xyz.copy()
     xyz[f] = np.nan
-    return Path.measured(path.name, xyz)
+    return MarkerTrajectory.measured(path.name, xyz)
 
 
 def test_sd_goes_through_the_pose_of_the_cluster():
@@ -170,7 +172,7 @@ def test_static_trials_that_cannot_serve_say_why():
 
 
 def _gone(path):
-    return Path.measured(path.name, np.full_like(path.xyz, np.nan))
+    return MarkerTrajectory.measured(path.name, np.full_like(path.xyz, np.nan))
 
 
 CENTRE = np.array([[12, -80, 40], [-5, 150, 22.0]])
@@ -218,8 +220,8 @@ def test_the_error_of_markers_is_found_in_their_unsteadiness():
     smooth = np.stack([300 * np.sin(2 * np.pi * t), 200 * np.cos(4 * t), 50 * t], -1)
     assert abs(estimated_sd(smooth + 0.4 * RNG.normal(size=smooth.shape)) / 0.4 - 1) < 0.08
     assert estimated_sd(smooth) < 0.01 and np.isnan(estimated_sd(smooth[:10]))
-    known = Path.measured("a", smooth, cov=np.tile(4 * np.eye(3), (1000, 1, 1)))
-    stated = with_marker_sd(Trajectories((known, Path.measured("b", smooth)), 100.0), 2.0)
+    known = MarkerTrajectory.measured("a", smooth, cov=np.tile(4 * np.eye(3), (1000, 1, 1)))
+    stated = with_marker_sd(Trajectories((known, MarkerTrajectory.measured("b", smooth)), 100.0), 2.0)
     assert (stated["a"].cov == known.cov).all() and np.allclose(stated["b"].cov, 4 * np.eye(3))
     with pytest.raises(ValueError, match="sd_mm"):
         with_marker_sd(stated, 0.0)
@@ -305,7 +307,7 @@ def test_an_angle_has_its_deviation_where_a_marker_of_the_cluster_is_missing():
         still = {name: np.tile(np.array(xyz, float), (9, 1)) for name, xyz in places.items()}
         if "m4" in still:
             still["m4"][gone] = np.nan
-        return with_marker_sd(Trajectories(tuple(Path.measured(n, x) for n, x in still.items()), 50.0), 0.5)
+        return with_marker_sd(Trajectories(tuple(MarkerTrajectory.measured(n, x) for n, x in still.items()), 50.0), 0.5)
 
     template = static_template(trial(BODY_PLACES | BODY_LANDMARKS), model)
     whole, part, never = (

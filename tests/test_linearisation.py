@@ -7,11 +7,11 @@ from shared import shared_data
 from test_studies import figures, printed
 
 from kinemark.calibrate import GridView, Linearisation, find_corners, linearise, straightness
-from kinemark.calibrate.lens_choice import LensScore, simplest
-from kinemark.calibrate.plane_views import PlanePoints, Planes, moved, plane_jacobian, seen_at, zoomed
+from kinemark.calibrate.lens.lens_choice import LensScore, simplest
+from kinemark.calibrate.lens.plane_views import PlanePoints, Planes, moved, plane_jacobian, seen_at, zoomed
 from kinemark.data import Camera, KinemarkError
 from kinemark.geometry import parameter_jacobian, project, undistort
-from kinemark.geometry.sphere import sphere_offset
+from kinemark.geometry.sphere_offset import sphere_offset
 from kinemark.io.images import read_image
 
 SIZE = np.array([1280, 1024])

@@ -10,10 +10,10 @@ from test_tracking import swarm
 
 from kinemark.data import KinemarkError
 from kinemark.geometry import epipolar_lines, fundamental, project
+from kinemark.geometry.ideal_pixels import ideal_pixels
 from kinemark.match import EpipolarTriplets, KissTriplets, NearestEpipolar, check_cameras, match
-from kinemark.match.epipolar import _project, _weigh
-from kinemark.match.images import ideal_pixels
-from kinemark.match.kiss import _frame, _ranked, crossings
+from kinemark.match.epipolar_triplets import _project, _weigh
+from kinemark.match.kiss_triplets import _frame, _ranked, crossings
 
 POINT = np.array([100.0, 50.0, 800.0])
 

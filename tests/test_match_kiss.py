@@ -12,7 +12,7 @@ from test_tracking import groups_of, swarm
 from kinemark.data import Detections, Validity
 from kinemark.geometry import epipolar_lines, fundamental, project
 from kinemark.match import MATCHERS, EpipolarTriplets, KissTriplets, match
-from kinemark.match.kiss import crossings, sharing
+from kinemark.match.kiss_triplets import crossings, sharing
 
 IDEAL = np.zeros(5)
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.data import KinemarkError, Path, Trajectories
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
 from kinemark.io.model_toml import load_model, model_from_toml, models
-from kinemark.kinematics import Axis, Centre, Cluster, Joint, Model, Motion, Segment, joint_angles
+from kinemark.kinematics import Axis, Centre, Cluster, Joint, JointMotion, Model, Segment, joint_angles
 
 
 def test_every_model_that_comes_along_is_whole():
@@ -48,9 +48,9 @@ def test_a_model_of_ones_own(tmp_path):
     path = tmp_path / "hinge.toml"
     path.write_text(GOOD)
     model = load_model(path)
-    assert model.joints[0].motions[0] == Motion("open", "shut", (0.0, 90.0)) and model.joints[0].motions[1] is None
+    assert model.joints[0].motions[0] == JointMotion("open", "shut", (0.0, 90.0)) and model.joints[0].motions[1] is None
     xyz = np.random.default_rng(0).normal(size=(4, 10, 3)) * 100
-    trial = Trajectories(tuple(Path.measured(n, x) for n, x in zip("ABCD", xyz, strict=True)), 100.0)
+    trial = Trajectories(tuple(MarkerTrajectory.measured(n, x) for n, x in zip("ABCD", xyz, strict=True)), 100.0)
     R = joint_angles(trial, model=model).deg
     assert np.isfinite(R).all()
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinemark.signal.periodic import cycle_length, find_harmonics, mean_differences
-from kinemark.signal.phase import Phase, Template, find_phase, phase_variance
+from kinemark.signal.phase import CyclePhase, CycleTemplate, find_phase, phase_variance
 
 
 def shape(phase):
@@ -20,7 +20,7 @@ def unsteady(n, cycle, share, seed):
     return 0.37 + np.cumsum((1 + share * np.interp(np.arange(n), knots, rng.normal(size=len(knots)))) / cycle)
 
 
-TEMPLATE = Template(shape(np.arange(100) / 100))
+TEMPLATE = CycleTemplate(shape(np.arange(100) / 100))
 
 
 @pytest.mark.parametrize("cycle", [31.7, 64.0, 110.3])
@@ -118,7 +118,7 @@ def test_a_cadence_a_third_off_is_found():
 
 
 def test_moments_of_a_percent():
-    phase = Phase(0.2 + np.arange(101) / 50, 0.0)
+    phase = CyclePhase(0.2 + np.arange(101) / 50, 0.0)
     np.testing.assert_allclose(phase.frames_at(50), [15, 65])
     np.testing.assert_allclose(phase.frames_at(20), [0, 50, 100], atol=1e-9)
 

@@ -10,7 +10,7 @@ from scipy.stats import chi2
 from kinemark.data import Detections, Matches, Rig
 from kinemark.geometry import project_all, triangulate, undistort
 from kinemark.reconstruct import RECONSTRUCTORS, CameraPairs, LeastSquares, reconstruct
-from kinemark.reconstruct.pairs import agreeing, solutions
+from kinemark.reconstruct.camera_pairs import agreeing, solutions
 from kinemark.synth import look_at, ring
 
 LENS = (-0.15, 0.05, 0.001, -0.001, 0.0)

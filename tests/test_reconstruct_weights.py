@@ -9,8 +9,8 @@ from test_tracking import swarm
 
 from kinemark.match import match
 from kinemark.reconstruct import LeastSquares, reconstruct
+from kinemark.reconstruct.camera_pairs import agreeing
 from kinemark.reconstruct.hidden import hidden_variance
-from kinemark.reconstruct.pairs import agreeing
 
 RIG = ring(6)
 POINTS = swarm(n=5, frames=6)

@@ -16,9 +16,9 @@ from kinemark.data import (
     Events,
     ForcePlate,
     MarkerSet,
+    MarkerTrajectory,
     Matches,
     Origin,
-    Path,
     Rig,
     Tracks,
     Trajectories,
@@ -60,8 +60,8 @@ RECORDS = [
     Matches(np.array([0, 0, 1]), np.zeros((3, 2), int), np.zeros(3), 2),
     some_cloud(),
     Tracks(some_cloud(), np.array([0, 1, -1, 0, 1])),
-    Path.measured("a", np.zeros((4, 3))),
-    Trajectories((Path.measured("a", np.zeros((4, 3))),), 50.0),
+    MarkerTrajectory.measured("a", np.zeros((4, 3))),
+    Trajectories((MarkerTrajectory.measured("a", np.zeros((4, 3))),), 50.0),
     MarkerSet(("a", "b"), {"s": ("a",)}, np.array([[0, 1]]), np.array([1.0]), np.array([0.1]), (("a", "b"),)),
     Events(("Foot Strike",), ("Left",), np.array([0.5])),
     Angles(("knee",), ("zxy",), np.zeros((1, 4, 3)), np.zeros((1, 4, 3, 3)), 50.0),
@@ -163,24 +163,24 @@ def test_a_track_has_one_point_a_frame():
 def test_paths_know_their_gaps_and_missing_is_nan():
     xyz = np.ones((9, 3))
     xyz[[0, 3, 4, 7]] = np.nan
-    path = Path.measured("a", xyz)
+    path = MarkerTrajectory.measured("a", xyz)
     assert path.gaps == [(3, 5), (7, 8)]
     assert ((path.origin == Origin.MISSING) == np.isnan(path.xyz[:, 0])).all()
     half = np.ones((2, 3))
     half[0, 1] = np.nan
-    assert np.isnan(Path.measured("b", half).xyz[0]).all()
+    assert np.isnan(MarkerTrajectory.measured("b", half).xyz[0]).all()
     with pytest.raises(ValueError, match="MISSING"):
-        Path("a", xyz, path.cov, np.ones(9), path.residual, path.cameras)
+        MarkerTrajectory("a", xyz, path.cov, np.ones(9), path.residual, path.cameras)
 
 
 def test_trajectories_are_marker_major_and_of_one_length():
-    a, b = Path.measured("a", np.zeros((3, 3))), Path.measured("b", np.ones((3, 3)))
+    a, b = MarkerTrajectory.measured("a", np.zeros((3, 3))), MarkerTrajectory.measured("b", np.ones((3, 3)))
     both = Trajectories((a, b), 50.0)
     assert both.xyz.shape == (2, 3, 3)
     assert (both["b"].xyz == 1).all()
     assert both.xyz[0].flags.c_contiguous
     with pytest.raises(ValueError, match="one length"):
-        Trajectories((a, Path.measured("c", np.zeros((4, 3)))), 50.0)
+        Trajectories((a, MarkerTrajectory.measured("c", np.zeros((4, 3)))), 50.0)
     with pytest.raises(KeyError, match="no marker 'x'"):
         both["x"]
 

@@ -8,21 +8,12 @@ import numpy as np
 import pytest
 from captures import RATE, capture, empty_capture, found, judge, ring, walk
 
-from kinemark.data import (
-    Detections,
-    KinemarkError,
-    Origin,
-    Path,
-    Rig,
-    Tracks,
-    Trajectories,
-    Validity,
-)
+from kinemark.data import Detections, KinemarkError, MarkerTrajectory, Origin, Rig, Tracks, Trajectories, Validity
+from kinemark.findings.markers import completeness, in_view, jitter, markers_worn
+from kinemark.findings.plain import plain, runs
+from kinemark.findings.trial_advice import CHECKS
 from kinemark.report import summary, write_quality, write_report
-from kinemark.report.advice import CHECKS
-from kinemark.report.markers import completeness, in_view, jitter, markers_worn
-from kinemark.report.plain import plain, runs
-from kinemark.report.words import number, percent, some
+from kinemark.report.formatting import number, percent, some
 
 
 def test_a_perfect_trial_is_green_and_its_figures_are_known():
@@ -258,7 +249,7 @@ def pieces(at):
     for k, (first, stop) in enumerate(at):
         xyz = np.full((100, 3), np.nan)
         xyz[first:stop] = [k, 0, 0]
-        paths.append(Path.measured(f"*{k + 1}", xyz))
+        paths.append(MarkerTrajectory.measured(f"*{k + 1}", xyz))
     return Trajectories(tuple(paths), 100.0)
 
 

@@ -3,8 +3,8 @@
 import pytest
 from captures import capture, judge, ring, walk
 
-from kinemark.report.advice import warnings
-from kinemark.report.doubts import SILENT, doubt_table, grouped
+from kinemark.findings.trial_advice import warnings
+from kinemark.report.ambiguous_table import SILENT, ambiguous_table, grouped
 
 
 def doubt(kind, at, who, reason):
@@ -27,23 +27,23 @@ def test_the_same_doubt_about_the_same_markers_is_one_row():
     both = doubt("merge", 5, ["*3"], "lived on images in which markers run together")
     doubts = sorted([*many, *others, both], key=lambda one: one["first_frame"])
     assert [len(own) for own in grouped(doubts)] == [3, 1, 1, 1]
-    page = doubt_table(doubts, told=True)
+    page = ambiguous_table(doubts, told=True)
     assert page.count("<tr>") == 1 + 4
     assert "known to 10–21 mm only" in page and "0.00, 0.10, 0.20" in page and "known to 12 mm only" in page
 
 
 def test_many_moments_are_counted_and_none_is_lost():
-    page = doubt_table([doubt("swap", 10 * k, ["*3"], LOST.format(13)) for k in range(40)], told=True)
+    page = ambiguous_table([doubt("swap", 10 * k, ["*3"], LOST.format(13)) for k in range(40)], told=True)
     assert "<td>40</td>" in page and "… 3.90" in page and page.count("<tr>") == 2
 
 
 def test_a_method_that_tells_no_doubts_is_not_free_of_them():
-    assert "None." in doubt_table([], told=True)
-    assert SILENT in doubt_table([], told=False) and "None." not in doubt_table([], told=False)
+    assert "None." in ambiguous_table([], told=True)
+    assert SILENT in ambiguous_table([], told=False) and "None." not in ambiguous_table([], told=False)
 
 
 def test_names_from_outside_are_text():
-    assert "<b>" not in doubt_table([doubt("swap", 1, ["<b>"], "x <b> 3")], told=True)
+    assert "<b>" not in ambiguous_table([doubt("swap", 1, ["<b>"], "x <b> 3")], told=True)
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def figures():
 
 
 def advice(figures, sentence):
-    (one,) = [w for w in warnings(figures | {"noticed": [sentence]}) if w["what"] == sentence]
+    (one,) = [w for w in warnings(figures | {"diagnostics": [sentence]}) if w["what"] == sentence]
     return one["do"]
 
 
@@ -66,5 +66,5 @@ def test_a_camera_that_was_noticed_is_not_blamed_twice(figures):
     figures["cameras"][2]["used_of_valid_share"] = 0.1
     name = figures["cameras"][2]["name"]
     assert any("became no part" in w["what"] for w in warnings(figures))
-    told = figures | {"noticed": [f"The images of camera {name} fit no track from frame 4 on: was it moved?"]}
+    told = figures | {"diagnostics": [f"The images of camera {name} fit no track from frame 4 on: was it moved?"]}
     assert not any("became no part" in w["what"] for w in warnings(told))

@@ -13,9 +13,9 @@ from kinemark.data import Detections, Origin, Step, Tracks, Validity
 from kinemark.geometry import project
 from kinemark.report import write_report
 from kinemark.report.figures_detections import SEPARATED, VALID, brightest, kinds_of, spots_figure, telling_frames
+from kinemark.report.html_tables import spots_table
 from kinemark.report.page import figures as page_figures
-from kinemark.report.scene import corners, scene, upwards
-from kinemark.report.tables import spots_table
+from kinemark.report.scene3d import corners, scene, upwards
 from kinemark.report.thin import blocks, envelope
 
 EVIL = '<script>alert("1")</script><a href="http://evil.example/">'

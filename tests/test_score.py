@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import Cloud, Tracks
-from kinemark.score import score
+from kinemark.synth.score import score
 
 
 def tracks(xyz, identity, sd=1.0):

@@ -8,7 +8,7 @@ from shared import shared_data
 from test_studies import figures, printed
 
 from kinemark.calibrate.bundle import Bundle, calibrate_points
-from kinemark.calibrate.world import fit_scaled, similarity
+from kinemark.calibrate.world_frame import fit_scaled, similarity
 from kinemark.data import KinemarkError
 from kinemark.geometry import project
 from kinemark.io.selfcal import read_pmat, read_rad, read_selfcal

@@ -11,7 +11,7 @@ from kinemark.data import KinemarkError, Rig
 from kinemark.geometry import project as camera_project
 from kinemark.geometry import refine
 from kinemark.sensitivity import (
-    Linear,
+    LinearisedErrors,
     Sampling,
     angle_jacobian,
     angle_spread,
@@ -27,9 +27,9 @@ from kinemark.sensitivity import (
     rig_points,
     sample,
 )
-from kinemark.sensitivity.dlt import fit_parameters, pair_points, parameter_gain, point_gains, project, rows
+from kinemark.sensitivity.dlt_samples import fit_parameters, pair_points, parameter_gain, point_gains, project, rows
 from kinemark.sensitivity.sampling import circle
-from kinemark.sensitivity.um2as import (
+from kinemark.sensitivity.um2as_experiment import (
     CONTROL_BALLS,
     DISTANCE_MM,
     PERTURBED_4_2,
@@ -273,18 +273,18 @@ def test_what_cannot_be_is_refused():
     flat = CONTROL_BALLS.copy()
     flat[:, 2] = 0
     with pytest.raises(KinemarkError, match="plane"):
-        Linear(("a",), flat, LAB.uv[:1])
+        LinearisedErrors(("a",), flat, LAB.uv[:1])
     with pytest.raises(KinemarkError, match="6 or more"):
         fit_parameters(CONTROL_BALLS[:5], LAB.uv[0, :5])
     with pytest.raises(ValueError, match="unknown values"):
-        Linear(("a",), CONTROL_BALLS, np.full((1, 8, 2), np.nan))
+        LinearisedErrors(("a",), CONTROL_BALLS, np.full((1, 8, 2), np.nan))
     with pytest.raises(ValueError, match="radius"):
         calibration_experiment(LAB, 0, radius=-1.0)
     with pytest.raises(ValueError, match="radius"):
         marker_error(LAB, marker(LAB), 0.0)
     with pytest.raises(KinemarkError, match="origin"):
         marker_experiment(LAB, np.zeros(3), method=FEW)
-    one = Linear(("a",), CONTROL_BALLS, LAB.uv[:1])
+    one = LinearisedErrors(("a",), CONTROL_BALLS, LAB.uv[:1])
     with pytest.raises(KinemarkError, match="needs two cameras"):
         marker_experiment(one, marker(LAB), method=FEW)
     for wrong in ({"samples": 0}, {"workers": 0}, {"turn": 0.0}, {"batch": -1}):

@@ -7,12 +7,12 @@ import pytest
 from captures import ring
 from test_sensitivity_session import RATE, dance, moved_cameras, recorded, shown_by
 
-from kinemark.data import Cloud, Detections, Path, Tracks, Trajectories
+from kinemark.data import Cloud, Detections, MarkerTrajectory, Tracks, Trajectories
 from kinemark.geometry import project
-from kinemark.reconstruct.pairs import agreeing
+from kinemark.reconstruct.camera_pairs import agreeing
 from kinemark.sensitivity import angle_jacobian, gather_named, rank, typical
-from kinemark.sensitivity.dlt import pair_points
-from kinemark.sensitivity.um2as import laboratory, pairs_mean
+from kinemark.sensitivity.dlt_samples import pair_points
+from kinemark.sensitivity.um2as_experiment import laboratory, pairs_mean
 
 
 def hidden(share, px=5.0):
@@ -79,7 +79,9 @@ def test_a_named_part_of_a_recording_begins_at_its_first_frame():
     view = np.stack([c * 480 + frame * 8 + marker for c in range(3)], 1)
     places = xyz[marker, frame]
     cloud = Cloud(RATE, np.arange(61) * 8, places, np.tile(np.eye(3), (480, 1, 1)), np.zeros(480), view)
-    part = Trajectories(tuple(Path.measured(f"M{m}", p[20:50]) for m, p in enumerate(xyz)), RATE, first_frame=21)
+    part = Trajectories(
+        tuple(MarkerTrajectory.measured(f"M{m}", p[20:50]) for m, p in enumerate(xyz)), RATE, first_frame=21
+    )
     there = gather_named(part, Tracks(cloud, marker.astype(np.int64)), seen, frames=30)
     np.testing.assert_allclose(there.uv, uv[:, 20:50])
     np.testing.assert_allclose(there.time_s, np.arange(20, 50) / RATE)

@@ -10,16 +10,16 @@ from scipy.spatial.transform import Rotation
 from shared import shared_data
 from test_studies import figures, printed
 
-from kinemark import cli
-from kinemark.data import Cloud, Detections, KinemarkError, Path, Rig, Tracks, Trajectories
+from kinemark.apps import cli
+from kinemark.data import Cloud, Detections, KinemarkError, MarkerTrajectory, Rig, Tracks, Trajectories
+from kinemark.engine.error_budget import error_budget
+from kinemark.engine.session import Session
+from kinemark.findings.sensitivity_figures import sensitivity_figures, sensitivity_summary
 from kinemark.geometry import project, refine
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml
-from kinemark.limits import limits
-from kinemark.report.sensitivity import sensitivity_figures, sensitivity_summary
 from kinemark.report.sensitivity_page import sensitivity_page
-from kinemark.sensitivity import Limits, Seen, gather, gather_named, rank, segments, shown, typical
-from kinemark.session import Session
+from kinemark.sensitivity import ErrorBudget, SampledFrames, gather, gather_named, rank, segments, shown, typical
 
 RATE = 100.0
 
@@ -49,7 +49,7 @@ def recorded(believed, true=None, *, noise=0.1, xyz=None, seed=1, hide=0.2, bend
     place = refine(believed, xyz.reshape(-1, 3), flat, np.broadcast_to(np.eye(2), (*flat.shape, 2)))
     few = np.isfinite(flat[..., 0]).sum(1) < 2
     found = np.where(few[:, None], np.nan, place.xyz).reshape(xyz.shape)
-    return Seen(tuple(f"m{m}" for m in range(len(xyz))), found, uv, np.arange(xyz.shape[1]) / RATE)
+    return SampledFrames(tuple(f"m{m}" for m in range(len(xyz))), found, uv, np.arange(xyz.shape[1]) / RATE)
 
 
 def shown_by(rig, there):
@@ -127,7 +127,7 @@ def test_disturbed_images_are_told_from_noise():
         return np.where(rng.random(uv.shape[:3])[..., None] < 1 / 12, off, 0.0)
 
     there = recorded(rig, noise=0.1, xyz=xyz, bend=hidden, hide=0.1)
-    ranking = rank(rig, there, method=Limits(placement_mm=0.1))
+    ranking = rank(rig, there, method=ErrorBudget(placement_mm=0.1))
     by = {source.name: source for source in ranking.sources}
     assert ranking.sources[0].name == "disturbed images"
     assert by["centroid noise"].px == pytest.approx(0.1, rel=0.15)
@@ -142,14 +142,14 @@ def test_ranks_change_with_what_is_wrong():
     clean, noisy = (rank(rig, recorded(rig, noise=sd)) for sd in (0.02, 3.0))
     assert clean.sources[0].name == "marker placement"
     assert noisy.sources[0].name == "centroid noise"
-    careful = rank(rig, recorded(rig, moved_cameras(rig), noise=0.02), method=Limits(placement_mm=0.05))
+    careful = rank(rig, recorded(rig, moved_cameras(rig), noise=0.02), method=ErrorBudget(placement_mm=0.05))
     assert careful.sources[0].name == "calibration"
 
 
 def test_sigma_of_noise_is_that_of_a_simulation():
     rig, xyz = ring(4), dance(frames=40)
     trials = np.array([recorded(rig, noise=0.2, xyz=xyz, seed=s, hide=0.0).xyz for s in range(60)])
-    ranking = rank(rig, recorded(rig, noise=0.2, xyz=xyz, hide=0.0), method=Limits(centroid_sd=0.2))
+    ranking = rank(rig, recorded(rig, noise=0.2, xyz=xyz, hide=0.0), method=ErrorBudget(centroid_sd=0.2))
     source = next(s for s in ranking.sources if s.name == "centroid noise")
     assert np.sqrt((source.mm**2).mean()) == pytest.approx(np.sqrt(trials.var(0).mean()), rel=0.05)
     line = trials[:, 1] - trials[:, 0]
@@ -192,7 +192,7 @@ def test_segments_are_markers_that_keep_their_distance():
     rig = ring(5)
     there = recorded(rig, noise=0.02)
     assert segments(there) == [(0, 1), (2, 3), (4, 5), (6, 7)]
-    one = Seen(there.names[:1], there.xyz[:1], there.uv[:1], there.time_s)
+    one = SampledFrames(there.names[:1], there.xyz[:1], there.uv[:1], there.time_s)
     ranking = rank(rig, one)
     assert ranking.angles == () and ranking.unit == "mm"
     told = json.loads(json.dumps(sensitivity_figures(ranking, session="s", trial="t")))
@@ -202,7 +202,7 @@ def test_segments_are_markers_that_keep_their_distance():
 
 def test_a_mean_makes_only_noise_smaller():
     rig = ring(5)
-    ranking = rank(rig, recorded(rig, noise=1.0), method=Limits(placement_mm=0.5))
+    ranking = rank(rig, recorded(rig, noise=1.0), method=ErrorBudget(placement_mm=0.5))
     by = {s.name: s for s in ranking.sources}
     one, many = ranking.total("mm"), ranking.total("mm", cycles=100)
     assert (many < one)[np.isfinite(one)].all()
@@ -248,35 +248,35 @@ def test_the_command_ranks_a_session(session, capsys):
 
 def test_named_markers_of_the_same_recording(session, tmp_path):
     result = Session.open(session).run(["walk01"])["walk01"]
-    names = Trajectories(tuple(Path.measured(f"M{m}", p) for m, p in enumerate(dance(frames=60))), RATE)
+    names = Trajectories(tuple(MarkerTrajectory.measured(f"M{m}", p) for m, p in enumerate(dance(frames=60))), RATE)
     there = gather_named(names, result.tracks, result.detections, frames=50)
     assert there.names[0] == "M0" and there.seen.any(2).mean() > 0.99
-    away = Trajectories(tuple(Path.measured(p.name, p.xyz + 500) for p in names), RATE)
+    away = Trajectories(tuple(MarkerTrajectory.measured(p.name, p.xyz + 500) for p in names), RATE)
     with pytest.raises(KinemarkError, match="same world"):
         gather_named(away, result.tracks, result.detections, frames=50)
     with pytest.raises(KinemarkError, match="same recording"):
         gather_named(replace(names, rate=50.0), result.tracks, result.detections, frames=50)
     with pytest.raises(KinemarkError, match="wants the markers"):
-        limits(session, model="um2as")
+        error_budget(session, model="um2as")
     (tmp_path / "x.trc").write_text("nothing")
     with pytest.raises(KinemarkError):
-        limits(session, markers=tmp_path / "x.trc")
+        error_budget(session, markers=tmp_path / "x.trc")
 
 
 def test_what_cannot_be_judged_is_refused():
     rig = ring(3)
     there = recorded(rig)
     with pytest.raises(KinemarkError, match="needs two cameras"):
-        rank(rig.select(["cam1"]), Seen(there.names, there.xyz, there.uv[:, :, :1], there.time_s))
+        rank(rig.select(["cam1"]), SampledFrames(there.names, there.xyz, there.uv[:, :, :1], there.time_s))
     with pytest.raises(KinemarkError, match="Two cameras see 0 points"):
-        rank(rig, Seen(there.names, there.xyz, np.full_like(there.uv, np.nan), there.time_s))
+        rank(rig, SampledFrames(there.names, there.xyz, np.full_like(there.uv, np.nan), there.time_s))
     cloud = Cloud(RATE, np.zeros(11), np.zeros((0, 3)), np.zeros((0, 3, 3)), [], np.zeros((0, 3)))
     nothing = Detections.build(rig.names, RATE, np.zeros((3, 10)), np.zeros((0, 2)))
     with pytest.raises(KinemarkError, match="nothing to judge by"):
         gather(Tracks(cloud, np.zeros(0)), nothing, frames=5)
     for wrong in ({"placement_mm": -1}, {"cycles": 0}, {"centroid_sd": 0.0}, {"frames": 1}):
         with pytest.raises(ValueError, match=next(iter(wrong))):
-            Limits(**wrong)
+            ErrorBudget(**wrong)
 
 
 def test_the_study_of_the_thesis():

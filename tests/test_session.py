@@ -13,6 +13,9 @@ from test_tracking import swarm
 
 from kinemark.data import Analog, ForcePlate, KinemarkError, Trial
 from kinemark.detect import detect
+from kinemark.engine.pipeline import alongside, together
+from kinemark.engine.session import Session
+from kinemark.engine.settings import METHODS, read_settings
 from kinemark.geometry import project_all, to_dlt
 from kinemark.io.c3d import read_c3d
 from kinemark.io.control_points import read_control_points
@@ -21,10 +24,7 @@ from kinemark.io.dlt_csv import write_dlt_csv
 from kinemark.io.images import open_images, write_png
 from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
 from kinemark.io.video import write_video
-from kinemark.pipeline import alongside, together
-from kinemark.score import score
-from kinemark.session import Session
-from kinemark.settings import METHODS, read_settings
+from kinemark.synth.score import score
 
 POINTS = swarm(n=6, frames=40)
 
@@ -116,11 +116,11 @@ def test_stages_that_would_do_nothing_are_refused(folder):
 
 def test_what_the_tracker_doubts_outlives_the_run(folder):
     first = run(folder)
-    said = json.loads((folder / "results/one/doubts.json").read_text())
-    assert set(said) == {"doubts", "noticed"}
+    said = json.loads((folder / "results/one/ambiguous_decisions.json").read_text())
+    assert set(said) == {"ambiguous_decisions", "diagnostics"}
     again = run(folder)
-    assert again.computed == () and again.quality["doubts"] == first.quality["doubts"]
-    (folder / "results/one/doubts.json").write_text("{")
+    assert again.computed == () and again.quality["ambiguous_decisions"] == first.quality["ambiguous_decisions"]
+    (folder / "results/one/ambiguous_decisions.json").write_text("{")
     assert run(folder).computed == ("track",)
 
 
@@ -142,7 +142,7 @@ def test_a_run_that_was_cut_off_goes_on(folder, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("kinemark.pipeline.followed", fail)
+        patch.setattr("kinemark.engine.pipeline.track_simultaneously", fail)
         with pytest.raises(KeyboardInterrupt):
             run(folder)
     assert not list(folder.rglob("*.part*"))
@@ -351,7 +351,7 @@ def test_outputs_that_were_not_written_are_written_by_the_next_run(folder, monke
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("kinemark.pipeline.write_c3d", fail)
+        patch.setattr("kinemark.engine.pipeline.write_c3d", fail)
         with pytest.raises(KeyboardInterrupt):
             run(folder)
     assert run(folder).computed == ()

@@ -12,7 +12,7 @@ from kinemark.geometry import project, sphere_offset
 from kinemark.reconstruct import LeastSquares, reconstruct
 from kinemark.synth.optics import Optics
 from kinemark.synth.render import render
-from kinemark.synth.sphere import sphere_ellipse, sphere_outline
+from kinemark.synth.sphere_image import sphere_ellipse, sphere_outline
 
 LENS = np.array([-0.25, 0.08, 0.002, -0.001, 0.01])
 

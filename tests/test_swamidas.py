@@ -10,11 +10,11 @@ from laboratory import observe, ring
 from test_tracking import swarm
 
 from kinemark.data import Cloud, Detections, KinemarkError, Rig, Validity, same
-from kinemark.match.nearest import NearestEpipolar, match_nearest, nearest_pairs
+from kinemark.match.nearest_epipolar import NearestEpipolar, match_nearest, nearest_pairs
 from kinemark.track.swamidas import (
     Constraint,
     DistanceOnly,
-    State,
+    KalmanState,
     Swamidas,
     follow_points,
     predict,
@@ -23,10 +23,10 @@ from kinemark.track.swamidas import (
     track_swamidas,
     update,
 )
-from kinemark.track.swamidas.constraints import Expected, half_size, match_points
+from kinemark.track.swamidas.constraints import PredictedPoints, half_size, match_points
 from kinemark.track.swamidas.distance import shortest_first
 from kinemark.track.swamidas.learning import learn_error
-from kinemark.track.swamidas.segments import Segments, allowed_points, learn_segments
+from kinemark.track.swamidas.segments import LearnedSegments, allowed_points, learn_segments
 
 SD, JUMP = 2.0, 0.5
 
@@ -153,7 +153,7 @@ def expected(xyz, half=1.0, velocity=0.0, last=None, steps=1):
     whole = np.zeros_like(xyz)
     last = xyz - velocity if last is None else np.array(last, float)
     half = np.broadcast_to(np.array(half, float).reshape(-1, 1), xyz.shape)
-    return Expected(xyz, half, whole + velocity, last, np.full(len(xyz), steps))
+    return PredictedPoints(xyz, half, whole + velocity, last, np.full(len(xyz), steps))
 
 
 def matched(e, points):
@@ -285,7 +285,7 @@ def test_segments_are_learned_and_refuse_what_does_not_fit():
     assert (found.link.tolist(), found.length.tolist()) == ([[0, 1]], pytest.approx([100.0]))
     given = learn_segments(xyz[:, :10], tolerance=0.05, links=((0, 2), (1, 9)))
     assert given.link.tolist() == [[0, 2]]
-    pair = Segments(np.array([[0, 1]]), np.array([100.0]))
+    pair = LearnedSegments(np.array([[0, 1]]), np.array([100.0]))
     points = np.array([[0.0, 0, 0], [102, 0, 0], [120, 0, 0]])
     allowed = allowed_points(points, np.array([[1.0, 0, 0], [60, 0, 0]]), np.array([True, False]), pair, 0.05)
     assert allowed.tolist() == [[True, True, True], [False, True, False]]
@@ -318,7 +318,7 @@ def test_parameters_are_checked(wrong):
 
 def test_a_state_is_plain_data():
     state = start(three_points(parabolas(), 2), SD, JUMP)
-    assert same(tuple(State(*state)), tuple(state))
+    assert same(tuple(KalmanState(*state)), tuple(state))
 
 
 # Matching of two cameras

@@ -7,7 +7,7 @@ import pytest
 
 from kinemark.geometry import distort, project, to_camera
 from kinemark.synth import Capsules, Optics, film, interlace, look_at, render, ring, sphere_ellipse, still, walking
-from kinemark.synth.sphere import sphere_outline
+from kinemark.synth.sphere_image import sphere_outline
 
 DARK = Optics(background=0.0, read_noise=0.0, blur_px=0.0, brightness=200.0)
 CAMERA = look_at("c", (0, -4000, 1000), (0, 0, 1000), focal_px=1100)

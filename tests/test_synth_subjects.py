@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kinemark.data import Path, Trajectories, same
+from kinemark.data import MarkerTrajectory, Trajectories, same
 from kinemark.synth import (
     VOLUME,
     arm,
@@ -254,7 +254,7 @@ def test_thrown_ball_falls_as_it_should():
 def test_gaps_of_a_recording_are_markers_that_are_not_there():
     xyz = np.arange(12.0).reshape(4, 3)
     xyz[2] = np.nan
-    paths = Trajectories((Path.measured("a", xyz), Path.measured("b", xyz[::-1])), 100.0)
+    paths = Trajectories((MarkerTrajectory.measured("a", xyz), MarkerTrajectory.measured("b", xyz[::-1])), 100.0)
     subject = from_trajectories(paths)
     assert same(subject.trajectories, paths)
     assert np.isnan(subject["a"][2]).all() and len(subject.capsules) == 0

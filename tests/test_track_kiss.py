@@ -9,9 +9,9 @@ from test_tracking import swarm
 from kinemark.data import Cloud, Tracks, same
 from kinemark.match import KissTriplets, match
 from kinemark.reconstruct import reconstruct
-from kinemark.score import score
+from kinemark.synth.score import score
 from kinemark.track import TRACKERS, KissTracking, blend, track, within_volume, without_short
-from kinemark.track.kiss import link
+from kinemark.track.kiss_tracking import link
 
 
 def cloud_of(points, rate=50.0, order=None):

@@ -12,14 +12,14 @@ from test_swamidas import parabolas
 from test_track_kiss import cloud_of, line, pieces
 
 from kinemark.data import Tracks
-from kinemark.follow.former_pairs import residuals
-from kinemark.score import score
 from kinemark.signal import gain
+from kinemark.synth.score import score
 from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, blend, track
 from kinemark.track.swamidas import Constraint, follow_points, start, track_distance, track_swamidas, update
 from kinemark.track.swamidas.active import advance, begin, none
-from kinemark.track.swamidas.constraints import Expected, match_points
-from kinemark.track.swamidas.segments import Segments, allowed_points
+from kinemark.track.swamidas.constraints import PredictedPoints, match_points
+from kinemark.track.swamidas.segments import LearnedSegments, allowed_points
+from kinemark.track.two_cameras.paired_paths import residuals
 
 
 def sure(points, rate=50.0, cov=1e-6):
@@ -133,7 +133,7 @@ def test_after_a_gap_the_positions_before_are_no_measurements():
 def test_what_may_be_one_end_of_a_segment_is_not_the_other():
     points = np.array([[-49.0, 0, 0], [49.0, 0, 0], [0, 99.0, 0]])  # two near where track 1 is expected
     predicted = np.array([[0, 100.0, 0], [0, 0, 0]])
-    one = Segments(np.array([[0, 1]]), np.array([100.0]))
+    one = LearnedSegments(np.array([[0, 1]]), np.array([100.0]))
     allowed = allowed_points(points, predicted, np.array([False, True]), one, 0.2)
     assert allowed[0].tolist() == [False, False, True]
 
@@ -150,7 +150,7 @@ def test_the_velocity_is_that_since_the_last_point():
     """Three tracks are nearest to one point; of the others, each of two has come by its own velocity in four frames."""
     velocity = np.array([[0.0, 0, 0], [10.0, 0, 0], [40.0, 0, 0]])
     at = np.array([[1000.0, 0, 0], [1001.0, 0, 0], [1002.0, 0, 0]])
-    expected = Expected(at, np.full((3, 3), np.nan), velocity, np.zeros((3, 3)), np.full(3, 4))
+    expected = PredictedPoints(at, np.full((3, 3), np.nan), velocity, np.zeros((3, 3)), np.full(3, 4))
     points = np.array([[1000.0, 0, 0], [40.0, 0, 0], [160.0, 0, 0]])
     taken, by = match_points(expected, points, np.ones((3, 3), bool))
     assert taken.tolist() == [0, 1, 2]

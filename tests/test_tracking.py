@@ -12,8 +12,8 @@ from laboratory import observe, ring
 from kinemark.data import Cloud, Detections, KinemarkError, Tracks, Validity, same
 from kinemark.match import EpipolarTriplets, match
 from kinemark.reconstruct import LeastSquares, reconstruct
-from kinemark.score import changes, score
 from kinemark.signal import LADDER, assign, extrapolate, gain, weights
+from kinemark.synth.score import changes, score
 from kinemark.track import ExtrapolationLadder, to_trajectories, track
 
 
@@ -406,7 +406,7 @@ def test_blocks_of_frames_do_not_change_the_matches(monkeypatch):
     rig, points = ring(4), swarm(n=6, frames=20)
     detections, _ = observe(rig, points, noise=0.1)
     whole = match(detections, rig)
-    monkeypatch.setattr(sys.modules["kinemark.match.epipolar"], "BLOCK", 7)
+    monkeypatch.setattr(sys.modules["kinemark.match.epipolar_triplets"], "BLOCK", 7)
     assert same(match(detections, rig), whole)
 
 

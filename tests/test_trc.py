@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shared import shared_data
 
-from kinemark.data import KinemarkError, Path, Trajectories, same
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, same
 from kinemark.io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from kinemark.io.trc import read_trc, write_trc
 
@@ -19,7 +19,7 @@ def markers(seed, n_markers=3, n_frames=20, rate=50.0, first=1):
     xyz = rng.normal(size=(n_markers, n_frames, 3)) * 10.0 ** rng.integers(-6, 7, (n_markers, 1, 3))
     xyz[rng.random((n_markers, n_frames)) < 0.2] = np.nan
     names = [f"L.Knee {m}, é" for m in range(n_markers)]
-    return Trajectories(tuple(Path.measured(n, x) for n, x in zip(names, xyz, strict=True)), rate, first)
+    return Trajectories(tuple(MarkerTrajectory.measured(n, x) for n, x in zip(names, xyz, strict=True)), rate, first)
 
 
 @pytest.mark.parametrize("form", FORMATS)
@@ -140,7 +140,7 @@ def test_other_files_are_refused(tmp_path, form, data):
 
 
 def test_a_name_that_trc_cannot_hold_is_refused(tmp_path):
-    bad = Trajectories((Path.measured("a\tb", np.zeros((2, 3))),), 50.0)
+    bad = Trajectories((MarkerTrajectory.measured("a\tb", np.zeros((2, 3))),), 50.0)
     with pytest.raises(ValueError, match="tab"):
         write_trc(tmp_path / "a.trc", bad)
     assert not list(tmp_path.iterdir())

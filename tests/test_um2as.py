@@ -9,25 +9,8 @@ from boxed import BALLS, files, seen_balls, seen_meal
 from eating import CENTRE, SIZE, laboratory, meal
 
 from kinemark.data import KinemarkError, Rig
-from kinemark.formats import convert, describe
-from kinemark.geometry import from_dlt, project_all, to_dlt, triangulate
-from kinemark.io.answers_csv import append_answer, read_answers, write_answers
-from kinemark.io.c3d import markers, read_c3d
-from kinemark.io.um2as import (
-    read_angles,
-    read_cp,
-    read_tdc,
-    trajectories_of_tdc,
-    write_da,
-    write_msr,
-    write_tdc,
-)
-from kinemark.reconstruct import LeastSquares
-from kinemark.reconstruct.pairs import agreeing
-from kinemark.sensitivity.dlt import fit_parameters, project
-from kinemark.synth import look_at as aimed
-from kinemark.synth import ring, truth
-from kinemark.um2as import (
+from kinemark.engine.formats import convert, describe
+from kinemark.engine.um2as import (
     angles_files,
     calibrate_file,
     calibrated,
@@ -36,6 +19,15 @@ from kinemark.um2as import (
     placed,
     table,
 )
+from kinemark.geometry import from_dlt, project_all, to_dlt, triangulate
+from kinemark.io.answers_csv import append_answer, read_answers, write_answers
+from kinemark.io.c3d import markers, read_c3d
+from kinemark.io.um2as import read_angles, read_cp, read_tdc, trajectories_of_tdc, write_da, write_msr, write_tdc
+from kinemark.reconstruct import LeastSquares
+from kinemark.reconstruct.camera_pairs import agreeing
+from kinemark.sensitivity.dlt_samples import fit_parameters, project
+from kinemark.synth import look_at as aimed
+from kinemark.synth import ring, truth
 
 # ---- Calibration ----
 

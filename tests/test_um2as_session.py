@@ -8,27 +8,19 @@ import pytest
 from boxed import BALLS, MARKERS, files
 from eating import POST, Knowing, footage, looks_of
 
-from kinemark import um2as_cli
-from kinemark.cli import app
+from kinemark.apps import um2as as um2as_cli
+from kinemark.apps.cli import app
 from kinemark.data import KinemarkError
 from kinemark.digitise import SemiAutomatic
-from kinemark.digitising import Reel, digitise_camera
+from kinemark.engine.digitising import Reel, digitise_camera
+from kinemark.engine.session import Session
 from kinemark.geometry import project_all
 from kinemark.io.answers_csv import read_answers
 from kinemark.io.c3d import markers, read_c3d
 from kinemark.io.images import open_images, write_png
-from kinemark.io.um2as import (
-    read_angles,
-    read_cp,
-    read_rf,
-    read_tdc,
-    write_cp,
-    write_da,
-    write_msr,
-)
+from kinemark.io.um2as import read_angles, read_cp, read_rf, read_tdc, write_cp, write_da, write_msr
 from kinemark.io.video import write_video
-from kinemark.report.text import summary
-from kinemark.session import Session
+from kinemark.report.terminal_summary import summary
 from kinemark.synth import Optics, render
 
 FRAMES = 6
@@ -118,7 +110,7 @@ def test_an_operator_types_stops_and_goes_on(recorded, capsys, monkeypatch, tmp_
 
 def test_a_reel_goes_back_further_than_it_keeps(recorded, monkeypatch):
     folder, _ = recorded
-    monkeypatch.setattr("kinemark.digitising.KEPT", 1)
+    monkeypatch.setattr("kinemark.engine.digitising.KEPT", 1)
     reel = Reel(open_images(folder / "cam1.mkv"))
     first = [reel(f).uv for f in range(FRAMES)]
     for f in (4, 1, 5, 0):

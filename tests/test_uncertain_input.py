@@ -12,10 +12,10 @@ from laboratory import observe, ring
 from test_follow import dance
 
 from kinemark.data import Rig
+from kinemark.engine.session import Session
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml
-from kinemark.score import score
-from kinemark.session import Session
+from kinemark.synth.score import score
 
 RIG, PATHS = ring(6), dance(n=10, frames=60)
 SEEN, _ = observe(RIG, PATHS, noise=0.1)
@@ -78,7 +78,7 @@ def test_the_run_survives_and_says_what_is_wrong(tmp_path, method, case):
     page = (result.folder / "report.html").read_text("utf-8")
     said = " ".join(warning["what"] for warning in quality["warnings"])
     if case == "good":
-        assert (quality["verdict"]["grade"], quality["noticed"], quality["notes"]) == ("green", [], [])
+        assert (quality["verdict"]["grade"], quality["diagnostics"], quality["notes"]) == ("green", [], [])
         return
     assert quality["verdict"]["grade"] != "green"
     assert all(words in said for words in WORDS[case])
@@ -108,4 +108,4 @@ def test_two_cameras_have_their_troubles_too(tmp_path, case):
     quality = Session.open(tmp_path).run()["one"].quality
     assert quality["verdict"]["grade"] != "green"
     if case == "stops":
-        assert "no images after frame 29" in quality["noticed"][0]
+        assert "no images after frame 29" in quality["diagnostics"][0]

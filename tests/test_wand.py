@@ -8,13 +8,13 @@ import pytest
 from kinemark.calibrate.wand import Wand, calibrate_wand, thinned
 from kinemark.calibrate.wand.completion import completed
 from kinemark.calibrate.wand.ends import best_signs
+from kinemark.calibrate.wand.identify import at_rows, identify_wand, marker_places, wand_points, wanted
 from kinemark.calibrate.wand.lengths import by_place, wand_lengths
-from kinemark.calibrate.wand.points import at_rows, identify_wand, marker_places, wand_points, wanted
 from kinemark.calibrate.wand.rows import read_rows
 from kinemark.data import Detections, KinemarkError
 from kinemark.detect import detect
 from kinemark.geometry import project, rigid_align, triangulate, undistort
-from kinemark.geometry.sphere import sphere_offset
+from kinemark.geometry.sphere_offset import sphere_offset
 from kinemark.synth import film, observe, ring, truth, walking, wand
 
 LENS = (-0.12, 0.0, 0.0, 0.0, 0.0)

@@ -7,8 +7,8 @@ import pytest
 from laboratory import ring
 from scipy.spatial.transform import Rotation
 
-from kinemark.calibrate.bundle import Points, bundle
-from kinemark.calibrate.world import fit_moved_to, fit_scaled, l_frame, moved_to, scaled, similarity
+from kinemark.calibrate.bundle import FreePoints, bundle
+from kinemark.calibrate.world_frame import fit_moved_to, fit_scaled, l_frame, moved_to, scaled, similarity
 from kinemark.data import KinemarkError, Rig
 from kinemark.geometry import parameter_jacobian, project, project_all
 
@@ -61,7 +61,7 @@ def test_the_uncertainty_of_images_stays_too(rig, points, scale):
 
 def test_all_of_a_fit_goes_along(rig, points):
     uv = project_all(rig, points) + 0.1 * np.random.default_rng(2).normal(size=(4, 50, 2))
-    fit = bundle(rig, (Points(points),), uv)
+    fit = bundle(rig, (FreePoints(points),), uv)
     there = 2.0 * fit.xyz @ A.T + B
     moved = fit_moved_to(fit, fit.xyz, there, scale=True)
     assert np.allclose(moved.xyz, there)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
 from .discs import Patches
-from .grouping import Groups
+from .grouping import PixelGroups
 
 Floats = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ class CutOut(NamedTuple):
 
 def cut_out(
     images: NDArray[np.uint8 | np.uint16],
-    groups: Groups,
+    groups: PixelGroups,
     *,
     threshold: float,
     variance: Floats,
@@ -87,7 +87,7 @@ def cut_out(
     return CutOut(patches, white & used, middle, ground, peak, np.full(len(peak), 1 / aspect))
 
 
-def _painted(groups: Groups) -> tuple[NDArray[np.bool_], NDArray[np.int64], NDArray[np.int64]]:
+def _painted(groups: PixelGroups) -> tuple[NDArray[np.bool_], NDArray[np.int64], NDArray[np.int64]]:
     """(n, h, w) the groups' own pixels in rectangles of one size, with their lines (n, h, 1) and columns (n, 1, w)."""
     high = int((groups.bottom - groups.top).max()) + 1 + 2 * MARGIN
     wide = int((groups.right - groups.left).max()) + 1 + 2 * MARGIN

@@ -18,9 +18,9 @@ from scipy.ndimage import label
 
 from ..data import KinemarkError, Validity
 from ..detect import Blobs, Centroids, detect_frames
+from ..detect.centroids_method import grey_scale
 from ..detect.levels import levelled
 from ..detect.masks import masked
-from ..detect.method import grey_scale
 
 Floats = NDArray[np.float64]
 TOUCHING = np.ones((3, 3))

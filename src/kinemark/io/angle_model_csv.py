@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import AngleModel, KinemarkError
-from .text import bad_line, numbers, plain, read_text, whole
+from .number_text import bad_line, numbers, plain, read_text, whole
 
 FIRST = ["kinemark angle model", "1"]
 SEGMENTS = ["segment", "from", "to", "bank", "length_mm", "spread_mm"]

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Camera, KinemarkError
-from .text import bad_line, numbers, read_text, whole
+from .number_text import bad_line, numbers, read_text, whole
 
 Array = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
+from ..data.models import Cluster, Model
 from .chain import picked
-from .model import Cluster, Model
 from .pose import ClusterTemplate, Pose, Template, body_pose, cluster_template
 
 Floats = NDArray[np.float64]

@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Angles, KinemarkError, Trajectories
-from .model import LABORATORY, Axis, Joint, Model, Segment
+from ..data.models import LABORATORY, Axis, Joint, Model, Segment
 from .pose import Template, carry
 from .sequences import Method, SignedAngles, principal, read_angles
 

@@ -34,7 +34,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .model import Joint, check_sequence
+from ..data.models import Joint, check_sequence
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

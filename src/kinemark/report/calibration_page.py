@@ -13,6 +13,7 @@ import plotly.graph_objects as go
 
 from ..calibrate.quality import Evidence
 from ..data import Rig
+from ..findings.plain import Array
 from ..io.files import replacing
 from .calibration_tables import (
     calibration_tiles,
@@ -34,11 +35,10 @@ from .figures_calibration import (
     wand_figure,
 )
 from .figures_images import images_figure
+from .formatting import measure, number
+from .html_tables import paragraphs, warning_list
 from .page import figure_html, framed, of_session
-from .plain import Array
-from .scene import upwards
-from .tables import paragraphs, warning_list
-from .words import measure, number
+from .scene3d import upwards
 
 NAV = {
     "verdict": "Verdict",

@@ -7,9 +7,9 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..data import Angles
+from ..findings.plain import Array, runs
 from ..kinematics import Cycles, Model, Named, named, outside
 from .figures import ABOVE
-from .plain import Array, runs
 from .theme import FAINT, HUES, axis_style, empty, figure, label
 
 WIDE = 1.96

@@ -10,10 +10,10 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..data import Rig
-from .plain import Array
-from .scene import draw_box, draw_camera, draw_floor, upwards, viewpoint
+from ..findings.plain import Array
+from .formatting import number
+from .scene3d import draw_box, draw_camera, draw_floor, upwards, viewpoint
 from .theme import FAINT, HUES, axis_style, empty, figure, hue, label
-from .words import number
 
 SLICES = 3
 SCALE = "Cividis"

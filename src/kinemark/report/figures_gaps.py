@@ -10,10 +10,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Origin, Path, Trajectories
-from .plain import Array
+from ..data import MarkerTrajectory, Origin, Trajectories
+from ..findings.plain import Array
+from .formatting import number
 from .theme import FAINT, GRID, INK, STATES
-from .words import number
 
 WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 360, 110, 46, 6, 16
 """px; of a panel, and of its margins."""
@@ -61,7 +61,7 @@ def gap_figure(
 
 
 def _panel(
-    path: Path,
+    path: MarkerTrajectory,
     frames: NDArray[np.int64],
     axis: int,
     near: list[Array],

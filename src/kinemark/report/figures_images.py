@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..calibrate.quality import Evidence
-from .plain import Array
+from ..findings.plain import Array
 from .theme import FAINT, HUES, axis_style, empty, figure, label
 
 COLUMNS = 3

@@ -9,8 +9,8 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..data import Rig
+from ..findings.plain import Array
 from ..sensitivity import Ranking
-from .plain import Array
 from .theme import FAINT, HUES, axis_style, empty, figure, label
 
 ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from ..data import Angles
+from ..findings.plain import Array, plain
 from ..kinematics import Model, named, outside
 from ..kinematics.chain import Points, laboratory
-from .plain import Array, plain
 from .theme import LONGEST, hue
 
 MOST_FRAMES = 900

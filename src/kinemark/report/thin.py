@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .plain import Array
+from ..findings.plain import Array
 
 
 def blocks(values: NDArray[np.generic], most: int) -> NDArray[np.generic]:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError
 from ..kinematics import Model, joint_matrices, principal
-from .chain import Kinematics
+from .propagation import Kinematics
 
 Array = NDArray[np.float64]
 

@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from ..data import Angles, Events
-from .body import LINKS, NAMES, Pose, Segments, build
+from .body_segments import LINKS, NAMES, BodySegments, WalkingPose, build
 from .subjects import Subject, pairs
 from .wobble import smooth_noise
 
@@ -99,7 +99,7 @@ def walking(
     if min(duration_s, rate, speed_mm_s, height_mm, marker_radius_mm) <= 0 or wobble_mm < 0:
         raise ValueError("duration_s, rate, speed_mm_s, height_mm and marker_radius_mm must be positive")
     n_frames = max(round(duration_s * rate), 1)
-    body = Segments.of(height_mm, marker_radius_mm)
+    body = BodySegments.of(height_mm, marker_radius_mm)
     stride = roll_out(body)
     period = stride.length / speed_mm_s
     turns = phase + np.arange(n_frames) / rate / period
@@ -135,7 +135,7 @@ def leg_angles(turns: Array) -> Array:
     return np.stack([curve(HIP, turns), adduction, external, curve(KNEE, turns), curve(ANKLE, turns)])
 
 
-def pose_at(turns: Array, pelvis: Array) -> Pose:
+def pose_at(turns: Array, pelvis: Array) -> WalkingPose:
     """Turns of all segments (1) (2) where the left leg's stride is at `turns` (F), the pelvis at (F, 3) mm."""
     yaw, up = -5.0 * np.cos(2 * np.pi * turns), 4.0 * np.cos(2 * np.pi * (turns - 0.13))
     hips = Rotation.from_euler("ZXY", np.stack([yaw, up, np.full_like(turns, TILT)], -1), degrees=True)
@@ -150,10 +150,10 @@ def pose_at(turns: Array, pelvis: Array) -> Pose:
         legs.append((thigh.as_matrix(), shank.as_matrix(), foot.as_matrix()))
     swing = 18.0 * np.cos(2 * np.pi * turns)
     arms = np.stack([-swing, swing])  # each arm goes with the other leg
-    return Pose(pelvis, hips.as_matrix(), (legs[0], legs[1]), arms)
+    return WalkingPose(pelvis, hips.as_matrix(), (legs[0], legs[1]), arms)
 
 
-def roll_out(body: Segments) -> Stride:
+def roll_out(body: BodySegments) -> Stride:
     """The stride that makes the weight-bearing foot stand still, (3) and (4)."""
     turns = np.arange(GRID) / GRID
     points = body.soles(pose_at(turns, np.zeros((GRID, 3))))  # (4, F, 3)

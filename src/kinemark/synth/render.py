@@ -18,7 +18,7 @@ from ..geometry import normalised, project, to_camera, undistort
 from . import optics as light
 from .coverage import Ball, Box, Limbs, disc, pixels, sight_lines, unhidden
 from .optics import Optics
-from .sphere import sphere_outline
+from .sphere_image import sphere_outline
 from .subjects import Capsules, Subject
 
 Array = NDArray[np.float64]

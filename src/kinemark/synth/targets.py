@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..data import Rods
-from .cameras import VOLUME
+from .camera_placement import VOLUME
 from .subjects import Capsules, Subject, pairs, still
 from .wobble import smooth_noise
 

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError, Rig
-from .covariance import joint_covariance
+from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust import equations, solve_softly, solve_without_outliers, unknowns
-from .solver import Freedom, Observed, State, cost, normal_equations, residuals
+from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -120,17 +120,21 @@ def bundle(
             f"uv has shape {uv.shape} and there are {len(free)} freedoms, wanted ({len(rig)}, {n}, 2) and {len(rig)}"
         )
     seen = observed(uv, cov)
-    state, kept = adjusted(State(rig.cameras, parts), seen, free, reject=method.reject)
+    state, kept = adjusted(BundleState(rig.cameras, parts), seen, free, reject=method.reject)
     return completed(state, seen, free, kept, what="bundle adjustment")
 
 
-def adjusted(state: State, seen: Observed, freedoms: tuple[Freedom, ...], *, reject: float) -> tuple[State, Mask]:
+def adjusted(
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, reject: float
+) -> tuple[BundleState, Mask]:
     """The state near `state` that fits best, and which points (C, N) it was fitted to."""
     state, scale = solve_softly(state, seen, freedoms)
     return solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
 
 
-def completed(state: State, seen: Observed, freedoms: tuple[Freedom, ...], kept: Mask, *, what: str) -> BundleFit:
+def completed(
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], kept: Mask, *, what: str
+) -> BundleFit:
     """A `BundleFit` of a state that has converged on the points `kept` (C, N).
 
     Raises:
@@ -165,7 +169,7 @@ def completed(state: State, seen: Observed, freedoms: tuple[Freedom, ...], kept:
     return BundleFit(Rig(cameras, words, np.stack([there.min(0), there.max(0)])), xyz, off, kept, joint, chi2, nu)
 
 
-def observed(uv: Array, cov: Array | None) -> Observed:
+def observed(uv: Array, cov: Array | None) -> ImageObservations:
     """Pixels (C, N, 2) with covariances (C, N, 2, 2), px²; all alike where one that is needed is not known.
 
     Raises:
@@ -175,13 +179,13 @@ def observed(uv: Array, cov: Array | None) -> Observed:
     if cov is not None and cov.shape != (*uv.shape, 2):
         raise ValueError(f"cov has shape {cov.shape}, wanted {(*uv.shape, 2)}")
     if cov is None or not np.isfinite(cov[there]).all():
-        return Observed(uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)), there)
+        return ImageObservations(uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)), there)
     try:
         known = np.asarray(np.where(there[..., None, None], cov, np.eye(2)), np.float64)
         whiten = np.linalg.inv(np.linalg.cholesky(known))
     except np.linalg.LinAlgError:
         raise ValueError("cov has a covariance that is not positive definite") from None
-    return Observed(uv, whiten, there)
+    return ImageObservations(uv, whiten, there)
 
 
 def check_calibration(fit: BundleFit, seen: Mask, *, focus_held: bool = False) -> None:

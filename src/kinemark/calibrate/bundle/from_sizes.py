@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...data import Camera, KinemarkError, Rig
 from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
-from .initial import Views, start
-from .initial.optics import Optics, unknown_optics
+from .initial import TargetViews, start
+from .initial.unknown_optics import UnknownOptics, unknown_optics
 from .robust_points import robust_points
-from .solver import Freedom, State, placed
+from .solver import BundleState, Freedom, placed
 
 Array = NDArray[np.float64]
 
@@ -115,7 +115,7 @@ def _calibrated(
             f"{'three' if along is None else 'two'} are needed to calibrate from image sizes alone. "
             "Use more cameras, or control points."
         )
-    first, noise = start(Views(optics, uv, along), seed=method.seed, focal_known=held)
+    first, noise = start(TargetViews(optics, uv, along), seed=method.seed, focal_known=held)
     if along is not None and len(along) > 2:
         _check_gaps(first.cameras, uv, along)
     seen = observed(uv, cov)
@@ -131,7 +131,7 @@ def _calibrated(
     return fit
 
 
-def _optics(names: Sequence[str], sizes: ArrayLike, c: int, lenses: Sequence[Camera] | None) -> list[Optics]:
+def _optics(names: Sequence[str], sizes: ArrayLike, c: int, lenses: Sequence[Camera] | None) -> list[UnknownOptics]:
     size = np.asarray(sizes, np.int64).reshape(-1, 2)
     if not len(names) == len(size) == c or (lenses is not None and len(lenses) != c):
         raise ValueError(f"{len(names)} names, {len(size)} sizes, pixels of {c} cameras: wanted as many of each")
@@ -140,12 +140,12 @@ def _optics(names: Sequence[str], sizes: ArrayLike, c: int, lenses: Sequence[Cam
     if lenses is None:
         return [unknown_optics(name, s) for name, s in zip(names, size, strict=True)]
     return [
-        Optics(replace(lens, name=name, size=s, R=np.eye(3), t=np.zeros(3)), 0.0, True)
+        UnknownOptics(replace(lens, name=name, size=s, R=np.eye(3), t=np.zeros(3)), 0.0, True)
         for name, s, lens in zip(names, size, lenses, strict=True)
     ]
 
 
-def _freedom(optics: Optics, method: Bundle, focus_held: bool) -> Freedom:
+def _freedom(optics: UnknownOptics, method: Bundle, focus_held: bool) -> Freedom:
     """All that the method fits, or pose and focal length with the lens in pixels."""
     if not optics.lens:
         return method.freedom
@@ -155,14 +155,14 @@ def _freedom(optics: Optics, method: Bundle, focus_held: bool) -> Freedom:
     return Freedom(free, True, True)
 
 
-def _in_place(state: State, unscaled: bool) -> State:
+def _in_place(state: BundleState, unscaled: bool) -> BundleState:
     """The state in the first camera's frame; without a scale, with `BASE` between the first two cameras."""
     R, t = state.cameras[0].R, state.cameras[0].t
     base = float(np.linalg.norm(state.cameras[1].centre - state.cameras[0].centre))
     scale = BASE / base if unscaled else 1.0
     cameras = [placed(camera, R, scale * t, scale) for camera in state.cameras]
     cameras[0] = replace(cameras[0], R=np.eye(3), t=np.zeros(3))
-    return State(tuple(cameras), tuple(part.placed(R, scale * t, scale) for part in state.parts))
+    return BundleState(tuple(cameras), tuple(part.placed(R, scale * t, scale) for part in state.parts))
 
 
 def _check_gaps(cameras: Sequence[Camera], uv: Array, along: Array) -> None:

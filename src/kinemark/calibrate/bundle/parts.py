@@ -78,7 +78,7 @@ class Sticks:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Points:
+class FreePoints:
     """n single points anywhere.
 
     Attributes:
@@ -107,7 +107,7 @@ class Points:
         """(n, 1, 3, 3)."""
         return np.tile(np.eye(3), (len(self.at), 1, 1, 1))
 
-    def moved(self, step: Array) -> Points:
+    def moved(self, step: Array) -> FreePoints:
         """After steps (n, 3)."""
         return replace(self, at=self.at + step)
 
@@ -123,14 +123,14 @@ class Points:
         """(n) whether they are seen often enough, from how many cameras see each (n, 1)."""
         return np.asarray(views[:, 0] >= (1 if self.known else 2))
 
-    def placed(self, R: Array, t: Array, scale: float) -> Points:
+    def placed(self, R: Array, t: Array, scale: float) -> FreePoints:
         """In a world where X is scale · R X + t."""
-        return Points(scale * self.at @ R.T + t)
+        return FreePoints(scale * self.at @ R.T + t)
 
-    def take(self, rows: NDArray[np.int64]) -> Points:
+    def take(self, rows: NDArray[np.int64]) -> FreePoints:
         """Some of the points."""
         optional = (None if a is None else a[rows] for a in (self.surveyed, self.information))
-        return Points(self.at[rows], *optional)
+        return FreePoints(self.at[rows], *optional)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -176,7 +176,7 @@ class Held:
         return Held(self.at[rows])
 
 
-Part = Sticks | Points | Held
+Part = Sticks | FreePoints | Held
 
 
 def complete(x: Array) -> Mask:

@@ -68,14 +68,14 @@ class Freedom(NamedTuple):
         return moved(camera, EVERYTHING, p)
 
 
-class State(NamedTuple):
+class BundleState(NamedTuple):
     """Cameras (C) and parts."""
 
     cameras: tuple[Camera, ...]
     parts: tuple[Part, ...]
 
 
-class Observed(NamedTuple):
+class ImageObservations(NamedTuple):
     """uv (C, N, 2) px; whiten (C, N, 2, 2), whose product with a residual has unit variance; used (C, N)."""
 
     uv: Array
@@ -94,14 +94,14 @@ class Normal(NamedTuple):
 
 
 def solve(
-    state: State,
-    seen: Observed,
+    state: BundleState,
+    seen: ImageObservations,
     freedoms: tuple[Freedom, ...],
     *,
     soft: float | None = None,
     steps: int = STEPS,
     settled: float = SETTLED,
-) -> State:
+) -> BundleState:
     """The state near `state` with the least (3), once two steps in turn lower it by less than the share `settled`.
 
     `soft` is c; None means ρ = |r|².
@@ -125,13 +125,13 @@ def solve(
     return state
 
 
-def residuals(state: State, uv: Array) -> Array:
+def residuals(state: BundleState, uv: Array) -> Array:
     """(C, N, 2) seen minus reprojected, px; NaN where not seen, behind the camera, or where the point is unknown."""
     xyz = all_points(state.parts)
     return np.stack([seen - project(camera, xyz) for camera, seen in zip(state.cameras, uv, strict=True)])
 
 
-def normalised_residuals(state: State, seen: Observed) -> Array:
+def normalised_residuals(state: BundleState, seen: ImageObservations) -> Array:
     """(C, N) |r|, in standard deviations; infinite behind a camera, NaN where not seen or the point is unknown."""
     with np.errstate(all="ignore"):  # a first guess may send a point that fits nothing very far away
         r = (seen.whiten @ residuals(state, seen.uv)[..., None])[..., 0]
@@ -141,7 +141,7 @@ def normalised_residuals(state: State, seen: Observed) -> Array:
     return np.where(there & ~np.isfinite(d), np.inf, d)
 
 
-def cost(state: State, seen: Observed, soft: float | None = None) -> float:
+def cost(state: BundleState, seen: ImageObservations, soft: float | None = None) -> float:
     """(3) with what is known beforehand; infinite where a used point is behind its camera."""
     if not all(_believable(camera) for camera in state.cameras):
         return float("inf")
@@ -161,7 +161,7 @@ def _believable(camera: Camera) -> bool:
 
 
 def normal_equations(
-    state: State, seen: Observed, freedoms: tuple[Freedom, ...], *, soft: float | None = None
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, soft: float | None = None
 ) -> Normal:
     """(1), all of a camera's points of one kind and place in their pieces at a time."""
     T = [freedom.columns(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True)]
@@ -205,7 +205,7 @@ def _linear(camera: Camera, xyz: Array, uv: Array, whiten: Array, soft: float | 
     return r, J, J[..., 12:15] @ camera.R
 
 
-def _stepped(state: State, freedoms: tuple[Freedom, ...], normal: Normal, damping: float) -> State:
+def _stepped(state: BundleState, freedoms: tuple[Freedom, ...], normal: Normal, damping: float) -> BundleState:
     """The state after the step of (2)."""
     inverses = [piece_inverses(V, damping) for V in normal.V]
     S, b = reduced(normal, inverses, damping)
@@ -220,7 +220,7 @@ def _stepped(state: State, freedoms: tuple[Freedom, ...], normal: Normal, dampin
         freedom.moved(camera, step) if len(step) else camera
         for freedom, camera, step in zip(freedoms, state.cameras, np.split(delta, ends), strict=True)
     )
-    return State(cameras, parts)
+    return BundleState(cameras, parts)
 
 
 def reduced(normal: Normal, inverses: list[Array], damping: float = 0.0) -> tuple[Array, Array]:

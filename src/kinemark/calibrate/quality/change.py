@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from ...data import Rig
 from ...geometry import project, rigid_align
-from .covariance import visible
+from .predicted_covariance import visible
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...data import KinemarkError, Rig
-from .covariance import block_diagonal, covariance_from, views
+from .predicted_covariance import block_diagonal, covariance_from, views
 
 Array = NDArray[np.float64]
 

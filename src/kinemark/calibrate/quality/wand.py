@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ...data import Camera, KinemarkError, Rig
 from ...geometry import project_all, refine, triangulate, undistort
-from ..bundle import Bundle, BundleFit, Freedom, Part, Points, bundle, sticks_through
+from ..bundle import Bundle, BundleFit, Freedom, FreePoints, Part, bundle, sticks_through
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -31,7 +31,7 @@ FOLDS = 3
 BLOCKS_A_FOLD = 6
 
 
-class LeftOut(NamedTuple):
+class LeftOutPoses(NamedTuple):
     """Poses judged by cameras that did not see them: lengths (F, K − 1) mm and residual (C, F, K, 2) px by (2)."""
 
     lengths: Array
@@ -46,7 +46,7 @@ def seen_by(fit: BundleFit, markers: int) -> Array:
 
 def judge_poses(
     fit: BundleFit, along: Array, *, method: Bundle, lens_held: bool = False, folds: int = FOLDS
-) -> LeftOut:
+) -> LeftOutPoses:
     """Cross-validation over the poses of a stick, or of a single marker; NaN where nothing can be said.
 
     Args:
@@ -62,7 +62,7 @@ def judge_poses(
     freedoms = tuple(freedom_of(camera, method, lens_held) for camera in fit.rig)
     for out in folds_of((np.isfinite(uv).all((-1, -2)).sum(0) >= 2), folds):
         known = ~out & np.isfinite(places).all((1, 2))
-        part: Part = sticks_through(places[known], along) if len(along) > 1 else Points(places[known, 0])
+        part: Part = sticks_through(places[known], along) if len(along) > 1 else FreePoints(places[known, 0])
         flat = uv[:, known].reshape(len(uv), -1, 2)
         try:
             rig = bundle(fit.rig, [part], flat, freedoms=freedoms, method=replace(method, reject=np.inf)).rig
@@ -70,7 +70,7 @@ def judge_poses(
             continue
         xyz, off = reconstructed(rig, uv[:, out])
         lengths[out], residual[:, out] = np.linalg.norm(np.diff(xyz, axis=1), axis=-1), off
-    return LeftOut(lengths, residual)
+    return LeftOutPoses(lengths, residual)
 
 
 def freedom_of(camera: Camera, method: Bundle, lens_held: bool) -> Freedom:

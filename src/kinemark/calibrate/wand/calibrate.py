@@ -24,13 +24,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...data import PARAMETERS, Camera, Detections, KinemarkError, Rig
 from ...data.arrays import check_positive
-from ...geometry.sphere import sphere_offset
+from ...geometry.sphere_offset import sphere_offset
 from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, sticks_through
 from ..bundle.adjust import check_calibration
 from ..bundle.parts import complete
 from ..bundle.solver import placed
 from .completion import completed
-from .points import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
+from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from ...data import Detections, Rig
 from ...geometry import project
 from ..bundle import sticks_through
 from ..bundle.robust_points import robust_points
-from .points import at_rows
+from .identify import at_rows
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]

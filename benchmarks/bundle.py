@@ -34,11 +34,10 @@ from kinemark.calibrate.bundle import Bundle, Freedom, Sticks, bundle, calibrate
 from kinemark.calibrate.resection import moved
 from kinemark.calibrate.wand import calibrate_wand
 from kinemark.data import Camera, KinemarkError, Rig
+from kinemark.data.array_types import Bools, Floats
 from kinemark.geometry import parameter_jacobian, project, refine, rigid_align, triangulate, undistort
 from kinemark.synth import look_at, observe, ring, walking, wand
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 ALONG = (0.0, 500.0)
 MIDDLE = np.array([1200.0, 700.0, 1000.0])
 
@@ -48,7 +47,7 @@ class Waved(NamedTuple):
 
     xyz: Floats
     uv: Floats
-    wrong: Flags
+    wrong: Bools
 
 
 def waved(

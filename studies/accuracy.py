@@ -31,7 +31,6 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from recordings import recording
 from scipy.spatial.transform import Rotation
 from scipy.stats import t as student
@@ -43,11 +42,10 @@ from kinemark.calibrate.lens.linearisation import GridView, Linearisation, linea
 from kinemark.calibrate.wand import KNOWN_LENS, calibrate_wand, wand_lengths
 from kinemark.calibrate.world_frame import fit_moved_to, fit_scaled
 from kinemark.data import Camera, KinemarkError, Rig
+from kinemark.data.array_types import Floats
 from kinemark.geometry import from_dlt, project_all, refine, rigid_align, triangulate, undistort
 from kinemark.io.easywand import EasyWand, read_easywand
 from kinemark.synth import calibration_box, control_frame, observe, ring, thrown_ball, walking, wand
-
-Floats = NDArray[np.float64]
 
 LENS = (-0.12, 0.0, 0.0, 0.0, 0.0)
 NOISE = 0.1

@@ -43,6 +43,7 @@ from numpy.typing import NDArray
 from recordings import recording
 
 from kinemark.data import Camera, Cloud, Detections, Rig, Tracks
+from kinemark.data.array_types import Floats, Ints
 from kinemark.geometry import normalised, triangulate, undistort
 from kinemark.io.tdf import read_tdf
 from kinemark.match import EpipolarTriplets, KissTriplets, MatchMethod, match
@@ -51,9 +52,6 @@ from kinemark.signal import assign
 from kinemark.synth.score import Score, changes, score
 from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, TrackMethod, track
 from kinemark.track.simultaneous import Simultaneous, track_detections
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 JUMP = 8.0  # mm; a second difference no marker on a body has at 250 Hz (500 m/s²)
 MARGIN = 3  # frames beside a jump that the reference's own smoothing has bent

@@ -32,6 +32,7 @@ from detection_pictures import panels, write_picture
 from numpy.typing import NDArray
 
 from kinemark.data import Camera, Rig, Validity
+from kinemark.data.array_types import Floats
 from kinemark.detect import Blobs, Centroids, KissNearest, KissScanning, detect_frames
 from kinemark.detect.kiss.white import runs_of
 from kinemark.detect.proposal import DetectionProposal, propose
@@ -52,7 +53,6 @@ from kinemark.synth import (
 )
 
 Images = NDArray[np.uint8]
-Floats = NDArray[np.float64]
 Method = KissScanning | KissNearest | Centroids
 
 FIELD = np.array([1.0, 2.0])  # px of a frame that a px of a field counts

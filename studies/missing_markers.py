@@ -44,13 +44,12 @@ from numpy.typing import NDArray
 from swamidas_runs import STARTS, Run, cloud_of, gap_frames, recorded, visible
 
 from kinemark.data import AngleModel
+from kinemark.data.array_types import Floats
 from kinemark.fill import Gap, MarkerArray, Prediction, find_gaps
 from kinemark.fill.methods.angles import KalmanAngles, LimbAngles, fill_kalman_angles, fill_limb_angles, fit_model
 from kinemark.fill.methods.angles.feedback import Feedback
 from kinemark.fill.methods.kalman_predictor import Kalman, fill_kalman
 from kinemark.track.swamidas import follow_points
-
-Floats = NDArray[np.float64]
 
 INCH = 25.4  # mm
 

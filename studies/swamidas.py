@@ -27,9 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 from swamidas_runs import STARTS, Run, cloud_of, gap_frames, recorded, visible
 
+from kinemark.data.array_types import Floats
 from kinemark.track.swamidas import Constraint, Swamidas, SwamidasResult, follow_points, track_distance
-
-Floats = NDArray[np.float64]
 
 TESTS = tuple(range(1, 13))
 LETTERS = {1: "PPPPPPPPPPPP", 2: "PPPPFFPPPPFF", 3: "PPPPPFPFFFFF"}

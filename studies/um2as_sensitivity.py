@@ -15,9 +15,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinemark.data import Detections, KinemarkError, Rig, Trajectories
+from kinemark.data.array_types import Floats
 from kinemark.findings.sensitivity_figures import sensitivity_figures, sensitivity_summary
 from kinemark.geometry import project
 from kinemark.io.model_toml import load_model
@@ -55,7 +55,6 @@ from kinemark.sensitivity.um2as_experiment import (
 )
 from kinemark.synth import arm
 
-Floats = NDArray[np.float64]
 DATA = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
 

@@ -205,7 +205,8 @@ def test_the_public_names_are_a_decision():
     )
     methods += " Dlt KissNearest KissScanning Linearisation Masks Wand Auto InverseCosines SignedAngles"
     stages = "calibrate_control_frame calibrate_control_points detect match reconstruct score to_trajectories track"
-    stages += " ambiguous_decisions track_detections track_simultaneously diagnose diagnose_tracks fill Filled FilledGap place_absent trim_edges joint_angles"
+    stages += " ambiguous_decisions track_detections track_simultaneously diagnose diagnose_tracks"
+    stages += " fill Filled FilledGap place_absent trim_edges joint_angles"
     stages += " calibrate_points calibrate_sticks calibrate_wand learn_masks linearise predicted_covariance propose"
     geometry = "project refine triangulate undistort"
     kinds = "c3d detections_csv dlt_csv rig_toml trajectories_csv trc"

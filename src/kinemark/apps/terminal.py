@@ -7,9 +7,9 @@ import sys
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.array_types import Floats
 from ..digitise import (
     Answer,
     DigitisingPhase,
@@ -24,7 +24,6 @@ from ..digitise import (
 )
 from ..engine.digitising import Reel
 
-Floats = NDArray[np.float64]
 NEAR = 6
 """Markers of an image that are listed."""
 

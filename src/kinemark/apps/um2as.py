@@ -9,9 +9,9 @@ from typing import Annotated
 
 import numpy as np
 from cyclopts import App, Parameter
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.array_types import Floats
 from ..detect import Centroids
 from ..digitise import DigitisedImages, Look, OtherViews, SemiAutomatic, look_at
 from ..engine.calibration.from_known_points import rig_of_cp
@@ -22,8 +22,6 @@ from ..engine.um2as import angles_files, calibrate_file, coordinates_files, tabl
 from ..io.images import open_images, write_png
 from ..io.um2as import camera_number, read_da_set, read_rf, write_da, write_rf
 from .terminal import Terminal, pointed, say
-
-Floats = NDArray[np.float64]
 
 um2as = App(
     name="um2as",

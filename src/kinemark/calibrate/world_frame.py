@@ -28,12 +28,11 @@ from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..data import Camera, KinemarkError, Rig
+from ..data.array_types import Floats
 from .bundle import BundleFit
-
-Array = NDArray[np.float64]
 
 MISFIT = 0.1
 MOST = 12
@@ -51,7 +50,7 @@ def scaled(rig: Rig, factor: float) -> Rig:
     return _transformed(rig, np.eye(3), np.zeros(3), float(factor))
 
 
-def moved_to(rig: Rig, seen: Array, known: Array, *, scale: bool = False) -> Rig:
+def moved_to(rig: Rig, seen: Floats, known: Floats, *, scale: bool = False) -> Rig:
     """The rig in the world where points seen at (M, 3) are, as nearly as possible, at known places (M, 3) mm.
 
     Args:
@@ -72,13 +71,13 @@ def fit_scaled(fit: BundleFit, factor: float) -> BundleFit:
     return _with_world(fit, scaled(fit.rig, factor), np.eye(3), np.zeros(3), factor)
 
 
-def fit_moved_to(fit: BundleFit, seen: Array, known: Array, *, scale: bool = False) -> BundleFit:
+def fit_moved_to(fit: BundleFit, seen: Floats, known: Floats, *, scale: bool = False) -> BundleFit:
     """`moved_to` for all of a bundle adjustment's result."""
     A, b, s = similarity(seen, known, scale=scale)
     return _with_world(fit, _transformed(fit.rig, A, b, s), A, b, s)
 
 
-def similarity(seen: Array, known: Array, *, scale: bool = False) -> tuple[Array, Array, float]:
+def similarity(seen: Floats, known: Floats, *, scale: bool = False) -> tuple[Floats, Floats, float]:
     """A (3, 3), b (3) and s of (4) with known ≈ s A seen + b; s is 1 unless `scale`. Errors as in `moved_to`."""
     if seen.shape != known.shape or seen.ndim != 2 or seen.shape[1] != 3:
         raise ValueError(f"seen has shape {seen.shape} and known {known.shape}, wanted (points, 3) of both")
@@ -108,7 +107,7 @@ def similarity(seen: Array, known: Array, *, scale: bool = False) -> tuple[Array
 
 def l_frame(
     rig: Rig,
-    xyz: Array,
+    xyz: Floats,
     *,
     long: float | Sequence[float],
     short: float | Sequence[float],
@@ -116,7 +115,7 @@ def l_frame(
     tolerance: float = 0.02,
     scale: bool = False,
     cameras_above: bool = True,
-) -> Array:
+) -> Floats:
     """Where the markers of an L-frame are in its world, (M, 3) mm, for `moved_to`; NaN for points that are none of it.
 
     Args:
@@ -149,7 +148,7 @@ def l_frame(
     return known
 
 
-def _recognised(xyz: Array, model: Array, tolerance: float, scale: bool) -> list[int]:
+def _recognised(xyz: Floats, model: Floats, tolerance: float, scale: bool) -> list[int]:
     """Which points (M, 3) are the model's (m, 3), by the distances between them."""
     there = np.flatnonzero(np.isfinite(xyz).all(1))
     if not len(model) <= len(there) <= MOST:
@@ -177,13 +176,13 @@ def _recognised(xyz: Array, model: Array, tolerance: float, scale: bool) -> list
     return [int(i) for i in choices[best[0]]]
 
 
-def _distances(points: Array) -> Array:
+def _distances(points: Floats) -> Floats:
     """(…, m (m − 1) / 2) between all pairs of points (…, m, 3)."""
     i, j = np.triu_indices(points.shape[-2], 1)
     return np.asarray(np.linalg.norm(points[..., i, :] - points[..., j, :], axis=-1))
 
 
-def carried(camera: Camera, A: ArrayLike, b: ArrayLike, s: float) -> tuple[Camera, Array]:
+def carried(camera: Camera, A: ArrayLike, b: ArrayLike, s: float) -> tuple[Camera, Floats]:
     """The camera after (1), and M (15, 15) of (3)."""
     R = camera.R @ np.asarray(A, np.float64).T
     x, y, z = lever = R @ np.asarray(b, np.float64)
@@ -193,14 +192,14 @@ def carried(camera: Camera, A: ArrayLike, b: ArrayLike, s: float) -> tuple[Camer
     return replace(camera, R=R, t=s * camera.t - lever, cov=M @ camera.cov @ M.T), M
 
 
-def _transformed(rig: Rig, A: Array, b: Array, s: float) -> Rig:
+def _transformed(rig: Rig, A: Floats, b: Floats, s: float) -> Rig:
     corners = np.array(np.meshgrid(*rig.volume.T, indexing="ij")).reshape(3, -1).T
     moved = s * corners @ A.T + b
     cameras = tuple(carried(camera, A, b, s)[0] for camera in rig)
     return Rig(cameras, rig.method, np.stack([moved.min(0), moved.max(0)]))
 
 
-def _with_world(fit: BundleFit, rig: Rig, A: Array, b: Array, s: float) -> BundleFit:
+def _with_world(fit: BundleFit, rig: Rig, A: Floats, b: Floats, s: float) -> BundleFit:
     xyz = s * fit.xyz @ A.T + b
     there = xyz[np.isfinite(xyz).all(1)]
     rig = replace(rig, volume=np.stack([there.min(0), there.max(0)]))

@@ -37,7 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
 
 STEPS = 10
 SMALL_STEP = 1e-3  # px; a tenth of what any noise leaves

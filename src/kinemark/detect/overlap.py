@@ -37,8 +37,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from . import discs
-from .discs import DiscFit, Floats, Patches
+from .discs import DiscFit, Patches
 from .edge import discs_at_edge
 from .moments import FLOOR
 from .patches import CutOut

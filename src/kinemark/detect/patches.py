@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
+from ..data.array_types import Floats
 from .discs import Patches
 from .grouping import PixelGroups
-
-Floats = NDArray[np.float64]
 
 MARGIN = 3  # px; holds the rim of a marker blurred by one pixel, with fewer the fits often go astray
 SATURATED = 4  # pixels at exactly the highest level, from which on it is the sensor's white

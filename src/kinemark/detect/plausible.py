@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .discs import DiscFit, Floats, Patches
+from ..data.array_types import Floats
+from .discs import DiscFit, Patches
 from .patches import CutOut
 
 MISFIT = 0.10

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .discs import DiscFit, Floats
+from ..data.array_types import Floats
+from .discs import DiscFit
 from .patches import CutOut
 
 LLOYD_STEPS = 6

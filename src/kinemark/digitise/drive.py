@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.array_types import Floats
 from .machine import Looks, Proposer, advance, begin, question_of
 from .semi_automatic import SemiAutomatic
-from .state import Answer, DigitisingPhase, DigitisingState, Floats, Found, Question
+from .state import Answer, DigitisingPhase, DigitisingState, Found, Question
 
 Operator = Callable[[Question, DigitisingState], Answer]
 """Answers a question; the state is there to be drawn."""

@@ -42,6 +42,7 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from .looks import Look, clicked, nearest_free
 from .semi_automatic import FIRST, SemiAutomatic
 from .state import (
@@ -53,7 +54,6 @@ from .state import (
     DigitisedFrame,
     DigitisingPhase,
     DigitisingState,
-    Floats,
     Found,
     No,
     PlaceProposal,

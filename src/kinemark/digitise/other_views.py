@@ -20,11 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Rig
+from ..data.array_types import Floats
 from ..data.arrays import column, set_columns
 from ..geometry import epipolar_lines, fundamental, line_distance, project, triangulate, undistort
 from .looks import Look, nearest_free
 from .semi_automatic import SemiAutomatic
-from .state import Floats, PlaceProposal
+from .state import PlaceProposal
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from ..data.arrays import column, set_columns
-
-Floats = NDArray[np.float64]
 
 
 class Found(IntEnum):

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Rig
+from ..data.array_types import Floats
 from ..detect import Centroids, Masks
 from ..digitise import (
     Answer,
@@ -43,7 +44,6 @@ from ..io.files import replacing
 from ..io.images import ImageSource
 from ..io.um2as import read_da_set, siblings, write_da
 
-Floats = NDArray[np.float64]
 FIGURES = "digitising.json"
 KEPT = 32  # images kept ready: as far as an operator goes back without waiting
 

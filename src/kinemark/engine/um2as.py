@@ -18,10 +18,11 @@ from datetime import date
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..calibrate import Dlt, calibrate_control_points
 from ..data import Angles, KinemarkError, Rig, Trajectories
+from ..data.array_types import Floats
 from ..digitise import called, identified, identified_matches, identified_tracks
 from ..geometry import to_dlt
 from ..io.model_toml import load_model
@@ -46,8 +47,6 @@ from ..kinematics import InverseCosines, SignedAngles, joint_angles
 from ..reconstruct import CameraPairs, ReconstructMethod, reconstruct
 from ..track import to_trajectories
 from .calibration.from_known_points import rig_of_cp
-
-Floats = NDArray[np.float64]
 
 RATE = 30.0
 """Hz, of the video that UM²AS digitises."""

@@ -33,9 +33,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
-from .known_samples import Ints, KnownSamples
-from .marker_array import Floats, Gap, MarkerArray
+from .known_samples import KnownSamples
+from .marker_array import Gap, MarkerArray
 from .reference_markers import Distances, distances, nearest
 
 

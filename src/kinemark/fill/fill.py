@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import MarkerTrajectory, Origin, Trajectories
+from ..data.array_types import Floats
 from .edges import GapEdges, trim_edges
 from .judge.auto import Auto
 from .judge.combine import close_ones, mean_prediction, mean_tests, together
 from .judge.combine import weights as best_weights
 from .judge.expected_error import ErrorCalibration, MeasuredErrors, as_hard, weigh
 from .judge.hold_out import Candidate, edge_distance, plan, run
-from .marker_array import Floats, Gap, MarkerArray, Prediction, find_gaps
+from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 from .methods.table import FILLERS, MANY, NAMES, TOGETHER, affordable, name_of, within_time
 from .static import place_absent
 from .static_shape import StaticShape

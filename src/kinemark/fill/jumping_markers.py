@@ -17,7 +17,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .marker_array import Floats, Gap, MarkerArray
+from ..data.array_types import Floats
+from .marker_array import Gap, MarkerArray
 from .reference_ranking import Ranks
 
 NEAR = 4

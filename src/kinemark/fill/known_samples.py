@@ -11,12 +11,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .marker_array import Floats, Gap, MarkerArray
-
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int64]
+from ..data.array_types import Bools, Floats, Ints
+from .marker_array import Gap, MarkerArray
 
 FAR = 1e6
 """mm."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .marker_array import Floats
+from ..data.array_types import Floats
 
 
 def triad(points: Floats) -> tuple[Floats, Floats]:

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Trajectories
-
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
 
 
 class Gap(NamedTuple):

@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Camera, Detections, Rig, Tracks
+from ..data.array_types import Floats
 from ..geometry import point_jacobian, project
-from .marker_array import Floats
 
 GATE = 9.21
 """99 % of χ² with two degrees of freedom."""

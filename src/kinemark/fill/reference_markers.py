@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .known_samples import Bools, Ints, KnownSamples
-from .marker_array import Floats
+from ..data.array_types import Bools, Floats, Ints
+from .known_samples import KnownSamples
 
 INSTANTS = 150
 """Instants at which donors are judged."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .marker_array import Floats, MarkerArray
+from ..data.array_types import Floats
+from .marker_array import MarkerArray
 
 FEWEST = 12
 """Frames to learn from, at least."""

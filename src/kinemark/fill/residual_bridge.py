@@ -24,8 +24,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
+from ..data.array_types import Floats
 from .known_samples import Span
-from .marker_array import Floats
 
 NUGGET = 1e-6
 """ν."""

@@ -34,10 +34,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
 from ..geometry import rigid_poses
-from .known_samples import Ints, KnownSamples
-from .marker_array import Floats, MarkerArray
+from .known_samples import KnownSamples
+from .marker_array import MarkerArray
 from .methods.rigid_body import on_line
 from .static_shape import StaticShape
 

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..data.array_types import Floats
 from .known_samples import KnownSamples
-from .marker_array import Floats, MarkerArray
+from .marker_array import MarkerArray
 
 
 class StaticShape(NamedTuple):

@@ -21,12 +21,13 @@ from ..calibrate.quality import (
     view_volume,
 )
 from ..data import Camera, Rig
+from ..data.array_types import Floats
 from ..geometry.camera import pixels
 from ..geometry.lens import distort
 from ..report.scene3d import upwards
 from ..version import __version__
 from .calibration_advice import calibration_verdict, calibration_warnings
-from .plain import Array, mean, plain, quantile, rms, share
+from .plain import mean, plain, quantile, rms, share
 
 CELLS = 3
 """Of the volume along each axis, in which the wand's length is judged."""
@@ -82,7 +83,7 @@ def calibration_figures(
     return figures
 
 
-def judged_volume(rig: Rig, evidence: Evidence) -> Array:
+def judged_volume(rig: Rig, evidence: Evidence) -> Floats:
     """(2, 3) mm the control volume; where none is given, the box of what was waved about, or what the cameras look at.
 
     Raises:
@@ -112,7 +113,7 @@ def headline_figures(figures: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in few.items() if value is not None}
 
 
-def _used(evidence: Evidence, c: int) -> Array:
+def _used(evidence: Evidence, c: int) -> Floats:
     """(N, 2) px of the points that camera c rests on; NaN for the others."""
     if not len(evidence.uv):
         return np.zeros((0, 2))
@@ -134,7 +135,7 @@ def _precision(grid: VolumeMap, sd: float, rig: Rig, evidence: Evidence) -> dict
     }
 
 
-def _over_all(values: Array, at: float) -> float:
+def _over_all(values: Floats, at: float) -> float:
     """Quantile over all places, those that are not seen being infinitely wrong; NaN where it falls on one of them."""
     return float(np.quantile(np.where(np.isnan(values), np.inf, values), at, method="higher"))
 
@@ -231,7 +232,7 @@ def _points(rig: Rig, evidence: Evidence) -> list[dict[str, Any]]:
     ]
 
 
-def _point(rig: Rig, evidence: Evidence, off: Array, out: Array, n: int) -> dict[str, Any]:
+def _point(rig: Rig, evidence: Evidence, off: Floats, out: Floats, n: int) -> dict[str, Any]:
     known = np.isfinite(off)
     worst = int(np.nan_to_num(off, nan=-1.0).argmax())
     return {
@@ -247,7 +248,7 @@ def _point(rig: Rig, evidence: Evidence, off: Array, out: Array, n: int) -> dict
     }
 
 
-def _wand(evidence: Evidence, volume: Array) -> dict[str, Any] | None:
+def _wand(evidence: Evidence, volume: Floats) -> dict[str, Any] | None:
     """The wand's lengths as poses that took no part give them, over all and by place."""
     if not len(evidence.known):
         return None
@@ -261,7 +262,7 @@ def _wand(evidence: Evidence, volume: Array) -> dict[str, Any] | None:
     }
 
 
-def _length_errors(off: Array) -> dict[str, Any]:
+def _length_errors(off: Floats) -> dict[str, Any]:
     finite = off[np.isfinite(off)]
     return {
         "error_mean_mm": mean(off),
@@ -272,7 +273,7 @@ def _length_errors(off: Array) -> dict[str, Any]:
     }
 
 
-def _by_place(off: Array, place: Array, volume: Array) -> list[dict[str, Any]]:
+def _by_place(off: Floats, place: Floats, volume: Floats) -> list[dict[str, Any]]:
     """Mean and RMS error in each of 3 × 3 × 3 cells of the volume in which the wand was."""
     inside = (place - volume[0]) / (volume[1] - volume[0])
     known = np.isfinite(inside).all(1) & np.isfinite(off).any(1)
@@ -285,7 +286,7 @@ def _by_place(off: Array, place: Array, volume: Array) -> list[dict[str, Any]]:
     return rows
 
 
-def _samples(off: Array, place: Array) -> dict[str, Any]:
+def _samples(off: Floats, place: Floats) -> dict[str, Any]:
     """At most so many poses, for the figure: where the wand was and the error of its whole length."""
     whole = off.sum(1)
     known = np.flatnonzero(np.isfinite(place).all(1) & np.isfinite(whole))
@@ -329,7 +330,7 @@ def _map(grid: VolumeMap, up: int) -> dict[str, Any]:
     }
 
 
-def _short(values: Array) -> NDArray[np.float64]:
+def _short(values: Floats) -> NDArray[np.float64]:
     """Four digits are enough to draw."""
     with np.errstate(divide="ignore", invalid="ignore"):
         decimals = np.power(10.0, 3 - np.floor(np.log10(np.abs(values))))

@@ -19,14 +19,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Camera, Cloud, Detections, Rig, Validity
+from ..data.array_types import Floats
 from ..geometry import project, to_camera
-from .plain import Array, mean, quantile, rms, share
+from .plain import mean, quantile, rms, share
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 """Those that the figure of residuals draws as whiskers, box and middle line."""
 
 
-def residuals(rig: Rig, detections: Detections, cloud: Cloud) -> list[Array]:
+def residuals(rig: Rig, detections: Detections, cloud: Cloud) -> list[Floats]:
     """For each camera (n, 2) px: used detection minus reprojection of its point, NaN behind the camera."""
     offsets = []
     for c, camera in enumerate(rig):
@@ -35,7 +36,7 @@ def residuals(rig: Rig, detections: Detections, cloud: Cloud) -> list[Array]:
     return offsets
 
 
-def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list[Array]) -> list[dict[str, Any]]:
+def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list[Floats]) -> list[dict[str, Any]]:
     """The figures of every camera, in the order of `detections`."""
     counts = detections.counts
     rows = detections.camera
@@ -87,7 +88,7 @@ def _detected(counts: NDArray[np.int64], validity: NDArray[np.uint8], used: NDAr
     }
 
 
-def _reprojected(offsets: Array) -> dict[str, Any]:
+def _reprojected(offsets: Floats) -> dict[str, Any]:
     distance = np.linalg.norm(offsets, axis=1)  # (2)
     return {
         "residual_median_px": quantile(distance, 0.5),
@@ -98,6 +99,6 @@ def _reprojected(offsets: Array) -> dict[str, Any]:
     }
 
 
-def _pixel(camera: Camera, xyz: Array) -> float:
+def _pixel(camera: Camera, xyz: Floats) -> float:
     """Width of one pixel at the middle depth of the points, mm."""
     return quantile(to_camera(camera, xyz)[:, 2], 0.5) / abs(float(camera.K[0, 0]))  # (4)

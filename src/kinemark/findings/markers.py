@@ -23,34 +23,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import MarkerTrajectory, Origin, Trajectories
-from .plain import Array, Mask, mean, quantile, runs, share
+from ..data.array_types import Bools, Floats
+from .plain import mean, quantile, runs, share
 
 IN_VIEW = 0.75
 """Share of the markers that must be there for the subject to count as in view."""
 
 
-def standard_deviation(cov: Array) -> Array:
+def standard_deviation(cov: Floats) -> Floats:
     """σ (…) mm of covariances (…, 3, 3) mm²; NaN where unknown or not a covariance."""
     variance = np.trace(cov, axis1=-2, axis2=-1) / 3
     return np.sqrt(np.where(variance >= 0, variance, np.nan))  # (1)
 
 
-def sample_deviation(path: MarkerTrajectory) -> Array:
+def sample_deviation(path: MarkerTrajectory) -> Floats:
     """σ (F) mm of a path; NaN where it has no sample."""
     return np.where(path.origin == Origin.MISSING, np.nan, standard_deviation(path.cov))
 
 
-def jitter(xyz: Array) -> float:
+def jitter(xyz: Floats) -> float:
     """Noise of one axis of a path (F, 3), mm; NaN with fewer than four samples in a row."""
     return 1.4826 * quantile(np.abs(np.diff(xyz, n=3, axis=0)), 0.5) / math.sqrt(20)  # (2)
 
 
-def positions(trajectories: Trajectories) -> Array:
+def positions(trajectories: Trajectories) -> Floats:
     """(M, F, 3) mm, also where there is no marker."""
     return trajectories.xyz if len(trajectories) else np.zeros((0, 0, 3))
 
 
-def present(trajectories: Trajectories) -> Mask:
+def present(trajectories: Trajectories) -> Bools:
     """(M, F) where there is a sample."""
     return np.asarray(np.isfinite(positions(trajectories)).all(axis=2), np.bool_)
 

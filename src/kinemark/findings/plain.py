@@ -7,10 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from ..data.array_types import Bools, Floats
 
 
 def plain(value: Any) -> Any:
@@ -30,18 +28,18 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
-def mean(values: Array) -> float:
+def mean(values: Floats) -> float:
     """Mean of the finite values; NaN where there is none."""
     finite = values[np.isfinite(values)]
     return float(finite.mean()) if finite.size else math.nan
 
 
-def rms(values: Array) -> float:
+def rms(values: Floats) -> float:
     """Root mean square of the finite values; NaN where there is none."""
     return math.sqrt(mean(values**2))
 
 
-def quantile(values: Array, share: float) -> float:
+def quantile(values: Floats, share: float) -> float:
     """Quantile of the finite values; NaN where there is none."""
     finite = values[np.isfinite(values)]
     return float(np.quantile(finite, share)) if finite.size else math.nan
@@ -52,7 +50,7 @@ def share(part: float, whole: float) -> float:
     return part / whole if whole > 0 else math.nan
 
 
-def runs(mask: Mask) -> list[tuple[int, int]]:
+def runs(mask: Bools) -> list[tuple[int, int]]:
     """First and last-plus-one index of each run of true values in `mask` (F)."""
     edges = np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8))
     return [(int(a), int(b)) for a, b in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True)]

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from ..data import Cloud, Detections, Rig, Step, Tracks, Trajectories
+from ..data.array_types import Floats
 from ..io.files import replacing
 from ..track.simultaneous import AmbiguousDecision
 from ..version import __version__
 from .cameras import camera_figures, residuals
 from .markers import marker_figures, positions, trajectory_figures
-from .plain import Array, mean, plain, quantile, rms, share
+from .plain import mean, plain, quantile, rms, share
 from .trial_advice import verdict, warnings
 
 
@@ -124,7 +125,7 @@ def _volume(rig: Rig, trajectories: Trajectories) -> dict[str, Any]:
     }
 
 
-def _points(cloud: Cloud, tracks: Tracks, offsets: list[Array]) -> dict[str, Any]:
+def _points(cloud: Cloud, tracks: Tracks, offsets: list[Floats]) -> dict[str, Any]:
     distance = np.linalg.norm(np.concatenate([np.zeros((0, 2)), *offsets]), axis=1)
     views = (cloud.view >= 0).sum(1)
     number, count = np.unique(views, return_counts=True)

@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..data.array_types import Floats
 from ..report.formatting import measure, millimetres, number, percent, some
 from ..sensitivity import ErrorSource, LostCamera, Ranking, typical
 from ..sensitivity.ranked_sources import Unit
 from ..version import __version__
-from .plain import Array, plain, quantile, share
+from .plain import plain, quantile, share
 
 ACCEPTABLE_DEG, REASONABLE_DEG = 2.0, 5.0
 CYCLES = (1, 2, 3, 4, 6, 8, 10, 15, 20)
@@ -106,7 +107,7 @@ def _lost(ranking: Ranking, camera: LostCamera) -> dict[str, Any]:
     }
 
 
-def _deg(ranking: Ranking, values: Array) -> float:
+def _deg(ranking: Ranking, values: Floats) -> float:
     return typical(values) if ranking.angles else math.nan
 
 

@@ -26,20 +26,18 @@ is 0.2 px, and it has the same sign in all cameras: away from their principal po
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Camera
+from ..data.array_types import Floats
 from . import lens
 from .camera import to_camera
-
-Array = NDArray[np.float64]
 
 _SIXTH = np.arange(6) * np.pi / 3
 NODES = np.concatenate([np.zeros((1, 2)), np.sqrt(2 / 3) * np.stack([np.cos(_SIXTH), np.sin(_SIXTH)], -1)])
 WEIGHTS = np.array([1 / 4] + [1 / 8] * 6)
 
 
-def sphere_offset(camera: Camera, xyz: Array, *, diameter: float) -> Array:
+def sphere_offset(camera: Camera, xyz: Floats, *, diameter: float) -> Floats:
     """Centroid of the image of spheres at xyz (…, 3) mm minus the projection of their centres, (…, 2) px.
 
     NaN where a sphere is behind the camera or reaches its focal plane.
@@ -61,7 +59,7 @@ def sphere_offset(camera: Camera, xyz: Array, *, diameter: float) -> Array:
     return np.asarray(off @ camera.K[:2, :2].T)
 
 
-def _drawn_centroid(c: Array, z2: Array, r: float, k: Array) -> Array:
+def _drawn_centroid(c: Floats, z2: Floats, r: float, k: Floats) -> Floats:
     """(3) for spheres at c (…, 3) in the camera's frame, with z2 = Z² − r²; (…, 2), normalised."""
     m = c[..., :2] * (c[..., 2] / z2)[..., None]  # (1)
     far = np.linalg.norm(c[..., :2], axis=-1, keepdims=True)

@@ -11,14 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import MarkerTrajectory, Trajectories
 from ..data.arrays import check_positive
 from ..signal.filters import butterworth, butterworth_gain, fewest, residual_analysis
 from ..signal.woltring import woltring
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

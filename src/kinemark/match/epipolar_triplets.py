@@ -31,12 +31,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, Matches, Rig
+from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
 from ..geometry import fundamental, triangulate
 from ..geometry.ideal_pixels import ideal_pixels
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 BLOCK = 512  # frames matched together, enough to share numpy's overhead
 CELLS = 1 << 24  # pairs of images in a block, at most: bounds the memory

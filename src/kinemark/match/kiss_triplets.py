@@ -40,13 +40,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, Matches, Rig
+from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
 from ..geometry import fundamental
 from ..geometry.ideal_pixels import ideal_pixels
 from .epipolar_triplets import collected, costs
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Line = list[float]
 """a, b, c of (1)."""
 

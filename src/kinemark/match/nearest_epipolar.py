@@ -23,16 +23,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError, Matches, Rig
+from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
 from ..geometry import epipolar_lines, fundamental
 from ..geometry.ideal_pixels import check_cameras, ideal_pixels
 from .epipolar_triplets import costs
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)

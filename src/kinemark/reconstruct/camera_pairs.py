@@ -52,13 +52,11 @@ from numpy.typing import NDArray
 from scipy.special import gammaincinv
 
 from ..data import Cloud, Detections, Matches, Rig
+from ..data.array_types import Bools, Floats
 from ..data.arrays import check_positive
 from ..geometry import inverse3, parameter_jacobian, point_jacobian, project, to_camera, triangulate, undistort
 from .hidden import hidden_variance
 from .least_squares import LeastSquares, centroid_cov, wanted
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 BLOCK = 100_000  # distances between solutions worked on at once, so that they stay in the cache
 

@@ -13,7 +13,7 @@ import plotly.graph_objects as go
 
 from ..calibrate.quality import Evidence
 from ..data import Rig
-from ..findings.plain import Array
+from ..data.array_types import Floats
 from ..io.files import replacing
 from .calibration_tables import (
     calibration_tiles,
@@ -124,7 +124,7 @@ def _card(title: str, text: str, figure: str, rows: str) -> str:
     return f'<div class="card long"><h3>{escape(title)}</h3><p>{escape(text)}</p>{figure}{rows}</div>'
 
 
-def _few(xyz: Array) -> Array:
+def _few(xyz: Floats) -> Floats:
     known = xyz[np.isfinite(xyz).all(1)]
     return known[:: max(1, -(-len(known) // MOST_POINTS))]
 

@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..data import Rig
-from ..findings.plain import Array
+from ..data.array_types import Floats
 from ..sensitivity import Ranking
 from .theme import FAINT, HUES, axis_style, empty, figure, label
 
@@ -155,7 +155,7 @@ def field_figure(ranking: Ranking, rig: Rig) -> go.Figure:
     )  # fmt: skip
 
 
-def _arrows(fig: go.Figure, cells: Array, edges: Array, scale: float, place: dict[str, int]) -> None:
+def _arrows(fig: go.Figure, cells: Floats, edges: Floats, scale: float, place: dict[str, int]) -> None:
     nu, nv = cells.shape[:2]
     step = (edges[1] - edges[0]) / (nu, nv)
     at = edges[0] + (np.stack(np.meshgrid(np.arange(nu), np.arange(nv), indexing="ij"), -1) + 0.5) * step

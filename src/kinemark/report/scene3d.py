@@ -13,8 +13,8 @@ import numpy as np
 import plotly.graph_objects as go
 
 from ..data import Camera, Rig, Tracks, Trajectories
+from ..data.array_types import Floats
 from ..findings.markers import in_view, positions, present
-from ..findings.plain import Array
 from .theme import FAINT, INK, figure, hue, label
 
 POINTS = 300
@@ -52,7 +52,7 @@ def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:
     return fig.update_layout(scene={**axes, **wide, "aspectmode": "data", "camera": look, "dragmode": drag})
 
 
-def corners(camera: Camera, depth: float) -> Array:
+def corners(camera: Camera, depth: float) -> Floats:
     """(4, 3) mm the corners of its image at that depth; an image of unknown size is centred on the principal point."""
     width, height = camera.size if (camera.size > 0).all() else 2 * np.abs(camera.K[:2, 2])
     if not (width > 1 and height > 1):
@@ -61,7 +61,7 @@ def corners(camera: Camera, depth: float) -> Array:
     return camera.centre + depth * np.linalg.solve(camera.K, uv.T).T @ camera.R  # (1)
 
 
-def _extent(rig: Rig, seen: Array) -> Array:
+def _extent(rig: Rig, seen: Floats) -> Floats:
     """(2, 3) mm least and greatest corner of all that is drawn."""
     parts = [seen, rig.centres, rig.volume[np.isfinite(rig.volume).all(1)], np.zeros((1, 3))]
     everything = np.concatenate(parts)
@@ -76,14 +76,14 @@ def upwards(rig: Rig) -> int:
     return int(mean.argmax()) if mean.max() > 0.3 else 2
 
 
-def viewpoint(extent: Array, up: int) -> dict[str, float]:
+def viewpoint(extent: Floats, up: int) -> dict[str, float]:
     """From where all of `extent` is seen; Plotly measures in the geometric mean of the three widths."""
     width = np.maximum(extent[1] - extent[0], 1.0)
     away = 1.2 * float(np.linalg.norm(width)) / float(np.prod(width)) ** (1 / 3)
     return dict(zip("xyz", away * np.roll([0.55, -0.7, 0.45], up - 2), strict=True))
 
 
-def draw_floor(fig: go.Figure, extent: Array, up: int) -> None:
+def draw_floor(fig: go.Figure, extent: Floats, up: int) -> None:
     """The level plane through the world's origin."""
     (a0, b0, _), (a1, b1, _) = np.roll(extent, 2 - up, axis=1)
     corner = np.array([[a0, b0, 0], [a1, b0, 0], [a1, b1, 0], [a0, b1, 0]])
@@ -94,7 +94,7 @@ def draw_floor(fig: go.Figure, extent: Array, up: int) -> None:
     )  # fmt: skip
 
 
-def draw_box(fig: go.Figure, volume: Array) -> None:
+def draw_box(fig: go.Figure, volume: Floats) -> None:
     """Its twelve edges in one line with breaks."""
     corner = np.array([[volume[i, 0], volume[j, 1], volume[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
     edges = [(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b) in (1, 2, 4)]
@@ -102,7 +102,7 @@ def draw_box(fig: go.Figure, volume: Array) -> None:
     draw_line(fig, line, FAINT, name="control volume", width=3, dash="dash", showlegend=True, hoverinfo="name")
 
 
-def draw_camera(fig: go.Figure, camera: Camera, colour: str, target: Array) -> None:
+def draw_camera(fig: go.Figure, camera: Camera, colour: str, target: Floats) -> None:
     """Pyramid, name and the line along its axis to beside the subject."""
     distance = float(np.linalg.norm(target - camera.centre)) or 1000.0
     ring = corners(camera, 0.15 * distance)
@@ -155,7 +155,7 @@ def _markers(fig: go.Figure, trajectories: Trajectories) -> None:
     )  # fmt: skip
 
 
-def draw_line(fig: go.Figure, xyz: Array, colour: str, *, width: float, dash: str = "solid", **more: object) -> None:
+def draw_line(fig: go.Figure, xyz: Floats, colour: str, *, width: float, dash: str = "solid", **more: object) -> None:
     """A line through points (n, 3) mm, broken where they are NaN."""
     x, y, z = xyz.T.astype(np.float32)
     style = {"color": colour, "width": width, "dash": dash}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..findings.plain import Array
+from ..data.array_types import Floats
 
 
 def blocks(values: NDArray[np.generic], most: int) -> NDArray[np.generic]:
@@ -17,7 +17,7 @@ def blocks(values: NDArray[np.generic], most: int) -> NDArray[np.generic]:
     return padded.reshape(*values.shape[:-1], -1, k) if n else padded.reshape(*values.shape, 1)
 
 
-def envelope(values: Array, most: int) -> tuple[NDArray[np.int64], Array]:
+def envelope(values: Floats, most: int) -> tuple[NDArray[np.int64], Floats]:
     """Frames and values of a signal (F) at no more than `most` samples, so that neither spikes nor long gaps are lost.
 
     Signals that are short enough come back whole. Of longer ones, each block gives its least and its greatest sample

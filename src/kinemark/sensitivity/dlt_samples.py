@@ -37,18 +37,16 @@ from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.array_types import Floats
 from ..geometry import inverse3
-
-Array = NDArray[np.float64]
 
 FEWEST = 6
 SYMMETRIC = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
-def fit_parameters(xyz: Array, uv: Array) -> Array:
+def fit_parameters(xyz: Floats, uv: Floats) -> Floats:
     """The eleven parameters (…, 11) of cameras that see control points (N, 3) at (…, N, 2) px, by (3) and (4).
 
     Raises:
@@ -68,7 +66,7 @@ def fit_parameters(xyz: Array, uv: Array) -> Array:
     return np.concatenate([back @ (u * w), back @ (v * w), c]).T.reshape(*uv.shape[:-2], 11)  # (3)
 
 
-def _solved(A: list[Array], b: list[Array]) -> Array:
+def _solved(A: list[Floats], b: list[Floats]) -> Floats:
     """x (3, …) of many symmetric systems A x = b, entries as in `SYMMETRIC`, by cofactors; NaN if singular."""
     xx, xy, xz, yy, yz, zz = A
     first, second, third = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
@@ -81,7 +79,7 @@ def _solved(A: list[Array], b: list[Array]) -> Array:
     return np.asarray(np.stack([x, y, z]) / det)
 
 
-def check_points(xyz: Array) -> None:
+def check_points(xyz: Floats) -> None:
     """Refuse control points that determine no camera.
 
     Raises:
@@ -96,18 +94,18 @@ def check_points(xyz: Array) -> None:
         raise KinemarkError("The control points lie in a plane, and no camera follows from that. Spread them out.")
 
 
-def project(L: Array, xyz: Array) -> Array:
+def project(L: Floats, xyz: Floats) -> Floats:
     """Pixels (…, N, 2) of points (N, 3) by (1), from parameters (…, 11)."""
     first = xyz @ np.stack([L[..., :3], L[..., 4:7]], -2).swapaxes(-1, -2).reshape(*L.shape[:-1], 3, 2)
     return (first + L[..., None, [3, 7]]) / depth(L, xyz)[..., None]
 
 
-def depth(L: Array, xyz: Array) -> Array:
+def depth(L: Floats, xyz: Floats) -> Floats:
     """w (…, N) of (1): the depth of points (N, 3) in units of the depth of the world's origin."""
     return np.asarray(1 + (xyz @ L[..., 8:, None])[..., 0])
 
 
-def rows(xyz: Array, uv: Array) -> Array:
+def rows(xyz: Floats, uv: Floats) -> Floats:
     """A of (2): (N, 2, 11) for points (N, 3) seen at (N, 2)."""
     full = np.column_stack([xyz, np.ones(len(xyz))])
     zero = np.zeros_like(full)
@@ -115,14 +113,14 @@ def rows(xyz: Array, uv: Array) -> Array:
     return np.stack([np.hstack([full, zero, u]), np.hstack([zero, full, v])], 1)
 
 
-def parameter_gain(xyz: Array, uv: Array) -> Array:
+def parameter_gain(xyz: Floats, uv: Floats) -> Floats:
     """d L / d (u1, v1, u2, v2, …), (11, 2 N), by (5), for control points (N, 3) that a camera sees at (N, 2) px."""
     L = fit_parameters(xyz, uv)
     A = rows(xyz, uv)
     return np.asarray(np.linalg.pinv(A.reshape(-1, 11)) * np.repeat(depth(L, xyz), 2))
 
 
-def pair_points(L: Array, uv: Array) -> Array:
+def pair_points(L: Floats, uv: Floats) -> Floats:
     """(S, Q, 3) the point of every pair of cameras (6), in the order of `itertools.combinations`.
 
     Args:
@@ -140,13 +138,13 @@ def pair_points(L: Array, uv: Array) -> Array:
     return _solved([n[a] + n[b] for n in normal], [p[a] + p[b] for p in pull]).transpose(2, 1, 0)  # (6)
 
 
-def _equations(L: Array, uv: Array) -> tuple[Array, Array]:
+def _equations(L: Floats, uv: Floats) -> tuple[Floats, Floats]:
     """B (…, C, 2, 3) and D (…, C, 2) of (6)."""
     B = np.stack([L[..., :3], L[..., 4:7]], -2) - uv[..., None] * L[..., None, 8:]
     return B, uv - L[..., [3, 7]]
 
 
-def point_gains(L: Array, xyz: Array, pairs: Sequence[tuple[int, int]] | None = None) -> tuple[Array, Array]:
+def point_gains(L: Floats, xyz: Floats, pairs: Sequence[tuple[int, int]] | None = None) -> tuple[Floats, Floats]:
     """How the mean of pairs moves, by (7): with the images, (N, 3, C, 2), and with the parameters, (N, 3, C, 11).
 
     Args:

@@ -34,11 +34,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import PARAMETERS, Rig
+from ..data.array_types import Bools, Floats
 from ..geometry import parameter_jacobian, point_jacobian, refine
 from ..geometry.triangulate import inverse3
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 FREE = (0, 1, 2, 3, 9, 10, 11, 12, 13, 14)
 """Of `data.PARAMETERS`: focal lengths, principal point, turn, place."""
@@ -56,9 +54,9 @@ STRETCH_S = 0.25
 class Gains(NamedTuple):
     """Of N points and C cameras: by (1) H (N, C, 3, 2), zero where unseen; T (N, C, 2, 15); J (N, C, 2, 3)."""
 
-    H: Array
-    T: Array
-    J: Array
+    H: Floats
+    T: Floats
+    J: Floats
 
 
 class Shown(NamedTuple):
@@ -77,21 +75,21 @@ class Shown(NamedTuple):
         freedom: Σ (2 n − 3).
     """
 
-    used: Mask
-    placed: Mask
-    residual: Array
-    disturbed: Array
+    used: Bools
+    placed: Bools
+    residual: Floats
+    disturbed: Floats
     noise_px: float
     calibration_px: float
     lens_px: float
-    calibration: Array
-    lens: Array
-    cells: Array
-    edges: Array
+    calibration: Floats
+    lens: Floats
+    cells: Floats
+    edges: Floats
     freedom: int
 
 
-def gains(rig: Rig, xyz: Array, seen: Mask) -> Gains:
+def gains(rig: Rig, xyz: Floats, seen: Bools) -> Gains:
     """(1) and the derivatives behind it at points (N, 3) mm that cameras see (N, C)."""
     J = np.zeros((*seen.shape, 2, 3))
     T = np.zeros((*seen.shape, 2, len(PARAMETERS)))
@@ -102,13 +100,13 @@ def gains(rig: Rig, xyz: Array, seen: Mask) -> Gains:
     return Gains(np.einsum("nij,nckj->ncik", inverse, J), T, J)
 
 
-def shown(rig: Rig, xyz: Array, uv: Array, time_s: Array) -> Shown:
+def shown(rig: Rig, xyz: Floats, uv: Floats, time_s: Floats) -> Shown:
     """What images (N, C, 2) px, NaN where unseen, of points (N, 3) mm at times (N) s show by (3) to (8)."""
     plain = Rig(tuple(replace(camera, cov=np.zeros((15, 15))) for camera in rig))
     place = refine(plain, xyz, uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)))
     views = np.isfinite(uv[..., 0]).sum(1)
     used = _tame(place.off, (views >= 3) & np.isfinite(place.xyz).all(1))
-    seen: Mask = np.isfinite(uv[..., 0]) & used[:, None]
+    seen: Bools = np.isfinite(uv[..., 0]) & used[:, None]
     r = np.where(seen[..., None], place.off, 0.0)
     freedom = int((2 * views[used] - 3).sum())
     later = np.floor(time_s / STRETCH_S).astype(np.int64) % 2 == 1
@@ -136,16 +134,16 @@ def shown(rig: Rig, xyz: Array, uv: Array, time_s: Array) -> Shown:
 class _CommonErrors(NamedTuple):
     """Of both halves: δ of (3), what it explains of residuals, means of (5) and these at the images; δ of all third."""
 
-    delta: list[Array]
-    explained: list[Array]
+    delta: list[Floats]
+    explained: list[Floats]
     field: _Field
-    means: list[Array]
-    bent: list[Array]
+    means: list[Floats]
+    bent: list[Floats]
 
 
-def _common_errors(rig: Rig, xyz: Array, uv: Array, r: Array, parts: list[Mask]) -> _CommonErrors:
+def _common_errors(rig: Rig, xyz: Floats, uv: Floats, r: Floats, parts: list[Bools]) -> _CommonErrors:
     """What residuals r (N, C, 2) have in common in two halves and in all used points, (N) each."""
-    seen: Mask = np.isfinite(uv[..., 0]) & parts[2][:, None]
+    seen: Bools = np.isfinite(uv[..., 0]) & parts[2][:, None]
     gain, freedom = gains(rig, xyz, seen), int((2 * np.isfinite(uv[..., 0]).sum(1)[parts[2]] - 3).sum())
     delta = [_change(rig, gain, r, part, freedom) for part in parts]
     explained = [_left_by(gain, _images(gain, d)) for d in delta]
@@ -154,7 +152,7 @@ def _common_errors(rig: Rig, xyz: Array, uv: Array, r: Array, parts: list[Mask])
     return _CommonErrors(delta, explained, field, means, [field.at(mean, uv, seen) for mean in means])
 
 
-def _deviations(r: Array, explained: list[Array], bent: list[Array], freedom: int) -> tuple[float, float, float]:
+def _deviations(r: Floats, explained: list[Floats], bent: list[Floats], freedom: int) -> tuple[float, float, float]:
     """Standard deviations, px, of noise (6), calibration and lens model (7), from residuals and what halves explain."""
     common = [max(float((a * b).sum()), 0.0) for a, b in (explained[:2], bent)]  # (7)
     noise = max(float((r**2).sum()) - sum(common), 0.0)  # (6)
@@ -162,9 +160,9 @@ def _deviations(r: Array, explained: list[Array], bent: list[Array], freedom: in
     return own, calibration, lens
 
 
-def _displacements(rig: Rig, xyz: Array, uv: Array, common: _CommonErrors) -> tuple[Mask, Array, Array]:
+def _displacements(rig: Rig, xyz: Floats, uv: Floats, common: _CommonErrors) -> tuple[Bools, Floats, Floats]:
     """Which points (N) have two cameras, and by how much the changes and the means of both halves move these, mm."""
-    seen: Mask = np.isfinite(uv[..., 0])
+    seen: Bools = np.isfinite(uv[..., 0])
     placed = (seen.sum(1) >= 2) & np.isfinite(xyz).all(1)
     seen = seen & placed[:, None]
     gain = gains(rig, np.where(placed[:, None], xyz, xyz[placed].mean(0) if placed.any() else 0.0), seen)
@@ -173,7 +171,7 @@ def _displacements(rig: Rig, xyz: Array, uv: Array, common: _CommonErrors) -> tu
     return placed, _common(moves[0], moves[1], placed), _common(bends[0], bends[1], placed)
 
 
-def _tame(off: Array, usable: Mask) -> Mask:
+def _tame(off: Floats, usable: Bools) -> Bools:
     """The usable points (N) without a residual (N, C, 2) that is beyond all others.
 
     What is usual is found again without those that were left out, until none is: where a third of all images are
@@ -190,7 +188,7 @@ def _tame(off: Array, usable: Mask) -> Mask:
     return np.asarray(left)
 
 
-def _disturbed(off: Array, views: NDArray[np.int64], used: Mask) -> Array:
+def _disturbed(off: Floats, views: NDArray[np.int64], used: Bools) -> Floats:
     """(N) px² by (9)."""
     three = (views >= 3) & np.isfinite(off).any((1, 2))
     own = np.where(three & ~used, np.nansum(off**2, axis=(1, 2)) / np.maximum(2 * views - 3, 1), 0.0)
@@ -198,23 +196,23 @@ def _disturbed(off: Array, views: NDArray[np.int64], used: Mask) -> Array:
     return np.where(views == 2, usual, own)
 
 
-def _images(gain: Gains, delta: Array) -> Array:
+def _images(gain: Gains, delta: Floats) -> Floats:
     """T δ (N, C, 2) px of a change (C, 15) of the parameters."""
     return np.einsum("ncik,ck->nci", gain.T, delta)
 
 
-def _moved(gain: Gains, e: Array) -> Array:
+def _moved(gain: Gains, e: Floats) -> Floats:
     """How far errors (N, C, 2) px move the points, H e (N, 3) mm; 0 for points that do not count."""
     return np.nan_to_num(np.einsum("ncij,ncj->ni", gain.H, e))
 
 
-def _left_by(gain: Gains, e: Array) -> Array:
+def _left_by(gain: Gains, e: Floats) -> Floats:
     """(1 − J H) e (N, C, 2) px."""
     seen = (gain.J != 0).any((2, 3))
     return np.where(seen[..., None], e - np.einsum("ncij,nj->nci", gain.J, _moved(gain, e)), 0.0)
 
 
-def _change(rig: Rig, gain: Gains, r: Array, part: Mask, freedom: int) -> Array:
+def _change(rig: Rig, gain: Gains, r: Floats, part: Bools, freedom: int) -> Floats:
     """δ (C, 15) of (3) from some of the points (N)."""
     C, k = len(rig), len(FREE)
     scale = np.tile(PRIOR, (C, 1)) * np.array([[camera.K[0, 0], abs(camera.K[1, 1])] + [1.0] * 8 for camera in rig])
@@ -232,7 +230,7 @@ def _change(rig: Rig, gain: Gains, r: Array, part: Mask, freedom: int) -> Array:
     return delta
 
 
-def _shape(xyz: Array, move: Array, used: Mask) -> Array:
+def _shape(xyz: Floats, move: Floats, used: Bools) -> Floats:
     """Moves (N, 3) mm of points (N, 3) without a common shift, turn and scale (4)."""
     if used.sum() < 4:
         return move
@@ -247,7 +245,7 @@ def _shape(xyz: Array, move: Array, used: Mask) -> Array:
     return out
 
 
-def _common(a: Array, b: Array, used: Mask) -> Array:
+def _common(a: Floats, b: Floats, used: Bools) -> Floats:
     """What two estimates (N, 3) mm have in common: their mean, made smaller so that its square sum is that of (7)."""
     mean = np.where(used[:, None], (a + b) / 2, 0.0)
     share = float((a[used] * b[used]).sum()) / max(float((mean**2).sum()), 1e-300)
@@ -257,22 +255,22 @@ def _common(a: Array, b: Array, used: Mask) -> Array:
 class _Field(NamedTuple):
     """A grid of cells over every image; edges (C, 2, 2) px."""
 
-    edges: Array
+    edges: Floats
 
     @classmethod
-    def over(cls, rig: Rig, uv: Array) -> _Field:
+    def over(cls, rig: Rig, uv: Floats) -> _Field:
         """Over the parts of the images in which anything was seen (N, C, 2)."""
         low = np.array([np.nanmin(uv[:, c], axis=0, initial=1e9) for c in range(len(rig))])
         high = np.array([np.nanmax(uv[:, c], axis=0, initial=-1e9) for c in range(len(rig))])
         return cls(np.stack([low, np.maximum(high, low + 1)], 1))
 
-    def cell(self, uv: Array, seen: Mask) -> NDArray[np.int64]:
+    def cell(self, uv: Floats, seen: Bools) -> NDArray[np.int64]:
         """(N, C) which cell of all each image lies in."""
         share = (np.nan_to_num(uv) - self.edges[:, 0]) / (self.edges[:, 1] - self.edges[:, 0])
         at = np.clip((share * CELLS).astype(np.int64), 0, np.array(CELLS) - 1)
         return np.where(seen, at[..., 0] * CELLS[1] + at[..., 1], 0)
 
-    def means(self, r: Array, uv: Array, seen: Mask) -> Array:
+    def means(self, r: Floats, uv: Floats, seen: Bools) -> Floats:
         """(C, 8, 6, 2) px the mean of residuals (N, C, 2) in each cell (5)."""
         cell, n = self.cell(uv, seen), CELLS[0] * CELLS[1]
         out = np.full((r.shape[1], n, 2), np.nan)
@@ -284,7 +282,7 @@ class _Field(NamedTuple):
                 out[c, :, k] = np.where(counts >= FEWEST, total / np.maximum(counts, 1), np.nan)
         return out.reshape(-1, *CELLS, 2)
 
-    def at(self, means: Array, uv: Array, seen: Mask) -> Array:
+    def at(self, means: Floats, uv: Floats, seen: Bools) -> Floats:
         """(N, C, 2) px the mean of the cell that each image lies in; 0 where it is not known."""
         flat = np.nan_to_num(means.reshape(len(means), -1, 2))
         return np.where(seen[..., None], flat[np.arange(len(means)), self.cell(uv, seen)], 0.0)

@@ -37,16 +37,15 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..calibrate.quality import block_diagonal, views
 from ..data import Rig
+from ..data.array_types import Floats
 from ..geometry import inverse3
 from .dlt_samples import parameter_gain, point_gains
 from .um2as_experiment import LinearisedErrors
 
-Array = NDArray[np.float64]
-Kinematics = Callable[[Array], Array]
+Kinematics = Callable[[Floats], Floats]
 """Angles (F, A) deg of markers (M, F, 3) mm."""
 
 STEP_MM = 0.05
@@ -58,22 +57,22 @@ class Spread(NamedTuple):
     own: (…, d, d) N, independent from frame to frame; by: (…, d, K) S; shared: (K, K) Σ.
     """
 
-    own: Array
-    by: Array
-    shared: Array
+    own: Floats
+    by: Floats
+    shared: Floats
 
     @property
-    def cov(self) -> Array:
+    def cov(self) -> Floats:
         """(…, d, d) by (2)."""
         return self.own + self.common
 
     @property
-    def common(self) -> Array:
+    def common(self) -> Floats:
         """(…, d, d) the part that is the same in all frames."""
         return self.by @ self.shared @ self.by.swapaxes(-1, -2)
 
 
-def rig_points(rig: Rig, xyz: Array, *, centroid_sd: float, joint: Array | None = None) -> Spread:
+def rig_points(rig: Rig, xyz: Floats, *, centroid_sd: float, joint: Floats | None = None) -> Spread:
     """Markers (M, F, 3) mm reconstructed by least squares from all cameras that have them in their images.
 
     Args:
@@ -98,7 +97,7 @@ def rig_points(rig: Rig, xyz: Array, *, centroid_sd: float, joint: Array | None 
     return Spread(own.reshape(*xyz.shape, 3), by.reshape(*xyz.shape, -1), joint)
 
 
-def linear_points(cameras: LinearisedErrors, xyz: Array, *, centroid_sd: float, calibration_sd: float) -> Spread:
+def linear_points(cameras: LinearisedErrors, xyz: Floats, *, centroid_sd: float, calibration_sd: float) -> Spread:
     """Markers (M, F, 3) mm by the means of all pairs of linear cameras, as UM²AS has them (3).
 
     Args:
@@ -130,7 +129,7 @@ def placed_points(shape: Sequence[int], *, placement_sd: float) -> Spread:
     return Spread(np.zeros((M, F, 3, 3)), by, placement_sd**2 * np.eye(3 * M))
 
 
-def angle_jacobian(angles: Kinematics, xyz: Array, *, step: float = STEP_MM) -> Array:
+def angle_jacobian(angles: Kinematics, xyz: Floats, *, step: float = STEP_MM) -> Floats:
     """d angle / d marker (F, A, M, 3), deg/mm, of markers (M, F, 3) mm, by central differences.
 
     Jumps of a whole turn between both sides are taken out.
@@ -145,19 +144,19 @@ def angle_jacobian(angles: Kinematics, xyz: Array, *, step: float = STEP_MM) -> 
     return out
 
 
-def angle_spread(points: Spread, jacobian: Array) -> Spread:
+def angle_spread(points: Spread, jacobian: Floats) -> Spread:
     """Errors (F, A, …) of angles, each by itself (d = 1), from those of markers (M, F) and J (F, A, M, 3), by (4)."""
     own = np.einsum("fami,mfij,famj->fa", jacobian, points.own, jacobian, optimize=True)
     by = np.einsum("fami,mfik->fak", jacobian, points.by, optimize=True)
     return Spread(own[..., None, None], by[:, :, None], points.shared)
 
 
-def mean_spread(each: Spread, weights: Array) -> Spread:
+def mean_spread(each: Spread, weights: Floats) -> Spread:
     """Errors (P, …) of weighted means (6) over frames, the first axis (F, …) of `each`, by (7)."""
     return Spread(np.tensordot(weights**2, each.own, 1), np.tensordot(weights, each.by, 1), each.shared)
 
 
-def cycle_weights(starts: Sequence[float], n_frames: int, *, points: int = 101) -> Array:
+def cycle_weights(starts: Sequence[float], n_frames: int, *, points: int = 101) -> Floats:
     """W (P, F) of (6): each cycle from one start to the next cut into P points, by linear interpolation, and averaged.
 
     Args:

@@ -28,17 +28,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..calibrate.quality import apart_from_frame, block_diagonal
 from ..data import KinemarkError, Rig
+from ..data.array_types import Bools, Floats
 from .observed_errors import Gains, Shown, gains, shown
 from .propagation import Kinematics, angle_jacobian
 from .sample_frames import SampledFrames
 from .segment_directions import segment_jacobian, segments
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Unit = Literal["mm", "deg"]
 
 FEWEST = 10
@@ -88,8 +86,8 @@ class ErrorSource:
 
     name: str
     px: float
-    mm: Array
-    deg: Array
+    mm: Floats
+    deg: Floats
     averages: bool
     origin: str
 
@@ -106,10 +104,10 @@ class LostCamera:
     """
 
     camera: str
-    mm: Array
-    deg: Array
-    all_mm: Array
-    all_deg: Array
+    mm: Floats
+    deg: Floats
+    all_mm: Floats
+    all_deg: Floats
     gone: float
 
     def cost(self, which: Unit) -> float:
@@ -147,7 +145,7 @@ class Ranking:
         """What is ranked by: degrees where there are angles."""
         return "deg" if self.angles else "mm"
 
-    def total(self, which: Unit, *, without: str = "", cycles: int = 1) -> Array:
+    def total(self, which: Unit, *, without: str = "", cycles: int = 1) -> Floats:
         """(1) over all sources or all but one: (M, F) mm or (F, A) deg, of single frames or of means over cycles.
 
         Where residuals tell nothing, as with two cameras, what they would tell counts as nothing.
@@ -157,7 +155,7 @@ class Ranking:
         return np.where(known, np.sqrt(np.sum(np.nan_to_num(parts), axis=0)), np.nan)
 
 
-def typical(values: Array) -> float:
+def typical(values: Floats) -> float:
     """Root mean square of what is known, but for the worst twentieth; NaN where nothing is."""
     known = values[np.isfinite(values)]
     if not known.size:
@@ -195,7 +193,7 @@ def rank(
     return Ranking(*ordered, work.found, stated, by_residuals, method)
 
 
-def _begun(rig: Rig, there: SampledFrames, method: ErrorBudget, J: Array) -> _Work:
+def _begun(rig: Rig, there: SampledFrames, method: ErrorBudget, J: Floats) -> _Work:
     """The points that two cameras see, and what their residuals show.
 
     Raises:
@@ -214,7 +212,7 @@ def _begun(rig: Rig, there: SampledFrames, method: ErrorBudget, J: Array) -> _Wo
     return _Work(rig, there.xyz.shape[:2], method, found, gains(rig, safe, seen), seen, safe, J)
 
 
-def _angles(there: SampledFrames, angles: tuple[tuple[str, ...], Kinematics] | None) -> tuple[tuple[str, ...], Array]:
+def _angles(there: SampledFrames, angles: tuple[tuple[str, ...], Kinematics] | None) -> tuple[tuple[str, ...], Floats]:
     """Names (A) and J (F, A, M, 3) deg/mm of a model's angles, or of the two turns of each segment."""
     if angles is not None:
         return angles[0], angle_jacobian(angles[1], there.xyz)
@@ -232,9 +230,9 @@ class _Work:
     method: ErrorBudget
     found: Shown
     gain: Gains
-    seen: Mask
-    xyz: Array
-    J: Array
+    seen: Bools
+    xyz: Floats
+    J: Floats
 
     def sources(self) -> tuple[list[ErrorSource], float, float]:
         """All of them, and σ mm of the calibration as stated and as shown."""
@@ -256,7 +254,7 @@ class _Work:
             return float(np.sqrt(np.mean(np.square(known)) / 2)), "residuals of the calibration"
         return USUAL_PX, "assumed: no marker is seen by three cameras"
 
-    def images(self, name: str, sd: float, gain: Gains, seen: Mask, origin: str) -> ErrorSource:
+    def images(self, name: str, sd: float, gain: Gains, seen: Bools, origin: str) -> ErrorSource:
         """A source that is new in every image."""
         there = seen.sum(1) >= 2
         cov = sd**2 * np.einsum("ncij,nckj->nik", gain.H, gain.H)
@@ -280,7 +278,7 @@ class _Work:
         px = float(np.sqrt((self.found.disturbed * views).sum() / max(views.sum(), 1)))
         return ErrorSource(name, px, each.mm, each.deg, False, words)
 
-    def shifted(self, name: str, px: float, move: Array, origin: str) -> ErrorSource:
+    def shifted(self, name: str, px: float, move: Floats, origin: str) -> ErrorSource:
         """A source found as displacements (N, 3) mm, each marker and place having its own."""
         at = np.where(self.found.placed[:, None], move, np.nan).reshape(*self.shape, 3)
         deg = np.abs(np.einsum("fami,mfi->fa", self.J, np.nan_to_num(at), optimize=True))
@@ -335,12 +333,12 @@ class _Work:
         gone = 1 - float((seen.sum(1) >= 2).sum()) / float((self.seen.sum(1) >= 2).sum())
         return LostCamera(self.rig.names[c], after.mm, after.deg, all_mm, all_deg, gone)
 
-    def known(self, values: Array, there: Mask) -> Array:
+    def known(self, values: Floats, there: Bools) -> Floats:
         """Values (F, A), NaN where a marker of the angle is not there, of (N)."""
         needed = (np.nan_to_num(self.J, nan=1.0) != 0).any((0, 3))  # (A, M)
         absent = ~there.reshape(self.shape)  # (M, F)
         return np.where((absent.T.astype(np.int64) @ needed.T.astype(np.int64)) > 0, np.nan, values)
 
 
-def _sigma(cov: Array) -> Array:
+def _sigma(cov: Floats) -> Floats:
     return np.asarray(np.sqrt(np.trace(cov, axis1=-2, axis2=-1) / 3))

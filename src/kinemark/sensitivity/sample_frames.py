@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError, Tracks, Trajectories
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from ..data.array_types import Bools, Floats
 
 SAME_MM = 20.0
 """A point nearer to a named marker than this is that marker."""
@@ -20,12 +18,12 @@ class SampledFrames(NamedTuple):
     """M markers in F frames: xyz (M, F, 3) mm and uv (M, F, C, 2) px, both NaN where missing; time (F) s."""
 
     names: tuple[str, ...]
-    xyz: Array
-    uv: Array
-    time_s: Array
+    xyz: Floats
+    uv: Floats
+    time_s: Floats
 
     @property
-    def seen(self) -> Mask:
+    def seen(self) -> Bools:
         """(M, F, C)."""
         return np.isfinite(self.uv[..., 0])
 

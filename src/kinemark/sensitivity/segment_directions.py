@@ -12,11 +12,9 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from .sample_frames import SampledFrames
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +51,7 @@ def segments(there: SampledFrames, method: Rigid = RIGID) -> list[tuple[int, int
     return sorted({pair for pair in best.values() if pair is not None})
 
 
-def segment_jacobian(xyz: Array, pairs: list[tuple[int, int]]) -> Array:
+def segment_jacobian(xyz: Floats, pairs: list[tuple[int, int]]) -> Floats:
     """(F, 2 · pairs, M, 3) deg/mm of the two turns of each segment, by (1); NaN where an end is missing."""
     M, F, _ = xyz.shape
     J = np.zeros((F, 2 * len(pairs), M, 3))

@@ -25,16 +25,14 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError, Rig
+from ..data.array_types import Floats
 from ..geometry import project_all, to_dlt
 from ..reconstruct.camera_pairs import agreeing
 from .dlt_samples import check_points, fit_parameters, pair_points
 from .dlt_samples import project as project_dlt
 from .sampling import Error, Sampled, Sampling, circle, climb, sample
-
-Array = NDArray[np.float64]
 
 CONTROL_BALLS = 10.0 * np.array(
     [
@@ -93,9 +91,9 @@ class LinearisedErrors:
     """
 
     names: tuple[str, ...]
-    points: Array
-    uv: Array
-    L: Array = field(init=False)
+    points: Floats
+    uv: Floats
+    L: Floats = field(init=False)
 
     def __post_init__(self) -> None:
         check_points(self.points)
@@ -107,12 +105,12 @@ class LinearisedErrors:
         object.__setattr__(self, "L", fit_parameters(self.points, self.uv))
 
     @classmethod
-    def of_rig(cls, rig: Rig, points: Array = CONTROL_BALLS) -> LinearisedErrors:
+    def of_rig(cls, rig: Rig, points: Floats = CONTROL_BALLS) -> LinearisedErrors:
         """The linear cameras of a rig that sees all points (N, 3) mm, its lenses' distortion taken as if absent."""
         return cls(rig.names, points, project_all(rig, points))
 
     @classmethod
-    def of_parameters(cls, L: Array, points: Array = CONTROL_BALLS) -> LinearisedErrors:
+    def of_parameters(cls, L: Floats, points: Floats = CONTROL_BALLS) -> LinearisedErrors:
         """One camera of printed parameters (11)."""
         return cls(("printed",), points, project_dlt(L, points)[None])
 
@@ -121,8 +119,8 @@ class Moved(NamedTuple):
     """How far a marker moved in every sample: mm by (2), percent by (3); the worst of them, and the worst there is."""
 
     sampled: Sampled
-    mm: Array
-    percent: Array
+    mm: Floats
+    percent: Floats
     worst_mm: float
     worst_percent: float
 
@@ -131,12 +129,12 @@ class Changed(NamedTuple):
     """Percent by (1) in every sample; the worst sampled, and the worst there is with its parameters L (11)."""
 
     sampled: Sampled
-    percent: Array
+    percent: Floats
     worst_percent: float
-    worst_L: Array
+    worst_L: Floats
 
 
-def laboratory(points: Array = CONTROL_BALLS) -> LinearisedErrors:
+def laboratory(points: Floats = CONTROL_BALLS) -> LinearisedErrors:
     """The three cameras, along X, along Y and from the ceiling."""
     middle = (points.min(0) + points.max(0)) / 2
     cx = (np.array(SIZE) - 1) / 2
@@ -150,13 +148,13 @@ def laboratory(points: Array = CONTROL_BALLS) -> LinearisedErrors:
     )
 
 
-def _rotations() -> Array:
+def _rotations() -> Floats:
     """(3, 3, 3) world → camera, v downwards in the images: looking along −X, −Y and down."""
     ahead, down = -np.eye(3), np.array([[0.0, 0.0, -1.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
     return np.stack([np.cross(down, ahead), down, ahead], 1)
 
 
-def marker(cameras: LinearisedErrors, distance: float = FROM_ORIGIN_MM) -> Array:
+def marker(cameras: LinearisedErrors, distance: float = FROM_ORIGIN_MM) -> Floats:
     """(3) mm the thesis' marker: on the line from the origin through the middle of the control points."""
     middle = (cameras.points.min(0) + cameras.points.max(0)) / 2
     return np.asarray(middle * distance / np.linalg.norm(middle))
@@ -167,7 +165,7 @@ def calibration_error(cameras: LinearisedErrors, c: int, radius: float) -> Error
     _check_radius(radius)
     L, size = cameras.L[c], np.linalg.norm(cameras.L[c])
 
-    def error(theta: Array) -> Array:
+    def error(theta: Floats) -> Floats:
         moved = fit_parameters(cameras.points, cameras.uv[c] + circle(theta, radius))
         return np.asarray(100 * np.linalg.norm(moved - L, axis=1) / size)  # (1)
 
@@ -194,7 +192,7 @@ def calibration_experiment(
 
 
 def marker_error(
-    cameras: LinearisedErrors, place: Array, radius: float, *, L: Array | None = None, calibration_radius: float = 0.0
+    cameras: LinearisedErrors, place: Floats, radius: float, *, L: Floats | None = None, calibration_radius: float = 0.0
 ) -> Error:
     """d (S) mm by (2) of angles (S, D): the marker's centroids moved by `radius` px.
 
@@ -211,7 +209,7 @@ def marker_error(
     seen = np.stack([project_dlt(each, place[None])[0] for each in cameras.L])
     actual = pairs_mean(cameras.L, seen[None])[0]
 
-    def error(theta: Array) -> Array:
+    def error(theta: Floats) -> Floats:
         used = cameras.L if L is None else L
         if calibration_radius > 0:
             turned = theta[:, n:].reshape(len(theta), *cameras.uv.shape[:2])
@@ -227,7 +225,7 @@ def marker_error(
     return error
 
 
-def pairs_mean(L: Array, uv: Array) -> Array:
+def pairs_mean(L: Floats, uv: Floats) -> Floats:
     """(S, 3) mm the mean of the pairs that agree, of images (S, C, 2), by parameters (C, 11) or (S, C, 11)."""
     each = pair_points(L, uv)
     kept = agreeing(each, np.isfinite(uv[..., 0]).sum(1))
@@ -236,10 +234,10 @@ def pairs_mean(L: Array, uv: Array) -> Array:
 
 def marker_experiment(
     cameras: LinearisedErrors,
-    place: Array,
+    place: Floats,
     *,
     radius: float = MARKER_PX,
-    L: Array | None = None,
+    L: Floats | None = None,
     calibration_radius: float = 0.0,
     method: Sampling = Sampling(),  # noqa: B008  frozen
 ) -> Moved:

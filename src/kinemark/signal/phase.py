@@ -28,8 +28,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PPoly
 from scipy.linalg import LinAlgError, solveh_banded
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from ..data.array_types import Floats, Ints
 
 STEPS, A_CYCLE, MEAN, MOST = 64, 16, 4, 8
 """Of (3): steps and frames a cycle, the mean advance and the greatest."""

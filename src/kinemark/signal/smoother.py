@@ -45,12 +45,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..data.array_types import Floats, Ints
 from .kalman import F
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 State = tuple[Floats, Floats]
 
 LEAST_SD = 0.01

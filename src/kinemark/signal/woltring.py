@@ -32,7 +32,8 @@ from scipy.interpolate import BSpline
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.sparse import csr_array, diags_array
 
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
+
 LADDER = np.geomspace(0.005, 0.45, 40)
 """ν_c of the p that are tried, cycles a sample."""
 

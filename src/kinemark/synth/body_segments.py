@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from .subjects import Capsules
 
-Array = NDArray[np.float64]
-Leg = tuple[Array, Array, Array]
+Leg = tuple[Floats, Floats, Floats]
 
 SIDE = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
 NAMES = ("SACR", "LASI", "RASI", *(f"L{name}" for name in SIDE), *(f"R{name}" for name in SIDE))
@@ -33,10 +32,10 @@ GAP = 1.0
 class WalkingPose(NamedTuple):
     """F frames: pelvis (F, 3) mm, its turn (F, 3, 3), those of both legs' segments, swing (2, F) deg of both arms."""
 
-    pelvis: Array
-    hips: Array
+    pelvis: Floats
+    hips: Floats
     legs: tuple[Leg, Leg]
-    arms: Array
+    arms: Floats
 
 
 class BodySegments(NamedTuple):
@@ -50,9 +49,9 @@ class BodySegments(NamedTuple):
     marker: float
     thigh: float
     shank: float
-    hip: Array
-    heel: Array
-    ball: Array
+    hip: Floats
+    heel: Floats
+    ball: Floats
 
     @classmethod
     def of(cls, height: float, marker: float) -> BodySegments:
@@ -61,7 +60,7 @@ class BodySegments(NamedTuple):
         heel, ball = np.array([-48.0, 0.0, -76.0]), np.array([122.0, 0.0, -76.0])
         return cls(s, marker, 0.245 * height, 0.246 * height, s * hip, s * heel, s * ball)
 
-    def soles(self, pose: WalkingPose) -> Array:
+    def soles(self, pose: WalkingPose) -> Floats:
         """(4, F, 3) mm left heel and ball, right heel and ball."""
         points = []
         for joints, leg, mirror in zip(self.joints(pose), pose.legs, _MIRRORS, strict=True):
@@ -87,7 +86,7 @@ WAND = 55.0
 """How far the wands hold their markers off the skin, mm."""
 
 
-def build(body: BodySegments, pose: WalkingPose) -> tuple[Array, Capsules]:
+def build(body: BodySegments, pose: WalkingPose) -> tuple[Floats, Capsules]:
     """Markers (15, F, 3) mm in the order of `NAMES`, and the limbs."""
     sides = [
         _leg_markers(body, joints, leg, mirror)
@@ -96,7 +95,7 @@ def build(body: BodySegments, pose: WalkingPose) -> tuple[Array, Capsules]:
     return np.concatenate([_pelvis_markers(body, pose), *sides]), _limbs(body, pose)
 
 
-def _pelvis_markers(body: BodySegments, pose: WalkingPose) -> Array:
+def _pelvis_markers(body: BodySegments, pose: WalkingPose) -> Floats:
     """(3, F, 3) SACR, LASI, RASI: on the skin of the pelvis's capsule."""
     out = body.scale * PELVIS + body.marker + GAP
     middle = body.scale * _HIPS
@@ -109,7 +108,7 @@ _HIPS = np.array([-8.0, 0.0, 45.0])
 """Middle of the pelvis's capsule, seen from between the hips, mm."""
 
 
-def _leg_markers(body: BodySegments, joints: Leg, leg: Leg, mirror: Array) -> Array:
+def _leg_markers(body: BodySegments, joints: Leg, leg: Leg, mirror: Floats) -> Floats:
     """(6, F, 3) of one leg, in the order of `SIDE`; knee and ankle markers lie on the hinges' axes."""
     s, skin = body.scale, body.marker + GAP
     wand = np.array([0.0, s * (THIGH + WAND) + skin, -0.55 * body.thigh])
@@ -126,7 +125,7 @@ _SOLE = np.array([[-24.0, 0.0, -50.0], [112.0, 0.0, -56.0]])
 """Ends of the foot's limb, seen from the ankle, mm."""
 
 
-def _unit(*xyz: float) -> Array:
+def _unit(*xyz: float) -> Floats:
     return np.array(xyz) / np.linalg.norm(xyz)
 
 
@@ -140,7 +139,7 @@ def _limbs(body: BodySegments, pose: WalkingPose) -> Capsules:
     return Capsules(names, np.array(a), np.array(b), body.scale * np.array(radius))
 
 
-Limb = tuple[str, Array, Array, float]
+Limb = tuple[str, Floats, Floats, float]
 
 
 def _middle_limbs(body: BodySegments, pose: WalkingPose) -> list[Limb]:
@@ -155,7 +154,7 @@ def _middle_limbs(body: BodySegments, pose: WalkingPose) -> list[Limb]:
     return [("pelvis", ends[0], ends[1], PELVIS), *trunk, ("head", neck, crown, 85.0)]
 
 
-def _leg_limbs(body: BodySegments, side: str, joints: Leg, foot: Array) -> list[Limb]:
+def _leg_limbs(body: BodySegments, side: str, joints: Leg, foot: Floats) -> list[Limb]:
     """Thigh, calf, shin and foot; thigh and calf stop short of the joints, which are thinner."""
     hip, knee, ankle = joints
     heel, ball = (ankle + foot @ (body.scale * end) for end in _SOLE)
@@ -167,7 +166,7 @@ def _leg_limbs(body: BodySegments, side: str, joints: Leg, foot: Array) -> list[
     ]
 
 
-def _arm_limbs(body: BodySegments, side: str, pose: WalkingPose, mirror: Array, swing: Array) -> list[Limb]:
+def _arm_limbs(body: BodySegments, side: str, pose: WalkingPose, mirror: Floats, swing: Floats) -> list[Limb]:
     """Upper arm and forearm, the elbow bent by 25 deg, hanging a little away from the body."""
     s = body.scale
     shoulder = pose.pelvis + s * mirror * np.array([0.0, 190.0, 470.0])
@@ -176,7 +175,7 @@ def _arm_limbs(body: BodySegments, side: str, pose: WalkingPose, mirror: Array, 
     return [(f"{side} upper arm", shoulder, elbow, UPPER_ARM), (f"{side} forearm", elbow, wrist, FOREARM)]
 
 
-def _hang(swing: Array, spread: float, mirror: Array) -> Array:
+def _hang(swing: Floats, spread: float, mirror: Floats) -> Floats:
     """(F, 3) directions of something that hangs, swung forward and spread sideways, rad."""
     side = np.full_like(swing, np.sin(spread))
     return mirror * np.stack([np.cos(spread) * np.sin(swing), side, -np.cos(spread) * np.cos(swing)], -1)

@@ -18,13 +18,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ..data import Camera, Detections, Rig
+from ..data.array_types import Floats
 from ..geometry import project, to_camera
 from .occlusion import visible_fraction
 from .render import one_to_one
 from .sphere_image import sphere_ellipse
 from .subjects import Subject
-
-Array = NDArray[np.float64]
 
 
 class Sight(NamedTuple):
@@ -35,9 +34,9 @@ class Sight(NamedTuple):
     that of its whole image.
     """
 
-    uv: Array
-    visible: Array
-    area: Array
+    uv: Floats
+    visible: Floats
+    area: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,8 +70,8 @@ class TruthRows(NamedTuple):
     frame: NDArray[np.int64]
     marker: NDArray[np.int64]
     merged: NDArray[np.int64]
-    uv: Array
-    area: Array
+    uv: Floats
+    area: Floats
 
 
 def truth(rig: Rig, subject: Subject) -> Sight:
@@ -137,7 +136,7 @@ def _seen_rows(seen: NDArray[np.bool_], sight: Sight, c: int) -> TruthRows:
     return TruthRows(frame, marker, np.ones_like(frame), uv, area)
 
 
-def _merge(rows: TruthRows, depth: Array, merge_px: float) -> TruthRows:
+def _merge(rows: TruthRows, depth: Floats, merge_px: float) -> TruthRows:
     """Images of one frame nearer than merge_px, and chains of such, as one; it is called after the marker in front."""
     n = len(rows.frame)
     order = np.lexsort((depth[rows.marker, rows.frame], rows.frame))

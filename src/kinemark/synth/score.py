@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 from scipy.special import gammaincinv
 
 from ..data import Tracks
+from ..data.array_types import Floats, Ints
 from ..signal import assign
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SLACK = 3  # frames; a path may end or begin this much beside the moment at which a track changes over
 

@@ -24,25 +24,23 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Camera
+from ..data.array_types import Floats
 from ..geometry import distort, to_camera
 from .occlusion import across
-
-Array = NDArray[np.float64]
 
 
 class Ellipse(NamedTuple):
     """Outline of a sphere's image through an ideal lens: centre (…, 2) px, semi-axes p, q (…) px, area (…) px²."""
 
-    centre: Array
-    along: Array
-    across: Array
-    area: Array
+    centre: Floats
+    along: Floats
+    across: Floats
+    area: Floats
 
 
-def sphere_ellipse(camera: Camera, xyz: Array, radius: Array | float) -> Ellipse:
+def sphere_ellipse(camera: Camera, xyz: Floats, radius: Floats | float) -> Ellipse:
     """The outline of spheres at xyz (…, 3) mm through an ideal lens; NaN where a sphere is behind or about the camera.
 
     The axes and the area are in px of the focal length √(fx fy), exact where pixels are square.
@@ -58,7 +56,7 @@ def sphere_ellipse(camera: Camera, xyz: Array, radius: Array | float) -> Ellipse
     return Ellipse(centre, p, q, np.pi * p * q)
 
 
-def sphere_outline(camera: Camera, xyz: Array, radius: Array, n: int = 16) -> Array:
+def sphere_outline(camera: Camera, xyz: Floats, radius: Floats, n: int = 16) -> Floats:
     """(M, n, 2) px on the outline of spheres (M, 3) mm as the lens draws it, from the rays of (1)."""
     c = to_camera(camera, xyz)
     far = np.linalg.norm(c, axis=-1, keepdims=True)

@@ -23,15 +23,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Cloud, Tracks
+from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
 from ..signal import PAST, assign_nearest, extrapolate
 from .editing import blend, inside_volume, without_short
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Volume = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 

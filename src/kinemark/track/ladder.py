@@ -30,12 +30,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Cloud, Tracks
+from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
 from ..geometry import solve3
 from ..signal import PAST, assign, extrapolate, gain
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,16 +11,13 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import KinemarkError, Rig
+from ...data.array_types import Bools, Floats
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust import equations, solve_softly, solve_without_outliers, unknowns
 from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 VAGUE = 0.1  # a focal length is not known if its standard deviation is more than this share of it
 MOST_LOST = 0.3
@@ -80,10 +77,10 @@ class BundleFit(NamedTuple):
     """
 
     rig: Rig
-    xyz: Array
-    residual: Array
-    kept: Mask
-    joint: Array
+    xyz: Floats
+    residual: Floats
+    kept: Bools
+    joint: Floats
     chi2: float
     freedom: int
 
@@ -91,9 +88,9 @@ class BundleFit(NamedTuple):
 def bundle(
     rig: Rig,
     parts: Sequence[Part],
-    uv: Array,
+    uv: Floats,
     *,
-    cov: Array | None = None,
+    cov: Floats | None = None,
     freedoms: Sequence[Freedom] | None = None,
     method: Bundle | None = None,
 ) -> BundleFit:
@@ -126,14 +123,14 @@ def bundle(
 
 def adjusted(
     state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, reject: float
-) -> tuple[BundleState, Mask]:
+) -> tuple[BundleState, Bools]:
     """The state near `state` that fits best, and which points (C, N) it was fitted to."""
     state, scale = solve_softly(state, seen, freedoms)
     return solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
 
 
 def completed(
-    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], kept: Mask, *, what: str
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], kept: Bools, *, what: str
 ) -> BundleFit:
     """A `BundleFit` of a state that has converged on the points `kept` (C, N).
 
@@ -169,7 +166,7 @@ def completed(
     return BundleFit(Rig(cameras, words, np.stack([there.min(0), there.max(0)])), xyz, off, kept, joint, chi2, nu)
 
 
-def observed(uv: Array, cov: Array | None) -> ImageObservations:
+def observed(uv: Floats, cov: Floats | None) -> ImageObservations:
     """Pixels (C, N, 2) with covariances (C, N, 2, 2), px²; all alike where one that is needed is not known.
 
     Raises:
@@ -188,7 +185,7 @@ def observed(uv: Array, cov: Array | None) -> ImageObservations:
     return ImageObservations(uv, whiten, there)
 
 
-def check_calibration(fit: BundleFit, seen: Mask, *, focus_held: bool = False) -> None:
+def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) -> None:
     """Raises a KinemarkError where the fit to what was seen (C, N) is no calibration."""
     there = seen & complete(fit.xyz)
     for c, camera in enumerate(fit.rig):

@@ -11,16 +11,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import Camera, KinemarkError, Rig
+from ...data.array_types import Floats
 from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
 from .initial import TargetViews, start
 from .initial.unknown_optics import UnknownOptics, unknown_optics
 from .robust_points import robust_points
 from .solver import BundleState, Freedom, placed
-
-Array = NDArray[np.float64]
 
 BASE = 1000.0
 WORSE = 3.0  # right calibrations, of real files too, have at most 1.5 times the residual of two cameras alone
@@ -33,10 +32,10 @@ FEWEST = 12  # sticks of which all markers are seen, to judge the gaps by
 def calibrate_sticks(
     names: Sequence[str],
     sizes: ArrayLike,
-    uv: Array,
+    uv: Floats,
     *,
     along: ArrayLike,
-    cov: Array | None = None,
+    cov: Floats | None = None,
     method: Bundle | None = None,
     lenses: Sequence[Camera] | None = None,
 ) -> BundleFit:
@@ -69,9 +68,9 @@ def calibrate_sticks(
 def calibrate_points(
     names: Sequence[str],
     sizes: ArrayLike,
-    uv: Array,
+    uv: Floats,
     *,
-    cov: Array | None = None,
+    cov: Floats | None = None,
     method: Bundle | None = None,
     lenses: Sequence[Camera] | None = None,
 ) -> BundleFit:
@@ -100,9 +99,9 @@ def calibrate_points(
 def _calibrated(
     names: Sequence[str],
     sizes: ArrayLike,
-    uv: Array,
-    along: Array | None,
-    cov: Array | None,
+    uv: Floats,
+    along: Floats | None,
+    cov: Floats | None,
     method: Bundle,
     lenses: Sequence[Camera] | None,
 ) -> BundleFit:
@@ -165,7 +164,7 @@ def _in_place(state: BundleState, unscaled: bool) -> BundleState:
     return BundleState(tuple(cameras), tuple(part.placed(R, scale * t, scale) for part in state.parts))
 
 
-def _check_gaps(cameras: Sequence[Camera], uv: Array, along: Array) -> None:
+def _check_gaps(cameras: Sequence[Camera], uv: Floats, along: Floats) -> None:
     """Markers seen at uv (C, N, 2) and placed each on its own have the stick's gaps, in proportion."""
     order = np.argsort(along)
     limit = [FAR_OFF * np.hypot(*camera.size) for camera in cameras]

@@ -24,18 +24,15 @@ calibrated and the true points are laid upon each other.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...data.array_types import Bools, Floats
 from .parts import Sticks, slices
 from .solver import BundleState, Freedom, Normal, piece_inverses, reduced
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-
 
 def joint_covariance(
-    state: BundleState, normal: Normal, freedoms: tuple[Freedom, ...], used: Mask
-) -> tuple[Array, int]:
+    state: BundleState, normal: Normal, freedoms: tuple[Freedom, ...], used: Bools
+) -> tuple[Floats, int]:
     """(15 C, 15 C) before the factor (1), and g; `used` (N) are the points that a camera sees."""
     T = _block_columns(state, freedoms)
     motions = allowed_motions(state, freedoms, used)
@@ -56,7 +53,7 @@ def joint_covariance(
     return (cov + cov.T) / 2, motions.shape[1]
 
 
-def allowed_motions(state: BundleState, freedoms: tuple[Freedom, ...], used: Mask) -> Array:
+def allowed_motions(state: BundleState, freedoms: tuple[Freedom, ...], used: Bools) -> Floats:
     """(7, g) combinations of turn, shift and growth (σ in units of the points' spread) that move nothing held: (3)."""
     middle = _middle(state, used)
     held = np.concatenate([~f.free[9:15] for f in freedoms])
@@ -75,13 +72,13 @@ def allowed_motions(state: BundleState, freedoms: tuple[Freedom, ...], used: Mas
     return np.asarray(Vt[rank:].T / size[:, None])
 
 
-def _middle(state: BundleState, used: Mask) -> Array:
+def _middle(state: BundleState, used: Bools) -> Floats:
     """(4,) the points' mean place and spread, about which the world turns and grows."""
     xyz = np.concatenate([part.xyz.reshape(-1, 3) for part in state.parts])[used]
     return np.append(xyz.mean(0), np.sqrt(xyz.var(0).sum()) or 1.0)
 
 
-def _camera_motions(state: BundleState, middle: Array) -> Array:
+def _camera_motions(state: BundleState, middle: Floats) -> Floats:
     """(15 C, 7) of (2), turning and growing about the points' middle."""
     G = np.zeros((len(state.cameras), 15, 7))
     for g, camera in zip(G, state.cameras, strict=True):
@@ -93,7 +90,7 @@ def _camera_motions(state: BundleState, middle: Array) -> Array:
     return G.reshape(-1, 7)
 
 
-def _point_motions(xyz: Array, middle: Array) -> Array:
+def _point_motions(xyz: Floats, middle: Floats) -> Floats:
     """(…, 3, 7) of points (…, 3)."""
     off = xyz - middle[:3]
     eye = np.broadcast_to(np.eye(3), (*xyz.shape, 3))
@@ -101,8 +98,8 @@ def _point_motions(xyz: Array, middle: Array) -> Array:
 
 
 def _points_follow(
-    state: BundleState, normal: Normal, inverses: list[Array], motions: Array, used: Mask
-) -> tuple[Array, Array, Array]:
+    state: BundleState, normal: Normal, inverses: list[Floats], motions: Floats, used: Bools
+) -> tuple[Floats, Floats, Floats]:
     """d H / d δ (g, Q), the covariance of H that does not come from δ (g, g), and BᵀB (g, g)."""
     middle, g = _middle(state, used), motions.shape[1]
     follow, noise, BtB = np.zeros((g, len(normal.g))), np.zeros((g, g)), np.zeros((g, g))
@@ -117,7 +114,7 @@ def _points_follow(
     return follow, noise, BtB
 
 
-def _block_columns(state: BundleState, freedoms: tuple[Freedom, ...]) -> Array:
+def _block_columns(state: BundleState, freedoms: tuple[Freedom, ...]) -> Floats:
     """T of all cameras together (15 C, Q)."""
     columns = [freedom.columns(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True)]
     T = np.zeros((15 * len(columns), sum(t.shape[1] for t in columns)))
@@ -128,7 +125,7 @@ def _block_columns(state: BundleState, freedoms: tuple[Freedom, ...]) -> Array:
     return T
 
 
-def _cross(v: Array) -> Array:
+def _cross(v: Floats) -> Floats:
     """[v]×, (…, 3) → (…, 3, 3)."""
     zero = np.zeros_like(v[..., 0])
     x, y, z = v[..., 0], v[..., 1], v[..., 2]

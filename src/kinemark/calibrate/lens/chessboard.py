@@ -28,9 +28,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, map_coordinates, maximum_filter, spline_filter
 
 from ...data import KinemarkError
+from ...data.array_types import Floats
 from .dot_grid import order_grid
-
-Floats = NDArray[np.float64]
 
 SCALES = (2.0, 3.5, 1.2)
 STRONGEST = 0.05

@@ -15,13 +15,10 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import KinemarkError
+from ...data.array_types import Floats, Ints
 from .lattice import grow_lattice
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FEWEST_SHARE = 0.6
 HALF = 0.5

@@ -19,12 +19,9 @@ Distances are measured in cells, |A⁻¹ (p − p̂)|, so that a grid seen at a 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from ...data.array_types import Bools, Floats, Ints
 
 REACH = 0.3
 OPPOSITE = 0.25

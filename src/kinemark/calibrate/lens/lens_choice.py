@@ -29,9 +29,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Floats
 from .plane_views import POSE, KnownOptics, PlaneFit, PlanePoints, fit_planes, normalised_residuals
-
-Floats = NDArray[np.float64]
 
 SIDE = 4
 FOLDS = 4

@@ -25,10 +25,11 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull, Delaunay
 
 from ...data import Camera, KinemarkError
+from ...data.array_types import Bools, Floats
 from ...geometry import undistort
 from ...geometry.sphere_offset import sphere_offset
 from .lens_choice import LensScore, lens_terms, score_lenses, simplest
@@ -50,9 +51,6 @@ from .plane_views import (
     start_planes,
     zoomed,
 )
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 FEWEST, FEWEST_OF_MANY = 15, 8
 MOST_KEPT = 0.7

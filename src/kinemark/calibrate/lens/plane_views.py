@@ -36,10 +36,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...data import Camera
+from ...data.array_types import Bools, Floats
 from ...geometry import parameter_jacobian, project
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 SHARED = 9
 POSE = 6

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Rig
+from ...data.array_types import Floats
 from ..control_points.judgement import Judgement
-
-Array = NDArray[np.float64]
 
 FALLBACK_SD = 0.2
 """px; a centroid's, where a calibration says nothing of its residuals."""
@@ -19,7 +18,7 @@ LEAST_SD = 0.01
 """px; no camera model is truer than this."""
 
 
-def _none(*shape: int) -> Array:
+def _none(*shape: int) -> Floats:
     return np.full(shape, np.nan)
 
 
@@ -56,17 +55,17 @@ class Evidence:
 
     way: str
     names: tuple[str, ...] = ()
-    xyz: Array = field(default_factory=lambda: _none(0, 3))
-    uv: Array = field(default_factory=lambda: _none(0, 0, 2))
-    residual: Array = field(default_factory=lambda: _none(0, 0, 2))
+    xyz: Floats = field(default_factory=lambda: _none(0, 3))
+    uv: Floats = field(default_factory=lambda: _none(0, 0, 2))
+    residual: Floats = field(default_factory=lambda: _none(0, 0, 2))
     kept: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
-    left_out: Array = field(default_factory=lambda: _none(0, 0))
-    left_out_mm: Array = field(default_factory=lambda: _none(0))
-    known: Array = field(default_factory=lambda: _none(0))
-    lengths: Array = field(default_factory=lambda: _none(0, 0))
-    place: Array = field(default_factory=lambda: _none(0, 3))
+    left_out: Floats = field(default_factory=lambda: _none(0, 0))
+    left_out_mm: Floats = field(default_factory=lambda: _none(0))
+    known: Floats = field(default_factory=lambda: _none(0))
+    lengths: Floats = field(default_factory=lambda: _none(0, 0))
+    place: Floats = field(default_factory=lambda: _none(0, 3))
     checks: tuple[Check, ...] = ()
-    joint: Array | None = None
+    joint: Floats | None = None
     freedom: int = 0
     straight: tuple[tuple[str, float, float], ...] = ()
     judged: Judgement | None = None

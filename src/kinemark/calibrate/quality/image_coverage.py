@@ -14,14 +14,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, Delaunay, QhullError
 
 from ...data import Camera, Rig
+from ...data.array_types import Floats
 from ...geometry import parameter_jacobian, project, rays, to_camera
 from .predicted_covariance import visible
-
-Array = NDArray[np.float64]
 
 COLUMNS, ROWS = 16, 12
 """Places of the map of (1) over an image."""
@@ -37,16 +35,16 @@ class ImageCoverage(NamedTuple):
     """
 
     points: int
-    hull: Array
+    hull: Floats
     image_share: float
     volume_share: float
-    u: Array
-    v: Array
-    aim: Array
-    aim_volume: Array
+    u: Floats
+    v: Floats
+    aim: Floats
+    aim_volume: Floats
 
 
-def image_coverage(camera: Camera, uv: Array, xyz: Array) -> ImageCoverage:
+def image_coverage(camera: Camera, uv: Floats, xyz: Floats) -> ImageCoverage:
     """What points at (N, 2) px, NaN unseen, tell of the image of a camera, for a control volume of places (M, 3) mm."""
     uv = uv[np.isfinite(uv).all(1)]
     places = xyz[visible(Rig((camera,)), xyz)[0]]
@@ -70,7 +68,7 @@ def image_coverage(camera: Camera, uv: Array, xyz: Array) -> ImageCoverage:
     )
 
 
-def hull_of(uv: Array) -> Array:
+def hull_of(uv: Floats) -> Floats:
     """(h, 2) px the corners of the convex hull of points (N, 2); none where they span no area."""
     try:
         return np.asarray(uv[ConvexHull(uv).vertices]) if len(uv) > 2 else np.zeros((0, 2))
@@ -78,20 +76,20 @@ def hull_of(uv: Array) -> Array:
         return np.zeros((0, 2))
 
 
-def share_within(hull: Array, uv: Array) -> float:
+def share_within(hull: Floats, uv: Floats) -> float:
     """Share of points (M, 2) px within a convex hull (h, 2); NaN without points."""
     if not len(uv):
         return float("nan")
     return float((Delaunay(hull).find_simplex(uv) >= 0).mean()) if len(hull) else 0.0
 
 
-def at_depth(camera: Camera, uv: Array, depth: float) -> Array:
+def at_depth(camera: Camera, uv: Floats, depth: float) -> Floats:
     """(…, 3) mm what is seen at pixels (…, 2) so far along the camera's axis; NaN where the lens has no inverse."""
     ahead = rays(camera, uv)
     return camera.centre + ahead * (depth / np.maximum(ahead @ camera.R[2], 1e-3))[..., None]
 
 
-def aim_deviation(camera: Camera, xyz: Array) -> Array:
+def aim_deviation(camera: Camera, xyz: Floats) -> Floats:
     """(…) px by (1) of the images of places (…, 3) mm; NaN where the camera states no covariance."""
     T = parameter_jacobian(camera, xyz)
     cov = T @ camera.cov @ np.swapaxes(T, -1, -2)

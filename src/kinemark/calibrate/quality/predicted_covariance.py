@@ -31,14 +31,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import PARAMETERS, Camera, Rig
+from ...data.array_types import Bools, Floats
 from ...geometry import parameter_jacobian, point_jacobian, project, undistort
 from ...geometry.triangulate import inverse3
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 FOLDED = 1e-3  # px; further than this from its own image, a point is on the far side of a lens term's fold
 
@@ -49,20 +46,20 @@ class CameraViews(NamedTuple):
     information: (C, N, 3, 3) Jᵀ W J, 1/mm²; noise: (C, N, 3, 3) s² Jᵀ W² J; pull: (C, N, 3, 15) Jᵀ W T; seen: (C, N).
     """
 
-    information: Array
-    noise: Array
-    pull: Array
-    seen: Mask
+    information: Floats
+    noise: Floats
+    pull: Floats
+    seen: Bools
 
 
-def visible(rig: Rig, xyz: Array) -> Mask:
+def visible(rig: Rig, xyz: Floats) -> Bools:
     """(C, N) whether each camera has each place (N, 3) mm in its image; an image of unknown size has no edges."""
     return np.stack([_in_image(camera, xyz) for camera in rig]) if len(rig) else np.zeros((0, len(xyz)), np.bool_)
 
 
-def _in_image(camera: Camera, xyz: Array) -> Mask:
+def _in_image(camera: Camera, xyz: Floats) -> Bools:
     uv = project(camera, xyz)
-    inside: Mask = np.asarray(np.isfinite(uv).all(1), np.bool_)
+    inside: Bools = np.asarray(np.isfinite(uv).all(1), np.bool_)
     if (camera.size > 0).all():
         inside &= (uv > -0.5).all(1) & (uv < camera.size - 0.5).all(1)
     ideal = project(_without_lens(camera), xyz[inside])
@@ -74,7 +71,7 @@ def _without_lens(camera: Camera) -> Camera:
     return Camera(camera.name, camera.size, camera.K, camera.R, camera.t)
 
 
-def views(rig: Rig, xyz: Array, *, centroid_sd: float) -> CameraViews:
+def views(rig: Rig, xyz: Floats, *, centroid_sd: float) -> CameraViews:
     """The parts of (2) and (3) of every camera at places (N, 3) mm, for centroids of `centroid_sd` px."""
     c, n = len(rig), len(xyz)
     information, noise, pull = np.zeros((c, n, 3, 3)), np.zeros((c, n, 3, 3)), np.zeros((c, n, 3, len(PARAMETERS)))
@@ -89,7 +86,7 @@ def views(rig: Rig, xyz: Array, *, centroid_sd: float) -> CameraViews:
     return CameraViews(information, noise, pull, seen)
 
 
-def covariance_from(said: CameraViews, joint: Array, *, without: Sequence[int] = ()) -> Array:
+def covariance_from(said: CameraViews, joint: Floats, *, without: Sequence[int] = ()) -> Floats:
     """(N, 3, 3) mm² by (3); NaN where fewer than two cameras remain."""
     left = np.array([c not in without for c in range(len(said.seen))], np.bool_)
     information = inverse3(said.information[left].sum(0))
@@ -99,8 +96,8 @@ def covariance_from(said: CameraViews, joint: Array, *, without: Sequence[int] =
 
 
 def predicted_covariance(
-    rig: Rig, xyz: Array, *, centroid_sd: float, joint: Array | None = None, without: Sequence[int] = ()
-) -> Array:
+    rig: Rig, xyz: Floats, *, centroid_sd: float, joint: Floats | None = None, without: Sequence[int] = ()
+) -> Floats:
     """Covariance (N, 3, 3) mm² of a marker reconstructed at places (N, 3) mm from all cameras that see them.
 
     Args:
@@ -123,7 +120,7 @@ def predicted_covariance(
     return covariance_from(views(rig, xyz, centroid_sd=centroid_sd), joint, without=without)
 
 
-def block_diagonal(rig: Rig) -> Array:
+def block_diagonal(rig: Rig) -> Floats:
     """(15 C, 15 C) of the cameras' own covariances, with zeros between cameras."""
     p = len(PARAMETERS)
     joint = np.zeros((p * len(rig), p * len(rig)))
@@ -132,7 +129,7 @@ def block_diagonal(rig: Rig) -> Array:
     return joint
 
 
-def apart_from_frame(rig: Rig, joint: Array, xyz: Array, *, centroid_sd: float) -> Array:
+def apart_from_frame(rig: Rig, joint: Floats, xyz: Floats, *, centroid_sd: float) -> Floats:
     """The joint covariance (15 C, 15 C) without what a turn and shift of the whole world explain at xyz (N, 3), by (5).
 
     Places that fewer than two cameras see do not count.
@@ -147,14 +144,14 @@ def apart_from_frame(rig: Rig, joint: Array, xyz: Array, *, centroid_sd: float) 
     return S @ joint @ S.T  # (5)
 
 
-def _turned(xyz: Array) -> Array:
+def _turned(xyz: Floats) -> Floats:
     """d (ω × X) / d ω, (N, 3, 3)."""
     x, y, z = xyz.T
     zero = np.zeros_like(x)
     return np.stack([np.stack([zero, z, -y], -1), np.stack([-z, zero, x], -1), np.stack([y, -x, zero], -1)], -2)
 
 
-def _moves(rig: Rig) -> Array:
+def _moves(rig: Rig) -> Floats:
     """(15 C, 6) how all parameters change with a turn and a shift of the world, by (4)."""
     H = np.zeros((len(rig), len(PARAMETERS), 6))
     turn, place = PARAMETERS.index("rx"), PARAMETERS.index("tx")

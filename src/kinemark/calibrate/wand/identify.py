@@ -19,11 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...data import Detections, KinemarkError
+from ...data.array_types import Floats
 from .ends import FEWEST as FEWEST_SHARED
 from .ends import agreed_ends
 from .rows import read_rows
-
-Array = NDArray[np.float64]
 
 STILL = 0.15
 STILL_FRAMES = 10
@@ -49,7 +48,7 @@ class Wanted(NamedTuple):
     still: NDArray[np.int64]
 
 
-def wand_points(detections: Detections, *, lengths: ArrayLike) -> tuple[Array, Array]:
+def wand_points(detections: Detections, *, lengths: ArrayLike) -> tuple[Floats, Floats]:
     """The markers of a wand, as all cameras see it over F frames.
 
     Args:
@@ -69,7 +68,7 @@ def wand_points(detections: Detections, *, lengths: ArrayLike) -> tuple[Array, A
     return at_rows(detections, rows)
 
 
-def marker_places(lengths: ArrayLike) -> Array:
+def marker_places(lengths: ArrayLike) -> Floats:
     """(K) places of the markers along the wand, mm, from its gaps (K − 1)."""
     gaps = np.asarray(lengths, np.float64).reshape(-1)
     if not 1 <= len(gaps) <= 3 or not (np.isfinite(gaps).all() and (gaps > 0).all()):
@@ -77,7 +76,7 @@ def marker_places(lengths: ArrayLike) -> Array:
     return np.concatenate([[0.0], np.cumsum(gaps)])
 
 
-def at_rows(detections: Detections, rows: NDArray[np.int64]) -> tuple[Array, Array]:
+def at_rows(detections: Detections, rows: NDArray[np.int64]) -> tuple[Floats, Floats]:
     """uv (…, 2) and cov (…, 2, 2) of rows (…), NaN where a row is −1."""
     seen = rows >= 0
     uv = np.where(seen[..., None], detections.uv[rows], np.nan)
@@ -97,7 +96,7 @@ def wanted(detections: Detections) -> Wanted:
     return Wanted(use, crowded.sum(1), np.bincount(camera[still], minlength=len(counts)))
 
 
-def identify_wand(detections: Detections, want: Wanted, along: Array) -> NDArray[np.int64]:
+def identify_wand(detections: Detections, want: Wanted, along: Floats) -> NDArray[np.int64]:
     """Steps 3 and 4: the row of each marker (C, F, K), −1 where not seen; errors as in `points`."""
     rows = np.full((len(detections.cameras), detections.n_frames, len(along)), -1, np.int64)
     lead, ratio = np.zeros(rows.shape[:2]), np.full(rows.shape[:2], np.nan)
@@ -133,8 +132,8 @@ def _standing(detections: Detections, use: NDArray[np.bool_]) -> NDArray[np.bool
 
 
 def _read_camera(
-    detections: Detections, use: NDArray[np.bool_], c: int, along: Array
-) -> tuple[NDArray[np.int64], Array, Array]:
+    detections: Detections, use: NDArray[np.bool_], c: int, along: Floats
+) -> tuple[NDArray[np.int64], Floats, Floats]:
     """Rows (F, K), lead (F) and ratio (F) of one camera, all images with equally many points at once."""
     K, first, stop = len(along), detections.start[c, 0], detections.start[c, -1]
     mine = first + np.flatnonzero(use[first:stop])
@@ -151,7 +150,7 @@ def _read_camera(
     return rows, lead, ratio
 
 
-def _check_gaps(ratio: Array, along: Array) -> None:
+def _check_gaps(ratio: Floats, along: Floats) -> None:
     """The gaps in the images are, on the median, in the proportion that they have on the wand."""
     seen = ratio[np.isfinite(ratio)]
     gaps = np.diff(along)

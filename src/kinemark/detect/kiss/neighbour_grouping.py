@@ -25,7 +25,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from .pixel_groups import Floats, Ints, KissGroups, Rectangles, numbered, rectangles, separated
+from ...data.array_types import Floats, Ints
+from .pixel_groups import KissGroups, Rectangles, numbered, rectangles, separated
 
 
 def neighbour_groups(y: Ints, x: Ints, *, neighbourhood: int, height: int, width: int) -> KissGroups:

@@ -43,7 +43,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .pixel_groups import Floats, Ints, KissGroups, Rectangles, rectangles, separated, white_pixels
+from ...data.array_types import Floats, Ints
+from .pixel_groups import KissGroups, Rectangles, rectangles, separated, white_pixels
 
 
 class WhiteRows(NamedTuple):

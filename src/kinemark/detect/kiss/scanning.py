@@ -26,8 +26,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Ints
 from ..runs import Runs
-from .pixel_groups import Ints, KissGroups, numbered
+from .pixel_groups import KissGroups, numbered
 
 
 def preliminary_groups(runs: Runs, *, near_x: float, near_y: int, height: int, width: int) -> KissGroups:

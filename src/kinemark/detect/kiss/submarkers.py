@@ -16,7 +16,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .pixel_groups import Ints, KissGroups, Rectangles, numbered, rectangles, white_pixels
+from ...data.array_types import Ints
+from .pixel_groups import KissGroups, Rectangles, numbered, rectangles, white_pixels
 
 
 def merge_sub_markers(

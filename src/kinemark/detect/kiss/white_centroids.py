@@ -32,7 +32,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .pixel_groups import Floats, KissGroups, rectangles, white_pixels
+from ...data.array_types import Floats
+from .pixel_groups import KissGroups, rectangles, white_pixels
 from .white import pixels_of
 
 SHARE = 0.035

@@ -13,6 +13,7 @@ from ...calibrate.control_frame import control_frame_quality
 from ...calibrate.control_points import ControlFit, control_point_quality, judge_control_points
 from ...calibrate.quality import Evidence
 from ...data import KinemarkError, Rig
+from ...data.array_types import Floats
 from ...geometry import camera_from_dlt
 from ...io.control_points import read_control_points
 from ...io.dlt_csv import read_dlt_csv
@@ -25,7 +26,6 @@ from ..settings import DigitisedPoints, TargetRecording
 from .lens_grids import Lenses, lenses_of
 from .task import Made, Task
 
-Array = NDArray[np.float64]
 MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 
 
@@ -112,9 +112,9 @@ class Pointed(NamedTuple):
     """Control points as an operator pointed at them: names (N), uv (C, N, 2), xyz (N, 3), cov, sizes (C, 2)."""
 
     names: tuple[str, ...]
-    uv: Array
-    xyz: Array
-    cov: Array | None
+    uv: Floats
+    xyz: Floats
+    cov: Floats | None
     sizes: NDArray[np.int64]
 
 

@@ -13,11 +13,10 @@ from ...calibrate.quality.calibration_evidence import Evidence
 from ...calibrate.quality.wand import LeftOutPoses, image_errors, judge_poses, seen_by
 from ...calibrate.wand import calibrate_wand
 from ...data import Detections, KinemarkError
+from ...data.array_types import Floats
 from .lens_grids import Lenses, lenses_of
 from .task import Made, Task
 from .world_placement import placed_in_world
-
-Array = NDArray[np.float64]
 
 FEWEST_FRAMES = 20
 """In which two cameras each see one marker."""
@@ -27,7 +26,7 @@ class FittedRig(NamedTuple):
     """A bundle in a world of its own; along (K) mm of the stick, (1) for a marker; how poses left out judge it."""
 
     fit: BundleFit
-    along: Array
+    along: Floats
     judged: LeftOutPoses
     lenses: Lenses
 
@@ -77,7 +76,7 @@ def _check_sizes(sizes: NDArray[np.int64]) -> None:
         )
 
 
-def _single(detections: Detections) -> tuple[Array, Array]:
+def _single(detections: Detections) -> tuple[Floats, Floats]:
     """Where each camera sees the one marker of a frame, (C, F, 2) px, NaN where it sees none or more; covariance."""
     rows = np.flatnonzero(detections.valid)
     c, f = detections.camera[rows], detections.frame[rows]

@@ -5,19 +5,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...calibrate.lens.chessboard import find_corners
 from ...calibrate.lens.dot_grid import order_grid, part_of_grid
 from ...calibrate.lens.linearisation import GridView, LensFit, Linearisation, linearise
 from ...data import Camera, Detections, KinemarkError
+from ...data.array_types import Floats
 from ...io.images import ImageSource
 from ..recordings import open_cameras
 from ..settings import LinearisationGrid, TargetRecording
 from .task import Task
-
-Array = NDArray[np.float64]
-
 
 FEWEST_DOTS = 25
 """In a part of a grid that is used where the whole is not seen."""
@@ -108,7 +105,7 @@ def _part(dots: Detections, f: int, pitch: float) -> GridView | None:
     return GridView(dots.uv[seen], pitch * np.stack([column, row], -1).astype(np.float64), dots.cov[seen])
 
 
-def _ordered(dots: Detections, f: int, columns: int, rows: int) -> tuple[Array, Array | None]:
+def _ordered(dots: Detections, f: int, columns: int, rows: int) -> tuple[Floats, Floats | None]:
     """The dots of one image as points of the grid (N, 2) px, NaN where missing, and their covariance."""
     here = np.arange(len(dots))[dots.rows(0, f)]
     here = here[dots.valid[here]]

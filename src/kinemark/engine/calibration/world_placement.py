@@ -5,20 +5,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...calibrate.bundle import BundleFit
 from ...calibrate.quality import Check
 from ...calibrate.world_frame import fit_moved_to, fit_scaled, l_frame
 from ...data import Detections, KinemarkError, Rig
+from ...data.array_types import Floats
 from ...geometry import triangulate, undistort
 from ...match import EpipolarTriplets, match
 from ...reconstruct import LeastSquares, reconstruct
 from ..settings import Distance, LFrame
 from .from_known_points import digitised
 from .task import Task
-
-Array = NDArray[np.float64]
 
 TOLERANCE = 0.05
 """How far an L-frame's distances may be from what they should be, as a share of the longest; smaller ones are said."""
@@ -73,7 +71,7 @@ def _apart(task: Task, rig: Rig, way: Distance) -> float:
     return float(np.linalg.norm(xyz[1] - xyz[0]))
 
 
-def _l_frame(task: Task, rig: Rig, way: LFrame, unscaled: bool) -> tuple[Array, Array]:
+def _l_frame(task: Task, rig: Rig, way: LFrame, unscaled: bool) -> tuple[Floats, Floats]:
     """The L-frame's markers as found and as known, (3, 3) mm each."""
     xyz = _markers(task.look(way, "world").detections, rig)
     try:
@@ -88,7 +86,7 @@ def _l_frame(task: Task, rig: Rig, way: LFrame, unscaled: bool) -> tuple[Array, 
     return xyz[its][order], known[its][order]
 
 
-def _world_points(task: Task, rig: Rig) -> tuple[str, Array, Array]:
+def _world_points(task: Task, rig: Rig) -> tuple[str, Floats, Floats]:
     """Control points in words, where the rig sees them and where they are, (M, 3) mm."""
     way = task.settings.calibration.world_points
     assert way is not None
@@ -103,14 +101,14 @@ def _world_points(task: Task, rig: Rig) -> tuple[str, Array, Array]:
     return f"From {points.names[first]} to {points.names[last]}", seen[good], points.xyz[good]
 
 
-def _checks(what: str, seen: Array, known: Array) -> tuple[Check, ...]:
+def _checks(what: str, seen: Floats, known: Floats) -> tuple[Check, ...]:
     """The longest distance from the first point, as measured in the laboratory and as the rig has it."""
     apart = np.linalg.norm(known - known[0], axis=1)
     n = int(apart.argmax())
     return (Check(what, float(apart[n]), float(np.linalg.norm(seen[n] - seen[0]))),)
 
 
-def _markers(detections: Detections, rig: Rig) -> Array:
+def _markers(detections: Detections, rig: Rig) -> Floats:
     """The markers (n, 3) of the first frame in which any are reconstructed."""
     one = detections.frames(0, 1)
     matches = match(one, rig, method=EpipolarTriplets(pairs="best"))

@@ -20,7 +20,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import nnls
 
-from ..marker_array import Floats, Prediction
+from ...data.array_types import Floats
+from ..marker_array import Prediction
 from .hold_out import Candidate
 
 CLOSE = 2.0

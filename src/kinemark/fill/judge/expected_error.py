@@ -50,7 +50,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import stdtrit
 
-from ..marker_array import Floats, Gap, Prediction
+from ...data.array_types import Floats
+from ..marker_array import Gap, Prediction
 from .hold_out import Candidate, HoldOutGap
 
 SPREAD = 0.5

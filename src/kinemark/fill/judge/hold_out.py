@@ -27,7 +27,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..marker_array import Floats, Gap, MarkerArray, Prediction
+from ...data.array_types import Floats
+from ..marker_array import Gap, MarkerArray, Prediction
 
 Filler = Callable[..., list[Prediction]]
 SHARE = 0.1

@@ -41,11 +41,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Floats, Ints
 from ..jumping_markers import JumpingMarkers
-from ..marker_array import Floats, Gap, MarkerArray, Prediction
+from ..marker_array import Gap, MarkerArray, Prediction
 from ..mirrored_markers import partners
 from ..reference_ranking import Ranks
-from .kriging import ORDERS, FramePairs, Hyper, Ints, fit, left_out, predict
+from .kriging import ORDERS, FramePairs, Hyper, fit, left_out, predict
 from .training_frames import FEWEST, TrainingFrames, View, pairs_of, scene_of, view_of
 
 FIRSTS = 4

@@ -25,9 +25,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
+from ...data.array_types import Floats, Ints
 from ...data.arrays import check_positive
-from ..known_samples import Ints, KnownSamples, Span
-from ..marker_array import Floats, Gap, MarkerArray, Prediction
+from ..known_samples import KnownSamples, Span
+from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 
 FINE = 1500

@@ -30,12 +30,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Floats
 from ...data.arrays import check_positive
 from ...signal.kalman import KalmanState, predict, start, update
 from ...signal.smoother import Inside, jump_of, noise_of, predict_gaps, smooth_gaps
 from ..marker_array import Gap, MarkerArray, Prediction
-
-Floats = NDArray[np.float64]
 
 FEWEST = 3
 """Samples that a state of position, velocity and acceleration needs."""

@@ -27,12 +27,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dtrtrs
 
-from ..marker_array import Floats
+from ...data.array_types import Floats, Ints
 
-Ints = NDArray[np.int64]
 ORDERS = (1.5, 3.5)
 
 

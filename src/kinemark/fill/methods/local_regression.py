@@ -21,9 +21,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Floats
 from ..jumping_markers import JumpingMarkers
 from ..local_frames import local, triad
-from ..marker_array import Floats, Gap, MarkerArray, Prediction
+from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_ranking import FEWEST, Ranks
 
 MOST = 400

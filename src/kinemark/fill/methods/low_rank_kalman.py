@@ -32,9 +32,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.fft import dst
 
+from ...data.array_types import Bools, Floats, Ints
 from ...data.arrays import check_positive
-from ..known_samples import Bools, Ints, KnownSamples, Span
-from ..marker_array import Floats, Gap, MarkerArray, Prediction
+from ..known_samples import KnownSamples, Span
+from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 from .neighbourhood import Neighbourhood, columns, neighbourhood
 

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..known_samples import Ints, KnownSamples
-from ..marker_array import Floats
+from ...data.array_types import Floats, Ints
+from ..known_samples import KnownSamples
 
 
 class Neighbourhood(NamedTuple):

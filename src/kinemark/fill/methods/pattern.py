@@ -16,8 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...data.array_types import Floats
 from ..known_samples import KnownSamples, Span
-from ..marker_array import Floats, Gap, MarkerArray, Prediction
+from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import bowed, covariance, mean_square, rounded, triples
 
 

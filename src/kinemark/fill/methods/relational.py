@@ -18,8 +18,9 @@ from itertools import combinations
 
 import numpy as np
 
-from ..known_samples import Ints, KnownSamples, Span
-from ..marker_array import Floats, Gap, MarkerArray, Prediction
+from ...data.array_types import Floats, Ints
+from ..known_samples import KnownSamples, Span
+from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, bowed, covariance, distances, mean_square, nearest, rounded, triples
 
 POOL = 5

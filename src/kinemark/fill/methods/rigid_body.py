@@ -22,9 +22,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry import nearest_rotations, rigid_poses
-from ..known_samples import Bools, Ints, KnownSamples, Span, pieces
-from ..marker_array import Floats, Gap, MarkerArray, Prediction
+from ..known_samples import KnownSamples, Span, pieces
+from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 from ..residual_bridge import Leftover, bridge
 from ..static_shape import StaticShape

@@ -19,10 +19,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Floats, Ints
 from ..local_frames import local, triad
-from ..marker_array import Floats, Gap, MarkerArray
+from ..marker_array import Gap, MarkerArray
 from ..mirrored_markers import REFLECTED
-from .kriging import FramePairs, Ints
+from .kriging import FramePairs
 
 FEWEST = 8
 """Frames to learn from, at least."""

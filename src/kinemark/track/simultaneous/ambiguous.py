@@ -21,7 +21,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...data import Detections, Rig, Tracks
-from .kalman_states import Bools, Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from .passes import Associations
 from .simultaneous_method import DEFAULT, Simultaneous
 from .stitch import CLEAR

@@ -30,9 +30,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from ...data.array_types import Bools, Floats, Ints
 from .compiled import library
 from .detection_index import Images
-from .kalman_states import Bools, Floats, Ints, KalmanStates
+from .kalman_states import KalmanStates
 
 IN_ROW = 1.15
 """(n − 1)/√n for three discs in a row."""

@@ -16,11 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry import fundamental, solve3
 from .associate import candidates, predict_images
 from .compiled import library
 from .detection_index import Images
-from .kalman_states import Bools, Floats, Ints, KalmanStates, inverse
+from .kalman_states import KalmanStates, inverse
 
 AT_ONCE = 4000
 """Images of all frames that are paired in one go: fewer waste time on overhead, more take memory."""

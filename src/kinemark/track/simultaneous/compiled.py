@@ -12,16 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...compiled import at, floats, ints, loaded, opened, plain, size
+from ...data.array_types import Bools, Floats, Ints
 
 if TYPE_CHECKING:
     from .detection_index import Images
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 VERSION = 1  # as in kernel.c
 

@@ -21,8 +21,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data import Camera, Detections, Rig
+from ...data.array_types import Bools, Floats, Ints
 from ...geometry import parameter_jacobian, undistort
-from .kalman_states import Bools, Floats, Ints
 
 USUAL_SD = 0.2
 """px, of centroids of which nobody knows the noise."""

@@ -16,9 +16,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data import Detections, Rig
+from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
 from .detection_index import Images
-from .kalman_states import Bools, Floats, Ints, KalmanStates
+from .kalman_states import KalmanStates
 from .measurement_noise import DEAF, FAR
 from .time_offsets import TimeOffsets, time_offsets
 from .tracker import TrackingResult

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .kalman_states import Bools, Floats
+from ...data.array_types import Bools, Floats
 from .passes import Associations
 
 TAILS = 4.0

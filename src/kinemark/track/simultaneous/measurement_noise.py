@@ -21,10 +21,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...data.array_types import Floats, Ints
 from .associate import predict_images
 from .candidate_points import CandidatePoints, groups_of, placed
 from .detection_index import LEAST_SD, Images
-from .kalman_states import Floats, Ints, KalmanStates
+from .kalman_states import KalmanStates
 
 LOOSE = 0.4
 """px"""

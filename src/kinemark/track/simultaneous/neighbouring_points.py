@@ -17,7 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .kalman_states import Bools, Floats, Ints, KalmanStates, ahead, at_rest, inverse, reversed_time, told
+from ...data.array_types import Bools, Floats, Ints
+from .kalman_states import KalmanStates, ahead, at_rest, inverse, reversed_time, told
 from .simultaneous_method import Simultaneous
 
 LOOK = 8

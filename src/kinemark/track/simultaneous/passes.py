@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Bools, Floats, Ints
 from .associate import Association, PredictedImages, associate, information, predict_images, share
 from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
 from .initiate import initiate
-from .kalman_states import Bools, Floats, Ints, KalmanStates, ahead, at_rest, inverse, told
+from .kalman_states import KalmanStates, ahead, at_rest, inverse, told
 from .simultaneous_method import Simultaneous
 
 LANES = 8

@@ -19,10 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...data.array_types import Bools, Ints
 from .associate import associate, information, predict_images
 from .candidate_points import placed
 from .detection_index import Images
-from .kalman_states import Bools, Ints, KalmanStates, ahead, inverse, reversed_time, told
+from .kalman_states import KalmanStates, ahead, inverse, reversed_time, told
 from .neighbouring_points import TrackPoints, between, motion_from, rows_near, rows_of
 from .passes import without_loose
 from .simultaneous_method import Simultaneous

@@ -26,7 +26,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from .kalman_states import Floats, Ints, KalmanStates, ahead, reversed_time
+from ...data.array_types import Floats, Ints
+from .kalman_states import KalmanStates, ahead, reversed_time
 from .neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of
 from .simultaneous_method import Simultaneous
 

@@ -23,8 +23,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...data.array_types import Floats, Ints
 from .associate import predict_images
-from .kalman_states import Floats, Ints, KalmanStates
+from .kalman_states import KalmanStates
 from .tracker import TrackingResult
 
 PARTS = 10

@@ -20,10 +20,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data import Cloud, Detections, Matches, Rig, Tracks
+from ...data.array_types import Bools, Floats, Ints
 from ...reconstruct import LeastSquares, located, wanted
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
-from .kalman_states import Bools, Floats, Ints
 from .likelihood import SURE, evidence, says
 from .measurement_noise import Noise, learned
 from .neighbouring_points import TrackPoints, smoothed

@@ -28,11 +28,8 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from ...data.array_types import Bools, Floats, Ints
 
 
 class Constraint(IntEnum):

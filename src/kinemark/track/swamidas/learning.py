@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Cloud
+from ...data.array_types import Floats, Ints
 from .parameters import SENSORS, Swamidas
 from .segments import LearnedSegments, learn_segments, no_segments
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(slots=True)

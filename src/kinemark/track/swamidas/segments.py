@@ -21,10 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Bools, Floats
 from ...geometry.rigid_pairs import distances, spanning_links
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 
 class LearnedSegments(NamedTuple):

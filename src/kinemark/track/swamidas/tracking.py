@@ -12,14 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Cloud, Tracks
+from ...data.array_types import Floats, Ints
 from .active import ActiveSwamidasTracks, advance, begin, expect, none
 from .constraints import Constraint, PredictedPoints, match_points
 from .learning import Knowledge, before_learning
 from .parameters import DEFAULT, Swamidas
 from .segments import allowed_points
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 BEGINNING = 3  # frames with points in which tracks begin where begin = "first": the first three measurements
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Cloud, Detections, KinemarkError, Rig, Tracks
 from ...data.arrays import check_positive
@@ -19,8 +18,6 @@ from ...geometry import distort, refine, triangulate, undistort
 from ...reconstruct.least_squares import FALLBACK_SD
 from .image_paths import Paths, paths_of
 from .paired_paths import Paired, paired, residuals, unbranched
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,10 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Floats, Ints
 from ...signal import assign_nearest, weights
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FAR = 1e9
 """px: no limit."""

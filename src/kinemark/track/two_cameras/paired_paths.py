@@ -35,13 +35,10 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...data.array_types import Floats, Ints
 from ...signal import assign_nearest
 from .image_paths import FAR, Paths
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class Paired(NamedTuple):

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....data import Camera, KinemarkError
+from ....data.array_types import Floats
 from ..parts import FreePoints, Part, all_points, complete, sticks_through, supported
 from ..robust import solve_softly
 from ..robust_points import robust_points
@@ -26,8 +27,6 @@ from .rough_resection import alike, resected, rough_freedom
 from .seeds import Seed, known_focus_seed, point_seeds, stick_seeds
 from .unknown_optics import UnknownOptics
 from .view_pairs import FEWEST_COMMON, Pair, common_points, find_pairs
-
-Array = NDArray[np.float64]
 
 PIECES = 120
 PAIRS = 6
@@ -43,8 +42,8 @@ class TargetViews(NamedTuple):
     """What the cameras see: optics (C); uv (C, N, 2) px; along (K) mm of a stick, or None for single points."""
 
     optics: list[UnknownOptics]
-    uv: Array
-    along: Array | None
+    uv: Floats
+    along: Floats | None
 
     @property
     def markers(self) -> int:
@@ -52,7 +51,7 @@ class TargetViews(NamedTuple):
         return 1 if self.along is None else len(self.along)
 
     @property
-    def poses(self) -> Array:
+    def poses(self) -> Floats:
         """uv (C, F, K, 2)."""
         return self.uv.reshape(len(self.uv), -1, self.markers, 2)
 
@@ -192,7 +191,7 @@ def _part(views: TargetViews, cameras: dict[int, Camera]) -> Part:
     return type(sticks)(np.where(wrong[:, None], np.nan, sticks.middle), sticks.ahead, sticks.along)
 
 
-def _some_pieces(part: Part, uv: Array) -> NDArray[np.int64]:
+def _some_pieces(part: Part, uv: Floats) -> NDArray[np.int64]:
     """At most `PIECES` of those that are supported, evenly."""
     n, K = part.xyz.shape[:2]
     good = np.flatnonzero(supported((part,), complete(uv)).any(0).reshape(n, K).any(1))

@@ -9,17 +9,15 @@ linear in t (1). Then pose, and pose with focal length and k1, by robust least s
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....data import Camera, KinemarkError
+from ....data.array_types import Floats
 from ....geometry import decompose
 from ..parts import Held, complete
 from ..robust import solve_softly
 from ..solver import BundleState, Freedom, ImageObservations
 from .seeds import projections
 from .unknown_optics import UnknownOptics
-
-Array = NDArray[np.float64]
 
 FOCUS = (0.3, 6.0)
 """Least and greatest focal length that is believed, in image widths."""
@@ -35,12 +33,12 @@ def rough_freedom(optics: UnknownOptics, *, focus_held: bool = False) -> Freedom
     return Freedom(free, True, optics.lens)
 
 
-def alike(uv: Array) -> ImageObservations:
+def alike(uv: Floats) -> ImageObservations:
     """Points (C, N, 2) that all weigh the same."""
     return ImageObservations(uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)), complete(uv))
 
 
-def resected(optics: UnknownOptics, xyz: Array, uv: Array) -> Camera:
+def resected(optics: UnknownOptics, xyz: Floats, uv: Floats) -> Camera:
     """A camera from points (n, 3) that it sees at (n, 2), some of them wrong."""
     f0 = float(optics.camera.size.max())
     P = _robust_projection(xyz, optics.ideal(uv) / f0)
@@ -55,7 +53,7 @@ def resected(optics: UnknownOptics, xyz: Array, uv: Array) -> Camera:
     return state.cameras[0]
 
 
-def _translation(R: Array, xyz: Array, xy: Array) -> Array:
+def _translation(R: Floats, xyz: Floats, xy: Floats) -> Floats:
     """t (3) from x × (R X + t) = 0, each point weighed down as it fits badly."""
     y = xyz @ R.T
     rows = np.zeros((len(xyz), 2, 3))
@@ -70,7 +68,7 @@ def _translation(R: Array, xyz: Array, xy: Array) -> Array:
     return np.asarray(t)
 
 
-def _robust_projection(xyz: Array, xy: Array, *, trials: int = 60, sample: int = 9) -> Array:
+def _robust_projection(xyz: Floats, xy: Floats, *, trials: int = 60, sample: int = 9) -> Floats:
     """(3, 4) the DLT of a sample of points with the least median distance, fitted again to what is near."""
     rng = np.random.default_rng(0)
     rows = np.argsort(rng.random((trials, len(xyz))), axis=1)[:, : min(sample, len(xyz))]
@@ -84,7 +82,7 @@ def _robust_projection(xyz: Array, xy: Array, *, trials: int = 60, sample: int =
     return np.asarray(P[0])
 
 
-def _misses(P: Array, xyz: Array, xy: Array) -> Array:
+def _misses(P: Floats, xyz: Floats, xy: Floats) -> Floats:
     """(T, n) distances of images (n, 2) from the projections P (T, 3, 4) of points (n, 3)."""
     image = np.concatenate([xyz, np.ones((len(xyz), 1))], 1) @ P.transpose(0, 2, 1)
     depth = np.where(np.abs(image[..., 2:]) > 1e-12, image[..., 2:], 1e-12)

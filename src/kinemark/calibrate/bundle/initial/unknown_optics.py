@@ -20,12 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....data import Camera
+from ....data.array_types import Bools, Floats
 from ....geometry import undistort
 from ....geometry.two_view import fit_fundamental, sampson_distance
 from ..solver import POWERS
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 COMMON = (0.0, -0.05, -0.1, -0.16, -0.24, 0.06)
 STEPS = (0.06, 0.03, 0.015)
@@ -51,7 +49,7 @@ class UnknownOptics(NamedTuple):
         """h of (1), px."""
         return float(np.hypot(*self.camera.size) / 2)
 
-    def ideal(self, uv: Array, bend: float | None = None) -> Array:
+    def ideal(self, uv: Floats, bend: float | None = None) -> Floats:
         """Pixels (…, 2) as px from the centre, of a camera with square pixels and no lens."""
         K = self.camera.K
         d = (undistort(self.camera, uv) if self.lens else uv) - K[:2, 2]
@@ -59,7 +57,7 @@ class UnknownOptics(NamedTuple):
         bend = self.bend if bend is None else bend
         return np.asarray(d / (1 + bend * (d**2).sum(-1, keepdims=True) / self.half**2))  # (1)
 
-    def with_focus(self, f: float, R: Array, t: Array) -> Camera:
+    def with_focus(self, f: float, R: Floats, t: Floats) -> Camera:
         """The camera with a focal length of f px, at R, t."""
         K = self.camera.K.copy()
         ratio = f / K[0, 0]
@@ -77,13 +75,13 @@ def unknown_optics(name: str, size: NDArray[np.int64]) -> UnknownOptics:
     return UnknownOptics(Camera(name, size, K, np.eye(3), np.zeros(3)), 0.0, False)
 
 
-def straightened(optics: list[UnknownOptics], uv: Array, pairs: dict[tuple[int, int], Mask]) -> list[UnknownOptics]:
+def straightened(optics: list[UnknownOptics], uv: Floats, pairs: dict[tuple[int, int], Bools]) -> list[UnknownOptics]:
     """The optics with λ by (3), from pixels uv (C, N, 2) and, for pairs of cameras, which points (N) fit each other."""
     free = [c for c, o in enumerate(optics) if not o.lens]
     chosen = {pair: _thinned(np.flatnonzero(good)) for pair, good in pairs.items()}
     bends = np.array([o.bend for o in optics])
 
-    def misfit(bends: Array, camera: int | None = None) -> float:
+    def misfit(bends: Floats, camera: int | None = None) -> float:
         """(3), of the pairs of one camera."""
         total = 0.0
         for (a, b), rows in chosen.items():

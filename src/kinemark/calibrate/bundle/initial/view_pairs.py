@@ -16,12 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....data import KinemarkError
+from ....data.array_types import Bools, Floats
 from ....geometry.two_view import homogeneous, robust_fundamental, sampson_distance
 from ..parts import complete
 from .unknown_optics import UnknownOptics, straightened
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 FEWEST_COMMON = 24
 FLAT = 0.003
@@ -32,18 +30,18 @@ class Pair(NamedTuple):
 
     a: int
     b: int
-    F: Array
-    good: Mask
+    F: Floats
+    good: Bools
     scale: float
 
 
-def common_points(uv: Array) -> NDArray[np.int64]:
+def common_points(uv: Floats) -> NDArray[np.int64]:
     """(C, C) how many points two cameras both see."""
     seen = complete(uv).astype(np.int64)
     return np.asarray(seen @ seen.T)
 
 
-def find_pairs(optics: list[UnknownOptics], uv: Array, *, seed: int) -> tuple[list[UnknownOptics], list[Pair]]:
+def find_pairs(optics: list[UnknownOptics], uv: Floats, *, seed: int) -> tuple[list[UnknownOptics], list[Pair]]:
     """Cameras whose lines are straightened, and all pairs with enough points in common, most points first.
 
     Raises:
@@ -64,13 +62,13 @@ def find_pairs(optics: list[UnknownOptics], uv: Array, *, seed: int) -> tuple[li
     return optics, pairs
 
 
-def _pair(optics: list[UnknownOptics], uv: Array, a: int, b: int, seed: int) -> Pair:
+def _pair(optics: list[UnknownOptics], uv: Floats, a: int, b: int, seed: int) -> Pair:
     x, y = optics[a].ideal(uv[a]), optics[b].ideal(uv[b])
     F, good = robust_fundamental(x, y, seed=seed)
     return Pair(a, b, F, good, 1.4826 * float(np.median(np.abs(sampson_distance(F, x[good], y[good])))))
 
 
-def flatness(x: Array, y: Array) -> float:
+def flatness(x: Floats, y: Floats) -> float:
     """Median distance, px, of points y (N, 2) from where the best homography takes x (N, 2): small for a plane."""
     size_x, size_y = x.std() or 1.0, y.std() or 1.0
     p, q = homogeneous((x - x.mean(0)) / size_x), homogeneous((y - y.mean(0)) / size_y)

@@ -12,12 +12,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....data.array_types import Floats, Ints
 from ....geometry.rigid_pairs import Distances, distances, rigid_groups, spanning_links
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FEWEST = 10
 """Frames that must have both ends of a segment."""

@@ -11,12 +11,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....data import AngleModel, Events
+from ....data.array_types import Floats
 from ....signal.phase import CyclePhase
-
-Floats = NDArray[np.float64]
 
 FLAT = 2.0
 """Degrees that an angle must range over for its extremes to be events."""

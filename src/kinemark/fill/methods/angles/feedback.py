@@ -46,10 +46,10 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from ....data import AngleModel, KinemarkError
+from ....data.array_types import Bools, Floats
 from ....data.arrays import check_positive
 from ....signal.kalman import KalmanState, predict, start, update, update_position
 from ....signal.smoother import jump_of, noise_of
@@ -59,10 +59,6 @@ from .connect import component_angles
 from .learn import template_of
 from .limb_angles import LimbAngles, fit_model
 from .place import Placer
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int64]
 
 LEAST = 1e-4
 """Variance of a place at least, mm²."""

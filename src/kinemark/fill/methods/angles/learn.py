@@ -23,17 +23,14 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.sparse import csr_array
 
 from ....data import AngleModel, KinemarkError
+from ....data.array_types import Floats, Ints
 from ....signal.periodic import cycle_length
 from ....signal.phase import CyclePhase, CycleTemplate, refine_phase
 from .connect import LinkedSegments, directions
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 STEPS = 100
 """B, percent."""

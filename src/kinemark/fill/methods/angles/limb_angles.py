@@ -27,15 +27,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....data import AngleModel, KinemarkError
+from ....data.array_types import Floats, Ints
 from ....data.arrays import check_positive
 from ....signal.phase import CyclePhase, find_phase
 from ...marker_array import Gap, MarkerArray, Prediction
 from .connect import connect, directions
 from .learn import Learned, learn_model, template_of
 from .place import Placer, Placings, correlation
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 STRANGE = 25.0
 """Mean squared deviation from another trial's model, in its own spreads (at least 0.1), above which the motion is

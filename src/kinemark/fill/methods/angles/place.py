@@ -38,14 +38,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....data import AngleModel
+from ....data.array_types import Bools, Floats, Ints
 from ....geometry import polar_rotations
 from ....signal.phase import CyclePhase, CycleTemplate, information, variance_at
 from ....signal.smoother import noise_of
 from .learn import LONG, CycleInterpolation, columns, telling, template_of, weights
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int64]
 
 SKIN = 3.0
 """σ of (2), mm."""

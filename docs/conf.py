@@ -23,7 +23,6 @@ extensions = [
     "mathml",
     "methods",
     "offline",
-    "validation",
 ]
 exclude_patterns = ["_build", "_ext", "_generated"]
 myst_enable_extensions = ["deflist", "dollarmath"]

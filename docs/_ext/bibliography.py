@@ -30,7 +30,9 @@ def references() -> References:
 def pattern(entry: dict[str, Any]) -> re.Pattern[str]:
     """The first author, others perhaps, and the year."""
     first = re.escape(entry["author"][0].split(",")[0])
-    return re.compile(rf"\b{first}(?:(?:,|\s|&|and\b|et al\.|'s|[A-ZÅÖÜÉØ][\w’-]+|van\b|de\b)*?\s*\(?){entry['year']}\b")
+    return re.compile(
+        rf"\b{first}(?:(?:,|\s|&|and\b|et al\.|'s|[A-ZÅÖÜÉØ][\w’-]+|van\b|de\b)*?\s*\(?){entry['year']}\b"
+    )
 
 
 def text(found: References) -> str:

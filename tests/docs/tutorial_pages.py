@@ -1,8 +1,8 @@
-"""Tutorials as programs: the fenced blocks of a page, run in order, and their output compared with what the page shows.
+"""Tutorials as programs: the fenced blocks of a page, run in order, and their output compared with what it shows.
 
-`console` blocks hold commands after `$ ` and, below each, its output. A `text` block after a `python` block is what that
-prints. In shown output `…` stands for anything, a line of `…` for any lines; words must agree, whole numbers too, and
-numbers with decimals within a third, as noise differs between machines.
+`console` blocks hold commands after `$ ` and, below each, its output. A `text` block after a `python` block is what
+that prints. In shown output `…` stands for anything, a line of `…` for any lines; words must agree, whole numbers too, and
+numbers with decimals within a third, as machines differ.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Iterator
-from glob import glob
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -80,7 +79,7 @@ def run_command(command: str) -> str:
     """
     program, *words = shlex.split(command)
     assert program == "kinemark", command
-    arguments = [name for word in words for name in (sorted(glob(word)) if "*" in word else [word])]
+    arguments = [name for word in words for name in (sorted(map(str, Path().glob(word))) if "*" in word else [word])]
     env = os.environ | {"COLUMNS": "200"}
     call = [sys.executable, "-m", "kinemark", *arguments]
     ran = subprocess.run(call, capture_output=True, encoding="utf-8", env=env, check=False)

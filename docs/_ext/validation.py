@@ -1,2 +1,0 @@
-"""Placeholder filled in below."""
-def setup(app): return {"parallel_read_safe": True}

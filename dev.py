@@ -82,6 +82,12 @@ def check(rest: list[str]) -> None:
         run(*tool, *(() if name == "layers" else rest))
 
 
+def fix() -> None:
+    """Mend what ruff can."""
+    run(PYTHON, "-m", "ruff", "check", "--fix", "--quiet")
+    run(PYTHON, "-m", "ruff", "format")
+
+
 def nightly() -> None:
     """All that takes too long for every change; every part runs, and the status says whether one failed."""
     failed = []
@@ -104,7 +110,7 @@ def main() -> None:
         "demo": lambda: run(PYTHON, "-m", "kinemark", "demo", *rest),
         "test": lambda: run(PYTHON, "-m", "pytest", *rest),
         "check": lambda: check(rest),
-        "fix": lambda: (run(PYTHON, "-m", "ruff", "check", "--fix", "--quiet"), run(PYTHON, "-m", "ruff", "format")),
+        "fix": fix,
         "docs": lambda: run(PYTHON, "-m", *SITE, *rest),
         "validate": lambda: run(PYTHON, "docs/validation/generate.py", *rest),
         "nightly": nightly,

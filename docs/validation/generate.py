@@ -100,8 +100,8 @@ def page() -> str:
     lines = [
         "# Results of the studies",
         "",
-        "Output of the programs in `studies/`, written by `python3 dev.py validate`; do not edit this page. Figures are",
-        "computed by the run that is named above each output, except for those that the line “Quoted” names.",
+        "Output of the programs in `studies/`, written by `python3 dev.py validate`; do not edit this page. Figures",
+        "are computed by the run that is named above each output, except for those that the line “Quoted” names.",
         "",
     ]
     for name, study in studies().items():

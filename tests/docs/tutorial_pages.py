@@ -1,8 +1,8 @@
 """Tutorials as programs: the fenced blocks of a page, run in order, and their output compared with what it shows.
 
 `console` blocks hold commands after `$ ` and, below each, its output. A `text` block after a `python` block is what
-that prints. In shown output `…` stands for anything, a line of `…` for any lines; words must agree, whole numbers too, and
-numbers with decimals within a third, as machines differ.
+that prints. In shown output `…` stands for anything, a line of `…` for any lines; words must agree, whole numbers too,
+and numbers with decimals within a third, as machines differ.
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ import platform
 import re
 import subprocess
 import sys
+import tempfile
 import time
 import tomllib
 from collections.abc import Iterable, Iterator
@@ -59,7 +60,8 @@ def run(study: Study) -> tuple[str, float]:
     ran = subprocess.run(call, cwd=ROOT, env=env, capture_output=True, encoding="utf-8", check=False)
     if ran.returncode:
         raise RuntimeError(f"{study['command']} failed:\n{ran.stderr}")
-    return ran.stdout.rstrip() + "\n", time.perf_counter() - began
+    output = re.sub(re.escape(tempfile.gettempdir()) + r"\S*", "…", ran.stdout)
+    return output.rstrip() + "\n", time.perf_counter() - began
 
 
 def machine() -> str:

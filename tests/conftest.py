@@ -11,4 +11,5 @@ from hypothesis import HealthCheck, settings
 pytest.register_assert_rewrite("support")
 
 settings.register_profile("steady", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("nightly", deadline=None, print_blob=True, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("steady")

@@ -16,6 +16,7 @@ from .combine import close_ones, mean_prediction, mean_tests, together
 from .combine import weights as best_weights
 from .edges import Edges, trim_edges
 from .hiding import Tried, edge_distance, plan, run
+from .known import possible
 from .methods import FILLERS, MANY, NAMES, TOGETHER, affordable, name_of, within_time
 from .motion import Floats, Gap, Motion, Prediction, find_gaps
 from .static import place_absent
@@ -23,8 +24,6 @@ from .static_shape import StaticShape
 
 METHODS: dict[str, type] = {"auto": Auto, **NAMES}
 """All methods by the names that settings and the command line use."""
-WILD = 1e6
-"""mm from the middle of all samples, beyond which a sample is no position of a marker."""
 LIMIT = 20.0
 ENOUGH = 60
 """Hidden tests of one method that tell how far off it is; more are made to choose one for each gap."""
@@ -101,7 +100,7 @@ def fill(
 ) -> Filled:
     """Fill the gaps of a trial.
 
-    Samples more than a kilometre from the others become missing, and bad ones beside gaps are filled too (`Edges`).
+    Samples more than a kilometre from the median of all become missing, and bad ones beside gaps are filled too (`Edges`).
 
     Args:
         trajectories: the trial; what is filled already counts as seen.
@@ -147,10 +146,9 @@ def tests_per_gap(gaps: int) -> int:
 
 def tame(motion: Motion) -> Motion:
     """The trial without samples that cannot be positions: a filler would take them for motion."""
-    middle = np.nan_to_num(np.nanmedian(motion.xyz, axis=(0, 1))) if motion.seen.any() else np.zeros(3)
-    with np.errstate(invalid="ignore"):
-        wild = np.abs(motion.xyz - middle).max(-1) > WILD
-    return motion._replace(xyz=np.where(wild[..., None], np.nan, motion.xyz)) if wild.any() else motion
+    known = possible(motion.xyz)
+    wild = motion.seen & ~known
+    return motion._replace(xyz=np.where(known[..., None], motion.xyz, np.nan)) if wild.any() else motion
 
 
 def ask(motion: Motion, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[Answer]:

@@ -1,8 +1,8 @@
-"""Records moved with the world, and answers compared: what `test_shift_law` is made of."""
+"""Records moved with the world, answers compared, and the table of cases: what `test_shift_law` is made of."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
-from functools import singledispatch
+from functools import partial, singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +25,27 @@ class Answer(NamedTuple):
 
     places: Any = ()
     rest: Any = ()
+
+
+CASES = {}
+"""By name: case(by) -> Answer; mm and share that its answer may be off; the functions that it is about."""
+MM, SHARE = 1e-7, 1e-9
+OPEN = 1e-6
+"""Of what a calibration leaves open: `Camera.cov` is about the world's origin, so that (10 km / 3 m)² cancels."""
+
+
+def law(*functions, mm=MM, share=SHARE, each=None, name=""):
+    """A case for these functions; or for each of some parameters, by name."""
+
+    def add(case):
+        label = name or functions[0].__name__
+        for way, parameter in (each or {}).items():
+            CASES[f"{label}[{way}]"] = partial(case, parameter=parameter), mm, share, functions
+        if not each:
+            CASES[label] = case, mm, share, functions
+        return case
+
+    return add
 
 
 def on_grid(xyz):
@@ -133,7 +154,9 @@ def leaves(value, name="answer"):
 def differences(here, there, by):
     """How far a moved world's answer is from the moved answer: of places, mm, and of the rest, by its own size."""
     mm = [np.abs(b - (a + by)) for a, b in _pairs(here.places, there.places)]
-    share = [np.abs(b - a) / max(np.abs(a[np.isfinite(a)]).max(initial=0.0), 1e-3) for a, b in _pairs(here.rest, there.rest)]
+    share = [
+        np.abs(b - a) / max(np.abs(a[np.isfinite(a)]).max(initial=0.0), 1e-3) for a, b in _pairs(here.rest, there.rest)
+    ]
     return [float(np.max([np.nanmax(d) for d in each if (~np.isnan(d)).any()], initial=0.0)) for each in (mm, share)]
 
 
@@ -145,7 +168,6 @@ def _pairs(here, there):
         if np.asarray(a).dtype.kind == "f":
             a, b = np.asarray(a), np.asarray(b)
             assert a.shape == b.shape and np.array_equal(np.isfinite(a), np.isfinite(b)), name
-            gone = ~np.isfinite(a)
-            yield np.where(gone, 0.0, a), np.where(gone, 0.0, b)
+            yield np.where(np.isfinite(a), a, np.nan), np.where(np.isfinite(a), b, np.nan)
         else:
             np.testing.assert_array_equal(a, b, err_msg=name)

@@ -125,7 +125,9 @@ class Points:
 
     def placed(self, R: Array, t: Array, scale: float) -> Points:
         """In a world where X is scale · R X + t."""
-        return Points(scale * self.at @ R.T + t)
+        surveyed = None if self.surveyed is None else scale * self.surveyed @ R.T + t
+        information = None if self.information is None else R @ self.information @ R.T / scale**2
+        return Points(scale * self.at @ R.T + t, surveyed, information)
 
     def take(self, rows: NDArray[np.int64]) -> Points:
         """Some of the points."""

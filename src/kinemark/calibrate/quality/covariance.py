@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import PARAMETERS, Camera, Rig
-from ...geometry import parameter_jacobian, point_jacobian, project, undistort
+from ...geometry import joint_about, near_middle, parameter_jacobian, point_jacobian, project, rig_about, undistort
 from ...geometry.triangulate import inverse3
 
 Array = NDArray[np.float64]
@@ -137,6 +137,8 @@ def apart_from_frame(rig: Rig, joint: Array, xyz: Array, *, centroid_sd: float) 
 
     Places that fewer than two cameras see do not count.
     """
+    origin = near_middle(xyz)
+    rig, joint, xyz = rig_about(rig, origin), joint_about(rig, joint, origin), xyz - origin
     said = views(rig, xyz, centroid_sd=centroid_sd)
     usable = said.seen.sum(0) >= 2
     inverse = inverse3(said.information.sum(0)[usable])
@@ -144,7 +146,7 @@ def apart_from_frame(rig: Rig, joint: Array, xyz: Array, *, centroid_sd: float) 
     off = -(inverse @ B).reshape(-1, joint.shape[0])  # (2): how all the places move with δ
     G = np.concatenate([_turned(xyz[usable]), np.tile(np.eye(3), (int(usable.sum()), 1, 1))], 2).reshape(-1, 6)
     S = np.eye(len(joint)) - _moves(rig) @ np.linalg.pinv(G) @ off
-    return S @ joint @ S.T  # (5)
+    return joint_about(rig, S @ joint @ S.T, -origin)  # (5)
 
 
 def _turned(xyz: Array) -> Array:

@@ -1,0 +1,1 @@
+"""Cases of the shift law: files, the virtual laboratory, reports."""

@@ -161,7 +161,7 @@ def differences(here, there, by):
 
 
 def _pairs(here, there):
-    """Arrays of numbers of both; whatever is not a number must be equal, and what is missing must be missing in both."""
+    """Arrays of numbers of both; whatever is not a number must be equal, and what is missing, missing in both."""
     ours, theirs = list(leaves(here)), list(leaves(there))
     assert [name for name, _ in ours] == [name for name, _ in theirs]
     for (name, a), (_, b) in zip(ours, theirs, strict=True):

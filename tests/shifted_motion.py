@@ -25,9 +25,14 @@ from kinemark.fill import (
     trim_edges,
 )
 from kinemark.kinematics import Butterworth, WoltringSpline
+from kinemark.signal.filters import butterworth, residual_analysis
+from kinemark.signal.kalman import predict, start, update_position
+from kinemark.signal.periodic import find_harmonics
+from kinemark.signal.smoother import smooth_positions
+from kinemark.signal.woltring import woltring
 
 
-@law(fill, each=METHODS, mm=1e-5, share=1e-5)
+@law(fill, each=METHODS, mm=1e-6, share=1e-7)
 def _(by, parameter):
     filled, gaps = fill(moved(trial(), by), method=parameter(), ends=True, limit_mm=np.inf)
     return Answer(filled.xyz, ([p.cov for p in filled], [p.origin for p in filled], gaps))
@@ -53,7 +58,7 @@ def _(by):
     return Answer(([p.xyz for p in placed], static.xyz), ([p._replace(xyz=None) for p in placed], static.sd))
 
 
-@law(fill_recording, mm=1e-5, share=1e-5)
+@law(fill_recording, mm=1e-6, share=1e-7)
 def _(by):
     rays = Rays.left_by(moved(tracks(), by), observed().detections, moved(rig(), by))
     short = replace(trial(), paths=tuple(Path.measured(p.name, p.xyz[:60], cov=p.cov[:60]) for p in trial()))
@@ -71,7 +76,7 @@ def _(by):
     return Answer(rest=(segments, angles.directions(xyz, segments.link), model, fitted.model, fitted.phase, learned))
 
 
-@law(angles.fill_limb_angles, angles.fill_kalman_angles, mm=1e-5, share=1e-5)
+@law(angles.fill_limb_angles, angles.fill_kalman_angles, mm=1e-6, share=1e-7)
 def _(by):
     said = [f(moved(motion(), by), found_gaps()) for f in (angles.fill_limb_angles, angles.fill_kalman_angles)]
     return Answer([p.xyz for each in said for p in each], [p._replace(xyz=None) for each in said for p in each])
@@ -82,7 +87,7 @@ def bodies(model):
     rng = np.random.default_rng(len(model.name))
     names = list(dict.fromkeys([*model.markers, *(m for c in model.clusters for m in (*c.markers, *c.points))]))
     time = np.linspace(0, 2, 80)
-    base = on_grid(rng.uniform(-300, 300, (len(names), 1, 3)) + [500, 400, 900])
+    base = on_grid(np.array([500.0, 400.0, 900.0]) + rng.uniform(-300, 300, (len(names), 1, 3)))
     sway = on_grid(
         rng.uniform(20, 60, (len(names), 1, 3)) * np.sin(3 * time[:, None] + rng.uniform(0, 6, (len(names), 1, 1)))
     )
@@ -140,10 +145,10 @@ def _(by):
     kinematics.estimated_sd,
     kinematics.with_marker_sd,
     mm=1e-6,
-    share=1e-6,
+    share=1e-8,
 )
 def _(by):
-    there = moved(trial(), by)
+    there = moved(replace(trial(), paths=trial().paths[:3]), by)
     methods = (Butterworth(), Butterworth(cutoff_hz=6.0), WoltringSpline(), WoltringSpline(cutoff_hz=6.0))
     smoothed = [kinematics.smooth(there, method=method) for method in methods]
     cutoff = [kinematics.residual_cutoff(path, rate=50.0) for path in there]
@@ -158,7 +163,29 @@ def _(by):
 # ---- Signals ----
 
 
-@law(signal.extrapolate, signal.smoothing_spline, mm=1e-6, share=1e-6)
+@law(woltring, butterworth, residual_analysis, smooth_positions, find_harmonics, start, predict, update_position)
+def _(by):
+    y, ones = walk().xyz[3] + by, np.ones(3)
+    y[40:45] = np.nan
+    spline, free, part = woltring(y, cutoff=0.1), woltring(y), y[:40]
+    filtered = butterworth(part, rate=50.0, cutoff_hz=6.0)
+    smoothed = smooth_positions(y.T, sd=0.5 * ones, jump=0.1 * ones)
+    waves = find_harmonics(y.T, rate=50.0, period=1.1)
+    state = predict(start(part[None, 2::-1], 0.5, 0.1), 0.1)
+    at, state = update_position(state, part[None, 4], ones[:1], 0.1)
+    rest = (
+        free.cutoff,
+        residual_analysis(part, rate=50.0),
+        smoothed.x[..., 1:],
+        smoothed.P,
+        waves.amplitude,
+        state.x[:, 1:],
+    )
+    places = spline.values, free.values, filtered, smoothed.x[..., 0].T, waves.mean, at, state.x[:, 0]
+    return Answer(places, rest)
+
+
+@law(signal.extrapolate, signal.smoothing_spline, mm=1e-6, share=1e-8)
 def _(by):
     y = walk().xyz[3, :40] + by
     t = np.arange(40.0)

@@ -7,6 +7,8 @@ from shifted import OPEN, Answer, law, moved
 from shifted_scene import cloud, matches, observed, rig, tracks, walk
 
 import kinemark
+from kinemark import digitise, geometry
+from kinemark.digitise import OtherViews, propose
 from kinemark.follow import FormerTwoCameras, Simultaneous, follow_with_doubts
 from kinemark.match import EpipolarTriplets, KissTriplets, NearestEpipolar
 from kinemark.reconstruct import CameraPairs, LeastSquares, located, wanted
@@ -28,7 +30,7 @@ def first_cameras(n):
     return seen.select(seen.cameras[:n])
 
 
-@law(kinemark.match, each={"n": EpipolarTriplets(), "kiss": KissTriplets(), "nearest": NearestEpipolar()})
+@law(kinemark.match, share=1e-8, each={"n": EpipolarTriplets(), "kiss": KissTriplets(), "nearest": NearestEpipolar()})
 def _(by, parameter):
     seen = first_cameras(2) if isinstance(parameter, NearestEpipolar) else observed().detections
     return Answer(rest=kinemark.match(seen, moved(rig().select(seen.cameras), by), method=parameter))
@@ -112,6 +114,27 @@ def _(by):
     assert 0 < (inside.id >= 0).sum() < (there.id >= 0).sum()
     paths = [replace(path, xyz=0 * path.xyz) for path in made]
     return Answer((made.xyz, blended.cloud.xyz), (blended.id, inside.id, long.id, paths))
+
+
+@law(propose, digitise.called, share=1e-7)
+def _(by):
+    image = np.full((1024, 1280), 10, np.uint8)
+    u, v = (round(float(x)) for x in geometry.project(rig()[0], walk().xyz[2, 0]))
+    image[v - 4 : v + 5, u - 4 : u + 5] = 220
+    look, uv = digitise.look_at(image), geometry.project_all(rig(), walk().xyz[:, :1])
+    views = OtherViews(moved(rig(), by), 0, uv)
+    free, still = np.ones(len(look.uv), bool), np.zeros(2)
+    method = digitise.SemiAutomatic(walk().names)
+    options = {"shift": still, "expected": uv[0, 2, 0], "look": look, "free": free, "method": method}
+    found = propose(views, 0, 2, **options), propose(replace(views, uv=np.where(two(uv), uv, np.nan)), 0, 2, **options)
+    paths = kinemark.to_trajectories(moved(tracks(), by), moved(rig(), by))
+    named = digitise.called(paths, [f"m{k}" for k in range(len(paths) + 1)], paths.n_frames)
+    return Answer(named.xyz, (found, named.names))
+
+
+def two(uv):
+    """Of the other cameras only one."""
+    return (np.arange(len(uv)) < 2)[:, None, None, None]
 
 
 @law(kinemark.score)

@@ -100,7 +100,7 @@ def fill(
 ) -> Filled:
     """Fill the gaps of a trial.
 
-    Samples more than a kilometre from the median of all become missing, and bad ones beside gaps are filled too (`Edges`).
+    Samples more than a kilometre from the median of all become missing. Bad ones beside gaps are filled too (`Edges`).
 
     Args:
         trajectories: the trial; what is filled already counts as seen.

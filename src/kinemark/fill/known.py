@@ -25,7 +25,7 @@ ENOUGH = 600
 
 
 def possible(xyz: Floats) -> Bools:
-    """(M, F) which samples of markers (M, F, 3) mm, NaN where missing, can be true: those within `FAR` of the median."""
+    """(M, F) which samples (M, F, 3) mm, NaN where missing, can be true: those within `FAR` of the median of all."""
     flat = xyz.reshape(-1, 3)
     low, high = np.fmin.reduce(flat, initial=np.nan), np.fmax.reduce(flat, initial=np.nan)
     with np.errstate(invalid="ignore"):

@@ -12,7 +12,7 @@ from .camera import (
     to_camera,
     undistort,
 )
-from .dlt import camera_from_dlt, decompose, fit_dlt, from_dlt, to_dlt
+from .dlt import camera_from_dlt, cameras_from_dlt, decompose, fit_dlt, from_dlt, to_dlt
 from .epipolar import epipolar_constants, epipolar_lines, fundamental, line_distance
 from .origin import about, joint_about, near_middle, parameters_about, rig_about
 from .sphere import sphere_offset
@@ -22,6 +22,7 @@ __all__ = [
     "Triangulated",
     "about",
     "camera_from_dlt",
+    "cameras_from_dlt",
     "decompose",
     "distort",
     "epipolar_constants",

@@ -75,7 +75,7 @@ def joint_angles(
 
 
 def _near_origin(trajectories: Trajectories) -> Trajectories:
-    """The same about their middle: angles do not depend on the origin, but differences over `STEP` lose digits there."""
+    """The same about their mean: angles do not depend on the origin, but far from it differences over `STEP` do."""
     origin = near_middle(trajectories.xyz)
     return replace(trajectories, paths=tuple(replace(path, xyz=path.xyz - origin) for path in trajectories))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..data import MarkerTrajectory as MarkerPath
 from ..data import Origin, Trajectories
-from ..fill import Filled, FilledGap
+from ..fill import Filled, FilledGap, MarkerArray
 from ..fill.known_samples import possible
 from ..report.formatting import count, millimetres, number, percent, some
 from ..report.html_tables import WORDS

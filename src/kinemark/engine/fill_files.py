@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -68,16 +69,16 @@ def fill_file(
         KinemarkError: a file is absent, damaged or holds no trajectories, the target exists, or a number is not one
             that it can be.
     """
-    edges, said = _checked(limit_mm, trim), {"rate_hz": rate_hz, "length_unit": length_unit}
+    edges, reader = _checked(limit_mm, trim), partial(read_trial, rate_hz=rate_hz, length_unit=length_unit)
     if target.exists():
         raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
     if target.suffix.lower() not in endings("trajectories"):
         raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
-    trial = read_trial(source, **said)
+    trial = reader(source)
     positions = trial.trajectories
     if not len(positions):
         raise KinemarkError(f"{source} has no markers, so there is nothing to fill.")
-    still = read_trial(static, **said).trajectories if static else None
+    still = reader(static).trajectories if static else None
     filled = fill(positions, method=method, limit_mm=limit_mm, ends=ends, edges=edges, static=still)
     figures = filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm)
     whole = replace(trial, trajectories=filled.trajectories)

@@ -41,7 +41,8 @@ def describe(path: Path) -> dict[str, Any]:
         Rods: lambda r: {"holds": "hanging rods", "rods": ", ".join(r.names), "markers on each": r.xyz.shape[1]},
         np.ndarray: lambda L: {"holds": "DLT parameters", "cameras": len(L)},
     }
-    return describers.get(type(found), lambda record: {"holds": holds(record)})(found)
+    known = describers.get(type(found))
+    return {"holds": holds(found)} if known is None else known(found)
 
 
 def convert(
@@ -91,7 +92,12 @@ def _contents(source: Path, said: Said) -> dict[Content, Any]:
         if said.length_unit is None:
             raise KinemarkError(f"{source} holds DLT parameters of an unknown unit. Say --length-unit m or mm.")
         found = rig_of_dlt(source, (), said.length_unit)
-    if isinstance(found, Detections) and found.rate == UNSAID and said.rate_hz is None and source.suffix.lower() == ".csv":
+    if (
+        isinstance(found, Detections)
+        and found.rate == UNSAID
+        and said.rate_hz is None
+        and source.suffix.lower() == ".csv"
+    ):
         raise KinemarkError(f"{source} does not say its frame rate. Say --rate-hz.")
     parts: dict[Content, Any] = {"trajectories": trial_in(source.stem, found)}
     if isinstance(found, Tdf):

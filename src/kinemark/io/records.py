@@ -103,7 +103,7 @@ def sealed(path: Path) -> bool:
 
 
 @cache
-def fields_of(kind: type) -> Mapping[str, Any]:
+def fields_of(kind: Any) -> Mapping[str, Any]:
     """The fields of a record that are stored, with their types."""
     return {name: hint for name, hint in get_type_hints(kind).items() if (kind, name) not in NOT_STORED}
 
@@ -116,9 +116,10 @@ def named(kind: type, name: str) -> tuple[str, str]:
 
 def put(group: h5py.Group, record: object) -> None:
     """The fields of a record, into a group."""
-    for name in fields_of(type(record)):
+    kind: Any = type(record)
+    for name in fields_of(kind):
         value = getattr(record, name)
-        attribute, unit = named(type(record), name)
+        attribute, unit = named(kind, name)
         if is_dataclass(value):
             put(group.create_group(name), value)
         elif isinstance(value, np.ndarray):
@@ -166,7 +167,7 @@ def whole_record(path: Path, file: h5py.File) -> Record:
         raise KinemarkError(f"{path} is an HDF5 file but not of Kinemark. Check the path.")
     if int(version) != VERSION:
         raise KinemarkError(f"{path} has version {version}, wanted {VERSION}. Use the Kinemark that wrote it.")
-    return get(file, RECORDS[str(kind)])  # type: ignore[no-any-return]
+    return get(file, RECORDS[str(kind)])
 
 
 def get(group: h5py.Group, kind: type) -> Any:
@@ -186,8 +187,8 @@ def field(group: h5py.Group, kind: type, name: str, hint: Any) -> Any:
         return tuple(rows(group, name, options[0]))
     if get_origin(hint) in (dict, Mapping):
         return json.loads(group.attrs[attribute])
-    if is_dataclass(hint):
-        return get(inside(group, name, h5py.Group), hint)  # type: ignore[arg-type]
+    if fields_of(hint):
+        return get(inside(group, name, h5py.Group), hint)
     return hint(group.attrs[attribute])
 
 

@@ -1,8 +1,8 @@
 """What C3D can hold of channels: one rate for all, k samples to every frame, from the first frame to the last.
 
-A trial keeps each record at its own rate and start. Here, at the very end, they are laid on one clock: that of the
-least k with k · frame rate ≥ the greatest of their rates (1). A record whose samples fall on that clock is only shifted
-and filled up with missing samples; one whose rate divides it has every sample repeated (2); any other is interpolated by
+A trial keeps each record at its own rate and start. Here, at the very end, they are laid on one clock, with the
+least k for which k · frame rate ≥ the greatest of their rates (1). A record whose samples fall on that clock is only shifted and
+filled up with missing samples; one whose rate divides it has every sample repeated (2); any other is interpolated by
 straight lines (3), and a note says so. Samples beyond the frames are cut, with a note.
 """
 
@@ -20,6 +20,8 @@ SAME_RATE = 1e-3
 """Share by which rates may differ and still be one, since files round them."""
 SAME_TIME = 1e-3
 """Samples by which a start may be off the clock."""
+MOST_DRIFT = 0.5
+"""Samples by which a repeated channel may be off the clock at its end."""
 
 
 def samples_a_frame(analog: Sequence[Analog], rate: float) -> int:
@@ -29,9 +31,7 @@ def samples_a_frame(analog: Sequence[Analog], rate: float) -> int:
     return max(1, near if abs(fastest - near) <= SAME_RATE * fastest else int(np.ceil(fastest)))
 
 
-def on_frames(
-    analog: Sequence[Analog], rate: float, n_frames: int
-) -> tuple[Analog | None, tuple[FileNote, ...]]:
+def on_frames(analog: Sequence[Analog], rate: float, n_frames: int) -> tuple[Analog | None, tuple[FileNote, ...]]:
     """All channels as one record that begins and ends with the frames, and what that changed.
 
     Args:
@@ -54,10 +54,12 @@ def on_frames(
 def _on_clock(a: Analog, rate: float, n: int) -> tuple[NDArray[np.float64], list[FileNote]]:
     """One record as n samples at a rate, and what that changed."""
     ratio, start, out = rate / a.rate, a.start * rate, np.full((len(a), n), np.nan)
-    times, notes = round(ratio), []
+    times: int = round(ratio)
+    notes: list[FileNote] = []
     if not a.values.size:
         return out, notes
-    if abs(ratio - times) <= SAME_RATE * ratio and abs(start - round(start)) <= SAME_TIME:
+    drift = abs(ratio - times) * a.values.shape[1]
+    if drift <= MOST_DRIFT and abs(start - round(start)) <= SAME_TIME:
         _put(out, np.repeat(a.values, times, axis=1), round(start))  # (2)
     else:
         at = (np.arange(n) / rate - a.start) * a.rate

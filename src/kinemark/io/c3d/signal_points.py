@@ -32,7 +32,7 @@ BETWEEN = ";"
 
 
 class SignalPoint(NamedTuple):
-    """One point that is no marker: its label, the parameter that lists it, its numbers (F, 3), NaN: missing, and text."""
+    """One point that is no marker: label, the parameter that lists it, numbers (F, 3), NaN: missing, and text."""
 
     name: str
     listed: str
@@ -133,9 +133,9 @@ def _on_frames(
     wide = min(3, values.shape[1])
     first = signal.start * rate
     if abs(signal.rate - rate) <= SAME_RATE * rate and abs(first - round(first)) <= SAME_TIME:
-        at = np.arange(n) - round(first)
-        there = (at >= 0) & (at < len(values))
-        out[there, :wide] = values[at[there], :wide]
+        row = np.arange(n) - round(first)
+        there = (row >= 0) & (row < len(values))
+        out[there, :wide] = values[row[there], :wide]
         out[~there] = np.nan
     else:
         at = (np.arange(n) / rate - signal.start) * signal.rate
@@ -176,7 +176,7 @@ def with_listed(doc: C3D, names: Sequence[str], listed: Sequence[str]) -> C3D:
 
 def with_told(doc: C3D, signals: Signals) -> C3D:
     """The document with the unit of every kind, and in our own group what POINT cannot say of the quantities."""
-    for kind, listed in TYPES.items():
+    for listed in KIND_OF:
         units = [s.unit for s in signals if type_of(s.kind) == listed]
         if units and unit_of(doc, listed) not in units:
             doc = with_parameters(doc, "POINT", [Parameter.text(_unit_name(listed), units[0])])

@@ -97,7 +97,7 @@ def _in_order(rows: Sequence[int], markers: int, deviation: Sequence[bool]) -> l
     kind = [0] * markers + [1 + own for own in deviation]
     key = np.empty(len(rows))
     for which in range(3):
-        own = np.flatnonzero(np.array(kind) == which)
+        own = [i for i, one in enumerate(kind) if one == which]
         at = np.array([rows[i] for i in own], np.float64)
         known = np.flatnonzero(at >= 0)
         at[known[-1] + 1 if len(known) else 0 :] = np.inf

@@ -62,9 +62,7 @@ def trial_of(doc: C3D, *, name: str) -> Trial:
     )
 
 
-def _markers(
-    doc: C3D, names: Sequence[str], kinds: Sequence[str], samples: Samples
-) -> tuple[MarkerTrajectory, ...]:
+def _markers(doc: C3D, names: Sequence[str], kinds: Sequence[str], samples: Samples) -> tuple[MarkerTrajectory, ...]:
     """The points that are positions."""
     unknown = np.broadcast_to(np.nan, (doc.points.shape[0], 3, 3))
     return tuple(

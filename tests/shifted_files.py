@@ -114,7 +114,7 @@ def _(by):
 
     points = written(write_points, lambda path: read_control_points(path, ["a"]), "points.csv", POINTS + by)
     hung = moved(replace(frame(), xyz=np.round(frame().xyz)), by)
-    rods = written(lambda path, rods: path.write_text("\n".join(rods_toml(rods))), read_rods, "rods.toml", hung)
+    rods = written(lambda path, rods: path.write_text(rods_toml(rods)), read_rods, "rods.toml", hung)
     return Answer((points.xyz, rods.xyz), (points.uv, rods.along))
 
 

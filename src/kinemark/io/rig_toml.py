@@ -7,20 +7,20 @@ has no place for (the rotation's last digits, covariance, volume) stands below `
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import tomlkit
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..data import Camera, KinemarkError, Rig
 from .files import replacing
 from .number_text import read_text
-from .units import USUAL, mm_per
+from .units import CALLERS, USUAL, mm_per
 
 NOT_CAMERAS = ("metadata", "kinemark")
 SAME_TURN = 1e-9
@@ -39,13 +39,13 @@ def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:
         ValueError: `length_unit` is another word.
         KinemarkError: the file is no TOML, has no cameras, no unit, or a camera that the model cannot express.
     """
-    if length_unit is not None and mm_per(length_unit) is None:
+    if length_unit is not None and length_unit not in CALLERS:
         raise ValueError(f"length_unit is {length_unit!r}, wanted {USUAL}")
     try:
         document = tomllib.loads(read_text(path))
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise KinemarkError(f"{path} is not valid TOML: {error}. Correct that line.") from error
-    metadata, own = (table if isinstance(table := document.get(k, {}), dict) else {} for k in NOT_CAMERAS)
+    metadata, ours = (table if isinstance(table := document.get(k, {}), dict) else {} for k in NOT_CAMERAS)
     tables = {k: v for k, v in document.items() if isinstance(v, dict) and k not in NOT_CAMERAS and "matrix" in v}
     if not 0 < len(tables) <= MOST_CAMERAS:
         raise KinemarkError(
@@ -53,9 +53,9 @@ def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:
         )
     scale = unit_of(path, metadata, length_unit)
     try:
-        cameras = tuple(camera(f"{path}, [{k}]", k, v, table_of(own, k), scale) for k, v in tables.items())
+        cameras = tuple(camera(f"{path}, [{k}]", k, v, table_of(ours, k), scale) for k, v in tables.items())
         volume = (
-            array(f"{path}, [kinemark]", own, "volume_mm", (2, 3)) if "volume_mm" in own else np.full((2, 3), np.nan)
+            array(f"{path}, [kinemark]", ours, "volume_mm", (2, 3)) if "volume_mm" in ours else np.full((2, 3), np.nan)
         )
         return Rig(cameras, str(metadata.get("method", "")), volume)
     except ValueError as error:
@@ -143,45 +143,34 @@ def write_rig_toml(path: Path | str, rig: Rig, *, metadata: Mapping[str, Any] | 
     Raises:
         KinemarkError: the file cannot be written.
     """
-    parts = [camera_text(f"cam_{c}", camera) for c, camera in enumerate(rig)]
     residuals = [camera.residual for camera in rig]
-    parts.append(table_text("metadata", units="mm", method=rig.method, residuals_px=residuals, **(metadata or {})))
-    parts.append(table_text("kinemark", volume_mm=rig.volume))
-    parts += [own_text(f"kinemark.cam_{c}", camera) for c, camera in enumerate(rig)]
+    about = {"units": "mm", "method": rig.method, "residuals_px": residuals, **(metadata or {})}
+    document = {f"cam_{c}": shared(camera) for c, camera in enumerate(rig)} | {"metadata": about}
+    document["kinemark"] = {"volume_mm": rig.volume} | {f"cam_{c}": own(camera) for c, camera in enumerate(rig)}
     with replacing(path) as beside:
-        beside.write_text("\n".join(parts), encoding="utf-8", newline="\n")
+        beside.write_text(tomlkit.dumps(plain(document)), encoding="utf-8", newline="\n")
 
 
-def camera_text(key: str, camera: Camera) -> str:
+def shared(camera: Camera) -> dict[str, Any]:
     """The table that all programs share."""
-    return table_text(
-        key,
-        name=camera.name,
-        size=camera.size,
-        matrix=camera.K,
-        distortions=camera.distortion,
-        rotation=Rotation.from_matrix(camera.R).as_rotvec(),
-        translation=camera.t,
-        fisheye=False,
-    )
+    return {
+        "name": camera.name,
+        "size": camera.size,
+        "matrix": camera.K,
+        "distortions": camera.distortion,
+        "rotation": Rotation.from_matrix(camera.R).as_rotvec(),
+        "translation": camera.t,
+        "fisheye": False,
+    }
 
 
-def own_text(key: str, camera: Camera) -> str:
+def own(camera: Camera) -> dict[str, Any]:
     """The table that only Kinemark reads."""
-    return table_text(key, rotation_matrix=camera.R, residual_px=camera.residual, covariance=camera.cov)
+    return {"rotation_matrix": camera.R, "residual_px": camera.residual, "covariance": camera.cov}
 
 
-def table_text(key: str, **values: str | bool | float | ArrayLike) -> str:
-    """One TOML table; floats with every digit."""
-    return f"[{key}]\n" + "".join(f"{name} = {toml(value)}\n" for name, value in values.items())
-
-
-def toml(value: Any) -> str:
-    """A value as TOML text."""
-    if isinstance(value, str):
-        # JSON's strings are TOML's, but for DEL, which TOML wants escaped
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    plain = value.tolist() if isinstance(value, np.ndarray) else value
-    return f"[{', '.join(map(toml, plain))}]" if isinstance(plain, list) else repr(plain)
+def plain(value: Any) -> Any:
+    """Arrays, in tables or alone, as lists, with every digit."""
+    if isinstance(value, Mapping):
+        return {key: plain(one) for key, one in value.items()}
+    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value

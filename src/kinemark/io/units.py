@@ -13,8 +13,10 @@ SPELLINGS = {
 }
 MM = {name: mm for mm, names in SPELLINGS.items() for name in names}
 """mm in one unit, by its name in small letters."""
+CALLERS = ("mm", "cm", "m", "in")
+"""What a caller may say of a file that is silent."""
 USUAL = "mm, cm, m or in"
-"""What messages name."""
+"""The same in messages."""
 
 
 def mm_per(unit: object) -> float | None:

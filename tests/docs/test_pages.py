@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from tutorial_pages import blocks
+from support.tutorial_pages import blocks
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"

@@ -1,7 +1,7 @@
-"""By day property tests are the same on every machine; by night (HYPOTHESIS_PROFILE=nightly) they try more, at random.
+"""By day property tests are alike on every machine; by night (`--hypothesis-profile=nightly`) they try more, at random.
 
 None fails because a machine is slow, and each process uses one core. What Hypothesis keeps lies in pytest's own cache,
-so that tests leave nothing where they are started. The files of a test that passed are deleted.
+so that tests leave nothing where they are started.
 """
 
 import os
@@ -13,12 +13,12 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.configuration import set_hypothesis_home_dir
 
-from support.examples import PROFILE, examples
+pytest.register_assert_rewrite("support")
 
 common = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("steady", common, derandomize=True)
-settings.register_profile("nightly", common, derandomize=False, max_examples=examples(100), print_blob=True)
-settings.load_profile(PROFILE)
+settings.register_profile("nightly", common, derandomize=False, max_examples=1000, print_blob=True)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -43,17 +43,15 @@ from numpy.typing import NDArray
 from recordings import recording
 
 from kinemark.data import Camera, Cloud, Detections, Rig, Tracks
-from kinemark.follow import Simultaneous, follow
+from kinemark.data.array_types import Floats, Ints
 from kinemark.geometry import normalised, triangulate, undistort
 from kinemark.io.tdf import read_tdf
 from kinemark.match import EpipolarTriplets, KissTriplets, MatchMethod, match
 from kinemark.reconstruct import CameraPairs, LeastSquares, ReconstructMethod, reconstruct
-from kinemark.score import Score, changes, score
 from kinemark.signal import assign
+from kinemark.synth.score import Score, changes, score
 from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, TrackMethod, track
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from kinemark.track.simultaneous import Simultaneous, track_detections
 
 JUMP = 8.0  # mm; a second difference no marker on a body has at 250 Hz (500 m/s²)
 MARGIN = 3  # frames beside a jump that the reference's own smoothing has bent
@@ -262,7 +260,7 @@ USUAL = 3  # of these are run where none is named
 def run(method: Method, detections: Detections, rig: Rig) -> Tracks:
     """From detections to tracks."""
     if isinstance(method, Simultaneous):
-        return follow(detections, rig, method=method)
+        return track_detections(detections, rig, method=method)
     matches = match(detections, rig, method=method.matching)
     return track(reconstruct(matches, detections, rig, method=method.placing), method=method.tracking)
 

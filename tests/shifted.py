@@ -6,9 +6,9 @@ from functools import partial, singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
+from kinemark.calibrate.world import carried
 
 from kinemark.calibrate.bundle import Sticks
-from kinemark.calibrate.world import carried
 from kinemark.data import Camera, Cloud, Path, Rig, Rods, Tracks, Trajectories
 from kinemark.fill import Motion, Rays, StaticShape
 from kinemark.sensitivity import Linear, Seen

@@ -7,12 +7,12 @@ from pathlib import Path as Folder
 
 import numpy as np
 from calibrations import BY_POINTS, HEAD, points_csv, session
-from shifted import OPEN, Answer, law, moved
-from shifted_scene import POINTS, frame, observed, rig, tracks, trial, walk
+from kinemark.calibration import calibrate, rig_of_dlt
+from kinemark.report.filling import filling_figures
+from kinemark.report.scene import scene
 
 import kinemark
 from kinemark import geometry, synth
-from kinemark.calibration import calibrate, rig_of_dlt
 from kinemark.data import Trial
 from kinemark.fill import Linear
 from kinemark.io import c3d, um2as
@@ -20,9 +20,9 @@ from kinemark.io.control_points import read_control_points
 from kinemark.io.rods_toml import read_rods
 from kinemark.report import quality, summary
 from kinemark.report.figures import trajectories_figure
-from kinemark.report.filling import filling_figures
-from kinemark.report.scene import scene
 from kinemark.synth import rods_toml
+from shifted import OPEN, Answer, law, moved
+from shifted_scene import POINTS, frame, observed, rig, tracks, trial, walk
 
 VOLUME = np.array([[0.0, 0.0, 0.0], [2400.0, 1400.0, 2000.0]])
 

@@ -4,14 +4,14 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from shifted import on_grid
+from kinemark.follow import Simultaneous
 
 import kinemark
 from kinemark import calibrate, geometry, synth
 from kinemark.data import Path, Trajectories
 from kinemark.fill import Motion, find_gaps
-from kinemark.follow import Simultaneous
 from kinemark.track import track
+from shifted import on_grid
 
 
 @cache

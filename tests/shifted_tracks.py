@@ -3,13 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
-from shifted import OPEN, Answer, law, moved
-from shifted_scene import cloud, matches, observed, rig, tracks, walk
+from kinemark.follow import FormerTwoCameras, Simultaneous, follow_with_doubts
 
 import kinemark
 from kinemark import digitise, geometry
 from kinemark.digitise import OtherViews, propose
-from kinemark.follow import FormerTwoCameras, Simultaneous, follow_with_doubts
 from kinemark.match import EpipolarTriplets, KissTriplets, NearestEpipolar
 from kinemark.reconstruct import CameraPairs, LeastSquares, located, wanted
 from kinemark.track import (
@@ -23,6 +21,8 @@ from kinemark.track import (
     within_volume,
     without_short,
 )
+from shifted import OPEN, Answer, law, moved
+from shifted_scene import cloud, matches, observed, rig, tracks, walk
 
 
 def first_cameras(n):

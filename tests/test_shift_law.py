@@ -12,15 +12,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
+import kinemark
 import shifted_files  # noqa: F401  its cases
 import shifted_motion  # noqa: F401
 import shifted_scene
 import shifted_space  # noqa: F401
 import shifted_tracks  # noqa: F401
-from shifted import CASES, FAR, differences, moved
-
-import kinemark
 from kinemark.fill import Linear, fill
+from shifted import CASES, FAR, differences, moved
 
 
 @pytest.mark.parametrize("name", CASES)

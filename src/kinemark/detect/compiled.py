@@ -14,13 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiled import at, ints, loaded, opened, plain, size
+from ..data.array_types import Ints
 
 VERSION = 1  # as in kernel.c
 MARGIN = 2  # as there
 SUMS = 16  # as there
 FEW = 1 << 14  # runs that mostly are enough
-
-Column = NDArray[np.int64]
 
 
 class Library:
@@ -39,7 +38,7 @@ class Library:
         for function in (*self._runs.values(), *self._sums.values(), self._groups):
             function.restype = ctypes.c_int64
 
-    def runs(self, tall: NDArray[np.uint8 | np.uint16], threshold: int, most: int) -> tuple[Column, Column, Column]:
+    def runs(self, tall: NDArray[np.uint8 | np.uint16], threshold: int, most: int) -> tuple[Ints, Ints, Ints]:
         """Line, first and last column of the runs brighter than `threshold`, the first `most` at most."""
         tall = np.ascontiguousarray(tall)
         lines, width = tall.shape
@@ -53,7 +52,7 @@ class Library:
         y, first, last = columns[:, :n].copy()
         return y, first, last
 
-    def groups(self, y: Column, first: Column, last: Column, height: int) -> tuple[Column, Column, Column]:
+    def groups(self, y: Ints, first: Ints, last: Ints, height: int) -> tuple[Ints, Ints, Ints]:
         """Runs sorted by group (3, R), where each group starts (G+1), and frame, area and rectangle of each (6, G).
 
         Raises:
@@ -69,7 +68,7 @@ class Library:
         return runs, start[: g + 1].copy(), box[:, :g].copy()
 
     def sums(
-        self, images: NDArray[np.uint8 | np.uint16], start: Column, y: Column, first: Column, last: Column
+        self, images: NDArray[np.uint8 | np.uint16], start: Ints, y: Ints, first: Ints, last: Ints
     ) -> NDArray[np.float64]:
         """The rows of `sums.PixelSums` (16, G), of groups in frames (n, H, W).
 
@@ -99,7 +98,7 @@ def _loaded() -> Library | None:
     return loaded(__file__, Library)
 
 
-def _columns(y: Column, first: Column, last: Column) -> list[Column]:
+def _columns(y: Ints, first: Ints, last: Ints) -> list[Ints]:
     """The columns of runs, each in one piece.
 
     Raises:

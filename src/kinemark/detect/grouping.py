@@ -25,7 +25,7 @@ from .compiled import library
 from .runs import Runs
 
 
-class Groups(NamedTuple):
+class PixelGroups(NamedTuple):
     """G groups in scan order of their first pixels, so sorted by frame; lines count in the tall image.
 
     Attributes:
@@ -45,34 +45,34 @@ class Groups(NamedTuple):
     top: NDArray[np.int64]
     bottom: NDArray[np.int64]
 
-    def keep(self, mask: NDArray[np.bool_]) -> Groups:
+    def keep(self, mask: NDArray[np.bool_]) -> PixelGroups:
         """The groups where `mask` (G) is true."""
         if mask.all():
             return self
         sizes = np.diff(self.start)
         runs = Runs(*(column[np.repeat(mask, sizes)] for column in self.runs))
-        return Groups(np.concatenate([[0], np.cumsum(sizes[mask])]), runs, *(column[mask] for column in self[2:]))
+        return PixelGroups(np.concatenate([[0], np.cumsum(sizes[mask])]), runs, *(column[mask] for column in self[2:]))
 
 
-def group_runs(runs: Runs, *, height: int, width: int) -> Groups:
+def group_runs(runs: Runs, *, height: int, width: int) -> PixelGroups:
     """Groups of touching runs, which are in scan order, of frames of this height and width, px."""
     if kernel := library():
         sorted_runs, start, box = kernel.groups(*runs, height)
-        return Groups(start, Runs(*sorted_runs), *box)
+        return PixelGroups(start, Runs(*sorted_runs), *box)
     return _plain_groups(runs, height, width)
 
 
-def _plain_groups(runs: Runs, height: int, width: int) -> Groups:
+def _plain_groups(runs: Runs, height: int, width: int) -> PixelGroups:
     n = len(runs.y)
     if n == 0:
         none = np.zeros(0, np.int64)
-        return Groups(np.zeros(1, np.int64), runs, none, none, none, none, none, none)
+        return PixelGroups(np.zeros(1, np.int64), runs, none, none, none, none, none, none)
     count, label = connected_components(_touching(runs, height, width), directed=False)
     order = np.argsort(label, kind="stable")
     runs = Runs(*(column[order] for column in runs))
     start = np.concatenate([[0], np.cumsum(np.bincount(label, minlength=count))])
     head = start[:-1]
-    return Groups(
+    return PixelGroups(
         start=start,
         runs=runs,
         frame=runs.y[head] // height,

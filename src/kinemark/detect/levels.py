@@ -19,8 +19,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from .centroids_method import Centroids, grey_scale
 from .kiss import KissNearest, KissScanning
-from .method import Centroids, grey_scale
 
 AnyMethod = TypeVar("AnyMethod", bound=Centroids | KissScanning | KissNearest)
 

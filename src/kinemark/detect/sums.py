@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compiled import library
-from .grouping import Groups
+from .grouping import PixelGroups
 
 MARGIN = 2  # one line for the rim, one for the background
 EMPTY = 1 << 40
@@ -67,7 +67,7 @@ class PixelSums(NamedTuple):
     ring_squares: NDArray[np.float64]
 
 
-def pixel_sums(images: NDArray[np.uint8 | np.uint16], groups: Groups) -> PixelSums:
+def pixel_sums(images: NDArray[np.uint8 | np.uint16], groups: PixelGroups) -> PixelSums:
     """The sums of groups in frames (n, H, W) of grey levels."""
     if kernel := library():
         rows = kernel.sums(images, groups.start, *groups.runs)
@@ -75,7 +75,7 @@ def pixel_sums(images: NDArray[np.uint8 | np.uint16], groups: Groups) -> PixelSu
     return _plain_sums(images, groups)
 
 
-def _plain_sums(images: NDArray[np.uint8 | np.uint16], groups: Groups) -> PixelSums:
+def _plain_sums(images: NDArray[np.uint8 | np.uint16], groups: PixelGroups) -> PixelSums:
     if len(groups.area) == 0:
         rows = np.zeros((16, 0))
         return PixelSums(Sums(*rows[:6]), Sums(*rows[6:12]), *rows[12:])
@@ -84,7 +84,7 @@ def _plain_sums(images: NDArray[np.uint8 | np.uint16], groups: Groups) -> PixelS
     return PixelSums(_geometry(rim, groups), grey, peak, *_ring(images, around, len(groups.area)))
 
 
-def _widened(groups: Groups, height: int, width: int) -> tuple[Stretches, Stretches]:
+def _widened(groups: PixelGroups, height: int, width: int) -> tuple[Stretches, Stretches]:
     """The stretches of each group with its rim, and the background's left and right of it, within the image."""
     lines = groups.bottom - groups.top + 1 + 2 * MARGIN
     begin = np.cumsum(lines) - lines
@@ -150,7 +150,7 @@ def _ring(
     return number, total, squares
 
 
-def _geometry(rim: Stretches, groups: Groups) -> Sums:
+def _geometry(rim: Stretches, groups: PixelGroups) -> Sums:
     """`Sums` of pixels that all weigh 1."""
     left, right = (side - groups.left[rim.of] for side in (rim.left, rim.right))
     n = right - left + 1
@@ -159,7 +159,9 @@ def _geometry(rim: Stretches, groups: Groups) -> Sums:
     return _by_group(rim, groups, n, x, xx)
 
 
-def _grey(images: NDArray[np.uint8 | np.uint16], rim: Stretches, groups: Groups) -> tuple[Sums, NDArray[np.float64]]:
+def _grey(
+    images: NDArray[np.uint8 | np.uint16], rim: Stretches, groups: PixelGroups
+) -> tuple[Sums, NDArray[np.float64]]:
     """`Sums` of pixels that weigh their grey level, and the greatest level (G)."""
     pixel, start = _pixels(rim, images.shape[2])
     raw = images.reshape(-1)[pixel]
@@ -173,13 +175,13 @@ def _grey(images: NDArray[np.uint8 | np.uint16], rim: Stretches, groups: Groups)
     return _by_group(rim, groups, total, x, xx), peak.astype(np.float64)
 
 
-def _by_group(rim: Stretches, groups: Groups, one: NDArray[Any], x: NDArray[Any], xx: NDArray[Any]) -> Sums:
+def _by_group(rim: Stretches, groups: PixelGroups, one: NDArray[Any], x: NDArray[Any], xx: NDArray[Any]) -> Sums:
     """`Sums` (G) from Σ, Σ x and Σ x² of every stretch."""
     y = rim.line - groups.top[rim.of]
     columns = np.stack([one, x, y * one, xx, y * x, y * y * one]).astype(np.float64)
     return Sums(*np.add.reduceat(columns, _heads(rim, groups), axis=1))
 
 
-def _heads(rim: Stretches, groups: Groups) -> NDArray[np.int64]:
+def _heads(rim: Stretches, groups: PixelGroups) -> NDArray[np.int64]:
     """(G) the first stretch of each group; every group has one."""
     return np.searchsorted(rim.of, np.arange(len(groups.area)))

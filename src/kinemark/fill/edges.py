@@ -33,14 +33,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
-from .donors import Distances, distances, nearest
-from .known import Ints, Known
-from .motion import Floats, Gap, Motion
+from .known_samples import KnownSamples
+from .marker_array import Gap, MarkerArray
+from .reference_markers import Distances, distances, nearest
 
 
 @dataclass(frozen=True, slots=True)
-class Edges:
+class GapEdges:
     """Parameters of the check.
 
     Attributes:
@@ -81,16 +82,16 @@ class Trimmed(NamedTuple):
         after: (n) frames trimmed after it.
     """
 
-    motion: Motion
+    motion: MarkerArray
     gaps: list[Gap]
     before: Ints
     after: Ints
 
 
-def trim_edges(motion: Motion, gaps: list[Gap], *, method: Edges = Edges()) -> Trimmed:
+def trim_edges(motion: MarkerArray, gaps: list[Gap], *, method: GapEdges = GapEdges()) -> Trimmed:
     """Find the bad samples beside gaps and make them missing."""
     before, after = np.zeros((2, len(gaps)), np.int64)
-    known = Known.of(motion)
+    known = KnownSamples.of(motion)
     if method.most:
         far, ladder = distances(known), _ladder(method.past, method.most)
         habit = cache(lambda marker: _habit(known.x[marker], ladder, method))
@@ -124,10 +125,12 @@ class _Judge(NamedTuple):
     limits: Sequence[Callable[[], Floats]]
     donors: Floats
     usual: Callable[[], Floats]
-    method: Edges
+    method: GapEdges
 
     @classmethod
-    def of(cls, known: Known, marker: int, far: Distances, habit: Callable[[int], Floats], method: Edges) -> _Judge:
+    def of(
+        cls, known: KnownSamples, marker: int, far: Distances, habit: Callable[[int], Floats], method: GapEdges
+    ) -> _Judge:
         """From all the trial; `habit` gives median and 99.5th percentile of E(h) of any marker's positions."""
         z, limits = [known.x[marker]], [cache(lambda: _limits(habit(marker), method))]
         ladder = _ladder(method.past, method.most)
@@ -188,13 +191,13 @@ def _ladder(past: int, most: int) -> Floats:
     return np.asarray(on @ np.linalg.pinv(t))
 
 
-def _limits(habit: Floats, method: Edges) -> Floats:
+def _limits(habit: Floats, method: GapEdges) -> Floats:
     """(2): what (1) may be for h = 1 … most."""
     usual, rare = habit
     return np.maximum(np.maximum(method.limit * usual, method.beyond * rare), method.least)
 
 
-def _habit(z: Floats, ladder: Floats, method: Edges) -> Floats:
+def _habit(z: Floats, ladder: Floats, method: GapEdges) -> Floats:
     """Median and 99.5th percentile (2, most) of E(h), mm, over all the trial but the neighbourhoods of gaps.
 
     NaN where too little is known.

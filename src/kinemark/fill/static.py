@@ -34,11 +34,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
 from ..geometry import rigid_poses
-from .known import Ints, Known
-from .motion import Floats, Motion
-from .rigid_body import on_line
+from .known_samples import KnownSamples
+from .marker_array import MarkerArray
+from .methods.rigid_body import on_line
 from .static_shape import StaticShape
 
 JUDGE = 40
@@ -73,7 +74,7 @@ class FromStatic:
             raise ValueError(f"at_most and nearest are {self.at_most} and {self.nearest}, wanted at least 3 each")
 
 
-class Placed(NamedTuple):
+class PlacedMarker(NamedTuple):
     """A marker that a trial lacks.
 
     Attributes:
@@ -93,7 +94,7 @@ class Placed(NamedTuple):
     reason: str = ""
 
 
-def place_absent(motion: Motion, static: StaticShape, *, method: FromStatic = FromStatic()) -> list[Placed]:
+def place_absent(motion: MarkerArray, static: StaticShape, *, method: FromStatic = FromStatic()) -> list[PlacedMarker]:
     """Every marker of the static trial that the trial nowhere shows, or does not have at all.
 
     Args:
@@ -104,14 +105,14 @@ def place_absent(motion: Motion, static: StaticShape, *, method: FromStatic = Fr
     Raises:
         ValueError: a donor named is not in both trials.
     """
-    known = Known.of(motion)
+    known = KnownSamples.of(motion)
     shown = {name for name, seen in zip(known.names, known.seen, strict=True) if seen.any()}
     if lost := [name for name in method.donors if name not in shown or name not in static.names]:
         raise ValueError(f"no donors {', '.join(lost)} in both trials")
     return [_place(known, static, k, method) for k, name in enumerate(static.names) if name not in shown]
 
 
-def _place(known: Known, static: StaticShape, lost: int, method: FromStatic) -> Placed:
+def _place(known: KnownSamples, static: StaticShape, lost: int, method: FromStatic) -> PlacedMarker:
     place = static.xyz[lost]
     candidates = _candidates(known, static, place, method)
     if len(candidates) < 3:
@@ -123,12 +124,12 @@ def _place(known: Known, static: StaticShape, lost: int, method: FromStatic) -> 
     return _carried(known, static, lost, donors, s2)
 
 
-def _nowhere(known: Known, name: str, reason: str) -> Placed:
+def _nowhere(known: KnownSamples, name: str, reason: str) -> PlacedMarker:
     F = known.n_frames
-    return Placed(name, np.full((F, 3), np.nan), np.full((F, 3, 3), np.nan), np.nan, (), reason)
+    return PlacedMarker(name, np.full((F, 3), np.nan), np.full((F, 3, 3), np.nan), np.nan, (), reason)
 
 
-def _candidates(known: Known, static: StaticShape, place: Floats, method: FromStatic) -> Ints:
+def _candidates(known: KnownSamples, static: StaticShape, place: Floats, method: FromStatic) -> Ints:
     """Rows of the static trial that may be donors, the nearest first."""
     far = np.sqrt(((static.xyz - place) ** 2).sum(1))
     shown = {name for name, seen in zip(known.names, known.seen, strict=True) if seen.any()}
@@ -138,13 +139,13 @@ def _candidates(known: Known, static: StaticShape, place: Floats, method: FromSt
     return np.array([k for k in order if far[k] <= method.reach][: method.nearest], np.int64)
 
 
-def _points(known: Known, static: StaticShape, donors: Ints, frames: Ints) -> Floats:
+def _points(known: KnownSamples, static: StaticShape, donors: Ints, frames: Ints) -> Floats:
     """(F, N, 3) mm of donors, given as rows of the static trial."""
     return known.x[known.places([static.names[k] for k in donors])][:, frames].swapaxes(0, 1)
 
 
 def _chosen(
-    known: Known, static: StaticShape, place: Floats, candidates: Ints, method: FromStatic
+    known: KnownSamples, static: StaticShape, place: Floats, candidates: Ints, method: FromStatic
 ) -> tuple[Ints, float]:
     """The donors, empty if there are none, and s² of (4)."""
     x, shape = _points(known, static, candidates, known.thin(JUDGE)), static.xyz[candidates]
@@ -201,7 +202,7 @@ def _sigma2(e: Floats) -> Floats:
     return np.asarray((e * e).sum((1, 2)) / (3 * e.shape[1] - 6))
 
 
-def _carried(known: Known, static: StaticShape, lost: int, donors: Ints, s2: float) -> Placed:
+def _carried(known: KnownSamples, static: StaticShape, lost: int, donors: Ints, s2: float) -> PlacedMarker:
     frames = np.arange(known.n_frames)
     x = _points(known, static, donors, frames)
     there = ~np.isnan(x[..., 0]).any(1)

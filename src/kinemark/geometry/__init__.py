@@ -15,7 +15,7 @@ from .camera import (
 from .dlt import camera_from_dlt, cameras_from_dlt, decompose, fit_dlt, from_dlt, to_dlt
 from .epipolar import epipolar_constants, epipolar_lines, fundamental, line_distance
 from .origin import about, joint_about, near_middle, parameters_about, rig_about
-from .sphere import sphere_offset
+from .sphere_offset import sphere_offset
 from .triangulate import Triangulated, inverse3, refine, solve3, triangulate
 
 __all__ = [

@@ -17,34 +17,32 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import PARAMETERS, Camera, Rig
-
-Array = NDArray[np.float64]
+from ..data.array_types import Floats
 
 TURN, PLACE = PARAMETERS.index("rx"), PARAMETERS.index("tx")
 
 
-def near_middle(xyz: Array) -> Array:
+def near_middle(xyz: Floats) -> Floats:
     """(3,) mm, whole numbers: about the mean of the places (…, 3) mm that are known; 0 where none is."""
     flat = xyz.reshape(-1, 3)
     known = flat[np.isfinite(flat).all(1)]
     return np.round(known.mean(0)) if len(known) else np.zeros(3)
 
 
-def about(camera: Camera, origin: Array) -> Camera:
+def about(camera: Camera, origin: Floats) -> Camera:
     """The camera in a world whose origin is at `origin` (3,) mm of this one, by (1) and (2)."""
     M = parameters_about(camera, origin)
     return replace(camera, t=camera.t + camera.R @ origin, cov=M @ camera.cov @ M.T)
 
 
-def rig_about(rig: Rig, origin: Array) -> Rig:
+def rig_about(rig: Rig, origin: Floats) -> Rig:
     """`about` of all cameras and of the control volume."""
     return Rig(tuple(about(camera, origin) for camera in rig), rig.method, rig.volume - origin)
 
 
-def parameters_about(camera: Camera, origin: Array) -> Array:
+def parameters_about(camera: Camera, origin: Floats) -> Floats:
     """M (15, 15) of (2): how errors of `data.PARAMETERS` change with the origin."""
     x, y, z = camera.R @ origin
     M = np.eye(len(PARAMETERS))
@@ -52,7 +50,7 @@ def parameters_about(camera: Camera, origin: Array) -> Array:
     return M
 
 
-def joint_about(rig: Rig, joint: Array, origin: Array) -> Array:
+def joint_about(rig: Rig, joint: Floats, origin: Floats) -> Floats:
     """The covariance (15 C, 15 C) of all cameras' parameters together, about another origin."""
     p = len(PARAMETERS)
     M = np.zeros_like(joint)

@@ -1,10 +1,10 @@
 """Markers → joint angles: segment chains, angles with their covariance, poses, centres, velocities, cycles."""
 
+from ..data.models import LABORATORY, Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
 from .centres import JointCentre, joint_centre, static_template
 from .chain import joint_angles, joint_matrices, segment_axes
 from .cycles import Cycles, cycles, resampled, spans_of
-from .model import LABORATORY, Axis, Centre, Cluster, Joint, Model, Motion, Segment
-from .noise import estimated_sd, with_marker_sd
+from .marker_noise import estimated_sd, with_marker_sd
 from .normal import Named, named, outside
 from .pose import ClusterTemplate, Pose, Template, body_pose, rotation_covariance
 from .sequences import InverseCosines, Method, SignedAngles, inverse_cosines, principal, turned
@@ -22,9 +22,9 @@ __all__ = [
     "InverseCosines",
     "Joint",
     "JointCentre",
+    "JointMotion",
     "Method",
     "Model",
-    "Motion",
     "Named",
     "Pose",
     "Segment",

@@ -25,15 +25,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Angles, KinemarkError, Trajectories
+from ..data.array_types import Floats
+from ..data.models import LABORATORY, Axis, Joint, Model, Segment
 from ..geometry import near_middle
-from .model import LABORATORY, Axis, Joint, Model, Segment
 from .pose import Template, carry
 from .sequences import Method, SignedAngles, principal, read_angles
 
-Floats = NDArray[np.float64]
 Points = Mapping[str, Floats]
 
 FLAT = 1e-6

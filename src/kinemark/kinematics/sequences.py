@@ -32,12 +32,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .model import Joint, check_sequence
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from ..data.array_types import Bools, Floats
+from ..data.models import Joint, check_sequence
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +127,7 @@ def lock_distance(R: Floats, sequence: str) -> Floats:
     return 90 - np.abs(b) if sequence[0] != sequence[2] else 90 - np.abs(np.abs(b) - 90)
 
 
-def read_angles(R: Floats, joint: Joint, method: Method) -> tuple[Floats, Flags]:
+def read_angles(R: Floats, joint: Joint, method: Method) -> tuple[Floats, Bools]:
     """Angles (F, 3) deg of a joint and whether they are in gimbal lock (F), from rotations R (F, 3, 3)."""
     deg = principal(R, joint.sequence, negative_middle=joint.middle == "negative")
     with np.errstate(invalid="ignore"):
@@ -157,7 +154,7 @@ def inverse_cosines(R: Floats, sequence: str) -> Floats:
     return np.degrees(np.stack([a, b, c], -1))
 
 
-def followed(deg: Floats, locked: Flags, sequence: str) -> Floats:
+def followed(deg: Floats, locked: Bools, sequence: str) -> Floats:
     """Of the triples (4) of each frame (F, 3), turned by whole turns, the one nearest to the frame before.
 
     The frame before is the last that is known and not locked; the first such frame has principal values.

@@ -11,14 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..data import Path, Trajectories
+from ..data import MarkerTrajectory, Trajectories
 from ..data.arrays import check_positive
 from ..signal.filters import butterworth, butterworth_gain, fewest, residual_analysis
 from ..signal.woltring import woltring
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +63,7 @@ def smooth(trajectories: Trajectories, *, method: Smoothing) -> Trajectories:
     return replace(trajectories, paths=tuple(one(path, trajectories.rate, method) for path in trajectories))
 
 
-def residual_cutoff(path: Path, *, rate: float, order: int = 2) -> float | None:
+def residual_cutoff(path: MarkerTrajectory, *, rate: float, order: int = 2) -> float | None:
     """The cut-off, Hz, that residual analysis gives a marker from its longest run; None from fewer than 30 frames."""
     runs = _runs(path)
     first, stop = max(runs, key=lambda run: run[1] - run[0], default=(0, 0))
@@ -75,13 +72,13 @@ def residual_cutoff(path: Path, *, rate: float, order: int = 2) -> float | None:
     return residual_analysis(path.xyz[first:stop], rate=rate, order=order)[0]
 
 
-def _runs(path: Path) -> list[tuple[int, int]]:
+def _runs(path: MarkerTrajectory) -> list[tuple[int, int]]:
     seen = np.isfinite(path.xyz).all(1)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
-def _butterworth(path: Path, rate: float, method: Smoothing) -> Path:
+def _butterworth(path: MarkerTrajectory, rate: float, method: Smoothing) -> MarkerTrajectory:
     assert isinstance(method, Butterworth)
     order = int(method.order)
     cutoff = method.cutoff_hz or residual_cutoff(path, rate=rate, order=order)
@@ -96,7 +93,7 @@ def _butterworth(path: Path, rate: float, method: Smoothing) -> Path:
     return replace(path, xyz=xyz, cov=cov)
 
 
-def _woltring(path: Path, rate: float, method: Smoothing) -> Path:
+def _woltring(path: MarkerTrajectory, rate: float, method: Smoothing) -> MarkerTrajectory:
     assert isinstance(method, WoltringSpline)
     seen = np.asarray(np.isfinite(path.xyz).all(1))
     if seen.sum() <= 2 * method.half_order:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..data import Detections, Matches, Rig
-from .epipolar import EpipolarTriplets, match_epipolar
-from .images import check_cameras
-from .kiss import KissTriplets, match_kiss
-from .nearest import NearestEpipolar, match_nearest
+from ..geometry.ideal_pixels import check_cameras
+from .epipolar_triplets import EpipolarTriplets, match_epipolar
+from .kiss_triplets import KissTriplets, match_kiss
+from .nearest_epipolar import NearestEpipolar, match_nearest
 
 MatchMethod = EpipolarTriplets | KissTriplets | NearestEpipolar
 

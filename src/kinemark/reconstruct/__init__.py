@@ -1,8 +1,8 @@
 """From matched images to points in space, each with its covariance: one file a method."""
 
+from .camera_pairs import CameraPairs
 from .least_squares import LeastSquares, located, wanted
 from .methods import RECONSTRUCTORS, ReconstructMethod, reconstruct
-from .pairs import CameraPairs
 
 __all__ = [
     "RECONSTRUCTORS",

@@ -35,11 +35,10 @@ from numpy.typing import NDArray
 from scipy.special import gammaincinv
 
 from ..data import Cloud, Detections, Matches, Rig
+from ..data.array_types import Floats
 from ..data.arrays import check_positive
 from ..geometry import Triangulated, refine, sphere_offset, triangulate, undistort
 from .hidden import hidden_variance
-
-Floats = NDArray[np.float64]
 
 FALLBACK_SD = 0.2  # px; a usual centroid's, for recordings in which no point is seen by three cameras
 REWEIGHTINGS = 6

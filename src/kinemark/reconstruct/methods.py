@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..data import Cloud, Detections, Matches, Rig
+from .camera_pairs import CameraPairs, reconstruct_pairs
 from .least_squares import LeastSquares, reconstruct_least_squares
-from .pairs import CameraPairs, reconstruct_pairs
 
 ReconstructMethod = LeastSquares | CameraPairs
 

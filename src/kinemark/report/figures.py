@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..data import Origin, Trajectories
-from .markers import sample_deviation
+from ..findings.markers import sample_deviation
 from .theme import HUES, STATES, axis_style, empty, figure, hue, label
 from .thin import blocks, envelope, short
 

@@ -10,11 +10,11 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..data import Rig
-from .plain import Array
-from .scene import draw_box, draw_camera, draw_floor, extent_of, upwards, viewpoint
+from ..data.array_types import Floats
+from .formatting import number
+from .scene3d import draw_box, draw_camera, draw_floor, extent_of, upwards, viewpoint
 from .theme import FAINT, HUES, axis_style, empty, figure, hue, label
 from .thin import short
-from .words import number
 
 SLICES = 3
 SCALE = "Cividis"
@@ -51,7 +51,7 @@ def slices_figure(figures: dict[str, Any], up: int) -> go.Figure:
     return fig.update_layout(coloraxis={"colorscale": SCALE, "cmin": low, "cmax": high, "colorbar": bar})
 
 
-def space_figure(figures: dict[str, Any], rig: Rig, points: Array) -> go.Figure:
+def space_figure(figures: dict[str, Any], rig: Rig, points: Floats) -> go.Figure:
     """Cameras, the volume with σ at places in it, and the points (N, 3) mm that the calibration was made from."""
     sd, axes = _volume(figures["map"], "sd_mm")
     corners = np.array(figures["volume"]["corners_mm"])
@@ -76,7 +76,7 @@ def space_figure(figures: dict[str, Any], rig: Rig, points: Array) -> go.Figure:
     return fig.update_layout(scene={**axis, "aspectmode": "data", "camera": look, "dragmode": drag})
 
 
-def _cloud(fig: go.Figure, sd: Array, axes: list[Array]) -> None:
+def _cloud(fig: go.Figure, sd: Floats, axes: list[Floats]) -> None:
     """Every second place along each axis, coloured by σ."""
     few = [np.arange(0, len(axis), 2) for axis in axes]
     at = np.stack(np.meshgrid(*(axis[k] for axis, k in zip(axes, few, strict=True)), indexing="ij"), -1).reshape(-1, 3)
@@ -216,7 +216,7 @@ def lens_figure(cameras: list[dict[str, Any]]) -> go.Figure:
     return fig.update_yaxes(title_text="moved outwards (px)", zerolinecolor=FAINT)
 
 
-def _range(sd: Array) -> tuple[float, float]:
+def _range(sd: Floats) -> tuple[float, float]:
     """From where to where the colours go: nearly all values, and never so little that nothing is made to look much."""
     if not np.isfinite(sd).any():
         return 0.0, 1.0
@@ -224,12 +224,12 @@ def _range(sd: Array) -> tuple[float, float]:
     return float(min(low, high / 1.5)), float(high)
 
 
-def _volume(grid: dict[str, Any], key: str) -> tuple[Array, list[Array]]:
+def _volume(grid: dict[str, Any], key: str) -> tuple[Floats, list[Floats]]:
     """Values (X, Y, Z), NaN where unknown, and the three axes, mm."""
     return np.array(grid[key], np.float64), [np.array(grid[f"{a}_mm"], np.float64) for a in NAMES]
 
 
-def _rounded(values: Array) -> Array:
+def _rounded(values: Floats) -> Floats:
     return values.astype(np.float32)
 
 

@@ -30,12 +30,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Cloud, Tracks
+from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
 from ..geometry import solve3
 from ..signal import PAST, assign, extrapolate, gain
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +65,7 @@ class ExtrapolationLadder:
 
 
 @dataclass(frozen=True, slots=True)
-class Active:
+class ActiveLadderTrack:
     """Tracks that may still grow.
 
     Attributes:
@@ -102,14 +100,20 @@ def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
     return Tracks(cloud, _without_short(identity, method.shortest))
 
 
-def _none() -> Active:
+def _none() -> ActiveLadderTrack:
     """No tracks."""
     zero = np.zeros(0, np.int64)
-    return Active(zero, zero, zero, np.zeros((0, PAST, 3)), np.zeros((0, 3, 3)))
+    return ActiveLadderTrack(zero, zero, zero, np.zeros((0, PAST, 3)), np.zeros((0, 3, 3)))
 
 
 def _claim(
-    active: Active, predicted: Floats, points: Floats, cov: Floats, view: Ints, rate: float, method: ExtrapolationLadder
+    active: ActiveLadderTrack,
+    predicted: Floats,
+    points: Floats,
+    cov: Floats,
+    view: Ints,
+    rate: float,
+    method: ExtrapolationLadder,
 ) -> tuple[Ints, Ints]:
     """Which tracks take which points; of two that share an image, the younger track goes without."""
     stray = method.acceleration * ((active.missed + 1) / rate) ** 2 / 2 + method.scatter  # (1)
@@ -144,8 +148,8 @@ def _unclaimed(view: Ints, taken: Ints) -> Ints:
 
 
 def _advance(
-    active: Active, predicted: Floats, points: Floats, cov: Floats, which: Ints, taken: Ints, patience: int
-) -> Active:
+    active: ActiveLadderTrack, predicted: Floats, points: Floats, cov: Floats, which: Ints, taken: Ints, patience: int
+) -> ActiveLadderTrack:
     """The tracks one frame on: with the point taken or, for as long as `patience` lasts, with the prediction."""
     here, known, missed, last = predicted.copy(), active.known.copy(), active.missed + 1, active.cov.copy()
     here[which], last[which] = points[taken], cov[taken]
@@ -153,13 +157,13 @@ def _advance(
     missed[which] = 0
     past = np.concatenate([active.past[:, 1:], here[:, None]], 1)
     alive = missed <= patience
-    return Active(active.id[alive], known[alive], missed[alive], past[alive], last[alive])
+    return ActiveLadderTrack(active.id[alive], known[alive], missed[alive], past[alive], last[alive])
 
 
-def _begin(active: Active, identity: Ints, points: Floats, cov: Floats) -> Active:
+def _begin(active: ActiveLadderTrack, identity: Ints, points: Floats, cov: Floats) -> ActiveLadderTrack:
     """The active tracks and new ones of a single point each."""
     n = len(points)
-    return Active(
+    return ActiveLadderTrack(
         np.concatenate([active.id, identity]),
         np.concatenate([active.known, np.ones(n, np.int64)]),
         np.concatenate([active.missed, np.zeros(n, np.int64)]),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..data import Cloud, Tracks
-from .kiss import KissTracking, track_kiss
+from .kiss_tracking import KissTracking, track_kiss
 from .ladder import ExtrapolationLadder, track_ladder
 from .swamidas import DistanceOnly, Swamidas, track_distance, track_swamidas
 

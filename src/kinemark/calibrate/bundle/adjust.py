@@ -11,17 +11,14 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import KinemarkError, Rig
+from ...data.array_types import Bools, Floats
 from ...geometry import joint_about, near_middle, rig_about
-from .covariance import joint_covariance
+from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust import equations, solve_softly, solve_without_outliers, unknowns
-from .solver import Freedom, Observed, State, cost, normal_equations, residuals
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
 
 VAGUE = 0.1  # a focal length is not known if its standard deviation is more than this share of it
 MOST_LOST = 0.3
@@ -81,10 +78,10 @@ class BundleFit(NamedTuple):
     """
 
     rig: Rig
-    xyz: Array
-    residual: Array
-    kept: Mask
-    joint: Array
+    xyz: Floats
+    residual: Floats
+    kept: Bools
+    joint: Floats
     chi2: float
     freedom: int
 
@@ -92,9 +89,9 @@ class BundleFit(NamedTuple):
 def bundle(
     rig: Rig,
     parts: Sequence[Part],
-    uv: Array,
+    uv: Floats,
     *,
-    cov: Array | None = None,
+    cov: Floats | None = None,
     freedoms: Sequence[Freedom] | None = None,
     method: Bundle | None = None,
 ) -> BundleFit:
@@ -122,19 +119,23 @@ def bundle(
         )
     seen, origin = observed(uv, cov), near_middle(all_points(parts))
     near = tuple(part.placed(np.eye(3), -origin, 1.0) for part in parts)
-    state, kept = adjusted(State(rig_about(rig, origin).cameras, near), seen, free, reject=method.reject)
+    state, kept = adjusted(BundleState(rig_about(rig, origin).cameras, near), seen, free, reject=method.reject)
     fit = completed(state, seen, free, kept, what="bundle adjustment")
     joint = joint_about(fit.rig, fit.joint, -origin)
     return fit._replace(rig=rig_about(fit.rig, -origin), xyz=fit.xyz + origin, joint=joint)
 
 
-def adjusted(state: State, seen: Observed, freedoms: tuple[Freedom, ...], *, reject: float) -> tuple[State, Mask]:
+def adjusted(
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, reject: float
+) -> tuple[BundleState, Bools]:
     """The state near `state` that fits best, and which points (C, N) it was fitted to."""
     state, scale = solve_softly(state, seen, freedoms)
     return solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
 
 
-def completed(state: State, seen: Observed, freedoms: tuple[Freedom, ...], kept: Mask, *, what: str) -> BundleFit:
+def completed(
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], kept: Bools, *, what: str
+) -> BundleFit:
     """A `BundleFit` of a state that has converged on the points `kept` (C, N).
 
     Raises:
@@ -169,7 +170,7 @@ def completed(state: State, seen: Observed, freedoms: tuple[Freedom, ...], kept:
     return BundleFit(Rig(cameras, words, np.stack([there.min(0), there.max(0)])), xyz, off, kept, joint, chi2, nu)
 
 
-def observed(uv: Array, cov: Array | None) -> Observed:
+def observed(uv: Floats, cov: Floats | None) -> ImageObservations:
     """Pixels (C, N, 2) with covariances (C, N, 2, 2), px²; all alike where one that is needed is not known.
 
     Raises:
@@ -179,16 +180,16 @@ def observed(uv: Array, cov: Array | None) -> Observed:
     if cov is not None and cov.shape != (*uv.shape, 2):
         raise ValueError(f"cov has shape {cov.shape}, wanted {(*uv.shape, 2)}")
     if cov is None or not np.isfinite(cov[there]).all():
-        return Observed(uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)), there)
+        return ImageObservations(uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)), there)
     try:
         known = np.asarray(np.where(there[..., None, None], cov, np.eye(2)), np.float64)
         whiten = np.linalg.inv(np.linalg.cholesky(known))
     except np.linalg.LinAlgError:
         raise ValueError("cov has a covariance that is not positive definite") from None
-    return Observed(uv, whiten, there)
+    return ImageObservations(uv, whiten, there)
 
 
-def check_calibration(fit: BundleFit, seen: Mask, *, focus_held: bool = False) -> None:
+def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) -> None:
     """Raises a KinemarkError where the fit to what was seen (C, N) is no calibration."""
     there = seen & complete(fit.xyz)
     for c, camera in enumerate(fit.rig):

@@ -30,8 +30,14 @@ from scipy.optimize import linear_sum_assignment
 
 from ...data import Camera, Detections, KinemarkError, Rig, Rods
 from ...geometry import decompose, fit_dlt, from_dlt, project, undistort
-from ..control_points import ControlFit, ControlPoints, calibrate_control_points, control_point_quality, free_parameters
-from ..control_points.camera import Method
+from ..control_points import (
+    ControlFit,
+    ControlPoints,
+    calibrate_control_points,
+    control_point_quality,
+    free_parameters,
+)
+from ..control_points.fit_camera import Method
 from ..resection import resect
 from .spacing import Reading, fewest_markers, readings
 

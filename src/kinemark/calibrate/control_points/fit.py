@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...data import Camera, KinemarkError, Rig
 from ...geometry import about, near_middle, project, sphere_offset
-from .camera import ControlPoints, Dlt, Fitted, Method, fit_camera, free_parameters
 from .checks import check_extent, check_points, labels
+from .fit_camera import ControlPoints, Dlt, FittedCamera, Method, fit_camera, free_parameters
 from .left_out import leave_one_out
 from .mistaken import exchanged_words
 
@@ -147,7 +147,7 @@ def refitted(fit: ControlFit, *, without: NDArray[np.bool_]) -> ControlFit:
 
 
 def _examined(
-    fits: list[Fitted],
+    fits: list[FittedCamera],
     points: tuple[str, ...],
     xyz: NDArray[np.float64],
     uv: NDArray[np.float64],
@@ -186,7 +186,7 @@ def _fits(
     lenses: Sequence[Camera] | None,
     diameter: float | None,
     points: tuple[str, ...],
-) -> tuple[list[Fitted], NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[list[FittedCamera], NDArray[np.float64], NDArray[np.float64]]:
     """Each camera about `near_middle` of the points, with `kept` over all N of them; the centres (C, N, 2) px that it
     was fitted to, and their weights."""
     sizes = np.asarray(sizes, np.int64).reshape(-1, 2)
@@ -230,7 +230,7 @@ def _corrected_fit(
     method: Method,
     lens: Camera | None,
     diameter: float | None,
-) -> tuple[Fitted, NDArray[np.float64]]:
+) -> tuple[FittedCamera, NDArray[np.float64]]:
     """A camera and the centres (N, 2) px of the spheres that it sees at `uv`, by (1)."""
     fitted, centres = fit_camera(name, size, xyz, uv, cov, method=method, lens=lens), uv
     for _ in range(CORRECTIONS if diameter is not None and np.isfinite(diameter) else 0):
@@ -240,7 +240,7 @@ def _corrected_fit(
     return fitted, centres
 
 
-def _rig(fits: list[Fitted], centres: NDArray[np.float64], xyz: NDArray[np.float64]) -> Rig:
+def _rig(fits: list[FittedCamera], centres: NDArray[np.float64], xyz: NDArray[np.float64]) -> Rig:
     known = xyz[np.isfinite(xyz).all(1)]
     volume = np.stack([known.min(0), known.max(0)]) if len(known) else np.full((2, 3), np.nan)
     out = (np.isfinite(centres[..., 0]).sum(1) - np.array([f.kept.sum() for f in fits], int)) if fits else []

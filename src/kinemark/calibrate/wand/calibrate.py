@@ -23,16 +23,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...data import PARAMETERS, Camera, Detections, KinemarkError, Rig
+from ...data.array_types import Floats
 from ...data.arrays import check_positive
-from ...geometry.sphere import sphere_offset
+from ...geometry.sphere_offset import sphere_offset
 from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, sticks_through
 from ..bundle.adjust import check_calibration
 from ..bundle.parts import complete
 from ..bundle.solver import placed
 from .completion import completed
-from .points import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
-
-Array = NDArray[np.float64]
+from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
 FIRST_POSES = 150
@@ -163,7 +162,7 @@ def _first_rig(
     detections: Detections,
     rows: NDArray[np.int64],
     sizes: NDArray[np.int64],
-    along: Array,
+    along: Floats,
     method: Wand,
     lenses: Sequence[Camera] | None,
 ) -> Rig:
@@ -176,8 +175,8 @@ def _final_fit(
     first: Rig,
     detections: Detections,
     rows: NDArray[np.int64],
-    xyz: Array,
-    along: Array,
+    xyz: Floats,
+    along: Floats,
     method: Wand,
     lens_known: bool,
 ) -> BundleFit:

@@ -15,10 +15,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .groups import Groups, Rectangles, rectangles, separated
+from .pixel_groups import KissGroups, Rectangles, rectangles, separated
 
 
-def split_long_and_wide(groups: Groups, *, min_ratio: float, max_ratio: float) -> Groups:
+def split_long_and_wide(groups: KissGroups, *, min_ratio: float, max_ratio: float) -> KissGroups:
     """The groups, those with a ratio beyond the limits in equal parts; groups separated before stay as they are."""
     brect = rectangles(groups)
     ratio = brect.height / brect.width

@@ -30,7 +30,7 @@ from ..data import Angles, KinemarkError, Trajectories
 from ..data.array_types import Floats
 from ..data.models import LABORATORY, Axis, Joint, Model, Segment
 from .pose import Template, carry
-from .sequences import Method, SignedAngles, principal, read_angles
+from .sequences import AngleMethod, SignedAngles, principal, read_angles
 
 Points = Mapping[str, Floats]
 
@@ -44,7 +44,7 @@ def joint_angles(
     trajectories: Trajectories,
     *,
     model: Model,
-    method: Method | None = None,
+    method: AngleMethod | None = None,
     template: Template | None = None,
 ) -> Angles:
     """The angles of all joints of a model, with their covariance and the frames in gimbal lock.

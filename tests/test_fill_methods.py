@@ -5,6 +5,17 @@ from functools import cache
 
 import numpy as np
 import pytest
+from kinemark.fill.methods.table import (
+    fill_cubic,
+    fill_cyclic,
+    fill_linear,
+    fill_low_rank_kalman,
+    fill_pattern,
+    fill_pca,
+    fill_quintic,
+    fill_relational,
+    fill_rigid_body,
+)
 from scipy.spatial.transform import Rotation
 from shared import shared_data
 
@@ -25,17 +36,6 @@ from kinemark.fill import (
 )
 from kinemark.fill.methods.low_rank_kalman import solve
 from kinemark.fill.methods.polynomials import lagrange
-from kinemark.fill.methods.table import (
-    fill_cubic,
-    fill_cyclic,
-    fill_linear,
-    fill_low_rank_kalman,
-    fill_pattern,
-    fill_pca,
-    fill_quintic,
-    fill_relational,
-    fill_rigid_body,
-)
 from kinemark.geometry import nearest_rotations
 from kinemark.io.c3d.to_trial import markers, read_c3d
 from kinemark.signal import smoothing_spline

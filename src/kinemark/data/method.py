@@ -76,6 +76,7 @@ class Declaration:
         source: author, year and section of the method's publication; empty where it is Kinemark's own.
         takes: what the function takes, where methods of one stage take different things.
         ways: of calibrating, that it goes with.
+        rank: place among the stage's methods where their order matters; those without come last.
     """
 
     stage: str
@@ -85,6 +86,7 @@ class Declaration:
     source: str = ""
     takes: str = ""
     ways: tuple[str, ...] = ()
+    rank: int = 1000
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -103,7 +105,7 @@ class Declaration:
 
 
 class Stage(Mapping[str, Declaration]):
-    """The methods of a stage by their names, the default first and the others by the alphabet.
+    """The methods of a stage by their names, the default first and the others by rank and alphabet.
 
     Attributes:
         name: in settings and on the command line.
@@ -151,7 +153,7 @@ class Stage(Mapping[str, Declaration]):
 
     def __iter__(self) -> Iterator[str]:
         self._find()
-        return iter(sorted(self._known, key=lambda name: (name != self.default, name)))
+        return iter(sorted(self._known, key=lambda name: (name != self.default, self._known[name].rank, name)))
 
     def __len__(self) -> int:
         self._find()
@@ -169,7 +171,7 @@ class Stage(Mapping[str, Declaration]):
             for declaration in self._known.values():
                 if declaration.kind is type(method):
                     return declaration
-        raise ValueError(f"method is {method!r}, wanted one of the stage {self.name}: {', '.join(self)}")
+        raise ValueError(f"{method!r} is no method of the stage {self.name}; there are {', '.join(self)}")
 
     def function(self, method: object, *, takes: str = "") -> Callable[..., Any]:
         """What does a method.

@@ -121,7 +121,7 @@ class _Look(NamedTuple):
     views: list[View]
 
 
-@FILL.method("body", Body, source="Hengl et al. 2007")
+@FILL.method("body", Body, rank=14, source="Hengl et al. 2007")
 def fill_body(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> list[Prediction]:
     """Each gap by (4); gaps of one marker with the same donors share λ, ℓ, ν …"""
     trial = _trial(motion, method)

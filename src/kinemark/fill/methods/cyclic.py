@@ -64,7 +64,7 @@ class _LearntCycle(NamedTuple):
     distances: Distances
 
 
-@FILL.method("cyclic", Cyclic)
+@FILL.method("cyclic", Cyclic, rank=6)
 def fill_cyclic(motion: MarkerArray, gaps: list[Gap], *, method: Cyclic = Cyclic()) -> list[Prediction]:
     """Each gap from other cycles of its own marker."""
     known = KnownSamples.of(motion)

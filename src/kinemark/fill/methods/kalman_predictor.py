@@ -90,7 +90,7 @@ class _Windows(NamedTuple):
     jump: Floats
 
 
-@FILL.method("kalman", Kalman, source="Swamidas 1997, 3.3 and 5.2")
+@FILL.method("kalman", Kalman, rank=10, source="Swamidas 1997, 3.3 and 5.2")
 def fill_kalman(motion: MarkerArray, gaps: Sequence[Gap], *, method: Kalman = Kalman()) -> list[Prediction]:
     """What the predictor, forwards, from both sides or smoothed, says of each gap.
 

@@ -62,7 +62,7 @@ class RegressionFit(NamedTuple):
     B: Floats
 
 
-@FILL.method("local_regression", LocalRegression, source="Hoerl and Kennard 1970")
+@FILL.method("local_regression", LocalRegression, rank=13, source="Hoerl and Kennard 1970")
 def fill_local_regression(motion: MarkerArray, gaps: list[Gap], *, method: LocalRegression) -> list[Prediction]:
     """Each gap from the donors that are seen throughout it; gaps of one marker with the same donors share one fit."""
     fits: dict[tuple[int, bytes], RegressionFit | str] = {}

@@ -87,7 +87,7 @@ class _LearntDynamics(NamedTuple):
     walks: dict[tuple[int, bytes], Walk | None]
 
 
-@FILL.method("low_rank_kalman", LowRankKalman, source="Burke and Lasenby 2016")
+@FILL.method("low_rank_kalman", LowRankKalman, rank=12, source="Burke and Lasenby 2016")
 def fill_low_rank_kalman(
     motion: MarkerArray, gaps: list[Gap], *, method: LowRankKalman = LowRankKalman()
 ) -> list[Prediction]:

@@ -31,7 +31,7 @@ class Pattern(FillMethod):
     donors: tuple[str, ...] = parameter((), meaning="names of reference markers to choose from; empty: all markers")
 
 
-@FILL.method("pattern", Pattern)
+@FILL.method("pattern", Pattern, rank=4)
 def fill_pattern(motion: MarkerArray, gaps: list[Gap], *, method: Pattern = Pattern()) -> list[Prediction]:
     """Each gap from its best donor, which must be seen throughout the gap and beside it.
 

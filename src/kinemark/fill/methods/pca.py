@@ -91,7 +91,7 @@ class _LearntComponents(NamedTuple):
     maps: dict[tuple[int, bytes], Map | None]
 
 
-@FILL.method("pca", PCA, source="Federolf 2013; Gløersen and Federolf 2016")
+@FILL.method("pca", PCA, rank=11, source="Federolf 2013; Gløersen and Federolf 2016")
 def fill_pca(motion: MarkerArray, gaps: list[Gap], *, method: PCA = PCA()) -> list[Prediction]:
     """Each gap from the markers seen in it, or piece by piece where markers come and go."""
     known = KnownSamples.of(motion)

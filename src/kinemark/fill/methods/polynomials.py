@@ -38,13 +38,13 @@ class Cubic(FillMethod):
     )
 
 
-@FILL.method("linear", Linear)
+@FILL.method("linear", Linear, rank=1)
 def fill_linear(motion: MarkerArray, gaps: list[Gap], *, method: Linear = Linear()) -> list[Prediction]:
     """Straight lines; a gap at an end of the marker's path has none."""
     return _fill(KnownSamples.of(motion), gaps, samples=1, within=np.inf)
 
 
-@FILL.method("cubic", Cubic)
+@FILL.method("cubic", Cubic, rank=2)
 def fill_cubic(motion: MarkerArray, gaps: list[Gap], *, method: Cubic = Cubic()) -> list[Prediction]:
     """Cubics; a gap needs two samples near each side."""
     return _fill(KnownSamples.of(motion), gaps, samples=2, within=method.within)

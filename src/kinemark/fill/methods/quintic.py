@@ -32,7 +32,7 @@ class Quintic(FillMethod):
     )
 
 
-@FILL.method("quintic", Quintic, source="Woltring 1986")
+@FILL.method("quintic", Quintic, rank=3, source="Woltring 1986")
 def fill_quintic(motion: MarkerArray, gaps: list[Gap], *, method: Quintic = Quintic()) -> list[Prediction]:
     """Splines through up to `margin` of samples on each side, at least six in all."""
     known = KnownSamples.of(motion)

@@ -52,7 +52,7 @@ class Relational(FillMethod):
 Chosen = dict[tuple[int, int, bytes], tuple[Ints, Floats]]
 
 
-@FILL.method("relational", Relational)
+@FILL.method("relational", Relational, rank=7)
 def fill_relational(motion: MarkerArray, gaps: list[Gap], *, method: Relational = Relational()) -> list[Prediction]:
     """Each gap in the frame of three markers, which must be seen throughout the gap and beside it.
 

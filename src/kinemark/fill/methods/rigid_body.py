@@ -93,7 +93,7 @@ class _LearntBody(NamedTuple):
     bodies: dict[tuple[int, bytes], BodyShape | str]
 
 
-@FILL.method("rigid_body", RigidBody, source="Söderkvist and Wedin 1993")
+@FILL.method("rigid_body", RigidBody, rank=5, source="Söderkvist and Wedin 1993")
 def fill_rigid_body(motion: MarkerArray, gaps: list[Gap], *, method: RigidBody = RigidBody()) -> list[Prediction]:
     """Each gap from its own donors, or piece by piece where donors come and go.
 

@@ -107,7 +107,7 @@ class PredictedPath(NamedTuple):
     corrected: Bools
 
 
-@FILL.method("kalman_angles", KalmanAngles, source="Swamidas 1997, 3.5.2")
+@FILL.method("kalman_angles", KalmanAngles, rank=9, source="Swamidas 1997, 3.5.2")
 def fill_kalman_angles(
     motion: MarkerArray, gaps: Sequence[Gap], *, method: KalmanAngles = KalmanAngles()
 ) -> list[Prediction]:

@@ -89,7 +89,7 @@ class LimbAngles(FillMethod):
         return replace(self, learned=learned_of(source, method=self))
 
 
-@FILL.method("limb_angles", LimbAngles, source="Swamidas 1997, 3.5")
+@FILL.method("limb_angles", LimbAngles, rank=8, source="Swamidas 1997, 3.5")
 def fill_limb_angles(
     motion: MarkerArray, gaps: Sequence[Gap], *, method: LimbAngles = LimbAngles()
 ) -> list[Prediction]:

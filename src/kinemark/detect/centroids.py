@@ -16,13 +16,15 @@ from .moments import Moments, measure, outline_centroids
 from .runs import find_runs
 from .saturation import without_clipped
 from .separate import separated
+from .stage import DETECT
 from .validity import judge, remove_noise
 
 MOST_RUNS = 1 << 18
 MOST_GROUPS = 10_000
 
 
-def detect_centroids(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids) -> Blobs:
+@DETECT.method("centroids", Centroids, source="Shafiq, Tümer and Güler 2001, section 2")
+def detect_centroids(images: NDArray[np.uint8 | np.uint16], first: int, *, method: Centroids) -> Blobs:
     """Markers in consecutive frames (n, H, W), of which the first has this number."""
     if not method.inverted:
         return _bright(images, first, method)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Validity
-from .background_noise import background
+from .background_noise import ROUNDING, background
 from .blobs import Blobs, joined
 from .centroids_method import Centroids, grey_scale
 from .grouping import PixelGroups, group_runs
@@ -50,7 +50,7 @@ def _bright(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids
     groups = remove_noise(groups, method=method)
     ground, variance = background(images)
     if method.noise is not None:
-        variance = np.full_like(variance, (method.noise * grey_scale(images.dtype)) ** 2)
+        variance = np.full_like(variance, max((method.noise * grey_scale(images.dtype)) ** 2, ROUNDING))
     blobs = _whole(images, groups, threshold, ground, variance, method)
     return separated(images, groups, blobs, threshold=threshold, variance=variance, method=method)
 

@@ -47,7 +47,8 @@ class Centroids(Method):
     )  # fmt: skip
     noise: float | None = parameter(
         None, unit="grey levels", low=0, high=math.inf,
-        meaning="standard deviation of the grey level of a dark pixel; None: measured in every frame",
+        meaning="standard deviation of the grey level of a dark pixel, that of rounding at least; None: measured in "
+        "every frame",
     )  # fmt: skip
     shot: float = parameter(
         0.0, unit="grey levels", low=0, high=math.inf,

@@ -48,7 +48,8 @@ class SemiAutomatic(Method):
     )  # fmt: skip
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "markers", tuple(self.markers))
+        if isinstance(self.markers, list):
+            object.__setattr__(self, "markers", tuple(self.markers))
         check_parameters(self)
         self.check_together()
 

@@ -14,14 +14,11 @@ from kinemark.apps.cli import methods
 from kinemark.data import KinemarkError, same
 from kinemark.engine.session import Session
 from kinemark.engine.settings import STAGES, methods_figures, methods_text
-from kinemark.io.records import save
-from kinemark.io.rig_toml import write_rig_toml
 from kinemark.match import match
 from kinemark.reconstruct import reconstruct
 from kinemark.track import matches_itself, track
 from kinemark.track.simultaneous import track_detections
-from support.laboratory import observe, ring
-from support.motions import swarm
+from support.sessions import folder_of
 
 NAMED = {
     "match": {
@@ -40,19 +37,6 @@ NAMED = {
     },
 }
 """What the documents name, of each method in a session file."""
-
-POINTS = swarm(n=5, frames=20)
-
-
-def folder_of(path, n_cameras=3, more=""):
-    """A session of one trial, with more in its file."""
-    rig = ring(n_cameras)
-    detections, _ = observe(rig, POINTS, noise=0.1)
-    save(path / "one.h5", detections)
-    write_rig_toml(path / "rig.toml", rig)
-    head = 'name = "choice"\n[calibration]\nfile = "rig.toml"\n[[trials]]\nname = "one"\ndetections = "one.h5"\n'
-    (path / "session.toml").write_text(head + more)
-    return path, rig, detections
 
 
 def test_every_method_has_a_name_in_session_files_and_its_parameters_are_the_documents():

@@ -11,7 +11,7 @@ from kinemark import calibrate, geometry, synth
 from kinemark.data import Path, Trajectories
 from kinemark.fill import Motion, find_gaps
 from kinemark.track import track
-from shifted import on_grid
+from support.shifted import on_grid
 
 
 @cache

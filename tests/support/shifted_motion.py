@@ -28,8 +28,8 @@ from kinemark.signal.kalman import predict, start, update_position
 from kinemark.signal.periodic import find_harmonics
 from kinemark.signal.smoother import smooth_positions
 from kinemark.signal.woltring import woltring
-from shifted import Answer, law, moved, on_grid
-from shifted_scene import found_gaps, motion, observed, rig, tracks, trial, walk
+from support.shifted import Answer, law, moved, on_grid
+from support.shifted_scene import found_gaps, motion, observed, rig, tracks, trial, walk
 
 
 @law(fill, each=METHODS, mm=1e-6, share=1e-7)

@@ -10,10 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from laboratory import observe, ring
-from test_choosing_methods import folder_of
-from test_fill import moving
-from test_tracking import swarm
 
 from kinemark.data import AngleModel, KinemarkError
 from kinemark.data.method import Declaration, Method, Stage, parameter, plain_parameters
@@ -26,6 +22,10 @@ from kinemark.match import MATCH, match
 from kinemark.reconstruct import RECONSTRUCT, reconstruct
 from kinemark.track import TRACK, matches_itself, track
 from kinemark.track.simultaneous import track_detections
+from support.filling import moving
+from support.laboratory import observe, ring
+from support.motions import swarm
+from support.sessions import folder_of
 
 DECLARED = [declared for stage in STAGES.values() for declared in stage.values()]
 EACH = [(declared, p) for declared in DECLARED for p in declared.parameters]

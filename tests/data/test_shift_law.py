@@ -14,13 +14,15 @@ import numpy as np
 import pytest
 
 import kinemark
-import shifted_files  # noqa: F401  its cases
-import shifted_motion  # noqa: F401
-import shifted_scene
-import shifted_space  # noqa: F401
-import shifted_tracks  # noqa: F401
 from kinemark.fill import Linear, fill
-from shifted import CASES, FAR, differences, moved
+from support import (
+    shifted_files,  # noqa: F401  its cases
+    shifted_motion,  # noqa: F401
+    shifted_scene,
+    shifted_space,  # noqa: F401
+    shifted_tracks,  # noqa: F401
+)
+from support.shifted import CASES, FAR, differences, moved
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -10,8 +10,8 @@ from kinemark import calibrate, geometry, sensitivity, synth
 from kinemark.calibrate import bundle, control_frame, control_points, quality, world
 from kinemark.data import Path, Rig, Trajectories
 from kinemark.sensitivity import joints
-from shifted import OPEN, Answer, law, moved, on_grid
-from shifted_scene import POINTS, calibrated, frame, observed, rig, tracks, walk
+from support.shifted import OPEN, Answer, law, moved, on_grid
+from support.shifted_scene import POINTS, calibrated, frame, observed, rig, tracks, walk
 
 
 def seen_points(by=0.0):

@@ -21,8 +21,8 @@ from kinemark.track import (
     within_volume,
     without_short,
 )
-from shifted import OPEN, Answer, law, moved
-from shifted_scene import cloud, matches, observed, rig, tracks, walk
+from support.shifted import OPEN, Answer, law, moved
+from support.shifted_scene import cloud, matches, observed, rig, tracks, walk
 
 
 def first_cameras(n):

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from kinemark.follow import FormerTwoCameras, Simultaneous, follow_with_doubts
 
 import kinemark
 from kinemark import digitise, geometry
@@ -21,8 +20,9 @@ from kinemark.track import (
     within_volume,
     without_short,
 )
-from shifted import OPEN, Answer, law, moved
-from shifted_scene import cloud, matches, observed, rig, tracks, walk
+from kinemark.track.simultaneous import FormerTwoCameras, Simultaneous, track_with_decisions
+from support.shift_law import OPEN, Answer, law, moved
+from support.shift_scene import cloud, matches, observed, rig, tracks, walk
 
 
 def first_cameras(n):
@@ -56,20 +56,29 @@ def _(by):
 FOLLOWERS = {"simultaneous": Simultaneous(), "former": FormerTwoCameras()}
 
 
-@law(kinemark.follow, each=FOLLOWERS, mm=1e-6, share=OPEN)
+@law(kinemark.track_detections, each=FOLLOWERS, mm=1e-6, share=OPEN)
 def _(by, parameter):
     seen = first_cameras(2) if isinstance(parameter, FormerTwoCameras) else observed().detections
-    found = kinemark.follow(seen, moved(rig().select(seen.cameras), by), method=parameter)
+    found = kinemark.track_detections(seen, moved(rig().select(seen.cameras), by), method=parameter)
     return Answer(found.cloud.xyz, (found.id, found.cloud.cov, found.cloud.residual, found.cloud.view))
 
 
-@law(kinemark.followed, kinemark.doubts, kinemark.noticed, kinemark.noticed_of, follow_with_doubts, mm=1e-6, share=OPEN)
+@law(
+    kinemark.track_simultaneously,
+    kinemark.ambiguous_decisions,
+    kinemark.diagnose,
+    kinemark.diagnose_tracks,
+    track_with_decisions,
+    mm=1e-6,
+    share=OPEN,
+)
 def _(by):
     seen, cameras = observed().detections, moved(rig(), by)
-    found = kinemark.followed(seen, cameras, Simultaneous())
-    tracks, doubts = follow_with_doubts(seen, cameras)
-    words = kinemark.noticed(seen, cameras, found), kinemark.noticed_of(seen, cameras, tracks)
-    rest = found.id, found.evidence, found.joins, found.noise, kinemark.doubts(found, Simultaneous()), doubts, words
+    found = kinemark.track_simultaneously(seen, cameras, Simultaneous())
+    tracks, decisions = track_with_decisions(seen, cameras)
+    words = kinemark.diagnose(seen, cameras, found), kinemark.diagnose_tracks(seen, cameras, tracks)
+    again = kinemark.ambiguous_decisions(found, Simultaneous())
+    rest = found.id, found.evidence, found.joins, found.noise, decisions, again, words
     return Answer((found.tracks.cloud.xyz, tracks.cloud.xyz), rest)
 
 

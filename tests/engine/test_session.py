@@ -12,7 +12,7 @@ from kinemark.data import Analog, ForcePlate, KinemarkError, Trial
 from kinemark.detect import detect
 from kinemark.engine.pipeline import alongside, together
 from kinemark.engine.session import Session
-from kinemark.engine.settings import METHODS, read_settings
+from kinemark.engine.settings import SETTABLE, read_settings
 from kinemark.geometry import project_all, to_dlt
 from kinemark.io.c3d import read_c3d
 from kinemark.io.control_points import read_control_points
@@ -188,12 +188,13 @@ def test_a_trial_that_is_not_there_is_named(folder):
 
 def test_every_method_can_be_written_in_the_file(folder):
     given = (folder / "session.toml").read_text()
-    for stage, methods in METHODS.items():
-        for name, kind in methods.items():
+    for stage, methods in SETTABLE.items():
+        for name, declared in methods.items():
             staged = '[track]\nmethod = "swamidas"\n' if stage in ("match", "reconstruct") else ""
-            (folder / "session.toml").write_text(f'{given}{staged}[{stage}]\nmethod = "{name}"\n')
+            needed = 'markers = ["A", "B"]\n' if stage == "digitise" else ""
+            (folder / "session.toml").write_text(f'{given}{staged}[{stage}]\nmethod = "{name}"\n{needed}')
             found = getattr(read_settings(folder / "session.toml"), stage)
-            assert type(found.method if stage == "fill" else found) is kind
+            assert type(found.method if stage == "fill" else found) is declared.kind
 
 
 def test_dlt_files_need_their_unit_and_then_give_the_same_points(folder):

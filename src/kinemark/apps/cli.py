@@ -23,7 +23,7 @@ from ..engine.formats import convert as convert_file
 from ..engine.formats import describe
 from ..engine.pipeline import Progress as Told
 from ..engine.session import Session
-from ..engine.settings import methods_text, parameters
+from ..engine.settings import methods_figures, methods_text, session_schema
 from ..engine.simulate import Scene
 from ..engine.simulate import simulate as simulate_session
 from ..engine.trial_angles import AngleSettings, angles_of_file
@@ -135,14 +135,23 @@ def calibrate(session: Path, *, set: Set = None, json: Json = False) -> None:
 
 @app.command
 def methods(stage: str | None = None, *, json: Json = False) -> None:
-    """List the methods of each stage with their parameters, as session.toml and --set name them.
+    """List the methods of each stage with their parameters: default, unit, range and meaning.
 
     Args:
-        stage: calibrate, detect, match, reconstruct, track or fill; all where none is given.
-        json: print them for a machine.
+        stage: calibrate, detect, match, reconstruct, track, fill, digitise, angles or smooth; all where none is given.
+        json: print them for a machine, with all that is known of each parameter.
     """
-    found = parameters(stage)
-    _print(found if json else methods_text(found))
+    _print(methods_figures(stage) if json else methods_text(stage))
+
+
+@app.command
+def schema(what: Literal["session"] = "session") -> None:
+    """Print the JSON schema of session.toml, for an editor that completes and checks it.
+
+    Args:
+        what: of which file.
+    """
+    _print({"session": session_schema}[what]())
 
 
 @app.command

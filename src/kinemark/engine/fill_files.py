@@ -50,7 +50,7 @@ def fill_file(
     Args:
         source: a C3D, TRC or CSV file of trajectories, or a BTS one that has some.
         target: the file to write, of any of the first three kinds; an existing one is not replaced.
-        method: of `fill.METHODS`, with its parameters; `Auto()` where None. name: what the report calls it.
+        method: one of `fill.FILL`, with its parameters; `Auto()` where None. name: what the report calls it.
         limit_mm: gaps whose expected mean error is greater stay open.
         ends: also fill before a marker's first sample and after its last.
         trim: so many bad samples may be replaced on each side of a gap; 0: none.
@@ -155,7 +155,7 @@ def fill_method(name: str, parameters: Iterable[str] = (), *, model: Path | None
     """A method by its name and texts like "neighbours=5".
 
     Args:
-        name: of `fill.METHODS`. parameters: of it.
+        name: in `fill.FILL`. parameters: of it.
         model: an angle model's file, or another trial of the same motion, for the methods that place markers by the
             angles of limbs.
 

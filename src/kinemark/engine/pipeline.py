@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Analog, Cloud, Detections, Fills, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
-from ..detect import Centroids, KissNearest, KissScanning
+from ..data.method import Method
+from ..detect import DETECT
 from ..digitise import called, identified_matches, identified_tracks
 from ..fill import Filled, FilledGap, Filling, Rays, fill_recording
 from ..findings.gaps import filling_figures
@@ -24,16 +25,14 @@ from ..findings.quality import quality, write_quality
 from ..io.c3d import write_c3d
 from ..io.files import replacing
 from ..io.records import load, save
-from ..match import EpipolarTriplets, MatchMethod, check_cameras, match
-from ..reconstruct import LeastSquares, ReconstructMethod, reconstruct
+from ..match import MATCH, check_cameras, match
+from ..reconstruct import RECONSTRUCT, LeastSquares, reconstruct
 from ..report.figures_detections import Picture, telling_frames
 from ..report.filling_page import write_filling_page
 from ..report.page import write_report
-from ..track import TrackMethod, to_trajectories, track
+from ..track import TRACK, matches_itself, to_trajectories, track
 from ..track.simultaneous import (
-    DETECTION_TRACKERS,
     AmbiguousDecision,
-    FormerTwoCameras,
     Simultaneous,
     ambiguous_decisions,
     diagnose,
@@ -52,10 +51,6 @@ Progress = Callable[[str, int, int], None]
 """Called with the stage, how much of it is done, and how much there is."""
 
 
-DetectMethod = Centroids | KissScanning | KissNearest
-DetectionTrackMethod = Simultaneous | FormerTwoCameras
-
-
 def silent(stage: str, done: int, total: int) -> None:
     """Shows nothing."""
 
@@ -64,10 +59,10 @@ def silent(stage: str, done: int, total: int) -> None:
 class Methods:
     """How each stage is done; gaps are filled where `fill` says how."""
 
-    detect: DetectMethod = field(default_factory=Centroids)
-    match: MatchMethod = field(default_factory=EpipolarTriplets)
-    reconstruct: ReconstructMethod = field(default_factory=LeastSquares)
-    track: TrackMethod | DetectionTrackMethod = field(default_factory=Simultaneous)
+    detect: Method = field(default_factory=DETECT.make)
+    match: Method = field(default_factory=MATCH.make)
+    reconstruct: Method = field(default_factory=RECONSTRUCT.make)
+    track: Method = field(default_factory=TRACK.make)
     fill: Filling | None = None
 
 
@@ -93,7 +88,7 @@ class TrialSource:
     """
 
     key: str
-    detections: Callable[[DetectMethod, Progress], Detections]
+    detections: Callable[[Method, Progress], Detections]
     contradictions: tuple[str, ...] = ()
     beside: Trial | None = None
     pictures: Callable[[Sequence[int]], Sequence[Picture]] | None = None
@@ -269,7 +264,7 @@ def _stages(
         operated, place, track_method = source.operated, methods.reconstruct, None
         key = digest(key, list(operated.names()), type(place).__name__, asdict(place))
         make = told("track", lambda: _as_operated(detections, rig, operated.markers(), methods))
-    elif type(methods.track) in DETECTION_TRACKERS:
+    elif matches_itself(methods.track):
         key = digest(key, methods.reconstruct)
         make = told("track", lambda: _followed(detections, rig, methods))
     else:
@@ -293,7 +288,7 @@ def _followed(detections: Detections, rig: Rig, methods: Methods) -> Tracked:
     method, place = methods.track, methods.reconstruct
     check_cameras(detections, rig)
     if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
-        tracks = track_detections(detections, rig, method=method)  # type: ignore[arg-type]
+        tracks = track_detections(detections, rig, method=method)
         return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
     result = track_simultaneously(detections, rig, method, place=place)
     return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), tuple(diagnose(detections, rig, result)))
@@ -301,7 +296,7 @@ def _followed(detections: Detections, rig: Rig, methods: Methods) -> Tracked:
 
 def _linked(detections: Detections, rig: Rig, cloud: Cloud, methods: Methods) -> Tracked:
     """Tracks of points that were matched before."""
-    tracks = track(cloud, method=methods.track)  # type: ignore[arg-type]
+    tracks = track(cloud, method=methods.track)
     return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
 
 

@@ -21,15 +21,15 @@ from numpy.typing import ArrayLike, NDArray
 from ...data import Camera, KinemarkError, Rig
 from ...geometry import about, near_middle, project, sphere_offset
 from .checks import check_extent, check_points, labels
-from .fit_camera import ControlPoints, Dlt, FittedCamera, Method, fit_camera, free_parameters
+from .fit_camera import CameraMethod, ControlPoints, Dlt, FittedCamera, fit_camera, free_parameters
 from .left_out import leave_one_out
 from .mistaken import exchanged_words
 
 __all__ = [
+    "CameraMethod",
     "ControlFit",
     "ControlPoints",
     "Dlt",
-    "Method",
     "calibrate_control_points",
     "control_point_quality",
     "fit_camera",
@@ -73,7 +73,7 @@ class ControlFit(NamedTuple):
     left_out_xyz: NDArray[np.float64]
     left_out_cov: NDArray[np.float64]
     freedom: NDArray[np.int64]
-    method: Method
+    method: CameraMethod
     lenses: tuple[Camera, ...] | None
 
 
@@ -84,7 +84,7 @@ def calibrate_control_points(
     uv: NDArray[np.float64],
     *,
     cov: NDArray[np.float64] | None = None,
-    method: Method | None = None,
+    method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
     points: Sequence[str] | None = None,
@@ -123,7 +123,7 @@ def control_point_quality(
     uv: NDArray[np.float64],
     *,
     cov: NDArray[np.float64] | None = None,
-    method: Method | None = None,
+    method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
     points: Sequence[str] | None = None,
@@ -153,7 +153,7 @@ def _examined(
     uv: NDArray[np.float64],
     cov: NDArray[np.float64],
     stated: NDArray[np.bool_],
-    method: Method,
+    method: CameraMethod,
     lenses: tuple[Camera, ...] | None,
 ) -> ControlFit:
     local = xyz - near_middle(xyz)
@@ -182,7 +182,7 @@ def _fits(
     xyz: NDArray[np.float64],
     uv: NDArray[np.float64],
     cov: NDArray[np.float64] | None,
-    method: Method | None,
+    method: CameraMethod | None,
     lenses: Sequence[Camera] | None,
     diameter: float | None,
     points: tuple[str, ...],
@@ -227,7 +227,7 @@ def _corrected_fit(
     xyz: NDArray[np.float64],
     uv: NDArray[np.float64],
     cov: NDArray[np.float64],
-    method: Method,
+    method: CameraMethod,
     lens: Camera | None,
     diameter: float | None,
 ) -> tuple[FittedCamera, NDArray[np.float64]]:

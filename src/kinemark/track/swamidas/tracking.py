@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...data import Cloud, Tracks
 from ...data.array_types import Floats, Ints
+from ..stage import CLOUD, TRACK
 from .active import ActiveSwamidasTracks, advance, begin, expect, none
 from .constraints import Constraint, PredictedPoints, match_points
 from .learning import Knowledge, before_learning
@@ -50,6 +51,7 @@ class SwamidasResult(NamedTuple):
         return xyz
 
 
+@TRACK.method("swamidas", Swamidas, source="Swamidas 1997, 3.3 and 3.4", takes=CLOUD)
 def track_swamidas(cloud: Cloud, *, method: Swamidas = DEFAULT) -> Tracks:
     """The cloud with identities, numbered in the order in which the tracks begin; within a frame, that of its points.
 

@@ -56,7 +56,8 @@ NO_POSITIONS = {
         calibrate.centroid_deviation calibrate.free_parameters calibrate.marker_places data.same geometry.inverse3
         geometry.solve3 io.camera_number io.load_model io.siblings io.with_parameters kinematics.named
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
-        engine.calibrate_method engine.is_da engine.method_of engine.methods_text engine.parameters
+        engine.calibrate_method engine.is_da engine.method_of engine.methods_text engine.methods_figures
+        engine.methods_table_markdown engine.session_schema track.matches_itself
         engine.read_settings signal.gain signal.weights synth.focal_pixels""",
     "motions at places of their own": """
         synth.circle_over_cylinder synth.elbow_flexion synth.tilted_rectangle""",

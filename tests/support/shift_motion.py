@@ -8,7 +8,7 @@ import kinemark
 from kinemark import geometry, kinematics, signal
 from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.fill import (
-    METHODS,
+    FILL,
     Filling,
     LimbAngles,
     MarkerArray,
@@ -32,9 +32,9 @@ from support.shift_law import Answer, law, moved, on_grid
 from support.shift_scene import found_gaps, motion, observed, rig, tracks, trial, walk
 
 
-@law(fill, each=METHODS, mm=1e-6, share=1e-7)
+@law(fill, each=FILL, mm=1e-6, share=1e-7)
 def _(by, parameter):
-    filled, gaps = fill(moved(trial(), by), method=parameter(), ends=True, limit_mm=np.inf)
+    filled, gaps = fill(moved(trial(), by), method=parameter.kind(), ends=True, limit_mm=np.inf)
     return Answer(filled.xyz, ([p.cov for p in filled], [p.origin for p in filled], gaps))
 
 

@@ -14,6 +14,7 @@ import plotly.graph_objects as go
 
 from ..data import Camera, Rig, Tracks, Trajectories
 from ..data.array_types import Floats
+from ..findings.cameras import upwards
 from ..findings.markers import in_view, positions, present
 from .theme import FAINT, INK, figure, hue, label
 
@@ -66,14 +67,6 @@ def _extent(rig: Rig, seen: Floats) -> Floats:
     parts = [seen, rig.centres, rig.volume[np.isfinite(rig.volume).all(1)], np.zeros((1, 3))]
     everything = np.concatenate(parts)
     return np.array([everything.min(0), everything.max(0)])
-
-
-def upwards(rig: Rig) -> int:
-    """The world's axis that points up: that of the cameras' own upward sides on average; z where they do not agree."""
-    if not len(rig):
-        return 2
-    mean = np.mean([-np.sign(camera.K[1, 1]) * camera.R[1] for camera in rig], axis=0)
-    return int(mean.argmax()) if mean.max() > 0.3 else 2
 
 
 def viewpoint(extent: Floats, up: int) -> dict[str, float]:

@@ -20,6 +20,7 @@ extensions = [
     "api",
     "bibliography",
     "commands",
+    "findings",
     "mathml",
     "methods",
     "offline",

@@ -55,7 +55,8 @@ def _items(found: Finding, name: str) -> tuple[object, ...]:
 def _swapped(found: Finding) -> str:
     points, images = _items(found, "points_list"), _items(found, "image_of_list")
     of = dict(zip(points, images, strict=False))
-    pairs = [(a, b) for a, b in of.items() if of.get(b) == a and points.index(a) < points.index(b)]
+    order = list(of)
+    pairs = [(a, b) for k, (a, b) in enumerate(of.items()) if b in order[k + 1 :] and of[b] == a]
     if 2 * len(pairs) == len(points):
         what = f"control points seem to be swapped, {' and '.join(f'{a} with {b}' for a, b in pairs)}"
     else:

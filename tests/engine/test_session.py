@@ -22,8 +22,10 @@ from kinemark.io.images import open_images, write_png
 from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
 from kinemark.io.video import write_video
 from kinemark.synth.score import score
+from support.findings import found, kinds
 from support.laboratory import observe, ring
 from support.motions import swarm
+from support.schema import check_quality
 from support.shared import shared_data
 
 POINTS = swarm(n=6, frames=40)
@@ -70,6 +72,7 @@ def test_a_session_gives_tracks_c3d_report_and_figures(folder):
     assert trial.trajectories.rate == 100
     assert np.nanmax(np.abs(trial.trajectories.xyz - result.trajectories.xyz)) < 1e-3
     figures = json.loads((folder / "results/one/quality.json").read_text())
+    check_quality(figures)
     assert figures["session"] == "test"
     assert "<html" in (folder / "results/one/report.html").read_text()
     assert {path: path.read_bytes() for path in given} == given
@@ -387,9 +390,10 @@ def test_cameras_of_one_name_are_refused(folder):
 
 def test_a_rate_that_the_videos_contradict_is_a_doubt(filmed):
     folder, _ = filmed
-    assert not run(folder).quality["notes"]
+    assert "frame_rate_contradicted" not in kinds(run(folder).quality)
     figures = run(changed(folder, "rate_hz = 50.0", "rate_hz = 500.0")).quality
-    assert "500 Hz and the videos say otherwise: c0 50 Hz" in figures["notes"][0]
+    (one,) = found(figures, "frame_rate_contradicted")
+    assert one.cameras[0] == "c0" and one.values["rate_hz"] == 500 and set(one.values["stated_hz_list"]) == {50.0}
     assert figures["verdict"]["grade"] != "green"
 
 

@@ -28,10 +28,12 @@ from ..engine.simulate import Scene
 from ..engine.simulate import simulate as simulate_session
 from ..engine.trial_angles import AngleSettings, angles_of_file
 from ..fill import LIMIT, GapEdges
-from ..findings.angles import angle_summary
-from ..findings.sensitivity_figures import sensitivity_summary
+from ..report.angles_text import angle_summary
 from ..report.calibration_text import calibration_summary
-from ..report.terminal_summary import summary
+from ..report.proposal_text import proposal_text
+from ..report.sensitivity_text import sensitivity_summary
+from ..report.terminal_summary import finding_lines, summary
+from ..report.words import with_words
 from ..sensitivity import ErrorBudget
 from ..version import __version__
 from .demo import demo as run_demo
@@ -172,9 +174,15 @@ def detect(source: Path, *, propose: bool = False, masks: Path | None = None, js
         return
     found = propose_detection(source)
     if json:
-        _print({name: asdict(proposal.centroids) | {"warnings": proposal.warnings} for name, proposal in found.items()})
+        _print(
+            {
+                name: asdict(proposal.centroids)
+                | {"findings": with_words([one.as_dict() for one in proposal.findings])}
+                for name, proposal in found.items()
+            }
+        )
     else:
-        _print("\n".join(f"# {name}: {proposal.text()}" for name, proposal in found.items()))
+        _print("\n".join(f"# {name}: {proposal_text(proposal)}" for name, proposal in found.items()))
 
 
 @app.command
@@ -353,7 +361,8 @@ def main() -> None:
     try:
         app()
     except KinemarkError as error:
-        errors.print(f"kinemark: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        told = "\n".join([f"kinemark: {error}", *finding_lines([found.as_dict() for found in error.findings])])
+        errors.print(told, style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)
     except BrokenPipeError:  # whoever read the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -12,12 +12,14 @@ from pydantic import ValidationError
 
 from ..data import AngleModel, KinemarkError, Trajectories, Trial
 from ..fill import LIMIT, Auto, Filled, GapEdges, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
-from ..findings.gaps import filling_figures, filling_summary
+from ..findings.gaps import filling_figures
 from ..io.angle_model_csv import FIRST, read_angle_model
 from ..io.c3d import markers
 from ..io.number_text import read_text
 from ..io.tdf import Tdf
 from ..report.filling_page import write_filling_page
+from ..report.filling_text import filling_summary
+from ..report.words import with_words
 from .formats import WRITERS, read, write_trial
 from .settings.method_tables import method_of
 from .settings.overrides import overridden
@@ -73,7 +75,7 @@ def fill_file(
         raise KinemarkError(f"{source} has no markers, so there is nothing to fill.")
     still = markers(_trial(static, rate_hz)) if static else None
     filled = fill(positions, method=method, limit_mm=limit_mm, ends=ends, edges=edges, static=still)
-    figures = filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm)
+    figures = with_words(filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm))
     whole = with_markers(trial, filled.trajectories)
     write_trial(target, whole)
     if report:

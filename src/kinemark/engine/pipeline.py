@@ -15,13 +15,26 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Analog, Cloud, Detections, Fills, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
+from ..data import (
+    Analog,
+    Cloud,
+    Detections,
+    Fills,
+    Finding,
+    KinemarkError,
+    Matches,
+    Rig,
+    Step,
+    Tracks,
+    Trajectories,
+    Trial,
+)
 from ..data.method import Method
 from ..detect import DETECT
 from ..digitise import called, identified_matches, identified_tracks
 from ..fill import Filled, FilledGap, Filling, Rays, fill_recording
 from ..findings.gaps import filling_figures
-from ..findings.quality import quality, write_quality
+from ..findings.quality import write_quality
 from ..io.c3d import write_c3d
 from ..io.files import replacing
 from ..io.records import load, save
@@ -30,6 +43,7 @@ from ..reconstruct import RECONSTRUCT, LeastSquares, reconstruct
 from ..report.figures_detections import Picture, telling_frames
 from ..report.filling_page import write_filling_page
 from ..report.page import write_report
+from ..report.trial_quality import quality
 from ..track import TRACK, matches_itself, to_trajectories, track
 from ..track.simultaneous import (
     AmbiguousDecision,
@@ -89,18 +103,18 @@ class TrialSource:
 
     key: str
     detections: Callable[[Method, Progress], Detections]
-    contradictions: tuple[str, ...] = ()
+    contradictions: tuple[Finding, ...] = ()
     beside: Trial | None = None
     pictures: Callable[[Sequence[int]], Sequence[Picture]] | None = None
     operated: OperatorIdentities | None = None
 
 
 class Tracked(NamedTuple):
-    """Tracks, the decisions of the tracker that were close, and what it found of its input, in sentences."""
+    """Tracks, the decisions of the tracker that were close, and what it found of its input."""
 
     tracks: Tracks
     ambiguous_decisions: tuple[AmbiguousDecision, ...] = ()
-    diagnostics: tuple[str, ...] = ()
+    diagnostics: tuple[Finding, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,7 +177,7 @@ def run(
     filled, key = _filled(ledger, measured, Rays.left_by(tracks, detections, rig), methods.fill, key, progress)
     trajectories = filled.trajectories
     steps = tuple(ledger.steps)
-    notes = (
+    noted = (
         *source.contradictions,
         *swapped_cameras(detections, rig, tracks.cloud, matching=methods.match, placing=methods.reconstruct),
     )
@@ -175,9 +189,8 @@ def run(
         tracks=tracks,
         trajectories=trajectories,
         steps=(*calibration, *steps),
-        notes=notes,
+        findings=(*noted, *odd),
         ambiguous_decisions=unsure,
-        diagnostics=odd,
         judged=judged,
         filling=_gap_figures(folder.name, filled, measured, methods.fill),
     )
@@ -186,7 +199,7 @@ def run(
     outputs = [folder / f"{folder.name}.c3d", folder / "quality.json", folder / "report.html"]
     outputs += [folder / GAPS] if methods.fill else []
     made = [(step.input, step.method) for step in calibration]
-    key = digest(key, session, notes, made, figures["calibration"])
+    key = digest(key, session, [found.as_dict() for found in noted], made, figures["calibration"])
     if not ledger.stands("write", key) or not all(path.is_file() for path in outputs):
         progress("write", 0, 1)
         beside = source.beside or Trial("", trajectories)
@@ -350,8 +363,8 @@ def _gap_figures(trial: str, filled: Filled, measured: Trajectories, method: Fil
 def _save_tracked(path: Path, record: Tracked) -> None:
     """The tracks, and beside them what was doubted."""
     said = {
-        "ambiguous_decisions": [decision._asdict() for decision in record.ambiguous_decisions],
-        "diagnostics": record.diagnostics,
+        "ambiguous_decisions": [decision.as_dict() for decision in record.ambiguous_decisions],
+        "diagnostics": [found.as_dict() for found in record.diagnostics],
     }
     with replacing(path.with_name(DOUBTS)) as beside:
         beside.write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", "utf-8")
@@ -362,10 +375,8 @@ def _load_tracked(path: Path) -> Tracked:
     """What an earlier run left; damaged files count as none."""
     try:
         said = json.loads(path.with_name(DOUBTS).read_text("utf-8"))
-        unsure = tuple(
-            AmbiguousDecision(**{**row, "tracks": tuple(row["tracks"])}) for row in said["ambiguous_decisions"]
-        )
-        return Tracked(_reader(Tracks)(path), unsure, tuple(said["diagnostics"]))
+        unsure = tuple(map(AmbiguousDecision.of, said["ambiguous_decisions"]))
+        return Tracked(_reader(Tracks)(path), unsure, tuple(map(Finding.of, said["diagnostics"])))
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise KinemarkError(f"{path.with_name(DOUBTS)} is damaged: {error}. Delete it.") from error
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..calibrate.reference_marker import corrected, find_marks, reference_shift
-from ..data import Camera, Detections, KinemarkError, Rig, Trajectories, Trial
+from ..data import Camera, Detections, Finding, KinemarkError, Rig, Trajectories, Trial, make_finding
 from ..detect import Centroids, detect
 from ..digitise import Identified, identified
 from ..io.detections_csv import read_detections_csv
@@ -290,15 +290,13 @@ def places_of(marks: Mapping[str, Sequence[tuple[float, float]]], names: Sequenc
     return places
 
 
-def _contradictions(images: dict[str, ImageSource], rate: float) -> tuple[str, ...]:
+def _contradictions(images: dict[str, ImageSource], rate: float) -> tuple[Finding, ...]:
     """Where the videos' own frame rates contradict the one that is used."""
     others = {name: s.rate for name, s in images.items() if s.rate and abs(s.rate - rate) > 0.01 * rate}
     if not others:
         return ()
-    said = ", ".join(f"{name} {stated:g} Hz" for name, stated in others.items())
     return (
-        f"The session says {rate:g} Hz and the videos say otherwise: {said}. Times and speeds are as right as rate_hz; "
-        "high-speed cameras often store a slower rate, and a field of interlaced video is a frame.",
+        make_finding("frame_rate_contradicted", cameras=others, rate_hz=rate, stated_hz_list=list(others.values())),
     )
 
 

@@ -31,6 +31,7 @@ from ..kinematics import (
 )
 from ..kinematics.chain import Points, chosen, complete, points_of
 from ..report.angles_page import write_angles_page
+from ..report.words import with_words
 from .formats import read_trial
 
 
@@ -118,7 +119,7 @@ def trial_angles(
     spans = _spans(trial, settings)
     found = cycles(angles, spans=spans) if spans else None
     how = _words(used, stated, settings)
-    figures = angle_figures(angles, model, name=trial.name, trajectories=smoothed, how=how, cycles=found)
+    figures = with_words(angle_figures(angles, model, name=trial.name, trajectories=smoothed, how=how, cycles=found))
     return TrialAngles(angles, model, points, found, figures)
 
 

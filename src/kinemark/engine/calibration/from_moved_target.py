@@ -114,7 +114,7 @@ def _placed(task: Task, fitted: FittedRig, way: str) -> Made:
         joint=fit.joint,
         freedom=fit.freedom,
         straight=fitted.lenses.straight,
-        doubts=(*fitted.lenses.doubts, *placed.doubts),
+        findings=(*fitted.lenses.findings, *placed.findings),
         surveyed=False,
     )
     return Made(replace(fit.rig, volume=nowhere), evidence)

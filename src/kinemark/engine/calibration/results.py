@@ -25,6 +25,7 @@ from ...io.files import replacing
 from ...io.rig_toml import read_rig_toml, write_rig_toml
 from ...io.um2as import siblings
 from ...report.calibration_page import write_calibration_page
+from ...report.words import with_words
 from ..pipeline import Progress, rig_key, silent
 from ..recordings import files_of, masks_key
 from ..settings import Settings
@@ -113,7 +114,7 @@ def _made(task: Task, results: Path) -> tuple[Rig, dict[str, Any]]:
             f"The calibration has {len(rig)} camera, and a point in space needs two. Calibrate another camera."
         )
     since, change = _put_aside(results, rig, evidence)
-    figures = calibration_figures(rig, evidence, session=task.settings.name, change=change, since=since)
+    figures = with_words(calibration_figures(rig, evidence, session=task.settings.name, change=change, since=since))
     write_calibration_page(results / PAGE, figures=figures, rig=rig, evidence=evidence)
     write_quality(results / FIGURES, figures)
     return rig, figures
@@ -121,7 +122,7 @@ def _made(task: Task, results: Path) -> tuple[Rig, dict[str, Any]]:
 
 def _save(path: Path, record: tuple[Rig, dict[str, Any]]) -> None:
     rig, figures = record
-    write_rig_toml(path, rig, metadata=headline_figures(figures))
+    write_rig_toml(path, rig, metadata={**headline_figures(figures), "headline": figures["verdict"]["headline"]})
 
 
 def _load(path: Path) -> tuple[Rig, dict[str, Any]]:

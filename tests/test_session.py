@@ -13,7 +13,7 @@ from test_tracking import swarm
 
 from kinemark.data import Analog, ForcePlate, KinemarkError, Trial
 from kinemark.detect import detect
-from kinemark.engine.pipeline import alongside, together
+from kinemark.engine.alongside import alongside, together
 from kinemark.engine.session import Session
 from kinemark.engine.settings import METHODS, read_settings
 from kinemark.geometry import project_all, to_dlt

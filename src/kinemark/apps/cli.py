@@ -21,7 +21,7 @@ from ..engine.error_budget import error_budget
 from ..engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ..engine.formats import convert as convert_file
 from ..engine.formats import describe
-from ..engine.pipeline import Progress as Told
+from ..engine.progress import Progress as Told
 from ..engine.session import Session
 from ..engine.settings import methods_text, parameters
 from ..engine.simulate import Scene

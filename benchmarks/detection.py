@@ -24,6 +24,7 @@ os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_T
 
 import cv2
 import numpy as np
+from metrics import Metric
 from numpy.typing import NDArray
 
 from kinemark.compiled import PLAIN
@@ -257,6 +258,21 @@ def times(rivals: dict[str, Rival], diameter: float, seconds: float) -> dict[str
                 run()
                 best[name] = min(best[name], (time.perf_counter() - begin) / frames)
     return best
+
+
+def metrics() -> list[Metric]:
+    """Errors of Kinemark, and its speed as a ratio to the fastest rival that comes with the tests."""
+    cv2.setNumThreads(1)
+    rivals = {name: rival for name, rival in installed().items() if rival.needs == "cv2"}
+    ours = {name: rival for name, rival in rivals.items() if rival.ours}
+    found = []
+    for d in (5.0, 8.0, 12.0):
+        for name, of in scores(ours, d, seed=int(d)).items():
+            found.append(Metric(f"error, {d:g} px, {name}", of.error, "px", "less", relative=0.01))
+            found.append(Metric(f"missing or false, {d:g} px, {name}", of.missing + of.false, "markers", "less"))
+    best = times(rivals, 8.0, 10.0)
+    fastest = min(best[name] for name, rival in rivals.items() if not rival.ours)
+    return found + [Metric(f"speed, {name}", fastest / best[name], "ratio", "more", relative=0.35) for name in ours]
 
 
 def main() -> None:

@@ -25,6 +25,7 @@ from typing import NamedTuple
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import numpy as np
+from metrics import Metric
 
 from kinemark.data import MarkerTrajectory as Path3D
 from kinemark.data import Origin, Trajectories
@@ -197,6 +198,24 @@ def speed(names: list[str]) -> None:
             for path, true in zip(found.trajectories, whole.xyz, strict=True)
         ]
         print(f"{name:17s} {seconds:6.2f} s   mean error {np.mean(error):7.2f} mm   {len(found.gaps)} gaps", flush=True)
+
+
+SOME = ["linear", "quintic", "rigid_body", "pca", "low_rank_kalman", "local_regression", "body"]
+
+
+def metrics() -> list[Metric]:
+    """Gaps of half a second in the synthetic walk, by some methods and by `auto` with these."""
+    motion, found = trial("synthetic walk"), dict[str, list[Result]]()
+    for gap in hide(motion, "one", 0.5, 6, 1):
+        for method, more in results(motion, gap, SOME).items():
+            found.setdefault(method, []).extend(more)
+    measured = []
+    for method, of in found.items():
+        error, covered = np.median([r.error for r in of]), 100 * np.mean([r.covered for r in of])
+        measured.append(Metric(f"median error, {method}", float(error), "mm", "less", relative=0.02))
+        measured.append(Metric(f"95 % interval, {method}", float(covered), "%", "near", absolute=2.0))
+    expected = np.median([r.expected for r in found["auto"]])
+    return [*measured, Metric("expected error, auto", float(expected), "mm", "near", relative=0.02)]
 
 
 def main() -> None:

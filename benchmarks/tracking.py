@@ -21,6 +21,7 @@ from typing import NamedTuple
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import numpy as np
+from metrics import Metric
 from numpy.typing import NDArray
 from tracking_rivals import RIVALS
 
@@ -193,6 +194,30 @@ def growth(runs: int) -> None:
         _, s = timed(track_detections, observed, rig, runs)
         per = 1e6 * s / seen.sum(), 1e6 * s / len(observed.detections)
         print(f"{scene.markers:7d}{scene.cameras:8d}{s:8.3f}{per[0]:14.1f}{per[1]:14.2f}", flush=True)
+
+
+SHORT = ("15, 6 cameras, 50 Hz", "39, 4 cameras, 50 Hz", "39, 6 cameras, 100 Hz, arc, 10 false")
+
+
+def metrics() -> list[Metric]:
+    """The default tracker on three scenes, two seeds each, and its time as a ratio to the ladder's on one."""
+    warm_up()
+    found = []
+    for name in SHORT:
+        for seed in (0, 1):
+            subject, rig, observed, seen = made(SCENES[name], seed)
+            of = score(track_detections(observed.detections, rig), subject.xyz, seen=seen)
+            said = f"{name}, seed {seed}"
+            found += [
+                Metric(f"recall: {said}", 100 * of.recall, "%", "more", absolute=0.05),
+                Metric(f"ghosts: {said}", of.extra_per_frame, "a frame", "less", absolute=0.005),
+                Metric(f"RMSE: {said}", of.rmse, "mm", "less", relative=0.02),
+                Metric(f"95 % ellipsoid: {said}", 100 * of.coverage, "%", "near", absolute=1.0),
+                Metric(f"swaps: {said}", of.swaps, "", "less"),
+            ]
+    _, rig, observed, _ = made(SCENES["39, 6 cameras, 100 Hz"])
+    ours, ladder = (timed(run, observed, rig, 3)[1] for run in list(METHODS.values())[:2])
+    return [*found, Metric("time by extrapolation_ladder's", ours / ladder, "ratio", "less", relative=0.35)]
 
 
 def main() -> None:

@@ -1,0 +1,170 @@
+"""Every method from matching to tracking can be chosen in Python, in session.toml and on the command line.
+
+The parameters have the same names and the same defaults everywhere, those of the documents.
+"""
+
+import json
+import subprocess
+import sys
+from dataclasses import fields, replace
+
+import pytest
+
+from kinemark.apps.cli import methods
+from kinemark.data import KinemarkError, same
+from kinemark.engine.session import Session
+from kinemark.engine.settings import METHODS, methods_text, parameters
+from kinemark.io.records import save
+from kinemark.io.rig_toml import write_rig_toml
+from kinemark.match import MATCHERS, match
+from kinemark.reconstruct import RECONSTRUCTORS, reconstruct
+from kinemark.track import TRACKERS, track
+from kinemark.track.simultaneous import DETECTION_TRACKERS, track_detections
+from support.laboratory import observe, ring
+from support.motions import swarm
+
+NAMED = {
+    "match": {
+        "epipolar_triplets": ("search_band", "search_radius", "candidates", "pairs", "pair_band"),
+        "kiss_triplets": ("search_band", "search_radius", "candidates", "priority", "all_duals"),
+        "nearest_epipolar": ("cameras", "band"),
+    },
+    "reconstruct": {"least_squares": ("centroid_sd", "model_sd", "tails"), "camera_pairs": ("excess",)},
+    "track": {
+        "simultaneous": ("gate", "wander", "patience", "gap", "worst"),
+        "former_two_cameras": ("window", "markers", "residual_limit", "shortest"),
+        "extrapolation_ladder": ("reach", "patience", "shortest"),
+        "kiss_tracking": ("search_radius", "distance_limit", "blend_within", "shortest", "volume"),
+        "swamidas": ("error", "jerk", "velocity_share", "segment_tolerance", "links", "lengths"),
+        "distance_only": ("begin", "patience"),
+    },
+}
+"""What the documents name, of each method in a session file."""
+
+CLASSES = {"match": MATCHERS, "reconstruct": RECONSTRUCTORS, "track": TRACKERS | DETECTION_TRACKERS}
+
+POINTS = swarm(n=5, frames=20)
+
+
+def folder_of(path, n_cameras=3, more=""):
+    """A session of one trial, with more in its file."""
+    rig = ring(n_cameras)
+    detections, _ = observe(rig, POINTS, noise=0.1)
+    save(path / "one.h5", detections)
+    write_rig_toml(path / "rig.toml", rig)
+    head = 'name = "choice"\n[calibration]\nfile = "rig.toml"\n[[trials]]\nname = "one"\ndetections = "one.h5"\n'
+    (path / "session.toml").write_text(head + more)
+    return path, rig, detections
+
+
+def test_every_method_has_a_name_in_session_files_and_its_parameters_are_the_documents():
+    for stage, kinds in NAMED.items():
+        assert set(METHODS[stage].values()) == set(CLASSES[stage])
+        assert set(METHODS[stage]) == set(kinds)
+        for name, wanted in kinds.items():
+            assert set(wanted) <= {field.name for field in fields(METHODS[stage][name])}
+
+
+def test_the_list_of_methods_says_what_the_dataclasses_say():
+    for stage, kinds in parameters().items():
+        for name, defaults in kinds.items():
+            method = METHODS[stage][name]()
+            records = {"static", "model", "limbs", "learned"}  # of filling: no text says these
+            plain = [field.name for field in fields(method) if stage != "fill" or field.name not in records]
+            assert defaults == {name: getattr(method, name) for name in plain}
+    assert "search_radius      40.0" in methods_text(parameters("track"))
+    with pytest.raises(KinemarkError, match="did you mean 'track'"):
+        parameters("trak")
+
+
+def by_hand(detections, rig, settings):
+    """The tracks as a caller of the library makes them."""
+    if type(settings.track) in DETECTION_TRACKERS:
+        return track_detections(detections, rig, method=settings.track)
+    matches = match(detections, rig, method=settings.match)
+    return track(reconstruct(matches, detections, rig, method=settings.reconstruct), method=settings.track)
+
+
+@pytest.mark.parametrize("stage", ["match", "reconstruct", "track"])
+def test_python_toml_and_command_line_are_one(tmp_path, stage):
+    """The same method with a parameter of its own, in all three ways, gives the same tracks."""
+    odd = {
+        "match": {"epipolar_triplets": "pair_band = 0.7", "kiss_triplets": "all_duals = true"},
+        "reconstruct": {"camera_pairs": "excess = 3.0", "least_squares": "model_sd = 0.2"},
+        "track": {
+            "kiss_tracking": "search_radius = 25.0",
+            "swamidas": "jerk = 5000.0",
+            "distance_only": 'begin = "any"',
+        },
+    }
+    for k, (name, parameter) in enumerate(odd[stage].items()):
+        other = "" if stage == "track" else '[track]\nmethod = "extrapolation_ladder"\n'
+        (tmp_path / f"{k}").mkdir()
+        folder, rig, detections = folder_of(
+            tmp_path / f"{k}", more=f'{other}[{stage}]\nmethod = "{name}"\n{parameter}\n'
+        )
+        written = Session.open(folder)
+        (folder / "session.toml").write_text((folder / "session.toml").read_text().split(f"[{stage}]")[0])
+        key, value = parameter.split(" = ")
+        given = Session.open(folder, overrides=[f"{stage}.method={name}", f"{stage}.{key}={value.strip(chr(34))}"])
+        assert given.settings == written.settings
+        assert type(getattr(given.settings, stage)) is METHODS[stage][name]
+        assert getattr(getattr(given.settings, stage), key) != getattr(METHODS[stage][name](), key)
+    from_session = given.run()["one"].tracks
+    assert same(from_session, by_hand(detections, rig, given.settings))
+
+
+def test_a_method_given_leaves_the_files_parameters_of_another_aside(tmp_path):
+    folder, *_ = folder_of(tmp_path, more='[track]\nmethod = "kiss_tracking"\nsearch_radius = 25.0\nshortest = 4\n')
+    opened = lambda *given: Session.open(folder, overrides=given).settings.track  # noqa: E731
+    assert opened("track.method=swamidas") == METHODS["track"]["swamidas"]()
+    assert opened("track.shortest=6") == replace(opened(), shortest=6)
+    assert opened("track.method=kiss_tracking", "track.shortest=6") == replace(opened(), shortest=6)
+    assert opened("track.method=swamidas", "track.links=[[0, 1]]").links == ((0, 1),)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("track", "wanted stage.parameter=value"),
+        ("track.method", "wanted stage.parameter=value"),
+        ("track.=3", "wanted stage.parameter=value"),
+        ("track.method=", "wanted stage.parameter=value"),
+        ("trak.method=swamidas", "did you mean 'track'"),
+        ("rate_hz.x=100", "is no stage"),
+        ("track.method=swamida", "did you mean 'swamidas'"),
+        ("track.serch_radius=3", "is not a parameter of simultaneous"),
+        ("track.gate=wide", "track.gate"),
+        ("match.search_band=3", "would do nothing"),
+    ],
+)
+def test_what_cannot_be_set_is_explained(tmp_path, given, said):
+    folder, *_ = folder_of(tmp_path)
+    with pytest.raises(KinemarkError, match=said.replace(".", r"\.")):
+        Session.open(folder, overrides=[given])
+
+
+def test_the_former_method_is_chosen_with_two_cameras(tmp_path):
+    folder, rig, detections = folder_of(tmp_path, n_cameras=2)
+    given = Session.open(folder, overrides=["track.method=former_two_cameras", "track.window=20"])
+    assert given.settings.track.window == 20
+    assert same(given.run()["one"].tracks, by_hand(detections, rig, given.settings))
+
+
+def test_methods_are_chosen_by_command(tmp_path):
+    folder, *_ = folder_of(tmp_path, n_cameras=2)
+    own = ["track.method=distance_only", "match.method=nearest_epipolar", "match.band=1.5"]
+    options = [part for text in own for part in ("--set", text)]
+    command = [sys.executable, "-m", "kinemark", "run", str(folder), "--json", *options]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    steps = {step["stage"]: step for step in json.loads(done.stdout)["one"]["steps"]}
+    assert (steps["track"]["method"], steps["match"]["method"]) == ("DistanceOnly", "NearestEpipolar")
+    assert steps["match"]["parameters"]["band"] == 1.5
+
+
+def test_the_methods_are_listed_by_command(capsys):
+    methods("match", json=True)
+    assert set(json.loads(capsys.readouterr().out)["match"]) == set(NAMED["match"])
+    methods()
+    assert 'method = "kiss_tracking"' in capsys.readouterr().out

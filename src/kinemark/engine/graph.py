@@ -37,6 +37,7 @@ class Stage(Generic[Inputs]):
         save, load: write and read the record; load raises KinemarkError where the file is damaged.
         method: the method and its parameters, a record; None where there is no choice.
         given: what else it depends on, for its key.
+        in_place: whether `compute` itself writes files.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Stage(Generic[Inputs]):
     load: Callable[[Path], Any]
     method: Any = None
     given: tuple[Any, ...] = ()
+    in_place: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +103,7 @@ class Graph(Generic[Inputs]):
                     make=partial(stage.compute, inputs, records),
                     save=stage.save,
                     load=stage.load,
+                    in_place=stage.in_place,
                 )
                 tell(1, 1)
         return records

@@ -54,6 +54,11 @@ class OpenTrial:
         return whole if self.frames == self.entry.frames else whole / PREVIEW
 
     @property
+    def _lock(self) -> Path:
+        """Whoever has this file works on the trial."""
+        return self.workspace.results / f".{self.name}.lock"
+
+    @property
     def stages(self) -> tuple[str, ...]:
         """The names of its stages, in order."""
         return self._graph(self.workspace.calibrate()).names
@@ -94,7 +99,7 @@ class OpenTrial:
         watch = Watch(progress, cancel)
         calibrated = self.workspace.calibrate(progress=progress, cancel=cancel, threads=threads)
         source, graph = self.source(calibrated.rig), self._graph(calibrated)
-        with one_blas_thread(), Store.open(self.folder, watch.of("wait")) as store:
+        with one_blas_thread(), Store.open(self.folder, self._lock, watch.of("wait")) as store:
             inputs = TrialInputs(self.name, self.folder, self.workspace.settings, source, calibrated, store, threads)
             graph.run(to, inputs, store, watch)
             return replace(self, steps=tuple(store.steps), computed=tuple(store.computed))

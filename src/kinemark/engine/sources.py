@@ -234,7 +234,10 @@ class DetectionFile:
     def key(self) -> str:
         """Of the file, the cameras' order, the rate and fixed marks."""
         of = self.of
-        return digest(file_key(self.path), of.rig.names, of.settings.rate_hz, of.marks(), of.frames)
+        if not self.path.is_file():
+            raise KinemarkError(f"{self.path} is not a file. Check detections of trial {of.entry.name!r}.")
+        rate = of.rate(None) if self.path.suffix.lower() == ".csv" else of.settings.rate_hz
+        return digest(file_key(self.path), of.rig.names, rate, of.marks(), of.frames)
 
     def detections(self, threads: int | None = None) -> Detections:
         """Those of the calibrated cameras.

@@ -26,7 +26,7 @@ from .keys import code_key, digest
 
 Record = TypeVar("Record")
 
-STEPS, LOCK = "steps.json", ".lock"
+STEPS = "steps.json"
 
 PAUSE = 0.2
 """s between two looks whether another process is done."""
@@ -58,12 +58,12 @@ class Store:
 
     @classmethod
     @contextmanager
-    def open(cls, folder: Path, waiting: Listener) -> Iterator[Store]:
-        """The store of a folder, for this process alone; while another process works there, `waiting` is told so.
+    def open(cls, folder: Path, lock: Path, waiting: Listener) -> Iterator[Store]:
+        """The store of a folder, for this process alone while it has the file `lock`; `waiting` is told of others.
 
         A folder that cannot be written is opened all the same: what is unchanged can be read.
         """
-        with _alone(folder, waiting):
+        with _alone(folder, lock, waiting):
             yield cls.read(folder)
 
     def do(
@@ -76,6 +76,7 @@ class Store:
         make: Callable[[], Record],
         save: Callable[[Path, Record], None],
         load: Callable[[Path], Record],
+        in_place: bool = False,
     ) -> Record:
         """The record of a stage: loaded where it is there under this key and can be read, else made and saved.
 
@@ -85,14 +86,18 @@ class Store:
             key: of all that the stage depends on.
             files: what the stage leaves in the folder; the first holds the record.
             make: computes the record; save, load: write and read it.
+            in_place: `make` itself writes files, so that an earlier record counts no longer once it begins.
         """
         kept = self._kept(stage, key, files, load)
         if kept is not None:
             self.steps.append(self.old[stage])
             return kept[0]
+        if in_place:
+            self._forget(stage)
         began = time.perf_counter()
         record = make()
         seconds = time.perf_counter() - began
+        self._forget(stage)
         save(self.folder / files[0], record)
         self.computed.append(stage)
         name = "" if method is None else type(method).__name__
@@ -115,6 +120,11 @@ class Store:
             return (load(self.folder / files[0]),)
         except KinemarkError:  # damaged since: what can be computed again need not stop the user
             return None
+
+    def _forget(self, stage: str) -> None:
+        """A stage counts as not done from now on: a file of one key must never stand under another."""
+        if self.old.pop(stage, None) is not None:
+            self._write()
 
     def _write(self) -> None:
         """Steps of this run, and those of the last that it has not come to yet."""
@@ -146,11 +156,11 @@ def _plain(value: Any) -> Any:
 
 
 @contextmanager
-def _alone(folder: Path, waiting: Listener) -> Iterator[None]:
+def _alone(folder: Path, file: Path, waiting: Listener) -> Iterator[None]:
     """A folder for this process alone, without what killed processes left half-written."""
-    lock = FileLock(folder / LOCK)
+    lock = FileLock(file)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        file.parent.mkdir(parents=True, exist_ok=True)
         _wait(lock, waiting)
     except OSError:  # read-only: nothing will be written, so nothing can be damaged
         yield

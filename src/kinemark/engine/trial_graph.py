@@ -90,7 +90,8 @@ class Tracked(NamedTuple):
 def trial_graph(name: str, settings: Settings, source: TrialSource, calibrated: Calibrated) -> Graph[TrialInputs]:
     """The stages of a trial by its settings."""
     s, rig = settings, rig_key(calibrated.rig)
-    detecting = Stage("detect", (), ("detections.h5",), _detect, save, _reader(Detections), s.detect, (source.key(),))
+    detecting = Stage("detect", (), ("detections.h5",), _detect, save, _reader(Detections), s.detect)
+    detecting = replace(detecting, given=(source.key(),), in_place=source.of.entry.answers is not None)
     stages = [detecting]
     tracks = Tracking(("tracks.h5", DECISIONS))
     if source.of.entry.operated:
@@ -111,7 +112,7 @@ def trial_graph(name: str, settings: Settings, source: TrialSource, calibrated: 
     told = (s.name, s.match, s.reconstruct, made, calibrated.figures)
     stages.append(Stage("quality", needs, (QUALITY,), _quality, write_quality, _load_quality, given=told))
     outputs = (f"{name}.c3d", REPORT, *((GAPS,) if s.fill is not None else ()))
-    stages.append(Stage("write", (*needs, "quality"), outputs, _write, _done, _nothing))
+    stages.append(Stage("write", (*needs, "quality"), outputs, _write, _done, _nothing, in_place=True))
     return Graph(tuple(stages))
 
 

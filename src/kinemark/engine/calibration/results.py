@@ -37,6 +37,7 @@ from .from_moved_target import from_single_marker, from_wand
 from .task import Made, Task
 
 RIG, FIGURES, PAGE, FORMER = "rig.toml", "calibration.json", "calibration.html", "calibrations"
+LOCK = ".calibration.lock"
 
 WAYS: dict[str, Callable[[Task], Made]] = {
     "file": from_file,
@@ -66,7 +67,11 @@ def calibrate(
     """
     check_threads(threads)
     task = Task(root, settings, watch, threads)
-    with one_blas_thread(), Store.open(results, watch.of("wait")) as store, listening(watch.of("calibrate")):
+    with (
+        one_blas_thread(),
+        Store.open(results, results / LOCK, watch.of("wait")) as store,
+        listening(watch.of("calibrate")),
+    ):
         rig, figures = store.do(
             "calibrate",
             None if settings.calibration.file else settings.calibrate,

@@ -17,6 +17,7 @@ from .judge.combine import close_ones, mean_prediction, mean_tests, together
 from .judge.combine import weights as best_weights
 from .judge.expected_error import ErrorCalibration, MeasuredErrors, as_hard, weigh
 from .judge.hold_out import Candidate, edge_distance, plan, run
+from .known_samples import possible
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 from .methods.table import FILLERS, MANY, NAMES, TOGETHER, affordable, name_of, within_time
 from .static import place_absent
@@ -24,8 +25,6 @@ from .static_shape import StaticShape
 
 METHODS: dict[str, type] = {"auto": Auto, **NAMES}
 """All methods by the names that settings and the command line use."""
-WILD = 1e6
-"""mm from the middle of all samples, beyond which a sample is no position of a marker."""
 LIMIT = 20.0
 ENOUGH = 60
 """Hidden tests of one method that tell how far off it is; more are made to choose one for each gap."""
@@ -102,7 +101,7 @@ def fill(
 ) -> Filled:
     """Fill the gaps of a trial.
 
-    Samples more than a kilometre from the others become missing, and bad ones beside gaps are filled too (`GapEdges`).
+    Samples more than a kilometre from the median of all become missing; bad ones beside gaps are filled (`GapEdges`).
 
     Args:
         trajectories: the trial; what is filled already counts as seen.
@@ -148,10 +147,9 @@ def tests_per_gap(gaps: int) -> int:
 
 def within_reach(motion: MarkerArray) -> MarkerArray:
     """The trial without samples that cannot be positions: a filler would take them for motion."""
-    middle = np.nan_to_num(np.nanmedian(motion.xyz, axis=(0, 1))) if motion.seen.any() else np.zeros(3)
-    with np.errstate(invalid="ignore"):
-        wild = np.abs(motion.xyz - middle).max(-1) > WILD
-    return motion._replace(xyz=np.where(wild[..., None], np.nan, motion.xyz)) if wild.any() else motion
+    known = possible(motion.xyz)
+    wild = motion.seen & ~known
+    return motion._replace(xyz=np.where(known[..., None], motion.xyz, np.nan)) if wild.any() else motion
 
 
 def ask(motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[FillAnswer]:

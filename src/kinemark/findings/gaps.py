@@ -10,8 +10,8 @@ import numpy as np
 
 from ..data import MarkerTrajectory as MarkerPath
 from ..data import Origin, Trajectories
-from ..fill import Filled, FilledGap
-from ..fill.fill import WILD
+from ..fill import Filled, FilledGap, MarkerArray
+from ..fill.known_samples import possible
 from ..report.formatting import count, millimetres, number, percent, some
 from ..report.html_tables import WORDS
 from ..version import __version__
@@ -88,11 +88,8 @@ def _at_an_end(gap: FilledGap, before: Trajectories) -> int:
 
 def _far_away(trajectories: Trajectories) -> int:
     """Samples that cannot be positions."""
-    xyz = trajectories.xyz if len(trajectories) else np.zeros((0, 0, 3))
-    if not np.isfinite(xyz).any():
-        return 0
-    with np.errstate(invalid="ignore"):
-        return int((np.abs(xyz - np.nanmedian(xyz, axis=(0, 1))).max(-1) > WILD).sum())
+    motion = MarkerArray.of(trajectories)
+    return int((motion.seen & ~possible(motion.xyz)).sum())
 
 
 def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...data import KinemarkError, Rig
 from ...data.array_types import Bools, Floats
+from ...geometry import joint_about, near_middle, rig_about
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust import equations, solve_softly, solve_without_outliers, unknowns
@@ -116,9 +117,12 @@ def bundle(
         raise ValueError(
             f"uv has shape {uv.shape} and there are {len(free)} freedoms, wanted ({len(rig)}, {n}, 2) and {len(rig)}"
         )
-    seen = observed(uv, cov)
-    state, kept = adjusted(BundleState(rig.cameras, parts), seen, free, reject=method.reject)
-    return completed(state, seen, free, kept, what="bundle adjustment")
+    seen, origin = observed(uv, cov), near_middle(all_points(parts))
+    near = tuple(part.placed(np.eye(3), -origin, 1.0) for part in parts)
+    state, kept = adjusted(BundleState(rig_about(rig, origin).cameras, near), seen, free, reject=method.reject)
+    fit = completed(state, seen, free, kept, what="bundle adjustment")
+    joint = joint_about(fit.rig, fit.joint, -origin)
+    return fit._replace(rig=rig_about(fit.rig, -origin), xyz=fit.xyz + origin, joint=joint)
 
 
 def adjusted(

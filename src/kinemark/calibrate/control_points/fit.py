@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...data import Camera, KinemarkError, Rig
-from ...geometry import project, sphere_offset
+from ...geometry import about, near_middle, project, sphere_offset
 from .checks import check_extent, check_points, labels
 from .fit_camera import ControlPoints, Dlt, FittedCamera, Method, fit_camera, free_parameters
 from .left_out import leave_one_out
@@ -156,7 +156,8 @@ def _examined(
     method: Method,
     lenses: tuple[Camera, ...] | None,
 ) -> ControlFit:
-    left = leave_one_out(fits, xyz, uv, cov, method=method)
+    local = xyz - near_middle(xyz)
+    left = leave_one_out(fits, local, uv, cov, method=method)
     return ControlFit(
         rig=_rig(fits, uv, xyz),
         points=points,
@@ -164,7 +165,7 @@ def _examined(
         uv=uv,
         cov=cov,
         stated=stated,
-        residual=uv - np.stack([project(f.camera, xyz) for f in fits]),
+        residual=uv - np.stack([project(f.camera, local) for f in fits]),
         kept=np.stack([f.kept for f in fits]),
         left_out_error=left.error,
         left_out_xyz=left.xyz,
@@ -186,14 +187,15 @@ def _fits(
     diameter: float | None,
     points: tuple[str, ...],
 ) -> tuple[list[FittedCamera], NDArray[np.float64], NDArray[np.float64]]:
-    """Each camera with `kept` over all N points; the centres (C, N, 2) px that it was fitted to, and their weights."""
+    """Each camera about `near_middle` of the points, with `kept` over all N of them; the centres (C, N, 2) px that it
+    was fitted to, and their weights."""
     sizes = np.asarray(sizes, np.int64).reshape(-1, 2)
     _check_shapes(names, sizes, xyz, uv, cov, lenses)
     method = method or ControlPoints()
     if lenses is not None and isinstance(method, Dlt):
         raise ValueError("lenses were given for Dlt, whose principal point is its own; wanted ControlPoints")
     check_extent(xyz)
-    fits = []
+    fits, local = [], xyz - near_middle(xyz)
     centres = np.where(np.isfinite(xyz.sum(1))[:, None] & np.isfinite(uv.sum(-1, keepdims=True)), uv, np.nan)
     spread = np.tile(np.eye(2), (*uv.shape[:2], 1, 1))
     for c, name in enumerate(names):
@@ -208,7 +210,7 @@ def _fits(
             raise KinemarkError(f"Camera {name}: {error}") from None
         try:
             fitted, centres[c, seen] = _corrected_fit(
-                name, sizes[c], xyz[seen], centres[c, seen], spread[c, seen], method, lens, diameter
+                name, sizes[c], local[seen], centres[c, seen], spread[c, seen], method, lens, diameter
             )
         except KinemarkError as error:
             swap = exchanged_words(xyz[seen], centres[c, seen], here)
@@ -247,7 +249,7 @@ def _rig(fits: list[FittedCamera], centres: NDArray[np.float64], xyz: NDArray[np
     words = f"control points: {'DLT' if linear else 'DLT and least squares'}, {len(known)} points"
     words += "; lenses as linearised" if any(f.tied for f in fits) else ""
     words += f"; left out: {', '.join(left_out)}" if left_out else ""
-    return Rig(tuple(f.camera for f in fits), words, volume)
+    return Rig(tuple(about(f.camera, -near_middle(xyz)) for f in fits), words, volume)
 
 
 def _stated(cov: NDArray[np.float64]) -> bool:

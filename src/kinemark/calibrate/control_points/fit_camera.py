@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Camera, KinemarkError
-from ...geometry import decompose, fit_dlt, from_dlt, parameter_jacobian, project, undistort
+from ...geometry import about, decompose, fit_dlt, from_dlt, near_middle, parameter_jacobian, project, undistort
 from ..resection import ResectionFit, lens_covariance, resect, scaled_inverse
 
 RADIAL = (4, 5, 8)
@@ -111,14 +111,15 @@ def fit_camera(
     Raises:
         KinemarkError: as in `calibrate_control_points`, without the camera's name.
     """
-    kept = np.ones(len(xyz), np.bool_)
+    kept, origin = np.ones(len(xyz), np.bool_), near_middle(xyz)
+    xyz = xyz - origin
     while True:
         fitted, fit = fit_all(name, size, xyz, uv, cov, kept, method, lens)
         base = min(fitted.parameters, len(POSE_AND_FOCUS))
         worst = _outlier(fit, fitted.parameters, base, method.reject)
         if worst is None:
             _check_plausible(fit, uv[kept])
-            return fitted
+            return fitted._replace(camera=about(fitted.camera, -origin))
         if kept.sum() - 1 < max(len(xyz) / 2, base):
             raise KinemarkError(
                 f"Of {len(xyz)} control points, {(~kept).sum()} did not fit the others and were left out, and the rest "

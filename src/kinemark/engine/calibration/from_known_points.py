@@ -14,7 +14,7 @@ from ...calibrate.control_points import ControlFit, control_point_quality, judge
 from ...calibrate.quality import Evidence
 from ...data import KinemarkError, Rig
 from ...data.array_types import Floats
-from ...geometry import camera_from_dlt
+from ...geometry import cameras_from_dlt
 from ...io.control_points import read_control_points
 from ...io.dlt_csv import read_dlt_csv
 from ...io.rig_toml import read_rig_toml
@@ -64,8 +64,7 @@ def rig_of_dlt(file: Path, names: Sequence[str], unit: str | None) -> Rig:
         raise KinemarkError(f"{file} has {len(L)} columns and [cameras] {len(names)} names. Name one a column.")
     mm = MILLIMETRES[unit]
     scaled = L / np.array([mm, mm, mm, 1, mm, mm, mm, 1, mm, mm, mm])
-    cameras = (camera_from_dlt(name, row) for name, row in zip(names, scaled, strict=True))
-    return Rig(tuple(cameras), f"DLT of {file.name}")
+    return Rig(cameras_from_dlt(names, scaled), f"DLT of {file.name}")
 
 
 def is_cp(path: Path) -> bool:
@@ -83,8 +82,7 @@ def rig_of_cp(files: Sequence[Path | str], *, names: Sequence[str] = ()) -> Rig:
     names = names or [f"cam{n}" for n in numbers]
     if len(names) != len(numbers):
         raise KinemarkError(f"There are {len(numbers)} .cp files and {len(names)} names of cameras. Name one each.")
-    cameras = tuple(camera_from_dlt(name, row) for name, row in zip(names, L, strict=True))
-    return Rig(cameras, f"DLT of {', '.join(Path(file).name for file in files)}")
+    return Rig(cameras_from_dlt(names, L), f"DLT of {', '.join(Path(file).name for file in files)}")
 
 
 def from_control_points(task: Task) -> Made:

@@ -110,6 +110,14 @@ class OpenTrial:
         store, keys = Store.read(self.folder), graph.keys(graph.names[-1])
         return {stage.name: store.holds(stage.name, keys[stage.name], stage.files) for stage in graph.stages}
 
+    def done(self, stage: str) -> bool:
+        """Whether the last run came as far as this stage."""
+        return any(step.stage == stage for step in self.steps)
+
+    def told(self) -> dict[str, Any]:
+        """What a machine is told of the last run: every figure, or where it stopped before, its stages."""
+        return self.quality if self.done("quality") else {"trial": self.name, "stages": [s.stage for s in self.steps]}
+
     def record(self, stage: str) -> Any:
         """The record of a stage that was run.
 
@@ -137,7 +145,7 @@ class OpenTrial:
     def trajectories(self) -> Trajectories:
         """The markers, filled where `[fill]` says how."""
         calibrated = self.workspace.calibrate()
-        last = "fill" if any(step.stage == "fill" for step in self.steps) else "track"
+        last = "fill" if self.done("fill") else "track"
         store = Store.read(self.folder)
         source = self.source(calibrated.rig)
         inputs = TrialInputs(self.name, self.folder, self.workspace.settings, source, calibrated, store)

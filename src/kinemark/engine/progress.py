@@ -44,9 +44,9 @@ class Watch:
         """Who listens to a stage."""
 
         def listen(done: int, total: int) -> None:
+            self.progress(stage, done, total)
             if self.cancel is not None and self.cancel.is_set():
                 raise Cancelled(f"stopped in {stage}; what was finished before is kept, and the next run goes on there")
-            self.progress(stage, done, total)
 
         return listen
 

@@ -27,6 +27,7 @@ import numpy as np
 from ..data import Cloud, Tracks
 from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
+from ..data.progress import tell
 from ..signal import PAST, assign_nearest, extrapolate
 from .editing import blend, inside_volume, without_short
 
@@ -82,6 +83,7 @@ def link(cloud: Cloud, *, method: KissTracking) -> Tracks:
     active = ActiveKissTrack(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, PAST, 3)))
     n_tracks = 0
     for f in range(cloud.n_frames):
+        tell(f, cloud.n_frames)
         points, own = cloud[f], identity[cloud.rows(f)]
         predicted = extrapolate(active.past, active.known)
         off = np.linalg.norm(points - predicted[:, None], axis=-1)

@@ -21,7 +21,7 @@ from ..engine.error_budget import error_budget
 from ..engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ..engine.formats import convert as convert_file
 from ..engine.formats import describe
-from ..engine.pipeline import Progress as Told
+from ..engine.progress import Progress as Told
 from ..engine.session import Session
 from ..engine.settings import methods_figures, methods_text, session_schema
 from ..engine.simulate import Scene
@@ -97,23 +97,62 @@ def demo(folder: Path = Path("demo"), *, json: Json = False) -> None:
 
 
 @app.command
-def run(session: Path, *trials: str, set: Set = None, json: Json = False) -> None:
+def run(
+    session: Path,
+    *trials: str,
+    set: Set = None,
+    to: str = "write",
+    frames: tuple[int, int] | None = None,
+    results: Path | None = None,
+    threads: int | None = None,
+    json: Json = False,
+) -> None:
     """Process a session: calibrate, detect, match, reconstruct, track, and write C3D and report.
 
     Args:
         session: a folder with a session.toml, or such a file.
         trials: names of the trials to process; all where none is given.
         set: methods and parameters instead of the file's, as track.method=kiss_tracking; `kinemark methods` lists them.
+        to: stop after this stage, such as detect, track or fill.
+        frames: only frames FIRST LAST, counted from 1, as a preview; its results go into a folder of their own.
+        results: folder for everything computed; results in the session's folder where none is given.
+        threads: how many detection may use; as many as there are processors where none is given.
         json: print the figures for a machine.
     """
+    opened = Session.open(session, overrides=set or (), results=results)
     with progress() as tell:
-        results = Session.open(session, overrides=set or ()).run(trials, progress=tell)
+        if frames is None:
+            done = opened.run(trials, to=to, progress=tell, threads=threads)
+        else:
+            previews = [opened.trial(name).preview(*frames) for name in trials or opened.names]
+            done = {trial.name: trial.run(to, progress=tell, threads=threads) for trial in previews}
     if json:
-        _print({name: result.quality for name, result in results.items()})
+        _print({name: trial.told() for name, trial in done.items()})
         return
-    for result in results.values():
-        did = ", ".join(result.computed) or "nothing: all is unchanged"
-        _print(f"{summary(result.quality)}\n\ncomputed: {did}\nresults:  {result.folder}")
+    for trial in done.values():
+        did = ", ".join(trial.computed) or "nothing: all is unchanged"
+        figures = f"{summary(trial.quality)}\n\n" if trial.done("quality") else ""
+        _print(f"{figures}computed: {did}\nresults:  {trial.folder}")
+
+
+@app.command
+def status(session: Path, *trials: str, json: Json = False) -> None:
+    """Say which stages of a session's trials are done and up to date; nothing is computed but the calibration.
+
+    Args:
+        session: a folder with a session.toml, or such a file.
+        trials: names of the trials; all where none is given.
+        json: print it for a machine.
+    """
+    opened = Session.open(session)
+    found = {name: opened.trial(name).state() for name in trials or opened.names}
+    if json:
+        _print(found)
+        return
+    for name, stages in found.items():
+        done = ", ".join(stage for stage, there in stages.items() if there) or "nothing"
+        left = ", ".join(stage for stage, there in stages.items() if not there)
+        _print(f"{name}: {done} done" + (f"; to do: {left}" if left else ""))
 
 
 @app.command

@@ -19,7 +19,8 @@ from ..report.words import with_words
 from ..sensitivity import ErrorBudget, SampledFrames, gather, gather_named, rank
 from ..sensitivity.joints import kinematics_of
 from .formats import read
-from .pipeline import Progress, Results, silent
+from .open_trial import OpenTrial
+from .progress import Progress, silent
 from .session import Session
 
 
@@ -65,7 +66,7 @@ def error_budget(
     return ErrorBudgetResult(figures, results.folder / "sensitivity.html")
 
 
-def _there(results: Results, markers: Path | None, frames: int) -> SampledFrames:
+def _there(results: OpenTrial, markers: Path | None, frames: int) -> SampledFrames:
     """Markers and their images."""
     if markers is None:
         return gather(results.tracks, results.detections, frames=frames)

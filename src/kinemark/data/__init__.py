@@ -12,6 +12,8 @@ from .detections import Detections, Validity
 from .errors import KinemarkError
 from .events import Events
 from .fills import Fills
+from .finding import SEVERITIES, Finding, FindingKind, Grade, Severity
+from .finding_kinds import KINDS, make_finding
 from .marker_set import MarkerSet
 from .matches import Matches
 from .rig import PARAMETERS, Camera, Rig
@@ -22,7 +24,9 @@ from .trajectories import MarkerTrajectory, Origin, Trajectories
 from .trial import Step, Trial
 
 __all__ = [
+    "KINDS",
     "PARAMETERS",
+    "SEVERITIES",
     "Analog",
     "AngleModel",
     "Angles",
@@ -31,7 +35,10 @@ __all__ = [
     "Detections",
     "Events",
     "Fills",
+    "Finding",
+    "FindingKind",
     "ForcePlate",
+    "Grade",
     "KinemarkError",
     "MarkerSet",
     "MarkerTrajectory",
@@ -40,6 +47,7 @@ __all__ = [
     "Rig",
     "Rods",
     "SampleImages",
+    "Severity",
     "Signal",
     "Signals",
     "Step",
@@ -48,6 +56,7 @@ __all__ = [
     "Trial",
     "Validity",
     "images_of",
+    "make_finding",
     "matches_of",
     "same",
 ]

@@ -27,9 +27,11 @@ from .other_views import OtherViews, propose
 from .question_text import words
 from .replay import Replay, given
 from .semi_automatic import SemiAutomatic
+from .stage import DIGITISE
 from .state import Asked, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
 
 __all__ = [
+    "DIGITISE",
     "Absent",
     "Accept",
     "Answer",

@@ -16,7 +16,8 @@ from ..io.notes import FileNote
 from ..io.tdf import Tdf
 from ..io.trial import trial_in
 from .calibration import rig_of_dlt
-from .session import FILE, Session
+from .session import Session
+from .sources import FILE
 
 
 def describe(path: Path) -> dict[str, Any]:

@@ -8,12 +8,16 @@ from .chain import joint_angles, joint_matrices, segment_axes
 from .cycles import cycles, resampled, spans_of
 from .marker_noise import estimated_sd, with_marker_sd
 from .pose import ClusterTemplate, Pose, Template, body_pose, rotation_covariance
-from .sequences import InverseCosines, Method, SignedAngles, inverse_cosines, principal, turned
+from .sequences import AngleMethod, InverseCosines, SignedAngles, inverse_cosines, principal, turned
 from .smooth import Butterworth, WoltringSpline, residual_cutoff, smooth
+from .stage import ANGLES, SMOOTH
 from .velocity import angular_velocity
 
 __all__ = [
+    "ANGLES",
     "LABORATORY",
+    "SMOOTH",
+    "AngleMethod",
     "Axis",
     "Butterworth",
     "Centre",
@@ -24,7 +28,6 @@ __all__ = [
     "Joint",
     "JointCentre",
     "JointMotion",
-    "Method",
     "Model",
     "Named",
     "Pose",

@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinemark.data import Analog, ForcePlate, KinemarkError, Trial
+from kinemark.data import KinemarkError
 from kinemark.detect import detect
-from kinemark.engine.alongside import alongside, together
 from kinemark.engine.session import Session
 from kinemark.engine.settings import SETTABLE, read_settings
 from kinemark.geometry import project_all, to_dlt
@@ -319,18 +318,6 @@ def test_digitised_control_points_snap_to_markers(tmp_path):
         read_control_points(tmp_path / "points.csv", ["c0"])
 
 
-def test_analog_channels_fit_the_frames_of_a_c3d_file():
-    fast = Analog(("a",), ("V",), 1000.0, np.arange(45.0)[None])
-    slow = Analog(("b",), ("N",), 500.0, np.arange(10.0)[None])
-    odd, late = replace(fast, rate=333.0), replace(fast, start=0.5)
-    (both,) = alongside((fast, slow, odd, late), 250.0, 10)
-    assert (both.names, both.units, both.rate) == (("a", "b"), ("V", "N"), 1000.0)
-    assert np.array_equal(both["a"], np.arange(40.0))
-    assert np.array_equal(both["b"][:20], np.repeat(np.arange(10.0), 2))
-    assert np.isnan(both["b"][20:]).all()
-    assert alongside((odd,), 250.0, 10) == ()
-
-
 def test_a_bts_file_is_a_whole_session(tmp_path):
     file = shared_data("cameras/gait9_bts/gait9.tdf")
     (tmp_path / "session.toml").write_text(
@@ -400,11 +387,3 @@ def test_a_rate_that_the_videos_contradict_is_a_doubt(filmed):
     (one,) = found(figures, "frame_rate_contradicted")
     assert one.cameras[0] == "c0" and one.values["rate_hz"] == 500 and set(one.values["stated_hz_list"]) == {50.0}
     assert figures["verdict"]["grade"] != "green"
-
-
-def test_plates_go_with_their_channels(folder):
-    plate = ForcePlate(2, np.zeros((4, 3)), np.zeros(3), ("late",))
-    late = Analog(("late",), ("N",), 1000.0, np.zeros((1, 400)), start=0.5)
-    result = run(folder)
-    whole = together(Trial("t", result.trajectories, (late,), (plate,)), result.trajectories)
-    assert (whole.analog, whole.plates) == ((), ())

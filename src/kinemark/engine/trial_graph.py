@@ -38,7 +38,6 @@ from ..track.simultaneous import (
     track_detections,
     track_simultaneously,
 )
-from .alongside import together
 from .calibration.calibrated import Calibrated
 from .graph import Graph, Records, Stage
 from .keys import rig_key
@@ -237,7 +236,7 @@ def _write(inputs: TrialInputs, records: Records) -> None:
     trajectories, figures = filled_of(inputs, records).trajectories, records["quality"]
     folder, name, steps = inputs.folder, inputs.name, tuple(inputs.store.steps)
     beside = inputs.source.beside() or Trial("", trajectories)
-    write_c3d(folder / f"{name}.c3d", replace(together(beside, trajectories), name=name, steps=_own(steps)))
+    write_c3d(folder / f"{name}.c3d", replace(beside, trajectories=trajectories, name=name, steps=_own(steps)))
     write_report(
         folder / REPORT,
         quality=figures,

@@ -33,7 +33,8 @@ from numpy.typing import NDArray
 
 from ...data import Camera, KinemarkError
 from ...geometry import decompose, fit_dlt, from_dlt, parameter_jacobian, project, undistort
-from ..resection import ResectionFit, lens_covariance, resect, scaled_inverse
+from ...numerics.scaled import scaled_inverse
+from ..resection import ResectionFit, lens_covariance, resect
 
 RADIAL = (4, 5, 8)
 TANGENTIAL = (6, 7)

@@ -7,10 +7,10 @@ import pytest
 from laboratory import observe, ring
 from test_tracking import swarm
 
+from kinemark.geometry.hidden_images import hidden_variance
 from kinemark.match import match
 from kinemark.reconstruct import LeastSquares, reconstruct
 from kinemark.reconstruct.camera_pairs import agreeing
-from kinemark.reconstruct.hidden import hidden_variance
 
 RIG = ring(6)
 POINTS = swarm(n=5, frames=6)

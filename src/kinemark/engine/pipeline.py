@@ -25,7 +25,7 @@ from ..io.c3d import write_c3d
 from ..io.files import replacing
 from ..io.records import load, save
 from ..match import EpipolarTriplets, MatchMethod, check_cameras, match
-from ..reconstruct import LeastSquares, ReconstructMethod, reconstruct
+from ..reconstruct import LeastSquares, ReconstructMethod, image_errors, reconstruct
 from ..report.figures_detections import Picture, telling_frames
 from ..report.filling_page import write_filling_page
 from ..report.page import write_report
@@ -295,7 +295,7 @@ def _followed(detections: Detections, rig: Rig, methods: Methods) -> Tracked:
     if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
         tracks = track_detections(detections, rig, method=method)  # type: ignore[arg-type]
         return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
-    result = track_simultaneously(detections, rig, method, place=place)
+    result = track_simultaneously(detections, rig, method, errors=image_errors(place))
     return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), tuple(diagnose(detections, rig, result)))
 
 

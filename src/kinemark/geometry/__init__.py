@@ -15,7 +15,7 @@ from .camera import (
 from .dlt import camera_from_dlt, decompose, fit_dlt, from_dlt, to_dlt
 from .epipolar import epipolar_constants, epipolar_lines, fundamental, line_distance
 from .sphere_offset import sphere_offset
-from .triangulate import Triangulated, inverse3, refine, solve3, triangulate
+from .triangulate import Triangulated, refine, triangulate
 
 __all__ = [
     "Triangulated",
@@ -27,7 +27,6 @@ __all__ = [
     "fit_dlt",
     "from_dlt",
     "fundamental",
-    "inverse3",
     "line_distance",
     "nearest_rotations",
     "normalised",
@@ -40,7 +39,6 @@ __all__ = [
     "refine",
     "rigid_align",
     "rigid_poses",
-    "solve3",
     "sphere_offset",
     "to_camera",
     "to_dlt",

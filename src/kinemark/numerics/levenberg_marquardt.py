@@ -18,8 +18,8 @@ With ϱ the decrease that was found, divided by the one that (3) promised, the d
     χ² did not rise:   λ ← λ max(1/10, 1 − (2ϱ − 1)³),   ν ← 2
     χ² rose:           λ ← λ ν,                           ν ← 2 ν         (4)
 
-with 1/10 (Marquardt's) where Nielsen has 1/3. Where the model holds (ϱ near 1) λ soon vanishes, and the steps are Gauss and
-Newton's; where tries fail, λ grows faster and faster.
+with 1/10 (Marquardt's) where Nielsen has 1/3. Where the model holds (ϱ near 1) λ soon vanishes, and the steps are Gauss
+and Newton's; where tries fail, λ grows faster and faster.
 
 `minimise` solves one problem, whatever its state is made of and in whatever way it solves (2); `minimise_many` many
 small problems of one kind at once. Both change λ by (4), and nothing else in the package does.
@@ -38,7 +38,7 @@ START = 1e-4
 """λ at first, without unit; of 10⁻³ and 10⁻⁴ the one with fewer tries to a minimum in `benchmarks/bundle.py start`."""
 
 LEAST_FACTOR = 0.1
-"""Of (4), without unit; Marquardt's. With 1/100 `benchmarks/bundle.py start` needs as many tries and ends less exactly."""
+"""Of (4), without unit; Marquardt's. With 1/100 `benchmarks/bundle.py start` ends less exactly, in no fewer tries."""
 
 GIVEN_UP = 1e8
 """λ above which no step is tried; chosen, not tuned: δ is then 10⁻⁸ of what it was, and only rounding is left."""

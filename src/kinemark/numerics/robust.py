@@ -17,7 +17,7 @@ and its log-likelihood is, but for what does not depend on d,
 
     −(ν + k)/2 ln(1 + d²/ν)                                               (3)
 
-The median of |d| of normally distributed errors is 0.6745 standard deviations (4), a measure of their spread that half
+The median |d| of normally distributed errors is 0.6745 standard deviations (4), a measure of their spread that half
 of the errors may not spoil.
 """
 
@@ -27,8 +27,11 @@ import numpy as np
 
 from ..data.array_types import Floats
 
-MEDIAN_OF_NORMAL = 0.6744897501960817
-"""(4): the median of |x| for a standard normal x, in standard deviations."""
+MEDIAN_OF_NORMAL = 0.6745
+"""(4), in standard deviations; the normal distribution's, to the four digits that are usual."""
+
+SD_PER_MEDIAN = 1.4826
+"""Standard deviation of a normal distribution over its median |d|, without unit: 1 / 0.67449 (Rousseeuw 1984)."""
 
 
 def cauchy_loss(squared: Floats, c: float) -> Floats:
@@ -47,5 +50,5 @@ def student_widening(squared: Floats, tails: float, dimensions: int = 2) -> Floa
 
 
 def student_log_likelihood(squared: Floats, tails: float, dimensions: Floats) -> Floats:
-    """(3), from d² and ν = `tails`."""
+    """(3), from d², ν = `tails` and k."""
     return np.asarray(-(tails + dimensions) / 2 * np.log1p(squared / tails))

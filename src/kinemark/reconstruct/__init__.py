@@ -1,7 +1,7 @@
 """From matched images to points in space, each with its covariance: one file a method."""
 
 from .camera_pairs import CameraPairs
-from .least_squares import LeastSquares, located, wanted
+from .least_squares import LeastSquares, image_errors
 from .methods import RECONSTRUCTORS, ReconstructMethod, reconstruct
 
 __all__ = [
@@ -9,7 +9,6 @@ __all__ = [
     "CameraPairs",
     "LeastSquares",
     "ReconstructMethod",
-    "located",
+    "image_errors",
     "reconstruct",
-    "wanted",
 ]

@@ -17,10 +17,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..data import Tracks
 from ..data.array_types import Floats, Ints
+from ..geometry.weighted_points import inside_volume
 from ..signal import LADDER, PAST, cheapest_first
 
 
@@ -76,12 +77,6 @@ def within_volume(tracks: Tracks, volume: ArrayLike, *, margin: float = 0.0) -> 
     """
     inside = inside_volume(tracks.cloud.xyz, volume, margin=margin)
     return Tracks(tracks.cloud, _in_order(np.where(inside, tracks.id, -1)))
-
-
-def inside_volume(xyz: Floats, volume: ArrayLike, *, margin: float = 0.0) -> NDArray[np.bool_]:
-    """(…) whether points (…, 3) mm lie in a volume (2, 3) mm."""
-    low, high = np.asarray(volume, np.float64)
-    return np.asarray(((xyz >= low - margin) & (xyz <= high + margin)).all(-1))
 
 
 def _rows(tracks: Tracks) -> list[Ints]:

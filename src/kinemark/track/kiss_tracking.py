@@ -27,8 +27,9 @@ import numpy as np
 from ..data import Cloud, Tracks
 from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
+from ..geometry.weighted_points import inside_volume
 from ..signal import PAST, assign_nearest, extrapolate
-from .editing import blend, inside_volume, without_short
+from .editing import blend, without_short
 
 Volume = tuple[tuple[float, float, float], tuple[float, float, float]]
 

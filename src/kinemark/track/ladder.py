@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from ..data import Cloud, Tracks
 from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
-from ..geometry import solve3
+from ..numerics.small_matrices import solve3
 from ..signal import PAST, assign, extrapolate, gain
 
 

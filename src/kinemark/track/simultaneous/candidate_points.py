@@ -17,11 +17,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
-from ...geometry import fundamental, solve3
+from ...geometry import fundamental
+from ...numerics.small_matrices import inverse3_last, solve3
 from .associate import candidates, predict_images
 from .compiled import library
 from .detection_index import Images
-from .kalman_states import KalmanStates, inverse
+from .kalman_states import KalmanStates
 
 AT_ONCE = 4000
 """Images of all frames that are paired in one go: fewer waste time on overhead, more take memory."""
@@ -220,7 +221,7 @@ def placed(images: Images, view: Ints, camera: Ints | None = None) -> PlacedPoin
     J = np.where(seen, (P[:2, :3] - (h[:2] / z)[:, None] * P[2, :3]) / z, 0.0)
     variance = images.variance[view]
     with np.errstate(divide="ignore", invalid="ignore"):  # rays that are parallel
-        cov = inverse(_squares(J / variance, J))
+        cov = inverse3_last(_squares(J / variance, J))
     moved = np.einsum("ijh,jh->ih", cov, _sums(J / variance, off))
     off -= np.einsum("ijkh,jh->ikh", J, moved)
     squared = np.where(seen, (off * off).sum(0) / variance, -1.0)

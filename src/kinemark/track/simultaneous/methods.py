@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ...data import Detections, Rig, Tracks
-from ...match import check_cameras
+from ...geometry.ideal_pixels import check_cameras
 from ..two_cameras.former_two_cameras import FormerTwoCameras, track_two_cameras
 from .simultaneous_method import DEFAULT, Simultaneous
 from .tracker import simultaneous_tracks

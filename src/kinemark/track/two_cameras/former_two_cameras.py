@@ -15,7 +15,7 @@ import numpy as np
 from ...data import Cloud, Detections, KinemarkError, Rig, Tracks
 from ...data.arrays import check_positive
 from ...geometry import distort, refine, triangulate, undistort
-from ...reconstruct.least_squares import FALLBACK_SD
+from ...geometry.weighted_points import FALLBACK_SD
 from .image_paths import Paths, paths_of
 from .paired_paths import Paired, paired, residuals, unbranched
 

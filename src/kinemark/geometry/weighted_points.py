@@ -174,7 +174,7 @@ def usable_points(cloud: Cloud, rig: Rig, *, margin: float | None = 100.0) -> Bo
 
     `margin` None means that points are used wherever they are.
     """
-    known: Bools = np.isfinite(cloud.xyz).all(1)
+    known = np.asarray(np.isfinite(cloud.xyz).all(1))
     if margin is None or np.isnan(rig.volume).any():
         return known
     return np.asarray(known & inside_volume(cloud.xyz, rig.volume, margin=margin))

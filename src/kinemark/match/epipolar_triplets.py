@@ -35,6 +35,7 @@ from ..data.array_types import Floats, Ints
 from ..data.arrays import check_positive
 from ..geometry import fundamental, triangulate
 from ..geometry.ideal_pixels import ideal_pixels
+from ..numerics.runs import equal_runs
 
 BLOCK = 512  # frames matched together, enough to share numpy's overhead
 CELLS = 1 << 24  # pairs of images in a block, at most: bounds the memory
@@ -163,9 +164,9 @@ def _near_lines(seen: FrameImages, r: int, s: int, F: Floats, band: float) -> tu
 def _rank(key: Ints, value: Floats) -> Ints:
     """Place of each entry among those with its key, by rising value."""
     order = np.lexsort([value, key])
-    first = np.flatnonzero(np.diff(key[order], prepend=-1))
+    ends = equal_runs(key[order])
     rank = np.empty(len(key), np.int64)
-    rank[order] = np.arange(len(key)) - np.repeat(first, np.diff(first, append=len(key)))
+    rank[order] = np.arange(len(key)) - np.repeat(ends[:-1], np.diff(ends))
     return rank
 
 

@@ -20,13 +20,19 @@ def true_runs_of_rows(mask: Bools) -> Ints:
     return np.column_stack([row[::2], step[::2], step[1::2]]).astype(np.int64)
 
 
+def begins(*columns: NDArray[np.generic]) -> Bools:
+    """(N) where a run begins in which no column (N) changes; the first entry begins one."""
+    fresh = np.ones(len(columns[0]), np.bool_)
+    if len(fresh):
+        fresh[1:] = columns[0][1:] != columns[0][:-1]
+    for column in columns[1:]:
+        fresh[1:] |= column[1:] != column[:-1]
+    return fresh
+
+
 def equal_runs(*columns: NDArray[np.generic]) -> Ints:
     """(n + 1) ends of the runs in which no column (N) changes: run k is `slice(ends[k], ends[k + 1])`.
 
     An empty column has no run, and its ends are [0].
     """
-    N = len(columns[0])
-    fresh = np.ones(N, np.bool_)
-    if N:
-        fresh[1:] = np.logical_or.reduce([column[1:] != column[:-1] for column in columns])
-    return np.append(np.flatnonzero(fresh), N).astype(np.int64)
+    return np.append(np.flatnonzero(begins(*columns)), len(columns[0])).astype(np.int64)

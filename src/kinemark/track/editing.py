@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from ..data import Tracks
 from ..data.array_types import Floats, Ints
 from ..geometry.weighted_points import inside_volume
+from ..numerics.runs import equal_runs
 from ..signal import LADDER, PAST, cheapest_first
 
 
@@ -83,8 +84,7 @@ def _rows(tracks: Tracks) -> list[Ints]:
     """The points of each track that has any, in the order of their frames."""
     order = np.argsort(tracks.id, kind="stable")
     order = order[tracks.id[order] >= 0]
-    edges = np.flatnonzero(np.diff(tracks.id[order])) + 1
-    return np.split(order, edges) if len(order) else []
+    return np.split(order, equal_runs(tracks.id[order])[1:-1]) if len(order) else []
 
 
 def _end(tracks: Tracks, rows: Ints) -> End:

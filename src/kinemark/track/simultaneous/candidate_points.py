@@ -18,6 +18,7 @@ import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry import fundamental
+from ...numerics.runs import begins
 from ...numerics.small_matrices import inverse3_last, solve3
 from .associate import candidates, predict_images
 from .compiled import library
@@ -152,9 +153,7 @@ def _completed(images: Images, free: Bools, pair: Ints, gate: float) -> Ints:
 def _distinct(view: Ints) -> Ints:
     """The different views."""
     order = np.lexsort(view)
-    new = np.ones(len(order), bool)
-    new[1:] = (view[:, order[1:]] != view[:, order[:-1]]).any(0)
-    return view[:, np.sort(order[new])]
+    return view[:, np.sort(order[begins(*view[:, order])])]
 
 
 def _chosen(images: Images, free: Bools, view: Ints, gate: float, leasts: tuple[int, ...]) -> list[CandidatePoints]:

@@ -22,6 +22,7 @@ import numpy as np
 from ...data import Cloud, Detections, Matches, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry.weighted_points import USUAL, ImageErrors, usable_points, weighted_points
+from ...numerics.runs import begins
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
 from .likelihood import SURE, evidence, says
@@ -130,13 +131,12 @@ def _strayed(every: Associations, own: Bools, least: float, method: Simultaneous
     order = np.argsort(every.id, kind="stable")
     id, frame = every.id[order], every.frame[order]
     back = frame < frame[np.searchsorted(id, id)]
-    begins = np.ones(len(order), bool)
-    begins[1:] = (id[1:] != id[:-1]) | (back[1:] != back[:-1])
+    first = begins(id, back)
     anchored = own.sum(0)[order] >= 2
     lost = (every.before[order] > method.worst) & ~np.roll(anchored, 1)
-    spell = np.cumsum(begins | lost) - 1
+    spell = np.cumsum(first | lost) - 1
     said = np.bincount(spell, says(every, own, method.gate)[order])
-    sure = (np.bincount(spell, begins & ~lost) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
+    sure = (np.bincount(spell, first & ~lost) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
     out = np.zeros(len(order), bool)
     out[order] = ~sure[spell]
     return out

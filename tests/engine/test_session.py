@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError
-from kinemark.detect import detect
+from kinemark.detect import detect, learn_masks
 from kinemark.engine.session import Session
 from kinemark.engine.settings import SETTABLE, read_settings
 from kinemark.geometry import project_all, to_dlt
@@ -254,6 +254,32 @@ def filmed(tmp_path):
         write_video(tmp_path / "one" / f"{name}.mkv", [dots(p) for p in uv], 50.0)
     (tmp_path / "session.toml").write_text(IMAGES)
     return tmp_path, path
+
+
+def test_masks_are_learned_once_for_all_trials(filmed, monkeypatch):
+    folder, _ = filmed
+    text = (folder / "session.toml").read_text()
+    second = '[[trials]]\nname = "two"\nimages = "one/{camera}.mkv"\n'
+    (folder / "session.toml").write_text(f'{text}{second}[masks]\nempty = "empty/{{camera}}.mkv"\n')
+    learned = []
+
+    def counted(*given, **options):
+        learned.append(learn_masks(*given, **options))
+        return learned[-1]
+
+    monkeypatch.setattr("kinemark.engine.recordings.learn_masks", counted)
+
+    def record(frames):
+        (folder / "empty").mkdir(exist_ok=True)
+        for name in ("c0", "c1", "c2"):
+            write_video(folder / "empty" / f"{name}.mkv", [dots([8, 8])] * frames, 50.0)
+
+    record(5)
+    assert set(Session.open(folder).run()) == {"one", "two"} and len(learned) == 1
+    assert learned[0].pixels("c0")[8, 8] and not learned[0].pixels("c0")[40, 40]
+    record(7)  # another recording of the empty volume
+    done = Session.open(folder).run()
+    assert len(learned) == 2 and all("detect" in result.computed for result in done.values())
 
 
 def test_videos_are_processed(filmed):

@@ -59,7 +59,7 @@ def fill_file(
     Args:
         source: any file of trajectories, as `io.trial` reads them.
         target: the file to write, as `io.trial` writes them; an existing one is not replaced.
-        method: of `fill.FILL`, with its parameters; `Auto()` where None. name: what the report calls it.
+        method: one of `fill.FILL`, with its parameters; `Auto()` where None. name: what the report calls it.
         limit_mm: gaps whose expected mean error is greater stay open.
         ends: also fill before a marker's first sample and after its last.
         trim: so many bad samples may be replaced on each side of a gap; 0: none.

@@ -14,7 +14,7 @@ import numpy as np
 import tomlkit
 
 from ..data import KinemarkError
-from ..detect import Masks
+from ..data.masks import Masks
 from .files import replacing
 from .number_text import read_text
 

@@ -123,8 +123,8 @@ def write_session(
     way = _wand_way(suffix) if by_wand else _target_way(target)
     if grid:
         way |= write_grids(folder, rig, write_image=write_image, optics=optics, seed=seed)
-    pattern = f"{trial}/{{camera}}{suffix}"
-    _write_text(folder / "session.toml", _session_toml(subject, rig, name, {trial: pattern}, way, interlaced))
+    trials = {trial: f"{trial}/{{camera}}{suffix}"}
+    _write_text(folder / "session.toml", _session_toml(subject, rig, name, trials, way, interlaced))
     return folder / "session.toml"
 
 

@@ -1,9 +1,9 @@
 """What C3D can hold of channels: one rate for all, k samples to every frame, from the first frame to the last.
 
-A trial keeps each record at its own rate and start. Here, at the very end, they are laid on one clock, with the
-least k for which k · frame rate ≥ the greatest of their rates (1). A record whose samples fall on that clock is only
-shifted and filled up with missing samples; one whose rate divides it has every sample repeated (2); any other is
-interpolated by straight lines (3), and a note says so. Samples beyond the frames are cut, with a note.
+A trial keeps each record at its own rate and start. Here, at the very end, they are laid on one clock, with the least k
+for which k · frame rate ≥ the greatest of their rates (1). A record whose samples fall on that clock is only shifted
+and filled up with missing samples; one whose rate divides it has every sample repeated (2); any other is interpolated
+by straight lines (3), and a note says so. Samples beyond the frames are cut, with a note.
 """
 
 from __future__ import annotations

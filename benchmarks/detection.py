@@ -26,8 +26,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from kinemark.compiled import PLAIN
-from kinemark.detect import compiled, detect_frames
+from kinemark.detect import detect_frames
+from kinemark.native import PLAIN, library
 
 Images = NDArray[np.uint8]
 Points = NDArray[np.float64]
@@ -78,7 +78,7 @@ def kinemark_plain(images: Images, diameter: float) -> list[Points]:
 
 @contextmanager
 def plain() -> Iterator[None]:
-    """Without the compiled kernel."""
+    """Without the compiled library."""
     before = os.environ.get(PLAIN, "")
     os.environ[PLAIN] = "1"
     try:
@@ -206,7 +206,7 @@ RIVALS = {
 def installed() -> dict[str, Rival]:
     """The rivals that can run here."""
     found = {name: rival for name, rival in RIVALS.items() if find_spec(rival.needs)}
-    if compiled.library() is None:
+    if library() is None:
         del found["kinemark, compiled"]
     return found
 

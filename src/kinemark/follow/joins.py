@@ -27,7 +27,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from .method import Simultaneous
-from .motion import Floats, Ints, Motion, ahead, reversed_time
+from .motion import Floats, Ints, Motion, predict, reversed_time
 from .paths import LOOK, Points, motion_from, rows_near, rows_of
 
 CLEAR = 2 * np.log(100.0)
@@ -163,8 +163,8 @@ def _by_motion(points: Points, ends: Ends, a: Ints, b: Ints, T: float, method: S
     for first in range(0, len(a), AT_ONCE):
         part = slice(first, first + AT_ONCE)
         half = gap[part] * T / 2
-        one = ahead(ends.end.take(a[part]), half, method.wander)
-        other = reversed_time(ahead(ends.begin.take(b[part]), half, method.wander))
+        one = predict(ends.end.take(a[part]), half, method.wander)
+        other = reversed_time(predict(ends.begin.take(b[part]), half, method.wander))
         delta = (other.x[:6] - one.x[:6]).T
         S = (one.V[:6, :6] + other.V[:6, :6]).transpose(2, 0, 1)
         squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)

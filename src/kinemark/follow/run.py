@@ -12,7 +12,7 @@ from .claims import Claims, Expected, claim, expect, information, share
 from .groups import Groups, fundamentals
 from .images import Images
 from .method import Simultaneous
-from .motion import Bools, Floats, Ints, Motion, ahead, at_rest, inverse, told
+from .motion import Bools, Floats, Ints, Motion, at_rest, inverse, predict, update
 
 LANES = 8
 """Stretches that are gone through side by side: NumPy's overhead is then shared by eight times as many tracks."""
@@ -157,9 +157,9 @@ class Run:
         first, *others = groups
         motion = at_rest(first.xyz, first.cov, speed=self.method.speed, acceleration=self.method.acceleration)
         for group in others:
-            motion = ahead(motion, self.T, self.method.wander)
+            motion = predict(motion, self.T, self.method.wander)
             N = inverse(group.cov)
-            motion = told(motion, N, np.einsum("ijt,jt->it", N, group.xyz - motion.position))
+            motion = update(motion, N, np.einsum("ijt,jt->it", N, group.xyz - motion.position))
         return Active(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
 
     def step(self, active: Active) -> Active:
@@ -167,11 +167,11 @@ class Run:
         if not len(active.id):
             return active
         images, gate = self.images, self.method.gate
-        motion = ahead(active.motion, self.T, self.method.wander)
+        motion = predict(active.motion, self.T, self.method.wander)
         expected = expect(images.P, motion)
         claims = claim(images, self.free, active.frame, expected, gate)
         claims = share(images, active.frame, expected, claims, gate)
-        after = told(motion, *information(images, expected, claims))
+        after = update(motion, *information(images, expected, claims))
         claims, after, squared = without_loose(images, gate, motion, expected, claims, after)
         has = claims.row >= 0
         self.free[claims.row[has]] = False
@@ -204,7 +204,7 @@ def without_loose(
         wrong &= has & loose.any(0)
         row, variance = np.where(wrong, -1, claims.row), np.where(wrong, np.inf, claims.variance)
         claims = claims._replace(row=row, variance=variance, worth=np.where(row < 0, 0.0, claims.worth))
-        after = told(before, *information(images, expected, claims))
+        after = update(before, *information(images, expected, claims))
     not_own = claims.shared | images.merged[claims.row]
     return Fit(claims, after, np.where(not_own, 0.0, squared).sum(0))
 

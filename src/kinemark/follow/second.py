@@ -20,10 +20,10 @@ from typing import NamedTuple
 import numpy as np
 
 from .claims import claim, expect, information
-from .groups import placed
+from .groups import intersect
 from .images import Images
 from .method import Simultaneous
-from .motion import Bools, Ints, Motion, ahead, inverse, reversed_time, told
+from .motion import Bools, Ints, Motion, inverse, predict, reversed_time, update
 from .paths import Points, between, motion_from, rows_near, rows_of
 from .run import without_loose
 
@@ -70,7 +70,7 @@ def looked_again(points: Points, row: Ints, images: Images, T: float, method: Si
         for part in _parts(doubtful.frame):
             expected = _expected(known, doubtful.take(part), T, method)
             claimed[:, part] = _claimed(images, free, doubtful.frame[part], expected, method)
-        place = placed(images, claimed)
+        place = intersect(images, claimed)
         new = Points(doubtful.frame, doubtful.id, place.xyz.T, place.cov.transpose(2, 0, 1))
         good = ((claimed >= 0).sum(0) >= 2) & np.isfinite(new.xyz).all(1) & np.isfinite(new.cov).all((1, 2))  # (2)
         if not good.any():
@@ -138,7 +138,7 @@ def _expected(known: Points, doubtful: Doubtful, T: float, method: Simultaneous)
         ends, which = np.unique(point, return_inverse=True)
         near = rows_near(rows, known.id[ends], known.frame[ends], way)
         motion = motion_from(known, near, known.xyz[ends].T, T, method).take(which)
-        sides.append(ahead(motion, np.abs(doubtful.frame - known.frame[point]) * T, method.wander))
+        sides.append(predict(motion, np.abs(doubtful.frame - known.frame[point]) * T, method.wander))
     before, after = sides[0], reversed_time(sides[1])
     both = between(before, after)
     one_sided = [doubtful.after < 0, doubtful.before < 0]
@@ -152,6 +152,6 @@ def _claimed(images: Images, free: Bools, frame: Ints, expected: Motion, method:
     expected = expected.take(near)
     seen = expect(images.P, expected)
     claims = claim(images, free, frame[near], seen, method.gate)
-    after = told(expected, *information(images, seen, claims))
+    after = update(expected, *information(images, seen, claims))
     row[:, near] = without_loose(images, method.gate, expected, seen, claims, after).claims.row
     return row

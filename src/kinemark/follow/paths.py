@@ -2,8 +2,8 @@
 
 From the points of the frames before it, with which the filter of `motion` is updated one after the other, a track has a
 state there; from those after it, against time, another. Either alone tells where a path goes on (`joins`). Both
-together, with covariances V₋ and V₊ of the whole states x₋ and x₊, and what the images of the frame itself say of the position,
-N and p, give
+together, with covariances V₋ and V₊ of the whole states x₋ and x₊, and what the images of the frame itself say of
+the position, N and p, give
 
     K = V₋ (V₋ + V₊)⁻¹,   x = x₋ + K (x₊ − x₋),   V = K V₊                               (1)
 

@@ -4,8 +4,8 @@ Every function checks dtypes, shapes and indices in one declaration, so that no 
 calls the compiled library or, where that is absent or `KINEMARK_PLAIN` is set, does the same with NumPy.
 """
 
+from .compiled_library import PLAIN, Status, library, status
 from .image_index import ImageIndex, candidates, index_images
-from .library import PLAIN, Status, library, status
 from .pixel_runs import find_runs
 from .pixel_sums import sum_pixels
 from .point_motion import predict, update

@@ -4,15 +4,18 @@
     x, T, row, uv = POINTS(x, T, row, uv)
 
 A letter is a size that is the same wherever it stands. What comes back is in C order and of the declared dtype, so that
-compiled code can read it.
+compiled code can read it. `POINTS.check_indices` checks that indices are in range.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..data.array_types import Ints
 
 
 class Kind(NamedTuple):
@@ -54,51 +57,64 @@ class Arrays:
     def __init__(self, **wanted: tuple[Kind, *tuple[int | str, ...]]) -> None:
         """Take the kind and shape of each array, in the order in which they are passed."""
         self._wanted = [_Wanted(name, spec[0], spec[1:]) for name, spec in wanted.items()]
+        axis_of = {n: (j, i) for j, want in enumerate(self._wanted) for i, n in enumerate(want.shape)}
+        self._indices = [(k, w.name, w.kind, axis_of[w.kind.below]) for k, w in enumerate(self._wanted) if w.kind.below]
+        self._known: dict[int | str, int] = {n: n for want in self._wanted for n in want.shape if isinstance(n, int)}
 
     def __call__(self, *values: Any) -> list[NDArray[Any]]:
         """The arrays, of the declared dtype and in C order; copies only where they were not.
 
         Raises:
-            ValueError: one has another shape, a dtype that cannot be cast without loss, or an index out of range; the
-                message has its name, what was found and what was wanted.
+            ValueError: one has another shape, or a dtype that cannot be cast without loss; the message has its name,
+                what was found and what was wanted.
         """
-        sizes: dict[str, int] = {}
-        arrays = [_fitted(value, want, sizes) for value, want in zip(values, self._wanted, strict=True)]
-        for array, want in zip(arrays, self._wanted, strict=True):
-            if want.kind.below and array.size:
-                _check_range(want.name, array, want.kind.least, sizes[want.kind.below])
+        sizes, arrays = self._known.copy(), []
+        for value, wanted in zip(values, self._wanted, strict=True):
+            array, (_, kind, shape) = np.asarray(value), wanted
+            if array.ndim != len(shape):
+                raise _other_shape(array, wanted, sizes)
+            for have, size in zip(array.shape, shape, strict=True):
+                if have != sizes.setdefault(size, have):
+                    raise _other_shape(array, wanted, sizes)
+            if array.dtype not in kind.dtypes:
+                array = _cast(array, wanted)
+            flags = array.flags
+            arrays.append(array if flags.c_contiguous and flags.aligned else array.copy())
         return arrays
 
+    def check_indices(self, arrays: Sequence[NDArray[Any]]) -> None:
+        """Refuse arrays, in the shapes that were declared, with indices out of range.
 
-def _fitted(value: Any, wanted: _Wanted, sizes: dict[str, int]) -> NDArray[Any]:
-    """The array as it was declared; `sizes` are those known of the letters."""
-    name, kind, shape = wanted
-    array = np.asarray(value)
-    fits = array.ndim == len(shape)
-    if fits:
-        for have, size in zip(array.shape, shape, strict=True):
-            if have != (sizes.setdefault(size, have) if isinstance(size, str) else size):
-                fits = False
-    if not fits:
-        known = "".join(f", {n} = {sizes[n]}" for n in shape if isinstance(n, str) and n in sizes)
-        sizes_wanted = ", ".join(map(str, shape)) + "," * (len(shape) == 1)
-        raise ValueError(f"{name} has shape {array.shape}, wanted ({sizes_wanted}){known}")
-    if array.dtype not in kind.dtypes:
-        array = array.astype(_lossless(array, wanted), order="C")
-    return array if array.flags.c_contiguous and array.flags.aligned else array.copy()
+        Compiled functions refuse these themselves, at less cost; this says what is wrong.
+
+        Raises:
+            ValueError: there is one; the message has the array's name, the index and what was wanted.
+        """
+        for k, name, kind, (j, axis) in self._indices:
+            check_indices(name, arrays[k], arrays[j].shape[axis], least=kind.least)
 
 
-def _lossless(array: NDArray[Any], wanted: _Wanted) -> np.dtype[Any]:
-    """The first of the dtypes wanted to which the array can be cast without loss."""
+def _other_shape(array: NDArray[Any], wanted: _Wanted, sizes: dict[int | str, int]) -> ValueError:
+    """What is said of an array of another shape."""
+    shape = ", ".join(map(str, wanted.shape)) + "," * (len(wanted.shape) == 1)
+    known = "".join(f", {n} = {sizes[n]}" for n in wanted.shape if isinstance(n, str) and n in sizes)
+    return ValueError(f"{wanted.name} has shape {array.shape}, wanted ({shape}){known}")
+
+
+def _cast(array: NDArray[Any], wanted: _Wanted) -> NDArray[Any]:
+    """The array in the first of the dtypes wanted to which it can be cast without loss."""
     for dtype in wanted.kind.dtypes:
         if np.can_cast(array.dtype, dtype, "safe"):
-            return dtype
+            return array.astype(dtype, order="C")
     raise ValueError(f"{wanted.name} has dtype {array.dtype}, wanted {' or '.join(map(str, wanted.kind.dtypes))}")
 
 
-def _check_range(name: str, array: NDArray[Any], least: int, below: int) -> None:
-    """Raise ValueError where an index is out of range."""
-    low, high = array.min(), array.max()
-    if low < least or high >= below:
-        wrong = low if low < least else high
+def check_indices(name: str, array: Ints, below: int, *, least: int = 0) -> None:
+    """Refuse an array with indices that are not in least … below − 1.
+
+    Raises:
+        ValueError: it has one; the message has the name, the index and what was wanted.
+    """
+    if array.size and (array.min() < least or array.max() >= below):
+        wrong = array[(array < least) | (array >= below)][0]
         raise ValueError(f"{name} has the index {wrong}, wanted {least} … {below - 1}")

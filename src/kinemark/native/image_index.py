@@ -23,8 +23,8 @@ import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
 from ..data.arrays import set_columns
-from .array_checks import BOOL, FLOAT, INT, Arrays, index
-from .library import library
+from .array_checks import BOOL, FLOAT, INT, Arrays, check_indices, index
+from .compiled_library import library
 
 _INDEX = Arrays(uv=(FLOAT, "D", 2), order=(index("D"), "N"), key=(FLOAT, "N"), first=(INT, "K"))
 _IMAGES = Arrays(uv=(FLOAT, "D", 2), cell=(INT, "D"), usable=(BOOL, "D"))
@@ -62,7 +62,8 @@ class ImageIndex:
     width: float
 
     def __post_init__(self) -> None:
-        uv, order, key, first = _INDEX(self.uv, self.order, self.key, self.first)
+        arrays = uv, order, key, first = _INDEX(self.uv, self.order, self.key, self.first)
+        _INDEX.check_indices(arrays)
         rises = len(first) > 0 and first[0] == 0 and first[-1] == len(order) and bool((first[1:] >= first[:-1]).all())
         if not rises:
             raise ValueError(f"first must rise from 0 to the number of usable images, {len(order)}")
@@ -98,7 +99,7 @@ class ImageIndex:
             ValueError: an array has another shape or dtype, or there is no such cell.
         """
         cell, u, reach = _NEAR(cell, u, reach)
-        _check_cells(cell, self.n_cells)
+        check_indices("cell", cell, self.n_cells)
         return self._near(cell, u, reach)
 
     @np.errstate(all="ignore")
@@ -119,7 +120,7 @@ def index_images(uv: Floats, cell: Ints, usable: Bools, *, n_cells: int) -> Imag
     uv, cell, usable = _IMAGES(uv, cell, usable)
     rows = np.flatnonzero(usable)
     u, cell = uv[rows, 0], cell[rows]
-    _check_cells(cell, n_cells)
+    check_indices("cell", cell, n_cells)
     low = float(u.min(initial=0.0)) - 1
     width = (float(u.max(initial=0.0)) + 1 - low) * (1 + 1e-6)  # so that (1) stays below cell + 1
     if not math.isfinite(width):
@@ -154,22 +155,26 @@ def candidates(
     variance, free, cell, uv, S, reach = _CANDIDATES(variance, free, cell, uv, S, reach)
     if len(variance) != len(images.uv):
         raise ValueError(f"variance has shape {variance.shape}, wanted ({len(images.uv)},)")
-    _check_cells(cell, images.n_cells)
-    if compiled := library():
-        return _compiled_candidates(compiled, images, variance, free, cell, uv, S, reach, gate)
+    if (compiled := library()) and (
+        found := _compiled_candidates(compiled, images, variance, free, cell, uv, S, reach, gate)
+    ):
+        return found
+    check_indices("cell", cell, images.n_cells)
     return _numpy_candidates(images, variance, free, cell, uv, S, reach, gate)
 
 
 def _compiled_candidates(
     compiled: Any, images: ImageIndex, variance: Floats, free: Bools, cell: Ints, uv: Floats, S: Floats, reach: Floats,
     gate: float,
-) -> tuple[Ints, Ints, Floats, Floats]:  # fmt: skip
+) -> tuple[Ints, Ints, Floats, Floats] | None:  # fmt: skip
     known = len(images.order), len(variance), images.n_cells, images.order, images.key, images.first
     asked = images.low, images.width, images.uv, variance, free, len(cell), cell, uv, S, reach, gate
     room = 4 * len(cell) + 64  # mostly enough
     while True:
         pair, said = np.empty((2, room), np.int64), np.empty((2, room))
         found = compiled.candidates(*known, *asked, room, *pair, *said)
+        if found < 0:
+            return None  # there is no such cell
         if found <= room:
             return pair[0, :found], pair[1, :found], said[0, :found], said[1, :found]
         room = found
@@ -197,9 +202,3 @@ def ranges(first: Ints, count: Ints) -> Ints:
 def _keys(cell: Ints, u: Floats, low: float, width: float) -> Floats:
     """(1)."""
     return cell + (u - low) / width
-
-
-def _check_cells(cell: Ints, n_cells: int) -> None:
-    """Raise ValueError where there is no such cell."""
-    if cell.size and (cell.min() < 0 or cell.max() >= n_cells):
-        raise ValueError(f"cell is {cell.min()} … {cell.max()}, wanted 0 … {n_cells - 1}")

@@ -3,10 +3,6 @@
 #include "native.h"
 #include "symmetric3.h"
 
-enum { VERSION = 1 }; /* as in library.py; a library left over from another version is not used */
-
-API int64_t kinemark_native_version(void) { return VERSION; }
-
 enum { W = 8 }; /* points that are worked on side by side, so that the compiler can use the wide registers */
 
 /* x (9, n) and V (9, 9, n) a time T (n) later, by (1) and (2). */

@@ -1,6 +1,6 @@
 /* What all sources of the library share.
 
-   Plain C99 that knows nothing of Python: library.py loads it with ctypes. What is computed, and why, is written in the
+   Plain C99 that knows nothing of Python: compiled_library.py loads it with ctypes. What is computed, and why, is written in the
    Python modules that each file names, where NumPy does the same; the tests compare the two, and the numbers of
    equations are theirs.
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from ..data.array_types import Bools, GreyLevels, Ints
 from .array_checks import GREY, Arrays
-from .library import library
+from .compiled_library import library
 
 FEW = 1 << 14
 """Runs for which room is made first: fresh memory costs time, and mostly there are fewer."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..data.array_types import Bools, Floats, GreyLevels, Ints
 from .array_checks import GREY, INT, Arrays
-from .library import library
+from .compiled_library import library
 from .run_groups import MOST_WIDE
 
 MARGIN = 2

@@ -25,7 +25,7 @@ import numpy as np
 
 from ..data.array_types import Floats
 from .array_checks import FLOAT, Arrays
-from .library import library
+from .compiled_library import library
 from .symmetric3 import inverse
 
 _PREDICT = Arrays(x=(FLOAT, 9, "n"), V=(FLOAT, 9, 9, "n"), T=(FLOAT, "n"))

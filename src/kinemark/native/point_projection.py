@@ -16,7 +16,7 @@ import numpy as np
 
 from ..data.array_types import Floats, Ints
 from .array_checks import FLOAT, Arrays, index
-from .library import library
+from .compiled_library import library
 
 _PROJECT = Arrays(P=(FLOAT, "C", 3, 4), xyz=(FLOAT, 3, "n"), cov=(FLOAT, 3, 3, "n"))
 _INFORMATION = Arrays(
@@ -78,13 +78,14 @@ def information(uv: Floats, J: Floats, row: Ints, variance: Floats, images: Floa
     Raises:
         ValueError: an array has another shape or dtype, or a row is out of range.
     """
-    uv, J, row, variance, images = _INFORMATION(uv, J, row, variance, images)
+    arrays = uv, J, row, variance, images = _INFORMATION(uv, J, row, variance, images)
     if compiled := library():
         C, n = row.shape
         out = np.zeros((3, 3, n)), np.zeros((3, n))
-        compiled.information(C, n, len(images), uv, J, row, variance, images, *out)
-        return out
-    return _numpy_information(uv, J, row, variance, images)
+        if compiled.information(C, n, len(images), *arrays, *out):
+            return out
+    _INFORMATION.check_indices(arrays)
+    return _numpy_information(*arrays)
 
 
 @np.errstate(all="ignore")

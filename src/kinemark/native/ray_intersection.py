@@ -15,7 +15,7 @@ import numpy as np
 
 from ..data.array_types import Floats, Ints
 from .array_checks import FLOAT, Arrays, index
-from .library import library
+from .compiled_library import library
 from .symmetric3 import inverse, solve
 
 _INTERSECT = Arrays(
@@ -43,13 +43,14 @@ def intersect(P: Floats, uv: Floats, variance: Floats, view: Ints, camera: Ints)
     Raises:
         ValueError: an array has another shape or dtype, or an index is out of range.
     """
-    P, uv, variance, view, camera = _INTERSECT(P, uv, variance, view, camera)
+    arrays = P, uv, variance, view, camera = _INTERSECT(P, uv, variance, view, camera)
     if compiled := library():
         k, n = view.shape
         out = np.empty((3, n)), np.empty((3, 3, n)), np.empty((k, n))
-        compiled.intersect(len(P), k, n, len(uv), P, uv, variance, view, camera, *out)
-        return out
-    return _numpy_intersect(P, uv, variance, view, camera)
+        if compiled.intersect(len(P), k, n, len(uv), *arrays, *out):
+            return out
+    _INTERSECT.check_indices(arrays)
+    return _numpy_intersect(*arrays)
 
 
 @np.errstate(all="ignore")

@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..data.array_types import Ints
 from .array_checks import INT, Arrays
-from .library import library
+from .compiled_library import library
 
 MOST_WIDE = 1 << 16
 """px, of an image: sums of x² times 16-bit grey levels along wider lines leave 64 bits."""

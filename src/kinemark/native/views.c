@@ -1,5 +1,5 @@
 /* Points in cameras, as point_projection.py, image_index.py and ray_intersection.py. The points are along the last axis of
-   every array. Rows of images below 0 or beyond their number count as none. */
+   every array. */
 
 #include "native.h"
 #include "symmetric3.h"
@@ -42,14 +42,17 @@ API void project(int64_t C, int64_t n, const double *P, const double *xyz, const
         }
 }
 
-/* What images say of n points: N (3, 3, n) and g (3, n), both 0 before; row, variance (C, n); uv of all D. */
-API void information(int64_t C, int64_t n, int64_t d, const double *uv, const double *J, const int64_t *row,
-                     const double *variance, const double *images, double *N, double *g)
+/* What images say of n points: N (3, 3, n) and g (3, n), both 0 before; row (C, n), −1 for none, and variance (C, n);
+   uv of all D. Returns 0 where a row is out of range, else 1. */
+API int64_t information(int64_t C, int64_t n, int64_t d, const double *uv, const double *J, const int64_t *row,
+                        const double *variance, const double *images, double *N, double *g)
 {
     for (int64_t c = 0; c < C; c++, uv += 2 * n, J += 6 * n, row += n, variance += n)
         for (int64_t t = 0; t < n; t++) {
             int64_t r = row[t];
-            if (r < 0 || r >= d)
+            if (r < -1 || r >= d)
+                return 0;
+            if (r < 0)
                 continue;
             for (int a = 0; a < 2; a++) {
                 double off = images[2 * r + a] - uv[a * n + t], D[3];
@@ -63,6 +66,7 @@ API void information(int64_t C, int64_t n, int64_t d, const double *uv, const do
                 }
             }
         }
+    return 1;
 }
 
 /* ---- Images near a place ---- */
@@ -85,7 +89,8 @@ static int64_t place_of(const double *key, int64_t first, int64_t stop, double w
 
    order, key (N), first (cells + 1), low, width: the index of the usable images.
    images (D, 2), variance (D), is_free (D): of all images.
-   own, row, squared (2), det |S|: of the first `room` that are found. Returns the number of all. */
+   own, row, squared (2), det |S|: of the first `room` that are found. Returns the number of all, or −1 where there is no
+      such cell. */
 API int64_t candidates(int64_t N, int64_t D, int64_t cells, const int64_t *order, const double *key,
                        const int64_t *first, double low, double width, const double *images, const double *variance,
                        const uint8_t *is_free, int64_t n, const int64_t *cell, const double *uv, const double *S,
@@ -95,7 +100,9 @@ API int64_t candidates(int64_t N, int64_t D, int64_t cells, const int64_t *order
     int64_t found = 0;
     for (int64_t i = 0; i < n; i++) {
         double u = uv[i], v = uv[n + i], far = reach[i];
-        if (cell[i] < 0 || cell[i] >= cells || !(far > 0) || u != u)
+        if (cell[i] < 0 || cell[i] >= cells)
+            return -1;
+        if (!(far > 0) || u != u)
             continue;
         int64_t from = first[cell[i]], stop = first[cell[i] + 1];
         if (from < 0 || stop > N)
@@ -135,11 +142,10 @@ typedef struct {
 } Image;
 
 /* The image of row `row` of a camera; P is 0 where there is none. */
-static Image image_of(int64_t C, const double *P, int64_t d, const double *uv, const double *variance, int64_t camera,
-                      int64_t row)
+static Image image_of(const double *P, const double *uv, const double *variance, int64_t camera, int64_t row)
 {
     Image none = {0, 0, 0};
-    if (row < 0 || row >= d || camera < 0 || camera >= C)
+    if (row < 0)
         return none;
     Image own = {P + 12 * camera, uv + 2 * row, variance[row]};
     return own;
@@ -188,20 +194,24 @@ static double squared_off(Image image, const double xyz[3], const double moved[3
 }
 
 /* Where n views (k, n) of images meet: xyz (3, n), cov (3, 3, n) and squared (k, n), −1 unseen. Cameras P (C, 3, 4),
-   `camera` (k, n) which of them; uv (D, 2) and variance of all images. */
-API void intersect(int64_t C, int64_t k, int64_t n, int64_t d, const double *P, const double *uv,
-                   const double *variance, const int64_t *view, const int64_t *camera, double *xyz, double *cov,
-                   double *squared)
+   `camera` (k, n) which of them; uv (D, 2) and variance of all images. Returns 0 where an index is out of range,
+   else 1. */
+API int64_t intersect(int64_t C, int64_t k, int64_t n, int64_t d, const double *P, const double *uv,
+                      const double *variance, const int64_t *view, const int64_t *camera, double *xyz, double *cov,
+                      double *squared)
 {
+    for (int64_t i = 0; i < k * n; i++)
+        if (view[i] < -1 || view[i] >= d || camera[i] < 0 || camera[i] >= C)
+            return 0;
     for (int64_t t = 0; t < n; t++) {
         double A[3][3] = {{0}}, b[3] = {0}, N[3][3] = {{0}}, g[3] = {0}, at[3], V[3][3], moved[3];
         Image image;
         for (int64_t c = t; c < k * n; c += n)
-            if ((image = image_of(C, P, d, uv, variance, camera[c], view[c])).P)
+            if ((image = image_of(P, uv, variance, camera[c], view[c])).P)
                 add_linear(image, A, b);
         solve(A, b, at);
         for (int64_t c = t; c < k * n; c += n)
-            if ((image = image_of(C, P, d, uv, variance, camera[c], view[c])).P)
+            if ((image = image_of(P, uv, variance, camera[c], view[c])).P)
                 add_seen(image, at, N, g);
         inverse(N, V);
         for (int i = 0; i < 3; i++) {
@@ -211,8 +221,9 @@ API void intersect(int64_t C, int64_t k, int64_t n, int64_t d, const double *P, 
                 cov[(3 * i + j) * n + t] = V[i][j];
         }
         for (int64_t c = t; c < k * n; c += n) {
-            image = image_of(C, P, d, uv, variance, camera[c], view[c]);
+            image = image_of(P, uv, variance, camera[c], view[c]);
             squared[c] = image.P ? squared_off(image, at, moved) : -1;
         }
     }
+    return 1;
 }

@@ -34,6 +34,8 @@ from .session import Session
 from .settings import methods_text, parameters
 from .simulate import Scene
 from .simulate import simulate as simulate_session
+from .system import absence_notice
+from .system import system as describe_system
 from .um2as_cli import digitise, um2as
 from .version import __version__
 
@@ -213,16 +215,21 @@ def fill(
 
 
 @app.command
-def info(file: Path, *files: Path, json: Json = False) -> None:
+def info(*files: Path, system: Annotated[bool, Parameter(negative="")] = False, json: Json = False) -> None:
     """Say what is in files: C3D, TDF, TRC, CSV, rig TOML, DLT, HDF5, video, images or a session.
 
     Args:
-        file: one file or folder.
-        files: and others.
+        files: files or folders.
+        system: say instead what Kinemark runs on: versions, threads, and whether its compiled library is used.
         json: print it for a machine.
     """
+    if system == bool(files):
+        raise KinemarkError("Say what is wanted: files, or --system.")
+    if system:
+        _print(describe_system().figures() if json else describe_system().text())
+        return
     found: dict[str, dict[str, object]] = {}
-    for one in (file, *files):
+    for one in files:
         try:
             found[str(one)] = describe(one)
         except KinemarkError as error:  # one bad file keeps nobody from seeing the others
@@ -341,6 +348,8 @@ def _print(value: object) -> None:
 
 def main() -> None:
     """The command `kinemark`."""
+    if notice := absence_notice():
+        errors.print(f"kinemark: {notice}", markup=False, highlight=False, soft_wrap=True)
     try:
         app()
     except KinemarkError as error:

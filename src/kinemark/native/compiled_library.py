@@ -22,8 +22,8 @@ VERSION = 1
 PLAIN = "KINEMARK_PLAIN"
 """Environment variable: where it is set and not empty, NumPy does the work."""
 
-FOLDER = Path(__file__).parent
-NAME = "_native.dll" if os.name == "nt" else "_native.so"
+PATH = Path(__file__).with_name("_native.dll" if os.name == "nt" else "_native.so")
+"""Where the library is; setup.py puts it there."""
 
 
 class Pointer:
@@ -99,7 +99,7 @@ def status() -> Status:
     if plain():
         return Status(None, None, f"the environment variable {PLAIN} is set")
     functions, reason = _loaded()
-    return Status(FOLDER / NAME, VERSION, "") if functions else Status(None, None, reason)
+    return Status(PATH, VERSION, "") if functions else Status(None, None, reason)
 
 
 def opened(path: Path) -> ctypes.CDLL:
@@ -122,10 +122,9 @@ def opened(path: Path) -> ctypes.CDLL:
 @cache
 def _loaded() -> tuple[ctypes.CDLL | None, str]:
     """The library, or the reason why there is none."""
-    path = FOLDER / NAME
-    if not path.is_file():
-        return None, f"{path} is absent: no C compiler was found when Kinemark was installed"
+    if not PATH.is_file():
+        return None, f"{PATH} is absent: it was not compiled when Kinemark was installed"
     try:
-        return opened(path), ""
+        return opened(PATH), ""
     except OSError as error:
         return None, str(error)

@@ -1,0 +1,1 @@
+"""What tests share: scenes, operators, files, and where the real recordings are."""

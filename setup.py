@@ -11,7 +11,21 @@ FOLDER = "src/kinemark/native"
 
 
 class BuildLibrary(build_ext):
-    """Compiles a library that uses nothing of Python: it has one name for all versions and no module's entry point."""
+    """Compiles a library that uses nothing of Python: it has one name for all versions and no module's entry point.
+
+    What an earlier build left is removed first, so that it never stands for one that fails.
+    """
+
+    def run(self) -> None:
+        """Compile, for a wheel or in place."""
+        for ext in self.extensions:
+            Path(self.get_ext_fullpath(ext.name)).unlink(missing_ok=True)
+        super().run()
+
+    def build_extension(self, ext: Extension) -> None:
+        """Compile for a wheel, from where it is copied in place."""
+        Path(self.get_ext_fullpath(ext.name)).unlink(missing_ok=True)
+        super().build_extension(ext)
 
     def get_ext_filename(self, fullname: str) -> str:
         """Where the library goes."""

@@ -1,10 +1,14 @@
 #!/usr/bin/env python3
 """Sets Kinemark up on a fresh machine and runs it: `python3 dev.py demo`, `python3 dev.py test`.
 
-    demo    make the environment, install, run `kinemark demo`, which simulates a gait laboratory and processes it
-    test    make the environment, install with the test tools, run the tests
-    check   the same, then format, lint, types, layers
-    fix     let ruff format and mend what it can
+    demo      make the environment, install, run `kinemark demo`, which simulates a gait laboratory and processes it
+    test      make the environment, install with the test tools, run the tests
+    check     the same, then format, lint, types, layers
+    fix       let ruff format and mend what it can
+    docs      build the documentation as a site: docs/_build/index.html
+    validate  run the studies and write what they print to docs/validation; names of studies may follow
+    nightly   the tests with new random examples, the tests without compiled parts, studies and benchmarks against
+              what is kept of them; takes hours
 
 Needs Python 3.11 or later and nothing else; all goes into `.venv` beside this file. The versions are those of
 `requirements.lock`; `KINEMARK_UNLOCKED=1` takes the newest that pyproject.toml allows.
@@ -30,6 +34,13 @@ CHECKS: tuple[tuple[str, list[str]], ...] = (
     ("types", ["mypy"]),
     ("layers", []),
 )
+SITE = ("sphinx", "--fail-on-warning", "--keep-going", "--quiet", "-b", "html", "docs", "docs/_build")
+NIGHTLY: tuple[tuple[str, list[str], dict[str, str]], ...] = (
+    ("tests, new random examples", ["-m", "pytest", "-m", "", "--hypothesis-profile=nightly"], {}),
+    ("tests without compiled parts", ["-m", "pytest"], {"KINEMARK_PLAIN": "1"}),
+    ("studies", ["docs/validation/generate.py", "--check"], {}),
+    ("benchmarks", ["benchmarks/compare.py"], {}),
+)
 
 
 def run(*command: str | Path) -> None:
@@ -50,6 +61,8 @@ def wanted(extras: str) -> str:
 def install(extras: str) -> None:
     """Make the environment, and install Kinemark with its extras, unless that was done."""
     stamps = [VENV / f"installed-{known}" for known in ("test", extras)]
+    if extras != "run":
+        del stamps[0]
     if any(s.is_file() and s.read_text() == wanted(s.name.removeprefix("installed-")) for s in stamps):
         return
     if not PYTHON.is_file():
@@ -59,8 +72,34 @@ def install(extras: str) -> None:
     print("installing" + (" the locked versions" if locked else ""), flush=True)
     pip = (PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
     constraints = ("--constraint", "requirements.lock") if locked else ()
-    run(*pip, *constraints, "--editable", ".[test]" if extras == "test" else ".")
+    run(*pip, *constraints, "--editable", "." if extras == "run" else f".[{extras}]")
     stamps[-1].write_text(wanted(extras))
+
+
+def check(rest: list[str]) -> None:
+    """Format, lint, types, layers."""
+    for name, command in CHECKS:
+        print(f"{name}:", flush=True)
+        tool = [BIN / "lint-imports"] if name == "layers" else [PYTHON, "-m", *command]
+        run(*tool, *(() if name == "layers" else rest))
+
+
+def fix() -> None:
+    """Mend what ruff can."""
+    run(PYTHON, "-m", "ruff", "check", "--fix", "--quiet")
+    run(PYTHON, "-m", "ruff", "format")
+
+
+def nightly() -> None:
+    """All that takes too long for every change; every part runs, and the status says whether one failed."""
+    failed = []
+    for name, command, more in NIGHTLY:
+        print(f"{name}:", flush=True)
+        ran = subprocess.run([str(PYTHON), *command], cwd=ROOT, env=os.environ | more, check=False)
+        if ran.returncode:
+            failed.append(name)
+    if failed:
+        sys.exit(f"failed: {', '.join(failed)}")
 
 
 def main() -> None:
@@ -68,24 +107,20 @@ def main() -> None:
     task, rest = (sys.argv[1] if len(sys.argv) > 1 else "help"), sys.argv[2:]
     if sys.version_info < (3, 11):  # noqa: UP036  whoever runs this may have an older one
         sys.exit(f"Kinemark needs Python 3.11 or later; this is {sys.version.split()[0]}.")
-    if task == "demo":
-        install("run")
-        run(PYTHON, "-m", "kinemark", "demo", *rest)
-    elif task == "test":
-        install("test")
-        run(PYTHON, "-m", "pytest", *rest)
-    elif task == "check":
-        install("test")
-        for name, command in CHECKS:
-            print(f"{name}:", flush=True)
-            tool = [BIN / "lint-imports"] if name == "layers" else [PYTHON, "-m", *command]
-            run(*tool, *(() if name == "layers" else rest))
-    elif task == "fix":
-        install("test")
-        run(PYTHON, "-m", "ruff", "check", "--fix", "--quiet")
-        run(PYTHON, "-m", "ruff", "format")
-    else:
+    extras = {"demo": "run", "docs": "docs"}.get(task, "test")
+    commands = {
+        "demo": lambda: run(PYTHON, "-m", "kinemark", "demo", *rest),
+        "test": lambda: run(PYTHON, "-m", "pytest", *rest),
+        "check": lambda: check(rest),
+        "fix": fix,
+        "docs": lambda: run(PYTHON, "-m", *SITE, *rest),
+        "validate": lambda: run(PYTHON, "docs/validation/generate.py", *rest),
+        "nightly": nightly,
+    }
+    if task not in commands:
         sys.exit(__doc__)
+    install(extras)
+    commands[task]()
 
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ from typing import NamedTuple
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import numpy as np
+from metrics import Metric
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix
@@ -34,11 +35,10 @@ from kinemark.calibrate.bundle import Bundle, Freedom, Sticks, bundle, calibrate
 from kinemark.calibrate.resection import moved
 from kinemark.calibrate.wand import calibrate_wand
 from kinemark.data import Camera, KinemarkError, Rig
+from kinemark.data.array_types import Bools, Floats
 from kinemark.geometry import parameter_jacobian, project, refine, rigid_align, triangulate, undistort
 from kinemark.synth import look_at, observe, ring, walking, wand
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 ALONG = (0.0, 500.0)
 MIDDLE = np.array([1200.0, 700.0, 1000.0])
 
@@ -48,7 +48,7 @@ class Waved(NamedTuple):
 
     xyz: Floats
     uv: Floats
-    wrong: Flags
+    wrong: Bools
 
 
 def waved(
@@ -263,12 +263,37 @@ def on_a_walk(rig: Rig, found: Rig) -> float:
     return off_truth(refine(found, start, uv, np.broadcast_to(0.01 * np.eye(2), (*uv.shape, 2))).xyz, xyz)
 
 
-def walk(rounds: int = 5) -> None:
+def walk_errors(rounds: int) -> list[float]:
+    """RMSE on a walk, mm, of each round."""
     rig, off = ring(6, distortion=(-0.1, 0.0, 0.0, 0.0, 0.0)), []
     for seed in range(rounds):
         scene = waved(rig, 400, wrong=0.02, seed=seed)
         fit = calibrate_sticks(rig.names, sizes(rig), scene.uv, along=ALONG)
         off.append(on_a_walk(rig, fit.rig))
+    return off
+
+
+def metrics() -> list[Metric]:
+    """Three rounds of **walk**, and **speed** with 4 cameras and 300 poses."""
+    off = walk_errors(3)
+    rig = ring(4, distortion=(-0.12, 0, 0, 0, 0))
+    scene, method = waved(rig, 300), Bundle(reject=np.inf)
+    begun, sticks = disturbed(rig, scene.xyz, np.random.default_rng(1))
+    flat = scene.uv.reshape(4, -1, 2)
+    ours = least_time(lambda: bundle(begun, (sticks,), flat, method=method), 3)
+    rival = Rival(begun, sticks, flat, method.freedom)
+    theirs = least_time(rival.solved, 1)
+    above = bundle(begun, (sticks,), flat, method=method).chi2 / (2 * rival.solved()[1]) - 1
+    return [
+        Metric("RMSE on a walk, mean of 3", float(np.mean(off)), "mm", "less", relative=0.02),
+        Metric("RMSE on a walk, largest of 3", float(np.max(off)), "mm", "less", relative=0.02),
+        Metric("squared residuals above SciPy's", above, "share", "less", absolute=1e-6),
+        Metric("speed by SciPy's", theirs / ours, "ratio", "more", relative=0.4),
+    ]
+
+
+def walk(rounds: int = 5) -> None:
+    off = walk_errors(rounds)
     print("Walking subject, 6 cameras from image sizes alone, 400 poses, 0.1 px, 2 % wrong points; RMSE, mm")
     print(f"  kinemark, mean and largest of {rounds}   {np.mean(off):.3f}  {np.max(off):.3f}")
     print("  aim                            0.15")

@@ -24,13 +24,14 @@ os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_T
 
 import cv2
 import numpy as np
+from metrics import Metric
 from numpy.typing import NDArray
 
+from kinemark.data.array_types import Floats
 from kinemark.detect import detect_frames
 from kinemark.native import PLAIN, library
 
 Images = NDArray[np.uint8]
-Points = NDArray[np.float64]
 H, W, MARKERS = 1024, 1280, 39
 BACKGROUND, PEAK, NOISE, BLUR, THRESHOLD = 12.0, 190.0, 3.0, 0.5, 60
 CUT = 25
@@ -40,7 +41,7 @@ NEAR = 2.0  # px: what lies no closer to a disc is another thing
 # ---- Images whose truth is known ----
 
 
-def disc(u: float, v: float, diameter: float) -> Points:
+def disc(u: float, v: float, diameter: float) -> Floats:
     """(CUT, CUT) a blurred disc at (u, v) from the middle of the cut-out, grey levels."""
     fine = 16
     at = (np.arange(CUT * fine) + 0.5) / fine - 0.5 - CUT // 2
@@ -49,7 +50,7 @@ def disc(u: float, v: float, diameter: float) -> Points:
     return PEAK * cv2.GaussianBlur(shape, (7, 7), BLUR)
 
 
-def scene(diameter: float, rng: np.random.Generator, n: int = 16) -> tuple[Images, Points]:
+def scene(diameter: float, rng: np.random.Generator, n: int = 16) -> tuple[Images, Floats]:
     """(n, H, W) images, and the true centroids (n, MARKERS, 2) px, no two discs close."""
     images = rng.normal(BACKGROUND, NOISE, (n, H, W)).astype(np.float32)
     cells = np.stack(np.meshgrid(np.arange(40, W - 40, 60), np.arange(40, H - 40, 60)), -1).reshape(-1, 2)
@@ -66,12 +67,12 @@ def scene(diameter: float, rng: np.random.Generator, n: int = 16) -> tuple[Image
 # ---- Detectors: from images (n, H, W) of discs of about this diameter to centroids, an array (D, 2) a frame ----
 
 
-def kinemark(images: Images, _: float) -> list[Points]:
+def kinemark(images: Images, _: float) -> list[Floats]:
     blobs = detect_frames(images)
     return np.split(blobs.uv, np.cumsum(blobs.counts)[:-1])
 
 
-def kinemark_plain(images: Images, diameter: float) -> list[Points]:
+def kinemark_plain(images: Images, diameter: float) -> list[Floats]:
     with plain():
         return kinemark(images, diameter)
 
@@ -87,7 +88,7 @@ def plain() -> Iterator[None]:
         os.environ[PLAIN] = before
 
 
-def opencv_outline(images: Images, _: float) -> list[Points]:
+def opencv_outline(images: Images, _: float) -> list[Floats]:
     """Moments of the outlines' polygons."""
     frames = []
     for image in images:
@@ -96,7 +97,7 @@ def opencv_outline(images: Images, _: float) -> list[Points]:
     return frames
 
 
-def opencv_grey(images: Images, _: float) -> list[Points]:
+def opencv_grey(images: Images, _: float) -> list[Floats]:
     """Moments of the grey levels above the threshold, in the outlines' rectangles."""
     frames = []
     for image in images:
@@ -106,7 +107,7 @@ def opencv_grey(images: Images, _: float) -> list[Points]:
     return frames
 
 
-def opencv_ground(images: Images, _: float) -> list[Points]:
+def opencv_ground(images: Images, _: float) -> list[Floats]:
     """Moments of the grey levels above the ground, in the outlines' rectangles widened by 2 px."""
     frames = []
     for image in images:
@@ -119,7 +120,7 @@ def opencv_ground(images: Images, _: float) -> list[Points]:
     return frames
 
 
-def opencv_components(images: Images, _: float) -> list[Points]:
+def opencv_components(images: Images, _: float) -> list[Floats]:
     frames = []
     for image in images:
         white = cv2.threshold(image, THRESHOLD, 255, cv2.THRESH_BINARY)[1]
@@ -129,7 +130,7 @@ def opencv_components(images: Images, _: float) -> list[Points]:
 
 def opencv_blobs(
     images: Images, diameter: float, levels: tuple[int, int] = (THRESHOLD, THRESHOLD + 10)
-) -> list[Points]:
+) -> list[Floats]:
     """SimpleBlobDetector with one level, which is its fastest."""
     wanted = cv2.SimpleBlobDetector.Params()
     wanted.minThreshold, wanted.maxThreshold, wanted.thresholdStep = *levels, 10
@@ -140,12 +141,12 @@ def opencv_blobs(
     return [points([k.pt for k in detector.detect(image)]) for image in images]
 
 
-def opencv_blobs_levels(images: Images, diameter: float) -> list[Points]:
+def opencv_blobs_levels(images: Images, diameter: float) -> list[Floats]:
     """SimpleBlobDetector with a level each 10 greys, which is its usual way."""
     return opencv_blobs(images, diameter, (THRESHOLD, 200))
 
 
-def regionprops(images: Images, _: float) -> list[Points]:
+def regionprops(images: Images, _: float) -> list[Floats]:
     from skimage import measure
 
     frames = []
@@ -155,7 +156,7 @@ def regionprops(images: Images, _: float) -> list[Points]:
     return frames
 
 
-def trackpy(images: Images, diameter: float) -> list[Points]:
+def trackpy(images: Images, diameter: float) -> list[Floats]:
     import trackpy
 
     trackpy.quiet()
@@ -175,7 +176,7 @@ def moved(m: Any, x: int, y: int) -> tuple[float, float]:
     return x + m["m10"] / m["m00"], y + m["m01"] / m["m00"]
 
 
-def points(pairs: list[Any]) -> Points:
+def points(pairs: list[Any]) -> Floats:
     """(D, 2), also of none."""
     return np.array(pairs, np.float64).reshape(-1, 2)
 
@@ -183,7 +184,7 @@ def points(pairs: list[Any]) -> Points:
 class Rival(NamedTuple):
     """A detector: its package beyond OpenCV, and how many frames it is timed on."""
 
-    run: Callable[[Images, float], list[Points]]
+    run: Callable[[Images, float], list[Floats]]
     needs: str = "cv2"
     frames: int = 16
     ours: bool = False
@@ -222,7 +223,7 @@ class Score(NamedTuple):
     false: int
 
 
-def score(found: list[Points], truth: Points) -> Score:
+def score(found: list[Floats], truth: Floats) -> Score:
     off, missing, false = [np.zeros((0, 2))], 0, 0
     for uv, true in zip(found, truth, strict=True):
         if len(uv) == 0:
@@ -257,6 +258,21 @@ def times(rivals: dict[str, Rival], diameter: float, seconds: float) -> dict[str
                 run()
                 best[name] = min(best[name], (time.perf_counter() - begin) / frames)
     return best
+
+
+def metrics() -> list[Metric]:
+    """Errors of Kinemark, and its speed as a ratio to the fastest rival that comes with the tests."""
+    cv2.setNumThreads(1)
+    rivals = {name: rival for name, rival in installed().items() if rival.needs == "cv2"}
+    ours = {name: rival for name, rival in rivals.items() if rival.ours}
+    found = []
+    for d in (5.0, 8.0, 12.0):
+        for name, of in scores(ours, d, seed=int(d)).items():
+            found.append(Metric(f"error, {d:g} px, {name}", of.error, "px", "less", relative=0.01))
+            found.append(Metric(f"missing or false, {d:g} px, {name}", of.missing + of.false, "markers", "less"))
+    best = times(rivals, 8.0, 10.0)
+    fastest = min(best[name] for name, rival in rivals.items() if not rival.ours)
+    return found + [Metric(f"speed, {name}", fastest / best[name], "ratio", "more", relative=0.35) for name in ours]
 
 
 def main() -> None:

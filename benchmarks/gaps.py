@@ -25,14 +25,15 @@ from typing import NamedTuple
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import numpy as np
+from metrics import Metric
 
+from kinemark.data import MarkerTrajectory as Path3D
 from kinemark.data import Origin, Trajectories
-from kinemark.data import Path as Path3D
-from kinemark.fill import METHODS, Auto, Gap, Motion, fill, find_gaps
-from kinemark.fill.fill import Answer, ask, choose
-from kinemark.fill.hiding import distances
-from kinemark.fill.ranking import ranked
-from kinemark.formats import read
+from kinemark.engine.formats import read
+from kinemark.fill import FILL, Auto, Gap, MarkerArray, fill, find_gaps
+from kinemark.fill.fill import FillAnswer, ask, choose
+from kinemark.fill.judge.hold_out import distances
+from kinemark.fill.reference_ranking import ranked
 from kinemark.synth import dressed, observe, ring, walking
 
 ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data")) / "mocap3d"
@@ -72,7 +73,7 @@ Rows = dict[tuple[str, str, float], list[Result]]
 """Results of `auto` by trial, what is hidden, and length in s."""
 
 
-def trial(name: str) -> Motion:
+def trial(name: str) -> MarkerArray:
     """A complete trial, or a synthetic walk of ten seconds.
 
     Raises:
@@ -81,17 +82,17 @@ def trial(name: str) -> Motion:
     if name == "synthetic walk":
         subject = dressed(walking(duration_s=10, rate=100.0, wobble_mm=1.0, seed=3), 39, seed=3)
         noise = np.random.default_rng(3).normal(0, 0.3, subject.xyz.shape)
-        return Motion(subject.xyz + noise, subject.rate, subject.names)
+        return MarkerArray(subject.xyz + noise, subject.rate, subject.names)
     file, wanted = TRIALS[name]
     if not (ROOT / file).exists():
         raise FileNotFoundError(f"{ROOT / file} is absent")
     trajectories: Trajectories = read(ROOT / file).trajectories
-    motion = Motion.of(trajectories)
+    motion = MarkerArray.of(trajectories)
     rows = [k for k, label in enumerate(motion.names) if wanted(k, label) and motion.seen[k].all()]
-    return Motion(motion.xyz[rows], motion.rate, tuple(motion.names[k] for k in rows))
+    return MarkerArray(motion.xyz[rows], motion.rate, tuple(motion.names[k] for k in rows))
 
 
-def hide(motion: Motion, how: str, seconds: float, n: int, seed: int) -> Iterator[Gaps]:
+def hide(motion: MarkerArray, how: str, seconds: float, n: int, seed: int) -> Iterator[Gaps]:
     """n sets of gaps; all of one set are hidden at once."""
     rng = np.random.default_rng(seed)
     if how == "occlusion":
@@ -105,7 +106,7 @@ def hide(motion: Motion, how: str, seconds: float, n: int, seed: int) -> Iterato
         yield [Gap(k, start, start + length) for k in _company(motion, marker, how)]
 
 
-def _company(motion: Motion, marker: int, how: str) -> list[int]:
+def _company(motion: MarkerArray, marker: int, how: str) -> list[int]:
     """The marker and those that vanish with it."""
     if how == "one":
         return [marker]
@@ -116,7 +117,7 @@ def _company(motion: Motion, marker: int, how: str) -> list[int]:
     return [marker, *(int(k) for k in near[apart.std(1) < 12])]
 
 
-def _occluded(motion: Motion, seed: int) -> Gaps:
+def _occluded(motion: MarkerArray, seed: int) -> Gaps:
     """Gaps of up to 2 s that limbs make in a walker's markers, laid on this trial's by height."""
     M, F = motion.xyz.shape[:2]
     subject = dressed(walking(duration_s=F / motion.rate + 0.1, rate=motion.rate, seed=seed), max(M, 16), seed=seed)
@@ -128,12 +129,12 @@ def _occluded(motion: Motion, seed: int) -> Gaps:
     return [gap for gap in find_gaps(blank) if gap.length <= 2 * motion.rate]
 
 
-def results(motion: Motion, gaps: Gaps, names: list[str]) -> dict[str, list[Result]]:
+def results(motion: MarkerArray, gaps: Gaps, names: list[str]) -> dict[str, list[Result]]:
     """Every method's gaps, and auto's, from one set of hidden tests."""
     hidden, answers, seconds = motion.hidden(gaps), [], []
     for name in names:
         clock = time.process_time()
-        answers += ask(hidden, gaps, [METHODS[name]()])
+        answers += ask(hidden, gaps, [FILL.make(name)])
         seconds.append((time.process_time() - clock) / len(gaps))
     out = {
         name: [_judge(motion, hidden, gaps, k, [answer], spent) for k in range(len(gaps))]
@@ -144,7 +145,9 @@ def results(motion: Motion, gaps: Gaps, names: list[str]) -> dict[str, list[Resu
     return out
 
 
-def _judge(motion: Motion, hidden: Motion, gaps: Gaps, index: int, answers: list[Answer], seconds: float) -> Result:
+def _judge(
+    motion: MarkerArray, hidden: MarkerArray, gaps: Gaps, index: int, answers: list[FillAnswer], seconds: float
+) -> Result:
     gap = gaps[index]
     found, said, cov = choose(hidden, gaps, index, answers)
     error = said.xyz - motion.xyz[gap.marker, gap.start : gap.stop]
@@ -184,17 +187,35 @@ def speed(names: list[str]) -> None:
         Gap(int(rng.integers(40)), start, start + int(10 * 20 ** rng.random()))
         for start in rng.integers(5, 5700, 200).tolist()
     }
-    whole = Motion(xyz, subject.rate, subject.names)
+    whole = MarkerArray(xyz, subject.rate, subject.names)
     paths = [Path3D.measured(n, x) for n, x in zip(whole.names, whole.hidden(gaps).xyz, strict=True)]
     for name in names:
         clock = time.process_time()
-        found = fill(Trajectories(tuple(paths), 100.0), method=METHODS[name](), limit_mm=np.inf)
+        found = fill(Trajectories(tuple(paths), 100.0), method=FILL.make(name), limit_mm=np.inf)
         seconds = time.process_time() - clock
         error = [
             np.linalg.norm(path.xyz - true, axis=1)[path.origin == Origin.FILLED].mean()
             for path, true in zip(found.trajectories, whole.xyz, strict=True)
         ]
         print(f"{name:17s} {seconds:6.2f} s   mean error {np.mean(error):7.2f} mm   {len(found.gaps)} gaps", flush=True)
+
+
+SOME = ["linear", "quintic", "rigid_body", "pca", "low_rank_kalman", "local_regression", "body"]
+
+
+def metrics() -> list[Metric]:
+    """Gaps of half a second in the synthetic walk, by some methods and by `auto` with these."""
+    motion, found = trial("synthetic walk"), dict[str, list[Result]]()
+    for gap in hide(motion, "one", 0.5, 6, 1):
+        for method, more in results(motion, gap, SOME).items():
+            found.setdefault(method, []).extend(more)
+    measured = []
+    for method, of in found.items():
+        error, covered = np.median([r.error for r in of]), 100 * np.mean([r.covered for r in of])
+        measured.append(Metric(f"median error, {method}", float(error), "mm", "less", relative=0.02))
+        measured.append(Metric(f"95 % interval, {method}", float(covered), "%", "near", absolute=2.0))
+    expected = np.median([r.expected for r in found["auto"]])
+    return [*measured, Metric("expected error, auto", float(expected), "mm", "near", relative=0.02)]
 
 
 def main() -> None:
@@ -235,7 +256,7 @@ def summary(every: Rows) -> None:
         print(f"cover of all: {100 * np.mean(covered):.1f} %")
 
 
-def rows(name: str, motion: Motion, asked: argparse.Namespace) -> Rows:
+def rows(name: str, motion: MarkerArray, asked: argparse.Namespace) -> Rows:
     """All rows of one trial; of `auto` its results."""
     every: Rows = {}
     for how in asked.hide:

@@ -21,16 +21,18 @@ from typing import NamedTuple
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import numpy as np
+from metrics import Metric
 from numpy.typing import NDArray
 from tracking_rivals import RIVALS
 
 from kinemark.data import Detections, Rig, Tracks
-from kinemark.follow import Simultaneous, follow
-from kinemark.match import EpipolarTriplets, KissTriplets, MatchMethod, match
+from kinemark.data.method import Method
+from kinemark.match import EpipolarTriplets, KissTriplets, match
 from kinemark.reconstruct import reconstruct
-from kinemark.score import Score, score
-from kinemark.synth import Observed, Subject, dressed, observe, ring, together, walking
-from kinemark.track import ExtrapolationLadder, KissTracking, TrackMethod, track
+from kinemark.synth import ObservedImages, Subject, dressed, observe, ring, together, walking
+from kinemark.synth.score import Score, score
+from kinemark.track import ExtrapolationLadder, KissTracking, track
+from kinemark.track.simultaneous import Simultaneous, track_detections
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ class Made(NamedTuple):
 
     subject: Subject
     rig: Rig
-    observed: Observed
+    observed: ObservedImages
     seen: NDArray[np.bool_]
 
 
@@ -117,7 +119,7 @@ def person(
 # ---- Methods: from detections to tracks ----
 
 
-def staged(matching: MatchMethod, tracking: TrackMethod) -> Callable[[Detections, Rig], Tracks]:
+def staged(matching: Method, tracking: Method) -> Callable[[Detections, Rig], Tracks]:
     """Matching, reconstruction and tracking one after another."""
 
     def run(detections: Detections, rig: Rig) -> Tracks:
@@ -128,7 +130,7 @@ def staged(matching: MatchMethod, tracking: TrackMethod) -> Callable[[Detections
 
 
 METHODS: dict[str, Callable[[Detections, Rig], Tracks]] = {
-    "simultaneous": lambda detections, rig: follow(detections, rig, method=Simultaneous()),
+    "simultaneous": lambda detections, rig: track_detections(detections, rig, method=Simultaneous()),
     "epipolar_triplets, extrapolation_ladder": staged(EpipolarTriplets(), ExtrapolationLadder()),
     "kiss_triplets, kiss_tracking": staged(KissTriplets(), KissTracking()),
 }
@@ -173,7 +175,9 @@ def warm_up() -> None:
         run(observed.detections, rig)
 
 
-def timed(run: Callable[[Detections, Rig], Tracks], observed: Observed, rig: Rig, runs: int) -> tuple[Tracks, float]:
+def timed(
+    run: Callable[[Detections, Rig], Tracks], observed: ObservedImages, rig: Rig, runs: int
+) -> tuple[Tracks, float]:
     """The tracks, and the median of the seconds of processor that they take."""
     seconds = []
     for _ in range(runs):
@@ -188,9 +192,33 @@ def growth(runs: int) -> None:
     print("markers cameras       s   µs a sample   µs an image")
     for scene in (*(Scene(n, 8) for n in (20, 40, 80, 160)), *(Scene(39, n) for n in (4, 8, 16))):
         _, rig, observed, seen = made(scene)
-        _, s = timed(follow, observed, rig, runs)
+        _, s = timed(track_detections, observed, rig, runs)
         per = 1e6 * s / seen.sum(), 1e6 * s / len(observed.detections)
         print(f"{scene.markers:7d}{scene.cameras:8d}{s:8.3f}{per[0]:14.1f}{per[1]:14.2f}", flush=True)
+
+
+SHORT = ("15, 6 cameras, 50 Hz", "39, 4 cameras, 50 Hz", "39, 6 cameras, 100 Hz, arc, 10 false")
+
+
+def metrics() -> list[Metric]:
+    """The default tracker on three scenes, two seeds each, and its time as a ratio to the ladder's on one."""
+    warm_up()
+    found = []
+    for name in SHORT:
+        for seed in (0, 1):
+            subject, rig, observed, seen = made(SCENES[name], seed)
+            of = score(track_detections(observed.detections, rig), subject.xyz, seen=seen)
+            said = f"{name}, seed {seed}"
+            found += [
+                Metric(f"recall: {said}", 100 * of.recall, "%", "more", absolute=0.05),
+                Metric(f"ghosts: {said}", of.extra_per_frame, "a frame", "less", absolute=0.005),
+                Metric(f"RMSE: {said}", of.rmse, "mm", "less", relative=0.02),
+                Metric(f"95 % ellipsoid: {said}", 100 * of.coverage, "%", "near", absolute=1.0),
+                Metric(f"swaps: {said}", of.swaps, "", "less"),
+            ]
+    _, rig, observed, _ = made(SCENES["39, 6 cameras, 100 Hz"])
+    ours, ladder = (timed(run, observed, rig, 3)[1] for run in list(METHODS.values())[:2])
+    return [*found, Metric("time by extrapolation_ladder's", ours / ladder, "ratio", "less", relative=0.35)]
 
 
 def main() -> None:

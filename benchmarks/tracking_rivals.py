@@ -28,15 +28,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinemark.data import Cloud, Detections, Rig, Tracks
+from kinemark.data.array_types import Floats, Ints
 from kinemark.geometry import undistort
 from kinemark.match import EpipolarTriplets, match
 from kinemark.reconstruct import reconstruct
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SPEED = 5000.0  # mm/s; of the fastest marker, as a track begins without a prediction; 4000 loses feet
 SHORTEST = 10  # points of a track

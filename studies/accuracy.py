@@ -31,23 +31,21 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from recordings import recording
 from scipy.spatial.transform import Rotation
 from scipy.stats import t as student
 
 from kinemark.calibrate import ControlPoints, calibrate_control_points
-from kinemark.calibrate.bundle import Bundle, BundleFit, Points, bundle, calibrate_points, sticks_through
-from kinemark.calibrate.control_points.camera import Dlt
-from kinemark.calibrate.linearisation import GridView, Linearisation, linearise
+from kinemark.calibrate.bundle import Bundle, BundleFit, FreePoints, bundle, calibrate_points, sticks_through
+from kinemark.calibrate.control_points.fit_camera import Dlt
+from kinemark.calibrate.lens.linearisation import GridView, Linearisation, linearise
 from kinemark.calibrate.wand import KNOWN_LENS, calibrate_wand, wand_lengths
-from kinemark.calibrate.world import fit_moved_to, fit_scaled
+from kinemark.calibrate.world_frame import fit_moved_to, fit_scaled
 from kinemark.data import Camera, KinemarkError, Rig
+from kinemark.data.array_types import Floats
 from kinemark.geometry import from_dlt, project_all, refine, rigid_align, triangulate, undistort
 from kinemark.io.easywand import EasyWand, read_easywand
 from kinemark.synth import calibration_box, control_frame, observe, ring, thrown_ball, walking, wand
-
-Floats = NDArray[np.float64]
 
 LENS = (-0.12, 0.0, 0.0, 0.0, 0.0)
 NOISE = 0.1
@@ -319,7 +317,7 @@ def from_wand_and_points(easy: EasyWand, names: Sequence[str], lenses: Sequence[
     scale = easy.length / float(np.nanmedian(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
     loose = fit_scaled(loose, scale)
     sticks = sticks_through(loose.xyz[: 2 * f].reshape(f, 2, 3), np.array([0.0, easy.length]))
-    parts = (sticks, Points(loose.xyz[2 * f :]))
+    parts = (sticks, FreePoints(loose.xyz[2 * f :]))
     known = None if lenses is None else [KNOWN_LENS] * n
     return bundle(loose.rig, parts, uv, freedoms=known, method=method)
 

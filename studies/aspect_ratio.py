@@ -20,15 +20,13 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinemark.calibrate import AspectRatio, aspect_ratio
 from kinemark.data import Camera
+from kinemark.data.array_types import Floats
 from kinemark.detect import Centroids, detect_frames
 from kinemark.geometry import project
 from kinemark.synth import look_at, render
-
-Floats = NDArray[np.float64]
 
 FACTOR = 0.8407
 SIZE = (640, 512)

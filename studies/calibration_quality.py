@@ -13,17 +13,15 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinemark.calibrate import calibrate_control_points
 from kinemark.calibrate.bundle import calibrate_sticks
 from kinemark.calibrate.quality import predicted_covariance, visible
-from kinemark.calibrate.world import fit_moved_to
+from kinemark.calibrate.world_frame import fit_moved_to
 from kinemark.data import Rig
+from kinemark.data.array_types import Floats
 from kinemark.geometry import project_all, refine, triangulate, undistort
 from kinemark.synth import control_frame, ring, wand
-
-Floats = NDArray[np.float64]
 
 NOISE, WAND_NOISE = 0.3, 0.1  # px
 RIG = ring(4, distortion=(-0.1, 0.0, 0.0, 0.0, 0.0))

@@ -17,7 +17,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from recordings import recording
 from scipy.interpolate import CubicSpline
 from scipy.io import loadmat
@@ -25,10 +24,10 @@ from scipy.optimize import minimize
 
 from kinemark.calibrate import control_point_quality, judge_control_points, reference_shift
 from kinemark.data import Camera
+from kinemark.data.array_types import Floats
 from kinemark.geometry import fit_dlt, from_dlt, triangulate, undistort
 from kinemark.io.dlt_csv import read_dlt_csv, read_dltdv_xy, read_dltdv_xyz
 
-Floats = NDArray[np.float64]
 Case = tuple[str, Floats, Floats, tuple[int, int]]
 
 MARKERS = 24  # of the runner; the three fixed marks come behind them

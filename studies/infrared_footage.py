@@ -22,13 +22,11 @@ from numpy.typing import NDArray
 from recordings import recording
 
 from kinemark.data import Camera, Rig
+from kinemark.data.array_types import Floats, Ints
+from kinemark.engine.session import Session
 from kinemark.geometry import rigid_align
 from kinemark.io.rig_toml import write_rig_toml
-from kinemark.session import Session
 from kinemark.signal import assign
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FEWEST = 12  # LEDs in place for a frame to count as reconstructed; the plate's corners may be hidden
 CORNERS = [np.array(three) for three in ((4, 12, 7), (4, 2, 13), (6, 13, 10))]  # LEDs far apart

@@ -32,9 +32,10 @@ from detection_pictures import panels, write_picture
 from numpy.typing import NDArray
 
 from kinemark.data import Camera, Rig, Validity
+from kinemark.data.array_types import Floats
 from kinemark.detect import Blobs, Centroids, KissNearest, KissScanning, detect_frames
 from kinemark.detect.kiss.white import runs_of
-from kinemark.detect.proposal import Proposal, propose
+from kinemark.detect.proposal import DetectionProposal, propose
 from kinemark.geometry import project
 from kinemark.signal import assign
 from kinemark.synth import (
@@ -52,7 +53,6 @@ from kinemark.synth import (
 )
 
 Images = NDArray[np.uint8]
-Floats = NDArray[np.float64]
 Method = KissScanning | KissNearest | Centroids
 
 FIELD = np.array([1.0, 2.0])  # px of a frame that a px of a field counts
@@ -266,7 +266,7 @@ def gait_trial(every: int, folder: Path | None) -> Iterator[Row]:
 # --- helpers --------------------------------------------------------------------------------------
 
 
-def methods_of(proposal: Proposal, *, aspect: float) -> tuple[Method, ...]:
+def methods_of(proposal: DetectionProposal, *, aspect: float) -> tuple[Method, ...]:
     """The three methods with the proposed parameters; round markers have this ratio of height to width."""
     return proposal.scanning, proposal.nearest, replace(proposal.centroids, aspect=aspect)
 

@@ -24,14 +24,14 @@ from typing import NamedTuple
 import numpy as np
 
 from kinemark.data import Cloud, Detections, KinemarkError, Rig, Tracks
-from kinemark.follow import FormerTwoCameras, Simultaneous, follow
 from kinemark.match import EpipolarTriplets, KissTriplets, match
 from kinemark.reconstruct import LeastSquares, reconstruct
-from kinemark.score import score
 from kinemark.synth import Subject, observe, ring, walking
+from kinemark.synth.score import score
 from kinemark.track import ExtrapolationLadder, KissTracking, blend, track, without_short
 from kinemark.track.editing import inside_volume
-from kinemark.track.kiss import link
+from kinemark.track.kiss_tracking import link
+from kinemark.track.simultaneous import FormerTwoCameras, Simultaneous, track_detections
 
 WITHIN = 20.0
 """mm; the farthest that a point may be from a marker to count as it. The closest markers are 60 mm apart."""
@@ -118,7 +118,9 @@ def former(scene: Scene) -> tuple[list[str], Tracks]:
     best: tuple[float, Tracks] | None = None
     for names in combinations(scene.rig.names, 2):
         try:
-            tracks = follow(scene.detections.select(names), scene.rig.select(names), method=FormerTwoCameras())
+            tracks = track_detections(
+                scene.detections.select(names), scene.rig.select(names), method=FormerTwoCameras()
+            )
         except KinemarkError:
             continue
         recall = score(tracks, scene.subject.xyz, within=WITHIN).recall
@@ -130,7 +132,7 @@ def former(scene: Scene) -> tuple[list[str], Tracks]:
 
 def simultaneous(scene: Scene) -> tuple[list[str], Tracks]:
     """Matching and tracking at once."""
-    tracks = follow(scene.detections, scene.rig, method=Simultaneous())
+    tracks = track_detections(scene.detections, scene.rig, method=Simultaneous())
     return direct(tracks, scene), tracks
 
 

@@ -12,10 +12,11 @@ import sys
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from kiss_detection import Floats, Images, Method, Row, methods_of, show
+from kiss_detection import Images, Method, Row, methods_of, show
 from numpy.typing import NDArray
 from recordings import recording
 
+from kinemark.data.array_types import Floats
 from kinemark.detect import Blobs, Centroids, KissNearest, KissScanning, detect_frames
 from kinemark.detect.proposal import propose
 from kinemark.io.images import open_images

@@ -41,14 +41,13 @@ from kinemark.calibrate import (
     straightness,
 )
 from kinemark.data import Camera, KinemarkError
+from kinemark.data.array_types import Floats
 from kinemark.detect import Centroids, detect_frames
 from kinemark.geometry import distort, fit_dlt, from_dlt, project, rays, rigid_align, undistort
-from kinemark.geometry.sphere import sphere_offset
+from kinemark.geometry.sphere_offset import sphere_offset
 from kinemark.io.images import read_image, write_png
 from kinemark.synth import dot_grid, look_at, render, ring
 from kinemark.synth.targets import control_frame
-
-Floats = NDArray[np.float64]
 
 COLUMNS, ROWS, PITCH = 20, 15, 50.0
 SIZE = (1280, 1024)

@@ -44,13 +44,12 @@ from numpy.typing import NDArray
 from swamidas_runs import STARTS, Run, cloud_of, gap_frames, recorded, visible
 
 from kinemark.data import AngleModel
-from kinemark.fill import Gap, Motion, Prediction, find_gaps
-from kinemark.fill.angles import KalmanAngles, LimbAngles, fill_kalman_angles, fill_limb_angles, fit_model
-from kinemark.fill.angles.feedback import Feedback
-from kinemark.fill.kalman import Kalman, fill_kalman
+from kinemark.data.array_types import Floats
+from kinemark.fill import Gap, MarkerArray, Prediction, find_gaps
+from kinemark.fill.methods.angles import KalmanAngles, LimbAngles, fill_kalman_angles, fill_limb_angles, fit_model
+from kinemark.fill.methods.angles.feedback import Feedback
+from kinemark.fill.methods.kalman_predictor import Kalman, fill_kalman
 from kinemark.track.swamidas import follow_points
-
-Floats = NDArray[np.float64]
 
 INCH = 25.4  # mm
 
@@ -86,14 +85,14 @@ STRETCH = 0.05
 PHASE = {2: 7 / 16, 3: 9 / 16}
 """Phases of runs 2 and 3 from which the tracker fails as in figures 4.17 and 4.18."""
 
-Filler = Callable[[Motion, list[Gap]], list[Prediction]]
+Filler = Callable[[MarkerArray, list[Gap]], list[Prediction]]
 
 
 class Case(NamedTuple):
     """One test from one phase: the whole recording's markers (3, F, 3) mm, and the motion with its gaps."""
 
     truth: Floats
-    motion: Motion
+    motion: MarkerArray
     gaps: list[Gap]
 
 
@@ -101,7 +100,7 @@ def case(number: int, test: int, phase: float) -> Case:
     """A test of a run."""
     run, seen = recorded(number, phase), visible(gap_frames(test), 1 if test <= 6 else 2)
     truth = run.xyz[:, : seen.shape[1]]
-    motion = Motion(np.where(seen[..., None], truth, np.nan), run.subject.rate, run.subject.names)
+    motion = MarkerArray(np.where(seen[..., None], truth, np.nan), run.subject.rate, run.subject.names)
     return Case(truth, motion, find_gaps(motion))
 
 
@@ -114,7 +113,7 @@ def links_of(run: Run) -> tuple[tuple[str, str], ...]:
 def model_of(number: int, phase: float) -> AngleModel:
     """Of another recording of the same motion."""
     other = recorded(number, (phase + 0.37) % 1.0)
-    motion = Motion(other.xyz, other.subject.rate, other.subject.names)
+    motion = MarkerArray(other.xyz, other.subject.rate, other.subject.names)
     return fit_model(motion, method=LimbAngles(links=links_of(other))).model
 
 

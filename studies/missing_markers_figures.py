@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from kinemark.data.array_types import Floats
 
 WIDTH, HEIGHT, LEFT, TOP, DEEP = 460, 240, 52, 24, 190
 

@@ -22,9 +22,9 @@ from detection_pictures import png
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from kinemark.data.array_types import Floats
 from kinemark.detect import Blobs, Centroids, detect_frames
 
-Floats = NDArray[np.float64]
 Images = NDArray[np.uint8]
 
 SIDE, FINE, MIDDLE = 45, 8, 22

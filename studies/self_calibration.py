@@ -18,16 +18,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from recordings import recording
 
 from kinemark.calibrate.bundle import Bundle, BundleFit, calibrate_points
-from kinemark.calibrate.world import similarity
+from kinemark.calibrate.world_frame import similarity
 from kinemark.data import Camera, Rig
+from kinemark.data.array_types import Floats
 from kinemark.geometry import decompose, distort, project, refine, triangulate, undistort
 from kinemark.io.selfcal import SelfCal, read_selfcal
-
-Floats = NDArray[np.float64]
 
 RUNS = {"20090709": "DATA20090709_111010", "20100906": "DATA20100906_134124", "20130726": "mcsc_output_20130726"}
 

@@ -27,9 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 from swamidas_runs import STARTS, Run, cloud_of, gap_frames, recorded, visible
 
-from kinemark.track.swamidas import Constraint, Followed, Swamidas, follow_points, track_distance
-
-Floats = NDArray[np.float64]
+from kinemark.data.array_types import Floats
+from kinemark.track.swamidas import Constraint, Swamidas, SwamidasResult, follow_points, track_distance
 
 TESTS = tuple(range(1, 13))
 LETTERS = {1: "PPPPPPPPPPPP", 2: "PPPPFFPPPPFF", 3: "PPPPPFPFFFFF"}
@@ -96,13 +95,13 @@ def _anywhere(run: Run, seed: int) -> Floats:
     return np.random.default_rng(seed).uniform(low, high, (1, 3))
 
 
-def _squared(followed: Followed, xyz: Floats, seen: NDArray[np.bool_]) -> Floats:
+def _squared(followed: SwamidasResult, xyz: Floats, seen: NDArray[np.bool_]) -> Floats:
     """Mean squared error (3, 3) of each marker's track where it was not seen."""
     off = np.stack([followed.path(i) for i in range(3)]) - xyz[:, : seen.shape[1]]
     return np.stack([(off[i, ~seen[i]] ** 2).mean(0) for i in range(3)])
 
 
-def _returns(followed: Followed, seen: NDArray[np.bool_], marker: NDArray[np.int64]) -> list[Constraint]:
+def _returns(followed: SwamidasResult, seen: NDArray[np.bool_], marker: NDArray[np.int64]) -> list[Constraint]:
     """What decided about the first point of each marker after each of its gaps."""
     back = np.zeros_like(seen)
     back[:, 1:] = seen[:, 1:] & ~seen[:, :-1]

@@ -22,11 +22,10 @@ from numpy.typing import NDArray
 from swamidas_runs import Run, recorded
 
 from kinemark.data import Detections, Rig
+from kinemark.data.array_types import Floats
 from kinemark.geometry import epipolar_lines, fundamental, line_distance, project_all, triangulate
-from kinemark.match.nearest import match_nearest
+from kinemark.match.nearest_epipolar import match_nearest
 from kinemark.synth import look_at, observe
-
-Floats = NDArray[np.float64]
 
 RMS = {0: (0.0, 0.0), 5: (0.004, 0.003), 10: (0.008, 0.007), 20: (0.027, 0.0221)}
 """Table 4.1: by the noise in %, along u and v."""

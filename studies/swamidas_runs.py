@@ -14,11 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinemark.data import Cloud
+from kinemark.data.array_types import Bools, Floats
 from kinemark.synth import Subject, circle_over_cylinder, elbow_flexion, tilted_rectangle
 from kinemark.synth.motions import PERIODS_S
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 PERIOD = dict(enumerate(PERIODS_S, 1))
 """Of the three runs, s."""

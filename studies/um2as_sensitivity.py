@@ -15,20 +15,20 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinemark.data import Detections, KinemarkError, Rig, Trajectories
+from kinemark.data.array_types import Floats
+from kinemark.findings.sensitivity_figures import sensitivity_figures, sensitivity_summary
 from kinemark.geometry import project
 from kinemark.io.model_toml import load_model
 from kinemark.io.tdf import read_tdf
-from kinemark.report.sensitivity import sensitivity_figures, sensitivity_summary
 from kinemark.report.theme import FAINT, HUES, INK
 from kinemark.sensitivity import (
     Kinematics,
-    Linear,
+    LinearisedErrors,
     Moved,
+    SampledFrames,
     Sampling,
-    Seen,
     angle_jacobian,
     angle_spread,
     calibration_experiment,
@@ -42,13 +42,19 @@ from kinemark.sensitivity import (
     rank,
     sample,
 )
-from kinemark.sensitivity.dlt import fit_parameters
-from kinemark.sensitivity.dlt import project as project_dlt
+from kinemark.sensitivity.dlt_samples import fit_parameters
+from kinemark.sensitivity.dlt_samples import project as project_dlt
 from kinemark.sensitivity.joints import kinematics_of
-from kinemark.sensitivity.um2as import CALIBRATION_PX, MARKER_PX, PERTURBED_4_2, TABLE_4_2, marker_error, pairs_mean
+from kinemark.sensitivity.um2as_experiment import (
+    CALIBRATION_PX,
+    MARKER_PX,
+    PERTURBED_4_2,
+    TABLE_4_2,
+    marker_error,
+    pairs_mean,
+)
 from kinemark.synth import arm
 
-Floats = NDArray[np.float64]
 DATA = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
 
@@ -59,7 +65,7 @@ def thesis(samples: int, picture: Path | None) -> None:
     print(f"\ncontrol balls moved by R: percent error of the eleven parameters (4.11), {samples} samples")
     print("  R px  camera    median   95 %  worst sampled  worst there is")
     worst = [parameters(lab, c, radius, method) for radius in (0.5, 1.0, 1.5, 2.0) for c in range(3)][:3]
-    parameters(Linear.of_parameters(TABLE_4_2), 0, CALIBRATION_PX, method, name="table 4.2")
+    parameters(LinearisedErrors.of_parameters(TABLE_4_2), 0, CALIBRATION_PX, method, name="table 4.2")
     half = Sampling(samples=samples, turn=np.pi)
     for c in range(3):
         parameters(lab, c, CALIBRATION_PX, half, name=f"{c + 1}, 0–180°")
@@ -80,7 +86,7 @@ def thesis(samples: int, picture: Path | None) -> None:
         picture.write_text(drawing(changed, right.mm, anew.mm), encoding="utf-8")
 
 
-def parameters(lab: Linear, c: int, radius: float, method: Sampling, *, name: str = "") -> Floats:
+def parameters(lab: LinearisedErrors, c: int, radius: float, method: Sampling, *, name: str = "") -> Floats:
     """Prints a row; the parameters (11) of the worst there is."""
     found = calibration_experiment(lab, c, radius=radius, method=method)
     print(
@@ -91,7 +97,7 @@ def parameters(lab: Linear, c: int, radius: float, method: Sampling, *, name: st
 
 
 def moved(
-    lab: Linear,
+    lab: LinearisedErrors,
     place: Floats,
     name: str,
     radius: float,
@@ -110,7 +116,7 @@ def moved(
     return found
 
 
-def workers(lab: Linear, place: Floats, method: Sampling) -> None:
+def workers(lab: LinearisedErrors, place: Floats, method: Sampling) -> None:
     """One and two workers give the same samples."""
     error = marker_error(lab, place, MARKER_PX)
     few = {n: Sampling(samples=min(method.samples, 200_000), workers=n) for n in (1, 2)}
@@ -192,7 +198,7 @@ def arm_angles(simulations: int = 400, centroid_sd: float = 0.3, calibration_sd:
 
 
 def simulated_arm(
-    lab: Linear, xyz: Floats, angles: Kinematics, n: int, centroid_sd: float, calibration_sd: float
+    lab: LinearisedErrors, xyz: Floats, angles: Kinematics, n: int, centroid_sd: float, calibration_sd: float
 ) -> Floats:
     """(n, F, A) deg: angles measured with n calibrations, each of all frames."""
     rng, flat = np.random.default_rng(0), xyz.reshape(-1, 3)
@@ -218,7 +224,7 @@ def recorded_gait(path: Path) -> None:
 
 def stored(
     rig: Rig, detections: Detections, trajectories: Trajectories, *, frames: int = 400, reach: float = 2.0
-) -> Seen:
+) -> SampledFrames:
     """Stored tracks with the detections nearest to where each camera must see them."""
     xyz_all = trajectories.xyz
     at = np.unique(np.linspace(0, xyz_all.shape[1] - 1, frames).round().astype(np.int64))
@@ -233,7 +239,7 @@ def stored(
             near = np.nan_to_num(away, nan=np.inf)
             own = near.min(1) < reach
             uv[own, i, c] = seen[near.argmin(1)[own]]
-    return Seen(trajectories.names, xyz, uv, at / trajectories.rate)
+    return SampledFrames(trajectories.names, xyz, uv, at / trajectories.rate)
 
 
 def main() -> None:

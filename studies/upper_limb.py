@@ -16,12 +16,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from recordings import recording
 from scipy.spatial.transform import Rotation
 
 from kinemark.data import Angles, Trajectories
-from kinemark.data import Path as MarkerPath
+from kinemark.data import MarkerTrajectory as MarkerPath
+from kinemark.data.array_types import Floats
 from kinemark.io.c3d import markers, read_c3d
 from kinemark.io.mat5 import read_mat5
 from kinemark.io.model_toml import load_model
@@ -41,8 +41,6 @@ from kinemark.kinematics import (
     with_marker_sd,
 )
 from kinemark.kinematics.chain import chosen, picked, points_of
-
-Floats = NDArray[np.float64]
 
 ULEMA = "mocap3d/ulema_hand_to_head"
 BONE = "mocap3d/bone_truth/dataSample_S2M_eating.mat"

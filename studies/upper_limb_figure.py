@@ -10,17 +10,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from recordings import recording
 from upper_limb import BONE, bones, cluster_misfit, eating, first_frames, thinned
 
-from kinemark.data import Path as MarkerPath
+from kinemark.data import MarkerTrajectory as MarkerPath
 from kinemark.data import Trajectories
+from kinemark.data.array_types import Floats
 from kinemark.io.model_toml import load_model
 from kinemark.kinematics import InverseCosines, joint_angles, static_template
 from kinemark.synth import arm
 
-Floats = NDArray[np.float64]
 BLUE, RED, GREY = "#0072B2", "#D55E00", "#66727F"
 WIDE, HIGH, LEFT, TOP = 340.0, 200.0, 60.0, 40.0
 

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinemark.calibrate.bundle import BundleFit
 from kinemark.calibrate.quality import predicted_covariance
@@ -23,8 +22,6 @@ from kinemark.calibrate.wand import calibrate_wand
 from kinemark.data import Detections, Rig
 from kinemark.geometry import project_all, refine, rigid_align, triangulate, undistort
 from kinemark.synth import observe, ring, walking, wand
-
-Floats = NDArray[np.float64]
 
 POSES = (25, 50, 100, 200, 400, 800)
 BAR, BEST_OPEN = 0.15, 0.11

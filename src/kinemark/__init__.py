@@ -4,11 +4,11 @@ The stages, each `stage(data, …, method=Method(…)) -> data`:
 
     rig = read_rig_toml("rig.toml")
     seen = detect([open_images(f"walk/{c}.mkv") for c in rig.names], cameras=rig.names, rate=50.0)
-    trajectories = to_trajectories(follow(seen, rig), rig)
+    trajectories = to_trajectories(track_detections(seen, rig), rig)
     filled, gaps = fill(trajectories)
     write_c3d("walk.c3d", Trial("walk", filled))
 
-A whole session with its report: `from kinemark.session import Session`.
+A whole session with its report: `from kinemark.engine.session import Session`.
 """
 
 from .calibrate import (
@@ -35,9 +35,9 @@ from .data import (
     ForcePlate,
     KinemarkError,
     MarkerSet,
+    MarkerTrajectory,
     Matches,
     Origin,
-    Path,
     Rig,
     Rods,
     Tracks,
@@ -47,7 +47,6 @@ from .data import (
 )
 from .detect import Centroids, KissNearest, KissScanning, Masks, detect, learn_masks, propose
 from .fill import Auto, Filled, FilledGap, fill, place_absent, trim_edges
-from .follow import FormerTwoCameras, Simultaneous, doubts, follow, followed, noticed, noticed_of
 from .geometry import project, refine, triangulate, undistort
 from .io.c3d import read_c3d, write_c3d
 from .io.detections_csv import read_detections_csv, write_detections_csv
@@ -62,8 +61,17 @@ from .io.trc import read_trc, write_trc
 from .kinematics import InverseCosines, SignedAngles, joint_angles
 from .match import EpipolarTriplets, KissTriplets, NearestEpipolar, match
 from .reconstruct import CameraPairs, LeastSquares, reconstruct
-from .score import score
+from .synth.score import score
 from .track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, to_trajectories, track
+from .track.simultaneous import (
+    FormerTwoCameras,
+    Simultaneous,
+    ambiguous_decisions,
+    diagnose,
+    diagnose_tracks,
+    track_detections,
+    track_simultaneously,
+)
 from .version import __version__
 
 __all__ = [
@@ -95,11 +103,11 @@ __all__ = [
     "LeastSquares",
     "Linearisation",
     "MarkerSet",
+    "MarkerTrajectory",
     "Masks",
     "Matches",
     "NearestEpipolar",
     "Origin",
-    "Path",
     "Rig",
     "Rods",
     "SignedAngles",
@@ -111,24 +119,22 @@ __all__ = [
     "Validity",
     "Wand",
     "__version__",
+    "ambiguous_decisions",
     "calibrate_control_frame",
     "calibrate_control_points",
     "calibrate_points",
     "calibrate_sticks",
     "calibrate_wand",
     "detect",
-    "doubts",
+    "diagnose",
+    "diagnose_tracks",
     "fill",
-    "follow",
-    "followed",
     "joint_angles",
     "learn_masks",
     "linearise",
     "load",
     "load_model",
     "match",
-    "noticed",
-    "noticed_of",
     "open_images",
     "place_absent",
     "predicted_covariance",
@@ -147,6 +153,8 @@ __all__ = [
     "score",
     "to_trajectories",
     "track",
+    "track_detections",
+    "track_simultaneously",
     "triangulate",
     "trim_edges",
     "undistort",

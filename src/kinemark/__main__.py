@@ -1,5 +1,5 @@
 """`python -m kinemark`."""
 
-from .cli import main
+from .apps.cli import main
 
 main()

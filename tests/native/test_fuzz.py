@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.native_calls import CALLS, WRONGS, outcome, wrong
 
 from kinemark import native
+from support.native_calls import CALLS, WRONGS, outcome, wrong
 
 seeds = st.integers(0, 2**32 - 1)
 wrongs = st.lists(st.sampled_from(WRONGS), max_size=2)

@@ -14,7 +14,6 @@ assign            which dot is which point of a known body, from a few that were
 from .aspect import AspectRatio, aspect_ratio
 from .assign import assign_points
 from .bundle import Bundle, BundleFit, calibrate_points, calibrate_sticks
-from .chessboard import find_corners
 from .control_frame import calibrate_control_frame, identify_markers, recognise_control_frame
 from .control_points import (
     ControlFit,
@@ -25,13 +24,16 @@ from .control_points import (
     control_point_quality,
     judge_control_points,
 )
-from .grid import order_grid, part_of_grid
-from .linearisation import GridView, LensFit, Linearisation, linearise, straightness
+from .lens.chessboard import find_corners
+from .lens.dot_grid import order_grid, part_of_grid
+from .lens.linearisation import GridView, LensFit, Linearisation, linearise, straightness
 from .quality import map_volume, predicted_covariance
 from .reference_marker import MarkShift, corrected, find_marks, mark_shift, reference_shift
+from .stage import CALIBRATE
 from .wand import Wand, WandLengths, by_place, calibrate_wand, wand_lengths, wand_points
 
 __all__ = [
+    "CALIBRATE",
     "AspectRatio",
     "Bundle",
     "BundleFit",

@@ -36,11 +36,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
-
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
 
 STEPS = 20
 TURNED = 1e-3

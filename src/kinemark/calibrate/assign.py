@@ -30,9 +30,8 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from ..data import KinemarkError
+from ..data.array_types import Floats, Ints
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Map = Callable[[Floats], Floats]
 
 FLAT = 1e-3

@@ -39,7 +39,7 @@ STEPS = 100
 FOCAL_POWERS = np.array([1.0, 1, 0, 0, 2, 4, 1, 1, 6, 0, 0, 0, 0, 0, 0])  # of m in each of `data.PARAMETERS`, (4)
 
 
-class Fit(NamedTuple):
+class ResectionFit(NamedTuple):
     """A fitted camera, its residuals r (N, 2) px, and d (N), their lengths in units of their standard deviation."""
 
     camera: Camera
@@ -56,7 +56,7 @@ def resect(
     free: NDArray[np.bool_],
     tied: bool = False,
     steps: int = STEPS,
-) -> Fit:
+) -> ResectionFit:
     """The camera near `start` that sees points (N, 3) mm at pixels (N, 2) of covariance (N, 2, 2).
 
     `free` (15) tells which of `data.PARAMETERS` may change; where `tied`, the focal lengths do by (4), and `start.cov`
@@ -81,13 +81,13 @@ def resect(
             damping *= 10
     residual = uv - project(camera, xyz)
     if not np.isfinite(chi2):
-        return Fit(camera, residual, np.full(len(xyz), np.nan))
+        return ResectionFit(camera, residual, np.full(len(xyz), np.nan))
     camera = replace(
         camera,
         cov=_covariance(camera, start, xyz, whiten, chi2, free, tied),
         residual=float(np.sqrt((residual**2).sum(1).mean())),
     )
-    return Fit(camera, residual, np.linalg.norm(np.einsum("nij,nj->ni", whiten, residual), axis=1))
+    return ResectionFit(camera, residual, np.linalg.norm(np.einsum("nij,nj->ni", whiten, residual), axis=1))
 
 
 def directions(camera: Camera, free: NDArray[np.bool_], tied: bool) -> NDArray[np.float64]:

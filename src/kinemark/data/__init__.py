@@ -12,11 +12,11 @@ from .detections import Detections, Validity
 from .errors import KinemarkError
 from .events import Events
 from .fills import Fills
-from .markerset import MarkerSet
+from .marker_set import MarkerSet
 from .matches import Matches
 from .rig import PARAMETERS, Camera, Rig
 from .rods import Rods
-from .trajectories import Origin, Path, Trajectories
+from .trajectories import MarkerTrajectory, Origin, Trajectories
 from .trial import Step, Trial
 
 __all__ = [
@@ -32,9 +32,9 @@ __all__ = [
     "ForcePlate",
     "KinemarkError",
     "MarkerSet",
+    "MarkerTrajectory",
     "Matches",
     "Origin",
-    "Path",
     "Rig",
     "Rods",
     "Step",

@@ -23,7 +23,7 @@ class Origin(IntEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Path:
+class MarkerTrajectory:
     """One marker over F frames.
 
     Attributes:
@@ -57,7 +57,7 @@ class Path:
             raise ValueError(f"marker {self.name}: xyz must be NaN exactly where origin is MISSING")
 
     @classmethod
-    def measured(cls, name: str, xyz: ArrayLike, **columns: ArrayLike) -> Path:
+    def measured(cls, name: str, xyz: ArrayLike, **columns: ArrayLike) -> MarkerTrajectory:
         """A path whose finite samples are all measured; a partly NaN sample is missing; other columns are unknown."""
         xyz = np.array(xyz, np.float64)
         missing = ~np.isfinite(xyz).all(1)
@@ -91,7 +91,7 @@ class Trajectories:
         first_frame: number of the first frame in the recording it came from, as C3D counts, from 1.
     """
 
-    paths: tuple[Path, ...]
+    paths: tuple[MarkerTrajectory, ...]
     rate: float
     first_frame: int = 1
 
@@ -103,10 +103,10 @@ class Trajectories:
     def __len__(self) -> int:
         return len(self.paths)
 
-    def __iter__(self) -> Iterator[Path]:
+    def __iter__(self) -> Iterator[MarkerTrajectory]:
         return iter(self.paths)
 
-    def __getitem__(self, name: str) -> Path:
+    def __getitem__(self, name: str) -> MarkerTrajectory:
         for path in self.paths:
             if path.name == name:
                 return path

@@ -1,22 +1,24 @@
 """From images to marker centroids."""
 
 from .blobs import Blobs
-from .frames import detect_frames
+from .centroids_method import Centroids
+from .detect_frames import detect_frames
+from .detect_recording import detect
 from .kiss import KissNearest, KissScanning
 from .masks import Masks, combined_masks, learn_masks
-from .method import Centroids
-from .proposal import Proposal, propose
-from .recording import detect
-from .source import Source
+from .proposal import DetectionProposal, propose
+from .source import FrameSource
+from .stage import DETECT
 
 __all__ = [
+    "DETECT",
     "Blobs",
     "Centroids",
+    "DetectionProposal",
+    "FrameSource",
     "KissNearest",
     "KissScanning",
     "Masks",
-    "Proposal",
-    "Source",
     "combined_masks",
     "detect",
     "detect_frames",

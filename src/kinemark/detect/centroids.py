@@ -8,21 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Validity
+from .background_noise import ROUNDING, background
 from .blobs import Blobs, joined
-from .grouping import Groups, group_runs
-from .method import Centroids, grey_scale
+from .centroids_method import Centroids, grey_scale
+from .grouping import PixelGroups, group_runs
 from .moments import Moments, measure, outline_centroids
-from .noise import background
 from .runs import find_runs
 from .saturation import without_clipped
 from .separate import separated
+from .stage import DETECT
 from .validity import judge, remove_noise
 
 MOST_RUNS = 1 << 18
 MOST_GROUPS = 10_000
 
 
-def detect_centroids(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids) -> Blobs:
+@DETECT.method("centroids", Centroids, source="Shafiq, Tümer and Güler 2001, section 2")
+def detect_centroids(images: NDArray[np.uint8 | np.uint16], first: int, *, method: Centroids) -> Blobs:
     """Markers in consecutive frames (n, H, W), of which the first has this number."""
     if not method.inverted:
         return _bright(images, first, method)
@@ -48,14 +50,14 @@ def _bright(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids
     groups = remove_noise(groups, method=method)
     ground, variance = background(images)
     if method.noise is not None:
-        variance = np.full_like(variance, (method.noise * grey_scale(images.dtype)) ** 2)
+        variance = np.full_like(variance, max((method.noise * grey_scale(images.dtype)) ** 2, ROUNDING))
     blobs = _whole(images, groups, threshold, ground, variance, method)
     return separated(images, groups, blobs, threshold=threshold, variance=variance, method=method)
 
 
 def _whole(
     images: NDArray[np.uint8 | np.uint16],
-    groups: Groups,
+    groups: PixelGroups,
     threshold: float,
     ground: NDArray[np.float64],
     variance: NDArray[np.float64],
@@ -81,7 +83,7 @@ def _whole(
     return without_clipped(images, groups, blobs, ground=ground, variance=variance, shot=shot)
 
 
-def _with_large(fine: Moments, groups: Groups, marker: NDArray[np.bool_], height: int) -> Moments:
+def _with_large(fine: Moments, groups: PixelGroups, marker: NDArray[np.bool_], height: int) -> Moments:
     """The moments of markers, and of all other groups what their white pixels say."""
     g = len(marker)
     uv, cov = outline_centroids(groups, height=height), np.full((g, 2, 2), np.nan)
@@ -90,7 +92,7 @@ def _with_large(fine: Moments, groups: Groups, marker: NDArray[np.bool_], height
     return Moments(uv, cov, area, peak)
 
 
-def _check_number(groups: Groups, first: int, n: int, method: Centroids) -> None:
+def _check_number(groups: PixelGroups, first: int, n: int, method: Centroids) -> None:
     counts = np.bincount(groups.frame, minlength=n)
     if counts.max(initial=0) > MOST_GROUPS:
         raise KinemarkError(

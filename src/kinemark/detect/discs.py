@@ -37,7 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
 
 STEPS = 10
 SMALL_STEP = 1e-3  # px; a tenth of what any noise leaves
@@ -76,7 +76,7 @@ class Patches(NamedTuple):
         return Patches(*(column[index] for column in self))
 
 
-class Fit(NamedTuple):
+class DiscFit(NamedTuple):
     """What fits best: p parameters of the shape, then w, A and b.
 
     Attributes:
@@ -98,7 +98,7 @@ Shape = Callable[[Floats, Floats, Patches, Floats], Floats]
 
 def fit(
     shape: Shape, start: Floats, patches: Patches, *, wanted: Floats | None = None, enough: Floats | float = 0.0
-) -> Fit:
+) -> DiscFit:
     """The shape's parameters that explain each patch best, from start (n, p + 3).
 
     A fit that is above the χ² `wanted` (n) and hardly gets better is given up; one below `enough` (n) is good enough.
@@ -129,7 +129,7 @@ def fit(
         still = (np.abs(step[:, :-2]).max(1) < SMALL_STEP) | (gain < small)
         done = (better & (still | (new_chi2 < enough[busy]))) | (damping[busy] > 1e6)
         busy = busy[~done]
-    return Fit(p, _covariance(J, patches, chi2 <= wanted), chi2, model)
+    return DiscFit(p, _covariance(J, patches, chi2 <= wanted), chi2, model)
 
 
 def _covariance(J: Floats, patches: Patches, some: NDArray[np.bool_]) -> Floats:
@@ -143,7 +143,7 @@ def _covariance(J: Floats, patches: Patches, some: NDArray[np.bool_]) -> Floats:
     return cov
 
 
-def lit_from_a_side(shape: Shape, found: Fit, patches: Patches) -> Fit:
+def lit_from_a_side(shape: Shape, found: DiscFit, patches: Patches) -> DiscFit:
     """The fit with brightness that also rises along x and along y, by one linear step (9); no covariance."""
     model, J = _image(shape, found.parameters, patches)
     bright = model - found.parameters[:, -1, None]
@@ -152,7 +152,7 @@ def lit_from_a_side(shape: Shape, found: Fit, patches: Patches) -> Fit:
     change = np.einsum("np,npk->nk", _step(J, model, patches, np.zeros(len(J))), J)
     better = _chi2(model + change, patches) < found.chi2
     model = model + np.where(better[:, None], change, 0.0)
-    return Fit(found.parameters, np.full_like(found.cov, np.nan), _chi2(model, patches), model)
+    return DiscFit(found.parameters, np.full_like(found.cov, np.nan), _chi2(model, patches), model)
 
 
 def discs(p: Floats, w: Floats, patches: Patches, J: Floats) -> Floats:

@@ -13,8 +13,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from . import discs
-from .discs import Floats
 from .moments import FLOOR
 from .patches import CutOut
 from .plausible import whole_disc

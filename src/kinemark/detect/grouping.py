@@ -11,7 +11,7 @@ from ..data.array_types import Bools, Ints
 from .runs import Runs
 
 
-class Groups(NamedTuple):
+class PixelGroups(NamedTuple):
     """G groups in scan order of their first pixels, so sorted by frame; lines count in the tall image.
 
     Attributes:
@@ -31,16 +31,16 @@ class Groups(NamedTuple):
     top: Ints
     bottom: Ints
 
-    def keep(self, mask: Bools) -> Groups:
+    def keep(self, mask: Bools) -> PixelGroups:
         """The groups where `mask` (G) is true."""
         if mask.all():
             return self
         sizes = np.diff(self.start)
         runs = Runs(*(column[np.repeat(mask, sizes)] for column in self.runs))
-        return Groups(np.concatenate([[0], np.cumsum(sizes[mask])]), runs, *(column[mask] for column in self[2:]))
+        return PixelGroups(np.concatenate([[0], np.cumsum(sizes[mask])]), runs, *(column[mask] for column in self[2:]))
 
 
-def group_runs(runs: Runs, *, height: int, width: int) -> Groups:
-    """Groups of touching runs, which are in scan order, of frames of this height and width, px."""
+def group_runs(runs: Runs, *, height: int, width: int) -> PixelGroups:
+    """PixelGroups of touching runs, which are in scan order, of frames of this height and width, px."""
     ordered, start, box = native.group_runs(*runs, height=height, width=width)
-    return Groups(start, Runs(*ordered), *box)
+    return PixelGroups(start, Runs(*ordered), *box)

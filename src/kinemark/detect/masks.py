@@ -19,9 +19,9 @@ from scipy.ndimage import distance_transform_edt
 
 from ..data import KinemarkError, Validity
 from .blobs import Blobs
+from .centroids_method import Centroids, check_images, grey_scale
 from .kiss import KissNearest, KissScanning
-from .method import Centroids, check_images, grey_scale
-from .source import BATCH, Source
+from .source import BATCH, FrameSource
 
 MOSTLY = 0.5
 _TURN = np.arange(24) * 2 * np.pi / 24
@@ -94,7 +94,7 @@ def rasterised(polygon: NDArray[np.float64], width: int, height: int) -> NDArray
 
 
 def learn_masks(
-    sources: Sequence[Source],
+    sources: Sequence[FrameSource],
     *,
     cameras: Sequence[str],
     method: Centroids | KissScanning | KissNearest | None = None,
@@ -184,7 +184,7 @@ def rectangles(mask: NDArray[np.bool_]) -> tuple[NDArray[np.float64], ...]:
 
 
 def _often_white(
-    source: Source, name: str, method: Centroids | KissScanning | KissNearest, share: float, grow: float
+    source: FrameSource, name: str, method: Centroids | KissScanning | KissNearest, share: float, grow: float
 ) -> NDArray[np.bool_]:
     """(H, W) the pixels that are white in at least this share of a camera's frames, grown."""
     white, frames = None, 0

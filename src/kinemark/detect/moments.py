@@ -30,7 +30,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .grouping import Groups
+from .grouping import PixelGroups
 from .sums import PixelSums, Sums, pixel_sums
 
 FLOOR = 0.02**2 * np.pi / 4
@@ -47,7 +47,7 @@ class Moments(NamedTuple):
 
 def measure(
     images: NDArray[np.uint8 | np.uint16],
-    groups: Groups,
+    groups: PixelGroups,
     *,
     threshold: float,
     level: NDArray[np.float64],
@@ -110,7 +110,7 @@ def _background(
     return np.where(sums.ring > 0, mean, level), np.maximum(excess, 0.0)
 
 
-def outline_centroids(groups: Groups, *, height: int) -> NDArray[np.float64]:
+def outline_centroids(groups: PixelGroups, *, height: int) -> NDArray[np.float64]:
     """(G, 2) centroid of the white pixels alone, KISS eq. 2: for groups that are no markers anyway."""
     first, last = groups.runs.first, groups.runs.last
     n = last - first + 1

@@ -37,8 +37,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from . import discs
-from .discs import Fit, Floats, Patches
+from .discs import DiscFit, Patches
 from .edge import discs_at_edge
 from .moments import FLOOR
 from .patches import CutOut
@@ -55,7 +56,7 @@ MODEL = 0.01  # of the brightness; what the models themselves are off by at the 
 CORNER = 0.005  # px at a blur of 1 px
 
 
-class Seen(NamedTuple):
+class ObservedGroup(NamedTuple):
     """What n groups show.
 
     Attributes:
@@ -72,11 +73,11 @@ class Seen(NamedTuple):
     spread: Floats
 
 
-class Explanation(NamedTuple):
+class GroupExplanation(NamedTuple):
     """One shape fitted to n groups, or to some of them: `chi2` is inf for the others.
 
     Attributes:
-        kind: as in `Seen`.
+        kind: as in `ObservedGroup`.
         size: parameters.
         chi2: (n); plausible: (n); blur: (n) w, px; circles: (n, k, 3); cov: (n, k, 2, 2) without s.
     """
@@ -90,7 +91,7 @@ class Explanation(NamedTuple):
     cov: Floats
 
 
-def explain(cut: CutOut, *, most: int, hidden: bool, at_edge: NDArray[np.bool_] | None = None) -> Seen:
+def explain(cut: CutOut, *, most: int, hidden: bool, at_edge: NDArray[np.bool_] | None = None) -> ObservedGroup:
     """What n groups show, with at most this many discs on each other, and cut discs where `hidden`.
 
     Those `at_edge` (n) of the image are discs that it cuts, if they can be (`edge`).
@@ -132,7 +133,7 @@ def explain(cut: CutOut, *, most: int, hidden: bool, at_edge: NDArray[np.bool_] 
     return seen
 
 
-def _whole(cut: CutOut) -> tuple[Fit, NDArray[np.int64]]:
+def _whole(cut: CutOut) -> tuple[DiscFit, NDArray[np.int64]]:
     """An ellipse in each group, lit from a side where that helps, and the groups (index) that this does not explain."""
     weight, start = cut.patches.weight, ellipse_start(cut)
     small = 1 + (WHOLE * start[:, -2]) ** 2 * weight.max(1) / 4  # a pixel, as fewer than a quarter lie at the rim
@@ -145,7 +146,7 @@ def _whole(cut: CutOut) -> tuple[Fit, NDArray[np.int64]]:
     return one, rest[~_explained(lit, part, model=WHOLE, texture=_texture(lit, part))]
 
 
-def _texture(fit: Fit, patches: Patches) -> Floats:
+def _texture(fit: DiscFit, patches: Patches) -> Floats:
     """(n) how much the grey levels inside a shape scatter, as standard deviation; 0 where few pixels are inside.
 
     It is that of a normal distribution with their median distance from their median.
@@ -159,24 +160,26 @@ def _texture(fit: Fit, patches: Patches) -> Floats:
     return scatter
 
 
-def _wanted(one: Fit, cut: CutOut, number: NDArray[np.int64]) -> Floats:
+def _wanted(one: DiscFit, cut: CutOut, number: NDArray[np.int64]) -> Floats:
     """(n) the χ² from which on an explanation is that much better than an ellipse, by (2) with `SURE`."""
     pixels = (cut.patches.weight > 0).sum(1)
     return np.asarray(pixels + 3 * np.sqrt(2 * number) + np.maximum(one.chi2 - pixels, 0.0) / SURE)
 
 
-def _best(kind: int, cut: CutOut, wanted: Floats) -> Fit:
+def _best(kind: int, cut: CutOut, wanted: Floats) -> DiscFit:
     """The best of a kind."""
     if kind == CUT:
         return discs.fit(discs.cut, cut_start(cut), cut.patches, wanted=wanted)
     return discs.fit(discs.discs, disc_start(cut, kind), cut.patches, wanted=wanted)
 
 
-def _plausible(kind: int, fit: Fit, cut: CutOut) -> NDArray[np.bool_]:
+def _plausible(kind: int, fit: DiscFit, cut: CutOut) -> NDArray[np.bool_]:
     return plausible_cut(fit, cut) if kind == CUT else plausible_discs(fit, cut, kind)
 
 
-def _explained(fit: Fit, patches: Patches, *, model: float = MODEL, texture: Floats | float = 0.0) -> NDArray[np.bool_]:
+def _explained(
+    fit: DiscFit, patches: Patches, *, model: float = MODEL, texture: Floats | float = 0.0
+) -> NDArray[np.bool_]:
     """(n) whether the grey levels at the rim differ from the model's by noise alone, within three deviations of χ².
 
     What the model may be off by, a share of the brightness, counts as noise, and so does a texture (n), grey levels.
@@ -189,7 +192,7 @@ def _explained(fit: Fit, patches: Patches, *, model: float = MODEL, texture: Flo
     return np.asarray(chi2 < number * (1 + 3 * np.sqrt(2 / number)))
 
 
-def _noted(kind: int, fit: Fit, index: NDArray[np.int64], n: int, good: NDArray[np.bool_]) -> Explanation:
+def _noted(kind: int, fit: DiscFit, index: NDArray[np.int64], n: int, good: NDArray[np.bool_]) -> GroupExplanation:
     """The fit of the groups of this index among n."""
     k = 1 if kind == CUT else kind if kind > ONE else 0
     chi2, plausible, blur = np.full(n, np.inf), np.zeros(n, np.bool_), np.zeros(n)
@@ -198,10 +201,10 @@ def _noted(kind: int, fit: Fit, index: NDArray[np.int64], n: int, good: NDArray[
     for i in range(k):
         circles[index, i] = fit.parameters[:, 3 * i : 3 * i + 3]
         cov[index, i] = fit.cov[:, 3 * i : 3 * i + 2, 3 * i : 3 * i + 2]
-    return Explanation(kind, fit.parameters.shape[1], chi2, plausible, blur, circles, cov)
+    return GroupExplanation(kind, fit.parameters.shape[1], chi2, plausible, blur, circles, cov)
 
 
-def _chosen(tried: list[Explanation], cut: CutOut, number: NDArray[np.int64]) -> Seen:
+def _chosen(tried: list[GroupExplanation], cut: CutOut, number: NDArray[np.int64]) -> ObservedGroup:
     """The best of all explanations by (1)."""
     n = len(number)
     chi2 = np.array([t.chi2 for t in tried])
@@ -232,7 +235,7 @@ def _chosen(tried: list[Explanation], cut: CutOut, number: NDArray[np.int64]) ->
     spread = np.zeros((n, 2, 2))
     unclear = np.flatnonzero(kind == UNCLEAR)
     spread[unclear] = _spread(cut.take(unclear))
-    return Seen(kind, circles, cov, spread)
+    return ObservedGroup(kind, circles, cov, spread)
 
 
 def _spread(cut: CutOut) -> Floats:
@@ -251,5 +254,5 @@ def _inscribed(x: Floats, y: Floats, white: NDArray[np.bool_]) -> float:
     return float(far.max()) - 0.25
 
 
-def _some(fit: Fit, index: NDArray[np.int64]) -> Fit:
-    return Fit(*(column[index] for column in fit))
+def _some(fit: DiscFit, index: NDArray[np.int64]) -> DiscFit:
+    return DiscFit(*(column[index] for column in fit))

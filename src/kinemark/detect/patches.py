@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
+from ..data.array_types import Floats
 from .discs import Patches
-from .grouping import Groups
-
-Floats = NDArray[np.float64]
+from .grouping import PixelGroups
 
 MARGIN = 3  # px; holds the rim of a marker blurred by one pixel, with fewer the fits often go astray
 SATURATED = 4  # pixels at exactly the highest level, from which on it is the sensor's white
@@ -54,7 +53,7 @@ class CutOut(NamedTuple):
 
 def cut_out(
     images: NDArray[np.uint8 | np.uint16],
-    groups: Groups,
+    groups: PixelGroups,
     *,
     threshold: float,
     variance: Floats,
@@ -87,7 +86,7 @@ def cut_out(
     return CutOut(patches, white & used, middle, ground, peak, np.full(len(peak), 1 / aspect))
 
 
-def _painted(groups: Groups) -> tuple[NDArray[np.bool_], NDArray[np.int64], NDArray[np.int64]]:
+def _painted(groups: PixelGroups) -> tuple[NDArray[np.bool_], NDArray[np.int64], NDArray[np.int64]]:
     """(n, h, w) the groups' own pixels in rectangles of one size, with their lines (n, h, 1) and columns (n, 1, w)."""
     high = int((groups.bottom - groups.top).max()) + 1 + 2 * MARGIN
     wide = int((groups.right - groups.left).max()) + 1 + 2 * MARGIN

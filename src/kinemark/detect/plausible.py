@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .discs import Fit, Floats, Patches
+from ..data.array_types import Floats
+from .discs import DiscFit, Patches
 from .patches import CutOut
 
 MISFIT = 0.10
@@ -29,7 +30,7 @@ def rim(patches: Patches, model: Floats) -> NDArray[np.bool_]:
     return np.asarray((model > low + step) & (model < high - step) & (patches.weight > 0))
 
 
-def plausible_discs(fit: Fit, cut: CutOut, k: int) -> NDArray[np.bool_]:
+def plausible_discs(fit: DiscFit, cut: CutOut, k: int) -> NDArray[np.bool_]:
     """(n) whether k discs are of not too unequal size, each with enough of its outline in sight."""
     x, y, r = (fit.parameters[:, i : 3 * k : 3] for i in range(3))
     good = (r.min(1) > ALIKE * r.max(1)) & (r.min(1) > SMALLEST)
@@ -41,7 +42,7 @@ def plausible_discs(fit: Fit, cut: CutOut, k: int) -> NDArray[np.bool_]:
     return np.asarray(good & _explains(fit, cut, variance))
 
 
-def plausible_cut(fit: Fit, cut: CutOut) -> NDArray[np.bool_]:
+def plausible_cut(fit: DiscFit, cut: CutOut) -> NDArray[np.bool_]:
     """(n) whether a cut disc lacks a part that can be told, and is not mostly a guess."""
     x, y, r, turn, h = fit.parameters[:, :5].T
     d = np.clip((h - x * np.cos(turn) - y * np.sin(turn)) / np.maximum(r, SMALLEST), -1, 1)
@@ -50,19 +51,19 @@ def plausible_cut(fit: Fit, cut: CutOut) -> NDArray[np.bool_]:
     return np.asarray(good & _explains(fit, cut, np.maximum(fit.cov[:, 0, 0], fit.cov[:, 1, 1])))
 
 
-def whole_disc(fit: Fit, cut: CutOut) -> NDArray[np.bool_]:
+def whole_disc(fit: DiscFit, cut: CutOut) -> NDArray[np.bool_]:
     """(n) whether one disc is known well and leaves little."""
     return np.asarray((fit.parameters[:, 2] > SMALLEST) & _explains(fit, cut, fit.cov[:, [0, 1], [0, 1]].max(1)))
 
 
-def apart(fit: Fit, k: int) -> NDArray[np.bool_]:
+def apart(fit: DiscFit, k: int) -> NDArray[np.bool_]:
     """(n) whether no two of k discs are nearer than `APART`."""
     x, y, r = (fit.parameters[:, i : 3 * k : 3] for i in range(3))
     i, j = np.triu_indices(k, 1)
     return np.asarray((np.hypot(x[:, i] - x[:, j], y[:, i] - y[:, j]) > APART * (r[:, i] + r[:, j])).all(1))
 
 
-def _explains(fit: Fit, cut: CutOut, variance: Floats) -> NDArray[np.bool_]:
+def _explains(fit: DiscFit, cut: CutOut, variance: Floats) -> NDArray[np.bool_]:
     """(n) whether the misfit is small, and the greatest variance (n) of the centres as well."""
     at_rim = rim(cut.patches, fit.model)
     number = np.maximum(at_rim.sum(1), 1)

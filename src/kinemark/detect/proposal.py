@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .centroids_method import Centroids, check_images, grey_scale
 from .kiss import KissNearest, KissScanning
-from .method import Centroids, check_images, grey_scale
 from .sizes import Sizes, marker_sizes
-from .source import Source
-from .stability import Gap, groups_above, marker_gap, peaks_of
+from .source import FrameSource
+from .stability import LevelGap, groups_above, marker_gap, peaks_of
 
 Images = NDArray[np.uint8 | np.uint16]
 
@@ -40,7 +40,7 @@ class Reason(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Proposal:
+class DetectionProposal:
     """What the images of a camera propose.
 
     Attributes:
@@ -55,7 +55,7 @@ class Proposal:
     size: tuple[int, int]
     frames: int
     white: int
-    gap: Gap
+    gap: LevelGap
     sizes: Sizes | None
     inverted: bool
     centroids: Centroids
@@ -69,7 +69,7 @@ class Proposal:
         return "\n".join(_lines(self)) + "\n"
 
 
-def propose(images: Images | Source, *, frames: int = FRAMES) -> Proposal:
+def propose(images: Images | FrameSource, *, frames: int = FRAMES) -> DetectionProposal:
     """Parameters for images (n, H, W) or for what a camera recorded; of many frames, so many spread over all.
 
     Raises:
@@ -87,7 +87,7 @@ def propose(images: Images | Source, *, frames: int = FRAMES) -> Proposal:
         groups = groups_above(stack, gap.threshold)
         sizes = marker_sizes(groups, height=stack.shape[1], width=stack.shape[2], frames=len(stack))
     reasons = tuple(_reasons(gap, sizes, white, grey_scale(stack.dtype), inverted)) if sizes else ()
-    return Proposal(
+    return DetectionProposal(
         (stack.shape[2], stack.shape[1]),
         len(stack),
         white,
@@ -100,7 +100,7 @@ def propose(images: Images | Source, *, frames: int = FRAMES) -> Proposal:
     )
 
 
-def _spread(images: Images | Source, frames: int) -> Images:
+def _spread(images: Images | FrameSource, frames: int) -> Images:
     """So many frames, spread evenly."""
     n = len(images) if isinstance(images, np.ndarray) else images.n_frames
     if n == 0 or frames < 1:
@@ -124,12 +124,12 @@ def _white_level(images: Images) -> int:
     return next(level for level in levels if top <= level)
 
 
-def _wider(dark: Gap, bright: Gap) -> bool:
+def _wider(dark: LevelGap, bright: LevelGap) -> bool:
     """Whether the negative parts markers from noise better than the images do."""
     return bool(np.isfinite(dark.low)) and not (bright.high - bright.low >= dark.high - dark.low)
 
 
-def _reasons(gap: Gap, sizes: Sizes, white: int, scale: float, inverted: bool) -> Iterator[Reason]:
+def _reasons(gap: LevelGap, sizes: Sizes, white: int, scale: float, inverted: bool) -> Iterator[Reason]:
     """Each parameter and why."""
     threshold = (white - gap.threshold if inverted else gap.threshold) / scale
     b, low, high, peak = (x / scale for x in (gap.background, gap.low, gap.high, gap.peak))
@@ -207,7 +207,7 @@ def _methods(value: dict[str, float], inverted: bool) -> tuple[Centroids, KissSc
     return centroids, scanning, KissNearest(threshold=threshold, inverted=inverted)
 
 
-def _warnings(images: Images, white: int, gap: Gap, sizes: Sizes | None, inverted: bool) -> Iterator[str]:
+def _warnings(images: Images, white: int, gap: LevelGap, sizes: Sizes | None, inverted: bool) -> Iterator[str]:
     """What looks wrong."""
     share = float((images >= white).mean())
     if not inverted and (gap.background >= 0.95 * white or share > 0.5):
@@ -237,13 +237,13 @@ def _warnings(images: Images, white: int, gap: Gap, sizes: Sizes | None, inverte
         yield f"The images have 16 bits, but no level above {white} is used: hence the low numbers of the thresholds."
 
 
-def _no_markers(images: Images, gap: Gap, sizes: Sizes) -> float:
+def _no_markers(images: Images, gap: LevelGap, sizes: Sizes) -> float:
     """Share of the pixels that are above the threshold in groups of another size than markers have."""
     area = groups_above(images, gap.threshold).area
     return float(area[(area < sizes.low) | (area > sizes.high)].sum() / images.size)
 
 
-def _lines(proposal: Proposal) -> Iterator[str]:
+def _lines(proposal: DetectionProposal) -> Iterator[str]:
     width, height = proposal.size
     yield f"# {proposal.frames} frames of {width} × {height} px, white is {proposal.white}"
     yield from (f"# ! {warning}" for warning in proposal.warnings)

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .blobs import Blobs
-from .grouping import Groups
+from .grouping import PixelGroups
 
 SHARED = 3
 SHARP = 0.04
@@ -32,7 +32,7 @@ SHARP = 0.04
 
 def without_clipped(
     images: NDArray[np.uint8 | np.uint16],
-    groups: Groups,
+    groups: PixelGroups,
     blobs: Blobs,
     *,
     ground: NDArray[np.float64],
@@ -76,7 +76,7 @@ def _maybe(
 
 
 def _white_pixels(
-    images: NDArray[np.uint8 | np.uint16], groups: Groups, some: NDArray[np.int64]
+    images: NDArray[np.uint8 | np.uint16], groups: PixelGroups, some: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     """Of the pixels of some groups: which of them each belongs to, x, y in its own frame, and grey level."""
     number = np.diff(groups.start)[some]

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from ..data import Validity
 from .blobs import Blobs
-from .grouping import Groups
-from .method import Centroids, grey_scale
-from .overlap import CUT, ONE, UNCLEAR, Seen, explain
+from .centroids_method import Centroids, grey_scale
+from .grouping import PixelGroups
+from .overlap import CUT, ONE, UNCLEAR, ObservedGroup, explain
 from .patches import MARGIN, cut_out
 from .suspicion import suspicious
 
@@ -27,7 +27,7 @@ PIXELS = 12_000  # fitted in one go: enough to share what NumPy costs a call, li
 
 def separated(
     images: NDArray[np.uint8 | np.uint16],
-    groups: Groups,
+    groups: PixelGroups,
     blobs: Blobs,
     *,
     threshold: float,
@@ -42,7 +42,7 @@ def separated(
     if not len(some):
         return blobs
     n, most = len(blobs.uv), method.most_discs + 1
-    seen = Seen(
+    seen = ObservedGroup(
         np.ones(n, np.int64),
         np.full((n, most, 3), np.nan),
         np.full((n, most, 2, 2), np.nan),
@@ -65,7 +65,7 @@ def separated(
     return _rows(blobs, seen, images.shape[1:], method)
 
 
-def _portions(groups: Groups, some: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+def _portions(groups: PixelGroups, some: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
     """Groups of like size that together have no more than `PIXELS`, each in rising order."""
     wide, high = groups.right[some] - groups.left[some], groups.bottom[some] - groups.top[some]
     pixels = (wide + 2 * MARGIN + 1) * (high + 2 * MARGIN + 1)
@@ -83,7 +83,7 @@ def _stretched(cov: NDArray[np.float64], aspect: float) -> NDArray[np.float64]:
     return np.asarray(cov * scale[:, None] * scale)
 
 
-def _rows(blobs: Blobs, seen: Seen, shape: tuple[int, ...], method: Centroids) -> Blobs:
+def _rows(blobs: Blobs, seen: ObservedGroup, shape: tuple[int, ...], method: Centroids) -> Blobs:
     """The blobs with a row for each marker."""
     rows = np.where(seen.kind > ONE, seen.kind, 1)
     group = np.repeat(np.arange(len(rows)), rows)

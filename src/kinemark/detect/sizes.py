@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .grouping import Groups
+from .grouping import PixelGroups
 
 ROUND = 1.35
 FILL = 0.65
@@ -48,7 +48,7 @@ class Sizes(NamedTuple):
     high: float
 
 
-def marker_sizes(groups: Groups, *, height: int, width: int, frames: int) -> Sizes | None:
+def marker_sizes(groups: PixelGroups, *, height: int, width: int, frames: int) -> Sizes | None:
     """Sizes of the markers among groups of frames of this height and width, px; None where there is no group."""
     inside = (groups.left > 0) & (groups.right < width - 1)
     inside &= (groups.top % height > 0) & (groups.bottom % height < height - 1)
@@ -74,7 +74,7 @@ def marker_sizes(groups: Groups, *, height: int, width: int, frames: int) -> Siz
     )
 
 
-def _round(groups: Groups) -> NDArray[np.bool_]:
+def _round(groups: PixelGroups) -> NDArray[np.bool_]:
     """(G) whether a group has the shape that most have; (1)."""
     w, h = groups.right - groups.left + 1.0, groups.bottom - groups.top + 1.0
     usual = np.abs(np.log(w / h) - np.median(np.log(w / h))) <= np.log(ROUND)

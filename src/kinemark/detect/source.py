@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 BATCH = 16
 
 
-class Source(Protocol):
+class FrameSource(Protocol):
     """What one camera recorded."""
 
     @property
@@ -29,7 +29,7 @@ class Source(Protocol):
         ...
 
 
-def ahead(source: Source) -> Iterator[NDArray[np.uint8 | np.uint16]]:
+def ahead(source: FrameSource) -> Iterator[NDArray[np.uint8 | np.uint16]]:
     """The batches of a source, of which the next is decoded by another thread while one is in use."""
     batches = iter(source.batches(BATCH))
     with ThreadPoolExecutor(1) as pool:

@@ -31,9 +31,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .grouping import Groups, group_runs
+from .background_noise import background
+from .grouping import PixelGroups, group_runs
 from .kiss.white import pixels_of
-from .noise import background
 from .runs import find_runs
 
 STEPS = 36
@@ -41,7 +41,7 @@ MOST_RUNS = 200_000  # in all images; a threshold with more lies in the noise
 SHARE = 0.4
 
 
-class Gap(NamedTuple):
+class LevelGap(NamedTuple):
     """Grey levels of the images' own kind.
 
     background: median b. noise: standard deviation σ of dark pixels. low, high: the gap's ends, NaN without one. peak:
@@ -58,12 +58,12 @@ class Gap(NamedTuple):
     groups: float
 
 
-def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> Gap:
+def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     """The gap between noise and markers of frames (n, H, W)."""
     level, variance = background(images)
     b, sigma, top = float(np.median(level)), float(np.sqrt(np.median(variance))), float(images.max())
     least = max(3 * sigma, 2.0)  # (1)
-    none = Gap(b, sigma, np.nan, np.nan, np.nan, top, np.nan, 0.0)
+    none = LevelGap(b, sigma, np.nan, np.nan, np.nan, top, np.nan, 0.0)
     if top - b <= 4 * least:
         return none
     contrasts = np.geomspace(least, (top - b) / 2, STEPS)
@@ -74,10 +74,12 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> Gap:
     low, high = contrasts[stretch[0]], contrasts[stretch[1]]
     peak = float(np.median(_standing_out(images, b, low)[1])) - b
     c = float(np.clip(SHARE * peak, min(1.1 * low, high), high))  # (3)
-    return Gap(b, sigma, b + low, b + high, b + peak, top, b + c, len(_standing_out(images, b, c)[1]) / len(images))
+    return LevelGap(
+        b, sigma, b + low, b + high, b + peak, top, b + c, len(_standing_out(images, b, c)[1]) / len(images)
+    )
 
 
-def groups_above(images: NDArray[np.uint8 | np.uint16], level: float) -> Groups:
+def groups_above(images: NDArray[np.uint8 | np.uint16], level: float) -> PixelGroups:
     """Groups of pixels brighter than `level` in frames (n, H, W), at least two pixels wide and high."""
     n, height, width = images.shape
     runs = find_runs(images.reshape(n * height, width), np.floor(level), most=MOST_RUNS)
@@ -85,7 +87,7 @@ def groups_above(images: NDArray[np.uint8 | np.uint16], level: float) -> Groups:
     return groups.keep((groups.right > groups.left) & (groups.bottom > groups.top))
 
 
-def peaks_of(images: NDArray[np.uint8 | np.uint16], groups: Groups) -> NDArray[np.float64]:
+def peaks_of(images: NDArray[np.uint8 | np.uint16], groups: PixelGroups) -> NDArray[np.float64]:
     """(G) the brightest pixel of each group."""
     if len(groups.area) == 0:
         return np.zeros(0)
@@ -94,7 +96,7 @@ def peaks_of(images: NDArray[np.uint8 | np.uint16], groups: Groups) -> NDArray[n
     return np.maximum.reduceat(grey, np.cumsum(groups.area) - groups.area).astype(np.float64)
 
 
-def _standing_out(images: NDArray[np.uint8 | np.uint16], b: float, c: float) -> tuple[Groups, NDArray[np.float64]]:
+def _standing_out(images: NDArray[np.uint8 | np.uint16], b: float, c: float) -> tuple[PixelGroups, NDArray[np.float64]]:
     """Groups brighter than b + c with a pixel brighter than b + 2 c, and their peaks; none where there are too many."""
     groups = groups_above(images, b + c)
     if len(groups.runs.y) > MOST_RUNS // 2:

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .discs import Fit, Floats
+from ..data.array_types import Floats
+from .discs import DiscFit
 from .patches import CutOut
 
 LLOYD_STEPS = 6
@@ -41,7 +42,7 @@ def ellipse_start(cut: CutOut) -> Floats:
     return np.column_stack([middle, M[:, 0, 0], M[:, 0, 1], M[:, 1, 1], _tail(cut)])
 
 
-def motion_start(one: Fit) -> Floats:
+def motion_start(one: DiscFit) -> Floats:
     """Parameters (n, 8) of `discs.motion` from those of an ellipse: along its longer axis by what it is longer."""
     x, y, xx, xy, yy = one.parameters[:, :5].T
     value, vector = np.linalg.eigh(np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2))

@@ -8,7 +8,7 @@ import numpy as np
 
 from .. import native
 from ..data.array_types import Floats, GreyLevels
-from .grouping import Groups
+from .grouping import PixelGroups
 
 
 class Sums(NamedTuple):
@@ -47,7 +47,7 @@ class PixelSums(NamedTuple):
     ring_squares: Floats
 
 
-def pixel_sums(images: GreyLevels, groups: Groups) -> PixelSums:
+def pixel_sums(images: GreyLevels, groups: PixelGroups) -> PixelSums:
     """The sums of groups in frames (n, H, W) of grey levels."""
     rows = native.sum_pixels(images, groups.start, *groups.runs)
     return PixelSums(Sums(*rows[:6]), Sums(*rows[6:12]), *rows[12:])

@@ -21,14 +21,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Validity
-from .grouping import Groups
+from .grouping import PixelGroups
 
 RATIO = 2.2
 FILL = 1.75
 LEAST = 26  # px²; of fewer pixels nothing can be told
 
 
-def suspicious(groups: Groups, validity: NDArray[np.uint8], *, aspect: float) -> NDArray[np.int64]:
+def suspicious(groups: PixelGroups, validity: NDArray[np.uint8], *, aspect: float) -> NDArray[np.int64]:
     """The groups (index) whose outline is not that of one whole disc; what is too large or too small is left out.
 
     `aspect` is the height of a disc's image by its width.
@@ -48,7 +48,7 @@ def suspicious(groups: Groups, validity: NDArray[np.uint8], *, aspect: float) ->
 
 
 def second_moments(
-    groups: Groups, *, aspect: float
+    groups: PixelGroups, *, aspect: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Σxx, Σxy and Σyy (G) px² of the white pixels, v divided by the aspect."""
     first, last, y = groups.runs.first, groups.runs.last, groups.runs.y

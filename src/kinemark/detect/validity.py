@@ -11,18 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Validity
-from .grouping import Groups
-from .method import Centroids
+from .centroids_method import Centroids
+from .grouping import PixelGroups
 
 
-def remove_noise(groups: Groups, *, method: Centroids) -> Groups:
+def remove_noise(groups: PixelGroups, *, method: Centroids) -> PixelGroups:
     """Only the groups at least `min_width` wide and high."""
     wide = groups.right - groups.left + 1 >= method.min_width
     high = groups.bottom - groups.top + 1 >= method.min_width
     return groups.keep(wide & high)
 
 
-def judge(groups: Groups, *, height: int, width: int, method: Centroids) -> NDArray[np.uint8]:
+def judge(groups: PixelGroups, *, height: int, width: int, method: Centroids) -> NDArray[np.uint8]:
     """(G) a `Validity` for each group of frames of this height and width."""
     w, h = groups.right - groups.left + 1, groups.bottom - groups.top + 1
     edge = (groups.left == 0) | (groups.right == width - 1)

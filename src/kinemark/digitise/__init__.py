@@ -4,58 +4,60 @@
 values; `question_of` says what a state asks, `drive` answers with whoever is there: a terminal, a file, a test.
 """
 
-from .drive import Digitised, Operator, Stopped, drive, result
+from .drive import DigitisedImages, DigitisingStopped, Operator, drive, result
 from .identity import Identified, called, identified, identified_matches, identified_tracks
 from .looks import Look, clicked, look_at, nearest_free
 from .machine import advance, begin, question_of
-from .method import SemiAutomatic
-from .proposals import OtherViews, propose
+from .other_views import OtherViews, propose
+from .question_text import answer_text, parse_answer, words
 from .replay import Given, Replay, given, row_of
+from .semi_automatic import SemiAutomatic
+from .stage import DIGITISE
 from .state import (
     Absent,
     Accept,
     Answer,
     Asked,
     ByHand,
+    DigitisedFrame,
+    DigitisingPhase,
+    DigitisingState,
     Found,
-    Frame,
     No,
-    Phase,
+    PlaceProposal,
     Point,
-    Proposal,
     Question,
     Revisit,
-    State,
     Undo,
     Verify,
     Yes,
 )
-from .words import answer_text, parse_answer, words
 
 __all__ = [
+    "DIGITISE",
     "Absent",
     "Accept",
     "Answer",
     "Asked",
     "ByHand",
-    "Digitised",
+    "DigitisedFrame",
+    "DigitisedImages",
+    "DigitisingPhase",
+    "DigitisingState",
+    "DigitisingStopped",
     "Found",
-    "Frame",
     "Given",
     "Identified",
     "Look",
     "No",
     "Operator",
     "OtherViews",
-    "Phase",
+    "PlaceProposal",
     "Point",
-    "Proposal",
     "Question",
     "Replay",
     "Revisit",
     "SemiAutomatic",
-    "State",
-    "Stopped",
     "Undo",
     "Verify",
     "Yes",

@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.array_types import Floats
 from .machine import Looks, Proposer, advance, begin, question_of
-from .method import SemiAutomatic
-from .state import Answer, Floats, Found, Phase, Question, State
+from .semi_automatic import SemiAutomatic
+from .stage import DIGITISE
+from .state import Answer, DigitisingPhase, DigitisingState, Found, Question
 
-Operator = Callable[[Question, State], Answer]
+Operator = Callable[[Question, DigitisingState], Answer]
 """Answers a question; the state is there to be drawn."""
 
 
@@ -22,11 +24,11 @@ REASONS = ("first_two_frames", "not_found", "in_doubt", "reference")
 """Why the operator is asked."""
 
 
-class Stopped(Exception):
+class DigitisingStopped(Exception):
     """The operator stops; what he saved stands."""
 
 
-class Digitised(NamedTuple):
+class DigitisedImages(NamedTuple):
     """What came of digitising a camera's F frames and M markers.
 
     Attributes:
@@ -44,6 +46,7 @@ class Digitised(NamedTuple):
     figures: dict[str, Any]
 
 
+@DIGITISE.method("semi_automatic", SemiAutomatic, source="UM²AS, 3.5")
 def drive(
     operator: Operator,
     looks: Looks,
@@ -54,11 +57,11 @@ def drive(
     proposer: Proposer | None = None,
     refuse: Callable[[Exception], None] | None = None,
     told: Callable[[Question, Answer], None] | None = None,
-) -> State:
+) -> DigitisingState:
     """The state in which all frames are saved, or in which the operator stopped.
 
     Args:
-        operator: answers; raises `Stopped` to stop.
+        operator: answers; raises `DigitisingStopped` to stop.
         looks: gives the images.
         n_frames: of the camera.
         method: the markers and how they are followed.
@@ -72,11 +75,11 @@ def drive(
         KinemarkError: an answer is none to the question, or points at nothing.
     """
     state = begin(n_frames, looks, method=method, constant=constant, proposer=proposer)
-    while state.phase is not Phase.DONE:
+    while state.phase is not DigitisingPhase.DONE:
         question = question_of(state, method=method)
         try:
             answer = operator(question, state)
-        except Stopped:
+        except DigitisingStopped:
             break
         try:
             state = advance(state, answer, looks, method=method, proposer=proposer)
@@ -95,7 +98,7 @@ def _refused(question: Question, error: Exception, refuse: Callable[[Exception],
     refuse(error)
 
 
-def result(state: State, *, method: SemiAutomatic) -> Digitised:
+def result(state: DigitisingState, *, method: SemiAutomatic) -> DigitisedImages:
     """What the saved frames hold, up to the first that is not saved.
 
     Raises:
@@ -110,10 +113,10 @@ def result(state: State, *, method: SemiAutomatic) -> Digitised:
     if method.fixed >= 0:
         uv[method.fixed] = seen[method.fixed]
     found = np.stack([frame.found for frame in frames], 1)
-    return Digitised(uv, seen, found, shift, _figures(state, found))
+    return DigitisedImages(uv, seen, found, shift, _figures(state, found))
 
 
-def _figures(state: State, found: NDArray[np.uint8]) -> dict[str, Any]:
+def _figures(state: DigitisingState, found: NDArray[np.uint8]) -> dict[str, Any]:
     """How much the operator had to do."""
     reasons = Counter(asked.reason for asked in state.asked)
     corrected, unasked = reasons.pop("corrected", 0), reasons.pop("unasked", 0)

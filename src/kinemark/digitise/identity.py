@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Cloud, Detections, Matches, Path, Tracks, Trajectories
+from ..data import Cloud, Detections, MarkerTrajectory, Matches, Tracks, Trajectories
 
 
 class Identified(NamedTuple):
@@ -74,5 +74,5 @@ def called(trajectories: Trajectories, names: Sequence[str], n_frames: int) -> T
         raise ValueError(f"there are {len(trajectories)} trajectories, wanted at most the {len(names)} that have names")
     paths = [replace(path, name=name) for path, name in zip(trajectories.paths, names, strict=False)]
     missing = names[len(paths) :]
-    none = [Path.measured(name, np.full((n_frames, 3), np.nan)) for name in missing]
+    none = [MarkerTrajectory.measured(name, np.full((n_frames, 3), np.nan)) for name in missing]
     return replace(trajectories, paths=(*paths, *none))

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import label
 
 from ..data import KinemarkError, Validity
+from ..data.array_types import Floats
 from ..detect import Blobs, Centroids, detect_frames
+from ..detect.centroids_method import grey_scale
 from ..detect.levels import levelled
 from ..detect.masks import masked
-from ..detect.method import grey_scale
 
-Floats = NDArray[np.float64]
 TOUCHING = np.ones((3, 3))
 AROUND = 6  # px; a centroid that lies on a black pixel, as of a crescent, belongs to the white one nearest to it
 

@@ -42,24 +42,24 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from .looks import Look, clicked, nearest_free
-from .method import FIRST, SemiAutomatic
+from .semi_automatic import FIRST, SemiAutomatic
 from .state import (
     Absent,
     Accept,
     Answer,
     Asked,
     ByHand,
-    Floats,
+    DigitisedFrame,
+    DigitisingPhase,
+    DigitisingState,
     Found,
-    Frame,
     No,
-    Phase,
+    PlaceProposal,
     Point,
-    Proposal,
     Question,
     Revisit,
-    State,
     Undo,
     Verify,
     Yes,
@@ -68,7 +68,7 @@ from .state import (
 Looks = Callable[[int], Look]
 """Gives the image of a frame, counted from 0."""
 
-Proposer = Callable[[int, int, Floats, Floats, Look, NDArray[np.bool_]], Proposal | None]
+Proposer = Callable[[int, int, Floats, Floats, Look, NDArray[np.bool_]], PlaceProposal | None]
 """Called with frame, marker, shift (2,), where the marker is expected (2,), the image, and which markers are free."""
 
 
@@ -79,7 +79,7 @@ def begin(
     method: SemiAutomatic,
     constant: Floats | None = None,
     proposer: Proposer | None = None,
-) -> State:
+) -> DigitisingState:
     """Nothing of n_frames is digitised yet, and the first marker of the first frame is asked for.
 
     Args:
@@ -96,24 +96,26 @@ def begin(
         raise ValueError(f"n_frames is {n_frames}, wanted 1 or more")
     if constant is not None and method.reference is None:
         raise ValueError("constant is the place of a reference marker, and the method has none: wanted None")
-    state = State((None,) * n_frames, 0, Frame.blank(len(method.markers)), Phase.POINT, 0, constant)
+    state = DigitisingState(
+        (None,) * n_frames, 0, DigitisedFrame.blank(len(method.markers)), DigitisingPhase.POINT, 0, constant
+    )
     return _go_on(state, looks, method, proposer)
 
 
-def question_of(state: State, *, method: SemiAutomatic) -> Question:
+def question_of(state: DigitisingState, *, method: SemiAutomatic) -> Question:
     """What a state asks the operator."""
     marker = state.marker
     name = method.markers[marker] if marker >= 0 else ""
     known = state.draft.uv[marker] if marker >= 0 else np.full(2, np.nan)
-    if state.phase is Phase.POINT:
+    if state.phase is DigitisingPhase.POINT:
         known = expected(state, method)[marker]
     doubt = marker >= 0 and state.draft.found[marker] == Found.IN_DOUBT
     return Question(state.phase, state.frame, marker, name, known, state.proposal, bool(doubt))
 
 
 def advance(
-    state: State, answer: Answer, looks: Looks, *, method: SemiAutomatic, proposer: Proposer | None = None
-) -> State:
+    state: DigitisingState, answer: Answer, looks: Looks, *, method: SemiAutomatic, proposer: Proposer | None = None
+) -> DigitisingState:
     """The state after an answer; the machine then does by itself all that it can.
 
     Args:
@@ -139,92 +141,94 @@ def advance(
 
 
 @singledispatch
-def _answered(answer: Answer, state: State, looks: Looks, method: SemiAutomatic) -> State:
+def _answered(answer: Answer, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
     raise ValueError(f"{answer!r} is no answer")
 
 
 @_answered.register
-def _(answer: Point, state: State, looks: Looks, method: SemiAutomatic) -> State:
+def _(answer: Point, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
     where = np.array([answer.u, answer.v])
-    if state.phase is Phase.CORRECT:
+    if state.phase is DigitisingPhase.CORRECT:
         if not np.isfinite(where).all():
             raise ValueError(f"the place is {where}, wanted finite pixels")
         return _verified(_put(state, where, Found.PLACED, "corrected"), method)
-    _only(state, answer, Phase.POINT)
+    _only(state, answer, DigitisingPhase.POINT)
     look = looks(state.frame)
     return _put(state, look.uv[clicked(look, where)], Found.POINTED, _reason(state, method))
 
 
 @_answered.register
-def _(answer: Absent, state: State, looks: Looks, method: SemiAutomatic) -> State:
-    _only(state, answer, Phase.POINT, Phase.CORRECT)
-    if state.phase is Phase.CORRECT:
+def _(answer: Absent, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+    _only(state, answer, DigitisingPhase.POINT, DigitisingPhase.CORRECT)
+    if state.phase is DigitisingPhase.CORRECT:
         return _verified(_put(state, None, Found.NOT_PRESENT, "corrected"), method)
     taken = state.proposal is not None and not state.proposal.seen
     return _put(state, None, Found.NOT_PRESENT, _reason(state, method), proposed=taken)
 
 
 @_answered.register
-def _(answer: Yes, state: State, looks: Looks, method: SemiAutomatic) -> State:
-    if state.phase is Phase.VERIFY:
+def _(answer: Yes, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+    if state.phase is DigitisingPhase.VERIFY:
         return _verified(state, method)
-    if state.phase is Phase.REFERENCE:
-        return replace(state, phase=Phase.POINT, asked=(*state.asked, _asked(state, "reference")))
-    _only(state, answer, Phase.POINT)
+    if state.phase is DigitisingPhase.REFERENCE:
+        return replace(state, phase=DigitisingPhase.POINT, asked=(*state.asked, _asked(state, "reference")))
+    _only(state, answer, DigitisingPhase.POINT)
     if state.proposal is None:
         raise ValueError("nothing is proposed; wanted a pixel of the marker, or that it is not present")
     return _taken(state, state.proposal, _reason(state, method))
 
 
 @_answered.register
-def _(answer: No, state: State, looks: Looks, method: SemiAutomatic) -> State:
-    _only(state, answer, Phase.VERIFY, Phase.REFERENCE)
-    if state.phase is Phase.VERIFY:
-        return replace(state, phase=Phase.CORRECT)
+def _(answer: No, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+    _only(state, answer, DigitisingPhase.VERIFY, DigitisingPhase.REFERENCE)
+    if state.phase is DigitisingPhase.VERIFY:
+        return replace(state, phase=DigitisingPhase.CORRECT)
     asked = (*state.asked, _asked(state, "reference"))
     opened = state.draft.put(state.marker, None, Found.OPEN)
-    return replace(state, phase=Phase.POINT, draft=opened, searched=False, asked=asked)
+    return replace(state, phase=DigitisingPhase.POINT, draft=opened, searched=False, asked=asked)
 
 
 @_answered.register
-def _(answer: Accept, state: State, looks: Looks, method: SemiAutomatic) -> State:
-    _only(state, answer, Phase.REVIEW)
+def _(answer: Accept, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+    _only(state, answer, DigitisingPhase.REVIEW)
     saved = (*state.saved[: state.frame], state.draft, *state.saved[state.frame + 1 :])
-    blank = Frame.blank(len(method.markers))
+    blank = DigitisedFrame.blank(len(method.markers))
     if None not in saved:
-        return replace(state, saved=saved, phase=Phase.DONE, marker=-1)
+        return replace(state, saved=saved, phase=DigitisingPhase.DONE, marker=-1)
     after = saved.index(None)
-    return replace(state, saved=saved, frame=after, draft=blank, phase=Phase.POINT, searched=after < FIRST)
+    return replace(state, saved=saved, frame=after, draft=blank, phase=DigitisingPhase.POINT, searched=after < FIRST)
 
 
 @_answered.register
-def _(answer: Verify, state: State, looks: Looks, method: SemiAutomatic) -> State:
-    _only(state, answer, Phase.REVIEW)
-    return replace(state, phase=Phase.VERIFY, marker=0)
+def _(answer: Verify, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+    _only(state, answer, DigitisingPhase.REVIEW)
+    return replace(state, phase=DigitisingPhase.VERIFY, marker=0)
 
 
 @_answered.register
-def _(answer: ByHand, state: State, looks: Looks, method: SemiAutomatic) -> State:
-    _only(state, answer, Phase.REVIEW)
-    return replace(state, draft=Frame.blank(len(method.markers)), phase=Phase.POINT, searched=True)
+def _(answer: ByHand, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+    _only(state, answer, DigitisingPhase.REVIEW)
+    return replace(state, draft=DigitisedFrame.blank(len(method.markers)), phase=DigitisingPhase.POINT, searched=True)
 
 
 @_answered.register
-def _(answer: Revisit, state: State, looks: Looks, method: SemiAutomatic) -> State:
+def _(answer: Revisit, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
     if not 0 <= answer.frame < len(state.saved):
         raise ValueError(f"there is no frame {answer.frame + 1}; wanted 1 to {len(state.saved)}")
     draft = state.saved[answer.frame]
     if draft is None:
         raise ValueError(f"frame {answer.frame + 1} has not been saved yet; wanted one that has")
-    return replace(state, frame=answer.frame, draft=draft, phase=Phase.REVIEW, marker=-1, searched=True, proposal=None)
+    return replace(
+        state, frame=answer.frame, draft=draft, phase=DigitisingPhase.REVIEW, marker=-1, searched=True, proposal=None
+    )
 
 
-def _only(state: State, answer: Answer, *phases: Phase) -> None:
+def _only(state: DigitisingState, answer: Answer, *phases: DigitisingPhase) -> None:
     if state.phase not in phases:
         raise ValueError(f"{type(answer).__name__} is no answer to a question of the kind {state.phase.value!r}")
 
 
-def _reason(state: State, method: SemiAutomatic) -> str:
+def _reason(state: DigitisingState, method: SemiAutomatic) -> str:
     """Why a marker is asked for."""
     if state.frame < FIRST:
         return "first_two_frames"
@@ -233,37 +237,41 @@ def _reason(state: State, method: SemiAutomatic) -> str:
     return "in_doubt" if state.draft.found[state.marker] == Found.IN_DOUBT else "not_found"
 
 
-def _asked(state: State, reason: str, proposed: bool = False) -> Asked:
+def _asked(state: DigitisingState, reason: str, proposed: bool = False) -> Asked:
     return Asked(state.frame, state.marker, reason, proposed)
 
 
-def _put(state: State, uv: Floats | None, found: Found, reason: str, *, proposed: bool = False) -> State:
+def _put(
+    state: DigitisingState, uv: Floats | None, found: Found, reason: str, *, proposed: bool = False
+) -> DigitisingState:
     """The marker asked for is where the operator said."""
     asked = (*state.asked, _asked(state, reason, proposed))
     return replace(state, draft=state.draft.put(state.marker, uv, found), asked=asked)
 
 
-def _taken(state: State, proposal: Proposal, reason: str) -> State:
+def _taken(state: DigitisingState, proposal: PlaceProposal, reason: str) -> DigitisingState:
     """The marker asked for is where other cameras said."""
     found = Found.PROPOSED if proposal.seen else Found.NOT_PRESENT
     draft = state.draft.put(state.marker, proposal.uv if proposal.seen else None, found)
     return replace(state, draft=draft, asked=(*state.asked, _asked(state, reason, True)))
 
 
-def _verified(state: State, method: SemiAutomatic) -> State:
+def _verified(state: DigitisingState, method: SemiAutomatic) -> DigitisingState:
     """On to the next marker, or back to the whole frame; the reference marker's place may have changed the shift."""
     last = state.marker == len(method.markers) - 1
     state = replace(state, draft=replace(state.draft, shift=_shift(state, method)))
-    return replace(state, phase=Phase.REVIEW if last else Phase.VERIFY, marker=-1 if last else state.marker + 1)
+    return replace(
+        state, phase=DigitisingPhase.REVIEW if last else DigitisingPhase.VERIFY, marker=-1 if last else state.marker + 1
+    )
 
 
 # ---- What the machine does by itself ----
 
 
-def _go_on(state: State, looks: Looks, method: SemiAutomatic, proposer: Proposer | None) -> State:
+def _go_on(state: DigitisingState, looks: Looks, method: SemiAutomatic, proposer: Proposer | None) -> DigitisingState:
     """The state in which the operator is needed again."""
     state = replace(state, proposal=None)
-    if state.phase is not Phase.POINT:
+    if state.phase is not DigitisingPhase.POINT:
         return state
     if not state.searched:
         state = _reference(state, looks, method)
@@ -276,10 +284,10 @@ def _go_on(state: State, looks: Looks, method: SemiAutomatic, proposer: Proposer
             return replace(state, proposal=proposal)
         state = _taken(state, proposal, "unasked")
     draft = replace(state.draft, shift=_shift(state, method))
-    return replace(state, draft=draft, phase=Phase.REVIEW, marker=-1)
+    return replace(state, draft=draft, phase=DigitisingPhase.REVIEW, marker=-1)
 
 
-def _reference(state: State, looks: Looks, method: SemiAutomatic) -> State:
+def _reference(state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
     """The reference marker and, once its place is settled, all others; not searched where it is to be asked for."""
     r, look = method.fixed, looks(state.frame)
     if r >= 0 and state.draft.found[r] == Found.OPEN:
@@ -290,13 +298,13 @@ def _reference(state: State, looks: Looks, method: SemiAutomatic) -> State:
             return state
         state = replace(state, draft=state.draft.put(r, look.uv[near[1]], Found.AUTOMATIC))
         if method.confirm_reference:
-            return replace(state, phase=Phase.REFERENCE)
+            return replace(state, phase=DigitisingPhase.REFERENCE)
     draft = replace(state.draft, shift=_shift(state, method))
     state = replace(state, draft=draft, searched=True)
     return replace(state, draft=searched(draft, expected(state, method), look, method))
 
 
-def searched(draft: Frame, places: Floats, look: Look, method: SemiAutomatic) -> Frame:
+def searched(draft: DigitisedFrame, places: Floats, look: Look, method: SemiAutomatic) -> DigitisedFrame:
     """The frame with the markers found about the places (M, 2) px where they are expected, by (4), (5) and (6)."""
     free = look.usable & ~claimed(draft, look)
     image_of: dict[int, int] = {}
@@ -341,13 +349,13 @@ def _exchangeable(other: float, own: float, uv: Floats, place: Floats, k: float)
     return bool(other + swapped < k * (own + kept))
 
 
-def claimed(draft: Frame, look: Look) -> NDArray[np.bool_]:
+def claimed(draft: DigitisedFrame, look: Look) -> NDArray[np.bool_]:
     """(B) which markers of the image serve one of the frame already."""
     uv = draft.uv[np.isfinite(draft.uv[:, 0])]
     return np.asarray((np.abs(look.uv[:, None] - uv).max(-1, initial=0.0) < 1e-9).any(1))
 
 
-def expected(state: State, method: SemiAutomatic) -> Floats:
+def expected(state: DigitisingState, method: SemiAutomatic) -> Floats:
     """(M, 2) px where markers are expected in the present frame by (3); NaN where too little is known of one."""
     first = max(state.frame - method.memory, 0)
     past = [(f, s) for f, s in enumerate(state.saved[first : state.frame], first) if s is not None]
@@ -362,7 +370,7 @@ def expected(state: State, method: SemiAutomatic) -> Floats:
     return out
 
 
-def _constant(state: State, method: SemiAutomatic) -> Floats:
+def _constant(state: DigitisingState, method: SemiAutomatic) -> Floats:
     """(2,) px where the reference marker is without a shift; NaN where nobody said it yet."""
     if state.constant is not None:
         return state.constant
@@ -370,7 +378,7 @@ def _constant(state: State, method: SemiAutomatic) -> Floats:
     return np.full(2, np.nan) if first is None else first.uv[method.fixed]
 
 
-def _shift(state: State, method: SemiAutomatic) -> Floats:
+def _shift(state: DigitisingState, method: SemiAutomatic) -> Floats:
     """(2,) px by (1)."""
     if method.fixed < 0:
         return np.zeros(2)
@@ -381,7 +389,9 @@ def _shift(state: State, method: SemiAutomatic) -> Floats:
     return np.zeros(2) if before is None else before.shift
 
 
-def _proposed(state: State, looks: Looks, method: SemiAutomatic, proposer: Proposer | None) -> Proposal | None:
+def _proposed(
+    state: DigitisingState, looks: Looks, method: SemiAutomatic, proposer: Proposer | None
+) -> PlaceProposal | None:
     """What other cameras say of the marker asked for; they do not see the reference marker as it shifts."""
     if proposer is None or state.marker == method.fixed:
         return None

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 from ..data import KinemarkError
 from .drive import Operator
-from .state import Accept, Answer, Phase, Question, State
-from .words import answer_text, words
+from .question_text import answer_text, words
+from .state import Accept, Answer, DigitisingPhase, DigitisingState, Question
 
 
 class Given(NamedTuple):
@@ -45,7 +45,7 @@ class Replay:
         """Answers that no question was put for."""
         return sum(map(len, self._left.values()))
 
-    def __call__(self, question: Question, state: State) -> Answer:
+    def __call__(self, question: Question, state: DigitisingState) -> Answer:
         """The answer to a question.
 
         Raises:
@@ -54,7 +54,7 @@ class Replay:
         known = self._left.get((question.frame, question.name))
         if known:
             return known.popleft()  # (1)
-        if self._save_all and question.phase is Phase.REVIEW:
+        if self._save_all and question.phase is DigitisingPhase.REVIEW:
             return Accept()
         if self._otherwise is None:
             raise KinemarkError(f"There is no answer to this: {words(question)}")

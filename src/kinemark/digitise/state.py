@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from ..data.arrays import column, set_columns
-
-Floats = NDArray[np.float64]
 
 
 class Found(IntEnum):
@@ -27,7 +26,7 @@ class Found(IntEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frame:
+class DigitisedFrame:
     """One frame of M markers.
 
     Attributes:
@@ -50,7 +49,7 @@ class Frame:
         )
 
     @classmethod
-    def blank(cls, n: int) -> Frame:
+    def blank(cls, n: int) -> DigitisedFrame:
         """Nothing is known of n markers."""
         return cls(np.full((n, 2), np.nan), np.zeros(n, np.uint8), np.zeros(2))
 
@@ -59,14 +58,14 @@ class Frame:
         """The markers that nothing is settled of yet, those in doubt among them."""
         return np.flatnonzero(np.isin(self.found, (Found.OPEN, Found.IN_DOUBT)))
 
-    def put(self, marker: int, uv: Floats | None, found: Found) -> Frame:
+    def put(self, marker: int, uv: Floats | None, found: Found) -> DigitisedFrame:
         """The frame with a marker at (2,) px, or nowhere."""
         places, how = self.uv.copy(), self.found.copy()
         places[marker], how[marker] = (np.nan if uv is None else uv), found
         return replace(self, uv=places, found=how)
 
 
-class Phase(Enum):
+class DigitisingPhase(Enum):
     """What is asked."""
 
     POINT = "point"
@@ -77,7 +76,7 @@ class Phase(Enum):
     DONE = "done"
 
 
-class Proposal(NamedTuple):
+class PlaceProposal(NamedTuple):
     """What other cameras say of a missing marker: uv (2,) px, NaN if only that it is hidden; and whether it is seen."""
 
     uv: Floats
@@ -109,12 +108,12 @@ class Question(NamedTuple):
         in_doubt: the marker is asked for because two images would do.
     """
 
-    phase: Phase
+    phase: DigitisingPhase
     frame: int
     marker: int
     name: str
     uv: Floats
-    proposal: Proposal | None = None
+    proposal: PlaceProposal | None = None
     in_doubt: bool = False
 
 
@@ -172,7 +171,7 @@ Answer = Point | Absent | Yes | No | Accept | Verify | ByHand | Revisit | Undo
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class State:
+class DigitisingState:
     """Digitising of one camera's F frames at one moment.
 
     Attributes:
@@ -188,13 +187,13 @@ class State:
         before: the state before the last answer.
     """
 
-    saved: tuple[Frame | None, ...]
+    saved: tuple[DigitisedFrame | None, ...]
     frame: int
-    draft: Frame
-    phase: Phase
+    draft: DigitisedFrame
+    phase: DigitisingPhase
     marker: int = -1
     constant: Floats | None = None
     searched: bool = True
-    proposal: Proposal | None = None
+    proposal: PlaceProposal | None = None
     asked: tuple[Asked, ...] = ()
-    before: State | None = field(default=None, repr=False)
+    before: DigitisingState | None = field(default=None, repr=False)

@@ -1,49 +1,50 @@
 """Missing samples: fillers, which of them to trust, and how far off they may be."""
 
-from .angles import KalmanAngles, LimbAngles, cycle_events, fit_model, model_events
-from .auto import Auto
-from .body import Body
-from .cyclic import Cyclic
-from .edges import Edges, Trimmed, trim_edges
-from .fill import LIMIT, METHODS, Filled, FilledGap, fill
-from .kalman import Kalman
-from .local_regression import LocalRegression
-from .low_rank_kalman import LowRankKalman
-from .motion import Gap, Motion, Prediction, find_gaps
-from .pattern import Pattern
-from .pca import PCA
-from .polynomials import Cubic, Linear
+from .edges import GapEdges, Trimmed, trim_edges
+from .fill import LIMIT, Filled, FilledGap, fill
+from .fill_recording import Filling, fill_recording
+from .judge.auto import Auto
+from .marker_array import Gap, MarkerArray, Prediction, find_gaps
+from .methods.angles import KalmanAngles, LimbAngles, cycle_events, fit_model, model_events
+from .methods.body import Body
+from .methods.cyclic import Cyclic
+from .methods.kalman_predictor import Kalman
+from .methods.local_regression import LocalRegression
+from .methods.low_rank_kalman import LowRankKalman
+from .methods.pattern import Pattern
+from .methods.pca import PCA
+from .methods.polynomials import Cubic, Linear
+from .methods.quintic import Quintic
+from .methods.relational import Relational
+from .methods.rigid_body import RigidBody
+from .methods.stage import FILL
 from .rays import Rays
-from .recording import Filling, fill_recording
-from .relational import Relational
-from .rigid_body import RigidBody
-from .static import FromStatic, Placed, place_absent
+from .static import FromStatic, PlacedMarker, place_absent
 from .static_shape import StaticShape
-from .woltring import Quintic
 
 __all__ = [
+    "FILL",
     "LIMIT",
-    "METHODS",
     "PCA",
     "Auto",
     "Body",
     "Cubic",
     "Cyclic",
-    "Edges",
     "Filled",
     "FilledGap",
     "Filling",
     "FromStatic",
     "Gap",
+    "GapEdges",
     "Kalman",
     "KalmanAngles",
     "LimbAngles",
     "Linear",
     "LocalRegression",
     "LowRankKalman",
-    "Motion",
+    "MarkerArray",
     "Pattern",
-    "Placed",
+    "PlacedMarker",
     "Prediction",
     "Quintic",
     "Rays",

@@ -33,42 +33,31 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data.arrays import check_positive
-from .donors import Distances, distances, nearest
-from .known import Ints, Known
-from .motion import Floats, Gap, Motion
+from ..data.array_types import Floats, Ints
+from ..data.method import ONE, Method, parameter
+from .known_samples import KnownSamples
+from .marker_array import Gap, MarkerArray
+from .reference_markers import Distances, distances, nearest
 
 
 @dataclass(frozen=True, slots=True)
-class Edges:
-    """Parameters of the check.
+class GapEdges(Method):
+    """How samples beside gaps are judged and trimmed."""
 
-    Attributes:
-        most: samples that may be trimmed on each side; 0: no check.
-        past: samples of the parabola.
-        limit: times the median error.
-        beyond: times what the marker exceeds in one frame of two hundred.
-        least: mm.
-        donors: neighbours whose mean is taken off; 0: none.
-        habit: errors E(h) that must be known for a verdict.
-    """
-
-    most: int = 5
-    past: int = 6
-    limit: float = 5.0
-    beyond: float = 1.3
-    least: float = 1.0
-    donors: int = 3
-    habit: int = 50
-
-    def __post_init__(self) -> None:
-        check_positive(limit=self.limit, beyond=self.beyond, least=self.least)
-        if self.most < 0 or self.donors < 0 or self.habit < 1:
-            raise ValueError(
-                f"most {self.most}, donors {self.donors} and habit {self.habit} must be 0, 0 and 1 or more"
-            )
-        if self.past < 4:
-            raise ValueError(f"past is {self.past}, wanted at least 4 samples for a parabola")
+    most: int = parameter(5, unit="samples", low=0, meaning="that may be trimmed on each side; 0: no check")
+    past: int = parameter(6, unit="samples", low=4, meaning="that the parabola is fitted to")
+    limit: float = parameter(5.0, unit=ONE, above=0, meaning="a sample is bad from this many times the median error on")
+    beyond: float = parameter(
+        1.3,
+        unit=ONE,
+        above=0,
+        meaning="and from this many times what the marker exceeds in one frame of two hundred on",
+    )
+    least: float = parameter(1.0, unit="mm", above=0, meaning="and from this error on")
+    donors: int = parameter(
+        3, unit="markers", low=0, meaning="reference markers: neighbours whose mean error is taken off; 0: none"
+    )
+    habit: int = parameter(50, unit="errors", low=1, meaning="errors E(h) that must be known for a verdict")
 
 
 class Trimmed(NamedTuple):
@@ -81,16 +70,16 @@ class Trimmed(NamedTuple):
         after: (n) frames trimmed after it.
     """
 
-    motion: Motion
+    motion: MarkerArray
     gaps: list[Gap]
     before: Ints
     after: Ints
 
 
-def trim_edges(motion: Motion, gaps: list[Gap], *, method: Edges = Edges()) -> Trimmed:
+def trim_edges(motion: MarkerArray, gaps: list[Gap], *, method: GapEdges = GapEdges()) -> Trimmed:
     """Find the bad samples beside gaps and make them missing."""
     before, after = np.zeros((2, len(gaps)), np.int64)
-    known = Known.of(motion)
+    known = KnownSamples.of(motion)
     if method.most:
         far, ladder = distances(known), _ladder(method.past, method.most)
         habit = cache(lambda marker: _habit(known.x[marker], ladder, method))
@@ -124,10 +113,12 @@ class _Judge(NamedTuple):
     limits: Sequence[Callable[[], Floats]]
     donors: Floats
     usual: Callable[[], Floats]
-    method: Edges
+    method: GapEdges
 
     @classmethod
-    def of(cls, known: Known, marker: int, far: Distances, habit: Callable[[int], Floats], method: Edges) -> _Judge:
+    def of(
+        cls, known: KnownSamples, marker: int, far: Distances, habit: Callable[[int], Floats], method: GapEdges
+    ) -> _Judge:
         """From all the trial; `habit` gives median and 99.5th percentile of E(h) of any marker's positions."""
         z, limits = [known.x[marker]], [cache(lambda: _limits(habit(marker), method))]
         ladder = _ladder(method.past, method.most)
@@ -188,13 +179,13 @@ def _ladder(past: int, most: int) -> Floats:
     return np.asarray(on @ np.linalg.pinv(t))
 
 
-def _limits(habit: Floats, method: Edges) -> Floats:
+def _limits(habit: Floats, method: GapEdges) -> Floats:
     """(2): what (1) may be for h = 1 … most."""
     usual, rare = habit
     return np.maximum(np.maximum(method.limit * usual, method.beyond * rare), method.least)
 
 
-def _habit(z: Floats, ladder: Floats, method: Edges) -> Floats:
+def _habit(z: Floats, ladder: Floats, method: GapEdges) -> Floats:
     """Median and 99.5th percentile (2, most) of E(h), mm, over all the trial but the neighbourhoods of gaps.
 
     NaN where too little is known.

@@ -9,22 +9,22 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Origin, Path, Trajectories
-from .auto import Auto
-from .calibration import Calibration, Measured, as_hard, weigh
-from .combine import close_ones, mean_prediction, mean_tests, together
-from .combine import weights as best_weights
-from .edges import Edges, trim_edges
-from .hiding import Tried, edge_distance, plan, run
-from .methods import FILLERS, MANY, NAMES, TOGETHER, affordable, name_of, within_time
-from .motion import Floats, Gap, Motion, Prediction, find_gaps
+from ..data import MarkerTrajectory, Origin, Trajectories
+from ..data.array_types import Floats
+from .edges import GapEdges, trim_edges
+from .judge.auto import Auto
+from .judge.combine import close_ones, mean_prediction, mean_tests, together
+from .judge.combine import weights as best_weights
+from .judge.expected_error import ErrorCalibration, MeasuredErrors, as_hard, weigh
+from .judge.hold_out import MANY, Candidate, edge_distance, plan, run
+from .known_samples import possible
+from .marker_array import Gap, MarkerArray, Prediction, find_gaps
+from .methods.stage import FILL, FillMethod, filler_of
 from .static import place_absent
 from .static_shape import StaticShape
 
-METHODS: dict[str, type] = {"auto": Auto, **NAMES}
-"""All methods by the names that settings and the command line use."""
-WILD = 1e6
-"""mm from the middle of all samples, beyond which a sample is no position of a marker."""
+SLOW = 600_000
+"""Gaps times frames above which methods that look at the whole trial for each hidden test are not tried."""
 LIMIT = 20.0
 ENOUGH = 60
 """Hidden tests of one method that tell how far off it is; more are made to choose one for each gap."""
@@ -78,14 +78,14 @@ class Filled(NamedTuple):
     gaps: tuple[FilledGap, ...]
 
 
-class Answer(NamedTuple):
+class FillAnswer(NamedTuple):
     """One method's predictions for all gaps, how it did in the hidden tests, and the form of it that did so."""
 
     name: str
     said: list[Prediction]
-    measured: Measured
-    calibration: Calibration
-    tried: list[Tried]
+    measured: MeasuredErrors
+    calibration: ErrorCalibration
+    tried: list[Candidate]
     method: Any = None
 
 
@@ -95,36 +95,36 @@ def fill(
     method: Any = None,
     limit_mm: float = LIMIT,
     ends: bool = False,
-    edges: Edges | None = None,
+    edges: GapEdges | None = None,
     static: Trajectories | None = None,
     seed: int = 0,
 ) -> Filled:
     """Fill the gaps of a trial.
 
-    Samples more than a kilometre from the others become missing, and bad ones beside gaps are filled too (`Edges`).
+    Samples more than a kilometre from the median of all become missing; bad ones beside gaps are filled (`GapEdges`).
 
     Args:
         trajectories: the trial; what is filled already counts as seen.
-        method: an object of one of `METHODS`; `Auto()` when None.
+        method: one of `FILL`; `Auto()` when None.
         limit_mm: gaps with a greater expected mean error stay open; infinite fills all that can be filled.
         ends: also fill before a marker's first sample and after its last.
-        edges: how samples beside gaps are judged and trimmed; `Edges()` when None, `Edges(most=0)` trims none.
+        edges: how samples beside gaps are judged and trimmed; `GapEdges()` when None, `GapEdges(most=0)` trims none.
         static: another trial of the same markers; those that this trial never shows are placed from it.
         seed: of the places of the hidden tests.
 
     Raises:
-        ValueError: the method is none of `METHODS`, or the limit is not above 0.
+        ValueError: the method is none of `FILL`, or the limit is not above 0.
     """
     method = Auto() if method is None else method
     if not limit_mm > 0:
         raise ValueError(f"limit_mm is {limit_mm}, wanted above 0")
     candidates = method.methods if isinstance(method, Auto) else (method,)
     for candidate in candidates:
-        name_of(candidate)
-    motion = tame(Motion.of(trajectories))
+        filler_of(candidate)
+    motion = within_reach(MarkerArray.of(trajectories))
     written = _Columns(trajectories)
     written.drop(~motion.seen)
-    motion = trim_edges(motion, find_gaps(motion), method=edges or Edges()).motion
+    motion = trim_edges(motion, find_gaps(motion), method=edges or GapEdges()).motion
     gaps = find_gaps(motion, ends=ends)
     if isinstance(method, Auto):
         candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
@@ -140,30 +140,41 @@ def fill(
     return filled if static is None else _with_static(filled, static, limit_mm)
 
 
+def affordable(methods: Sequence[FillMethod], gaps: int, frames: int) -> list[FillMethod]:
+    """Those of the methods to choose from that a trial of so many gaps and frames leaves time for."""
+    quick = [method for method in methods if not method.slow]
+    return quick if quick and gaps * frames > SLOW else list(methods)
+
+
+def within_time(method: FillMethod, gaps: list[Gap], source: MarkerArray | None) -> FillMethod:
+    """The method itself, or a faster form of it where there are many gaps; for `source` see `FillMethod`."""
+    return method if len(gaps) <= MANY else method.for_many_gaps(gaps, source)
+
+
 def tests_per_gap(gaps: int) -> int:
     """How often each gap is tried: more where there are few gaps, as tests of other gaps tell less of it."""
     return int(np.clip(200 // gaps, 1, 12))
 
 
-def tame(motion: Motion) -> Motion:
+def within_reach(motion: MarkerArray) -> MarkerArray:
     """The trial without samples that cannot be positions: a filler would take them for motion."""
-    middle = np.nan_to_num(np.nanmedian(motion.xyz, axis=(0, 1))) if motion.seen.any() else np.zeros(3)
-    with np.errstate(invalid="ignore"):
-        wild = np.abs(motion.xyz - middle).max(-1) > WILD
-    return motion._replace(xyz=np.where(wild[..., None], np.nan, motion.xyz)) if wild.any() else motion
+    known = possible(motion.xyz)
+    wild = motion.seen & ~known
+    return motion._replace(xyz=np.where(known[..., None], motion.xyz, np.nan)) if wild.any() else motion
 
 
-def ask(motion: Motion, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[Answer]:
+def ask(motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[FillAnswer]:
     """What each method says of all gaps, and how it does in one set of hidden tests."""
     return _asked(motion, gaps, candidates, seed, lambda _: True)
 
 
-def ask_winners(motion: Motion, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[Answer]:
+def ask_winners(motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[FillAnswer]:
     """As `ask`, but of each gap only the methods that are needed to choose and fill are asked, for time's sake.
 
-    That is the one that does best in the tests; the next best where that has nothing to say; and those of `TOGETHER`.
+    That is the one that does best in the tests; the next best where that has nothing to say; and those
+    that answer for all gaps together.
     """
-    answers = _asked(motion, gaps, candidates, seed, lambda method: isinstance(method, TOGETHER))
+    answers = _asked(motion, gaps, candidates, seed, lambda method: method.together)
     left = set(range(len(gaps)))
     while left:
         lead = {index: _leader(answers, *_told(answers, gaps, index)) for index in left}
@@ -177,8 +188,8 @@ def ask_winners(motion: Motion, gaps: list[Gap], candidates: Sequence[Any], *, s
 
 
 def _asked(
-    motion: Motion, gaps: list[Gap], candidates: Sequence[Any], seed: int, whether: Callable[[Any], bool]
-) -> list[Answer]:
+    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], seed: int, whether: Callable[[Any], bool]
+) -> list[FillAnswer]:
     """The hidden tests of all methods, and what those of them say that are asked.
 
     What a method learns once for all gaps it learns from the trial with all tests hidden: none has its answer in it.
@@ -194,9 +205,11 @@ def _asked(
     answers = []
     for candidate in candidates:
         method = within_time(candidate, gaps, source)
-        tried = run(motion, planned, FILLERS[type(method)], method)
+        tried = run(motion, planned, filler_of(method), method)
         said = _say(motion, gaps, method) if whether(method) else [UNASKED] * len(gaps)
-        answers.append(Answer(name_of(method), said, Measured(tried), Calibration(tried), tried, method))
+        answers.append(
+            FillAnswer(FILL.of(method).name, said, MeasuredErrors(tried), ErrorCalibration(tried), tried, method)
+        )
     return answers
 
 
@@ -215,9 +228,9 @@ def _tested(gaps: list[Gap]) -> list[int]:
     return sorted({*middle, *(rest[k] for k in places)})
 
 
-def _say(motion: Motion, gaps: list[Gap], method: Any) -> list[Prediction]:
+def _say(motion: MarkerArray, gaps: list[Gap], method: Any) -> list[Prediction]:
     """What a method says of some gaps, if any."""
-    return FILLERS[type(method)](motion, gaps, method=method) if gaps else []
+    return filler_of(method)(motion, gaps, method=method) if gaps else []
 
 
 def _within(found: FilledGap, limit_mm: float) -> FilledGap:
@@ -237,9 +250,9 @@ def _within(found: FilledGap, limit_mm: float) -> FilledGap:
 def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Filled:
     """Markers that the trial never shows, placed from the static trial; new ones come last."""
     trajectories = filled.trajectories
-    motion = tame(Motion.of(trajectories))
+    motion = within_reach(MarkerArray.of(trajectories))
     paths, told = {path.name: path for path in trajectories}, list(filled.gaps)
-    for placed in place_absent(motion, StaticShape.of(tame(Motion.of(static)))):
+    for placed in place_absent(motion, StaticShape.of(within_reach(MarkerArray.of(static)))):
         found = FilledGap(
             placed.name,
             0,
@@ -252,13 +265,15 @@ def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Fille
         found = _within(replace(found, method="") if placed.reason else found, limit_mm)
         told.append(found)
         if found.method:
-            path = Path.measured(placed.name, placed.xyz, cov=placed.cov)
+            path = MarkerTrajectory.measured(placed.name, placed.xyz, cov=placed.cov)
             origin = np.where(path.origin == Origin.MEASURED, Origin.FILLED, Origin.MISSING)
             paths[placed.name] = replace(path, origin=origin.astype(np.uint8))
     return Filled(replace(trajectories, paths=tuple(paths.values())), tuple(told))
 
 
-def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -> tuple[FilledGap, Prediction, Floats]:
+def choose(
+    motion: MarkerArray, gaps: list[Gap], index: int, answers: list[FillAnswer]
+) -> tuple[FilledGap, Prediction, Floats]:
     """The method that does best in the tests for one gap, its prediction, and the calibrated covariance."""
     gap = gaps[index]
     told, weights = _told(answers, gaps, index)
@@ -278,7 +293,7 @@ def choose(motion: Motion, gaps: list[Gap], index: int, answers: list[Answer]) -
     return replace(found, donors=donors), said, best.calibration.covariance(said, edge_distance(motion, gap), weights)
 
 
-def _told(answers: list[Answer], gaps: list[Gap], index: int) -> tuple[dict[str, tuple[float, float]], Floats]:
+def _told(answers: list[FillAnswer], gaps: list[Gap], index: int) -> tuple[dict[str, tuple[float, float]], Floats]:
     """Expected and typical error of one gap by each method, and what each test counts for it.
 
     By how far two methods are apart too, where there are two, and few enough gaps that all were asked about each.
@@ -302,7 +317,7 @@ def _apart(one: Floats, other: Floats) -> float:
     return float(np.sqrt(((one - other) ** 2).sum(1).mean())) if len(one) and len(other) else np.inf
 
 
-def _leader(answers: list[Answer], told: dict[str, tuple[float, float]], weights: Floats) -> Answer:
+def _leader(answers: list[FillAnswer], told: dict[str, tuple[float, float]], weights: Floats) -> FillAnswer:
     """The least typical error; `FIRST` where it can be used, unless another beats it by more than chance."""
     first = next((a for a in answers if a.name == FIRST and np.isfinite(told[a.name][1])), None)
     if first is None:
@@ -313,8 +328,8 @@ def _leader(answers: list[Answer], told: dict[str, tuple[float, float]], weights
 
 
 def _mean_of_close(
-    answers: list[Answer], told: dict[str, tuple[float, float]], index: int, counts: Floats
-) -> Answer | None:
+    answers: list[FillAnswer], told: dict[str, tuple[float, float]], index: int, counts: Floats
+) -> FillAnswer | None:
     """The weighed mean of methods that do nearly as well for one gap; other gaps of it are not worked out."""
     close = close_ones([np.nan_to_num(told[answer.name][1], nan=np.inf, posinf=np.inf) for answer in answers])
     if not close:
@@ -329,7 +344,7 @@ def _mean_of_close(
     said = list(chosen[0].said)
     said[index] = mean_prediction([answer.said[index] for answer in chosen], w)
     name = " + ".join(answer.name for answer, share in zip(chosen, w, strict=True) if share > LITTLE)
-    return Answer(name, said, Measured(tried), Calibration(tried), tried)
+    return FillAnswer(name, said, MeasuredErrors(tried), ErrorCalibration(tried), tried)
 
 
 class _Columns:

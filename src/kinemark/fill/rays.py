@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Camera, Detections, Rig, Tracks
+from ..data.array_types import Floats
 from ..geometry import point_jacobian, project
-from .motion import Floats
 
 GATE = 9.21
 """99 % of χ² with two degrees of freedom."""
@@ -58,7 +58,7 @@ class Sharpened(NamedTuple):
     cameras: NDArray[np.uint32]
 
 
-class _Images(NamedTuple):
+class _RayImages(NamedTuple):
     """Of one camera and L frames: row of the image that fits, −1 for none; off (L, 2) px; J (L, 2, 3); S (L, 2, 2)."""
 
     row: NDArray[np.int64]
@@ -91,7 +91,7 @@ def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> Sharpened:
     return Sharpened(xyz, cov, cameras)
 
 
-def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays: Rays) -> _Images:
+def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays: Rays) -> _RayImages:
     """The images of a camera that count."""
     seen = rays.detections
     n = len(xyz)
@@ -116,7 +116,7 @@ def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays:
         if len(near) == 1:
             row[i], off[i], S[i] = rows[near[0]], difference[near[0]], JPJ[i] + noise[near[0]]
     row[~_lasting(row >= 0)] = -1
-    return _Images(row, off, J, S)
+    return _RayImages(row, off, J, S)
 
 
 def _lasting(found: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -34,11 +34,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data.arrays import check_positive
+from ..data.array_types import Floats, Ints
+from ..data.method import ONE, Method, parameter
 from ..geometry import rigid_poses
-from .known import Ints, Known
-from .motion import Floats, Motion
-from .rigid_body import on_line
+from .known_samples import KnownSamples
+from .marker_array import MarkerArray
+from .methods.rigid_body import on_line
 from .static_shape import StaticShape
 
 JUDGE = 40
@@ -46,34 +47,31 @@ JUDGE = 40
 
 
 @dataclass(frozen=True, slots=True)
-class FromStatic:
-    """Parameters of the method.
+class FromStatic(Method):
+    """A marker that the trial never shows, placed from its place among others in a static trial."""
 
-    Attributes:
-        donors: names of markers on the same body; empty: chosen.
-        nearest: markers among which donors are chosen.
-        at_most: of donors, when they are chosen.
-        reach: of donors from the lost marker in the static trial, mm.
-        share: of the frames that show any donor, so many must show all.
-        flat: donors lie on a line below this ratio of their breadth to their length.
-    """
+    donors: tuple[str, ...] = parameter(
+        (), meaning="reference markers: names of markers on the same body; empty: chosen"
+    )
+    nearest: int = parameter(6, unit="markers", low=3, meaning="among which donors are chosen")
+    at_most: int = parameter(4, unit="markers", low=3, meaning="most donors, when they are chosen")
+    reach: float = parameter(
+        600.0, unit="mm", above=0, meaning="farthest donor from the lost marker in the static trial"
+    )
+    share: float = parameter(
+        0.5, unit=ONE, above=0, meaning="share of the frames that show any donor in which all must be shown"
+    )
+    flat: float = parameter(
+        0.1, unit=ONE, meaning="donors lie on a line below this ratio of their breadth to their length"
+    )
 
-    donors: tuple[str, ...] = ()
-    nearest: int = 6
-    at_most: int = 4
-    reach: float = 600.0
-    share: float = 0.5
-    flat: float = 0.1
-
-    def __post_init__(self) -> None:
-        check_positive(reach=self.reach, share=self.share)
+    def check_together(self) -> None:
+        """Refuse fewer than three donors."""
         if self.donors and len(set(self.donors)) < 3:
             raise ValueError(f"donors are {list(self.donors)}, wanted at least three different ones, or none")
-        if self.at_most < 3 or self.nearest < 3:
-            raise ValueError(f"at_most and nearest are {self.at_most} and {self.nearest}, wanted at least 3 each")
 
 
-class Placed(NamedTuple):
+class PlacedMarker(NamedTuple):
     """A marker that a trial lacks.
 
     Attributes:
@@ -93,7 +91,7 @@ class Placed(NamedTuple):
     reason: str = ""
 
 
-def place_absent(motion: Motion, static: StaticShape, *, method: FromStatic = FromStatic()) -> list[Placed]:
+def place_absent(motion: MarkerArray, static: StaticShape, *, method: FromStatic = FromStatic()) -> list[PlacedMarker]:
     """Every marker of the static trial that the trial nowhere shows, or does not have at all.
 
     Args:
@@ -104,14 +102,14 @@ def place_absent(motion: Motion, static: StaticShape, *, method: FromStatic = Fr
     Raises:
         ValueError: a donor named is not in both trials.
     """
-    known = Known.of(motion)
+    known = KnownSamples.of(motion)
     shown = {name for name, seen in zip(known.names, known.seen, strict=True) if seen.any()}
     if lost := [name for name in method.donors if name not in shown or name not in static.names]:
         raise ValueError(f"no donors {', '.join(lost)} in both trials")
     return [_place(known, static, k, method) for k, name in enumerate(static.names) if name not in shown]
 
 
-def _place(known: Known, static: StaticShape, lost: int, method: FromStatic) -> Placed:
+def _place(known: KnownSamples, static: StaticShape, lost: int, method: FromStatic) -> PlacedMarker:
     place = static.xyz[lost]
     candidates = _candidates(known, static, place, method)
     if len(candidates) < 3:
@@ -123,12 +121,12 @@ def _place(known: Known, static: StaticShape, lost: int, method: FromStatic) -> 
     return _carried(known, static, lost, donors, s2)
 
 
-def _nowhere(known: Known, name: str, reason: str) -> Placed:
+def _nowhere(known: KnownSamples, name: str, reason: str) -> PlacedMarker:
     F = known.n_frames
-    return Placed(name, np.full((F, 3), np.nan), np.full((F, 3, 3), np.nan), np.nan, (), reason)
+    return PlacedMarker(name, np.full((F, 3), np.nan), np.full((F, 3, 3), np.nan), np.nan, (), reason)
 
 
-def _candidates(known: Known, static: StaticShape, place: Floats, method: FromStatic) -> Ints:
+def _candidates(known: KnownSamples, static: StaticShape, place: Floats, method: FromStatic) -> Ints:
     """Rows of the static trial that may be donors, the nearest first."""
     far = np.sqrt(((static.xyz - place) ** 2).sum(1))
     shown = {name for name, seen in zip(known.names, known.seen, strict=True) if seen.any()}
@@ -138,13 +136,13 @@ def _candidates(known: Known, static: StaticShape, place: Floats, method: FromSt
     return np.array([k for k in order if far[k] <= method.reach][: method.nearest], np.int64)
 
 
-def _points(known: Known, static: StaticShape, donors: Ints, frames: Ints) -> Floats:
+def _points(known: KnownSamples, static: StaticShape, donors: Ints, frames: Ints) -> Floats:
     """(F, N, 3) mm of donors, given as rows of the static trial."""
     return known.x[known.places([static.names[k] for k in donors])][:, frames].swapaxes(0, 1)
 
 
 def _chosen(
-    known: Known, static: StaticShape, place: Floats, candidates: Ints, method: FromStatic
+    known: KnownSamples, static: StaticShape, place: Floats, candidates: Ints, method: FromStatic
 ) -> tuple[Ints, float]:
     """The donors, empty if there are none, and s² of (4)."""
     x, shape = _points(known, static, candidates, known.thin(JUDGE)), static.xyz[candidates]
@@ -201,7 +199,7 @@ def _sigma2(e: Floats) -> Floats:
     return np.asarray((e * e).sum((1, 2)) / (3 * e.shape[1] - 6))
 
 
-def _carried(known: Known, static: StaticShape, lost: int, donors: Ints, s2: float) -> Placed:
+def _carried(known: KnownSamples, static: StaticShape, lost: int, donors: Ints, s2: float) -> PlacedMarker:
     frames = np.arange(known.n_frames)
     x = _points(known, static, donors, frames)
     there = ~np.isnan(x[..., 0]).any(1)

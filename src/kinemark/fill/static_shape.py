@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .known import Known
-from .motion import Floats, Motion
+from ..data.array_types import Floats
+from .known_samples import KnownSamples
+from .marker_array import MarkerArray
 
 
 class StaticShape(NamedTuple):
@@ -24,9 +25,9 @@ class StaticShape(NamedTuple):
     sd: Floats
 
     @classmethod
-    def of(cls, static: Motion) -> StaticShape:
+    def of(cls, static: MarkerArray) -> StaticShape:
         """The median place of every marker that the static trial shows; markers it does not show are left out."""
-        known = Known.of(static)
+        known = KnownSamples.of(static)
         rows = np.flatnonzero(known.seen.any(1))
         places = [np.median(known.x[k, known.seen[k]], axis=0) for k in rows]
         off = [((known.x[k, known.seen[k]] - p) ** 2).sum(1).mean() ** 0.5 for k, p in zip(rows, places, strict=True)]

@@ -12,60 +12,58 @@ K₂ is the upper left 2 × 2 of K.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Camera, Rig
+from ..data.array_types import Floats
 from . import lens
 
-Array = NDArray[np.float64]
 
-
-def to_camera(camera: Camera, xyz: Array) -> Array:
+def to_camera(camera: Camera, xyz: Floats) -> Floats:
     """World points (…, 3) mm in the camera's frame (…, 3) mm; the third is the depth."""
     return xyz @ camera.R.T + camera.t
 
 
-def pixels(camera: Camera, xy: Array) -> Array:
+def pixels(camera: Camera, xy: Floats) -> Floats:
     """Normalised image points (…, 2) as pixels (…, 2)."""
     return xy @ camera.K[:2, :2].T + camera.K[:2, 2]
 
 
-def normalised(camera: Camera, uv: Array) -> Array:
+def normalised(camera: Camera, uv: Floats) -> Floats:
     """Pixels (…, 2) as points of the normalised image plane (…, 2), the lens's distortion still in."""
     y = (uv[..., 1] - camera.K[1, 2]) / camera.K[1, 1]
     return np.stack([(uv[..., 0] - camera.K[0, 2] - camera.K[0, 1] * y) / camera.K[0, 0], y], -1)
 
 
-def project(camera: Camera, xyz: Array) -> Array:
+def project(camera: Camera, xyz: Floats) -> Floats:
     """Pixels (…, 2) of world points (…, 3) mm, as the lens draws them; NaN behind the camera."""
     x_cam = to_camera(camera, xyz)
     depth = np.where(x_cam[..., 2:] > 0, x_cam[..., 2:], np.nan)
     return pixels(camera, lens.distort(x_cam[..., :2] / depth, camera.distortion))
 
 
-def project_all(rig: Rig, xyz: Array) -> Array:
+def project_all(rig: Rig, xyz: Floats) -> Floats:
     """Pixels (C, …, 2) of world points (…, 3) mm in every camera."""
     return np.stack([project(camera, xyz) for camera in rig])
 
 
-def undistort(camera: Camera, uv: Array) -> Array:
+def undistort(camera: Camera, uv: Floats) -> Floats:
     """Pixels (…, 2) as an ideal lens would draw them (…, 2), so that `Camera.P` holds for them."""
     return pixels(camera, lens.undistort(normalised(camera, uv), camera.distortion))
 
 
-def distort(camera: Camera, uv: Array) -> Array:
+def distort(camera: Camera, uv: Floats) -> Floats:
     """Pixels of an ideal lens (…, 2) as this lens draws them (…, 2)."""
     return pixels(camera, lens.distort(normalised(camera, uv), camera.distortion))
 
 
-def rays(camera: Camera, uv: Array) -> Array:
+def rays(camera: Camera, uv: Floats) -> Floats:
     """Unit directions (…, 3) in the world from `camera.centre` to what is seen at pixels (…, 2)."""
     xy = lens.undistort(normalised(camera, uv), camera.distortion)
     ahead = np.concatenate([xy, np.ones_like(xy[..., :1])], -1) @ camera.R
     return ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
 
 
-def linearised(camera: Camera, xyz: Array) -> tuple[Array, Array]:
+def linearised(camera: Camera, xyz: Floats) -> tuple[Floats, Floats]:
     """`project` (2, n), px, and `point_jacobian` (2, 3, n), px/mm, of world points (3, n) mm; NaN behind the camera.
 
     The points stand along the last axis, so that NumPy's innermost loop runs over them: much faster for many points.
@@ -77,24 +75,24 @@ def linearised(camera: Camera, xyz: Array) -> tuple[Array, Array]:
     return uv, camera.R.T @ _by_camera(camera, x, y, z)  # (6)
 
 
-def point_jacobian(camera: Camera, xyz: Array) -> Array:
+def point_jacobian(camera: Camera, xyz: Floats) -> Floats:
     """d uv / d xyz (…, 2, 3), px/mm, of `project` at world points (…, 3) mm."""
     x, y, z = np.moveaxis(to_camera(camera, xyz), -1, 0)
     return _last(_by_camera(camera, x / z, y / z, z)) @ camera.R  # (6)
 
 
-def parameter_jacobian(camera: Camera, xyz: Array) -> Array:
+def parameter_jacobian(camera: Camera, xyz: Floats) -> Floats:
     """d uv / d parameters (…, 2, 15) of `project`, in the order of `data.PARAMETERS`."""
     return _last(_by_parameters(camera, *np.moveaxis(to_camera(camera, xyz), -1, 0)))
 
 
-def open_variance(camera: Camera, xyz: Array) -> Array:
+def open_variance(camera: Camera, xyz: Floats) -> Floats:
     """J_θ C_θ J_θᵀ (2, 2, n) px² with J_θ of `parameter_jacobian` at (3, n) mm: what the calibration leaves open."""
     J = _by_parameters(camera, *(camera.R @ xyz + camera.t[:, None]))
     return np.asarray(np.einsum("ikn,jkn->ijn", camera.cov @ J, J))
 
 
-def _by_parameters(camera: Camera, X: Array, Y: Array, Z: Array) -> Array:
+def _by_parameters(camera: Camera, X: Floats, Y: Floats, Z: Floats) -> Floats:
     """d uv / d parameters (2, 15, …) at x_cam = (X, Y, Z)."""
     x, y = X / Z, Y / Z
     r2, xy = x * x + y * y, x * y
@@ -112,7 +110,7 @@ def _by_parameters(camera: Camera, X: Array, Y: Array, Z: Array) -> Array:
     return J
 
 
-def _by_camera(camera: Camera, x: Array, y: Array, Z: Array) -> Array:
+def _by_camera(camera: Camera, x: Floats, y: Floats, Z: Floats) -> Floats:
     """d uv / d x_cam (2, 3, …) at normalised x and y and depth Z."""
     xx, xy, yy = lens.slopes(x, y, camera.distortion)
     J = np.empty((2, 3, *x.shape))
@@ -121,11 +119,11 @@ def _by_camera(camera: Camera, x: Array, y: Array, Z: Array) -> Array:
     return J
 
 
-def _scaled(camera: Camera, x: Array, y: Array) -> tuple[Array, Array]:
+def _scaled(camera: Camera, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     """K₂ (x, y)."""
     return camera.K[0, 0] * x + camera.K[0, 1] * y, camera.K[1, 1] * y
 
 
-def _last(J: Array) -> Array:
+def _last(J: Floats) -> Floats:
     """(2, k, …) as (…, 2, k)."""
     return np.ascontiguousarray(np.moveaxis(J, (0, 1), (-2, -1)))

@@ -11,13 +11,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial.distance import squareform
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from ..data.array_types import Floats, Ints
 
 MOST_FRAMES = 1000
 """Frames, spread over the trial, that (1) looks at."""

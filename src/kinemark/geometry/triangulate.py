@@ -21,20 +21,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Camera, Rig
+from ..data.array_types import Floats
 from .camera import linearised, open_variance
-
-Array = NDArray[np.float64]
 
 
 class Triangulated(NamedTuple):
     """Refined points: xyz (N, 3) mm; cov (N, 3, 3) mm²; off (N, C, 2) px, seen minus reprojected, NaN unseen."""
 
-    xyz: Array
-    cov: Array
-    off: Array
+    xyz: Floats
+    cov: Floats
+    off: Floats
 
 
-def triangulate(uv: Array, P: Array) -> Array:
+def triangulate(uv: Floats, P: Floats) -> Floats:
     """World points (N, 3) mm from ideal pixels uv (N, C, 2), NaN where unseen, and projections P (C, 3, 4), by (3).
 
     Fewer than two views, or rays that are parallel, give NaN.
@@ -47,7 +46,7 @@ def triangulate(uv: Array, P: Array) -> Array:
     return np.where((seen.sum(1) >= 2)[:, None], solve3(normal, np.einsum("nij,ni->nj", B, D)), np.nan)  # (3)
 
 
-def refine(rig: Rig, xyz: Array, uv: Array, cov: Array, *, steps: int = 3, exact: bool = True) -> Triangulated:
+def refine(rig: Rig, xyz: Floats, uv: Floats, cov: Floats, *, steps: int = 3, exact: bool = True) -> Triangulated:
     """The most likely points by (5), from first guesses xyz (N, 3) mm.
 
     Args:
@@ -80,11 +79,11 @@ class _View(NamedTuple):
 
     camera: Camera
     point: NDArray[np.int64]
-    uv: Array
-    weight: Array
+    uv: Floats
+    weight: Floats
 
 
-def _view(camera: Camera, c: int, seen: NDArray[np.bool_], xyz: Array, uv: Array, cov: Array) -> _View:
+def _view(camera: Camera, c: int, seen: NDArray[np.bool_], xyz: Floats, uv: Floats, cov: Floats) -> _View:
     """What camera c sees of points at xyz (N, 3) mm."""
     point = np.flatnonzero(seen)
     C = cov[point, c].transpose(1, 2, 0)
@@ -94,9 +93,9 @@ def _view(camera: Camera, c: int, seen: NDArray[np.bool_], xyz: Array, uv: Array
     return _View(camera, point, uv[point, c].T, weight)
 
 
-def _normal_equations(views: list[_View], xyz: Array) -> tuple[Array, Array, list[tuple[Array, Array]]]:
+def _normal_equations(views: list[_View], xyz: Floats) -> tuple[Floats, Floats, list[tuple[Floats, Floats]]]:
     """Σ Jᵀ C⁻¹ J (N, 3, 3), Σ Jᵀ C⁻¹ off (N, 3), and of each view off = uv − project (2, n) px and J (2, 3, n)."""
-    normal, pull, each = np.zeros((3, 3, len(xyz))), np.zeros((3, len(xyz))), list[tuple[Array, Array]]()
+    normal, pull, each = np.zeros((3, 3, len(xyz))), np.zeros((3, len(xyz))), list[tuple[Floats, Floats]]()
     for camera, point, uv, (xx, xy, yy) in views:
         drawn, J = linearised(camera, xyz[point].T)
         each.append((off := uv - drawn, J))
@@ -106,7 +105,7 @@ def _normal_equations(views: list[_View], xyz: Array) -> tuple[Array, Array, lis
     return normal.transpose(2, 0, 1), pull.T, each
 
 
-def inverse3(A: Array) -> Array:
+def inverse3(A: Floats) -> Floats:
     """Inverses of many symmetric 3 × 3 matrices (…, 3, 3) by cofactors; NaN where singular."""
     a, b, c, d, e, f = (A[..., i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
     out = np.empty_like(A)
@@ -119,6 +118,6 @@ def inverse3(A: Array) -> Array:
     return np.asarray(out / det[..., None, None])
 
 
-def solve3(A: Array, b: Array) -> Array:
+def solve3(A: Floats, b: Floats) -> Floats:
     """x (…, 3) of A x = b for many symmetric 3 × 3 systems; NaN where singular."""
     return (inverse3(A) @ b[..., None])[..., 0]

@@ -24,8 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError
-
-Array = NDArray[np.float64]
+from ..data.array_types import Floats
 
 FEWEST = 8
 TRIALS = 150
@@ -34,12 +33,12 @@ SPREAD = 3.0
 QUARTER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
-def homogeneous(x: Array) -> Array:
+def homogeneous(x: Floats) -> Floats:
     """(…, d) → (…, d + 1), a one appended."""
     return np.concatenate([x, np.ones_like(x[..., :1])], -1)
 
 
-def fit_fundamental(uv1: Array, uv2: Array) -> Array:
+def fit_fundamental(uv1: Floats, uv2: Floats) -> Floats:
     """F (3, 3) of unit norm and rank 2 from N ≥ 8 pairs of ideal pixels (N, 2), by (1) and (2).
 
     Raises:
@@ -55,8 +54,8 @@ def fit_fundamental(uv1: Array, uv2: Array) -> Array:
 
 
 def robust_fundamental(
-    uv1: Array, uv2: Array, *, tolerance: float | None = None, seed: int = 0, trials: int = TRIALS
-) -> tuple[Array, NDArray[np.bool_]]:
+    uv1: Floats, uv2: Floats, *, tolerance: float | None = None, seed: int = 0, trials: int = TRIALS
+) -> tuple[Floats, NDArray[np.bool_]]:
     """F (3, 3) from pairs (N, 2) of which some are wrong, and which ones (N) are within tolerance of it.
 
     Args:
@@ -89,7 +88,7 @@ def robust_fundamental(
     return best, inliers
 
 
-def sampson_distance(F: Array, uv1: Array, uv2: Array) -> Array:
+def sampson_distance(F: Floats, uv1: Floats, uv2: Floats) -> Floats:
     """(3), signed, px (…), for F (…, 3, 3) and pixels (…, 2) in both cameras."""
     (u1, v1), (u2, v2) = (np.moveaxis(uv, -1, 0) for uv in (uv1, uv2))
     a, b, c = (F[..., i, 0] * u1 + F[..., i, 1] * v1 + F[..., i, 2] for i in range(3))  # F x₁
@@ -97,13 +96,13 @@ def sampson_distance(F: Array, uv1: Array, uv2: Array) -> Array:
     return np.asarray((u2 * a + v2 * b + c) / np.maximum(np.sqrt(a**2 + b**2 + d**2 + e**2), 1e-300))  # (3)
 
 
-def essential(F: Array, K1: Array, K2: Array) -> Array:
+def essential(F: Floats, K1: Floats, K2: Floats) -> Floats:
     """E (…, 3, 3) of (6), of unit norm."""
     E = np.swapaxes(K2, -1, -2) @ F @ K1
     return np.asarray(E / np.linalg.norm(E, axis=(-2, -1), keepdims=True))
 
 
-def poses(E: Array) -> tuple[Array, Array]:
+def poses(E: Floats) -> tuple[Floats, Floats]:
     """The four poses (7) of essential matrices (…, 3, 3): R (…, 4, 3, 3), t (…, 4, 3) of unit length."""
     U, _, Vt = np.linalg.svd(E)
     U = U * np.linalg.det(U)[..., None, None]
@@ -112,7 +111,7 @@ def poses(E: Array) -> tuple[Array, Array]:
     return np.stack([R1, R1, R2, R2], -3), np.stack([t, -t, t, -t], -2)
 
 
-def relative_pose(E: Array, xy1: Array, xy2: Array) -> tuple[Array, Array]:
+def relative_pose(E: Floats, xy1: Floats, xy2: Floats) -> tuple[Floats, Floats]:
     """R (…, 3, 3), t (…, 3) of the second camera from the first, from points (N, 2) or (…, N, 2) on both image planes.
 
     The points are normalised and ideal; of the four poses of each E (…, 3, 3) the one with most points before both
@@ -127,7 +126,7 @@ def relative_pose(E: Array, xy1: Array, xy2: Array) -> tuple[Array, Array]:
     )
 
 
-def midpoints(R: Array, t: Array, xy1: Array, xy2: Array) -> tuple[Array, Array, Array]:
+def midpoints(R: Floats, t: Floats, xy1: Floats, xy2: Floats) -> tuple[Floats, Floats, Floats]:
     """The points half-way between two rays (…, N, 3) in the first camera's frame, and their depths (…, N) in both.
 
     R (…, 3, 3), t (…, 3) take the first camera's frame to the second's; xy (…, N, 2) are normalised and ideal.
@@ -142,7 +141,7 @@ def midpoints(R: Array, t: Array, xy1: Array, xy2: Array) -> tuple[Array, Array,
     return (depth1[..., None] * a + origin + depth2[..., None] * b) / 2, depth1, depth2
 
 
-def _fit(uv1: Array, uv2: Array) -> Array:
+def _fit(uv1: Floats, uv2: Floats) -> Floats:
     """(T, 3, 3) from T sets of pairs (T, n, 2)."""
     x1, T1 = _scaled(uv1)
     x2, T2 = _scaled(uv2)
@@ -157,7 +156,7 @@ def _fit(uv1: Array, uv2: Array) -> Array:
     return np.asarray(F / np.maximum(np.linalg.norm(F, axis=(-2, -1), keepdims=True), 1e-300))
 
 
-def _scaled(uv: Array) -> tuple[Array, Array]:
+def _scaled(uv: Floats) -> tuple[Floats, Floats]:
     """Pixels (T, n, 2) at zero mean and unit spread, (T, n, 3), and the transform (T, 3, 3) that did it."""
     middle = uv.mean(-2, keepdims=True)
     scale = 1 / np.maximum(np.sqrt(((uv - middle) ** 2).mean((-2, -1), keepdims=True)), 1e-300)

@@ -19,16 +19,14 @@ import csv
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import AngleModel, KinemarkError
-from .text import bad_line, numbers, plain, read_text, whole
+from ..data.array_types import Floats, Ints
+from .number_text import bad_line, numbers, plain, read_text, whole
 
 FIRST = ["kinemark angle model", "1"]
 SEGMENTS = ["segment", "from", "to", "bank", "length_mm", "spread_mm"]
 ANGLES = ["segment", "percent", "x_deg", "y_deg", "z_deg", "cycles", "xx", "xy", "xz", "yy", "yz", "zz"]
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 UPPER = np.triu_indices(3)
 UNIT = 0.01

@@ -20,7 +20,7 @@ import numpy as np
 from ..data import Angles
 from ..kinematics import Cycles, Model, Named, named, outside
 from .files import replacing
-from .text import plain
+from .number_text import plain
 
 
 def column(model: Model, one: Named) -> str:

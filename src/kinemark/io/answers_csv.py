@@ -18,7 +18,7 @@ from pathlib import Path
 from ..data import KinemarkError
 from ..digitise import Given, parse_answer, row_of
 from .files import replacing
-from .text import bad_line, read_text
+from .number_text import bad_line, read_text
 
 HEADING = ["frame", "marker", "answer"]
 

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
-from .text import read_text
+from .number_text import read_text
 
 SNAP = 8.0  # px; an operator points within this distance of a marker's centre
 
 
-class Digitised(NamedTuple):
+class DigitisedControlPoints(NamedTuple):
     """xyz (N, 3) mm; uv (C, N, 2) px, NaN unseen; cov (C, N, 2, 2) px², or None where nothing states it; names (N)."""
 
     xyz: NDArray[np.float64]
@@ -29,7 +29,7 @@ class Digitised(NamedTuple):
     names: tuple[str, ...] = ()
 
 
-def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | None = None) -> Digitised:
+def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | None = None) -> DigitisedControlPoints:
     """Control points of a CSV file; with detections, each place is moved to the nearest marker within `SNAP`.
 
     Raises:
@@ -53,11 +53,11 @@ def read_control_points(path: Path, cameras: Sequence[str], seen: Detections | N
     if not np.isfinite(xyz).all():
         raise KinemarkError(f"{path} has a control point without x, y and z. Fill them in.")
     names = tuple((row.get("name") or str(n + 1)).strip() for n, row in enumerate(rows))
-    found = Digitised(xyz, uv, None) if seen is None else _snapped(path, xyz, uv, seen)
+    found = DigitisedControlPoints(xyz, uv, None) if seen is None else _snapped(path, xyz, uv, seen)
     return found._replace(names=names)
 
 
-def _snapped(path: Path, xyz: NDArray[np.float64], uv: NDArray[np.float64], seen: Detections) -> Digitised:
+def _snapped(path: Path, xyz: NDArray[np.float64], uv: NDArray[np.float64], seen: Detections) -> DigitisedControlPoints:
     """The control points at the markers' centroids."""
     exact, cov = np.full(uv.shape, np.nan), np.full((*uv.shape, 2), np.nan)
     for c, camera in enumerate(seen.cameras):
@@ -71,4 +71,4 @@ def _snapped(path: Path, xyz: NDArray[np.float64], uv: NDArray[np.float64], seen
                 )
             nearest = rows.start + int(distance.argmin())
             exact[c, n], cov[c, n] = seen.uv[nearest], seen.cov[nearest]
-    return Digitised(xyz, exact, cov)
+    return DigitisedControlPoints(xyz, exact, cov)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
 from .files import replacing
-from .text import bad_line, numbers, plain, read_text, whole
+from .number_text import bad_line, numbers, plain, read_text, whole
 
 NEEDED = ("camera", "frame", "u_px", "v_px")
 VARIANCES = ("var_u_px2", "var_v_px2")

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..data import KinemarkError
 from .files import replacing
-from .text import bad_line, numbers, plain
+from .number_text import bad_line, numbers, plain
 from .trajectories_csv import csv_rows
 
 N_DLT = 11

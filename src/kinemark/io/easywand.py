@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Camera, KinemarkError
+from ..data.array_types import Floats
 from .mat5 import read_mat5
-
-Array = NDArray[np.float64]
 
 MOST_CAMERAS = 64
 
@@ -36,14 +35,14 @@ class EasyWand(NamedTuple):
         dlt: (C, 11) its result, for ideal pixels and mm.
     """
 
-    wand: Array
-    background: Array
-    axis: Array
+    wand: Floats
+    background: Floats
+    axis: Floats
     length: float
     sizes: NDArray[np.int64]
     start: tuple[Camera, ...]
     lenses: tuple[Camera, ...]
-    dlt: Array
+    dlt: Floats
 
 
 def read_easywand(path: Path | str) -> EasyWand:
@@ -78,7 +77,7 @@ def read_easywand(path: Path | str) -> EasyWand:
     )
 
 
-def _numbers(path: Path | str, easy: dict[str, Any], name: str, n: int | None) -> Array:
+def _numbers(path: Path | str, easy: dict[str, Any], name: str, n: int | None) -> Floats:
     """All numbers of a field, in MATLAB's order."""
     value = easy.get(name)
     if not isinstance(value, np.ndarray) or (n is not None and value.size != n):
@@ -90,7 +89,7 @@ def _numbers(path: Path | str, easy: dict[str, Any], name: str, n: int | None) -
 REMOVED = {"wandPts": "rmpts", "backgroundPts": "bkrmpts"}
 
 
-def _points(path: Path | str, easy: dict[str, Any], name: str, n: int, k: int) -> Array:
+def _points(path: Path | str, easy: dict[str, Any], name: str, n: int, k: int) -> Floats:
     """(F, k, C, 2) points; none where the field is empty."""
     value = easy.get(name)
     if value is None or (isinstance(value, np.ndarray) and value.size == 0):

@@ -16,7 +16,7 @@ import numpy as np
 from ..data import KinemarkError
 from ..detect import Masks
 from .files import replacing
-from .text import plain, read_text
+from .number_text import plain, read_text
 
 
 def write_masks(path: Path | str, masks: Masks) -> None:

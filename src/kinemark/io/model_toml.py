@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 from ..data import KinemarkError
-from ..kinematics.model import Axis, Centre, Cluster, Joint, Model, Motion, Segment
-from .text import read_text
+from ..data.models import Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
+from .number_text import read_text
 
 T = TypeVar("T")
 SIMPLE = ("name", "source", "side", "forward", "up")
@@ -163,7 +163,7 @@ def _joint(row: Mapping[str, Any]) -> Joint:
     return Joint(name, parent, child, sequence, motions, row.get("middle", "positive"))
 
 
-def _motion(row: Any) -> Motion | None:
+def _motion(row: Any) -> JointMotion | None:
     _check("angle", row)
     if not row:
         return None
@@ -175,7 +175,7 @@ def _motion(row: Any) -> Motion | None:
     ):
         raise ValueError(f"normal is {normal!r}, wanted the least and the greatest angle, deg")
     positive, negative = _text("positive", row["positive"]), _text("negative", row.get("negative", ""))
-    return Motion(positive, negative, None if normal is None else (float(normal[0]), float(normal[1])))
+    return JointMotion(positive, negative, None if normal is None else (float(normal[0]), float(normal[1])))
 
 
 def _cluster(row: Mapping[str, Any]) -> Cluster:

@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from ..data import Camera, KinemarkError, Rig
 from .files import replacing
-from .text import read_text
+from .number_text import read_text
 
 TO_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 NOT_CAMERAS = ("metadata", "kinemark")

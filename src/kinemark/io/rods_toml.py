@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Rods
-from .text import read_text
+from .number_text import read_text
 
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 MOST_RODS = 16

@@ -21,9 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Camera, KinemarkError
-from .text import bad_line, numbers, read_text, whole
-
-Array = NDArray[np.float64]
+from ..data.array_types import Floats
+from .number_text import bad_line, numbers, read_text, whole
 
 MOST_CAMERAS = 1024
 
@@ -37,9 +36,9 @@ class SelfCal(NamedTuple):
 
     names: tuple[str, ...]
     sizes: NDArray[np.int64]
-    uv: Array
+    uv: Floats
     lenses: tuple[Camera, ...] | None
-    P: Array | None
+    P: Floats | None
 
 
 def read_selfcal(folder: Path | str) -> SelfCal:
@@ -60,7 +59,7 @@ def read_selfcal(folder: Path | str) -> SelfCal:
     return SelfCal(names, size, uv, _lenses(folder, names, size), _projections(folder, len(size)))
 
 
-def read_rad(path: Path | str) -> tuple[Array, Array]:
+def read_rad(path: Path | str) -> tuple[Floats, Floats]:
     """K (3, 3) and k1 k2 p1 p2 k3 (5,) of a .rad file.
 
     Raises:
@@ -83,7 +82,7 @@ def read_rad(path: Path | str) -> tuple[Array, Array]:
     return K, np.array([found[name] for name in wanted[9:]] + [found.get("kc5", 0.0)])
 
 
-def read_pmat(path: Path | str) -> Array:
+def read_pmat(path: Path | str) -> Floats:
     """P (3, 4) of a .Pmat.cal file.
 
     Raises:
@@ -95,7 +94,7 @@ def read_pmat(path: Path | str) -> Array:
     return P
 
 
-def _points(folder: Path, cameras: int) -> Array:
+def _points(folder: Path, cameras: int) -> Floats:
     table, _ = _table(folder / "points.dat")
     seen, _ = _table(folder / "IdMat.dat")
     wanted = (3 * cameras, seen.shape[1])
@@ -128,7 +127,7 @@ def _lenses(folder: Path, names: tuple[str, ...], sizes: NDArray[np.int64]) -> t
     )
 
 
-def _projections(folder: Path, cameras: int) -> Array | None:
+def _projections(folder: Path, cameras: int) -> Floats | None:
     paths = _numbered(folder, r"camera(\d{1,4})\.Pmat\.cal", cameras)
     return None if paths is None else np.array([read_pmat(path) for path in paths])
 
@@ -147,7 +146,7 @@ def _numbered(folder: Path, pattern: str, cameras: int) -> list[Path] | None:
     return [found[c] for c in range(1, cameras + 1)]
 
 
-def _table(path: Path) -> tuple[Array, list[int]]:
+def _table(path: Path) -> tuple[Floats, list[int]]:
     """A table of numbers between spaces, and the number of each line."""
     rows = [
         (k, line.split())

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
-from ..data import Path as MarkerPath
+from ..data import MarkerTrajectory as MarkerPath
 from .files import replacing
-from .text import bad_line, numbers, plain, read_text, whole
+from .number_text import bad_line, numbers, plain, read_text, whole
 
 AXES = ("_x_mm", "_y_mm", "_z_mm")
 

@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from ..data import KinemarkError, Trajectories
-from ..data import Path as MarkerPath
+from ..data import MarkerTrajectory as MarkerPath
 from .files import replacing
-from .text import bad_line, numbers, plain, read_text, whole
+from .number_text import bad_line, numbers, plain, read_text, whole
 
 TO_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 HEADINGS = ("DataRate", "CameraRate", "NumFrames", "NumMarkers", "Units")

@@ -1,18 +1,22 @@
 """Markers → joint angles: segment chains, angles with their covariance, poses, centres, velocities, cycles."""
 
+from ..data.models import LABORATORY, Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
 from .centres import JointCentre, joint_centre, static_template
 from .chain import joint_angles, joint_matrices, segment_axes
 from .cycles import Cycles, cycles, resampled, spans_of
-from .model import LABORATORY, Axis, Centre, Cluster, Joint, Model, Motion, Segment
-from .noise import estimated_sd, with_marker_sd
+from .marker_noise import estimated_sd, with_marker_sd
 from .normal import Named, named, outside
 from .pose import ClusterTemplate, Pose, Template, body_pose, rotation_covariance
-from .sequences import InverseCosines, Method, SignedAngles, inverse_cosines, principal, turned
+from .sequences import AngleMethod, InverseCosines, SignedAngles, inverse_cosines, principal, turned
 from .smooth import Butterworth, WoltringSpline, residual_cutoff, smooth
+from .stage import ANGLES, SMOOTH
 from .velocity import angular_velocity
 
 __all__ = [
+    "ANGLES",
     "LABORATORY",
+    "SMOOTH",
+    "AngleMethod",
     "Axis",
     "Butterworth",
     "Centre",
@@ -22,9 +26,8 @@ __all__ = [
     "InverseCosines",
     "Joint",
     "JointCentre",
-    "Method",
+    "JointMotion",
     "Model",
-    "Motion",
     "Named",
     "Pose",
     "Segment",

@@ -14,14 +14,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
+from ..data.array_types import Floats
+from ..data.models import Cluster, Model
 from .chain import picked
-from .model import Cluster, Model
 from .pose import ClusterTemplate, Pose, Template, body_pose, cluster_template
 
-Floats = NDArray[np.float64]
 LEAST_TURN = 0.05
 """Of the least singular value over √F; about 6° of standard deviation about the least used axis."""
 

@@ -16,11 +16,10 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Angles, Events, KinemarkError
+from ..data.array_types import Floats
 
-Floats = NDArray[np.float64]
 POINTS = 101
 
 

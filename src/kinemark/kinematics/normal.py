@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Angles
-from .model import Model, Motion
+from ..data.models import JointMotion, Model
 
 
 class Named(NamedTuple):
@@ -16,7 +16,7 @@ class Named(NamedTuple):
 
     joint: int
     turn: int
-    motion: Motion
+    motion: JointMotion
 
 
 def named(model: Model) -> tuple[Named, ...]:

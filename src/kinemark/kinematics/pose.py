@@ -25,9 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.array_types import Floats
 from ..data.arrays import column, set_columns
 
-Floats = NDArray[np.float64]
 ON_A_LINE = 1e-3
 """A cluster's second greatest extent over its greatest below which its markers are on a line."""
 

@@ -11,10 +11,9 @@ which break where angles jump or lock.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
 
 
 def angular_velocity(R: Floats, *, rate: float) -> Floats:

@@ -1,9 +1,10 @@
 """Which 2D points are one marker: one file a method."""
 
-from .epipolar import EpipolarTriplets
-from .images import check_cameras
-from .kiss import KissTriplets
-from .methods import MATCHERS, MatchMethod, match
-from .nearest import NearestEpipolar
+from ..geometry.ideal_pixels import check_cameras
+from .epipolar_triplets import EpipolarTriplets
+from .kiss_triplets import KissTriplets
+from .methods import match
+from .nearest_epipolar import NearestEpipolar
+from .stage import MATCH
 
-__all__ = ["MATCHERS", "EpipolarTriplets", "KissTriplets", "MatchMethod", "NearestEpipolar", "check_cameras", "match"]
+__all__ = ["MATCH", "EpipolarTriplets", "KissTriplets", "NearestEpipolar", "check_cameras", "match"]

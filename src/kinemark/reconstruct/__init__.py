@@ -1,14 +1,14 @@
 """From matched images to points in space, each with its covariance: one file a method."""
 
+from .camera_pairs import CameraPairs
 from .least_squares import LeastSquares, located, wanted
-from .methods import RECONSTRUCTORS, ReconstructMethod, reconstruct
-from .pairs import CameraPairs
+from .methods import reconstruct
+from .stage import RECONSTRUCT
 
 __all__ = [
-    "RECONSTRUCTORS",
+    "RECONSTRUCT",
     "CameraPairs",
     "LeastSquares",
-    "ReconstructMethod",
     "located",
     "reconstruct",
     "wanted",

@@ -20,11 +20,9 @@ area by 0.1 √(2πR), so differences within 2.5 of these standard deviations me
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Rig
-
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
 
 
 def hidden_variance(rig: Rig, xyz: Floats, area: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """How good a trial is: as data, as text for the terminal, and as one HTML page with figures."""
 
+from ..findings.quality import quality, write_quality
 from .page import write_report
-from .quality import quality, write_quality
-from .text import summary
+from .terminal_summary import summary
 
 __all__ = ["quality", "summary", "write_quality", "write_report"]

@@ -13,10 +13,10 @@ from ..io.files import replacing
 from ..kinematics import Cycles, Model
 from ..kinematics.chain import Points
 from .figures_angles import cycle_figure, joint_figure
+from .formatting import number, percent
+from .html_tables import paragraphs, table, warning_list
 from .page import figure_html, framed
 from .stick import stick_html
-from .tables import paragraphs, table, warning_list
-from .words import number, percent
 
 NAV = {"verdict": "Verdict", "limb": "The limb", "angles": "Angles", "cycles": "Cycles", "terms": "Terms"}
 """Sections of the page, in their order."""

@@ -13,6 +13,7 @@ import plotly.graph_objects as go
 
 from ..calibrate.quality import Evidence
 from ..data import Rig
+from ..data.array_types import Floats
 from ..io.files import replacing
 from .calibration_tables import (
     calibration_tiles,
@@ -34,11 +35,10 @@ from .figures_calibration import (
     wand_figure,
 )
 from .figures_images import images_figure
+from .formatting import measure, number
+from .html_tables import paragraphs, warning_list
 from .page import figure_html, framed, of_session
-from .plain import Array
-from .scene import upwards
-from .tables import paragraphs, warning_list
-from .words import measure, number
+from .scene3d import upwards
 
 NAV = {
     "verdict": "Verdict",
@@ -124,7 +124,7 @@ def _card(title: str, text: str, figure: str, rows: str) -> str:
     return f'<div class="card long"><h3>{escape(title)}</h3><p>{escape(text)}</p>{figure}{rows}</div>'
 
 
-def _few(xyz: Array) -> Array:
+def _few(xyz: Floats) -> Floats:
     known = xyz[np.isfinite(xyz).all(1)]
     return known[:: max(1, -(-len(known) // MOST_POINTS))]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from html import escape
 from typing import Any
 
-from .tables import table
-from .words import count, measure, millimetres, number, percent
+from .formatting import count, measure, millimetres, number, percent
+from .html_tables import table
 
 
 def calibration_tiles(figures: dict[str, Any]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .words import number, percent
+from .formatting import number, percent
 
 
 def calibration_summary(figures: dict[str, Any]) -> str:

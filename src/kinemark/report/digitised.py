@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .tables import table
-from .words import count, number, percent
+from .formatting import count, number, percent
+from .html_tables import table
 
 REASONS = {
     "first_two_frames": "in the first two frames",

@@ -7,9 +7,10 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..data import Angles
+from ..data.array_types import Floats
+from ..findings.plain import runs
 from ..kinematics import Cycles, Model, Named, named, outside
 from .figures import ABOVE
-from .plain import Array, runs
 from .theme import FAINT, HUES, axis_style, empty, figure, label
 
 WIDE = 1.96
@@ -77,14 +78,14 @@ def _rows(free: list[Named]) -> go.Figure:
     return fig
 
 
-def _curve(fig: go.Figure, x: Array, y: Array, colour: str, name: str, row: int, *, width: float = 1.8) -> None:
+def _curve(fig: go.Figure, x: Floats, y: Floats, colour: str, name: str, row: int, *, width: float = 1.8) -> None:
     fig.add_scatter(
         x=x.astype(np.float32), y=y.astype(np.float32), mode="lines", line={"color": colour, "width": width},
         connectgaps=False, name=label(name), hovertemplate="%{x:.2f}: %{y:.1f}°", row=row, col=1,
     )  # fmt: skip
 
 
-def _band(fig: go.Figure, x: Array, low: Array, high: Array, colour: str, row: int) -> None:
+def _band(fig: go.Figure, x: Floats, low: Floats, high: Floats, colour: str, row: int) -> None:
     """Filled between two curves, run by run, so that a gap stays white."""
     for a, b in runs(np.isfinite(low) & np.isfinite(high)):
         xs, ys = np.concatenate([x[a:b], x[a:b][::-1]]), np.concatenate([high[a:b], low[a:b][::-1]])
@@ -95,7 +96,7 @@ def _band(fig: go.Figure, x: Array, low: Array, high: Array, colour: str, row: i
         )  # fmt: skip
 
 
-def _normal(fig: go.Figure, normal: tuple[float, float], y: Array, row: int) -> None:
+def _normal(fig: go.Figure, normal: tuple[float, float], y: Floats, row: int) -> None:
     """The limits of normal motion, where the curve comes near them."""
     low, high = (float(f(y[np.isfinite(y)], initial=0.0)) for f in (np.min, np.max))
     for limit in normal:
@@ -104,7 +105,7 @@ def _normal(fig: go.Figure, normal: tuple[float, float], y: Array, row: int) -> 
             fig.add_hline(y=limit, line=line, row=row, col=1, exclude_empty_subplots=False)
 
 
-def _limits(fig: go.Figure, y: Array, sd: Array, row: int) -> None:
+def _limits(fig: go.Figure, y: Floats, sd: Floats, row: int) -> None:
     """An axis that no single uncertain frame stretches."""
     finite = np.isfinite(y)
     if not finite.any():

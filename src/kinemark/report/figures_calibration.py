@@ -10,10 +10,11 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..data import Rig
-from .plain import Array
-from .scene import draw_box, draw_camera, draw_floor, upwards, viewpoint
+from ..data.array_types import Floats
+from .formatting import number
+from .scene3d import draw_box, draw_camera, draw_floor, extent_of, upwards, viewpoint
 from .theme import FAINT, HUES, axis_style, empty, figure, hue, label
-from .words import number
+from .thin import short
 
 SLICES = 3
 SCALE = "Cividis"
@@ -50,12 +51,11 @@ def slices_figure(figures: dict[str, Any], up: int) -> go.Figure:
     return fig.update_layout(coloraxis={"colorscale": SCALE, "cmin": low, "cmax": high, "colorbar": bar})
 
 
-def space_figure(figures: dict[str, Any], rig: Rig, points: Array) -> go.Figure:
+def space_figure(figures: dict[str, Any], rig: Rig, points: Floats) -> go.Figure:
     """Cameras, the volume with σ at places in it, and the points (N, 3) mm that the calibration was made from."""
     sd, axes = _volume(figures["map"], "sd_mm")
     corners = np.array(figures["volume"]["corners_mm"])
-    everything = np.concatenate([rig.centres, corners, points[np.isfinite(points).all(1)], np.zeros((1, 3))])
-    extent, up = np.array([everything.min(0), everything.max(0)]), upwards(rig)
+    extent, up = extent_of(rig.centres, corners, points[np.isfinite(points).all(1)]), upwards(rig)
     legend = {"orientation": "h", "y": 1, "yanchor": "bottom"}
     fig = figure(620, margin={"l": 0, "r": 0, "t": 36, "b": 0}, showlegend=True, legend=legend)
     draw_floor(fig, extent, up)
@@ -63,7 +63,7 @@ def space_figure(figures: dict[str, Any], rig: Rig, points: Array) -> go.Figure:
     for c, camera in enumerate(rig):
         draw_camera(fig, camera, hue(c), corners.mean(0))
     _cloud(fig, sd, axes)
-    x, y, z = points[np.isfinite(points).all(1)].T.astype(np.float32)
+    x, y, z = short(points[np.isfinite(points).all(1)].T)
     style = {"size": 3, "color": HUES[1]}
     fig.add_scatter3d(x=x, y=y, z=z, mode="markers", name="calibration points", marker=style, hoverinfo="skip")
     axis = {f"{a}axis": {"title": f"{a} (mm)", "backgroundcolor": "#F7F9FA", "gridcolor": "#DDE3E8"} for a in NAMES}
@@ -76,12 +76,12 @@ def space_figure(figures: dict[str, Any], rig: Rig, points: Array) -> go.Figure:
     return fig.update_layout(scene={**axis, "aspectmode": "data", "camera": look, "dragmode": drag})
 
 
-def _cloud(fig: go.Figure, sd: Array, axes: list[Array]) -> None:
+def _cloud(fig: go.Figure, sd: Floats, axes: list[Floats]) -> None:
     """Every second place along each axis, coloured by σ."""
     few = [np.arange(0, len(axis), 2) for axis in axes]
     at = np.stack(np.meshgrid(*(axis[k] for axis, k in zip(axes, few, strict=True)), indexing="ij"), -1).reshape(-1, 3)
     values = sd[np.ix_(*few)].reshape(-1)
-    x, y, z = at[np.isfinite(values)].T.astype(np.float32)
+    x, y, z = short(at[np.isfinite(values)].T)
     values = values[np.isfinite(values)]
     low, high = _range(sd)
     bar = {"title": {"text": "σ (mm)"}, "thickness": 14, "len": 0.7}
@@ -187,7 +187,7 @@ def wand_figure(wand: dict[str, Any] | None) -> go.Figure:
     dot = {"color": HUES[0], "size": 4, "opacity": 0.5}
     for axis in range(3):
         fig.add_scatter(
-            x=place[:, axis].astype(np.float32), y=error.astype(np.float32), mode="markers", marker=dot,
+            x=short(place[:, axis]), y=error.astype(np.float32), mode="markers", marker=dot,
             hovertemplate="%{y:.2f} mm<extra></extra>", row=1, col=axis + 1,
         )  # fmt: skip
         edges = np.quantile(place[:, axis], [0, 1 / 3, 2 / 3, 1])
@@ -216,7 +216,7 @@ def lens_figure(cameras: list[dict[str, Any]]) -> go.Figure:
     return fig.update_yaxes(title_text="moved outwards (px)", zerolinecolor=FAINT)
 
 
-def _range(sd: Array) -> tuple[float, float]:
+def _range(sd: Floats) -> tuple[float, float]:
     """From where to where the colours go: nearly all values, and never so little that nothing is made to look much."""
     if not np.isfinite(sd).any():
         return 0.0, 1.0
@@ -224,12 +224,12 @@ def _range(sd: Array) -> tuple[float, float]:
     return float(min(low, high / 1.5)), float(high)
 
 
-def _volume(grid: dict[str, Any], key: str) -> tuple[Array, list[Array]]:
+def _volume(grid: dict[str, Any], key: str) -> tuple[Floats, list[Floats]]:
     """Values (X, Y, Z), NaN where unknown, and the three axes, mm."""
     return np.array(grid[key], np.float64), [np.array(grid[f"{a}_mm"], np.float64) for a in NAMES]
 
 
-def _rounded(values: Array) -> Array:
+def _rounded(values: Floats) -> Floats:
     return values.astype(np.float32)
 
 

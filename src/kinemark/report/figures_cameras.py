@@ -8,9 +8,9 @@ import numpy as np
 import plotly.graph_objects as go
 
 from ..data import Detections
+from .formatting import number, percent
 from .theme import FAINT, HUES, INK, empty, figure, hue, label
 from .thin import blocks
-from .words import number, percent
 
 COLUMNS = 600
 """Most samples of one camera's line."""

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from ..data import Detections, Validity
+from .formatting import number
 from .theme import INK, axis_style, empty, figure, label
-from .words import number
 
 Picture = NDArray[np.uint8] | NDArray[np.uint16]
 

@@ -10,10 +10,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Origin, Path, Trajectories
-from .plain import Array
+from ..data import MarkerTrajectory, Origin, Trajectories
+from ..data.array_types import Floats
+from .formatting import number
 from .theme import FAINT, GRID, INK, STATES
-from .words import number
 
 WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 360, 110, 46, 6, 16
 """px; of a panel, and of its margins."""
@@ -34,7 +34,7 @@ def gap_figure(
     start: int,
     stop: int,
     donors: tuple[str, ...] = (),
-    replaced: Mapping[int, Array] | None = None,
+    replaced: Mapping[int, Floats] | None = None,
 ) -> str:
     """Three panels, x, y and z against time, as one SVG.
 
@@ -61,13 +61,13 @@ def gap_figure(
 
 
 def _panel(
-    path: Path,
+    path: MarkerTrajectory,
     frames: NDArray[np.int64],
     axis: int,
-    near: list[Array],
+    near: list[Floats],
     gap: tuple[int, int],
     rate: float,
-    replaced: Mapping[int, Array],
+    replaced: Mapping[int, Floats],
 ) -> str:
     """One axis."""
     value, sd = path.xyz[frames, axis], np.sqrt(path.cov[frames, axis, axis])
@@ -78,10 +78,10 @@ def _panel(
     low, high = _span(np.concatenate([value - band, value + band, dots]))
     x = LEFT + (WIDTH - LEFT) * (frames - frames[0]) / max(frames[-1] - frames[0], 1)
 
-    def y(v: Array) -> Array:
+    def y(v: Floats) -> Floats:
         return np.clip(TOP + (HEIGHT - TOP - BOTTOM) * (high - v) / (high - low), -HEIGHT, 2 * HEIGHT)
 
-    def dot(frame: int, xyz: Array) -> str:
+    def dot(frame: int, xyz: Floats) -> str:
         at = np.interp(frame, frames, x)
         return f'<circle cx="{at:.1f}" cy="{float(y(xyz[axis])):.1f}" r="1.8" fill="{INK}" fill-opacity="0.6"/>'
 
@@ -103,14 +103,14 @@ def _panel(
     return "".join(parts)
 
 
-def _span(values: Array) -> tuple[float, float]:
+def _span(values: Floats) -> tuple[float, float]:
     """Least and greatest, not nearer to each other than 2 mm."""
     known = values[np.isfinite(values)]
     low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
     return (low, high) if high - low > 2 else ((low + high) / 2 - 1, (low + high) / 2 + 1)
 
 
-def _offset(other: Array, value: Array) -> float:
+def _offset(other: Floats, value: Floats) -> float:
     """How far another marker's line is moved to lie where the marker is."""
     both = np.isfinite(other) & np.isfinite(value)
     return float(np.median((other - value)[both])) if both.any() else 0.0
@@ -131,7 +131,7 @@ def _widened(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return out
 
 
-def _line(x: Array, y: Array, colour: str, width: float) -> str:
+def _line(x: Floats, y: Floats, colour: str, width: float) -> str:
     """A line that is broken where it is not known."""
     known = np.isfinite(y)
     steps = np.where(np.concatenate([[True], ~known[:-1]]), "M", "L")
@@ -139,7 +139,7 @@ def _line(x: Array, y: Array, colour: str, width: float) -> str:
     return f'<path d="{d}" stroke="{colour}" stroke-width="{width}" stroke-linejoin="round"/>' if d else ""
 
 
-def _band(x: Array, upper: Array, lower: Array) -> str:
+def _band(x: Floats, upper: Floats, lower: Floats) -> str:
     """The area between two lines."""
     if len(x) < 2:
         return ""

@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..calibrate.quality import Evidence
-from .plain import Array
+from ..data.array_types import Floats
 from .theme import FAINT, HUES, axis_style, empty, figure, label
 
 COLUMNS = 3
@@ -98,6 +98,6 @@ def _frame(fig: go.Figure, camera: dict[str, Any], place: dict[str, int]) -> Non
     fig.update_yaxes(**plain, range=[height - 0.5, -0.5], **place)
 
 
-def _segments(a: Array, b: Array) -> Array:
+def _segments(a: Floats, b: Floats) -> Floats:
     """(3 n, 2) lines from a to b with breaks between."""
     return np.stack([a, b, np.full_like(a, np.nan)], 1).reshape(-1, 2)

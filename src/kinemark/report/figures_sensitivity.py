@@ -9,8 +9,8 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..data import Rig
+from ..data.array_types import Floats
 from ..sensitivity import Ranking
-from .plain import Array
 from .theme import FAINT, HUES, axis_style, empty, figure, label
 
 ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
@@ -155,7 +155,7 @@ def field_figure(ranking: Ranking, rig: Rig) -> go.Figure:
     )  # fmt: skip
 
 
-def _arrows(fig: go.Figure, cells: Array, edges: Array, scale: float, place: dict[str, int]) -> None:
+def _arrows(fig: go.Figure, cells: Floats, edges: Floats, scale: float, place: dict[str, int]) -> None:
     nu, nv = cells.shape[:2]
     step = (edges[1] - edges[0]) / (nu, nv)
     at = edges[0] + (np.stack(np.meshgrid(np.arange(nu), np.arange(nv), indexing="ij"), -1) + 0.5) * step

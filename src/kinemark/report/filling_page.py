@@ -9,12 +9,12 @@ from string import Template
 from typing import Any
 
 from ..data import Trajectories
+from ..findings.gaps import worst_of
 from ..io.files import replacing
 from .figures_gaps import gap_figure
-from .filling import worst_of
+from .formatting import count, measure, millimetres, number
+from .html_tables import paragraphs, table, warning_list
 from .page import framed
-from .tables import paragraphs, table, warning_list
-from .words import count, measure, millimetres, number
 
 NAV = {"verdict": "Verdict", "gaps": "Every gap", "drawings": "Drawings", "terms": "Terms"}
 MOST_DRAWN = 300

@@ -13,17 +13,17 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
 from ..data import Detections, Rig, Tracks, Trajectories
-from ..follow import Simultaneous
+from ..findings.trial_advice import LONG_GAP_S, worst_cameras
 from ..io.files import replacing
-from .advice import LONG_GAP_S, worst_cameras
+from ..track.simultaneous import Simultaneous
+from .ambiguous_table import ambiguous_table
 from .digitised import digitised_card
-from .doubts import doubt_table
 from .figures import exactness_figure, timeline_figure, trajectories_figure, uncertainty_figure
 from .figures_calibration import slices_figure
 from .figures_cameras import detections_figure, offset_figure, residual_figure, timing_figure, views_figure
 from .figures_detections import Picture, spots_figure
-from .scene import scene, upwards
-from .tables import (
+from .formatting import number
+from .html_tables import (
     calibration_table,
     camera_table,
     marker_table,
@@ -33,8 +33,8 @@ from .tables import (
     tiles,
     warning_list,
 )
+from .scene3d import scene, upwards
 from .theme import empty
-from .words import number
 
 NAV = {
     "verdict": "Verdict",
@@ -117,7 +117,7 @@ def page(
         camera_table=camera_table(quality["cameras"], worst_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),
         filling=_filling(quality["filling"]),
-        doubt_table=doubt_table(quality["doubts"], told=_tells(quality["steps"])),
+        ambiguous_table=ambiguous_table(quality["ambiguous_decisions"], told=_tells(quality["steps"])),
         step_table=step_table(quality["steps"]),
     )
     return framed(main, heading=quality["trial"], below=of_session(quality), nav=NAV)

@@ -9,13 +9,20 @@ from string import Template
 from typing import Any
 
 from ..data import Rig
+from ..findings.sensitivity_figures import degrees
 from ..io.files import replacing
 from ..sensitivity import Ranking
-from .figures_sensitivity import angle_figure, cycles_figure, field_figure, loss_figure, marker_figure, ranked_figure
+from .figures_sensitivity import (
+    angle_figure,
+    cycles_figure,
+    field_figure,
+    loss_figure,
+    marker_figure,
+    ranked_figure,
+)
+from .formatting import millimetres, number, percent
+from .html_tables import paragraphs, table
 from .page import figure_html, framed, of_session
-from .sensitivity import degrees
-from .tables import paragraphs, table
-from .words import millimetres, number, percent
 
 NAV = {
     "verdict": "Verdict",

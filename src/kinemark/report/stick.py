@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 
 from ..data import Angles
+from ..data.array_types import Floats
+from ..findings.plain import plain
 from ..kinematics import Model, named, outside
 from ..kinematics.chain import Points, laboratory
-from .plain import Array, plain
 from .theme import LONGEST, hue
 
 MOST_FRAMES = 900
@@ -71,7 +72,7 @@ def links(model: Model) -> tuple[tuple[str, str], ...]:
     return tuple(dict.fromkeys((a, b) for a, b in ends))
 
 
-def _frames(xyz: Array) -> list[list[Any]]:
+def _frames(xyz: Floats) -> list[list[Any]]:
     """By frame and point, mm with one decimal, None where missing."""
     rows = xyz.transpose(1, 0, 2).round(1)
     known = np.asarray(np.isfinite(rows).all(-1))
@@ -81,18 +82,18 @@ def _frames(xyz: Array) -> list[list[Any]]:
     ]
 
 
-def _pitch(corners: Array) -> float:
+def _pitch(corners: Floats) -> float:
     """Width of a square of the floor, mm."""
     return 100.0 if np.ptp(corners, axis=0).max() < 1500 else 500.0
 
 
-def _extent(corners: Array) -> tuple[Array, Array]:
+def _extent(corners: Floats) -> tuple[Floats, Floats]:
     """Least and greatest corner, moved out to whole squares."""
     pitch = _pitch(corners)
     return np.floor(corners[0] / pitch) * pitch, np.ceil(corners[1] / pitch) * pitch
 
 
-def _floor(corners: Array) -> list[Any]:
+def _floor(corners: Floats) -> list[Any]:
     """A level grid under all that moves."""
     (low, high), pitch = _extent(corners), _pitch(corners)
     z = low[2]
@@ -101,7 +102,7 @@ def _floor(corners: Array) -> list[Any]:
     return plain(across + along)
 
 
-def _marks(corners: Array) -> list[Any]:
+def _marks(corners: Floats) -> list[Any]:
     """Words at the edge of the floor."""
     low, high = _extent(corners)
     middle, out = (low + high) / 2, 0.4 * _pitch(corners)

@@ -5,7 +5,8 @@ same to first order for any rig and any kinematics; `evidence` what a recording'
 limits its accuracy.
 """
 
-from .chain import (
+from .observed_errors import Shown, shown
+from .propagation import (
     Kinematics,
     Spread,
     angle_jacobian,
@@ -16,27 +17,34 @@ from .chain import (
     placed_points,
     rig_points,
 )
-from .evidence import Shown, shown
-from .ranking import Limits, Lost, Ranking, Source, rank, typical
-from .recording import Seen, gather, gather_named
+from .ranked_sources import ErrorBudget, ErrorSource, LostCamera, Ranking, rank, typical
+from .sample_frames import SampledFrames, gather, gather_named
 from .sampling import Sampled, Sampling, climb, sample
-from .segments import Rigid, segment_jacobian, segments
-from .um2as import Changed, Linear, Moved, calibration_experiment, laboratory, marker, marker_experiment
+from .segment_directions import Rigid, segment_jacobian, segments
+from .um2as_experiment import (
+    Changed,
+    LinearisedErrors,
+    Moved,
+    calibration_experiment,
+    laboratory,
+    marker,
+    marker_experiment,
+)
 
 __all__ = [
     "Changed",
+    "ErrorBudget",
+    "ErrorSource",
     "Kinematics",
-    "Limits",
-    "Linear",
-    "Lost",
+    "LinearisedErrors",
+    "LostCamera",
     "Moved",
     "Ranking",
     "Rigid",
     "Sampled",
+    "SampledFrames",
     "Sampling",
-    "Seen",
     "Shown",
-    "Source",
     "Spread",
     "angle_jacobian",
     "angle_spread",

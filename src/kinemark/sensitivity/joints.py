@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.array_types import Floats
 from ..kinematics import Model, joint_matrices, principal
-from .chain import Kinematics
-
-Array = NDArray[np.float64]
+from .propagation import Kinematics
 
 
 def kinematics_of(model: Model, names: tuple[str, ...]) -> tuple[tuple[str, ...], Kinematics]:
@@ -30,7 +28,7 @@ def kinematics_of(model: Model, names: tuple[str, ...]) -> tuple[tuple[str, ...]
     asked = [(j, k) for j, joint in enumerate(model.joints) for k, motion in enumerate(joint.motions) if motion]
     words = tuple(f"{model.joints[j].name} {motion.name}" for j, k in asked if (motion := model.joints[j].motions[k]))
 
-    def angles(xyz: Array) -> Array:
+    def angles(xyz: Floats) -> Floats:
         R = joint_matrices({name: xyz[m] for name, m in rows.items()}, model)
         turned = [
             principal(R[j], joint.sequence, negative_middle=joint.middle == "negative")

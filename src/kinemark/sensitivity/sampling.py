@@ -22,10 +22,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Error = Callable[[Array], Array]
+from ..data.array_types import Floats
+
+Error = Callable[[Floats], Floats]
 """From angles θ (S, D) rad to errors (S)."""
 
 STARTS = 8
@@ -60,12 +60,12 @@ class Sampling:
 class Sampled(NamedTuple):
     """Errors (S) of all samples in their order; the directions θ (D) of the worst, and of the `STARTS` worst."""
 
-    error: Array
-    worst: Array
-    starts: Array
+    error: Floats
+    worst: Floats
+    starts: Floats
 
 
-def circle(theta: Array, radius: float) -> Array:
+def circle(theta: Floats, radius: float) -> Floats:
     """Δu, Δv (…, 2) px of directions θ (…) rad at a distance of `radius` px, by (1)."""
     return radius * np.stack([np.cos(theta), np.sin(theta)], -1)
 
@@ -83,7 +83,7 @@ def sample(error: Error, directions: int, method: Sampling) -> Sampled:
     """
     batches = -(-method.samples // method.batch)
 
-    def work(k: int) -> tuple[Array, Array, Array]:
+    def work(k: int) -> tuple[Floats, Floats, Floats]:
         n = min(method.batch, method.samples - k * method.batch)
         theta = np.random.default_rng((method.seed, k)).uniform(0.0, method.turn, (n, directions))
         found = error(theta)
@@ -102,7 +102,7 @@ def sample(error: Error, directions: int, method: Sampling) -> Sampled:
     return Sampled(errors, theta[order[0]], theta[order])
 
 
-def climb(error: Error, starts: Array, *, turn: float, seed: int = 0, rounds: int = 40, tries: int = 64) -> Array:
+def climb(error: Error, starts: Floats, *, turn: float, seed: int = 0, rounds: int = 40, tries: int = 64) -> Floats:
     """The angles (D) of the greatest error reached from starts (K, D) within 0 … turn, by (2)."""
     rng = np.random.default_rng((seed, len(starts)))
     best, value = starts.copy(), error(starts)

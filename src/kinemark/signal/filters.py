@@ -23,9 +23,9 @@ falls to σ² (4). Winter draws a straight line through r by eye; (3) is that li
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
+
 CUTOFFS = 60
 HIGHEST = 0.4
 """Of the rate; the highest cut-off that residual analysis looks at."""

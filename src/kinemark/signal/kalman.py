@@ -39,7 +39,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
 
 F = np.array([[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
 """Of (1)."""
@@ -51,7 +51,7 @@ SPREAD = D @ D.T
 """Of (9), for σ = 1; its diagonal is that of (5)."""
 
 
-class State(NamedTuple):
+class KalmanState(NamedTuple):
     """What n markers are expected to do.
 
     x (n, 3, 3): rows position mm, velocity mm/frame, acceleration mm/frame²; columns x, y, z.
@@ -62,7 +62,7 @@ class State(NamedTuple):
     P: Floats
 
 
-def start(past: Floats, sd: float, jump: float) -> State:
+def start(past: Floats, sd: float, jump: float) -> KalmanState:
     """The state one frame after the first three positions.
 
     Args:
@@ -71,15 +71,15 @@ def start(past: Floats, sd: float, jump: float) -> State:
         jump: U of (2), mm/frame².
     """
     P = F @ (sd**2 * SPREAD) @ F.T + _process(jump)  # (9), (8) with G = 0
-    return State(F @ D @ past, np.broadcast_to(P, past.shape).copy())
+    return KalmanState(F @ D @ past, np.broadcast_to(P, past.shape).copy())
 
 
-def predict(state: State, jump: float) -> State:
+def predict(state: KalmanState, jump: float) -> KalmanState:
     """One frame on without measurement."""
-    return State(F @ state.x, _symmetric(F @ state.P @ F.T + _process(jump)))
+    return KalmanState(F @ state.x, _symmetric(F @ state.P @ F.T + _process(jump)))
 
 
-def update(state: State, past: Floats, whole: NDArray[np.bool_], sd: float, jump: float) -> State:
+def update(state: KalmanState, past: Floats, whole: NDArray[np.bool_], sd: float, jump: float) -> KalmanState:
     """One frame on with the positions seen.
 
     Args:
@@ -96,10 +96,10 @@ def update(state: State, past: Floats, whole: NDArray[np.bool_], sd: float, jump
             G = F @ prior @ C.T @ np.linalg.inv(C @ prior @ C.T + R)  # (6)
             x[own] += G @ (C @ (D @ past[own] - state.x[own]))  # (7)
             P[own] = (F - G @ C) @ prior @ F.T + _process(jump)  # (8)
-    return State(x, _symmetric(P))
+    return KalmanState(x, _symmetric(P))
 
 
-def update_position(state: State, xyz: Floats, variance: Floats, jump: float) -> tuple[Floats, State]:
+def update_position(state: KalmanState, xyz: Floats, variance: Floats, jump: float) -> tuple[Floats, KalmanState]:
     """With positions alone, of known variances: where the markers are, (n, 3) mm, and the state one frame on.
 
     Args:
@@ -111,7 +111,7 @@ def update_position(state: State, xyz: Floats, variance: Floats, jump: float) ->
     K = state.P[:, :, 0] / (state.P[:, 0, 0] + variance)[:, None]
     x = state.x + K[:, :, None] * (xyz - state.x[:, 0])[:, None]
     P = state.P - K[:, :, None] * state.P[:, None, 0]
-    return x[:, 0], predict(State(x, P), jump)
+    return x[:, 0], predict(KalmanState(x, P), jump)
 
 
 def _process(jump: float) -> Floats:

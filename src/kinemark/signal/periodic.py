@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.optimize import minimize_scalar
 
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
 
 FEWEST_PAIRS = 0.25
 """Share of the samples that must have a partner, for (1) to be known."""

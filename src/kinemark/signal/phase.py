@@ -28,8 +28,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PPoly
 from scipy.linalg import LinAlgError, solveh_banded
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from ..data.array_types import Floats, Ints
 
 STEPS, A_CYCLE, MEAN, MOST = 64, 16, 4, 8
 """Of (3): steps and frames a cycle, the mean advance and the greatest."""
@@ -39,7 +38,7 @@ UNSTEADY = 0.1
 """Of (2)."""
 
 
-class Template:
+class CycleTemplate:
     """m of (1): sequences as smooth functions of the phase, from their values (B, K) at phases 0, 1/B, …"""
 
     def __init__(self, values: Floats) -> None:
@@ -56,14 +55,14 @@ class Template:
         """(…, K) a cycle."""
         return np.asarray(self._slope(phase % 1.0))
 
-    def some(self, columns: Ints) -> Template:
+    def some(self, columns: Ints) -> CycleTemplate:
         """Of these sequences alone."""
-        out = object.__new__(Template)
+        out = object.__new__(CycleTemplate)
         out._curve, out._slope = (PPoly.construct_fast(p.c[..., columns], p.x) for p in (self._curve, self._slope))
         return out
 
 
-class Phase(NamedTuple):
+class CyclePhase(NamedTuple):
     """φ (F) of (1) in cycles, never wrapped; cost, the mean over the samples seen of the first term without w: about
     1 where the motion is that of the template, many where it is another."""
 
@@ -77,7 +76,7 @@ class Phase(NamedTuple):
         return np.interp(whole + percent / 100, rising, np.arange(len(rising)))
 
 
-def find_phase(y: Floats, template: Template, spread: Floats, *, cycle: float, rounds: int = 10) -> Phase:
+def find_phase(y: Floats, template: CycleTemplate, spread: Floats, *, cycle: float, rounds: int = 10) -> CyclePhase:
     """The phase of each frame by (3) and (4).
 
     Args:
@@ -97,7 +96,7 @@ def find_phase(y: Floats, template: Template, spread: Floats, *, cycle: float, r
     return refine_phase(y, template, spread, coarse_phase(y, template, spread, cycle), cycle=cycle, rounds=rounds)
 
 
-def coarse_phase(y: Floats, template: Template, spread: Floats, cycle: float) -> Floats:
+def coarse_phase(y: Floats, template: CycleTemplate, spread: Floats, cycle: float) -> Floats:
     """(F) of (3)."""
     every = cycle / A_CYCLE
     frames = np.unique(np.rint(np.arange(0, len(y) - 1 + every, every)).astype(np.int64).clip(0, len(y) - 1))
@@ -120,8 +119,8 @@ def coarse_phase(y: Floats, template: Template, spread: Floats, cycle: float) ->
 
 
 def refine_phase(
-    y: Floats, template: Template, spread: Floats, phase: Floats, *, cycle: float, rounds: int = 10
-) -> Phase:
+    y: Floats, template: CycleTemplate, spread: Floats, phase: Floats, *, cycle: float, rounds: int = 10
+) -> CyclePhase:
     """(4) from a phase (F) near the right one; other arguments as in `find_phase`."""
     weight = np.where(np.isnan(y), 0.0, 1 / spread)
     y = np.nan_to_num(y)
@@ -136,7 +135,7 @@ def refine_phase(
         if np.abs(step).max() < 1e-5:
             break
     off = weight * (y - template(phase))
-    return Phase(phase, float((off**2).sum() / max((weight > 0).sum(), 1)))
+    return CyclePhase(phase, float((off**2).sum() / max((weight > 0).sum(), 1)))
 
 
 def _bend(phase: Floats, cycle: float) -> Floats:
@@ -166,13 +165,15 @@ def _matrix(told: Floats, cycle: float) -> Floats:
 
 
 def phase_variance(
-    y: Floats, template: Template, spread: Floats, phase: Floats, frames: Ints, *, cycle: float
+    y: Floats, template: CycleTemplate, spread: Floats, phase: Floats, frames: Ints, *, cycle: float
 ) -> Floats:
     """(5) at some frames, cycles²; looked at from one cycle about them."""
     return variance_at(information(~np.isnan(y), template, spread, phase, cycle=cycle), frames, cycle=cycle)
 
 
-def information(there: NDArray[np.bool_], template: Template, spread: Floats, phase: Floats, *, cycle: float) -> Floats:
+def information(
+    there: NDArray[np.bool_], template: CycleTemplate, spread: Floats, phase: Floats, *, cycle: float
+) -> Floats:
     """(F) the first term of the matrix of (4), from what is there (F, K) of the sequences."""
     return _told(np.where(there, template.slope(phase) / spread, 0.0), cycle)
 

@@ -45,19 +45,17 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..data.array_types import Floats, Ints
 from .kalman import F
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 State = tuple[Floats, Floats]
 
 LEAST_SD = 0.01
 """No position is known better than this, mm."""
 
 
-class Smoothed(NamedTuple):
+class SmoothedStates(NamedTuple):
     """n sequences over W frames: x (n, W, 3) position, velocity a frame, acceleration a frame²; P (n, W, 3, 3)."""
 
     x: Floats
@@ -67,7 +65,8 @@ class Smoothed(NamedTuple):
 class Filtered(NamedTuple):
     """What the filter knows of n sequences in W frames.
 
-    x, P: with the sample of the frame, as in `Smoothed`; x_before, P_before: without it. NaN before a sequence begins.
+    x, P: with the sample of the frame, as in `SmoothedStates`; x_before, P_before: without it. NaN before a sequence
+    begins.
     """
 
     x: Floats
@@ -136,13 +135,13 @@ def _measured(x: Floats, P: Floats, y: Floats, sd: Floats) -> tuple[Floats, Floa
     return x, (P + P.swapaxes(1, 2)) / 2
 
 
-def smooth_positions(y: Floats, *, sd: Floats, jump: Floats) -> Smoothed:
+def smooth_positions(y: Floats, *, sd: Floats, jump: Floats) -> SmoothedStates:
     """(5): what all samples of a sequence say of each frame from its first sample on; arguments as
     `filter_positions`."""
     return _smooth(filter_positions(y, sd=sd, jump=jump), jump)
 
 
-def _smooth(found: Filtered, jump: Floats) -> Smoothed:
+def _smooth(found: Filtered, jump: Floats) -> SmoothedStates:
     """(5) for what the filter found."""
     x, P = found.x.copy(), found.P.copy()
     for k in range(x.shape[1] - 2, -1, -1):
@@ -151,7 +150,7 @@ def _smooth(found: Filtered, jump: Floats) -> Smoothed:
         J = _gain(P_next, jump[on])
         x[on, k] += (J @ (x[on, k + 1] - found.x_before[on, k + 1])[..., None])[..., 0]
         P[on, k] += J @ (P[on, k + 1] - P_next) @ J.swapaxes(1, 2)
-    return Smoothed(x, (P + P.swapaxes(2, 3)) / 2)
+    return SmoothedStates(x, (P + P.swapaxes(2, 3)) / 2)
 
 
 def predict_gaps(before: Floats, length: Ints, *, sd: Floats, jump: Floats) -> list[Inside]:

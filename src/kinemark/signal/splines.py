@@ -30,9 +30,8 @@ from math import factorial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
 
 LADDER = np.geomspace(1e-12, 1e4, 97)
 """Candidates of p, in units of the greatest e."""

@@ -32,12 +32,13 @@ from scipy.interpolate import BSpline
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.sparse import csr_array, diags_array
 
-Floats = NDArray[np.float64]
+from ..data.array_types import Floats
+
 LADDER = np.geomspace(0.005, 0.45, 40)
 """ν_c of the p that are tried, cycles a sample."""
 
 
-class Smoothed(NamedTuple):
+class SmoothedSpline(NamedTuple):
     """values (F, k), in gaps as well; cutoff ν_c, cycles a sample, of (3); gain: share of noise variance left."""
 
     values: Floats
@@ -45,7 +46,7 @@ class Smoothed(NamedTuple):
     gain: float
 
 
-def woltring(y: Floats, *, half_order: int = 3, cutoff: float | None = None) -> Smoothed:
+def woltring(y: Floats, *, half_order: int = 3, cutoff: float | None = None) -> SmoothedSpline:
     """The spline through y (F, k), sampled evenly, where rows with NaN are gaps.
 
     Args:
@@ -68,7 +69,7 @@ def woltring(y: Floats, *, half_order: int = 3, cutoff: float | None = None) -> 
     if cutoff is None:
         cutoff = _cross_validated(B, data, omega, target, y - centre, seen, m)
     c = cho_solve_banded((_factor(data, omega, cutoff, m), True), target)
-    return Smoothed(B @ c + centre, cutoff, spline_gain(cutoff, half_order=m))
+    return SmoothedSpline(B @ c + centre, cutoff, spline_gain(cutoff, half_order=m))
 
 
 def spline_gain(cutoff: float, *, half_order: int = 3) -> float:

@@ -1,15 +1,15 @@
 """The virtual laboratory: cameras, moving subjects, their images, and the exact truth beside them."""
 
 from .arm import arm
-from .cameras import VOLUME, focal_pixels, look_at, place_camera, ring
+from .camera_placement import VOLUME, focal_pixels, look_at, place_camera, ring
 from .dressed import dressed, together
 from .gait import walking
 from .laboratory import rods_toml, write_calibration, write_session
 from .motions import circle_over_cylinder, elbow_flexion, tilted_rectangle
-from .observe import Observed, Sight, observe, truth
+from .observe import ObservedImages, Sight, observe, truth
 from .optics import Optics
 from .render import film, interlace, render
-from .sphere import Ellipse, sphere_ellipse
+from .sphere_image import Ellipse, sphere_ellipse
 from .subjects import Capsules, Subject, from_trajectories, still
 from .targets import calibration_box, control_frame, dot_grid, hung, thrown_ball, wand
 
@@ -17,7 +17,7 @@ __all__ = [
     "VOLUME",
     "Capsules",
     "Ellipse",
-    "Observed",
+    "ObservedImages",
     "Optics",
     "Sight",
     "Subject",

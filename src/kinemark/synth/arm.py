@@ -28,14 +28,13 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from ..data import Angles
+from ..data.array_types import Floats
 from .subjects import Capsules, Subject, pairs
 from .wobble import smooth_noise
-
-Array = NDArray[np.float64]
 
 NAMES = ("ACR1", "ACR2", "ARM3", "ELB4", "WRU5", "WRR6", "MC37")
 """The markers 1 … 7 of UM²AS: a post on the acromion, the acromion, upper arm, lateral epicondyle, the rod's ends at
@@ -123,24 +122,24 @@ def arm(
     return Subject(NAMES, rate, markers, np.array(marker_radius_mm), capsules, pairs(NAMES, *LINKS), angles=angles)
 
 
-def reach(turns: Array) -> Array:
+def reach(turns: Floats) -> Floats:
     """How near the mouth the hand is, 0 to 1: 40 % of a turn up, 10 % there, 40 % down, 10 % waiting, without jerk."""
     up = np.clip((turns % 1.0) / 0.4, 0, 1) - np.clip((turns % 1.0 - 0.5) / 0.4, 0, 1)
-    risen: Array = up**3 * (10 - 15 * up + 6 * up**2)  # least jerk: Flash and Hogan 1985
+    risen: Floats = up**3 * (10 - 15 * up + 6 * up**2)  # least jerk: Flash and Hogan 1985
     return risen
 
 
-def _joint_angles(eight: Array) -> Array:
+def _joint_angles(eight: Floats) -> Floats:
     """(3, F, 3) φ, θ, ψ of shoulder, elbow and wrist from the seven that are free (F, 7), within table 2.1."""
     none = np.zeros(len(eight))
     shoulder, elbow = eight[:, :3], np.stack([eight[:, 3], none, eight[:, 4]], -1)
     deg = np.stack([shoulder, elbow, np.stack([eight[:, 5], eight[:, 6], none], -1)])
     low, high = np.array(list(RANGES.values())).transpose(2, 0, 1)[:, :, None]
-    within: Array = np.clip(deg, low, high)
+    within: Floats = np.clip(deg, low, high)
     return within
 
 
-def skeleton(deg: Array, place: Array, build: Build, marker: float) -> tuple[Array, Capsules]:
+def skeleton(deg: Floats, place: Floats, build: Build, marker: float) -> tuple[Floats, Capsules]:
     """Markers (7, F, 3) mm and limbs from joint angles (3, F, 3) deg and the place (F, 3) of marker 2."""
     axes = [np.broadcast_to(np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]), (len(place), 3, 3))]
     for joint in deg:
@@ -155,7 +154,7 @@ def skeleton(deg: Array, place: Array, build: Build, marker: float) -> tuple[Arr
 
 
 def _limbs(
-    axes: list[Array], place: Array, m3: Array, m4: Array, wrist: Array, m7: Array, build: Build, marker: float
+    axes: list[Floats], place: Floats, m3: Floats, m4: Floats, wrist: Floats, m7: Floats, build: Build, marker: float
 ) -> Capsules:
     """Upper arm inside its markers, forearm and hand on the palm's side of theirs, trunk and head."""
     z1, x2, x3 = axes[1][:, 2], axes[2][:, 0], axes[3][:, 0]

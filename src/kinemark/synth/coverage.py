@@ -19,13 +19,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Camera
+from ..data.array_types import Floats
 from ..geometry import lens, normalised, to_camera
 from .occlusion import line_distance
 
-Array = NDArray[np.float64]
 Box = tuple[int, int, int, int]
 """First and last-plus-one column, first and last-plus-one row."""
 
@@ -33,7 +32,7 @@ Box = tuple[int, int, int, int]
 class Ball(NamedTuple):
     """One sphere to draw: centre (3) mm, radius mm, grey levels, peak of its halo."""
 
-    xyz: Array
+    xyz: Floats
     radius: float
     brightness: float
     glare: float
@@ -42,18 +41,18 @@ class Ball(NamedTuple):
 class Limbs(NamedTuple):
     """The limbs of one frame: ends (L, 3) mm, radius (L) mm."""
 
-    a: Array
-    b: Array
-    radius: Array
+    a: Floats
+    b: Floats
+    radius: Floats
 
 
-def pixels(box: Box) -> Array:
+def pixels(box: Box) -> Floats:
     """(N, 2) u, v of all pixels in a box, line by line."""
     v, u = np.mgrid[box[2] : box[3], box[0] : box[1]]
     return np.stack([u.ravel(), v.ravel()], -1).astype(np.float64)
 
 
-def sight_lines(camera: Camera, uv: Array, n: int) -> tuple[Array, Array]:
+def sight_lines(camera: Camera, uv: Floats, n: int) -> tuple[Floats, Floats]:
     """Lines of sight (N, n·n, 2) as points of the ideal normalised plane, and d(x, y)/d(u, v) (N, 2, 2) there."""
     drawn = normalised(camera, uv)
     ideal = lens.undistort(drawn, camera.distortion)
@@ -63,14 +62,14 @@ def sight_lines(camera: Camera, uv: Array, n: int) -> tuple[Array, Array]:
     return ideal[:, None] + cell @ turn.transpose(0, 2, 1), turn
 
 
-def _inverse(A: Array) -> Array:
+def _inverse(A: Floats) -> Floats:
     """Of many 2 × 2 matrices (…, 2, 2)."""
     a, b, c, d = A[..., 0, 0], A[..., 0, 1], A[..., 1, 0], A[..., 1, 1]
     adjugate = np.stack([np.stack([d, -b], -1), np.stack([-c, a], -1)], -2)
     return adjugate / (a * d - b * c)[..., None, None]
 
 
-def disc(camera: Camera, ball: Ball, xy: Array, turn: Array, n: int) -> tuple[Array, Array]:
+def disc(camera: Camera, ball: Ball, xy: Floats, turn: Floats, n: int) -> tuple[Floats, Floats]:
     """Share of each cell (N, S) inside the outline (3), and cosine of the angle at which the line meets the sphere."""
     c = to_camera(camera, ball.xyz)
     far = np.linalg.norm(c)
@@ -89,7 +88,7 @@ def disc(camera: Camera, ball: Ball, xy: Array, turn: Array, n: int) -> tuple[Ar
     return np.where(np.isnan(share), 0.0, share), np.sqrt(np.clip(g / (1 - edge), 0, 1))
 
 
-def unhidden(camera: Camera, ball: Ball, xy: Array, limbs: Limbs, n: int) -> Array | float:
+def unhidden(camera: Camera, ball: Ball, xy: Floats, limbs: Limbs, n: int) -> Floats | float:
     """Share of each cell (N, S) that no limb hides (4)."""
     if not len(limbs.radius):
         return 1.0
@@ -99,7 +98,7 @@ def unhidden(camera: Camera, ball: Ball, xy: Array, limbs: Limbs, n: int) -> Arr
     depth = to_camera(camera, ball.xyz)[2]
     ends = depth * np.concatenate([xy, np.ones_like(xy[..., :1])], -1) @ camera.R
     cells_per_mm = n * abs(camera.K[0, 0]) / depth
-    free: Array = np.ones(xy.shape[:-1])
+    free: Floats = np.ones(xy.shape[:-1])
     for a, b, radius in zip(limbs.a[before], limbs.b[before], limbs.radius[before], strict=True):
         clear = line_distance(camera.centre, ends, a, b) - radius
         free = free * np.clip(0.5 + cells_per_mm * clear, 0, 1)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from .subjects import Capsules, Subject
 
-Floats = NDArray[np.float64]
 MOST_TRIES = 100
 
 

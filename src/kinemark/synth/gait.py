@@ -32,11 +32,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from ..data import Angles, Events
-from .body import LINKS, NAMES, Pose, Segments, build
+from ..data.array_types import Floats
+from .body_segments import LINKS, NAMES, BodySegments, WalkingPose, build
 from .subjects import Subject, pairs
 from .wobble import smooth_noise
-
-Array = NDArray[np.float64]
 
 HIP = (27, 26, 24, 20, 15, 10, 5, 0, -4, -8, -10, -8, 0, 9, 19, 27, 32, 33, 32, 29.5)
 KNEE = (4, 10, 16, 17, 14, 10, 7, 4, 3, 4, 9, 19, 34, 51, 59, 60, 51, 35, 18, 7)
@@ -99,7 +98,7 @@ def walking(
     if min(duration_s, rate, speed_mm_s, height_mm, marker_radius_mm) <= 0 or wobble_mm < 0:
         raise ValueError("duration_s, rate, speed_mm_s, height_mm and marker_radius_mm must be positive")
     n_frames = max(round(duration_s * rate), 1)
-    body = Segments.of(height_mm, marker_radius_mm)
+    body = BodySegments.of(height_mm, marker_radius_mm)
     stride = roll_out(body)
     period = stride.length / speed_mm_s
     turns = phase + np.arange(n_frames) / rate / period
@@ -112,7 +111,7 @@ def walking(
     )
 
 
-def curve(samples: ArrayLike, turns: Array) -> Array:
+def curve(samples: ArrayLike, turns: Floats) -> Floats:
     """A periodic curve given by evenly spaced samples of one turn, by its Fourier series, at `turns` (F)."""
     values = np.asarray(samples, np.float64)
     series = np.fft.rfft(values) / len(values)
@@ -121,21 +120,21 @@ def curve(samples: ArrayLike, turns: Array) -> Array:
     return series[0].real + _sum(2 * series[1:], turns)
 
 
-def _sum(series: NDArray[np.complex128], turns: Array) -> Array:
+def _sum(series: NDArray[np.complex128], turns: Floats) -> Floats:
     """Σₖ Re(cₖ exp(2πi k turns)) for k = 1, 2, …; (…, K) and (F) → (…, F)."""
     wave = np.exp(2j * np.pi * np.outer(np.arange(1, series.shape[-1] + 1), turns))
-    summed: Array = (series @ wave).real
+    summed: Floats = (series @ wave).real
     return summed
 
 
-def leg_angles(turns: Array) -> Array:
+def leg_angles(turns: Floats) -> Floats:
     """(5, F) deg: hip flexion, adduction, external rotation, knee flexion, dorsiflexion at strides of that leg."""
     adduction = 1.0 + 5.5 * np.cos(2 * np.pi * (turns - 0.20))
     external = 6.0 + 5.0 * np.cos(2 * np.pi * turns)  # undoes the pelvis, so that the feet point steadily
     return np.stack([curve(HIP, turns), adduction, external, curve(KNEE, turns), curve(ANKLE, turns)])
 
 
-def pose_at(turns: Array, pelvis: Array) -> Pose:
+def pose_at(turns: Floats, pelvis: Floats) -> WalkingPose:
     """Turns of all segments (1) (2) where the left leg's stride is at `turns` (F), the pelvis at (F, 3) mm."""
     yaw, up = -5.0 * np.cos(2 * np.pi * turns), 4.0 * np.cos(2 * np.pi * (turns - 0.13))
     hips = Rotation.from_euler("ZXY", np.stack([yaw, up, np.full_like(turns, TILT)], -1), degrees=True)
@@ -150,10 +149,10 @@ def pose_at(turns: Array, pelvis: Array) -> Pose:
         legs.append((thigh.as_matrix(), shank.as_matrix(), foot.as_matrix()))
     swing = 18.0 * np.cos(2 * np.pi * turns)
     arms = np.stack([-swing, swing])  # each arm goes with the other leg
-    return Pose(pelvis, hips.as_matrix(), (legs[0], legs[1]), arms)
+    return WalkingPose(pelvis, hips.as_matrix(), (legs[0], legs[1]), arms)
 
 
-def roll_out(body: Segments) -> Stride:
+def roll_out(body: BodySegments) -> Stride:
     """The stride that makes the weight-bearing foot stand still, (3) and (4)."""
     turns = np.arange(GRID) / GRID
     points = body.soles(pose_at(turns, np.zeros((GRID, 3))))  # (4, F, 3)
@@ -170,14 +169,14 @@ def roll_out(body: Segments) -> Stride:
     return Stride(float(velocity[:, 0].mean()), -float(lowest), series)
 
 
-def pelvis_path(stride: Stride, turns: Array, middle: Array) -> Array:
+def pelvis_path(stride: Stride, turns: Floats, middle: Floats) -> Floats:
     """(F, 3) mm of the pelvis, which passes above `middle` half-way through."""
     path = _sum(stride.series, turns).T
     path[:, 0] += stride.length * (turns - (turns[0] + turns[-1]) / 2)
     return path + np.array([*middle, stride.height])
 
 
-def _angles(turns: Array, rate: float) -> Angles:
+def _angles(turns: Floats, rate: float) -> Angles:
     """The joint angles as they were put in."""
     joints, deg = [], []
     for side, late in (("left", 0.0), ("right", 0.5)):

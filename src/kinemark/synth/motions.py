@@ -17,12 +17,10 @@ where n is the unit vector square to a that points down most.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from .subjects import Capsules, Subject, pairs
 from .wobble import smooth_noise
-
-Array = NDArray[np.float64]
 
 UPPER, FOREARM, NEAR = 290.0, 260.0, 45.0
 """Shoulder to elbow, elbow to hand, elbow to D, mm."""
@@ -117,25 +115,25 @@ def elbow_flexion(
     return _subject(("D", "B", "C"), np.array([B + NEAR * ahead, B, C]), rate)
 
 
-def _times(duration_s: float, rate: float) -> Array:
+def _times(duration_s: float, rate: float) -> Floats:
     if min(duration_s, rate) <= 0:
         raise ValueError(f"duration_s and rate must be positive, found {duration_s} and {rate}")
     return np.arange(max(round(duration_s * rate), 1)) / rate
 
 
-def _sway(angle: Array) -> Array:
+def _sway(angle: Floats) -> Floats:
     """(F, 3) the body's rocking in time with the hand, in one plane, mm."""
     return np.outer(np.sin(angle), [8.0, 10.0, 0.0]) + np.outer(np.cos(angle), [0.0, 0.0, 5.0])
 
 
-def _hand_elbow_shoulder(hand: Array, angle: Array, rate: float, seed: int, unsteady_mm: float) -> Subject:
+def _hand_elbow_shoulder(hand: Floats, angle: Floats, rate: float, seed: int, unsteady_mm: float) -> Subject:
     """A, B, C for a hand's path (F, 3)."""
     A = hand + unsteady_mm * smooth_noise((3, len(hand)), rate, seed, cut_hz=1.5).T
     C = SHOULDER + _sway(angle)
     return _subject(("A", "B", "C"), np.array([A, elbow_between(A, C), C]), rate)
 
 
-def elbow_between(hand: Array, shoulder: Array) -> Array:
+def elbow_between(hand: Floats, shoulder: Floats) -> Floats:
     """(F, 3) the elbow (1) between hand and shoulder.
 
     Raises:
@@ -149,10 +147,10 @@ def elbow_between(hand: Array, shoulder: Array) -> Array:
     below = np.array([0.0, 0.0, -1.0]) + a[:, 2:] * a
     n = below / np.linalg.norm(below, axis=-1, keepdims=True)
     s = (UPPER**2 - FOREARM**2 + d**2) / (2 * d)
-    elbow: Array = shoulder + s * a + np.sqrt(UPPER**2 - s**2) * n  # (1)
+    elbow: Floats = shoulder + s * a + np.sqrt(UPPER**2 - s**2) * n  # (1)
     return elbow
 
 
-def _subject(names: tuple[str, ...], xyz: Array, rate: float) -> Subject:
+def _subject(names: tuple[str, ...], xyz: Floats, rate: float) -> Subject:
     links = pairs(names, (names[0], names[1]), (names[1], names[2]))
     return Subject(names, rate, xyz, np.array(10.0), Capsules.none(xyz.shape[1]), links)

@@ -18,13 +18,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ..data import Camera, Detections, Rig
+from ..data.array_types import Floats
 from ..geometry import project, to_camera
 from .occlusion import visible_fraction
 from .render import one_to_one
-from .sphere import sphere_ellipse
+from .sphere_image import sphere_ellipse
 from .subjects import Subject
-
-Array = NDArray[np.float64]
 
 
 class Sight(NamedTuple):
@@ -35,13 +34,13 @@ class Sight(NamedTuple):
     that of its whole image.
     """
 
-    uv: Array
-    visible: Array
-    area: Array
+    uv: Floats
+    visible: Floats
+    area: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Observed:
+class ObservedImages:
     """Detections and what they are.
 
     Attributes:
@@ -65,14 +64,14 @@ class Observed:
         return views
 
 
-class Rows(NamedTuple):
+class TruthRows(NamedTuple):
     """Marker images of one camera, before they are put in order; all (N) but uv (N, 2)."""
 
     frame: NDArray[np.int64]
     marker: NDArray[np.int64]
     merged: NDArray[np.int64]
-    uv: Array
-    area: Array
+    uv: Floats
+    area: Floats
 
 
 def truth(rig: Rig, subject: Subject) -> Sight:
@@ -101,7 +100,7 @@ def observe(
     dropout: float = 0.0,
     least_visible: float = 0.5,
     seed: int = 0,
-) -> Observed:
+) -> ObservedImages:
     """Detections of a subject in a rig, made without images.
 
     Args:
@@ -131,14 +130,14 @@ def observe(
     return _collect(rig, subject, cameras, noise_px, sight)
 
 
-def _seen_rows(seen: NDArray[np.bool_], sight: Sight, c: int) -> Rows:
+def _seen_rows(seen: NDArray[np.bool_], sight: Sight, c: int) -> TruthRows:
     marker, frame = np.nonzero(seen)
     uv, area = sight.uv[c, marker, frame], sight.area[c, marker, frame] * sight.visible[c, marker, frame]
-    return Rows(frame, marker, np.ones_like(frame), uv, area)
+    return TruthRows(frame, marker, np.ones_like(frame), uv, area)
 
 
-def _merge(rows: Rows, depth: Array, merge_px: float) -> Rows:
-    """Rows of one frame nearer than merge_px, and chains of such, as one; it is called after the marker in front."""
+def _merge(rows: TruthRows, depth: Floats, merge_px: float) -> TruthRows:
+    """Images of one frame nearer than merge_px, and chains of such, as one; it is called after the marker in front."""
     n = len(rows.frame)
     order = np.lexsort((depth[rows.marker, rows.frame], rows.frame))
     rows = _take(rows, order)
@@ -149,10 +148,10 @@ def _merge(rows: Rows, depth: Array, merge_px: float) -> Rows:
     nearest = np.unique(blob, return_index=True)[1]  # rows are in order of depth within their frame
     area = np.bincount(blob, rows.area).astype(np.float64)
     uv = np.stack([np.bincount(blob, rows.area * rows.uv[:, i]) for i in range(2)], -1) / area[:, None]
-    return Rows(rows.frame[nearest], rows.marker[nearest], np.bincount(blob).astype(np.int64), uv, area)
+    return TruthRows(rows.frame[nearest], rows.marker[nearest], np.bincount(blob).astype(np.int64), uv, area)
 
 
-def _near_pairs(rows: Rows, merge_px: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _near_pairs(rows: TruthRows, merge_px: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Indices of rows of one frame whose centres are nearer than merge_px; rows are in order of frame."""
     found: list[NDArray[np.int64]] = [np.zeros((2, 0), np.int64)]
     for part in np.split(np.arange(len(rows.frame)), np.flatnonzero(np.diff(rows.frame)) + 1):
@@ -163,13 +162,13 @@ def _near_pairs(rows: Rows, merge_px: float) -> tuple[NDArray[np.int64], NDArray
     return first, second
 
 
-def _add_false(rows: Rows, camera: Camera, n_frames: int, per_frame: float, rng: np.random.Generator) -> Rows:
+def _add_false(rows: TruthRows, camera: Camera, n_frames: int, per_frame: float, rng: np.random.Generator) -> TruthRows:
     """Points from nowhere, of the sizes that true ones have."""
     frame = np.repeat(np.arange(n_frames), rng.poisson(per_frame, n_frames))
     n = len(frame)
     uv = rng.uniform(-0.5, camera.size - 0.5, (n, 2))
     area = rng.choice(rows.area, n) if len(rows.area) else np.full(n, 20.0)
-    return Rows(
+    return TruthRows(
         np.concatenate([rows.frame, frame]),
         np.concatenate([rows.marker, np.full(n, -1)]),
         np.concatenate([rows.merged, np.zeros(n, np.int64)]),
@@ -178,17 +177,17 @@ def _add_false(rows: Rows, camera: Camera, n_frames: int, per_frame: float, rng:
     )
 
 
-def _shuffle(rows: Rows, rng: np.random.Generator) -> Rows:
+def _shuffle(rows: TruthRows, rng: np.random.Generator) -> TruthRows:
     """In order of frame, and in no order within it."""
     order = np.lexsort((rng.random(len(rows.frame)), rows.frame))
     return _take(rows, order)
 
 
-def _take(rows: Rows, order: NDArray[np.int64]) -> Rows:
-    return Rows(rows.frame[order], rows.marker[order], rows.merged[order], rows.uv[order], rows.area[order])
+def _take(rows: TruthRows, order: NDArray[np.int64]) -> TruthRows:
+    return TruthRows(rows.frame[order], rows.marker[order], rows.merged[order], rows.uv[order], rows.area[order])
 
 
-def _collect(rig: Rig, subject: Subject, cameras: list[Rows], noise_px: float, sight: Sight) -> Observed:
+def _collect(rig: Rig, subject: Subject, cameras: list[TruthRows], noise_px: float, sight: Sight) -> ObservedImages:
     counts = np.array([np.bincount(rows.frame, minlength=subject.n_frames) for rows in cameras]).reshape(len(rig), -1)
     _, marker, merged, uv, area = (np.concatenate(column) for column in zip(*cameras, strict=True))
     cov = np.broadcast_to(noise_px**2 * np.eye(2), (len(uv), 2, 2))
@@ -196,4 +195,4 @@ def _collect(rig: Rig, subject: Subject, cameras: list[Rows], noise_px: float, s
     detections = Detections.build(
         rig.names, subject.rate, counts, uv, cov, area=area, width=across, height=across, merged=merged > 1
     )
-    return Observed(detections, marker, merged, sight)
+    return ObservedImages(detections, marker, merged, sight)

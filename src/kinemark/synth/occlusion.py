@@ -15,12 +15,11 @@ nearest points is less than its radius.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..data.array_types import Floats
 
 
-def line_distance(o: Array, d: Array, a: Array, b: Array) -> Array:
+def line_distance(o: Floats, d: Floats, a: Floats, b: Floats) -> Floats:
     """Distance (…) mm between the lines of sight from o (…, 3) to o + d and the axes from a to b (…, 3)."""
     w, e = o - a, b - a
     dd, ee, de, dw, ew = _dot(d, d), _dot(e, e), _dot(d, e), _dot(d, w), _dot(e, w)
@@ -34,11 +33,11 @@ def line_distance(o: Array, d: Array, a: Array, b: Array) -> Array:
     return np.sqrt(_dot(gap, gap))
 
 
-def _dot(x: Array, y: Array) -> Array:
+def _dot(x: Floats, y: Floats) -> Floats:
     return x[..., 0] * y[..., 0] + x[..., 1] * y[..., 1] + x[..., 2] * y[..., 2]
 
 
-def visible_fraction(centre: Array, xyz: Array, radius: Array, a: Array, b: Array, limb: Array) -> Array:
+def visible_fraction(centre: Floats, xyz: Floats, radius: Floats, a: Floats, b: Floats, limb: Floats) -> Floats:
     """How much of each marker the limbs leave in sight, as the share of seven lines of sight that are free.
 
     One line goes to the marker's centre and six to points at 0.75 of its radius around it, square to the line.
@@ -63,7 +62,7 @@ def visible_fraction(centre: Array, xyz: Array, radius: Array, a: Array, b: Arra
     return np.where(np.isfinite(xyz).all(-1), free.mean(0), np.nan)
 
 
-def _sight_lines(centre: Array, xyz: Array, radius: Array) -> Array:
+def _sight_lines(centre: Floats, xyz: Floats, radius: Floats) -> Floats:
     """(7, M, F, 3) from the camera to the middle of each marker and to six points around it."""
     ahead = xyz - centre
     forward = ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
@@ -74,7 +73,7 @@ def _sight_lines(centre: Array, xyz: Array, radius: Array) -> Array:
     return np.concatenate([ahead[None], ahead + around])
 
 
-def across(forward: Array) -> Array:
+def across(forward: Floats) -> Floats:
     """A unit vector (…, 3) square to each unit vector (…, 3)."""
     other = np.where(np.abs(forward[..., 2:]) < 0.9, np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]))
     side = np.cross(other, forward)

@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..data import Camera
+from ..data.array_types import Floats
 from ..geometry import normalised, project, to_camera, undistort
 from . import optics as light
 from .coverage import Ball, Box, Limbs, disc, pixels, sight_lines, unhidden
 from .optics import Optics
-from .sphere import sphere_outline
+from .sphere_image import sphere_outline
 from .subjects import Capsules, Subject
-
-Array = NDArray[np.float64]
 
 
 def film(
@@ -146,7 +145,7 @@ def _in_view(camera: Camera, balls: list[Ball], optics: Optics) -> tuple[list[Ba
     return [balls[i] for i in order], boxes
 
 
-def one_to_one(camera: Camera, xyz: Array) -> NDArray[np.bool_]:
+def one_to_one(camera: Camera, xyz: Floats) -> NDArray[np.bool_]:
     """(…) whether the lens model sends nothing else to where it draws these points (…, 3) mm.
 
     Far outside the image a polynomial lens model folds back, and would show what no lens sees.
@@ -162,7 +161,7 @@ def one_to_one(camera: Camera, xyz: Array) -> NDArray[np.bool_]:
 
 def _coverages(
     camera: Camera, balls: list[Ball], boxes: list[Box], limbs: Limbs, optics: Optics
-) -> Iterator[tuple[Ball, Box, Array, Array]]:
+) -> Iterator[tuple[Ball, Box, Floats, Floats]]:
     """Each ball with its box, the share of each pixel (h, w) it covers, and the light it sends from there."""
     n = optics.subsamples
     places = [pixels(box) for box in boxes]
@@ -180,14 +179,14 @@ def _coverages(
         yield ball, box, cover, bright
 
 
-def _lay(canvas: Array, pad: int, ball: Ball, box: Box, coverage: Array, bright: Array) -> None:
+def _lay(canvas: Floats, pad: int, ball: Ball, box: Box, coverage: Floats, bright: Floats) -> None:
     """Lay a ball's light over what is behind it (1)."""
     patch = canvas[box[2] + pad : box[3] + pad, box[0] + pad : box[1] + pad]
     patch *= 1 - coverage
     patch += ball.brightness * bright
 
 
-def _halo(canvas: Array, pad: int, camera: Camera, ball: Ball, coverage: Array, optics: Optics) -> None:
+def _halo(canvas: Floats, pad: int, camera: Camera, ball: Ball, coverage: Floats, optics: Optics) -> None:
     """Add the glare of a strobe, in proportion to how much of it is in sight."""
     u, v = project(camera, ball.xyz)
     area = np.pi * abs(camera.K[0, 0] * camera.K[1, 1]) * (ball.radius / to_camera(camera, ball.xyz)[2]) ** 2
@@ -205,7 +204,7 @@ def _grow(box: Box, ball: Ball, optics: Optics) -> Box:
 
 
 def _expose(
-    image: NDArray[np.uint8], canvas: Array, pad: int, box: Box, optics: Optics, rng: np.random.Generator | None
+    image: NDArray[np.uint8], canvas: Floats, pad: int, box: Box, optics: Optics, rng: np.random.Generator | None
 ) -> None:
     """Blur the canvas over a box and read it into the image."""
     u0, u1 = max(box[0], 0), min(box[1], image.shape[1])

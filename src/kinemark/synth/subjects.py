@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..data import Angles, Events, MarkerSet, Path, Trajectories
+from ..data import Angles, Events, MarkerSet, MarkerTrajectory, Trajectories
 from ..data.arrays import column, set_columns
 
 
@@ -101,7 +101,7 @@ class Subject:
     @property
     def trajectories(self) -> Trajectories:
         """The true paths as the record that every stage ends in."""
-        paths = (Path.measured(name, xyz) for name, xyz in zip(self.names, self.xyz, strict=True))
+        paths = (MarkerTrajectory.measured(name, xyz) for name, xyz in zip(self.names, self.xyz, strict=True))
         return Trajectories(tuple(paths), self.rate)
 
     @property

@@ -5,14 +5,12 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..data import Rods
-from .cameras import VOLUME
+from .camera_placement import VOLUME
 from .subjects import Capsules, Subject, pairs, still
 from .wobble import smooth_noise
-
-Array = NDArray[np.float64]
 
 SPACINGS = ((550, 200, 150, 600, 250), (350, 250, 650, 150, 350), (150, 450, 550, 150, 450), (500, 550, 250, 150, 300))
 """Gaps between the markers of each rod from its top down, mm. Perspective keeps the cross-ratios of four markers in a

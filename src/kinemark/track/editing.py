@@ -20,10 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..data import Tracks
+from ..data.array_types import Floats, Ints
 from ..signal import LADDER, PAST, cheapest_first
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class End(NamedTuple):

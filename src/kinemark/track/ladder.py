@@ -30,44 +30,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Cloud, Tracks
-from ..data.arrays import check_positive
+from ..data.array_types import Floats, Ints
+from ..data.method import Method, parameter
 from ..geometry import solve3
 from ..signal import PAST, assign, extrapolate, gain
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from .stage import CLOUD, TRACK
 
 
 @dataclass(frozen=True, slots=True)
-class ExtrapolationLadder:
-    """Parameters of the method.
+class ExtrapolationLadder(Method):
+    """Extrapolation by polynomials of rising order, and the nearest point within what their errors allow."""
 
-    Attributes:
-        reach: half size of the search region, standard deviations; of (3).
-        speed: greatest speed of a marker of which one point is known, mm/s; v.
-        acceleration: usual acceleration that the fit does not foresee, mm/s²; a of (1).
-        scatter: of the points about their paths beyond their covariance, mm; of (1).
-        patience: how long a track without points goes on, s; KISS's two fields of 50 Hz are 0.04 s.
-        shortest: tracks of fewer points than this lose their identity.
-    """
-
-    reach: float = 5.0
-    speed: float = 5000.0
-    acceleration: float = 10_000.0
-    scatter: float = 3.0
-    patience: float = 0.04
-    shortest: int = 10
-
-    def __post_init__(self) -> None:
-        check_positive(reach=self.reach, speed=self.speed, scatter=self.scatter, shortest=self.shortest)
-        if not 0 <= self.acceleration < np.inf or not 0 <= self.patience <= 60:
-            raise ValueError(
-                f"acceleration is {self.acceleration} and patience {self.patience}, wanted 0 or more, and at most 60 s"
-            )
+    reach: float = parameter(
+        5.0, unit="standard deviations", above=0, meaning="half size of the search region (gate); of (3)"
+    )
+    speed: float = parameter(
+        5000.0, unit="mm/s", above=0, meaning="greatest speed of a marker of which one point is known; v"
+    )
+    acceleration: float = parameter(
+        10_000.0, unit="mm/s²", low=0, meaning="usual acceleration that the fit does not foresee; a of (1)"
+    )
+    scatter: float = parameter(
+        3.0, unit="mm", above=0, meaning="scatter of the points about their paths beyond their covariance; of (1)"
+    )
+    patience: float = parameter(
+        0.04, unit="s", low=0, high=60,
+        meaning="coasting: how long a track without points goes on; KISS's two fields of 50 Hz are 0.04 s",
+    )  # fmt: skip
+    shortest: int = parameter(10, unit="points", low=1, meaning="tracks of fewer points than this lose their identity")
 
 
 @dataclass(frozen=True, slots=True)
-class Active:
+class ActiveLadderTrack:
     """Tracks that may still grow.
 
     Attributes:
@@ -82,6 +76,7 @@ class Active:
     cov: Floats
 
 
+@TRACK.method("extrapolation_ladder", ExtrapolationLadder, source="Shafiq, Tümer and Güler 2001, 4.3", takes=CLOUD)
 def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
     """The cloud with identities, numbered in the order in which the tracks begin."""
     identity = np.full(len(cloud), -1)
@@ -102,14 +97,20 @@ def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
     return Tracks(cloud, _without_short(identity, method.shortest))
 
 
-def _none() -> Active:
+def _none() -> ActiveLadderTrack:
     """No tracks."""
     zero = np.zeros(0, np.int64)
-    return Active(zero, zero, zero, np.zeros((0, PAST, 3)), np.zeros((0, 3, 3)))
+    return ActiveLadderTrack(zero, zero, zero, np.zeros((0, PAST, 3)), np.zeros((0, 3, 3)))
 
 
 def _claim(
-    active: Active, predicted: Floats, points: Floats, cov: Floats, view: Ints, rate: float, method: ExtrapolationLadder
+    active: ActiveLadderTrack,
+    predicted: Floats,
+    points: Floats,
+    cov: Floats,
+    view: Ints,
+    rate: float,
+    method: ExtrapolationLadder,
 ) -> tuple[Ints, Ints]:
     """Which tracks take which points; of two that share an image, the younger track goes without."""
     stray = method.acceleration * ((active.missed + 1) / rate) ** 2 / 2 + method.scatter  # (1)
@@ -144,8 +145,8 @@ def _unclaimed(view: Ints, taken: Ints) -> Ints:
 
 
 def _advance(
-    active: Active, predicted: Floats, points: Floats, cov: Floats, which: Ints, taken: Ints, patience: int
-) -> Active:
+    active: ActiveLadderTrack, predicted: Floats, points: Floats, cov: Floats, which: Ints, taken: Ints, patience: int
+) -> ActiveLadderTrack:
     """The tracks one frame on: with the point taken or, for as long as `patience` lasts, with the prediction."""
     here, known, missed, last = predicted.copy(), active.known.copy(), active.missed + 1, active.cov.copy()
     here[which], last[which] = points[taken], cov[taken]
@@ -153,13 +154,13 @@ def _advance(
     missed[which] = 0
     past = np.concatenate([active.past[:, 1:], here[:, None]], 1)
     alive = missed <= patience
-    return Active(active.id[alive], known[alive], missed[alive], past[alive], last[alive])
+    return ActiveLadderTrack(active.id[alive], known[alive], missed[alive], past[alive], last[alive])
 
 
-def _begin(active: Active, identity: Ints, points: Floats, cov: Floats) -> Active:
+def _begin(active: ActiveLadderTrack, identity: Ints, points: Floats, cov: Floats) -> ActiveLadderTrack:
     """The active tracks and new ones of a single point each."""
     n = len(points)
-    return Active(
+    return ActiveLadderTrack(
         np.concatenate([active.id, identity]),
         np.concatenate([active.known, np.ones(n, np.int64)]),
         np.concatenate([active.missed, np.zeros(n, np.int64)]),

@@ -12,16 +12,16 @@ covariance     of all cameras together
 
 from .adjust import Bundle, BundleFit, bundle
 from .from_sizes import calibrate_points, calibrate_sticks
-from .parts import Held, Part, Points, Sticks, sticks_through
+from .parts import FreePoints, Held, Part, Sticks, sticks_through
 from .solver import Freedom
 
 __all__ = [
     "Bundle",
     "BundleFit",
+    "FreePoints",
     "Freedom",
     "Held",
     "Part",
-    "Points",
     "Sticks",
     "bundle",
     "calibrate_points",

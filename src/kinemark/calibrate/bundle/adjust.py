@@ -6,21 +6,21 @@ Wrong points are held at bay and then left out (`robust`), by Levenberg and Marq
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import KinemarkError, Rig
-from .covariance import joint_covariance
+from ...data.array_types import Bools, Floats
+from ...data.method import ONE, Method, parameter
+from ...geometry import joint_about, near_middle, rig_about
+from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust import equations, solve_softly, solve_without_outliers, unknowns
-from .solver import Freedom, Observed, State, cost, normal_equations, residuals
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
 
 VAGUE = 0.1  # a focal length is not known if its standard deviation is more than this share of it
 MOST_LOST = 0.3
@@ -28,30 +28,21 @@ ABSURD = 0.01  # of the image's diagonal
 
 
 @dataclass(frozen=True, slots=True)
-class Bundle:
-    """What a bundle adjustment fits.
+class Bundle(Method):
+    """All cameras, and all places of what they saw, at once: bundle adjustment."""
 
-    Attributes:
-        radial: at most so many of k1, k2, k3.
-        tangential: whether p1 and p2 are fitted.
-        centre: whether the principal point is fitted; else it stays at the image's centre.
-        square: pixels keep their shape, fy / fx, which is 1 unless a start says otherwise; else both are fitted.
-        reject: how many standard deviations off a point may be before it is left out.
-        seed: of the samples that the start draws.
-    """
-
-    radial: int = 2
-    tangential: bool = False
-    centre: bool = True
-    square: bool = True
-    reject: float = 5.0
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        if self.radial not in (0, 1, 2, 3):
-            raise ValueError(f"radial is {self.radial}, wanted 0 to 3 lens terms")
-        if not self.reject >= 3:
-            raise ValueError(f"reject is {self.reject}, wanted at least 3 standard deviations")
+    radial: int = parameter(
+        2, unit="lens terms", low=0, high=3, meaning="at most so many radial lens terms are fitted: k1, k2, k3"
+    )
+    tangential: bool = parameter(False, meaning="p1 and p2 are fitted as well")
+    centre: bool = parameter(True, meaning="the principal point is fitted; else it stays at the image's centre")
+    square: bool = parameter(
+        True, meaning="pixels keep their shape, fy / fx, which is 1 unless a start says otherwise; else both are fitted"
+    )
+    reject: float = parameter(
+        5.0, unit="standard deviations", low=3, high=math.inf, meaning="outliers: points so far off are left out"
+    )
+    seed: int = parameter(0, unit=ONE, meaning="of the random samples that the start draws")
 
     @property
     def freedom(self) -> Freedom:
@@ -80,10 +71,10 @@ class BundleFit(NamedTuple):
     """
 
     rig: Rig
-    xyz: Array
-    residual: Array
-    kept: Mask
-    joint: Array
+    xyz: Floats
+    residual: Floats
+    kept: Bools
+    joint: Floats
     chi2: float
     freedom: int
 
@@ -91,9 +82,9 @@ class BundleFit(NamedTuple):
 def bundle(
     rig: Rig,
     parts: Sequence[Part],
-    uv: Array,
+    uv: Floats,
     *,
-    cov: Array | None = None,
+    cov: Floats | None = None,
     freedoms: Sequence[Freedom] | None = None,
     method: Bundle | None = None,
 ) -> BundleFit:
@@ -119,18 +110,25 @@ def bundle(
         raise ValueError(
             f"uv has shape {uv.shape} and there are {len(free)} freedoms, wanted ({len(rig)}, {n}, 2) and {len(rig)}"
         )
-    seen = observed(uv, cov)
-    state, kept = adjusted(State(rig.cameras, parts), seen, free, reject=method.reject)
-    return completed(state, seen, free, kept, what="bundle adjustment")
+    seen, origin = observed(uv, cov), near_middle(all_points(parts))
+    near = tuple(part.placed(np.eye(3), -origin, 1.0) for part in parts)
+    state, kept = adjusted(BundleState(rig_about(rig, origin).cameras, near), seen, free, reject=method.reject)
+    fit = completed(state, seen, free, kept, what="bundle adjustment")
+    joint = joint_about(fit.rig, fit.joint, -origin)
+    return fit._replace(rig=rig_about(fit.rig, -origin), xyz=fit.xyz + origin, joint=joint)
 
 
-def adjusted(state: State, seen: Observed, freedoms: tuple[Freedom, ...], *, reject: float) -> tuple[State, Mask]:
+def adjusted(
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, reject: float
+) -> tuple[BundleState, Bools]:
     """The state near `state` that fits best, and which points (C, N) it was fitted to."""
     state, scale = solve_softly(state, seen, freedoms)
     return solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
 
 
-def completed(state: State, seen: Observed, freedoms: tuple[Freedom, ...], kept: Mask, *, what: str) -> BundleFit:
+def completed(
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], kept: Bools, *, what: str
+) -> BundleFit:
     """A `BundleFit` of a state that has converged on the points `kept` (C, N).
 
     Raises:
@@ -165,7 +163,7 @@ def completed(state: State, seen: Observed, freedoms: tuple[Freedom, ...], kept:
     return BundleFit(Rig(cameras, words, np.stack([there.min(0), there.max(0)])), xyz, off, kept, joint, chi2, nu)
 
 
-def observed(uv: Array, cov: Array | None) -> Observed:
+def observed(uv: Floats, cov: Floats | None) -> ImageObservations:
     """Pixels (C, N, 2) with covariances (C, N, 2, 2), px²; all alike where one that is needed is not known.
 
     Raises:
@@ -175,16 +173,16 @@ def observed(uv: Array, cov: Array | None) -> Observed:
     if cov is not None and cov.shape != (*uv.shape, 2):
         raise ValueError(f"cov has shape {cov.shape}, wanted {(*uv.shape, 2)}")
     if cov is None or not np.isfinite(cov[there]).all():
-        return Observed(uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)), there)
+        return ImageObservations(uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)), there)
     try:
         known = np.asarray(np.where(there[..., None, None], cov, np.eye(2)), np.float64)
         whiten = np.linalg.inv(np.linalg.cholesky(known))
     except np.linalg.LinAlgError:
         raise ValueError("cov has a covariance that is not positive definite") from None
-    return Observed(uv, whiten, there)
+    return ImageObservations(uv, whiten, there)
 
 
-def check_calibration(fit: BundleFit, seen: Mask, *, focus_held: bool = False) -> None:
+def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) -> None:
     """Raises a KinemarkError where the fit to what was seen (C, N) is no calibration."""
     there = seen & complete(fit.xyz)
     for c, camera in enumerate(fit.rig):

@@ -11,16 +11,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import Camera, KinemarkError, Rig
+from ...data.array_types import Floats
+from ..stage import CALIBRATE
 from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
-from .initial import Views, start
-from .initial.optics import Optics, unknown_optics
+from .initial import TargetViews, start
+from .initial.unknown_optics import UnknownOptics, unknown_optics
 from .robust_points import robust_points
-from .solver import Freedom, State, placed
-
-Array = NDArray[np.float64]
+from .solver import BundleState, Freedom, placed
 
 BASE = 1000.0
 WORSE = 3.0  # right calibrations, of real files too, have at most 1.5 times the residual of two cameras alone
@@ -33,10 +33,10 @@ FEWEST = 12  # sticks of which all markers are seen, to judge the gaps by
 def calibrate_sticks(
     names: Sequence[str],
     sizes: ArrayLike,
-    uv: Array,
+    uv: Floats,
     *,
     along: ArrayLike,
-    cov: Array | None = None,
+    cov: Floats | None = None,
     method: Bundle | None = None,
     lenses: Sequence[Camera] | None = None,
 ) -> BundleFit:
@@ -66,12 +66,13 @@ def calibrate_sticks(
     return _calibrated(names, sizes, flat, along, flat_cov, method or Bundle(), lenses)
 
 
+@CALIBRATE.method("bundle", Bundle, source="Triggs et al. 2000", ways=("single_marker",))
 def calibrate_points(
     names: Sequence[str],
     sizes: ArrayLike,
-    uv: Array,
+    uv: Floats,
     *,
-    cov: Array | None = None,
+    cov: Floats | None = None,
     method: Bundle | None = None,
     lenses: Sequence[Camera] | None = None,
 ) -> BundleFit:
@@ -100,9 +101,9 @@ def calibrate_points(
 def _calibrated(
     names: Sequence[str],
     sizes: ArrayLike,
-    uv: Array,
-    along: Array | None,
-    cov: Array | None,
+    uv: Floats,
+    along: Floats | None,
+    cov: Floats | None,
     method: Bundle,
     lenses: Sequence[Camera] | None,
 ) -> BundleFit:
@@ -115,7 +116,7 @@ def _calibrated(
             f"{'three' if along is None else 'two'} are needed to calibrate from image sizes alone. "
             "Use more cameras, or control points."
         )
-    first, noise = start(Views(optics, uv, along), seed=method.seed, focal_known=held)
+    first, noise = start(TargetViews(optics, uv, along), seed=method.seed, focal_known=held)
     if along is not None and len(along) > 2:
         _check_gaps(first.cameras, uv, along)
     seen = observed(uv, cov)
@@ -131,7 +132,7 @@ def _calibrated(
     return fit
 
 
-def _optics(names: Sequence[str], sizes: ArrayLike, c: int, lenses: Sequence[Camera] | None) -> list[Optics]:
+def _optics(names: Sequence[str], sizes: ArrayLike, c: int, lenses: Sequence[Camera] | None) -> list[UnknownOptics]:
     size = np.asarray(sizes, np.int64).reshape(-1, 2)
     if not len(names) == len(size) == c or (lenses is not None and len(lenses) != c):
         raise ValueError(f"{len(names)} names, {len(size)} sizes, pixels of {c} cameras: wanted as many of each")
@@ -140,12 +141,12 @@ def _optics(names: Sequence[str], sizes: ArrayLike, c: int, lenses: Sequence[Cam
     if lenses is None:
         return [unknown_optics(name, s) for name, s in zip(names, size, strict=True)]
     return [
-        Optics(replace(lens, name=name, size=s, R=np.eye(3), t=np.zeros(3)), 0.0, True)
+        UnknownOptics(replace(lens, name=name, size=s, R=np.eye(3), t=np.zeros(3)), 0.0, True)
         for name, s, lens in zip(names, size, lenses, strict=True)
     ]
 
 
-def _freedom(optics: Optics, method: Bundle, focus_held: bool) -> Freedom:
+def _freedom(optics: UnknownOptics, method: Bundle, focus_held: bool) -> Freedom:
     """All that the method fits, or pose and focal length with the lens in pixels."""
     if not optics.lens:
         return method.freedom
@@ -155,17 +156,17 @@ def _freedom(optics: Optics, method: Bundle, focus_held: bool) -> Freedom:
     return Freedom(free, True, True)
 
 
-def _in_place(state: State, unscaled: bool) -> State:
+def _in_place(state: BundleState, unscaled: bool) -> BundleState:
     """The state in the first camera's frame; without a scale, with `BASE` between the first two cameras."""
     R, t = state.cameras[0].R, state.cameras[0].t
     base = float(np.linalg.norm(state.cameras[1].centre - state.cameras[0].centre))
     scale = BASE / base if unscaled else 1.0
     cameras = [placed(camera, R, scale * t, scale) for camera in state.cameras]
     cameras[0] = replace(cameras[0], R=np.eye(3), t=np.zeros(3))
-    return State(tuple(cameras), tuple(part.placed(R, scale * t, scale) for part in state.parts))
+    return BundleState(tuple(cameras), tuple(part.placed(R, scale * t, scale) for part in state.parts))
 
 
-def _check_gaps(cameras: Sequence[Camera], uv: Array, along: Array) -> None:
+def _check_gaps(cameras: Sequence[Camera], uv: Floats, along: Floats) -> None:
     """Markers seen at uv (C, N, 2) and placed each on its own have the stick's gaps, in proportion."""
     order = np.argsort(along)
     limit = [FAR_OFF * np.hypot(*camera.size) for camera in cameras]

@@ -20,8 +20,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from ...data.array_types import Bools, Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,19 +33,19 @@ class Sticks:
         along: (K) s of (1), mm.
     """
 
-    middle: Array
-    ahead: Array
-    along: Array
+    middle: Floats
+    ahead: Floats
+    along: Floats
 
     degrees = 5
     known = False
 
     @property
-    def xyz(self) -> Array:
+    def xyz(self) -> Floats:
         """(n, K, 3) the markers, mm."""
         return self.middle[:, None] + self.along[:, None] * self.ahead[:, None]  # (1)
 
-    def tangents(self) -> Array:
+    def tangents(self) -> Floats:
         """(n, K, 3, 5) of (2)."""
         across = _across(self.ahead)
         J = np.zeros((len(self.middle), len(self.along), 3, 5))
@@ -54,21 +53,21 @@ class Sticks:
         J[..., 3:] = self.along[:, None, None] * across[:, None]
         return J
 
-    def moved(self, step: Array) -> Sticks:
+    def moved(self, step: Floats) -> Sticks:
         """After steps (n, 5)."""
         ahead = self.ahead + np.einsum("nij,nj->ni", _across(self.ahead), step[:, 3:])
         ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
         return replace(self, middle=self.middle + step[:, :3], ahead=ahead)
 
-    def prior(self) -> tuple[Array, Array, float]:
+    def prior(self) -> tuple[Floats, Floats, float]:
         """What is known beforehand: nothing."""
         return _nothing(len(self.middle), self.degrees)
 
-    def supported(self, views: NDArray[np.int64]) -> Mask:
+    def supported(self, views: NDArray[np.int64]) -> Bools:
         """(n) whether two markers are seen by two cameras each, from how many cameras see each marker (n, K)."""
         return np.asarray((views >= 2).sum(1) >= 2)
 
-    def placed(self, R: Array, t: Array, scale: float) -> Sticks:
+    def placed(self, R: Floats, t: Floats, scale: float) -> Sticks:
         """In a world where X is scale · R X + t."""
         return Sticks(scale * self.middle @ R.T + t, self.ahead @ R.T, scale * self.along)
 
@@ -78,7 +77,7 @@ class Sticks:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Points:
+class FreePoints:
     """n single points anywhere.
 
     Attributes:
@@ -87,9 +86,9 @@ class Points:
         information: (n, 3, 3) Q⁻¹ of (3), 1/mm², in the units of the centroids' covariances.
     """
 
-    at: Array
-    surveyed: Array | None = None
-    information: Array | None = None
+    at: Floats
+    surveyed: Floats | None = None
+    information: Floats | None = None
 
     degrees = 3
 
@@ -99,19 +98,19 @@ class Points:
         return self.surveyed is not None
 
     @property
-    def xyz(self) -> Array:
+    def xyz(self) -> Floats:
         """(n, 1, 3) mm."""
         return self.at[:, None]
 
-    def tangents(self) -> Array:
+    def tangents(self) -> Floats:
         """(n, 1, 3, 3)."""
         return np.tile(np.eye(3), (len(self.at), 1, 1, 1))
 
-    def moved(self, step: Array) -> Points:
+    def moved(self, step: Floats) -> FreePoints:
         """After steps (n, 3)."""
         return replace(self, at=self.at + step)
 
-    def prior(self) -> tuple[Array, Array, float]:
+    def prior(self) -> tuple[Floats, Floats, float]:
         """(3): its share of the normal matrix (n, 3, 3), of the right side (n, 3) and of χ²."""
         if self.surveyed is None or self.information is None:
             return _nothing(len(self.at), 3)
@@ -119,18 +118,20 @@ class Points:
         pull = np.einsum("nij,nj->ni", self.information, off)
         return self.information, pull, float((off * pull).sum())
 
-    def supported(self, views: NDArray[np.int64]) -> Mask:
+    def supported(self, views: NDArray[np.int64]) -> Bools:
         """(n) whether they are seen often enough, from how many cameras see each (n, 1)."""
         return np.asarray(views[:, 0] >= (1 if self.known else 2))
 
-    def placed(self, R: Array, t: Array, scale: float) -> Points:
+    def placed(self, R: Floats, t: Floats, scale: float) -> FreePoints:
         """In a world where X is scale · R X + t."""
-        return Points(scale * self.at @ R.T + t)
+        surveyed = None if self.surveyed is None else scale * self.surveyed @ R.T + t
+        information = None if self.information is None else R @ self.information @ R.T / scale**2
+        return FreePoints(scale * self.at @ R.T + t, surveyed, information)
 
-    def take(self, rows: NDArray[np.int64]) -> Points:
+    def take(self, rows: NDArray[np.int64]) -> FreePoints:
         """Some of the points."""
         optional = (None if a is None else a[rows] for a in (self.surveyed, self.information))
-        return Points(self.at[rows], *optional)
+        return FreePoints(self.at[rows], *optional)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,33 +142,33 @@ class Held:
         at: (n, 3) mm.
     """
 
-    at: Array
+    at: Floats
 
     degrees = 0
     known = True
 
     @property
-    def xyz(self) -> Array:
+    def xyz(self) -> Floats:
         """(n, 1, 3) mm."""
         return self.at[:, None]
 
-    def tangents(self) -> Array:
+    def tangents(self) -> Floats:
         """(n, 1, 3, 0): they cannot move."""
         return np.zeros((len(self.at), 1, 3, 0))
 
-    def moved(self, step: Array) -> Held:
+    def moved(self, step: Floats) -> Held:
         """The same."""
         return self
 
-    def placed(self, R: Array, t: Array, scale: float) -> Held:
+    def placed(self, R: Floats, t: Floats, scale: float) -> Held:
         """In a world where X is scale · R X + t."""
         return Held(scale * self.at @ R.T + t)
 
-    def prior(self) -> tuple[Array, Array, float]:
+    def prior(self) -> tuple[Floats, Floats, float]:
         """Nothing that could change."""
         return _nothing(len(self.at), 0)
 
-    def supported(self, views: NDArray[np.int64]) -> Mask:
+    def supported(self, views: NDArray[np.int64]) -> Bools:
         """(n) whether a camera sees them."""
         return np.asarray(views[:, 0] >= 1)
 
@@ -176,15 +177,15 @@ class Held:
         return Held(self.at[rows])
 
 
-Part = Sticks | Points | Held
+Part = Sticks | FreePoints | Held
 
 
-def complete(x: Array) -> Mask:
+def complete(x: Floats) -> Bools:
     """(…) whether points (…, d) have no NaN."""
     return np.asarray(np.isfinite(x).all(-1))
 
 
-def all_points(parts: tuple[Part, ...]) -> Array:
+def all_points(parts: tuple[Part, ...]) -> Floats:
     """(N, 3) the points of all parts, one piece after the other, mm."""
     return np.concatenate([part.xyz.reshape(-1, 3) for part in parts])
 
@@ -195,7 +196,7 @@ def slices(parts: tuple[Part, ...]) -> list[slice]:
     return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
 
-def supported(parts: tuple[Part, ...], seen: Mask) -> Mask:
+def supported(parts: tuple[Part, ...], seen: Bools) -> Bools:
     """`seen` (C, N) without the points of pieces that too few cameras see."""
     good = []
     for part, at in zip(parts, slices(parts), strict=True):
@@ -205,7 +206,7 @@ def supported(parts: tuple[Part, ...], seen: Mask) -> Mask:
     return seen & np.concatenate(good)
 
 
-def sticks_through(xyz: Array, along: Array) -> Sticks:
+def sticks_through(xyz: Floats, along: Floats) -> Sticks:
     """The sticks nearest to markers (n, K, 3), NaN where missing; NaN with fewer than two of them."""
     there = complete(xyz)
     n = np.maximum(there.sum(1), 1)
@@ -218,7 +219,7 @@ def sticks_through(xyz: Array, along: Array) -> Sticks:
     return Sticks(mean - s_mean[:, None] * ahead, ahead, np.asarray(along, np.float64))
 
 
-def _across(ahead: Array) -> Array:
+def _across(ahead: Floats) -> Floats:
     """(n, 3, 2) e₁ and e₂ of (2)."""
     least = np.eye(3)[np.abs(np.nan_to_num(ahead)).argmin(1)]
     first = np.cross(ahead, least)
@@ -226,5 +227,5 @@ def _across(ahead: Array) -> Array:
     return np.stack([first, np.cross(ahead, first)], -1)
 
 
-def _nothing(n: int, degrees: int) -> tuple[Array, Array, float]:
+def _nothing(n: int, degrees: int) -> tuple[Floats, Floats, float]:
     return np.zeros((n, degrees, degrees)), np.zeros((n, degrees)), 0.0

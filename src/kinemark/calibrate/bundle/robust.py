@@ -15,13 +15,10 @@ where no point is wrong. With it
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...data.array_types import Bools, Floats
 from .parts import Part, slices, supported
-from .solver import Freedom, Observed, State, normalised_residuals, solve
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from .solver import BundleState, Freedom, ImageObservations, normalised_residuals, solve
 
 SOFT = 2.5
 ROUNDS = 8
@@ -30,25 +27,25 @@ ROUGH = 1e-4
 TINY = 1e-9
 
 
-def unknowns(state: State, freedoms: tuple[Freedom, ...], used: Mask) -> int:
+def unknowns(state: BundleState, freedoms: tuple[Freedom, ...], used: Bools) -> int:
     """How many parameters of cameras and used pieces there are."""
     cameras = sum(f.columns(c).shape[1] for f, c in zip(freedoms, state.cameras, strict=True))
     return cameras + sum(int(seen.sum()) * part.degrees for part, seen in _pieces(state.parts, used))
 
 
-def equations(state: State, used: Mask) -> int:
+def equations(state: BundleState, used: Bools) -> int:
     """How many there are: two an image point, and three a point that was surveyed."""
     surveyed = sum(3 * int(seen.sum()) for part, seen in _pieces(state.parts, used) if part.known and part.degrees)
     return 2 * int(used.sum()) + surveyed
 
 
-def _pieces(parts: tuple[Part, ...], used: Mask) -> list[tuple[Part, Mask]]:
+def _pieces(parts: tuple[Part, ...], used: Bools) -> list[tuple[Part, Bools]]:
     """Each part, and which of its pieces are seen."""
     pairs = zip(parts, slices(parts), strict=True)
     return [(part, np.asarray(used[:, at].reshape(len(used), *part.xyz.shape[:2]).any((0, 2)))) for part, at in pairs]
 
 
-def noise_scale(d: Array, state: State, freedoms: tuple[Freedom, ...], used: Mask) -> float:
+def noise_scale(d: Floats, state: BundleState, freedoms: tuple[Freedom, ...], used: Bools) -> float:
     """(1) of normalised residuals d (C, N)."""
     m = equations(state, used)
     nu = max(m - unknowns(state, freedoms, used), 1)
@@ -56,8 +53,8 @@ def noise_scale(d: Array, state: State, freedoms: tuple[Freedom, ...], used: Mas
 
 
 def solve_softly(
-    state: State, seen: Observed, freedoms: tuple[Freedom, ...], *, rounds: int = ROUNDS, steps: int = 10
-) -> tuple[State, float]:
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, rounds: int = ROUNDS, steps: int = 10
+) -> tuple[BundleState, float]:
     """Step 1: the state, and s."""
     used = supported(state.parts, seen.used & np.isfinite(normalised_residuals(state, seen)))
     seen = seen._replace(used=used)
@@ -71,8 +68,8 @@ def solve_softly(
 
 
 def solve_without_outliers(
-    state: State, seen: Observed, freedoms: tuple[Freedom, ...], *, reject: float, scale: float
-) -> tuple[State, Mask]:
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, reject: float, scale: float
+) -> tuple[BundleState, Bools]:
     """Step 2, from s: the state, and which points (C, N) were kept."""
     kept = _near(state, seen, supported(state.parts, seen.used), reject * scale)
     for _ in range(ROUNDS):
@@ -86,7 +83,7 @@ def solve_without_outliers(
     return state, kept
 
 
-def _near(state: State, seen: Observed, used: Mask, limit: float) -> Mask:
+def _near(state: BundleState, seen: ImageObservations, used: Bools, limit: float) -> Bools:
     """`used` (C, N) without what is off by more than `limit`, the pieces placed anew from the rest."""
     still = tuple(Freedom(np.zeros(15, np.bool_)) for _ in state.cameras)
     for _ in range(ROUNDS):

@@ -10,16 +10,15 @@ from collections.abc import Iterable
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...data import Camera
+from ...data.array_types import Floats
 from ...geometry import project, triangulate, undistort
 from .parts import complete
 
-Array = NDArray[np.float64]
 
-
-def robust_points(cameras: Iterable[Camera], uv: Array, *, limit: ArrayLike) -> Array:
+def robust_points(cameras: Iterable[Camera], uv: Floats, *, limit: ArrayLike) -> Floats:
     """(N, 3) from pixels (C, N, 2), NaN where unseen, some of them wrong; NaN where no two cameras agree.
 
     `limit`, px, one for all or one a camera (C), is how far off a right point may be.
@@ -34,7 +33,7 @@ def robust_points(cameras: Iterable[Camera], uv: Array, *, limit: ArrayLike) -> 
     return xyz
 
 
-def _off(cameras: tuple[Camera, ...], xyz: Array, uv: Array) -> Array:
+def _off(cameras: tuple[Camera, ...], xyz: Floats, uv: Floats) -> Floats:
     """(C, N) distance of points from their images, px; 0 where unseen, infinite behind the camera."""
     off = np.stack(
         [np.linalg.norm(seen - project(camera, xyz), axis=-1) for camera, seen in zip(cameras, uv, strict=True)]
@@ -42,7 +41,7 @@ def _off(cameras: tuple[Camera, ...], xyz: Array, uv: Array) -> Array:
     return np.where(np.isnan(uv[..., 0]), 0.0, np.where(np.isnan(off), np.inf, off))
 
 
-def _consensus(cameras: tuple[Camera, ...], ideal: Array, uv: Array, P: Array, limits: Array) -> Array:
+def _consensus(cameras: tuple[Camera, ...], ideal: Floats, uv: Floats, P: Floats, limits: Floats) -> Floats:
     """(n, 3) each from the pair of cameras with which most others agree, then from all these."""
     seen = complete(uv)
     most, cost = np.zeros(len(ideal)), np.full(len(ideal), np.inf)

@@ -27,15 +27,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Camera
+from ...data.array_types import Bools, Floats
 from ...geometry import parameter_jacobian, project
 from ..resection import moved
 from .parts import Part, all_points, complete, slices
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 STEPS = 200
 SETTLED = 1e-7
@@ -47,11 +44,11 @@ EVERYTHING = np.ones(15, np.bool_)
 class Freedom(NamedTuple):
     """What may change in a camera: free (15) of `data.PARAMETERS`; fy with fx (6); the lens with the focus (7)."""
 
-    free: Mask
+    free: Bools
     square: bool = True
     lens_in_pixels: bool = False
 
-    def columns(self, camera: Camera) -> Array:
+    def columns(self, camera: Camera) -> Floats:
         """T (15, q)."""
         T = np.diag(self.free.astype(np.float64))  # (5)
         if self.square and self.free[0]:
@@ -60,7 +57,7 @@ class Freedom(NamedTuple):
             T[4:9, 0] = POWERS * camera.distortion / camera.K[0, 0]  # (7)
         return T[:, np.abs(T).any(0)]
 
-    def moved(self, camera: Camera, step: Array) -> Camera:
+    def moved(self, camera: Camera, step: Floats) -> Camera:
         """The camera after a step (q)."""
         p = self.columns(camera) @ step
         if self.lens_in_pixels and self.free[0]:
@@ -68,40 +65,40 @@ class Freedom(NamedTuple):
         return moved(camera, EVERYTHING, p)
 
 
-class State(NamedTuple):
+class BundleState(NamedTuple):
     """Cameras (C) and parts."""
 
     cameras: tuple[Camera, ...]
     parts: tuple[Part, ...]
 
 
-class Observed(NamedTuple):
+class ImageObservations(NamedTuple):
     """uv (C, N, 2) px; whiten (C, N, 2, 2), whose product with a residual has unit variance; used (C, N)."""
 
-    uv: Array
-    whiten: Array
-    used: Mask
+    uv: Floats
+    whiten: Floats
+    used: Bools
 
 
 class Normal(NamedTuple):
     """(1): U (Q, Q), g (Q); for each part V (n, D, D), W (n, D, Q), transposed, and h (n, D)."""
 
-    U: Array
-    g: Array
-    V: list[Array]
-    W: list[Array]
-    h: list[Array]
+    U: Floats
+    g: Floats
+    V: list[Floats]
+    W: list[Floats]
+    h: list[Floats]
 
 
 def solve(
-    state: State,
-    seen: Observed,
+    state: BundleState,
+    seen: ImageObservations,
     freedoms: tuple[Freedom, ...],
     *,
     soft: float | None = None,
     steps: int = STEPS,
     settled: float = SETTLED,
-) -> State:
+) -> BundleState:
     """The state near `state` with the least (3), once two steps in turn lower it by less than the share `settled`.
 
     `soft` is c; None means ρ = |r|².
@@ -125,13 +122,13 @@ def solve(
     return state
 
 
-def residuals(state: State, uv: Array) -> Array:
+def residuals(state: BundleState, uv: Floats) -> Floats:
     """(C, N, 2) seen minus reprojected, px; NaN where not seen, behind the camera, or where the point is unknown."""
     xyz = all_points(state.parts)
     return np.stack([seen - project(camera, xyz) for camera, seen in zip(state.cameras, uv, strict=True)])
 
 
-def normalised_residuals(state: State, seen: Observed) -> Array:
+def normalised_residuals(state: BundleState, seen: ImageObservations) -> Floats:
     """(C, N) |r|, in standard deviations; infinite behind a camera, NaN where not seen or the point is unknown."""
     with np.errstate(all="ignore"):  # a first guess may send a point that fits nothing very far away
         r = (seen.whiten @ residuals(state, seen.uv)[..., None])[..., 0]
@@ -141,7 +138,7 @@ def normalised_residuals(state: State, seen: Observed) -> Array:
     return np.where(there & ~np.isfinite(d), np.inf, d)
 
 
-def cost(state: State, seen: Observed, soft: float | None = None) -> float:
+def cost(state: BundleState, seen: ImageObservations, soft: float | None = None) -> float:
     """(3) with what is known beforehand; infinite where a used point is behind its camera."""
     if not all(_believable(camera) for camera in state.cameras):
         return float("inf")
@@ -161,7 +158,7 @@ def _believable(camera: Camera) -> bool:
 
 
 def normal_equations(
-    state: State, seen: Observed, freedoms: tuple[Freedom, ...], *, soft: float | None = None
+    state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, soft: float | None = None
 ) -> Normal:
     """(1), all of a camera's points of one kind and place in their pieces at a time."""
     T = [freedom.columns(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True)]
@@ -194,7 +191,9 @@ def normal_equations(
     return Normal(U, g, V, W, h)
 
 
-def _linear(camera: Camera, xyz: Array, uv: Array, whiten: Array, soft: float | None) -> tuple[Array, Array, Array]:
+def _linear(
+    camera: Camera, xyz: Floats, uv: Floats, whiten: Floats, soft: float | None
+) -> tuple[Floats, Floats, Floats]:
     """r (i, 2), its derivatives by the camera's parameters (i, 2, 15) and by the point (i, 2, 3), with (4)."""
     J = parameter_jacobian(camera, xyz)
     r = (whiten @ (uv - project(camera, xyz))[..., None])[..., 0]
@@ -205,7 +204,7 @@ def _linear(camera: Camera, xyz: Array, uv: Array, whiten: Array, soft: float | 
     return r, J, J[..., 12:15] @ camera.R
 
 
-def _stepped(state: State, freedoms: tuple[Freedom, ...], normal: Normal, damping: float) -> State:
+def _stepped(state: BundleState, freedoms: tuple[Freedom, ...], normal: Normal, damping: float) -> BundleState:
     """The state after the step of (2)."""
     inverses = [piece_inverses(V, damping) for V in normal.V]
     S, b = reduced(normal, inverses, damping)
@@ -220,10 +219,10 @@ def _stepped(state: State, freedoms: tuple[Freedom, ...], normal: Normal, dampin
         freedom.moved(camera, step) if len(step) else camera
         for freedom, camera, step in zip(freedoms, state.cameras, np.split(delta, ends), strict=True)
     )
-    return State(cameras, parts)
+    return BundleState(cameras, parts)
 
 
-def reduced(normal: Normal, inverses: list[Array], damping: float = 0.0) -> tuple[Array, Array]:
+def reduced(normal: Normal, inverses: list[Floats], damping: float = 0.0) -> tuple[Floats, Floats]:
     """The matrix and the right side of (2) for the cameras."""
     S, b = normal.U + damping * np.diag(np.diag(normal.U)), normal.g.copy()
     for inverse, W, h in zip(inverses, normal.W, normal.h, strict=True):
@@ -235,7 +234,7 @@ def reduced(normal: Normal, inverses: list[Array], damping: float = 0.0) -> tupl
     return S, b
 
 
-def _roots(inverse: Array) -> Array:
+def _roots(inverse: Floats) -> Floats:
     """L with LᵀL = V⁻¹ (n, D, D): half the work of a product, as BLAS knows that it is symmetric."""
     lost = np.diagonal(inverse, axis1=-2, axis2=-1).min(-1) <= 0
     safe = np.where(lost[:, None, None], np.eye(inverse.shape[-1]), inverse)
@@ -243,7 +242,7 @@ def _roots(inverse: Array) -> Array:
     return np.where(lost[:, None, None], 0.0, roots)
 
 
-def piece_inverses(V: Array, damping: float = 0.0) -> Array:
+def piece_inverses(V: Floats, damping: float = 0.0) -> Floats:
     """(V + λ diag V)⁻¹ (n, D, D); zero for pieces that nobody sees."""
     diagonal = np.diagonal(V, axis1=-2, axis2=-1)
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
@@ -255,7 +254,7 @@ def piece_inverses(V: Array, damping: float = 0.0) -> Array:
     return np.where(seen[:, None, None], inverse, 0.0)
 
 
-def placed(camera: Camera, R: Array, t: Array, scale: float = 1.0) -> Camera:
+def placed(camera: Camera, R: Floats, t: Floats, scale: float = 1.0) -> Camera:
     """The camera in a world where X is scale · R X + t; its covariance is left as it is."""
     turned = camera.R @ R.T
     return replace(camera, R=turned, t=scale * camera.t - turned @ t)

@@ -30,8 +30,14 @@ from scipy.optimize import linear_sum_assignment
 
 from ...data import Camera, Detections, KinemarkError, Rig, Rods
 from ...geometry import decompose, fit_dlt, from_dlt, project, undistort
-from ..control_points import ControlFit, ControlPoints, calibrate_control_points, control_point_quality, free_parameters
-from ..control_points.camera import Method
+from ..control_points import (
+    ControlFit,
+    ControlPoints,
+    calibrate_control_points,
+    control_point_quality,
+    free_parameters,
+)
+from ..control_points.fit_camera import CameraMethod
 from ..resection import resect
 from .spacing import Reading, fewest_markers, readings
 
@@ -55,7 +61,7 @@ def calibrate_control_frame(
     sizes: ArrayLike,
     frame: int = 0,
     tolerance: float = TOLERANCE,
-    method: Method | None = None,
+    method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
 ) -> Rig:
@@ -96,7 +102,7 @@ def control_frame_quality(
     sizes: ArrayLike,
     frame: int = 0,
     tolerance: float = TOLERANCE,
-    method: Method | None = None,
+    method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
 ) -> ControlFit:

@@ -33,8 +33,8 @@ from ...data import Rig
 from ...geometry import parameter_jacobian, project, refine, triangulate, undistort
 from ...geometry.dlt import equations
 from ..resection import directions, moved, resect, scaled_inverse
-from .camera import POSE_AND_FOCUS, Dlt, Fitted, Method
 from .checks import FEWEST
+from .fit_camera import POSE_AND_FOCUS, CameraMethod, Dlt, FittedCamera
 
 LEVERAGE = 0.5
 STEPS = 8
@@ -42,7 +42,7 @@ SINGULAR = 1e-6
 MOST = 0.98
 
 
-class LeftOut(NamedTuple):
+class LeftOutPoints(NamedTuple):
     """Errors of points that took no part: error (C, N, 2) px, seen minus reprojected; xyz (N, 3) mm, found minus known.
 
     cov (N, 3, 3) mm² is what the cameras expect of `xyz`.
@@ -54,13 +54,13 @@ class LeftOut(NamedTuple):
 
 
 def leave_one_out(
-    fits: list[Fitted],
+    fits: list[FittedCamera],
     xyz: NDArray[np.float64],
     uv: NDArray[np.float64],
     cov: NDArray[np.float64],
     *,
-    method: Method,
-) -> LeftOut:
+    method: CameraMethod,
+) -> LeftOutPoints:
     """Each of N points by C cameras fitted without it; NaN where unseen, or where the others determine no camera.
 
     Args:
@@ -83,11 +83,16 @@ def leave_one_out(
     ideal = np.stack([undistort(camera, image) for camera, image in zip(rig, images, strict=True)], 1)
     start = triangulate(ideal, rig.P)
     found = refine(rig, start, images.transpose(1, 0, 2), spread.transpose(1, 0, 2, 3))  # (7)
-    return LeftOut(error, found.xyz - xyz, found.cov)
+    return LeftOutPoints(error, found.xyz - xyz, found.cov)
 
 
 def errors_without(
-    fitted: Fitted, xyz: NDArray[np.float64], uv: NDArray[np.float64], cov: NDArray[np.float64], *, method: Method
+    fitted: FittedCamera,
+    xyz: NDArray[np.float64],
+    uv: NDArray[np.float64],
+    cov: NDArray[np.float64],
+    *,
+    method: CameraMethod,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Of points (n, 3) mm that a camera sees at (n, 2) px: errors (n, 2) px and covariances (n, 2, 2) px², (2), (3)."""
     kept, camera, linear = fitted.kept, fitted.camera, isinstance(method, Dlt)
@@ -115,7 +120,7 @@ def errors_without(
 
 
 def _refined_errors(
-    fitted: Fitted,
+    fitted: FittedCamera,
     xyz: NDArray[np.float64],
     uv: NDArray[np.float64],
     cov: NDArray[np.float64],

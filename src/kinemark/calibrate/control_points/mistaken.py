@@ -23,8 +23,8 @@ from scipy.special import fdtrc
 
 from ...data import KinemarkError
 from ...geometry.dlt import equations
-from .camera import ControlPoints, fit_all
 from .checks import FEWEST
+from .fit_camera import ControlPoints, fit_all
 
 CHANCE = 1e-3
 MOST_POINTS = 60
@@ -32,7 +32,7 @@ MOST_EXCHANGES = 3
 CANDIDATES = 4
 
 
-class Exchange(NamedTuple):
+class SwappedPoints(NamedTuple):
     """Whose image each point's own is (N), and the RMS residual before and after, px."""
 
     image_of: NDArray[np.int64]
@@ -40,7 +40,7 @@ class Exchange(NamedTuple):
     after: float
 
 
-def exchanged(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> Exchange | None:
+def exchanged(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> SwappedPoints | None:
     """The exchange of images (N, 2) px among points (N, 3) mm that makes one camera see them much better, if any."""
     n = len(xyz)
     if not FEWEST < n <= MOST_POINTS:
@@ -57,7 +57,7 @@ def exchanged(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> Exchange | N
     nu = 2 * n - int(_parameters(n))
     if not total < start or fdtrc(nu, nu, start / max(total, 1e-12)) > CHANCE / (n * (n - 1) / 2):  # (2)
         return None
-    return Exchange(image_of, float(np.sqrt(start / n)), float(np.sqrt(total / n)))
+    return SwappedPoints(image_of, float(np.sqrt(start / n)), float(np.sqrt(total / n)))
 
 
 def misplaced(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> tuple[int, float, float] | None:
@@ -92,7 +92,7 @@ def exchanged_words(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Se
     return ""
 
 
-def exchange_sentence(swap: Exchange, names: Sequence[str]) -> str:
+def exchange_sentence(swap: SwappedPoints, names: Sequence[str]) -> str:
     """Which points were taken for which."""
     image_of = [int(j) for j in swap.image_of]
     moved = [i for i, j in enumerate(image_of) if i != j]

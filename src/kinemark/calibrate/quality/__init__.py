@@ -5,10 +5,17 @@ camera; `images` tells where in its image a camera was calibrated; `wand` judges
 compares with a former calibration. `evidence` holds all that a verdict needs.
 """
 
+from .calibration_evidence import Check, Evidence, centroid_deviation
 from .change import Change, compare
-from .covariance import apart_from_frame, block_diagonal, covariance_from, predicted_covariance, views, visible
-from .evidence import Check, Evidence, centroid_deviation
-from .images import ImageCover, cover_image
+from .image_coverage import ImageCoverage, image_coverage
+from .predicted_covariance import (
+    apart_from_frame,
+    block_diagonal,
+    covariance_from,
+    predicted_covariance,
+    views,
+    visible,
+)
 from .volume import VolumeMap, map_volume, points_of, view_volume, volume_grid
 from .wand import judge_poses
 
@@ -16,14 +23,14 @@ __all__ = [
     "Change",
     "Check",
     "Evidence",
-    "ImageCover",
+    "ImageCoverage",
     "VolumeMap",
     "apart_from_frame",
     "block_diagonal",
     "centroid_deviation",
     "compare",
     "covariance_from",
-    "cover_image",
+    "image_coverage",
     "judge_poses",
     "map_volume",
     "points_of",

@@ -12,14 +12,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ...data import Rig
+from ...data.array_types import Floats
 from ...geometry import project, rigid_align
-from .covariance import visible
-
-Array = NDArray[np.float64]
+from .predicted_covariance import visible
 
 AHEAD = 1000.0
 """mm; points so far ahead along the cameras' own axes take part in laying one rig on the other."""
@@ -33,14 +31,14 @@ class Change(NamedTuple):
     """
 
     names: tuple[str, ...]
-    moved: Array
-    turned: Array
-    focal: Array
-    image: Array
+    moved: Floats
+    turned: Floats
+    focal: Floats
+    image: Floats
     world: float
 
 
-def compare(old: Rig, new: Rig, xyz: Array) -> Change:
+def compare(old: Rig, new: Rig, xyz: Floats) -> Change:
     """How `new` differs from `old`, with places (N, 3) mm of the new control volume."""
     names = tuple(name for name in new.names if name in old.names)
     a, b = old.select(names), new.select(names)
@@ -62,7 +60,7 @@ def compare(old: Rig, new: Rig, xyz: Array) -> Change:
     )
 
 
-def _laid(source: Rig, target: Rig) -> tuple[Array, Array]:
+def _laid(source: Rig, target: Rig) -> tuple[Floats, Floats]:
     """R, t from the world of one rig to that of another with the same cameras."""
     a, b = _marks(source), _marks(target)
     worlds = [(o.R.T @ n.R, o.R.T @ (n.t - o.t)) for o, n in zip(target, source, strict=True)]
@@ -72,6 +70,6 @@ def _laid(source: Rig, target: Rig) -> tuple[Array, Array]:
     return rigid_align(a[home].reshape(-1, 3), b[home].reshape(-1, 3))
 
 
-def _marks(rig: Rig) -> Array:
+def _marks(rig: Rig) -> Floats:
     """(C, 4, 3) mm the centre of each camera and a point ahead along each of its axes."""
     return np.array([[camera.centre, *(camera.centre + AHEAD * camera.R)] for camera in rig])

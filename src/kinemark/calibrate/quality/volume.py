@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...data import KinemarkError, Rig
-from .covariance import block_diagonal, covariance_from, views
-
-Array = NDArray[np.float64]
+from ...data.array_types import Floats
+from .predicted_covariance import block_diagonal, covariance_from, views
 
 PLACES = 1000
 FEWEST_A_SIDE = 4
@@ -34,15 +33,15 @@ class VolumeMap(NamedTuple):
     cameras see the place.
     """
 
-    axes: tuple[Array, Array, Array]
+    axes: tuple[Floats, Floats, Floats]
     seen: NDArray[np.int64]
-    angle: Array
-    sd: Array
-    worst: Array
-    without: Array
+    angle: Floats
+    sd: Floats
+    worst: Floats
+    without: Floats
 
 
-def volume_grid(volume: ArrayLike, *, places: int = PLACES) -> tuple[Array, Array, Array]:
+def volume_grid(volume: ArrayLike, *, places: int = PLACES) -> tuple[Floats, Floats, Floats]:
     """Coordinates (X), (Y), (Z) mm of about so many places that fill a box (2, 3) mm evenly, its faces included.
 
     Raises:
@@ -60,13 +59,13 @@ def volume_grid(volume: ArrayLike, *, places: int = PLACES) -> tuple[Array, Arra
     return x, y, z
 
 
-def points_of(axes: tuple[Array, Array, Array]) -> Array:
+def points_of(axes: tuple[Floats, Floats, Floats]) -> Floats:
     """(X · Y · Z, 3) mm the places of a grid, the last axis fastest."""
     return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
 
 
 def map_volume(
-    rig: Rig, volume: ArrayLike, *, centroid_sd: float, joint: Array | None = None, places: int = PLACES
+    rig: Rig, volume: ArrayLike, *, centroid_sd: float, joint: Floats | None = None, places: int = PLACES
 ) -> VolumeMap:
     """How exactly the rig places a marker in a box (2, 3) mm; arguments as in `quality.predicted_covariance`."""
     axes = volume_grid(volume, places=places)
@@ -86,19 +85,19 @@ def map_volume(
     )
 
 
-def deviation(cov: Array) -> Array:
+def deviation(cov: Floats) -> Floats:
     """σ (…) mm of covariances (…, 3, 3) mm², by (1)."""
     return np.sqrt(np.trace(cov, axis1=-2, axis2=-1) / 3)
 
 
-def worst_deviation(cov: Array) -> Array:
+def worst_deviation(cov: Floats) -> Floats:
     """Standard deviation (…) mm along the worst direction of covariances (…, 3, 3) mm², by (2)."""
     known = np.asarray(np.isfinite(cov).all((-2, -1)))
     largest = np.linalg.eigvalsh(np.where(known[..., None, None], cov, 0.0))[..., -1]
     return np.where(known, np.sqrt(np.maximum(largest, 0.0)), np.nan)
 
 
-def ray_angle(rig: Rig, xyz: Array, seen: NDArray[np.bool_]) -> Array:
+def ray_angle(rig: Rig, xyz: Floats, seen: NDArray[np.bool_]) -> Floats:
     """(N) deg by (3) at places (N, 3) mm that cameras see (C, N); NaN with fewer than two."""
     ahead = xyz[None] - rig.centres[:, None]
     ahead /= np.maximum(np.linalg.norm(ahead, axis=-1, keepdims=True), 1e-9)
@@ -109,7 +108,7 @@ def ray_angle(rig: Rig, xyz: Array, seen: NDArray[np.bool_]) -> Array:
     return np.where(np.isfinite(least), np.degrees(np.arccos(np.minimum(least, 1.0))), np.nan)
 
 
-def view_volume(rig: Rig) -> Array:
+def view_volume(rig: Rig) -> Floats:
     """(2, 3) mm a box that at least two cameras look at, for a rig that states none: about where their axes meet.
 
     The place X nearest to all axes (c, d) solves Σ (I − d dᵀ) (X − c) = 0; the box reaches from it a quarter of the

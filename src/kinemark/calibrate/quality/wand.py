@@ -18,35 +18,32 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Camera, KinemarkError, Rig
+from ...data.array_types import Bools, Floats
 from ...geometry import project_all, refine, triangulate, undistort
-from ..bundle import Bundle, BundleFit, Freedom, Part, Points, bundle, sticks_through
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from ..bundle import Bundle, BundleFit, Freedom, FreePoints, Part, bundle, sticks_through
 
 FOLDS = 3
 BLOCKS_A_FOLD = 6
 
 
-class LeftOut(NamedTuple):
+class LeftOutPoses(NamedTuple):
     """Poses judged by cameras that did not see them: lengths (F, K − 1) mm and residual (C, F, K, 2) px by (2)."""
 
-    lengths: Array
-    residual: Array
+    lengths: Floats
+    residual: Floats
 
 
-def seen_by(fit: BundleFit, markers: int) -> Array:
+def seen_by(fit: BundleFit, markers: int) -> Floats:
     """(C, F, K, 2) px the images that took part in a fit of poses with so many markers; NaN for the others."""
     uv = np.where(fit.kept[..., None], fit.residual + project_all(fit.rig, fit.xyz), np.nan)
     return uv.reshape(len(fit.rig), -1, markers, 2)
 
 
 def judge_poses(
-    fit: BundleFit, along: Array, *, method: Bundle, lens_held: bool = False, folds: int = FOLDS
-) -> LeftOut:
+    fit: BundleFit, along: Floats, *, method: Bundle, lens_held: bool = False, folds: int = FOLDS
+) -> LeftOutPoses:
     """Cross-validation over the poses of a stick, or of a single marker; NaN where nothing can be said.
 
     Args:
@@ -62,7 +59,7 @@ def judge_poses(
     freedoms = tuple(freedom_of(camera, method, lens_held) for camera in fit.rig)
     for out in folds_of((np.isfinite(uv).all((-1, -2)).sum(0) >= 2), folds):
         known = ~out & np.isfinite(places).all((1, 2))
-        part: Part = sticks_through(places[known], along) if len(along) > 1 else Points(places[known, 0])
+        part: Part = sticks_through(places[known], along) if len(along) > 1 else FreePoints(places[known, 0])
         flat = uv[:, known].reshape(len(uv), -1, 2)
         try:
             rig = bundle(fit.rig, [part], flat, freedoms=freedoms, method=replace(method, reject=np.inf)).rig
@@ -70,7 +67,7 @@ def judge_poses(
             continue
         xyz, off = reconstructed(rig, uv[:, out])
         lengths[out], residual[:, out] = np.linalg.norm(np.diff(xyz, axis=1), axis=-1), off
-    return LeftOut(lengths, residual)
+    return LeftOutPoses(lengths, residual)
 
 
 def freedom_of(camera: Camera, method: Bundle, lens_held: bool) -> Freedom:
@@ -83,7 +80,7 @@ def freedom_of(camera: Camera, method: Bundle, lens_held: bool) -> Freedom:
     return Freedom(free, True, True)
 
 
-def folds_of(usable: Mask, folds: int) -> list[Mask]:
+def folds_of(usable: Bools, folds: int) -> list[Bools]:
     """(F) masks, one a fold, that share the usable frames (F) out by blocks."""
     frames = np.flatnonzero(usable)
     block = np.arange(len(frames)) * folds * BLOCKS_A_FOLD // max(len(frames), 1)
@@ -92,7 +89,7 @@ def folds_of(usable: Mask, folds: int) -> list[Mask]:
     return list(masks)
 
 
-def reconstructed(rig: Rig, uv: Array) -> tuple[Array, Array]:
+def reconstructed(rig: Rig, uv: Floats) -> tuple[Floats, Floats]:
     """Markers (F, K, 3) mm seen at (C, F, K, 2) px, each by itself, and their residuals (C, F, K, 2) px by (2)."""
     c, f, k, _ = uv.shape
     seen = uv.reshape(c, f * k, 2).transpose(1, 0, 2)
@@ -103,7 +100,7 @@ def reconstructed(rig: Rig, uv: Array) -> tuple[Array, Array]:
     return point.xyz.reshape(f, k, 3), point.off.transpose(1, 0, 2).reshape(uv.shape)
 
 
-def image_errors(off: Array) -> Array:
+def image_errors(off: Floats) -> Floats:
     """Lengths (C, N) px of residuals (C, N, 2), enlarged by (3) to those of the images; NaN for fewer than two."""
     n = np.isfinite(off[..., 0]).sum(0)
     enlarged = np.sqrt(2 * n / np.where(n >= 2, 2 * n - 3, np.nan))

@@ -9,8 +9,8 @@ lengths      how long the wand comes out, place by place, and the error to expec
 """
 
 from .calibrate import KNOWN_LENS, Wand, calibrate_wand, thinned
+from .identify import marker_places, wand_points
 from .lengths import WandLengths, by_place, wand_lengths
-from .points import marker_places, wand_points
 
 __all__ = [
     "KNOWN_LENS",

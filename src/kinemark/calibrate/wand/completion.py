@@ -17,21 +17,19 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from ...data import Detections, Rig
+from ...data.array_types import Floats, Ints
 from ...geometry import project
 from ..bundle import sticks_through
 from ..bundle.robust_points import robust_points
-from .points import at_rows
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
+from .identify import at_rows
 
 STIFF = 0.03
 APART = 1e5  # px between frames, where the detections of all of them are searched at once
 
 
 def completed(
-    rig: Rig, detections: Detections, use: NDArray[np.bool_], rows: Rows, along: Array, *, tolerance: float
-) -> tuple[Rows, Array]:
+    rig: Rig, detections: Detections, use: NDArray[np.bool_], rows: Ints, along: Floats, *, tolerance: float
+) -> tuple[Ints, Floats]:
     """The row of each marker (C, F, K), −1 where not seen, from rows (C, F, K) of which most are right.
 
     Args:
@@ -53,14 +51,14 @@ def completed(
     return np.stack(found), xyz
 
 
-def stiff(xyz: Array, along: Array) -> Array:
+def stiff(xyz: Floats, along: Floats) -> Floats:
     """The sticks (F, K, 3) through markers (F, K, 3) of which at least two are seen, by (2) and (3)."""
     stick = sticks_through(xyz, along).xyz  # (2)
     off = np.nan_to_num(np.linalg.norm(stick - xyz, axis=-1)).max(1)
     return np.where((off < STIFF * (along[-1] - along[0]))[:, None, None], stick, np.nan)  # (3)
 
 
-def _apart(expected: Array, detections: Detections, c: int, tolerance: float) -> Array:
+def _apart(expected: Floats, detections: Detections, c: int, tolerance: float) -> Floats:
     """Markers (F, K, 2) px without those that may touch a neighbour, by (4)."""
     width = detections.width[detections.start[c, 0] : detections.start[c, -1]]
     known = np.isfinite(width)
@@ -72,7 +70,7 @@ def _apart(expected: Array, detections: Detections, c: int, tolerance: float) ->
     return np.where(touching[..., None], np.nan, expected)
 
 
-def _nearest(expected: Array, detections: Detections, use: NDArray[np.bool_], c: int, tolerance: float) -> Rows:
+def _nearest(expected: Floats, detections: Detections, use: NDArray[np.bool_], c: int, tolerance: float) -> Ints:
     """The row (F, K) of camera c nearest to where each marker (F, K, 2) px should be, −1 where none is near."""
     first = int(detections.start[c, 0])
     mine = first + np.flatnonzero(use[first : detections.start[c, -1]])

@@ -31,9 +31,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError
+from ...data.array_types import Floats
 from ...geometry.two_view import fit_fundamental, robust_fundamental, sampson_distance
-
-Array = NDArray[np.float64]
 
 FEWEST = 16
 """Frames that two cameras must share to tell anything about each other."""
@@ -48,7 +47,7 @@ SURE = 3.0
 """Evidence below which a camera's sign is left open."""
 
 
-def agreed_ends(uv: Array, lead: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def agreed_ends(uv: Floats, lead: Floats) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Where the order of the markers (C, F, K, 2) px, NaN where not read, must be turned, and where that is open.
 
     Args:
@@ -69,7 +68,7 @@ def agreed_ends(uv: Array, lead: Array) -> tuple[NDArray[np.bool_], NDArray[np.b
     return (sign < 0).T, (support[:, :n] < SURE).T
 
 
-def pair_evidence(uv1: Array, uv2: Array) -> Array:
+def pair_evidence(uv1: Floats, uv2: Floats) -> Floats:
     """(2) of two cameras that see markers (F, K, 2): (F), 0 where one of them does not or nothing is known."""
     seen = np.isfinite(uv1).all((1, 2)) & np.isfinite(uv2).all((1, 2))
     evidence = np.zeros(len(uv1))
@@ -93,26 +92,26 @@ def pair_evidence(uv1: Array, uv2: Array) -> Array:
     return evidence
 
 
-def _costs(F: Array, a: Array, b: Array) -> tuple[Array, Array]:
+def _costs(F: Floats, a: Floats, b: Floats) -> tuple[Floats, Floats]:
     """(1) for equal and for opposite signs, (n) px² each."""
     return (sampson_distance(F, a, b) ** 2).sum(1), (sampson_distance(F, a, b[:, ::-1]) ** 2).sum(1)
 
 
-def _from_markers(a: Array, b: Array, equal: Array, opposite: Array) -> Array:
+def _from_markers(a: Floats, b: Floats, equal: Floats, opposite: Floats) -> Floats:
     """F from the markers of frames that fit well; those that fit either way tell as much."""
     cost = np.minimum(equal, opposite)
     good = cost <= 9 * max(np.median(cost), LEAST_SPREAD**2)
     return fit_fundamental(a[good].reshape(-1, 2), b[good].reshape(-1, 2))
 
 
-def _evidence(equal: Array, opposite: Array, K: int) -> Array:
+def _evidence(equal: Floats, opposite: Floats, K: int) -> Floats:
     """(2): frames that fit neither way tell nothing."""
     variance = max(np.median(np.minimum(equal, opposite)) / K, LEAST_SPREAD**2)
     most = 2 * STRONGEST
     return (np.minimum(opposite / variance, most) - np.minimum(equal / variance, most)) / 2
 
 
-def best_signs(evidence: Array) -> tuple[Array, Array]:
+def best_signs(evidence: Floats) -> tuple[Floats, Floats]:
     """Signs (F, n) that maximise (3) for symmetric evidence (F, n, n) with zero diagonal, and their support (F, n).
 
     The support of a sign is by how much (3) would fall, halved, were it turned.

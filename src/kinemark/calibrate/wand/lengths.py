@@ -22,11 +22,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...data import Rig
+from ...data.array_types import Floats
 from ...geometry import parameter_jacobian, point_jacobian, refine, triangulate, undistort
 from ...geometry.triangulate import inverse3
 from ..quality import block_diagonal
-
-Array = NDArray[np.float64]
 
 GUESS = 0.1
 """px; standard deviation of centroids that do not state theirs."""
@@ -39,15 +38,15 @@ class WandLengths(NamedTuple):
     standard deviation, mm; cameras: (F) how many see both ends. NaN where an end is seen by fewer than two cameras.
     """
 
-    place: Array
-    length: Array
-    error: Array
-    sd: Array
+    place: Floats
+    length: Floats
+    error: Floats
+    sd: Floats
     cameras: NDArray[np.int64]
 
 
 def wand_lengths(
-    rig: Rig, uv: Array, *, along: ArrayLike, cov: Array | None = None, joint: Array | None = None
+    rig: Rig, uv: Floats, *, along: ArrayLike, cov: Floats | None = None, joint: Floats | None = None
 ) -> WandLengths:
     """The length of a wand in every frame, from markers uv (C, F, K, 2) px, NaN where not seen.
 
@@ -74,7 +73,7 @@ def wand_lengths(
     return WandLengths(pair.mean(1), length, length - (along[-1] - along[0]), sd, both)
 
 
-def by_place(place: Array, error: Array, *, cells: tuple[int, int, int] = (3, 3, 3)) -> tuple[Array, Array]:
+def by_place(place: Floats, error: Floats, *, cells: tuple[int, int, int] = (3, 3, 3)) -> tuple[Floats, Floats]:
     """Mean and standard deviation of errors (F), mm, at places (F, 3), in each cell (X, Y, Z) of the box around them.
 
     NaN in cells with fewer than two frames.
@@ -92,7 +91,7 @@ def by_place(place: Array, error: Array, *, cells: tuple[int, int, int] = (3, 3,
     return mean.reshape(cells), sd.reshape(cells)
 
 
-def _variance(rig: Rig, xyz: Array, uv: Array, cov: Array, e: Array, joint: Array | None) -> Array:
+def _variance(rig: Rig, xyz: Floats, uv: Floats, cov: Floats, e: Floats, joint: Floats | None) -> Floats:
     """(2), mm² (F), of ends (2F, 3), one after the other, seen at uv (2F, C, 2)."""
     n, p = len(xyz), 15
     normal, noise, pull = np.zeros((n, 3, 3)), np.zeros((n, 3, 3)), np.zeros((n, 3, p * len(rig)))

@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ...data.array_types import Floats
 
 NOISE = 1.5
 """px."""
@@ -53,11 +53,11 @@ class Readings(NamedTuple):
     """
 
     points: NDArray[np.int64]
-    lead: Array
-    ratio: Array
+    lead: Floats
+    ratio: Floats
 
 
-def read_rows(uv: Array, along: Array) -> Readings:
+def read_rows(uv: Floats, along: Floats) -> Readings:
     """Which of the points (g, n, 2) px of g images are the markers at `along` (K), mm, n ≥ K ≥ 2.
 
     Two markers cannot be told from others: they are read where an image has just two points.
@@ -73,7 +73,7 @@ def read_rows(uv: Array, along: Array) -> Readings:
     return Readings(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
-def _read(uv: Array, chosen: NDArray[np.int64], along: Array) -> Readings:
+def _read(uv: Floats, chosen: NDArray[np.int64], along: Floats) -> Readings:
     order, q, off_line = _in_order(uv[:, chosen])  # (g, m, K)
     forward, backward = (_misfit(s, q, off_line) for s in (along, along[-1] - along[::-1]))
     cost = np.minimum(forward, backward)  # (g, m)
@@ -91,7 +91,7 @@ def _read(uv: Array, chosen: NDArray[np.int64], along: Array) -> Readings:
     return Readings(np.where(read[:, None], points, -1), np.where(read, lead, 0.0), _seen_ratio(q, off_line))
 
 
-def _in_order(points: Array) -> tuple[NDArray[np.int64], Array, Array]:
+def _in_order(points: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
     """For rows (…, K, 2): order along the row (…, K), places along it in that order, px, and off its line (…), px."""
     centred = points - points.mean(-2, keepdims=True)
     farthest = (centred**2).sum(-1).argmax(-1)[..., None, None]
@@ -105,7 +105,7 @@ def _in_order(points: Array) -> tuple[NDArray[np.int64], Array, Array]:
     return order, (at * line[..., None, :]).sum(-1), off
 
 
-def _misfit(s: Array, q: Array, off_line: Array) -> Array:
+def _misfit(s: Floats, q: Floats, off_line: Floats) -> Floats:
     """(3) of rows at q (…, K) px read as markers at s (K) mm; infinite where a limit is exceeded."""
     length = q[..., -1]
     s = s / s[-1]
@@ -124,7 +124,7 @@ def _misfit(s: Array, q: Array, off_line: Array) -> Array:
     return np.where(good, cost, np.inf)
 
 
-def _seen_ratio(q: Array, off_line: Array) -> Array:
+def _seen_ratio(q: Floats, off_line: Floats) -> Floats:
     """ln (first gap / last gap) of each image's straightest long row (g, m, K), NaN where none is straight."""
     length = q[..., -1]
     straight = np.where(length > 5 * SHORTEST, off_line / (NOISE + BEND * length), np.inf)

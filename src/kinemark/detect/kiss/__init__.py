@@ -1,6 +1,6 @@
 """The detection of KISS (Shafiq, Tümer and Güler 2001), whole: the present method, and the former one."""
 
-from .detect import detect_nearest, detect_scanning
-from .method import KissNearest, KissScanning
+from .kiss_methods import KissNearest, KissScanning
+from .steps import detect_nearest, detect_scanning
 
 __all__ = ["KissNearest", "KissScanning", "detect_nearest", "detect_scanning"]

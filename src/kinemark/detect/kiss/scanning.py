@@ -26,11 +26,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Ints
 from ..runs import Runs
-from .groups import Groups, Ints, numbered
+from .pixel_groups import KissGroups, numbered
 
 
-def preliminary_groups(runs: Runs, *, near_x: float, near_y: int, height: int, width: int) -> Groups:
+def preliminary_groups(runs: Runs, *, near_x: float, near_y: int, height: int, width: int) -> KissGroups:
     """Groups of runs of frames of this height and width, px, by the closeness of their mid-points."""
     earlier, later = _near_pairs(runs, near_x, near_y, height, width)
     return numbered(*runs, _least_number(earlier, later, len(runs.y)), height=height)

@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Validity
-from .groups import Groups, rectangles, white_pixels
+from .pixel_groups import KissGroups, rectangles, white_pixels
 
 
-def size_validity(groups: Groups, *, min_area: float, max_area: float, height: int, width: int) -> NDArray[np.uint8]:
+def size_validity(
+    groups: KissGroups, *, min_area: float, max_area: float, height: int, width: int
+) -> NDArray[np.uint8]:
     """(G) a `Validity` for each group of frames of this height and width, px; the first reason that holds."""
     brect, white = rectangles(groups), white_pixels(groups)
     edge = (brect.left == 0) | (brect.right == width - 1)

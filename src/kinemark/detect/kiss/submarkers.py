@@ -16,10 +16,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from .groups import Groups, Ints, Rectangles, numbered, rectangles, white_pixels
+from ...data.array_types import Ints
+from .pixel_groups import KissGroups, Rectangles, numbered, rectangles, white_pixels
 
 
-def merge_sub_markers(groups: Groups, *, small_area: float, small_rows: int, inside: float, height: int) -> Groups:
+def merge_sub_markers(
+    groups: KissGroups, *, small_area: float, small_rows: int, inside: float, height: int
+) -> KissGroups:
     """The groups of frames of this height, px, with small ones joined to those in whose rectangles they lie."""
     brect, white = rectangles(groups), white_pixels(groups)
     small = (white < small_area) & (brect.height <= small_rows)

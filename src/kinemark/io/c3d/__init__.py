@@ -1,13 +1,13 @@
 """C3D, the format in which laboratories exchange recordings: see `docs/files-c3d.md`."""
 
-from .angles import with_angles
+from .angle_points import with_angles
 from .document import C3D, with_parameters
 from .header import HeaderEvent
 from .numbers import ByteOrder
 from .parameters import Group, Parameter
 from .reading import decode_document, read_document
 from .storing import document_of, write_c3d
-from .trial import markers, read_c3d, trial_of
+from .to_trial import markers, read_c3d, trial_of
 from .writing import encode_document, write_document
 
 __all__ = [

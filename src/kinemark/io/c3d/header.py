@@ -46,7 +46,7 @@ class HeaderEvent:
 
 
 @dataclass(frozen=True, slots=True)
-class Header:
+class C3DHeader:
     """What the first block says; counts as unsigned words, frames as they stand.
 
     Attributes:
@@ -102,7 +102,7 @@ def byte_order(raw: bytes, start: int, *, name: str) -> ByteOrder:
     return ByteOrder(raw[start + 3])
 
 
-def decode_header(raw: bytes, order: ByteOrder) -> Header:
+def decode_header(raw: bytes, order: ByteOrder) -> C3DHeader:
     """The facts in the first 512 bytes."""
     block = np.frombuffer(raw[:BLOCK], np.uint8)
     word = [int(w) for w in decode_words(block, order, signed=False)]
@@ -112,7 +112,7 @@ def decode_header(raw: bytes, order: ByteOrder) -> Header:
     events = tuple(HeaderEvent(labels[i], float(times[i]), raw[_FLAGS + i]) for i in range(n_events))
     scale, rate = (float(decode_floats(block[i : i + 4], order)[0]) for i in (12, 20))
     facts = (word[1], word[2], word[3], word[4], word[5], scale, word[8], word[9], rate)
-    return Header(*facts, events, _reserved(block.copy(), n_events).tobytes())
+    return C3DHeader(*facts, events, _reserved(block.copy(), n_events).tobytes())
 
 
 def _reserved(block: NDArray[np.uint8], n: int) -> NDArray[np.uint8]:
@@ -123,7 +123,7 @@ def _reserved(block: NDArray[np.uint8], n: int) -> NDArray[np.uint8]:
     return block
 
 
-def encode_header(header: Header, order: ByteOrder) -> bytes:
+def encode_header(header: C3DHeader, order: ByteOrder) -> bytes:
     """The first 512 bytes, with the parameter section in the second block; the inverse of `decode_header`.
 
     Raises:

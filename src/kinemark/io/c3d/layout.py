@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from .document import C3D
-from .header import Header
+from .header import C3DHeader
 from .parameters import BLOCK
 
 MOST_FRAMES = 2**31
@@ -35,7 +35,7 @@ class Layout:
         return 4 * self.points + self.channels * self.samples
 
 
-def layout_of(header: Header, doc: C3D, space: int) -> Layout:
+def layout_of(header: C3DHeader, doc: C3D, space: int) -> Layout:
     """The shape of `space` bytes of data; it may need more than there are.
 
     Args:
@@ -67,11 +67,11 @@ def _distinct(values: Sequence[int | None]) -> list[int]:
     return list(dict.fromkeys(value for value in values if value is not None))
 
 
-def _points(header: Header, doc: C3D) -> list[int]:
+def _points(header: C3DHeader, doc: C3D) -> list[int]:
     return _distinct([_count(doc, "POINT", "USED"), header.n_points])
 
 
-def _analog(header: Header, doc: C3D) -> list[tuple[int, int]]:
+def _analog(header: C3DHeader, doc: C3D) -> list[tuple[int, int]]:
     """Channels and samples a frame."""
     used, numbers = _count(doc, "ANALOG", "USED"), header.n_analog
     ratio = doc.number("ANALOG", "RATE", 0) / doc.rate if doc.rate > 0 else 0
@@ -89,7 +89,7 @@ def _analog(header: Header, doc: C3D) -> list[tuple[int, int]]:
     return list(dict.fromkeys(found))
 
 
-def _first(header: Header, doc: C3D) -> int:
+def _first(header: C3DHeader, doc: C3D) -> int:
     """Number of the first frame; TRIAL adds the high bits that the header lacks."""
     start = _field(doc, "ACTUAL_START_FIELD")
     same = start is not None and header.first in (start & 0xFFFF, min(start, 65535))
@@ -104,7 +104,7 @@ def _field(doc: C3D, name: str) -> int | None:
     return int(value) if 0 <= value < MOST_FRAMES else None
 
 
-def _frames(header: Header, doc: C3D, room: int) -> list[int]:
+def _frames(header: C3DHeader, doc: C3D, room: int) -> list[int]:
     """Numbers of frames that the file may mean, the most trustworthy first; at most `room` fit."""
     start, end = _field(doc, "ACTUAL_START_FIELD"), _field(doc, "ACTUAL_END_FIELD")
     trial = None if start is None or end is None or not 0 < start <= end else end - start + 1

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...data import KinemarkError
 from ..files import read_bytes
 from .document import C3D, has_unsigned_analog
-from .header import Header, byte_order, decode_header, parameter_offset
+from .header import C3DHeader, byte_order, decode_header, parameter_offset
 from .layout import Layout, layout_of
 from .numbers import ByteOrder, decode_floats, decode_words
 from .parameters import BLOCK, Group, decode_parameters
@@ -61,7 +61,7 @@ def decode_document(raw: bytes, *, name: str, partial: bool = False) -> C3D:
     return _with_data(doc, replace(layout, frames=held), np.frombuffer(raw, np.uint8, size * held, end))
 
 
-def _without_data(header: Header, order: ByteOrder, groups: tuple[Group, ...], name: str) -> C3D:
+def _without_data(header: C3DHeader, order: ByteOrder, groups: tuple[Group, ...], name: str) -> C3D:
     """The document with all but its points and analog."""
     none = np.zeros((0, 0))
     bare = C3D(order, True, 0.0, np.zeros((0, 0, 3)), none, none, 0, groups)
@@ -81,7 +81,7 @@ def _without_data(header: Header, order: ByteOrder, groups: tuple[Group, ...], n
     )
 
 
-def _data_start(doc: C3D, header: Header, start: int, raw: bytes, name: str) -> int:
+def _data_start(doc: C3D, header: C3DHeader, start: int, raw: bytes, name: str) -> int:
     """First byte of the data where the header's pointer is useless."""
     block = int(np.nan_to_num(_unsigned(doc, "POINT", "DATA_START") or 0))
     if not start < (block - 1) * BLOCK <= len(raw):
@@ -92,7 +92,7 @@ def _data_start(doc: C3D, header: Header, start: int, raw: bytes, name: str) -> 
     return (block - 1) * BLOCK
 
 
-def _oddities(doc: C3D, header: Header, layout: Layout, end: int, rest: int) -> tuple[str, ...]:
+def _oddities(doc: C3D, header: C3DHeader, layout: Layout, end: int, rest: int) -> tuple[str, ...]:
     """Where the file contradicts itself, in words."""
     said = {
         "block of the data": (end // BLOCK + 1, header.data_block, _unsigned(doc, "POINT", "DATA_START")),

@@ -8,7 +8,7 @@ fourth number, names at the end of their tables.
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path as FilePath
+from pathlib import Path
 
 import numpy as np
 
@@ -20,13 +20,11 @@ from .parameters import Parameter
 from .storing_analog import with_analog, with_plates
 from .storing_points import with_points
 from .tables import matched, rows_from, with_numbers, with_text
-from .trial import events_of
+from .to_trial import events_of
 from .writing import with_counts, write_document
 
 
-def write_c3d(
-    path: FilePath | str, trial: Trial, *, order: ByteOrder | None = None, floats: bool | None = None
-) -> None:
+def write_c3d(path: Path | str, trial: Trial, *, order: ByteOrder | None = None, floats: bool | None = None) -> None:
     """Write a trial as a C3D file.
 
     Filled samples have the residual 0 and no camera, as C3D wants it; a group KINEMARK names them where that does not

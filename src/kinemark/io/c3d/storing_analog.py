@@ -14,7 +14,7 @@ from .parameters import Parameter
 from .points import mm_per_unit
 from .storing_points import FULL_SCALE
 from .tables import matched, rows_from, with_descriptions, with_numbers, with_text
-from .trial import analog_names, analog_of, analog_scaling, plates_of
+from .to_trial import analog_names, analog_of, analog_scaling, plates_of
 
 
 def with_analog(doc: C3D, source: C3D, trial: Trial, *, floats: bool) -> C3D:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..files import replacing
 from .document import C3D, has_unsigned_analog, with_parameters
-from .header import Header, encode_header
+from .header import C3DHeader, encode_header
 from .layout import Layout, layout_of
 from .numbers import encode_floats, encode_words
 from .parameters import BLOCK, Parameter, encode_parameters
@@ -46,11 +46,11 @@ def encode_document(doc: C3D) -> bytes:
     return b"".join([encode_header(_header(doc, layout), doc.order), section, spare, data])
 
 
-def _header(doc: C3D, layout: Layout) -> Header:
+def _header(doc: C3D, layout: Layout) -> C3DHeader:
     numbers, last = layout.channels * layout.samples, layout.first_frame + layout.frames - 1
     counts = (layout.points, numbers & 0xFFFF, min(layout.first_frame, 65535), max(0, min(last, 65535)), doc.max_gap)
     scale = -doc.scale if doc.floats else doc.scale
-    return Header(*counts, scale, doc.data_block, doc.samples, doc.rate, doc.header_events, doc.reserved)
+    return C3DHeader(*counts, scale, doc.data_block, doc.samples, doc.rate, doc.header_events, doc.reserved)
 
 
 def _counts_agree(doc: C3D, layout: Layout, size: int) -> bool:

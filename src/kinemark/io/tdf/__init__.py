@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...data import Analog, Detections, Events, ForcePlate, KinemarkError, Rig, Trajectories
-from . import cameras, signals
+from . import calibration_blocks, signal_blocks
 from .cursor import Cursor, blocks
 
 __all__ = ["TDF_PARTS", "Tdf", "read_tdf"]
@@ -50,7 +50,7 @@ def read_tdf(path: Path | str, *, parts: Collection[str] = TDF_PARTS) -> Tdf:
 
     Lengths become mm; the world keeps the file's axes, in which **Y points up**. Cameras are called `cam1`, `cam2`, …
     after their physical channel, in the rig and in the detections alike. Force plates become C3D's type 1
-    (see `signals` for the frames and signs), with `Fx1, Fy1, Fz1` N, `Px1, Py1` mm and `Mz1` N·m as their channels.
+    (frames and signs: `signal_blocks`), with `Fx1, Fy1, Fz1` N, `Px1, Py1` mm and `Mz1` N·m as their channels.
 
     Args:
         path: the file.
@@ -73,19 +73,19 @@ def parsed(found: Mapping[int, Cursor], parts: Collection[str]) -> Tdf:
     def block(kind: int, part: str) -> Cursor | None:
         return found.get(kind) if part in parts else None
 
-    rig = cameras.rig(cursor) if (cursor := block(RIG, "rig")) else None
-    detections = cameras.detections(cursor) if (cursor := block(DETECTIONS, "detections")) else None
-    trajectories = signals.trajectories(cursor) if (cursor := block(TRAJECTORIES, "trajectories")) else None
+    rig = calibration_blocks.rig(cursor) if (cursor := block(RIG, "rig")) else None
+    detections = calibration_blocks.detections(cursor) if (cursor := block(DETECTIONS, "detections")) else None
+    trajectories = signal_blocks.trajectories(cursor) if (cursor := block(TRAJECTORIES, "trajectories")) else None
     origin = 0.0 if trajectories is None else (trajectories.first_frame - 1) / trajectories.rate
-    wrenches = signals.wrenches(cursor, origin) if (cursor := block(WRENCHES, "analog")) else None
-    emg = signals.emg(cursor, origin) if (cursor := block(EMG, "analog")) else None
+    wrenches = signal_blocks.wrenches(cursor, origin) if (cursor := block(WRENCHES, "analog")) else None
+    emg = signal_blocks.emg(cursor, origin) if (cursor := block(EMG, "analog")) else None
     return Tdf(
         rig=rig,
         detections=detections,
         trajectories=trajectories,
-        plates=signals.plates(cursor, wrenches) if (cursor := block(PLATES, "plates")) else (),
+        plates=signal_blocks.plates(cursor, wrenches) if (cursor := block(PLATES, "plates")) else (),
         analog=tuple(analog for analog in (wrenches, emg) if analog is not None),
-        events=signals.events(cursor) if (cursor := block(EVENTS, "events")) else Events(),
+        events=signal_blocks.events(cursor) if (cursor := block(EVENTS, "events")) else Events(),
     )
 
 

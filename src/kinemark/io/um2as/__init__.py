@@ -11,8 +11,8 @@ The number after the letters is the camera's; more than three cameras have `.cp4
 is not there; it is NaN as soon as it is read. Lengths are cm in the files and mm everywhere else.
 """
 
-from .angles import ENDINGS, read_angles, write_angles
-from .calibration import (
+from .angle_files import ENDINGS, read_angles, write_angles
+from .calibration_files import (
     PER_LENGTH,
     Parameters,
     read_cp,
@@ -24,15 +24,15 @@ from .calibration import (
     write_msr,
     write_rf,
 )
-from .motion import read_da, read_da_set, read_tdc, trajectories_of_tdc, write_da, write_tdc
-from .tables import MM, Header, camera_number
+from .motion_files import read_da, read_da_set, read_tdc, trajectories_of_tdc, write_da, write_tdc
+from .tab_tables import MM, TabHeader, camera_number
 
 __all__ = [
     "ENDINGS",
     "MM",
     "PER_LENGTH",
-    "Header",
     "Parameters",
+    "TabHeader",
     "camera_number",
     "read_angles",
     "read_cp",

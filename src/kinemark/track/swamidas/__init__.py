@@ -1,17 +1,17 @@
 """The tracking of Swamidas (1997): Kalman prediction with regions of acceptance, and nearest distance beside it."""
 
-from ...signal.kalman import State, predict, start, update
+from ...signal.kalman import KalmanState, predict, start, update
 from .constraints import Constraint
 from .distance import DistanceOnly, track_distance
-from .method import Swamidas
-from .run import Followed, follow_points, track_swamidas
+from .parameters import Swamidas
+from .tracking import SwamidasResult, follow_points, track_swamidas
 
 __all__ = [
     "Constraint",
     "DistanceOnly",
-    "Followed",
-    "State",
+    "KalmanState",
     "Swamidas",
+    "SwamidasResult",
     "follow_points",
     "predict",
     "start",

@@ -8,18 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...signal.kalman import State, predict, start, update
-from .constraints import Expected, half_size
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from ...data.array_types import Bools, Floats, Ints
+from ...signal.kalman import KalmanState, predict, start, update
+from .constraints import PredictedPoints, half_size
 
 
 @dataclass(frozen=True, slots=True)
-class Active:
+class ActiveSwamidasTracks:
     """Tracks that go on; all by T.
 
     Attributes:
@@ -37,39 +33,41 @@ class Active:
     going: Bools
     past: Floats
     velocity: Floats
-    state: State
+    state: KalmanState
 
-    def keep(self, mask: Bools) -> Active:
+    def keep(self, mask: Bools) -> ActiveSwamidasTracks:
         """Those where `mask` (T) is true."""
         if mask.all():
             return self
-        return Active(
+        return ActiveSwamidasTracks(
             self.id[mask],
             self.seen[mask],
             self.missed[mask],
             self.going[mask],
             self.past[mask],
             self.velocity[mask],
-            State(self.state.x[mask], self.state.P[mask]),
+            KalmanState(self.state.x[mask], self.state.P[mask]),
         )
 
 
-def none() -> Active:
+def none() -> ActiveSwamidasTracks:
     """No tracks."""
     zero, cube = np.zeros(0, np.int64), np.zeros((0, 3, 3))
-    return Active(zero, zero, zero, np.zeros(0, bool), cube, np.zeros((0, 3)), State(cube, cube))
+    return ActiveSwamidasTracks(zero, zero, zero, np.zeros(0, bool), cube, np.zeros((0, 3)), KalmanState(cube, cube))
 
 
-def expect(active: Active, error: Floats, share: float) -> Expected:
+def expect(active: ActiveSwamidasTracks, error: Floats, share: float) -> PredictedPoints:
     """What the tracks expect in the frame that comes."""
     line = np.where(active.seen[:, None] >= 2, active.past[:, 0] - active.past[:, 1], 0.0)
     steps, going = active.missed + 1, active.going[:, None]
     xyz = np.where(going, active.state.x[:, 0], active.past[:, 0] + line * (active.missed == 0)[:, None])
     half = np.where(going, half_size(steps, error, active.velocity, share), np.nan)
-    return Expected(xyz, half, np.where(going, active.state.x[:, 1], line), active.past[:, 0], steps)
+    return PredictedPoints(xyz, half, np.where(going, active.state.x[:, 1], line), active.past[:, 0], steps)
 
 
-def advance(active: Active, taken: Ints, points: Floats, *, sd: float, jump: float) -> Active:
+def advance(
+    active: ActiveSwamidasTracks, taken: Ints, points: Floats, *, sd: float, jump: float
+) -> ActiveSwamidasTracks:
     """The tracks one frame on, with the points (T) taken or, where that is −1, with their predictions.
 
     `sd` and `jump` are those of the predictor.
@@ -82,29 +80,33 @@ def advance(active: Active, taken: Ints, points: Floats, *, sd: float, jump: flo
     state = _next_state(active.state, past, seen, first, on, sd, jump)
     velocity = active.velocity.copy()
     velocity[first | on] = state.x[first | on, 1] - state.x[first | on, 2]  # in this frame, not in the next
-    return Active(active.id, seen, np.where(hit, 0, active.missed + 1), active.going | first, past, velocity, state)
+    return ActiveSwamidasTracks(
+        active.id, seen, np.where(hit, 0, active.missed + 1), active.going | first, past, velocity, state
+    )
 
 
-def _next_state(state: State, past: Floats, seen: Ints, first: Bools, on: Bools, sd: float, jump: float) -> State:
+def _next_state(
+    state: KalmanState, past: Floats, seen: Ints, first: Bools, on: Bools, sd: float, jump: float
+) -> KalmanState:
     """Predicted for all; begun for those with `first` three points, and corrected for those that go `on` with one."""
-    new = predict(state, jump) if not on.all() else State(np.empty_like(state.x), np.empty_like(state.P))
+    new = predict(state, jump) if not on.all() else KalmanState(np.empty_like(state.x), np.empty_like(state.P))
     if first.any():
         new.x[first], new.P[first] = start(past[first], sd, jump)
     if on.any():
-        new.x[on], new.P[on] = update(State(state.x[on], state.P[on]), past[on], seen[on] == 3, sd, jump)
+        new.x[on], new.P[on] = update(KalmanState(state.x[on], state.P[on]), past[on], seen[on] == 3, sd, jump)
     return new
 
 
-def begin(active: Active, identity: Ints, points: Floats) -> Active:
+def begin(active: ActiveSwamidasTracks, identity: Ints, points: Floats) -> ActiveSwamidasTracks:
     """The active tracks and new ones of a single point each."""
     n = len(points)
     cube = np.zeros((n, 3, 3))
-    return Active(
+    return ActiveSwamidasTracks(
         np.concatenate([active.id, identity]),
         np.concatenate([active.seen, np.ones(n, np.int64)]),
         np.concatenate([active.missed, np.zeros(n, np.int64)]),
         np.concatenate([active.going, np.zeros(n, bool)]),
         np.concatenate([active.past, np.repeat(points[:, None], 3, 1)]),
         np.concatenate([active.velocity, np.zeros((n, 3))]),
-        State(np.concatenate([active.state.x, cube]), np.concatenate([active.state.P, cube])),
+        KalmanState(np.concatenate([active.state.x, cube]), np.concatenate([active.state.P, cube])),
     )

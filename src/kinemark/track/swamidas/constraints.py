@@ -28,11 +28,8 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from ...data.array_types import Bools, Floats, Ints
 
 
 class Constraint(IntEnum):
@@ -46,7 +43,7 @@ class Constraint(IntEnum):
     BEGIN = 5
 
 
-class Expected(NamedTuple):
+class PredictedPoints(NamedTuple):
     """What T tracks expect in a frame.
 
     xyz (T, 3) mm, half (T, 3) mm the box about it, NaN where there is none; velocity (T, 3) mm/frame; last (T, 3) mm
@@ -65,7 +62,7 @@ def half_size(steps: Ints, error: Floats, velocity: Floats, share: float) -> Flo
     return steps[:, None] * (error + share * np.abs(velocity))
 
 
-def match_points(expected: Expected, points: Floats, allowed: Bools) -> tuple[Ints, Ints]:
+def match_points(expected: PredictedPoints, points: Floats, allowed: Bools) -> tuple[Ints, Ints]:
     """The point (T) of each track, −1 for none, and the `Constraint` (T) by which.
 
     Args:

@@ -11,32 +11,31 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Cloud, Tracks
-from ...data.arrays import check_positive
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from ...data.array_types import Floats, Ints
+from ...data.method import Method, parameter
+from ..stage import CLOUD, TRACK
 
 
 @dataclass(frozen=True, slots=True)
-class DistanceOnly:
-    """Parameters of the method; the document has none.
+class DistanceOnly(Method):
+    """The nearest distance alone, shortest first, without prediction.
 
-    Attributes:
-        begin: which points begin tracks: "first", those of the first frame that has any, or "any", those that no track
-            takes.
-        patience: how long a track without points waits, s; None: for ever.
+    The document's method has no parameters; these are ours.
     """
 
-    begin: Literal["first", "any"] = "first"
-    patience: float | None = None
+    begin: Literal["first", "any"] = parameter(
+        "first",
+        meaning="which points begin tracks: first, those of the first frame that has any, or any, those that no "
+        "track takes",
+    )
+    patience: float | None = parameter(
+        None, unit="s", above=0, meaning="coasting: how long a track without points waits; None: for ever"
+    )
 
-    def __post_init__(self) -> None:
-        check_positive(patience=self.patience)
 
-
+@TRACK.method("distance_only", DistanceOnly, source="Swamidas 1997, 4.2.4", takes=CLOUD)
 def track_distance(cloud: Cloud, *, method: DistanceOnly = DistanceOnly()) -> Tracks:
     """The cloud with identities, numbered as the tracks begin; within a frame in the order of its points."""
     identity = np.full(len(cloud), -1)

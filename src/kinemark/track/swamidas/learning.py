@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...data import Cloud
-from .method import SENSORS, Swamidas
-from .segments import Segments, learn_segments, no_segments
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from ...data.array_types import Floats, Ints
+from .parameters import SENSORS, Swamidas
+from .segments import LearnedSegments, learn_segments, no_segments
 
 
 @dataclass(slots=True)
@@ -20,7 +17,7 @@ class Knowledge:
     """What the first frames teach: error (3) mm, segments, and the points (id, xyz) of these frames until then."""
 
     error: Floats
-    segments: Segments
+    segments: LearnedSegments
     lesson: list[tuple[Ints, Floats]] = field(default_factory=list)
 
     @property
@@ -54,7 +51,7 @@ def before_learning(cloud: Cloud, method: Swamidas) -> Knowledge:
         variance = np.diagonal(cloud.cov, axis1=1, axis2=2)
         variance = variance[np.isfinite(variance).all(1)]
         error = np.sqrt(np.median(variance, axis=0)) if len(variance) else np.full(3, SENSORS)
-    given = Segments(np.array(method.links, np.int64).reshape(-1, 2), np.array(method.lengths))
+    given = LearnedSegments(np.array(method.links, np.int64).reshape(-1, 2), np.array(method.lengths))
     return Knowledge(error, given if method.lengths else no_segments())
 
 

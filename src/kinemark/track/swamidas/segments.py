@@ -21,25 +21,23 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.array_types import Bools, Floats
 from ...geometry.rigid_pairs import distances, spanning_links
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
-
-class Segments(NamedTuple):
+class LearnedSegments(NamedTuple):
     """S segments: link (S, 2) tracks, length (S) mm."""
 
     link: NDArray[np.int64]
     length: Floats
 
 
-def no_segments() -> Segments:
+def no_segments() -> LearnedSegments:
     """None at all."""
-    return Segments(np.zeros((0, 2), np.int64), np.zeros(0))
+    return LearnedSegments(np.zeros((0, 2), np.int64), np.zeros(0))
 
 
-def learn_segments(paths: Floats, *, tolerance: float, links: tuple[tuple[int, int], ...] = ()) -> Segments:
+def learn_segments(paths: Floats, *, tolerance: float, links: tuple[tuple[int, int], ...] = ()) -> LearnedSegments:
     """Segments of markers (M, F, 3) mm, NaN where unseen, by their distances in F frames.
 
     Args:
@@ -54,10 +52,12 @@ def learn_segments(paths: Floats, *, tolerance: float, links: tuple[tuple[int, i
     else:
         link = spanning_links(np.where(np.isnan(length), np.nan, found.share), most=tolerance / 2)  # (2)
     link = link[np.isfinite(length[link[:, 0], link[:, 1]])]
-    return Segments(link, length[link[:, 0], link[:, 1]])
+    return LearnedSegments(link, length[link[:, 0], link[:, 1]])
 
 
-def allowed_points(points: Floats, predicted: Floats, sure: Bools, segments: Segments, tolerance: float) -> Bools:
+def allowed_points(
+    points: Floats, predicted: Floats, sure: Bools, segments: LearnedSegments, tolerance: float
+) -> Bools:
     """(T, N) whether point n may be track t by (1).
 
     Args:

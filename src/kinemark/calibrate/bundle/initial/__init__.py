@@ -7,7 +7,7 @@ seeds       focal lengths and pose of a pair
 resection   a further camera from points that are known
 """
 
-from .growth import Views, start
-from .optics import Optics, unknown_optics
+from .growth import TargetViews, start
+from .unknown_optics import UnknownOptics, unknown_optics
 
-__all__ = ["Optics", "Views", "start", "unknown_optics"]
+__all__ = ["TargetViews", "UnknownOptics", "start", "unknown_optics"]

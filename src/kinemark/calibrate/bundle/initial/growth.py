@@ -18,16 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....data import Camera, KinemarkError
-from ..parts import Part, Points, all_points, complete, sticks_through, supported
+from ....data.array_types import Floats
+from ..parts import FreePoints, Part, all_points, complete, sticks_through, supported
 from ..robust import solve_softly
 from ..robust_points import robust_points
-from ..solver import State, placed
-from .optics import Optics
-from .pairs import FEWEST_COMMON, Pair, common_points, find_pairs
-from .resection import alike, resected, rough_freedom
+from ..solver import BundleState, placed
+from .rough_resection import alike, resected, rough_freedom
 from .seeds import Seed, known_focus_seed, point_seeds, stick_seeds
-
-Array = NDArray[np.float64]
+from .unknown_optics import UnknownOptics
+from .view_pairs import FEWEST_COMMON, Pair, common_points, find_pairs
 
 PIECES = 120
 PAIRS = 6
@@ -39,12 +38,12 @@ BENT = 0.02  # of the image's diagonal; no right point is further off in the fir
 LONGER = 0.2  # a stick whose length is more than this share off has a wrong end
 
 
-class Views(NamedTuple):
+class TargetViews(NamedTuple):
     """What the cameras see: optics (C); uv (C, N, 2) px; along (K) mm of a stick, or None for single points."""
 
-    optics: list[Optics]
-    uv: Array
-    along: Array | None
+    optics: list[UnknownOptics]
+    uv: Floats
+    along: Floats | None
 
     @property
     def markers(self) -> int:
@@ -52,7 +51,7 @@ class Views(NamedTuple):
         return 1 if self.along is None else len(self.along)
 
     @property
-    def poses(self) -> Array:
+    def poses(self) -> Floats:
         """uv (C, F, K, 2)."""
         return self.uv.reshape(len(self.uv), -1, self.markers, 2)
 
@@ -64,7 +63,7 @@ class Start(NamedTuple):
     scale: float
 
 
-def start(views: Views, *, seed: int = 0, focal_known: bool = False) -> tuple[State, float]:
+def start(views: TargetViews, *, seed: int = 0, focal_known: bool = False) -> tuple[BundleState, float]:
     """Cameras and points near enough to the truth for a bundle adjustment, and how well two cameras fit alone, px.
 
     Raises:
@@ -91,10 +90,10 @@ def start(views: Views, *, seed: int = 0, focal_known: bool = False) -> tuple[St
             break
     if best is None:
         raise trouble
-    return State(best.cameras, (_part(whole, dict(enumerate(best.cameras))),)), noise
+    return BundleState(best.cameras, (_part(whole, dict(enumerate(best.cameras))),)), noise
 
 
-def thinned(views: Views) -> Views:
+def thinned(views: TargetViews) -> TargetViews:
     """Every so manieth piece, as few as leave each camera `AMPLE` points in common with another."""
     uv = views.poses
     for step in range(uv.shape[1] // AMPLE, 1, -1):
@@ -106,7 +105,7 @@ def thinned(views: Views) -> Views:
     return views
 
 
-def check_connected(views: Views) -> None:
+def check_connected(views: TargetViews) -> None:
     """Raises a KinemarkError that names cameras which do not see enough together with the others."""
     common = common_points(views.uv)
     names = [o.camera.name for o in views.optics]
@@ -126,7 +125,7 @@ def check_connected(views: Views) -> None:
         linked.add(rest[b])
 
 
-def _seeds(views: Views, pairs: list[Pair], focal_known: bool) -> list[Seed]:
+def _seeds(views: TargetViews, pairs: list[Pair], focal_known: bool) -> list[Seed]:
     """Beginnings, the most promising first."""
     found: list[Seed] = []
     for pair in pairs[:PAIRS]:
@@ -139,7 +138,7 @@ def _seeds(views: Views, pairs: list[Pair], focal_known: bool) -> list[Seed]:
     return sorted(found, key=lambda s: s.score)[:SEEDS]
 
 
-def grow(views: Views, guess: Seed, pairs: list[Pair]) -> Start:
+def grow(views: TargetViews, guess: Seed, pairs: list[Pair]) -> Start:
     """All cameras from a beginning, one after the other (step 3).
 
     Raises:
@@ -154,7 +153,7 @@ def grow(views: Views, guess: Seed, pairs: list[Pair]) -> Start:
     return Start(tuple(cameras[c] for c in range(len(cameras))), scale)
 
 
-def _two(views: Views, guess: Seed) -> dict[int, Camera]:
+def _two(views: TargetViews, guess: Seed) -> dict[int, Camera]:
     """The pair's cameras in the first one's frame."""
     a, b = guess.pair.a, guess.pair.b
     return {
@@ -163,26 +162,28 @@ def _two(views: Views, guess: Seed) -> dict[int, Camera]:
     }
 
 
-def _adjusted(views: Views, cameras: dict[int, Camera], *, focus_held: bool = False) -> tuple[dict[int, Camera], float]:
+def _adjusted(
+    views: TargetViews, cameras: dict[int, Camera], *, focus_held: bool = False
+) -> tuple[dict[int, Camera], float]:
     """The cameras so far, adjusted together on some of the pieces, and the scale of residuals."""
     order = sorted(cameras)
     part = _part(views, cameras)
     rows = _some_pieces(part, views.uv[order])
     points = (rows[:, None] * views.markers + np.arange(views.markers)).ravel()
     freedoms = tuple(rough_freedom(views.optics[c], focus_held=focus_held) for c in order)
-    state = State(tuple(cameras[c] for c in order), (part.take(rows),))
+    state = BundleState(tuple(cameras[c] for c in order), (part.take(rows),))
     state, scale = solve_softly(state, alike(views.uv[order][:, points]), freedoms)
     return dict(zip(order, state.cameras, strict=True)), scale
 
 
-def _part(views: Views, cameras: dict[int, Camera]) -> Part:
+def _part(views: TargetViews, cameras: dict[int, Camera]) -> Part:
     """What the cameras see, as pieces; sticks whose length is far off are not known."""
     order = sorted(cameras)
     known = [cameras[c] for c in order]
     limit = [BENT * np.hypot(*camera.size) for camera in known]
     xyz = robust_points(known, views.uv[order], limit=limit)
     if views.along is None:
-        return Points(xyz)
+        return FreePoints(xyz)
     markers = xyz.reshape(-1, views.markers, 3)
     sticks = sticks_through(markers, views.along)
     off = np.linalg.norm(sticks.xyz - markers, axis=-1)
@@ -190,7 +191,7 @@ def _part(views: Views, cameras: dict[int, Camera]) -> Part:
     return type(sticks)(np.where(wrong[:, None], np.nan, sticks.middle), sticks.ahead, sticks.along)
 
 
-def _some_pieces(part: Part, uv: Array) -> NDArray[np.int64]:
+def _some_pieces(part: Part, uv: Floats) -> NDArray[np.int64]:
     """At most `PIECES` of those that are supported, evenly."""
     n, K = part.xyz.shape[:2]
     good = np.flatnonzero(supported((part,), complete(uv)).any(0).reshape(n, K).any(1))
@@ -202,7 +203,7 @@ def _some_pieces(part: Part, uv: Array) -> NDArray[np.int64]:
     return good[np.linspace(0, len(good) - 1, min(PIECES, len(good))).astype(int)]
 
 
-def _next_camera(views: Views, cameras: dict[int, Camera]) -> dict[int, Camera]:
+def _next_camera(views: TargetViews, cameras: dict[int, Camera]) -> dict[int, Camera]:
     """The camera that sees most of the points that are known, placed by them; none where they are too few."""
     xyz = all_points((_part(views, cameras),))
     seen = {c: complete(xyz) & complete(views.uv[c]) for c in range(len(views.uv)) if c not in cameras}
@@ -212,7 +213,7 @@ def _next_camera(views: Views, cameras: dict[int, Camera]) -> dict[int, Camera]:
     return {c: resected(views.optics[c], xyz[seen[c]], views.uv[c, seen[c]])}
 
 
-def _by_pair(views: Views, cameras: dict[int, Camera], pairs: list[Pair]) -> dict[int, Camera]:
+def _by_pair(views: TargetViews, cameras: dict[int, Camera], pairs: list[Pair]) -> dict[int, Camera]:
     """A camera that shares sticks with a known one only, by their pair alone.
 
     Raises:

@@ -18,12 +18,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ....data.array_types import Floats
 from ....geometry.two_view import essential, homogeneous, midpoints, relative_pose
 from ..parts import complete
-from .optics import Optics
-from .pairs import FEWEST_COMMON, Pair
-
-Array = NDArray[np.float64]
+from .unknown_optics import UnknownOptics
+from .view_pairs import FEWEST_COMMON, Pair
 
 FOCI = np.geomspace(0.45, 4.0, 14)
 """Focal lengths that are tried, in image widths."""
@@ -36,12 +35,14 @@ class Seed(NamedTuple):
 
     pair: Pair
     f: tuple[float, float]
-    R: Array
-    t: Array
+    R: Floats
+    t: Floats
     score: float
 
 
-def _poses(optics: list[Optics], pair: Pair, x: Array, y: Array) -> tuple[Array, Array, Array, Array, Array]:
+def _poses(
+    optics: list[UnknownOptics], pair: Pair, x: Floats, y: Floats
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """The grid's f₁ and f₂ (G), poses R (G, 3, 3), t (G, 3), and points (G, n, 3) in the first camera's frame."""
     f1, f2 = (g.ravel() for g in np.meshgrid(FOCI * _width(optics[pair.a]), FOCI * _width(optics[pair.b])))
     K1, K2 = (np.stack([f, f, np.ones_like(f)], -1)[..., None] * np.eye(3) for f in (f1, f2))
@@ -51,11 +52,11 @@ def _poses(optics: list[Optics], pair: Pair, x: Array, y: Array) -> tuple[Array,
     return f1, f2, R, t, np.where(((d1 > 0) & (d2 > 0))[..., None], xyz, np.nan)
 
 
-def _width(optics: Optics) -> float:
+def _width(optics: UnknownOptics) -> float:
     return float(optics.camera.size.max())
 
 
-def stick_seeds(optics: list[Optics], pair: Pair, uv: Array, along: Array, *, best: int = 3) -> list[Seed]:
+def stick_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, along: Floats, *, best: int = 3) -> list[Seed]:
     """The most likely focal lengths of a pair by (1), from sticks seen at uv (C, F, K, 2)."""
     K, (i, j) = len(along), (int(along.argmin()), int(along.argmax()))
     good = pair.good.reshape(-1, K)
@@ -75,7 +76,7 @@ def stick_seeds(optics: list[Optics], pair: Pair, uv: Array, along: Array, *, be
     return [Seed(pair, (float(f1[g]), float(f2[g])), R[g], size[g] * t[g], float(spread[g])) for g in chosen]
 
 
-def point_seeds(optics: list[Optics], pair: Pair, uv: Array, *, best: int = 4) -> list[Seed]:
+def point_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, *, best: int = 4) -> list[Seed]:
     """The most likely focal lengths of a pair by (2), from points seen at uv (C, N, 2) by other cameras too."""
     seen = complete(uv) & pair.good
     seen[[pair.a, pair.b]] = False
@@ -95,7 +96,7 @@ def _evenly(rows: NDArray[np.int64]) -> NDArray[np.int64]:
     return rows[np.linspace(0, len(rows) - 1, min(JUDGES, len(rows))).astype(int)]
 
 
-def known_focus_seed(optics: list[Optics], pair: Pair, uv: Array) -> Seed:
+def known_focus_seed(optics: list[UnknownOptics], pair: Pair, uv: Floats) -> Seed:
     """A beginning with the focal lengths that the lenses came with."""
     f1, f2 = (float(optics[c].camera.K[0, 0]) for c in (pair.a, pair.b))
     E = essential(pair.F, np.diag([f1, f1, 1.0]), np.diag([f2, f2, 1.0]))
@@ -103,7 +104,7 @@ def known_focus_seed(optics: list[Optics], pair: Pair, uv: Array) -> Seed:
     return Seed(pair, (f1, f2), *relative_pose(E, x, y), pair.scale)
 
 
-def projections(xyz: Array, xy: Array) -> Array:
+def projections(xyz: Floats, xy: Floats) -> Floats:
     """(G, 3, 4) DLT of G sets of points (G, n, 3) at images (n, 2) or (G, n, 2); trimmed once of what fits worst."""
     there = complete(xyz)
     n = np.minimum(np.maximum(there.sum(1), 1), xyz.shape[1] - 1)[:, None]
@@ -131,7 +132,7 @@ def projections(xyz: Array, xy: Array) -> Array:
     return np.asarray(P @ T)
 
 
-def oddness(P: Array) -> Array:
+def oddness(P: Floats) -> Floats:
     """(2) of projections (G, 3, 4)."""
     M = P[..., :3]
     M = M / np.linalg.norm(M[..., 2:, :], axis=-1, keepdims=True)
@@ -145,7 +146,7 @@ def oddness(P: Array) -> Array:
     return np.where(np.isfinite(bad), np.minimum(bad, 1e6), 1e6)  # (2)
 
 
-def _minima(table: Array) -> list[int]:
+def _minima(table: Floats) -> list[int]:
     """Flat places of the table's local minima, the least first."""
     padded = np.pad(table, 1, constant_values=np.inf)
     around = [padded[1 + i : 1 + i + len(table), 1 + j : 1 + j + len(table)] for i in (-1, 0, 1) for j in (-1, 0, 1)]

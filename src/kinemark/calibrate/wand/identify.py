@@ -1,0 +1,224 @@
+"""The markers of a waved wand in the detections of all cameras: which blob is which marker, in all cameras alike.
+
+1. Strobes and reflections that stand still: places in an image where a point is seen in more than `STILL` of the
+   frames. Points there are dropped.
+2. Frames in which a camera then sees more than `MOST` points are left out for that camera.
+3. Each image alone: markers in a row with the wand's gaps (`rows`); of a wand with two markers, the images
+   that have just two points.
+4. Which end is which, across cameras (`ends`), where the gaps do not tell. What stays open is left out.
+
+Rows that lack a marker, or have strays that look like one, are not read. Once there is a rig, they are
+(`completion`).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...data import Detections, KinemarkError
+from ...data.array_types import Floats
+from .ends import FEWEST as FEWEST_SHARED
+from .ends import agreed_ends
+from .rows import read_rows
+
+STILL = 0.15
+STILL_FRAMES = 10
+CELL = 6.0
+"""px; a point that stands still stays within such a square."""
+MOST = 12
+FEWEST = 12
+"""Frames in which a camera must see the wand."""
+CERTAIN = 9.0
+"""Lead, as 2 ln of odds, from which an image's direction needs no other camera."""
+WRONG_GAPS = 0.15
+"""Of ln (first gap / last gap), on the median over all images."""
+
+
+class Wanted(NamedTuple):
+    """Detections that may be the wand, and how many frames each camera lost.
+
+    use (D) are the rows to look at; crowded (C) counts frames with too many of them, still (C) rows that stand still.
+    """
+
+    use: NDArray[np.bool_]
+    crowded: NDArray[np.int64]
+    still: NDArray[np.int64]
+
+
+def wand_points(detections: Detections, *, lengths: ArrayLike) -> tuple[Floats, Floats]:
+    """The markers of a wand, as all cameras see it over F frames.
+
+    Args:
+        detections: of all cameras; invalid and merged ones are not looked at.
+        lengths: (K − 1) gaps between the wand's K markers, mm; one, two or three gaps.
+
+    Returns:
+        uv (C, F, K, 2) px and their covariance cov (C, F, K, 2, 2) px²; NaN where not seen. Marker k is the same
+        one in all cameras; of a wand that looks the same from both ends, in all cameras of one frame.
+
+    Raises:
+        ValueError: lengths are not one to three positive gaps.
+        KinemarkError: a camera hardly ever sees the wand, or sees another one; the message says what it saw.
+    """
+    along = marker_places(lengths)
+    rows = identify_wand(detections, wanted(detections), along)
+    return at_rows(detections, rows)
+
+
+def marker_places(lengths: ArrayLike) -> Floats:
+    """(K) places of the markers along the wand, mm, from its gaps (K − 1)."""
+    gaps = np.asarray(lengths, np.float64).reshape(-1)
+    if not 1 <= len(gaps) <= 3 or not (np.isfinite(gaps).all() and (gaps > 0).all()):
+        raise ValueError(f"lengths are {gaps.tolist()}, wanted one to three gaps between markers, mm, above 0")
+    return np.concatenate([[0.0], np.cumsum(gaps)])
+
+
+def at_rows(detections: Detections, rows: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    """uv (…, 2) and cov (…, 2, 2) of rows (…), NaN where a row is −1."""
+    seen = rows >= 0
+    uv = np.where(seen[..., None], detections.uv[rows], np.nan)
+    return uv, np.where(seen[..., None, None], detections.cov[rows], np.nan)
+
+
+def wanted(detections: Detections) -> Wanted:
+    """Steps 1 and 2."""
+    use = detections.valid & ~detections.merged
+    still = _standing(detections, use)
+    use &= ~still
+    camera, frame = detections.camera, detections.frame
+    counts = np.zeros((len(detections.cameras), detections.n_frames), np.int64)
+    np.add.at(counts, (camera[use], frame[use]), 1)
+    crowded = counts > MOST
+    use &= ~crowded[camera, frame]
+    return Wanted(use, crowded.sum(1), np.bincount(camera[still], minlength=len(counts)))
+
+
+def identify_wand(detections: Detections, want: Wanted, along: Floats) -> NDArray[np.int64]:
+    """Steps 3 and 4: the row of each marker (C, F, K), −1 where not seen; errors as in `points`."""
+    rows = np.full((len(detections.cameras), detections.n_frames, len(along)), -1, np.int64)
+    lead, ratio = np.zeros(rows.shape[:2]), np.full(rows.shape[:2], np.nan)
+    for c in range(len(rows)):
+        rows[c], lead[c], ratio[c] = _read_camera(detections, want.use, c, along)
+    _check_gaps(ratio, along)
+    _check_seen(detections, want, (rows[..., 0] >= 0).sum(1), len(along))
+    if (lead[rows[..., 0] >= 0] < CERTAIN).any():
+        turned, undecided = agreed_ends(at_rows(detections, rows)[0], lead)
+        read = rows[..., 0]
+        rows = np.where(turned[..., None], rows[..., ::-1], rows)
+        rows[undecided & (lead < CERTAIN)] = -1
+        _check_decided(detections, rows, read)
+    return rows
+
+
+def _standing(detections: Detections, use: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(D) points at a place of the image where one is seen in a large share of the frames.
+
+    A square of `CELL` px may cut the place in two, so four grids are tried, shifted by half a square.
+    """
+    standing = np.zeros(len(detections), np.bool_)
+    camera = detections.camera
+    enough = max(STILL * detections.n_frames, STILL_FRAMES)
+    at = np.flatnonzero(use & np.isfinite(detections.uv).all(1))
+    for shift in ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5)):
+        cell = np.floor(detections.uv[at] / CELL + shift).astype(np.int64)
+        _, which, count = np.unique(
+            np.column_stack([camera[at], cell]), axis=0, return_inverse=True, return_counts=True
+        )
+        standing[at] |= count[which.ravel()] > enough
+    return standing
+
+
+def _read_camera(
+    detections: Detections, use: NDArray[np.bool_], c: int, along: Floats
+) -> tuple[NDArray[np.int64], Floats, Floats]:
+    """Rows (F, K), lead (F) and ratio (F) of one camera, all images with equally many points at once."""
+    K, first, stop = len(along), detections.start[c, 0], detections.start[c, -1]
+    mine = first + np.flatnonzero(use[first:stop])
+    start = np.searchsorted(mine, detections.start[c])
+    count = np.diff(start)
+    rows = np.full((detections.n_frames, K), -1, np.int64)
+    lead, ratio = np.zeros(len(rows)), np.full(len(rows), np.nan)
+    for n in np.unique(count[count >= K]):
+        frames = np.flatnonzero(count == n)
+        points = mine[start[frames, None] + np.arange(n)]
+        read = read_rows(detections.uv[points], along)
+        rows[frames] = np.where(read.points >= 0, np.take_along_axis(points, read.points, 1), -1)
+        lead[frames], ratio[frames] = read.lead, read.ratio
+    return rows, lead, ratio
+
+
+def _check_gaps(ratio: Floats, along: Floats) -> None:
+    """The gaps in the images are, on the median, in the proportion that they have on the wand."""
+    seen = ratio[np.isfinite(ratio)]
+    gaps = np.diff(along)
+    if len(gaps) < 2 or len(seen) < FEWEST:
+        return
+    wanted_ratio = np.log(gaps[0] / gaps[-1])
+    off = np.where(np.abs(seen - wanted_ratio) < np.abs(seen + wanted_ratio), seen - wanted_ratio, -seen - wanted_ratio)
+    if abs(middle := float(np.median(off))) > WRONG_GAPS:
+        found = np.exp(middle + wanted_ratio)
+        raise KinemarkError(
+            f"Rows of {len(along)} points are seen, but their first gap is {found:.2f} times their last one on the "
+            f"median, and the wand's lengths {gaps.tolist()} mm say {np.exp(wanted_ratio):.2f}. Measure the wand "
+            "again, from centre to centre, and give its gaps in order."
+        )
+
+
+def _check_seen(detections: Detections, want: Wanted, seen: NDArray[np.int64], K: int) -> None:
+    """Every camera sees the wand often enough."""
+    if detections.n_frames < FEWEST:
+        raise KinemarkError(
+            f"The recording has {detections.n_frames} frames; {FEWEST} are needed. Wave the wand longer."
+        )
+    for c in np.flatnonzero(seen < FEWEST):
+        raise KinemarkError(
+            f"Camera {detections.cameras[c]} sees the wand's {K} markers in {seen[c]} of {detections.n_frames} frames; "
+            f"{FEWEST} are needed. {_why_unseen(detections, want, int(c), K)}"
+        )
+
+
+def _why_unseen(detections: Detections, want: Wanted, c: int, K: int) -> str:
+    mine = slice(detections.start[c, 0], detections.start[c, -1])
+    count = np.bincount(detections.frame[mine][want.use[mine]], minlength=detections.n_frames)
+    few, many = int((count < K).sum() - want.crowded[c]), int((count > K).sum() + want.crowded[c])
+    if want.crowded[c] > detections.n_frames / 2:
+        return (
+            f"In {want.crowded[c]} frames it sees more than {MOST} points that move. Raise its threshold, mask "
+            "reflections, or limit the size of markers."
+        )
+    if many > few:
+        return (
+            f"In {many} frames it sees more than {K} points. Mask reflections, take other markers out of the volume, "
+            "or wave a wand with three markers in unequal gaps."
+        )
+    if want.still[c] >= few:
+        return (
+            f"In {few} frames it sees fewer than {K} points that move; {want.still[c]} points that stand still count "
+            "as reflections. Wave the wand without rest, across this camera's image as well as towards it."
+        )
+    return (
+        f"In {few} frames it sees fewer than {K} points. Wave the wand where this camera sees it, lower its threshold, "
+        "or leave the camera out."
+    )
+
+
+def _check_decided(detections: Detections, rows: NDArray[np.int64], read: NDArray[np.int64]) -> None:
+    """Every camera has frames in which the ends are told apart, of those where it `read` (C, F) a wand."""
+    seen = (read >= 0).astype(np.int64)
+    shared = seen @ seen.T
+    np.fill_diagonal(shared, 0)
+    for c in np.flatnonzero((rows[..., 0] >= 0).sum(1) < FEWEST):
+        head = f"Camera {detections.cameras[c]} sees what may be the wand"
+        if (most := int(shared[c].max())) < FEWEST_SHARED:
+            raise KinemarkError(
+                f"{head}, but in at most {most} frames together with another camera; {FEWEST_SHARED} are needed to "
+                "tell which end is which. Wave the wand longer, where two cameras see it at once."
+            )
+        raise KinemarkError(
+            f"{head}, but no other camera's view tells which end is which. Wave the wand, turning it in all "
+            "directions, where this camera and others see it at once; mask reflections, and take other markers out of "
+            "the volume."
+        )

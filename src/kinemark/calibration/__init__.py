@@ -1,6 +1,0 @@
-"""How a session's `[calibration]` becomes calibrated cameras, and how good they are."""
-
-from .known import rig_of_dlt
-from .results import Calibrated, calibrate
-
-__all__ = ["Calibrated", "calibrate", "rig_of_dlt"]

@@ -1,0 +1,101 @@
+"""The parameters of detection."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from ..data.method import ONE, Method, parameter
+from .stage import check_areas
+
+MOST_DISCS = 5
+"""More discs on each other than this are not told apart: their fit would be a guess."""
+
+BITS_16 = 257.0
+"""How often the grey scale of 8 bits (white is 255) goes into that of 16 bits (65 535)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Centroids(Method):
+    """Bright groups of pixels, each at its grey-weighted centroid.
+
+    Source: Shafiq, Tümer and Güler 2001, section 2.
+
+    Grey levels are those of 8-bit images, 0 … 255; in 16-bit images they count 257 times as much, so that
+    white, 65 535, is 255 there too. A camera of 12 bits that leaves the upper four empty has its white at
+    4095 / 257 = 15.9.
+    """
+
+    threshold: float = parameter(
+        60.0, unit="grey levels", low=0, below=255,
+        meaning="pixels brighter than this are white; where inverted, pixels darker than this",
+    )  # fmt: skip
+    min_area: int = parameter(4, unit="px²", low=1, meaning="markers with fewer white pixels are TOO_SMALL")
+    max_area: int = parameter(
+        2000, unit="px²", low=1, meaning="markers with more white pixels are TOO_LARGE (strobes, lamps, windows)"
+    )
+    min_width: int = parameter(
+        2, unit="px", low=1, meaning="groups narrower or lower than this are noise and leave no detection"
+    )
+    max_aspect: float = parameter(
+        2.5, unit=ONE, low=1, high=math.inf,
+        meaning="markers longer or wider than this many times the other side are NOT_ROUND; a field of interlaced "
+        "video halves the height of a round marker, hence the room",
+    )  # fmt: skip
+    noise: float | None = parameter(
+        None, unit="grey levels", low=0, high=math.inf,
+        meaning="standard deviation of the grey level of a dark pixel, that of rounding at least; None: measured in "
+        "every frame",
+    )  # fmt: skip
+    shot: float = parameter(
+        0.0, unit="grey levels", low=0, high=math.inf,
+        meaning="variance that each grey level above the background adds (photon noise)",
+    )  # fmt: skip
+    inverted: bool = parameter(False, meaning="the markers are dark on bright ground")
+    relative: float | None = parameter(
+        None, unit=ONE, above=0, below=1,
+        meaning="instead of threshold, the share of the way from a camera's background to its bright level (its "
+        "dark one where inverted), measured once from its first frames that show something; 0.5 is halfway",
+    )  # fmt: skip
+    aspect: float | None = parameter(
+        None, unit=ONE, low=0.1, high=10,
+        meaning="height of a round marker's image by its width; None: 0.5 for the fields of interlaced video, else "
+        "1",
+    )  # fmt: skip
+    most_discs: int = parameter(
+        3, unit="discs", low=1, high=MOST_DISCS,
+        meaning="overlapping markers are told apart up to this many in a group; 1: not at all",
+    )  # fmt: skip
+    hidden: bool = parameter(
+        True,
+        meaning="put a disc of which a part is hidden where the centre of the whole disc is, if the fit is sure of it",
+    )
+    edge_sd: float = parameter(
+        0.0, unit="px", low=0, high=math.inf,
+        meaning="markers at the image's edge are valid if a fit knows their centre within this standard deviation; "
+        "0: they never are",
+    )  # fmt: skip
+
+    def check_together(self) -> None:
+        """Refuse areas of which the least is greater than the greatest."""
+        check_areas(self.min_area, self.max_area)
+
+
+def grey_scale(dtype: DTypeLike) -> float:
+    """What one grey level of `Centroids` counts in images of this type."""
+    return BITS_16 if np.dtype(dtype) == np.uint16 else 1.0
+
+
+def check_images(images: NDArray[np.uint8 | np.uint16]) -> None:
+    """Refuse what is no stack of grey images.
+
+    Raises:
+        ValueError: not three axes, no pixels, or neither uint8 nor uint16.
+    """
+    if images.ndim != 3 or 0 in images.shape[1:]:
+        raise ValueError(f"images have shape {images.shape}, wanted (frames, rows, columns)")
+    if images.dtype not in (np.uint8, np.uint16):
+        raise ValueError(f"images are {images.dtype}, wanted uint8 or uint16 grey levels")

@@ -1,0 +1,171 @@
+"""All cameras of a recording, several at a time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from threading import Lock
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Detections, KinemarkError
+from ..data.method import Method
+from .blobs import Blobs, joined
+from .centroids_method import Centroids
+from .detect_frames import detect_frames
+from .levels import levelled
+from .masks import Masks, masked
+from .source import FrameSource, ahead
+from .stage import DETECT
+
+
+def detect(
+    sources: Sequence[FrameSource],
+    *,
+    cameras: Sequence[str],
+    rate: float,
+    method: Method | None = None,
+    masks: Masks | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Detections:
+    """Markers in the recordings of all cameras, at `rate` Hz.
+
+    Args:
+        sources: what each camera recorded; the next images are decoded while markers are looked for.
+        cameras: their names.
+        rate: frames a second, Hz.
+        method: one of `DETECT`, `Centroids()` where None; a relative threshold is measured once a camera, in the first
+            frames that show something.
+        masks: where nothing is a marker, for some or all of the cameras.
+        progress: called with the number of frames done so far, all cameras together, from the threads that do them.
+
+    Raises:
+        ValueError: not one name a source.
+        KinemarkError: the cameras have unequal numbers of frames, a recording ends early, a threshold that lies
+            in the noise, or masks of other cameras or of other sizes.
+    """
+    if len(sources) != len(cameras):
+        raise ValueError(f"there are {len(sources)} sources and {len(cameras)} camera names, wanted one each")
+    _check_masks(masks, cameras)
+    n_frames = _common_length(sources, cameras)
+    done, lock = [0], Lock()
+
+    def tell(frames: int) -> None:
+        with lock:
+            done[0] += frames
+            if progress:
+                progress(done[0])
+
+    def one(source: FrameSource, name: str) -> Blobs:
+        mask = masks.pixels(name) if masks and name in masks.cameras else None
+        return _detect_camera(source, name, method or DETECT.make(), mask, tell)
+
+    with ThreadPoolExecutor(max(1, min(os.cpu_count() or 1, len(sources)))) as pool:
+        parts = list(pool.map(one, sources, cameras))
+    if not parts:
+        return Detections.build((), rate, np.zeros((0, 0), np.int64), np.zeros((0, 2)))
+    all_cameras = joined(parts)
+    counts = all_cameras.counts.reshape(len(cameras), n_frames)
+    return Detections.build(
+        tuple(cameras), rate, counts, **{k: v for k, v in all_cameras._asdict().items() if k != "counts"}
+    )
+
+
+def _check_masks(masks: Masks | None, cameras: Sequence[str]) -> None:
+    if masks and (unknown := [name for name in masks.cameras if name not in cameras]):
+        raise KinemarkError(
+            f"There are masks of {', '.join(unknown)}, and the recording has {', '.join(cameras)}. "
+            "Call the cameras alike in both, or leave those masks out."
+        )
+
+
+def _common_length(sources: Sequence[FrameSource], cameras: Sequence[str]) -> int:
+    lengths = [source.n_frames for source in sources]
+    if len(set(lengths)) > 1:
+        found = ", ".join(f"{name} {n}" for name, n in zip(cameras, lengths, strict=True))
+        raise KinemarkError(
+            f"The cameras have different numbers of frames: {found}. Synchronised cameras have equal ones; "
+            "cut the recordings to the frames that all cameras share."
+        )
+    return lengths[0] if lengths else 0
+
+
+def _detect_camera(
+    source: FrameSource, name: str, method: Method, mask: NDArray[np.bool_] | None, tell: Callable[[int], None]
+) -> Blobs:
+    """One camera's detections, batch by batch.
+
+    Raises:
+        KinemarkError: more or fewer frames come than the source has announced, or see `detect_frames`.
+    """
+    parts, first, size = [_none(0)], 0, None
+    ready = None
+    for images in ahead(source):
+        if size is None:
+            size = images.shape[1:]
+            _check_mask(mask, size, name)
+        _check_size(images, size, first, name)
+        if ready is None:  # nothing has stood out from the background so far, so there was no marker either
+            ready = _for_camera(method, images, source)
+        parts.append(_detect_batch(source, images, first, name, ready, mask) if ready else _none(len(images)))
+        first += len(images)
+        tell(len(images))
+    if first != source.n_frames:
+        raise KinemarkError(
+            f"Camera {name}: {first} frames could be read of the {source.n_frames} that the recording announces. "
+            "Copy the recording again, or cut all cameras to the frames that are there."
+        )
+    return joined(parts)
+
+
+def _for_camera(method: Method, images: NDArray[np.uint8 | np.uint16], source: FrameSource) -> Method | None:
+    """The method with what it leaves to the camera: its level, and the form of markers in fields."""
+    if isinstance(method, Centroids) and method.aspect is None:
+        fields = source.v_offset(0) != source.v_offset(1)
+        method = replace(method, aspect=0.5 if fields else 1.0)
+    return levelled(method, images)
+
+
+def _none(frames: int) -> Blobs:
+    """The detections of frames without any."""
+    return detect_frames(np.zeros((frames, 1, 1), np.uint8))
+
+
+def _check_mask(mask: NDArray[np.bool_] | None, size: tuple[int, ...], name: str) -> None:
+    if mask is not None and mask.shape != size:
+        raise KinemarkError(
+            f"Camera {name}: its mask is for images of {_by(mask.shape)}, and they have {_by(size)}. "
+            "Masks of interlaced video are in the lines of a field."
+        )
+
+
+def _check_size(images: NDArray[np.uint8 | np.uint16], size: tuple[int, ...], first: int, name: str) -> None:
+    if images.shape[1:] != size:
+        raise KinemarkError(
+            f"Camera {name}: frame {first} has {_by(images.shape[1:])}, and the first one {_by(size)}. "
+            "Export the recording again, all frames in one size."
+        )
+
+
+def _by(shape: tuple[int, ...]) -> str:
+    return f"{shape[1]} × {shape[0]} px"
+
+
+def _detect_batch(
+    source: FrameSource,
+    images: NDArray[np.uint8 | np.uint16],
+    first: int,
+    name: str,
+    method: Method,
+    mask: NDArray[np.bool_] | None,
+) -> Blobs:
+    try:
+        blobs = detect_frames(images, method=method)
+    except KinemarkError as error:
+        raise KinemarkError(f"Camera {name}, batch from frame {first} on: {error}") from None
+    blobs = blobs if mask is None else masked(blobs, mask)
+    offset = np.array([source.v_offset(first + k) for k in range(len(images))], np.float64)
+    return blobs._replace(uv=blobs.uv + np.stack([np.zeros(len(blobs.uv)), np.repeat(offset, blobs.counts)], -1))

@@ -1,0 +1,1 @@
+"""What drives the stages: sessions, their settings, the order of the stages, and what is kept of them."""

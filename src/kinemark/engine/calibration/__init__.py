@@ -1,0 +1,6 @@
+"""How a session's `[calibration]` becomes calibrated cameras, and how good they are."""
+
+from .from_known_points import rig_of_dlt
+from .results import Calibrated, calibrate
+
+__all__ = ["Calibrated", "calibrate", "rig_of_dlt"]

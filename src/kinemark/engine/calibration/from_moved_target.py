@@ -1,0 +1,120 @@
+"""Cameras from something waved about, a wand or a single marker, whose places nobody surveyed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...calibrate.bundle import BundleFit, calibrate_points
+from ...calibrate.quality.calibration_evidence import Evidence
+from ...calibrate.quality.wand import LeftOutPoses, image_errors, judge_poses, seen_by
+from ...calibrate.wand import calibrate_wand
+from ...data import Detections, KinemarkError
+from ...data.array_types import Floats
+from .lens_grids import Lenses, lenses_of
+from .task import Made, Task
+from .world_placement import placed_in_world
+
+FEWEST_FRAMES = 20
+"""In which two cameras each see one marker."""
+
+
+class FittedRig(NamedTuple):
+    """A bundle in a world of its own; along (K) mm of the stick, (1) for a marker; how poses left out judge it."""
+
+    fit: BundleFit
+    along: Floats
+    judged: LeftOutPoses
+    lenses: Lenses
+
+
+def from_wand(task: Task) -> Made:
+    """A stick with markers in a row, waved through the volume."""
+    way = task.settings.calibration.wand
+    assert way is not None  # the settings see to it
+    seen, lenses = task.look(way, "wand"), lenses_of(task)
+    _check_sizes(seen.sizes)
+    method: Any = task.settings.calibrate
+    if way.marker_diameter_mm is not None:
+        method = replace(method, marker_diameter=way.marker_diameter_mm)
+    task.progress("calibrate", 0, 1)
+    fit = calibrate_wand(
+        seen.detections, lengths=way.lengths_mm, sizes=seen.sizes, method=method, lenses=lenses.cameras
+    )
+    along = np.concatenate([[0.0], np.cumsum(way.lengths_mm)])
+    judged = judge_poses(fit, along, method=method.bundle, lens_held=lenses.cameras is not None)
+    task.progress("calibrate", 1, 1)
+    gaps = " + ".join(f"{mm:g}" for mm in way.lengths_mm)
+    made = _placed(task, FittedRig(fit, along, judged, lenses), f"a wand of {gaps} mm")
+    return made._replace(evidence=replace(made.evidence, known=np.diff(along), lengths=judged.lengths))
+
+
+def from_single_marker(task: Task) -> Made:
+    """One marker moved through the volume, and a known distance for the scale."""
+    way = task.settings.calibration.single_marker
+    assert way is not None
+    seen, lenses = task.look(way, "marker"), lenses_of(task)
+    _check_sizes(seen.sizes)
+    uv, cov = _single(seen.detections)
+    task.progress("calibrate", 0, 1)
+    method: Any = task.settings.calibrate
+    known = cov if np.isfinite(cov[np.isfinite(uv[..., 0])]).all() else None
+    fit = calibrate_points(task.names, seen.sizes, uv, cov=known, method=method, lenses=lenses.cameras)
+    judged = judge_poses(fit, np.zeros(1), method=method, lens_held=lenses.cameras is not None)
+    task.progress("calibrate", 1, 1)
+    return _placed(task, FittedRig(fit, np.zeros(1), judged, lenses), "a single marker")
+
+
+def _check_sizes(sizes: NDArray[np.int64]) -> None:
+    if (sizes < 1).any():
+        raise KinemarkError(
+            "The size of the images is not known, and without it nothing of the lenses. Set size_px = [width, height] "
+            "in [cameras]."
+        )
+
+
+def _single(detections: Detections) -> tuple[Floats, Floats]:
+    """Where each camera sees the one marker of a frame, (C, F, 2) px, NaN where it sees none or more; covariance."""
+    rows = np.flatnonzero(detections.valid)
+    c, f = detections.camera[rows], detections.frame[rows]
+    count = np.zeros(detections.counts.shape, np.int64)
+    np.add.at(count, (c, f), 1)
+    alone = count[c, f] == 1
+    uv = np.full((*count.shape, 2), np.nan)
+    cov = np.full((*count.shape, 2, 2), np.nan)
+    uv[c[alone], f[alone]], cov[c[alone], f[alone]] = detections.uv[rows[alone]], detections.cov[rows[alone]]
+    both = int((np.isfinite(uv[..., 0]).sum(0) >= 2).sum())
+    if both < FEWEST_FRAMES:
+        raise KinemarkError(
+            f"In {both} frames do two cameras see exactly one marker, and {FEWEST_FRAMES} are the least. Mask "
+            "reflections and lamps, see [masks], and move one marker only."
+        )
+    return uv, cov
+
+
+def _placed(task: Task, fitted: FittedRig, way: str) -> Made:
+    """The rig in the world that the session wants, with the evidence of the bundle."""
+    k = len(fitted.along)
+    placed = placed_in_world(task, fitted.fit, unscaled=k == 1)
+    fit = placed.fit
+    errors = image_errors(fitted.judged.residual.reshape(len(fit.rig), -1, 2))
+    nowhere = np.full((2, 3), np.nan)
+    evidence = Evidence(
+        way=way,
+        xyz=fit.xyz,
+        uv=seen_by(fit, k).reshape(len(fit.rig), -1, 2),
+        residual=fit.residual,
+        kept=fit.kept,
+        left_out=errors,
+        place=fit.xyz.reshape(-1, k, 3).mean(1),
+        checks=placed.checks,
+        joint=fit.joint,
+        freedom=fit.freedom,
+        straight=fitted.lenses.straight,
+        doubts=(*fitted.lenses.doubts, *placed.doubts),
+        surveyed=False,
+    )
+    return Made(replace(fit.rig, volume=nowhere), evidence)

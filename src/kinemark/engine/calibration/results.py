@@ -1,0 +1,159 @@
+"""Calibrating a session, judging the calibration, and keeping what was there before.
+
+results/rig.toml                      the calibration, with its residuals and quality in [metadata]
+results/calibration.json              every figure of the judgement
+results/calibration.html              the same as a page
+results/calibrations/…-rig.toml       former calibrations, by the time when they were made
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...calibrate.quality import Change, Evidence, compare, points_of, volume_grid
+from ...data import KinemarkError, Rig, Step
+from ...findings.calibration_quality import calibration_figures, headline_figures, judged_volume
+from ...findings.quality import write_quality
+from ...io.files import replacing
+from ...io.rig_toml import read_rig_toml, write_rig_toml
+from ...io.um2as import siblings
+from ...report.calibration_page import write_calibration_page
+from ..pipeline import Progress, rig_key, silent
+from ..recordings import files_of, masks_key
+from ..settings import Settings
+from ..store import Store, digest, file_key
+from .from_known_points import from_control_frame, from_control_points, from_file, is_cp
+from .from_moved_target import from_single_marker, from_wand
+from .task import Made, Task
+
+RIG, FIGURES, PAGE, FORMER = "rig.toml", "calibration.json", "calibration.html", "calibrations"
+
+WAYS: dict[str, Callable[[Task], Made]] = {
+    "file": from_file,
+    "control_points": from_control_points,
+    "control_frame": from_control_frame,
+    "wand": from_wand,
+    "single_marker": from_single_marker,
+}
+"""What does each way of `settings.WAYS`."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Calibrated:
+    """A session's calibration.
+
+    Attributes:
+        rig: the cameras.
+        figures: how good they are; what calibration.json holds.
+        steps: how they were made.
+        computed: whether this had to be computed; else it was unchanged.
+        folder: where it is on disk.
+    """
+
+    rig: Rig
+    figures: dict[str, Any]
+    steps: tuple[Step, ...]
+    computed: bool
+    folder: Path
+
+
+def calibrate(root: Path, results: Path, settings: Settings, *, progress: Progress = silent) -> Calibrated:
+    """The calibration of a session in the folder `root`, read where it is unchanged, else made, judged and written.
+
+    Raises:
+        KinemarkError: what the calibration needs is absent or unusable, or it has fewer than two cameras.
+    """
+    task = Task(root, settings, progress)
+    ledger = Store.open(results)
+    (rig, figures), _ = ledger.do(
+        "calibrate",
+        None if settings.calibration.file else settings.calibrate,
+        calibration_key(task),
+        file=RIG,
+        make=lambda: _made(task, results),
+        save=_save,
+        load=_load,
+    )
+    return Calibrated(rig, figures, tuple(ledger.steps), "calibrate" in ledger.computed, results)
+
+
+def calibration_key(task: Task) -> str:
+    """A key of all that the calibration depends on."""
+    s, c, root = task.settings, task.settings.calibration, task.root
+    named = [c.file, c.control_points and c.control_points.points, c.control_frame and c.control_frame.rods]
+    named += [c.world_points and c.world_points.points]
+    paths = [root / path for path in named if path]
+    paths += siblings(root / c.file, "cp") if c.file and is_cp(c.file) else []
+    known = len(paths)
+    for pointed in (c.control_points, c.control_frame, c.linearisation, c.world_points):
+        paths += files_of(root, s, pointed.images, s.cameras.names) if pointed and pointed.images else []
+    distance = c.single_marker.distance if c.single_marker else None
+    for seen in (c.wand, c.single_marker, distance, c.l_frame):
+        paths += files_of(root, s, seen, s.cameras.names)
+    detected = str(s.detect) if len(paths) > known else ""
+    masks = masks_key(root, s, s.cameras.names) if detected else []
+    said = [s.name, s.cameras.model_dump(), c.model_dump(mode="json"), s.volume_mm, detected]
+    return digest(file_key(*paths), said, *masks)
+
+
+def _made(task: Task, results: Path) -> tuple[Rig, dict[str, Any]]:
+    """The calibration and its figures; the page is written, and the former calibration put aside."""
+    rig, evidence = WAYS[task.settings.calibration.way](task)
+    if task.settings.volume_mm is not None:
+        rig = replace(rig, volume=np.array(task.settings.volume_mm))
+    if len(rig) < 2:
+        raise KinemarkError(
+            f"The calibration has {len(rig)} camera, and a point in space needs two. Calibrate another camera."
+        )
+    since, change = _put_aside(results, rig, evidence)
+    figures = calibration_figures(rig, evidence, session=task.settings.name, change=change, since=since)
+    write_calibration_page(results / PAGE, figures=figures, rig=rig, evidence=evidence)
+    write_quality(results / FIGURES, figures)
+    return rig, figures
+
+
+def _save(path: Path, record: tuple[Rig, dict[str, Any]]) -> None:
+    rig, figures = record
+    write_rig_toml(path, rig, metadata=headline_figures(figures))
+
+
+def _load(path: Path) -> tuple[Rig, dict[str, Any]]:
+    """What an earlier run left; incomplete or damaged files count as none."""
+    if not (path.parent / PAGE).is_file():
+        raise KinemarkError(f"{path.parent / PAGE} is not there.")
+    try:
+        return read_rig_toml(path), json.loads((path.parent / FIGURES).read_text("utf-8"))
+    except (OSError, ValueError) as error:
+        raise KinemarkError(f"{path.parent / FIGURES} is damaged: {error}") from error
+
+
+def _put_aside(results: Path, rig: Rig, evidence: Evidence) -> tuple[str, Change | None]:
+    """Keeps the former rig.toml, if it says something else; its name among the former, and what changed."""
+    path = results / RIG
+    if not path.is_file():
+        return "", None
+    try:
+        old = read_rig_toml(path)
+        if rig_key(old) == rig_key(rig):
+            return "", None
+        change = compare(old, rig, points_of(volume_grid(judged_volume(rig, evidence), places=200)))
+    except KinemarkError:  # a damaged one is kept all the same: somebody may mend it
+        change = None
+    kept = _free_name(results / FORMER, datetime.fromtimestamp(path.stat().st_mtime))
+    with replacing(kept) as beside:
+        beside.write_bytes(path.read_bytes())
+    return f"{FORMER}/{kept.name}", change
+
+
+def _free_name(folder: Path, made: datetime) -> Path:
+    """A name by date and time that no file has yet."""
+    stem = made.strftime("%Y-%m-%dT%H-%M-%S")
+    names = (folder / f"{stem}{f'-{n}' if n else ''}-{RIG}" for n in range(1000))
+    return next(path for path in names if not path.exists())

@@ -1,0 +1,42 @@
+"""What every way of calibrating is given and gives."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from ...calibrate.quality import Evidence
+from ...data import KinemarkError, Rig
+from ..pipeline import Progress
+from ..recordings import Recorded, recorded
+from ..settings import Settings, TargetRecording
+
+
+class Made(NamedTuple):
+    """Calibrated cameras, and what they were made from."""
+
+    rig: Rig
+    evidence: Evidence
+
+
+class Task(NamedTuple):
+    """The session's folder and settings, and whom to tell of progress."""
+
+    root: Path
+    settings: Settings
+    progress: Progress
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The cameras' names.
+
+        Raises:
+            KinemarkError: the session does not say them.
+        """
+        if not self.settings.cameras.names:
+            raise KinemarkError("[cameras] names is empty. Name the cameras, so that their images can be found.")
+        return self.settings.cameras.names
+
+    def look(self, seen: TargetRecording, what: str, *, masked: bool = True) -> Recorded:
+        """What the cameras saw of something, called `what` where progress is told; the session's masks count or not."""
+        return recorded(self.root, self.settings, seen, self.names, progress=self.progress, what=what, masked=masked)

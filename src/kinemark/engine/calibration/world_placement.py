@@ -1,0 +1,116 @@
+"""The world of cameras that know none: an L-frame on the floor, control points, or a known distance for the scale."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...calibrate.bundle import BundleFit
+from ...calibrate.quality import Check
+from ...calibrate.world_frame import fit_moved_to, fit_scaled, l_frame
+from ...data import Detections, KinemarkError, Rig
+from ...data.array_types import Floats
+from ...geometry import triangulate, undistort
+from ...match import EpipolarTriplets, match
+from ...reconstruct import LeastSquares, reconstruct
+from ..settings import Distance, LFrame
+from .from_known_points import digitised
+from .task import Task
+
+TOLERANCE = 0.05
+"""How far an L-frame's distances may be from what they should be, as a share of the longest; smaller ones are said."""
+NO_WORLD = (
+    "The world is that of the first camera: nothing says where the floor is. Give l_frame or world_points in "
+    "[calibration]."
+)
+
+
+class PlacedRig(NamedTuple):
+    """A fit in the world that was wanted; checks of lengths that took no part; and doubts."""
+
+    fit: BundleFit
+    checks: tuple[Check, ...] = ()
+    doubts: tuple[str, ...] = ()
+
+
+def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> PlacedRig:
+    """The fit where the session's `l_frame`, `world_points` or `distance` put it.
+
+    Raises:
+        KinemarkError: these are not seen, or the control volume is given in a world that is not.
+    """
+    calibration = task.settings.calibration
+    distance = calibration.single_marker.distance if calibration.single_marker else None
+    if distance is not None:
+        fit, unscaled = fit_scaled(fit, distance.mm / _apart(task, fit.rig, distance)), False
+    if calibration.l_frame:
+        seen, known = _l_frame(task, fit.rig, calibration.l_frame, unscaled)
+        what = "The long arm of the L-frame"
+    elif calibration.world_points:
+        what, seen, known = _world_points(task, fit.rig)
+    elif task.settings.volume_mm is not None:
+        raise KinemarkError(
+            "volume_mm is in the laboratory's frame, and a wand or marker knows none. Give l_frame or world_points in "
+            "[calibration], or remove volume_mm."
+        )
+    else:
+        return PlacedRig(fit, doubts=(NO_WORLD,))
+    checks = () if unscaled else _checks(what, seen, known)
+    return PlacedRig(fit_moved_to(fit, seen, known, scale=unscaled), checks)
+
+
+def _apart(task: Task, rig: Rig, way: Distance) -> float:
+    """The distance of two markers by a rig without scale."""
+    xyz = _markers(task.look(way, "distance").detections, rig)
+    if len(xyz) != 2:
+        raise KinemarkError(
+            f"The recording of the known distance shows {len(xyz)} markers, wanted two that two cameras see. Mask "
+            "reflections, see [masks]."
+        )
+    return float(np.linalg.norm(xyz[1] - xyz[0]))
+
+
+def _l_frame(task: Task, rig: Rig, way: LFrame, unscaled: bool) -> tuple[Floats, Floats]:
+    """The L-frame's markers as found and as known, (3, 3) mm each."""
+    xyz = _markers(task.look(way, "world").detections, rig)
+    try:
+        known = l_frame(
+            rig, xyz, long=max(way.arms_mm), short=min(way.arms_mm), height=way.height_mm, scale=unscaled,
+            tolerance=TOLERANCE,
+        )  # fmt: skip
+    except KinemarkError as error:
+        raise KinemarkError(f"The L-frame of [calibration] is not recognised. {error}") from error
+    its = np.isfinite(known).all(1)
+    order = np.argsort(np.linalg.norm(known[its, :2], axis=1))
+    return xyz[its][order], known[its][order]
+
+
+def _world_points(task: Task, rig: Rig) -> tuple[str, Floats, Floats]:
+    """Control points in words, where the rig sees them and where they are, (M, 3) mm."""
+    way = task.settings.calibration.world_points
+    assert way is not None
+    points = digitised(task, way)
+    ideal = np.stack([undistort(camera, points.uv[c]) for c, camera in enumerate(rig)], 1)
+    seen = triangulate(ideal, rig.P)
+    good = np.asarray(np.isfinite(seen).all(1))
+    if good.sum() < 3:
+        raise KinemarkError(f"{good.sum()} of the world's points are seen by two cameras, and three are needed.")
+    apart = np.linalg.norm(points.xyz - points.xyz[good][0], axis=1)
+    first, last = int(good.argmax()), int(np.where(good, apart, -1.0).argmax())
+    return f"From {points.names[first]} to {points.names[last]}", seen[good], points.xyz[good]
+
+
+def _checks(what: str, seen: Floats, known: Floats) -> tuple[Check, ...]:
+    """The longest distance from the first point, as measured in the laboratory and as the rig has it."""
+    apart = np.linalg.norm(known - known[0], axis=1)
+    n = int(apart.argmax())
+    return (Check(what, float(apart[n]), float(np.linalg.norm(seen[n] - seen[0]))),)
+
+
+def _markers(detections: Detections, rig: Rig) -> Floats:
+    """The markers (n, 3) of the first frame in which any are reconstructed."""
+    one = detections.frames(0, 1)
+    matches = match(one, rig, method=EpipolarTriplets(pairs="best"))
+    cloud = reconstruct(matches, one, rig, method=LeastSquares(within_volume=False))
+    return np.asarray(cloud.xyz)

@@ -1,0 +1,79 @@
+"""What limits the accuracy of a session's trial: the command `kinemark sensitivity` as a function.
+
+results/trial/sensitivity.json     every figure
+results/trial/sensitivity.html     the same as a page
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..data import KinemarkError, Trajectories, Trial
+from ..findings.quality import write_quality
+from ..findings.sensitivity_figures import sensitivity_figures
+from ..io.model_toml import load_model
+from ..io.tdf import Tdf
+from ..report.sensitivity_page import write_sensitivity_page
+from ..sensitivity import ErrorBudget, SampledFrames, gather, gather_named, rank
+from ..sensitivity.joints import kinematics_of
+from .formats import read
+from .pipeline import Progress, Results, silent
+from .session import Session
+
+
+class ErrorBudgetResult(NamedTuple):
+    """Figures of what limits a trial, and where the page is."""
+
+    figures: dict[str, Any]
+    page: Path
+
+
+def error_budget(
+    session: Path | str,
+    *,
+    trial: str | None = None,
+    method: ErrorBudget = ErrorBudget(),  # noqa: B008  frozen
+    model: str | None = None,
+    markers: Path | None = None,
+    progress: Progress = silent,
+) -> ErrorBudgetResult:
+    """What limits the accuracy of a trial, ranked; runs the session as far as it was not run before.
+
+    Args:
+        session: a folder with a session.toml, or such a file.
+        trial: its name; the first where None.
+        method: what is asked.
+        model: of `kinemark.io.model_toml`, its name or file, for joint angles; directions of segments without.
+        markers: a file of the same recording whose markers have names, as a model wants them.
+        progress: told what is being done.
+
+    Raises:
+        KinemarkError: the session, trial, model or markers cannot be used.
+    """
+    opened = Session.open(session)
+    name = trial or opened.settings.trials[0].name
+    results = opened.run([name], progress=progress)[name]
+    there = _there(results, markers, method.frames)
+    angles = kinematics_of(load_model(model), there.names) if model else None
+    rig = results.rig.select(results.detections.cameras)
+    ranking = rank(rig, there, method=method, angles=angles)
+    figures = sensitivity_figures(ranking, session=opened.settings.name, trial=name)
+    write_quality(results.folder / "sensitivity.json", figures)
+    write_sensitivity_page(results.folder / "sensitivity.html", figures=figures, ranking=ranking, rig=rig)
+    return ErrorBudgetResult(figures, results.folder / "sensitivity.html")
+
+
+def _there(results: Results, markers: Path | None, frames: int) -> SampledFrames:
+    """Markers and their images."""
+    if markers is None:
+        return gather(results.tracks, results.detections, frames=frames)
+    return gather_named(_named(markers), results.tracks, results.detections, frames=frames)
+
+
+def _named(path: Path) -> Trajectories:
+    """The markers of a file."""
+    found = read(path, what="trajectories" if path.suffix.lower() == ".csv" else None)
+    if isinstance(found, (Trial, Tdf)) and found.trajectories is not None and len(found.trajectories):
+        return found.trajectories
+    raise KinemarkError(f"{path} has no named markers. Name a C3D, TRC, CSV or TDF file of the same recording.")

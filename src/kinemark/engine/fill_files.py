@@ -1,0 +1,233 @@
+"""Filling the gaps of a file of trajectories, ours or another system's, and nothing else of it changed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from ..data import AngleModel, KinemarkError, Trajectories, Trial
+from ..fill import LIMIT, Auto, Filled, GapEdges, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
+from ..findings.gaps import filling_figures, filling_summary
+from ..io.angle_model_csv import FIRST, read_angle_model
+from ..io.c3d import markers
+from ..io.number_text import read_text
+from ..io.tdf import Tdf
+from ..report.filling_page import write_filling_page
+from .formats import WRITERS, read, write_trial
+from .settings.method_tables import method_of
+from .settings.overrides import overridden
+
+
+class FilledFile(NamedTuple):
+    """What was done: the trial with its gaps filled, what became of each, the figures of the page, and the files."""
+
+    trial: Trial
+    filled: Filled
+    figures: dict[str, Any]
+    written: tuple[Path, ...]
+
+
+def fill_file(
+    source: Path,
+    target: Path,
+    *,
+    method: Any = None,
+    name: str = "auto",
+    limit_mm: float = LIMIT,
+    ends: bool = False,
+    trim: int = GapEdges().most,
+    static: Path | None = None,
+    report: Path | None = None,
+    rate_hz: float | None = None,
+) -> FilledFile:
+    """Fill the gaps of a trial's markers and write it; channels, events, angles and parameters stay as they were.
+
+    Args:
+        source: a C3D, TRC or CSV file of trajectories, or a BTS one that has some.
+        target: the file to write, of any of the first three kinds; an existing one is not replaced.
+        method: one of `fill.FILL`, with its parameters; `Auto()` where None. name: what the report calls it.
+        limit_mm: gaps whose expected mean error is greater stay open.
+        ends: also fill before a marker's first sample and after its last.
+        trim: so many bad samples may be replaced on each side of a gap; 0: none.
+        static: a trial in which the markers are seen that are not seen in this one.
+        report: a page to write on every gap; an existing one is replaced.
+        rate_hz: of a CSV file that does not say it.
+
+    Raises:
+        KinemarkError: a file is absent, damaged or holds no trajectories, the target exists, or a number is not one
+            that it can be.
+    """
+    edges = _checked(limit_mm, trim, rate_hz)
+    if target.exists():
+        raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
+    if target.suffix.lower() not in WRITERS["trajectories"]:
+        raise KinemarkError(f"{target} wants one of the endings {', '.join(WRITERS['trajectories'])}.")
+    trial = _trial(source, rate_hz)
+    positions = markers(trial)
+    if not len(positions):
+        raise KinemarkError(f"{source} has no markers, so there is nothing to fill.")
+    still = markers(_trial(static, rate_hz)) if static else None
+    filled = fill(positions, method=method, limit_mm=limit_mm, ends=ends, edges=edges, static=still)
+    figures = filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm)
+    whole = with_markers(trial, filled.trajectories)
+    write_trial(target, whole)
+    if report:
+        write_filling_page(report, figures=figures, trajectories=filled.trajectories, before=positions)
+    return FilledFile(whole, filled, figures, (target, report) if report else (target,))
+
+
+def fill_files(
+    sources: Sequence[Path],
+    output: Path,
+    *,
+    report: bool = False,
+    told: Callable[[int], None] = lambda done: None,
+    **options: Any,
+) -> dict[Path, FilledFile | KinemarkError]:
+    """Fill one trial into a file or folder, or many into a folder under their own names.
+
+    Of many, one that cannot be filled keeps nobody from the others: its error stands in its place.
+
+    Args:
+        sources: files as `fill_file` takes them; BTS files become C3D in a folder.
+        output: a file, or a folder, which is made where it is not there.
+        report: write a page beside each.
+        told: is called with the number of files that are done.
+        options: the others of `fill_file`.
+
+    Raises:
+        KinemarkError: there are many files for one, or the only one cannot be filled.
+    """
+    many, into = len(sources) > 1, output.is_dir() or not output.suffix
+    if many and not into:
+        raise KinemarkError(f"{output} is one file, and there are {len(sources)} trials. Name a folder.")
+    done: dict[Path, FilledFile | KinemarkError] = {}
+    for number, source in enumerate(sources):
+        told(number)
+        target = output / _own_name(source) if into else output
+        try:
+            done[source] = fill_file(source, target, report=target.with_suffix(".html") if report else None, **options)
+        except KinemarkError as error:
+            if not many:
+                raise
+            done[source] = error
+    told(len(sources))
+    return done
+
+
+def _own_name(source: Path) -> str:
+    """What the result of a file is called in a folder."""
+    return source.name if source.suffix.lower() in WRITERS["trajectories"] else f"{source.stem}.c3d"
+
+
+def filled_figures(done: Mapping[Path, FilledFile | KinemarkError]) -> dict[str, Any]:
+    """The figures of one file, or of many by their names; an error where one could not be filled."""
+    each = {
+        str(source): {"error": str(found)} if isinstance(found, KinemarkError) else found.figures
+        for source, found in done.items()
+    }
+    return each if len(each) > 1 else next(iter(each.values()))
+
+
+def filled_text(done: Mapping[Path, FilledFile | KinemarkError]) -> str:
+    """The same as lines of text, with the files that were written."""
+    parts = []
+    for source, found in done.items():
+        lines = (
+            [f"{source}: {found}"]
+            if isinstance(found, KinemarkError)
+            else [
+                *([f"{source}"] if len(done) > 1 else []),
+                filling_summary(found.figures),
+                f"results:  {', '.join(map(str, found.written))}",
+            ]
+        )
+        parts.append("\n".join(lines))
+    return "\n\n".join(parts)
+
+
+def fill_method(name: str, parameters: Iterable[str] = (), *, model: Path | None = None) -> Any:
+    """A method by its name and texts like "neighbours=5".
+
+    Args:
+        name: in `fill.FILL`. parameters: of it.
+        model: an angle model's file, or another trial of the same motion, for the methods that place markers by the
+            angles of limbs.
+
+    Raises:
+        KinemarkError: the method or a parameter is not known, a value is of the wrong kind, or the model is unusable.
+    """
+    try:
+        table = overridden({}, [f"fill.{text}" for text in parameters])
+        method = method_of("fill", {"method": name, **table.get("fill", {})})
+    except ValidationError as error:
+        row = error.errors()[0]
+        raise KinemarkError(f"{'.'.join(map(str, row['loc']))}: {row['msg']}, found {row['input']!r}") from error
+    except ValueError as error:
+        raise KinemarkError(f"{error}. What there is: kinemark methods fill") from error
+    return method if model is None else _with_model(method, name, angle_model(model))
+
+
+def angle_model(path: Path) -> AngleModel:
+    """The angle model in a file, or that of the trial in it.
+
+    Raises:
+        KinemarkError: the file is absent or damaged, or the trial has no segments or no cycle.
+    """
+    if path.suffix.lower() == ".csv" and read_text(path).startswith(",".join(FIRST)):
+        return read_angle_model(path)
+    try:
+        return fit_model(MarkerArray.of(markers(_trial(path, None)))).model
+    except KinemarkError as error:
+        raise KinemarkError(f"No model can be made of {path}. {error}") from error
+
+
+def _with_model(method: Any, name: str, model: AngleModel) -> Any:
+    """The method with another trial's model."""
+    if isinstance(method, Auto):
+        own = [one if not isinstance(one, LimbAngles) else replace(one, model=model) for one in method.methods]
+        return Auto(tuple(own))
+    if isinstance(method, KalmanAngles):
+        return replace(method, limbs=replace(method.limbs, model=model))
+    if isinstance(method, LimbAngles):
+        return replace(method, model=model)
+    raise KinemarkError(f"{name} takes no model. Those that do are limb_angles, kalman_angles and auto.")
+
+
+def _checked(limit_mm: float, trim: int, rate_hz: float | None) -> GapEdges:
+    """How edges are trimmed.
+
+    Raises:
+        KinemarkError: a number is not one that it can be.
+    """
+    if not limit_mm > 0:
+        raise KinemarkError(f"The limit is {limit_mm} mm. Wanted is one above 0; inf fills all that can be filled.")
+    if trim < 0:
+        raise KinemarkError(f"trim is {trim}. Wanted is a number of samples, 0 for none.")
+    if rate_hz is not None and not 0 < rate_hz < math.inf:
+        raise KinemarkError(f"The rate is {rate_hz} Hz. Wanted is one above 0.")
+    return GapEdges(most=trim)
+
+
+def with_markers(trial: Trial, changed: Trajectories) -> Trial:
+    """The trial with these markers in the place of those of their names; the others, and all else, stay."""
+    new = {path.name: path for path in changed}
+    paths = [new.pop(path.name, path) for path in trial.trajectories]
+    return replace(trial, trajectories=replace(trial.trajectories, paths=(*paths, *new.values())))
+
+
+def _trial(path: Path, rate_hz: float | None) -> Trial:
+    """The trial in a file."""
+    found = read(path, what="trajectories" if path.suffix.lower() == ".csv" else None, rate_hz=rate_hz)
+    if isinstance(found, Tdf) and found.trajectories is not None:
+        found = Trial(path.stem, found.trajectories, found.analog, found.plates, found.events)
+    if not isinstance(found, Trial):
+        raise KinemarkError(f"{path} holds no trajectories. Wanted are those of a C3D, TRC, CSV or BTS file.")
+    if not 0 < found.trajectories.rate < math.inf:
+        raise KinemarkError(f"{path} states a rate of {found.trajectories.rate:g} Hz. Give it one above 0.")
+    return found

@@ -1,0 +1,148 @@
+"""The recordings that a session names: images and videos of all cameras, and what is detected in them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Detections, KinemarkError
+from ..detect import Masks as StaticMasks
+from ..detect import combined_masks, detect, learn_masks
+from ..io.detections_csv import read_detections_csv
+from ..io.images import ImageSource, open_images
+from ..io.masks_toml import read_masks
+from ..io.records import load
+from .pipeline import Progress
+from .settings import Settings, TargetRecording
+from .store import file_key
+
+
+class Recorded(NamedTuple):
+    """What cameras saw: detections of them all, and the sizes (C, 2) of their images, px, 0 where unknown."""
+
+    detections: Detections
+    sizes: NDArray[np.int64]
+
+
+def open_cameras(root: Path, settings: Settings, pattern: str, names: Sequence[str]) -> dict[str, ImageSource]:
+    """The frames of each camera, by a pattern with `{camera}` in it.
+
+    Raises:
+        KinemarkError: the pattern means one file for all cameras, or a camera has no usable images.
+    """
+    if "{camera}" not in pattern and len(names) > 1:
+        raise KinemarkError(f"images = {pattern!r} has no {{camera}} in it: all cameras would be one. Put it in.")
+    images = {}
+    for name in names:
+        try:
+            path = root / pattern.replace("{camera}", name)
+            images[name] = open_images(path, interlaced=settings.cameras.first_field)
+        except KinemarkError as error:
+            raise KinemarkError(f"Camera {name!r} of [cameras] has no usable images: {error}") from error
+    return images
+
+
+def frame_of(source: ImageSource, f: int) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    """One frame (H, W) of a camera; all before it are decoded as well."""
+    return next(islice(source.frames(), f, None))
+
+
+def recorded(
+    root: Path,
+    settings: Settings,
+    seen: TargetRecording,
+    names: Sequence[str],
+    *,
+    progress: Progress,
+    what: str,
+    masked: bool = True,
+) -> Recorded:
+    """What the cameras saw of something that calibrates them, as `what` for progress; masked as trials are, or not.
+
+    Raises:
+        KinemarkError: images or detections cannot be used, or a camera is not among them.
+    """
+    if seen.images is None:
+        found = _read(root / str(seen.detections))
+        if missing := sorted(set(names) - set(found.cameras)):
+            have, lack = ", ".join(found.cameras), ", ".join(missing)
+            raise KinemarkError(f"{root / str(seen.detections)} has cameras {have}, not {lack}. Call them alike.")
+        return Recorded(found.select(names), size_of_cameras(root, settings, names))
+    images = open_cameras(root, settings, seen.images, names)
+    total = sum(source.n_frames for source in images.values())
+    method: Any = settings.detect
+    found = detect(
+        list(images.values()),
+        cameras=tuple(names),
+        rate=settings.rate_hz or 1.0,
+        method=method,
+        masks=masks_of(root, settings, names) if masked else None,
+        progress=lambda done: progress(what, done, total),
+    )
+    return Recorded(found, np.array([images[name].size for name in names]))
+
+
+def masks_of(root: Path, settings: Settings, names: Sequence[str]) -> StaticMasks | None:
+    """Where nothing is a marker, by the session's `[masks]`; None where it has none.
+
+    Raises:
+        KinemarkError: the file, or the recording of the empty volume, cannot be used.
+    """
+    way = settings.masks
+    if way is None:
+        return None
+    drawn = read_masks(root / way.file) if way.file else None
+    if way.empty is None:
+        return drawn
+    method: Any = settings.detect
+    grow = {} if way.grow_px is None else {"grow": way.grow_px}
+    sources = list(open_cameras(root, settings, way.empty, names).values())
+    try:
+        learned = learn_masks(sources, cameras=tuple(names), method=method, **grow)
+    except ValueError as error:
+        raise KinemarkError(f"[masks] cannot be learned from the empty volume: {error}.") from error
+    return learned if drawn is None else combined_masks(drawn, learned)
+
+
+def masks_key(root: Path, settings: Settings, names: Sequence[str]) -> list[str]:
+    """What the masks depend on, for the key of a stage; nothing where there are none."""
+    way = settings.masks
+    if way is None:
+        return []
+    files = [root / way.file] if way.file else []
+    return [file_key(*files, *files_of(root, settings, way.empty, names)), way.model_dump_json()]
+
+
+def size_of_cameras(root: Path, settings: Settings, names: Sequence[str]) -> NDArray[np.int64]:
+    """(C, 2) px as the settings say, or the images of the first trial that has any show; 0 where neither is there."""
+    if settings.cameras.size_px is not None:
+        return np.tile(np.array(settings.cameras.size_px, np.int64), (len(names), 1))
+    pattern = next((trial.images for trial in settings.trials if trial.images), None)
+    if pattern is None:
+        return np.zeros((len(names), 2), np.int64)
+    return np.array([source.size for source in open_cameras(root, settings, pattern, names).values()])
+
+
+def files_of(root: Path, settings: Settings, seen: TargetRecording | str | None, names: Sequence[str]) -> list[Path]:
+    """The files that a recording consists of."""
+    if seen is None:
+        return []
+    if isinstance(seen, TargetRecording) and seen.detections is not None:
+        return [root / seen.detections]
+    pattern = seen if isinstance(seen, str) else str(seen.images)
+    return [path for source in open_cameras(root, settings, pattern, names).values() for path in source.paths]
+
+
+def _read(path: Path) -> Detections:
+    """Detections of a CSV or HDF5 file."""
+    if path.suffix.lower() == ".csv":
+        return read_detections_csv(path, rate=1.0)
+    record = load(path)
+    if not isinstance(record, Detections):
+        raise KinemarkError(f"{path} holds {type(record).__name__}, wanted Detections. Name another file.")
+    return record

@@ -1,0 +1,106 @@
+"""The methods of each stage by their names, and their parameters from a table of the file.
+
+All that there is to say of a method is declared beside its function (`data.method`); nothing is listed here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from pydantic import TypeAdapter
+from typing_extensions import TypedDict
+
+from ...calibrate import CALIBRATE
+from ...data.method import Declaration, Parameter, Stage, parameters_of
+from ...detect import DETECT
+from ...digitise import DIGITISE
+from ...fill import FILL, Filling
+from ...kinematics import ANGLES, SMOOTH
+from ...match import MATCH
+from ...reconstruct import RECONSTRUCT
+from ...track import TRACK
+from .suggestions import are, guess
+
+STAGES: dict[str, Stage] = {
+    stage.name: stage for stage in (CALIBRATE, DETECT, MATCH, RECONSTRUCT, TRACK, FILL, DIGITISE, ANGLES, SMOOTH)
+}
+"""The stages in their order."""
+
+SETTABLE: dict[str, Stage] = {name: stage for name, stage in STAGES.items() if stage not in (ANGLES, SMOOTH)}
+"""Those that have a table in a session file; the others are chosen by the options of `kinemark angles`."""
+
+COMMON: dict[str, tuple[Parameter, ...]] = {"fill": parameters_of(Filling)}
+"""Parameters that a stage has besides those of its methods."""
+
+
+def filling_of(table: dict[str, Any]) -> Filling:
+    """What `[fill]` says: the parameters of its method, and those of filling as a whole.
+
+    Raises:
+        ValueError: as `method_of`.
+    """
+    common = {p.name: p for p in COMMON["fill"]}
+    method = method_of("fill", {key: value for key, value in table.items() if key not in common})
+    settled = _validated("fill", common, {key: value for key, value in table.items() if key in common})
+    return replace(Filling(**settled), method=method, name=method_name("fill", method))
+
+
+def methods_of_way(way: str) -> list[str]:
+    """What `[calibrate]` may name for a way of `[calibration]`, the default first."""
+    return [name for name, declared in CALIBRATE.items() if way in declared.ways]
+
+
+def calibrate_method(way: str, table: Any) -> Any:
+    """The method of `[calibrate]`, which must be one that goes with the way of `[calibration]`.
+
+    Raises:
+        ValueError: as `method_of`, or the method is for another way.
+    """
+    fitting = methods_of_way(way) or list(CALIBRATE)
+    if not isinstance(table, dict):
+        return table
+    name = table.get("method", fitting[0])
+    if name in CALIBRATE and name not in fitting:
+        raise ValueError(f"method {name!r} is not for a calibration by {way}; there {are(fitting)}")
+    return method_of("calibrate", {"method": name} | table)
+
+
+def method_of(stage: str, table: dict[str, Any]) -> Any:
+    """A stage's method from its table.
+
+    Raises:
+        ValueError: the method or one of its parameters is not known, or a value is of the wrong kind or out of range.
+    """
+    table, known = dict(table), STAGES[stage]
+    name = table.pop("method", known.default)
+    if not isinstance(name, str) or name not in known:
+        raise ValueError(f"method {name!r} is not known{guess(str(name), list(known))}; there {are(list(known))}")
+    return _made(known[name], table)
+
+
+def _made(declared: Declaration, table: dict[str, Any]) -> Any:
+    """A method with the parameters of a table."""
+    parameters = {p.name: p for p in declared.stateable}
+    for key in table:
+        if key not in parameters:
+            there = f"there {are(list(parameters))}" if parameters else "it has none"
+            raise ValueError(f"{key!r} is not a parameter of {declared.name}{guess(key, list(parameters))}; {there}")
+    if absent := [p.name for p in declared.parameters if p.required and p.name not in table]:
+        raise ValueError(f"{declared.name} wants {' and '.join(absent)}")
+    return declared.kind(**_validated(declared.name, parameters, table))
+
+
+def _validated(name: str, parameters: dict[str, Parameter], table: dict[str, Any]) -> dict[str, Any]:
+    """The values of a table as Python has them, as tuples for lists; their ranges are checked by the method itself."""
+    wanted = TypedDict(name, {key: parameters[key].type for key in table})  # type: ignore[misc]  # known only now
+    return dict(TypeAdapter(wanted).validate_python(table))
+
+
+def method_name(stage: str, method: object) -> str:
+    """What a session file calls a method.
+
+    Raises:
+        ValueError: it is none of the stage's.
+    """
+    return STAGES[stage].of(method).name

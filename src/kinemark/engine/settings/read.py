@@ -1,0 +1,83 @@
+"""Reading the file, with errors in its own words."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from ...data import KinemarkError
+from .overrides import overridden
+from .session_file import Settings
+from .suggestions import are, guess
+
+ADVICE = "A session is a folder with a session.toml, saved as UTF-8; docs/session.md shows one."
+
+
+def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
+    """The settings of a session file.
+
+    Args:
+        path: the file.
+        overrides: methods and parameters that go before those of the file, as "track.method=kiss_tracking".
+
+    Raises:
+        KinemarkError: it is absent, no TOML, or says something that is not understood; all such places are named.
+    """
+    try:
+        if not path.is_file():
+            raise KinemarkError(
+                f"{path} is not there. Write one, or make one to look at with: kinemark simulate FOLDER"
+            )
+        return Settings.model_validate(_with(tomllib.loads(path.read_text("utf-8")), overrides))
+    except UnicodeDecodeError as error:
+        raise KinemarkError(f"{path} is not UTF-8 text: {error.reason}. {ADVICE}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise KinemarkError(f"{path} is not TOML: {error}. Correct that line.") from error
+    except OSError as error:
+        raise KinemarkError(f"{path} cannot be read: {error}") from error
+    except ValidationError as error:
+        rows = [row for row in error.errors() if row["loc"] != ("trials",) or len(error.errors()) == 1]
+        lines = "\n".join(f"  {_said(row)}" for row in rows)
+        beside = f" with {', '.join(overrides)}" if overrides else ""
+        raise KinemarkError(f"{path}{beside} has settings that are not understood:\n{lines}") from error
+
+
+def _with(table: dict[str, Any], overrides: Sequence[str]) -> dict[str, Any]:
+    """The file's table with the overrides in it."""
+    try:
+        return overridden(table, overrides)
+    except ValueError as error:
+        raise KinemarkError(f"--set {error}.") from error
+
+
+def _said(row: Any) -> str:
+    """One line of a pydantic error, in the words of the file."""
+    where = ".".join(str(part) for part in row["loc"])
+    if row["type"] == "extra_forbidden":
+        keys = _keys(row["loc"][:-1])
+        return f"{where}: there is no such key{guess(str(row['loc'][-1]), keys)}; there {are(keys)}"
+    if not where:
+        return str(row["msg"].removeprefix("Value error, "))
+    if row["type"] == "missing":
+        return f"{where}: is missing"
+    return f"{where}: {row['msg'].removeprefix('Value error, ')}, found {row['input']!r}"[:400]
+
+
+def _keys(table: tuple[Any, ...]) -> list[str]:
+    """The keys that a table of the file may have."""
+    model: Any = Settings
+    for part in table:
+        if isinstance(part, str) and part in model.model_fields:
+            model = _model_in(model.model_fields[part].annotation) or model
+    return list(model.model_fields)
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    """The table that a type holds, as in `Table | None` and `tuple[Table, ...]`."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next(filter(None, map(_model_in, get_args(annotation))), None)

@@ -1,0 +1,200 @@
+"""The whole file: `[cameras]`, `[[trials]]`, `[masks]`, and a method for each stage."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field, InstanceOf, WithJsonSchema, field_validator, model_validator
+
+from ...data.method import Method
+from ...detect import DETECT, Centroids
+from ...digitise import SemiAutomatic
+from ...fill import Filling
+from ...match import MATCH
+from ...reconstruct import RECONSTRUCT, LeastSquares
+from ...track import TRACK, matches_itself
+from ...track.simultaneous import Simultaneous
+from ...track.stage import CLOUD
+from .calibration_table import CalibrationTable, Places, one_of
+from .method_tables import calibrate_method, filling_of, method_name, method_of
+from .table import Strict
+
+A_METHOD = WithJsonSchema({"type": "object"})
+"""Stands in the model's schema for what `schema.stage_schema` says of a stage."""
+
+RESERVED = (".", "..", "rig.toml", "steps.json", "calibration.json", "calibration.html", "calibrations")
+"""What a trial cannot be called, since results are kept by these names."""
+
+
+class Cameras(Strict):
+    """`[cameras]`: what all recordings of the session have in common."""
+
+    names: tuple[str, ...] = Field(
+        default=(), description="the cameras' names in their order; as the calibration has them where empty"
+    )
+    size_px: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]] | None = Field(
+        default=None,
+        description="width and height of all images, px, where a calibration from detections does not know them",
+    )
+    interlaced: bool | Literal["top", "bottom"] = Field(
+        default=False,
+        description="which field of an interlaced image was taken first, where fields are frames; true means top",
+    )
+
+    @field_validator("names")
+    @classmethod
+    def distinct(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+        """Two cameras of one name could not be told apart."""
+        if len(set(names)) != len(names):
+            raise ValueError(f"names must differ, found {list(names)}")
+        return names
+
+    @property
+    def first_field(self) -> Literal[False, "top", "bottom"]:
+        """Which field of a frame was taken first; False where frames are whole."""
+        return "top" if self.interlaced is True else self.interlaced
+
+
+class MaskTable(Strict):
+    """`[masks]`: parts of the images to leave out, drawn in a file, or learned from a recording of the empty volume."""
+
+    model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": ["file"]}, {"required": ["empty"]}]})
+
+    file: Path | None = Field(default=None, description="TOML file of polygons")
+    empty: str | None = Field(
+        default=None, description="pattern of images of the empty volume, from which masks are learned"
+    )
+    grow_px: float | None = Field(
+        default=None, ge=0, description="how far learned masks reach beyond what was seen, px"
+    )
+
+    @model_validator(mode="after")
+    def something(self) -> MaskTable:
+        """An empty table would mask nothing."""
+        if self.file is None and self.empty is None:
+            raise ValueError("wants file, empty or both")
+        return self
+
+
+def is_da(path: Path) -> bool:
+    """Whether a file is one of UM²AS's digitised centroids, `.da1`, `.da2`, …"""
+    return path.suffix.lower().startswith(".da") and path.suffix[3:].isdecimal()
+
+
+class TrialEntry(Strict):
+    """`[[trials]]`: images or detections."""
+
+    model_config = ConfigDict(json_schema_extra=one_of("images", "detections"))
+
+    name: str = Field(max_length=100, description="of the trial, and of the folder of its results")
+    images: str | None = Field(
+        default=None, description="pattern of the images or videos, with {camera} for a camera's name"
+    )
+    detections: Path | None = Field(default=None, description="file of detections: HDF5, CSV, TDF or UM²AS's .da1")
+    reference_marker: Places | None = Field(
+        default=None,
+        description="where the fixed marks of [calibration] are now, px; found among the detections where absent",
+    )
+    answers: str | None = Field(
+        default=None,
+        description="pattern of a file of each camera with what an operator answers, who digitises the images by "
+        "[digitise]",
+    )
+
+    @field_validator("name")
+    @classmethod
+    def folder(cls, name: str) -> str:
+        """Results go into a folder of this name."""
+        if not name.isprintable() or Path(name).name != name or len(name) > 100 or name in RESERVED:
+            raise ValueError(f"the name must be one that a folder can have, and not {', '.join(RESERVED)}")
+        return name
+
+    @model_validator(mode="after")
+    def one_source(self) -> TrialEntry:
+        """Exactly one source must be given."""
+        if (self.images is None) == (self.detections is None):
+            raise ValueError(f"trial {self.name!r} wants either images or detections")
+        if self.answers is not None and self.images is None:
+            raise ValueError(f"trial {self.name!r} has answers, which are of images, and has none")
+        return self
+
+    @property
+    def operated(self) -> bool:
+        """Whether an operator says which marker is which: UM²AS's files, or images that he digitises."""
+        return self.answers is not None or (self.detections is not None and is_da(self.detections))
+
+
+class Settings(Strict):
+    """The whole file."""
+
+    name: str = Field(description="of the session")
+    rate_hz: float | None = Field(
+        default=None,
+        gt=0,
+        le=1e6,
+        description="frames a second, Hz (fields where interlaced); as the recordings say where absent",
+    )
+    volume_mm: tuple[tuple[float, float, float], tuple[float, float, float]] | None = Field(
+        default=None,
+        description="least and greatest corner of the control volume, mm; that of the calibration where absent",
+    )
+    cameras: Cameras = Field(default=Cameras(), description="what all recordings have in common")
+    calibration: CalibrationTable = Field(description="what the cameras are calibrated with")
+    trials: tuple[TrialEntry, ...] = Field(min_length=1, description="the recordings")
+    masks: MaskTable | None = Field(default=None, description="parts of the images to leave out")
+    calibrate: Annotated[InstanceOf[Method], A_METHOD] = Field(default=None, validate_default=True)
+    detect: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=DETECT.make)
+    match: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=MATCH.make)
+    reconstruct: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=RECONSTRUCT.make)
+    track: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=TRACK.make)
+    digitise: Annotated[InstanceOf[SemiAutomatic], A_METHOD] | None = None
+    fill: Annotated[InstanceOf[Filling], A_METHOD] | None = None
+
+    @field_validator("calibrate", "detect", "match", "reconstruct", "track", "fill", "digitise", mode="before")
+    @classmethod
+    def chosen(cls, table: Any, info: Any) -> Any:
+        """The method that a stage's table names, with its parameters."""
+        if info.field_name == "fill":
+            return filling_of(table) if isinstance(table, dict) else table
+        if info.field_name == "calibrate" and "calibration" in info.data:
+            return calibrate_method(info.data["calibration"].way, {} if table is None else table)
+        return method_of(info.field_name, table) if isinstance(table, dict) else table
+
+    @model_validator(mode="after")
+    def stages_used(self) -> Settings:
+        """A tracker that takes images directly leaves the stages before it nothing to do."""
+        if any(trial.answers for trial in self.trials) and not (self.digitise and isinstance(self.detect, Centroids)):
+            raise ValueError(
+                "a trial has answers: give [digitise] with the names of its markers, and [detect] the method centroids"
+            )
+        if all(trial.operated for trial in self.trials):
+            return self  # nothing is matched or tracked, and all points are placed by [reconstruct]
+        idle = {"match", "reconstruct"} & self.model_fields_set if matches_itself(self.track) else set()
+        if isinstance(self.track, Simultaneous) and isinstance(self.reconstruct, LeastSquares):
+            idle -= {"reconstruct"}  # its points are placed so
+        if idle:
+            own = method_name("track", self.track)
+            staged = ", ".join(name for name, declared in TRACK.items() if declared.takes == CLOUD)
+            raise ValueError(
+                f"track by {own!r} matches by itself, so [{'] and ['.join(sorted(idle))}] would do nothing: "
+                f"leave it out, or give [track] one of the methods {staged}"
+            )
+        return self
+
+    @field_validator("volume_mm")
+    @classmethod
+    def box(cls, volume: Any) -> Any:
+        """The first corner is the lesser one."""
+        if volume is not None and not all(a < b for a, b in zip(*volume, strict=True)):
+            raise ValueError("wants the least corner first, then the greatest")
+        return volume
+
+    @field_validator("trials")
+    @classmethod
+    def distinct(cls, trials: tuple[TrialEntry, ...]) -> tuple[TrialEntry, ...]:
+        """Results are kept by name, so names must differ."""
+        names = [trial.name for trial in trials]
+        if len(set(names)) != len(names):
+            raise ValueError(f"trials must have different names, found {names}")
+        return trials

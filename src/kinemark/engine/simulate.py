@@ -1,0 +1,184 @@
+"""A scene of the virtual laboratory as a session on disk."""
+
+from __future__ import annotations
+
+import pathlib
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from ..data import KinemarkError, MarkerTrajectory, Rig, Trajectories
+from ..io.c3d import markers, read_c3d
+from ..io.images import write_png
+from ..io.video import write_video
+from ..synth import (
+    Optics,
+    Subject,
+    arm,
+    calibration_box,
+    circle_over_cylinder,
+    elbow_flexion,
+    from_trajectories,
+    ring,
+    tilted_rectangle,
+    walking,
+    write_session,
+)
+from .pipeline import Progress, silent
+
+Motion = Literal["walk", "feeding", "drinking", "circle", "rectangle", "flexion"]
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What is simulated.
+
+    Attributes:
+        motion: a walk with 15 markers, an arm with 7 that feeds or drinks, or one of Swamidas' three motions.
+        c3d: a C3D file whose markers move instead.
+        cameras: how many, in a ring.
+        seconds: how long; of a C3D file, at most.
+        rate_hz: frames (fields, if interlaced) a second; a C3D file has its own.
+        focal_px: focal length.
+        size_px: width and height of the images.
+        barrel: lens distortion k1; negative bends outwards.
+        noise: standard deviation of grey levels.
+        interlaced: whether two fields are woven into one image.
+        strobes: whether opposite cameras' lights are seen.
+        calibration: what the cameras are calibrated with: a control frame (the eight balls of a box for other motions
+            than the walk, and a plane grid for the lenses, which eight balls do not show), or a wand and an L-frame,
+            for the walk.
+        seed: of all that is random.
+    """
+
+    motion: Motion = "walk"
+    c3d: pathlib.Path | None = None
+    cameras: int = 6
+    seconds: float = 2.0
+    rate_hz: float = 50.0
+    focal_px: float = 770.0
+    size_px: tuple[int, int] = (752, 582)
+    barrel: float = -0.1
+    noise: float = 2.0
+    interlaced: bool = False
+    strobes: bool = False
+    calibration: Literal["control_frame", "wand"] = "control_frame"
+    seed: int = 1
+
+    def check(self) -> None:
+        """Refuse what cannot be simulated.
+
+        Raises:
+            KinemarkError: a number is not positive, or a single camera is asked for.
+        """
+        wanted = {"seconds": self.seconds, "rate_hz": self.rate_hz, "focal_px": self.focal_px}
+        if wrong := [f"{name} is {value}" for name, value in wanted.items() if not value > 0]:
+            raise KinemarkError(f"{', '.join(wrong)}, wanted more than 0.")
+        if min(self.size_px) < 16 or self.noise < 0:
+            raise KinemarkError(f"size_px is {self.size_px} and noise {self.noise}, wanted at least 16 and 0.")
+        if self.calibration == "wand" and (self.motion != "walk" or self.c3d is not None or self.interlaced):
+            raise KinemarkError("calibration is 'wand', which goes with the walk and whole frames. Leave one out.")
+        if self.cameras < 2:
+            raise KinemarkError(f"cameras is {self.cameras}, and a point in space needs two.")
+
+    def subject(self) -> Subject:
+        """The markers and limbs that move.
+
+        Raises:
+            KinemarkError: the C3D file has no markers.
+        """
+        if self.c3d is not None:
+            trajectories = markers(read_c3d(self.c3d))
+            if not len(trajectories):
+                raise KinemarkError(f"{self.c3d} has no markers. Name a file that has.")
+            return from_trajectories(_first_seconds(trajectories, self.seconds))
+        timing: dict[str, Any] = {"duration_s": self.seconds, "rate": self.rate_hz}
+        makers: dict[Motion, Callable[[], Subject]] = {
+            "walk": lambda: walking(**timing, seed=self.seed, speed_mm_s=WALKING_SPEED, wobble_mm=1.0),
+            "feeding": lambda: arm("feeding", **timing),
+            "drinking": lambda: arm("drinking", **timing),
+            "circle": lambda: circle_over_cylinder(**timing),
+            "rectangle": lambda: tilted_rectangle(**timing),
+            "flexion": lambda: elbow_flexion(**timing),
+        }
+        return makers[self.motion]()
+
+    def rig(self, subject: Subject) -> Rig:
+        """Cameras all round: about the walkway of 2.4 × 1.4 × 2 m, or as near as another subject needs."""
+        options: dict[str, Any] = {
+            "focal_px": self.focal_px,
+            "size": self.size_px,
+            "distortion": (self.barrel, 0.0, 0.0, 0.0, 0.0),
+        }
+        if self.motion == "walk" and self.c3d is None:
+            return ring(self.cameras, **options)
+        low, high = np.nanmin(subject.xyz, axis=(0, 1)) - 150, np.nanmax(subject.xyz, axis=(0, 1)) + 150
+        middle, reach = (low + high) / 2, float(np.linalg.norm(high - low))
+        away = max(1.5 * reach, 1200.0)
+        heights = (middle[2] + 0.2 * away, middle[2] + 0.5 * away)
+        return ring(self.cameras, radius=away, height=heights, target=middle, volume=[low, high], **options)
+
+
+def _first_seconds(trajectories: Trajectories, seconds: float) -> Trajectories:
+    """The beginning of a recording."""
+    stop = max(round(seconds * trajectories.rate), 1)
+    paths = tuple(MarkerTrajectory.measured(path.name, path.xyz[:stop]) for path in trajectories)
+    return Trajectories(paths, trajectories.rate)
+
+
+WALKING_SPEED = 850.0
+"""mm/s; slow enough for two seconds, with the feet before and behind, to stay within the 2.4 m of the volume."""
+
+
+def simulate(folder: pathlib.Path, *, scene: Scene | None = None, progress: Progress = silent) -> pathlib.Path:
+    """A new session folder with rendered images, something to calibrate with, and the exact truth.
+
+    Args:
+        folder: to make; it may exist if it is empty.
+        scene: what is simulated.
+        progress: told of each video.
+
+    Returns:
+        The path of its `session.toml`.
+
+    Raises:
+        KinemarkError: the folder holds something already.
+    """
+    scene = scene or Scene()
+    scene.check()
+    subject = scene.subject()
+    rig = scene.rig(subject)
+    box = scene.motion != "walk" or scene.c3d is not None
+    side = (rig.volume[1] - rig.volume[0]).max()
+    corner = rig.volume.mean(0) - side / 2
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise KinemarkError(f"{folder} exists already and nothing in it is overwritten. Name a new folder.")
+    part = folder.absolute().with_name(f".{folder.absolute().name}.part")
+    shutil.rmtree(part, ignore_errors=True)  # of a simulation that was cut off
+    try:
+        write_session(
+            part,
+            subject,
+            rig,
+            write_frames=write_video,
+            write_image=write_png,
+            name=f"simulated {scene.c3d.stem if scene.c3d else scene.motion}",
+            trial="walk01" if not box else "trial01",
+            target=calibration_box(side, corner=corner) if box else None,
+            by_wand=scene.calibration == "wand",
+            grid=box and scene.barrel != 0,
+            optics=Optics(read_noise=scene.noise),
+            strobes=scene.strobes,
+            interlaced=scene.interlaced,
+            seed=scene.seed,
+            progress=lambda done, total: progress("simulate", done, total),
+        )
+        if folder.exists():
+            folder.rmdir()
+        part.rename(folder)
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+    return folder / "session.toml"

@@ -1,0 +1,64 @@
+"""Whether two cameras have each other's images."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Cloud, Detections, Rig
+from ..data.method import Method
+from ..match import match
+from ..reconstruct import reconstruct
+
+LITTLE = 0.6
+"""Share of a camera's valid detections; if less agree with two other cameras, it may have the images of another."""
+AS_MUCH, AS_GOOD = 0.7, 0.95
+LOOKED_AT = 20
+"""Frames on which cameras are exchanged."""
+MOST_PAIRS = 30
+
+
+def swapped_cameras(
+    detections: Detections, rig: Rig, cloud: Cloud, *, matching: Method, placing: Method
+) -> tuple[str, ...]:
+    """Which two cameras have each other's images or calibration, as a sentence, if so; nothing where all is well.
+
+    A point on two cameras is no proof, as any two rays that meet are one. So cameras little of whose detections became
+    part of a point on three are exchanged in pairs; that pair is named with which most then do, `AS_MUCH` and twice as
+    many as before. In a room as symmetrical as its cameras two pairs may do as well, and both are named.
+    """
+    confirmed = _confirmed(detections, cloud)
+    doubtful = np.flatnonzero(confirmed < LITTLE)
+    if len(rig) < 3 or len(doubtful) < 2:
+        return ()
+    frames = np.linspace(0, detections.n_frames - 1, min(LOOKED_AT, detections.n_frames)).astype(np.int64)
+    few = detections.keep(np.isin(detections.frame, frames))
+    shares: dict[str, float] = {}
+    for a, b in list(combinations(map(int, doubtful), 2))[:MOST_PAIRS]:
+        cameras = list(rig.cameras)
+        cameras[a], cameras[b] = replace(rig[b], name=rig.names[a]), replace(rig[a], name=rig.names[b])
+        other = replace(rig, cameras=tuple(cameras))
+        points = reconstruct(match(few, other, method=matching), few, other, method=placing)
+        now, before = (share[[a, b]] for share in (_confirmed(few, points), confirmed))
+        if now.min() > max(AS_MUCH, 2 * before.max()):
+            shares[f"{rig.names[a]} and {rig.names[b]}"] = float(now.min())
+    best = [pair for pair, share in shares.items() if share > AS_GOOD * max(shares.values())]
+    if not best:
+        return ()
+    return (
+        f"The images of {', or of '.join(best)} seem to be exchanged: with each taken for the other "
+        f"{100 * max(shares.values()):.0f} % of what they saw agrees with two cameras more, and "
+        f"{100 * confirmed[doubtful].max():.0f} % or less as it is. Exchange the files, in the trial or in the "
+        "calibration.",
+    )
+
+
+def _confirmed(detections: Detections, cloud: Cloud) -> NDArray[np.float64]:
+    """(C) share of each camera's valid detections that became part of a point on three cameras; 1 where it has none."""
+    valid = np.bincount(detections.camera[detections.valid], minlength=len(detections.cameras))
+    three = cloud.view[(cloud.view >= 0).sum(1) >= 3]
+    used = np.bincount(detections.camera[np.unique(three[three >= 0])], minlength=len(detections.cameras))
+    return np.where(valid > 0, used / np.maximum(valid, 1), 1.0)

@@ -1,0 +1,235 @@
+"""Joint angles of one trial, from its file to CSV, C3D and a page: what `kinemark angles` does."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from ..data import Angles, KinemarkError, Trajectories, Trial
+from ..findings.angles import angle_figures
+from ..io.angles_csv import write_angles_csv, write_cycles_csv
+from ..io.c3d import markers, with_angles, write_c3d
+from ..io.files import replacing
+from ..io.model_toml import load_model
+from ..kinematics import (
+    SMOOTH,
+    Cycles,
+    InverseCosines,
+    Model,
+    SignedAngles,
+    Template,
+    cycles,
+    joint_angles,
+    smooth,
+    spans_of,
+    static_template,
+    with_marker_sd,
+)
+from ..kinematics.chain import Points, chosen, complete, points_of
+from ..report.angles_page import write_angles_page
+from .formats import read_trial
+
+
+@dataclass(frozen=True, slots=True)
+class AngleSettings:
+    """How angles are taken from a trial.
+
+    Attributes:
+        side: of the limb; the model's own where none is given.
+        inverse_cosines: take angles as the thesis UM²AS does, without the sign of the first and third.
+        lock_deg: how near to gimbal lock a frame is flagged.
+        smoothing: of the markers before, "none" or a method that `kinemark methods smooth` lists.
+        cutoff_hz: of the smoothing; by residual analysis or cross-validation where none is given.
+        marker_sd_mm: standard deviation of a marker along an axis, where its file states none; estimated from the
+            markers' unsteadiness where none is given.
+        cycle: beginning and end of each cycle, s, as "0-2.5".
+        cycle_event: events from one of which to the next a cycle goes, such as "Foot Strike".
+        cycle_side: of these events.
+        rate_hz: of a CSV file that does not say it.
+
+    Raises:
+        KinemarkError: a number is out of range, or two settings do not go together.
+    """
+
+    side: Literal["right", "left"] | None = None
+    inverse_cosines: bool = False
+    lock_deg: float = 10.0
+    smoothing: str = "none"
+    cutoff_hz: float | None = None
+    marker_sd_mm: float | None = None
+    cycle: tuple[str, ...] = ()
+    cycle_event: str | None = None
+    cycle_side: str | None = None
+    rate_hz: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.smoothing != "none" and self.smoothing not in SMOOTH:
+            raise KinemarkError(f"There is no smoothing {self.smoothing!r}. There are none, {', '.join(SMOOTH)}.")
+        if self.cutoff_hz is not None and self.smoothing == "none":
+            raise KinemarkError("A cut-off is given without a smoothing. Say --smoothing butterworth or woltring.")
+        if self.cycle and self.cycle_event:
+            raise KinemarkError("Cycles are given both as times and by an event. Choose one.")
+        if not 0 <= self.lock_deg < 90:
+            raise KinemarkError(f"--lock-deg is {self.lock_deg}, wanted 0 up to 90.")
+        for name in ("cutoff_hz", "marker_sd_mm", "rate_hz"):
+            value = getattr(self, name)
+            if value is not None and not 0 < value < np.inf:
+                raise KinemarkError(f"--{name.replace('_', '-')} is {value}, wanted a number above 0.")
+
+    @property
+    def method(self) -> SignedAngles | InverseCosines:
+        """How angles are read from rotations."""
+        return InverseCosines(lock_deg=self.lock_deg) if self.inverse_cosines else SignedAngles(lock_deg=self.lock_deg)
+
+
+class TrialAngles(NamedTuple):
+    """The angles of a trial, all that its page shows, and where the files are."""
+
+    angles: Angles
+    model: Model
+    points: Points
+    cycles: Cycles | None
+    figures: dict[str, Any]
+    folder: Path | None = None
+
+
+def trial_angles(
+    trial: Trial, *, model: Model, template: Template | None = None, settings: AngleSettings | None = None
+) -> TrialAngles:
+    """The joint angles of a trial with what there is to say of them.
+
+    Raises:
+        KinemarkError: the trial has no frames, markers of the model are not in it, its cycles are not, or the cut-off
+            is not below half its rate.
+    """
+    settings = settings or AngleSettings()
+    raw = markers(trial)
+    if not raw.n_frames:
+        raise KinemarkError(f"The trial {trial.name!r} has no frames. Check the file.")
+    used = chosen(raw, model, template)
+    stated = with_marker_sd(used, settings.marker_sd_mm)
+    smoothed = _smoothed(stated, settings)
+    angles = joint_angles(smoothed, model=model, method=settings.method, template=template)
+    points = complete(points_of(smoothed), model, template)
+    spans = _spans(trial, settings)
+    found = cycles(angles, spans=spans) if spans else None
+    how = _words(used, stated, settings)
+    figures = angle_figures(angles, model, name=trial.name, trajectories=smoothed, how=how, cycles=found)
+    return TrialAngles(angles, model, points, found, figures)
+
+
+def write_trial_angles(trial: Trial, result: TrialAngles, folder: Path) -> TrialAngles:
+    """Write angles.csv, angles.html, angles.json, the trial with its angles as C3D, and cycles.csv if there are some.
+
+    Raises:
+        KinemarkError: the folder cannot be written, or a marker is called as a joint is.
+    """
+    angles, model, first = result.angles, result.model, trial.trajectories.first_frame
+    write_angles_csv(folder / "angles.csv", angles, model, first_frame=first)
+    write_c3d(folder / f"{trial.name}_angles.c3d", with_angles(trial, angles))
+    if result.cycles is not None:
+        write_cycles_csv(folder / "cycles.csv", result.cycles, model)
+    with replacing(folder / "angles.json") as beside:
+        beside.write_text(json.dumps(result.figures, indent=1) + "\n", encoding="utf-8")
+    write_angles_page(
+        folder / "angles.html",
+        figures=result.figures,
+        angles=angles,
+        model=model,
+        points=result.points,
+        cycles=result.cycles,
+    )
+    return result._replace(folder=folder)
+
+
+def angles_of_file(
+    path: Path,
+    *,
+    model: str,
+    folder: Path | None = None,
+    static: Path | None = None,
+    functional: Path | None = None,
+    settings: AngleSettings | None = None,
+) -> TrialAngles:
+    """Read a trial, take its joint angles, and write them.
+
+    Args:
+        path: of the trial.
+        model: name of a model, or path of its TOML file.
+        folder: of the results; beside the trial, its name and `_angles`, where none is given.
+        static: trial that shows the points which clusters carry; functional: motion that shows joint centres.
+        settings: all else.
+
+    Raises:
+        KinemarkError: as `trial_angles` and `write_trial_angles`, or a file cannot be read.
+    """
+    settings = settings or AngleSettings()
+    chain = load_model(model, side=settings.side)
+    trial, still = read_trial(path, rate_hz=settings.rate_hz), None
+    if functional is not None and static is None:
+        raise KinemarkError("A functional trial needs the static one as well. Give --static.")
+    if static is not None:
+        moving = None if functional is None else markers(read_trial(functional, rate_hz=settings.rate_hz))
+        still = static_template(markers(read_trial(static, rate_hz=settings.rate_hz)), chain, functional=moving)
+    result = trial_angles(trial, model=chain, template=still, settings=settings)
+    return write_trial_angles(trial, result, folder or path.with_name(f"{path.stem}_angles"))
+
+
+def _smoothed(raw: Trajectories, settings: AngleSettings) -> Trajectories:
+    if settings.smoothing == "none":
+        return raw
+    try:
+        return smooth(raw, method=SMOOTH.make(settings.smoothing, cutoff_hz=settings.cutoff_hz))
+    except ValueError as error:
+        raise KinemarkError(f"The markers cannot be smoothed: {error}. Change --cutoff-hz.") from None
+
+
+def _spans(trial: Trial, settings: AngleSettings) -> list[tuple[float, float]]:
+    """Beginning and end of each cycle, s from the first frame; the trial's clock starts at frame 1."""
+    start = (trial.trajectories.first_frame - 1) / trial.trajectories.rate
+    if settings.cycle_event is not None:
+        return spans_of(trial.events, label=settings.cycle_event, side=settings.cycle_side, start_s=start)
+    return [_span(text, start) for text in settings.cycle]
+
+
+def _span(text: str, start: float) -> tuple[float, float]:
+    first, dash, last = text.partition("-")
+    try:
+        span = float(first) - start, float(last) - start
+    except ValueError:
+        span = (0.0, 0.0)
+    if not dash or not span[0] < span[1]:
+        raise KinemarkError(f"The cycle {text!r} is no span of time. Say it in s as 0.5-2.75.")
+    return span
+
+
+def _words(before: Trajectories, stated: Trajectories, settings: AngleSettings) -> dict[str, Any]:
+    """What was done, in words and numbers for the page and the machine."""
+    sd = np.array([np.sqrt(np.trace(path.cov, axis1=1, axis2=2) / 3) for path in stated])
+    seen = sd[np.isfinite(sd)]
+    middle = float(np.median(seen)) if seen.size else None
+    unknown = np.array([np.isnan(path.cov).any((1, 2)) & np.isfinite(path.xyz).all(1) for path in before]).any()
+    origin = "stated" if not unknown else "estimated" if settings.marker_sd_mm is None else "assumed"
+    origins = {
+        "stated": "As the covariance of each marker in the file states.",
+        "assumed": f"Assumed for all markers without one: {settings.marker_sd_mm} mm along each axis.",
+        "estimated": "Estimated from the unsteadiness of each marker from frame to frame (fourth differences); slow "
+        "errors and what a filter took away are not in it.",
+    }
+    turns = {
+        False: "With their sign; whole and half turns follow the frame before.",
+        True: "By inverse cosines, as UM²AS (A.29 to A.36): the first and third angle have no sign.",
+    }
+    cutoff = "chosen from the data" if settings.cutoff_hz is None else f"{settings.cutoff_hz:g} Hz"
+    return {
+        "method": turns[settings.inverse_cosines],
+        "noise": origins[origin] + ("" if middle is None else f" In the middle {middle:.3g} mm."),
+        "smoothing": "None." if settings.smoothing == "none" else f"{settings.smoothing.title()}, cut-off {cutoff}.",
+        "noise_from": origin,
+        "marker_sd_mm": middle,
+        "lock_deg": settings.lock_deg,
+    }

@@ -1,0 +1,64 @@
+"""Filling a recording of our own, whose 2D images are at hand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..data import MarkerTrajectory, Origin, Trajectories
+from ..data.method import Method, parameter
+from .edges import GapEdges
+from .fill import LIMIT, Filled, FilledGap, fill
+from .judge.auto import Auto
+from .rays import Rays, sharpened
+
+
+@dataclass(frozen=True, slots=True)
+class Filling(Method):
+    """How the gaps of a recording are filled: by which method, and what goes for all methods.
+
+    Attributes:
+        method: one of the stage's methods. name: of it.
+    """
+
+    method: Any = field(default_factory=Auto)
+    name: str = "auto"
+    limit_mm: float = parameter(
+        LIMIT, unit="mm", above=0, meaning="gaps whose expected mean error is greater stay open"
+    )
+    ends: bool = parameter(False, meaning="also fill before a marker's first sample and after its last")
+    trim: int = parameter(
+        GapEdges().most, unit="samples", low=0,
+        meaning="so many bad samples may be replaced on each side of a gap; 0: none",
+    )  # fmt: skip
+    rays: bool = parameter(True, meaning="use images that one camera alone has of a marker in its gap")
+
+
+def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -> Filled:
+    """The trial with its gaps filled, and told by single cameras what they saw in them.
+
+    The expected error of a gap is that of the method without the cameras' help, as no hidden test has one.
+    """
+    edges = GapEdges(most=method.trim)
+    filled = fill(trajectories, method=method.method, limit_mm=method.limit_mm, ends=method.ends, edges=edges)
+    if not method.rays:
+        return filled
+    paths = {path.name: path for path in filled.trajectories}
+    for gap in filled.gaps:
+        if gap.method:
+            paths[gap.marker] = _told(paths[gap.marker], gap, rays)
+    return Filled(replace(filled.trajectories, paths=tuple(paths.values())), filled.gaps)
+
+
+def _told(path: MarkerTrajectory, gap: FilledGap, rays: Rays) -> MarkerTrajectory:
+    """A marker with what single cameras say of one gap."""
+    at = slice(gap.start, gap.stop)
+    found = sharpened(path.xyz[at], path.cov[at], gap.start, rays)
+    if not found.cameras.any():
+        return path
+    own = (path.origin[at] == Origin.FILLED) & (found.cameras > 0)
+    xyz, cov, cameras = np.array(path.xyz), np.array(path.cov), np.array(path.cameras)
+    xyz[at][own], cov[at][own], cameras[at][own] = found.xyz[own], found.cov[own], found.cameras[own]
+    return replace(path, xyz=xyz, cov=cov, cameras=cameras)

@@ -1,0 +1,200 @@
+"""What hidden tests say of a fill: its expected error, and covariances that are true.
+
+A test tells most of the gap that it was made for. Others count by how near they are to it in length, and more if they
+are of the same marker:
+
+    w = own · exp(−|ln L/L_gap| / SPREAD)                                                                  (1)
+
+with `own` 1 for the gap's tests and the shares MARKER and OTHER below for the rest. With s̄ the mean size of what the
+filler claims its error to be (the root of the trace of its covariance), in a test or in the gap, the expected mean
+error of the gap is that of the tests, moved half way to what the claim says of this gap:
+
+    expected = Σ w e / Σ w · √( s̄_gap / (Σ w s̄ / Σ w) )                                                   (2)
+
+(half way, in logarithms, as some fillers tell an easy gap from a hard one well and others do not; the root is 1 where
+a filler claims nothing). Methods are compared by ln e alone: a few tests gone wrong are no reason to leave the method
+that is better in all others, nor is the honesty of one that finds a gap harder than its tests. Among many methods some
+do well in few tests by luck. So another takes the place of the one that is mostly best only if it does better by more
+than chance; with d = ln e − ln e' over the tests that both could do,
+
+    d̄ + √( V(d) / (n − 1) ) < 0,     d̄ = Σ w d / Σ w,     V = Σ w (d − d̄)² / Σ w                          (3)
+
+n being the number of tests that differ (7).
+
+A filler's own covariance is a shape only. Where it gives none, the shape is the mean squared error of the tests as it
+grows with the distance d from the nearer edge of the gap, over bins that double, never falling (4). How the errors of
+test i compare with it is
+
+    e_c / σ_c = s_i x,      s_i the root mean square over the test's coordinates,                           (5)
+
+x having mean square 1. Errors within a gap go together, so a gap is one draw of s, however many samples it has: tests
+are few. With u = ln s, spread normally from gap to gap with variance ω² (random effects: Gelman et al. 2013, ch. 5),
+
+    μ = Σ w u / Σ w,    V = Σ w (u − μ)² / Σ w,    ω² = (ν₀ ω₀² + n V) / (ν₀ + n − 1),
+    u of the gap ~ μ + ω √(1 + 1/n) t(ν₀ + n − 1)                                                         (6)
+
+where ω₀ and ν₀ say what is usual, and how many tests that is worth. n is the number of tests that differ: windows of
+one marker in a short trial overlap, and twelve of 1 s in 3 s are three. With ρ the share of two tests' frames that are
+the same ones of the same marker, n = (Σ w)² / Σ w_i w_j ρ_ij (7). The covariance is scaled such that `LEVEL` of the
+product s x, x distributed as in all tests of the method, lies within the interval of that share (8).
+
+Where several methods are tried in a trial of few gaps, easy gaps and hard ones can be told apart: the harder the gap,
+the farther are the two methods that do best from one another. With d the root mean square distance of their
+predictions, tests in which it is as in the gap tell most:
+
+    w' = w · exp(−|ln d/d_gap| / SPREAD)                                                                   (9)
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import stdtrit
+
+from ...data.array_types import Floats
+from ..marker_array import Gap, Prediction
+from .hold_out import Candidate, HoldOutGap
+
+SPREAD = 0.5
+MARKER = 0.25
+OTHER = 0.05
+LEVEL = 0.95
+OMEGA, WORTH = 0.5, 4.0
+"""ω₀ and ν₀ of (6). On 648 gaps of seven trials ω was 0.44 for body, 0.57, 0.60, 0.65 and 0.75 for four others."""
+LEAST = 1e-3
+"""mm below which distances do not differ, and the least weight by (9)."""
+MOST = 5.0
+"""What a claim may move an expected error by, at most."""
+Z = 1.959964
+QUANTILES = (np.arange(40) + 0.5) / 40
+"""At which distributions are tabulated."""
+
+
+def weigh(tests: list[HoldOutGap], of: int, gaps: list[Gap]) -> Floats:
+    """(1): what each test counts for the gap of that index."""
+    gap = gaps[of]
+    about = np.array([(t.of, t.window.marker, t.keep[1] - t.keep[0]) for t in tests], np.int64).reshape(-1, 3)
+    share = np.where(about[:, 0] == of, 1.0, np.where(about[:, 1] == gap.marker, MARKER, OTHER))
+    return share * np.exp(-np.abs(np.log(about[:, 2] / gap.length)) / SPREAD)
+
+
+def as_hard(apart: Floats, here: float) -> Floats:
+    """What (9) makes of each test, from how far the predictions of two methods are apart in it and in the gap, mm."""
+    ratio = np.log(np.maximum(apart, LEAST) / max(here, LEAST))
+    return np.asarray(np.maximum(np.exp(-np.abs(ratio) / SPREAD), LEAST))
+
+
+def size(cov: Floats) -> float:
+    """Mean over the frames of the root of the trace of covariances (L, 3, 3), mm; NaN where not all are known."""
+    return float(np.sqrt(np.trace(cov, axis1=-2, axis2=-1)).mean()) if len(cov) else np.nan
+
+
+class MeasuredErrors:
+    """What the tests of one method say of its errors: mean error and claimed size of each, mm."""
+
+    def __init__(self, tried: list[Candidate]) -> None:
+        self.means = np.array([t.mean for t in tried], np.float64)
+        self.logs = np.log(np.maximum(self.means, 1e-9))
+        self.claims = np.array([size(t.cov) for t in tried], np.float64)
+        self.same = same_frames([t.test for t in tried])
+
+    def expect(self, said: Prediction, weights: Floats) -> tuple[float, float]:
+        """(2) and the geometric mean of e, mm; infinite where it mostly had nothing to say, NaN where no test is."""
+        if not weights.sum():
+            return np.nan, np.nan
+        able = np.isfinite(self.means) & (weights > 0)
+        w = weights[able]
+        if not np.isfinite(said.xyz).all() or w.sum() < 0.5 * weights.sum():
+            return np.inf, np.inf
+        w = w / w.sum()
+        usual = float(w @ self.claims[able])
+        here = np.sqrt(size(said.cov) / usual) if usual > 0 else 1.0
+        here = float(np.clip(here, 1 / MOST, MOST)) if np.isfinite(here) else 1.0
+        return here * float(w @ self.means[able]), float(np.exp(w @ self.logs[able]))
+
+    def behind(self, other: MeasuredErrors, weights: Floats, *, sure: float = 1.0) -> float:
+        """(3): the left side of it, below 0 where this method is better than the other by more than `sure` standard
+        errors."""
+        with np.errstate(invalid="ignore"):
+            d = self.logs - other.logs
+        w = np.where(np.isfinite(d), weights, 0.0)
+        if not w.sum():
+            return np.inf
+        w, d = w / w.sum(), np.where(w > 0, d, 0.0)
+        n = 1 / float(w @ self.same @ w)
+        mean = float(w @ d)
+        return mean + sure * np.sqrt(float(w @ (d - mean) ** 2) / (n - 1)) if n > 1.001 else np.inf
+
+
+class ErrorCalibration:
+    """What one method's tests say of its covariances; (5) and (7) once for all gaps."""
+
+    def __init__(self, tried: list[Candidate]) -> None:
+        """From all tests of the method in which it had something to say."""
+        self.used = np.array([k for k, t in enumerate(tried) if len(t.error)], np.int64)
+        told = [tried[k] for k in self.used]
+        if not told:
+            return
+        errors, cov = np.concatenate([t.error for t in told]), np.concatenate([t.cov for t in told])
+        edge = np.concatenate([t.edge for t in told])
+        self.growth = None if np.isfinite(cov).all() else ErrorGrowth(edge, errors)
+        if self.growth:
+            cov = self.growth.cov(edge)
+        ratio = errors / np.sqrt(np.maximum(np.diagonal(cov, axis1=-2, axis2=-1), 1e-12))
+        length = np.array([len(t.error) for t in told])
+        square = np.add.reduceat((ratio**2).mean(1), np.cumsum(length) - length) / length
+        self.u = 0.5 * np.log(np.maximum(square, 1e-12))  # (5)
+        x = np.abs(ratio) / np.repeat(np.exp(self.u), length)[:, None]
+        self.within = np.quantile(x, QUANTILES)
+        self.same = same_frames([t.test for t in told])
+
+    def covariance(self, said: Prediction, edge: Floats, weights: Floats) -> Floats:
+        """(L, 3, 3) mm² of a prediction, `edge` (L) frames from its nearer edge; NaN where no test can tell.
+
+        Args:
+            said: the prediction.
+            edge: (L).
+            weights: of all tests, from `weigh`.
+        """
+        if not len(self.used) or not (w := weights[self.used]).sum():
+            return np.full_like(said.cov, np.nan)
+        shape = self.growth.cov(edge) if self.growth else said.cov
+        w = w / w.sum()
+        n = 1 / float(w @ self.same @ w)  # (7)
+        middle = float(w @ self.u)
+        dof = WORTH + n - 1
+        omega = np.sqrt((WORTH * OMEGA**2 + n * float(w @ (self.u - middle) ** 2)) / dof)  # (6)
+        s = np.exp(middle + omega * np.sqrt(1 + 1 / n) * stdtrit(dof, QUANTILES))
+        return shape * (_product_quantile(s, self.within) / Z) ** 2
+
+
+def same_frames(tests: list[HoldOutGap]) -> Floats:
+    """ρ of (7) for all pairs of tests: the frames that both compare of one marker, by the mean length."""
+    about = [(t.window.marker, t.window.start + t.keep[0], t.window.start + t.keep[1]) for t in tests]
+    marker, start, stop = np.array(about, np.float64).reshape(-1, 3).T
+    common = np.minimum.outer(stop, stop) - np.maximum.outer(start, start)
+    length = stop - start
+    share = np.maximum(common, 0.0) / np.sqrt(np.multiply.outer(length, length))
+    return np.asarray(np.where(marker[:, None] == marker, share, 0.0))
+
+
+def _product_quantile(s: Floats, x: Floats) -> float:
+    """(8): the `LEVEL` quantile of s x, from equally likely values of both."""
+    product = np.sort(np.multiply.outer(s, x), axis=None)
+    return float(np.interp(LEVEL * (product.size - 1), np.arange(product.size), product))
+
+
+class ErrorGrowth:
+    """(4): how the squared error grows from the edges, learnt from tests' samples."""
+
+    def __init__(self, edge: Floats, errors: Floats) -> None:
+        far = np.minimum(edge, 1e9)
+        bins = np.floor(np.log2(np.maximum(far, 1.0))).astype(int)
+        each = [bins == b for b in np.unique(bins)]
+        self.at = np.array([np.log(far[mine]).mean() for mine in each])
+        square = [(errors[mine] ** 2).mean() for mine in each]
+        self.variance = np.maximum(np.maximum.accumulate(square), 1e-12)
+
+    def cov(self, edge: Floats) -> Floats:
+        """(L, 3, 3) mm²."""
+        variance = np.interp(np.log(np.minimum(edge, 1e9)), self.at, self.variance)
+        return variance[:, None, None] * np.eye(3)

@@ -1,0 +1,253 @@
+"""Hidden tests: what is known is hidden as the gap hides it, filled, and compared.
+
+A test of a gap of L frames in marker m is a window of L frames elsewhere in the same trial where m is known. Shifted by
+s frames to that window goes the whole state of the gap,
+
+    hidden(k, f + s) = missing(k, f)        for all markers k and the gap's frames f,                        (1)
+
+so that the filler finds the same donors there and misses the same ones. Windows of several tests that do not overlap
+in time share one copy of the trial, so that one call of a filler serves them all; of one marker at most a tenth is
+hidden in one copy. Before a marker's first sample and after its last, all its samples to that end are hidden (2).
+
+A short trial may have no room: where hiding the gap's length again would leave less than half of it of the marker to
+learn from, the test is made with the nearest other markers, hidden in the frames of the gap itself (3): the same
+length, and the same frames to learn from. What is missing beside the gap's marker may be far from the other one, which
+would make the test too easy: so for each marker that is missing in the gap and k-th nearest to its marker, the k-th
+nearest to the other one is hidden in the same frames (4).
+
+The idea of testing a filler on data that it has hidden itself is that of cross-validation (Stone 1974).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data.array_types import Floats
+from ..marker_array import Gap, MarkerArray, Prediction
+
+Filler = Callable[..., list[Prediction]]
+SHARE = 0.1
+"""Of a marker's known samples, at most so many are hidden in one copy, unless by one test alone."""
+MANY = 20
+"""Gaps of a trial above which time counts more than the last tenth of a millimetre."""
+FULL = 0.4
+"""Share of the frames of a copy in which something is hidden, above which no further windows are drawn into it: fillers
+learn from frames in which many markers are seen."""
+SHORTER = 0.7
+"""By what a test's length shrinks until it fits, where no marker of the trial has room."""
+
+
+class HoldOutGap(NamedTuple):
+    """One window to be filled in one copy of the trial.
+
+    Attributes:
+        of: index of the gap that it stands for.
+        copy: number of the copy.
+        window: what the filler is asked to fill.
+        keep: those frames of the window that are compared: first and last plus one, counted from its start.
+        own: it is the gap's own marker.
+    """
+
+    of: int
+    copy: int
+    window: Gap
+    keep: tuple[int, int]
+    own: bool
+
+
+class HoldOutPlan(NamedTuple):
+    """All tests, and what is hidden in each copy."""
+
+    tests: list[HoldOutGap]
+    copies: list[list[Gap]]
+
+
+class Candidate(NamedTuple):
+    """What one filler did in one test of L frames.
+
+    Attributes:
+        test: which.
+        error: (L, 3) mm, prediction less truth; empty where it had nothing to say.
+        cov: (L, 3, 3) mm², the filler's own, NaN where it does not say.
+        edge: (L) frames to the nearest known sample of the marker.
+    """
+
+    test: HoldOutGap
+    error: Floats
+    cov: Floats
+    edge: Floats
+
+    @property
+    def mean(self) -> float:
+        """Mean distance from the truth, mm; infinite where there is no prediction."""
+        return float(np.linalg.norm(self.error, axis=1).mean()) if len(self.error) else np.inf
+
+
+def plan(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, seed: int) -> HoldOutPlan:
+    """Tests for all gaps; a gap for which no marker has room at any length has none."""
+    rng = np.random.default_rng(seed)
+    made = HoldOutPlan([], [])
+    seen = motion.seen
+    books = _Books(seen, [], {})
+    order, tight = rng.permutation(len(gaps)), len(gaps) > MANY
+    if tight:
+        order = order[np.argsort([-gaps[index].length for index in order], kind="stable")]
+    for index in order:
+        for start, gap, stop in _windows(motion, seen, gaps[index], per_gap, rng, books if tight else None):
+            shape = Gap(gap.marker, min(start, gap.start), max(stop, gap.stop))
+            copy = books.place(shape)
+            if copy == len(made.copies):
+                made.copies.append([])
+            made.copies[copy] += [shape, *_state(motion, seen, gaps[index], gap)]
+            keep = (gap.start - shape.start, gap.stop - shape.start)
+            made.tests.append(HoldOutGap(int(index), copy, shape, keep, gap.marker == gaps[index].marker))
+    return made
+
+
+def run(motion: MarkerArray, planned: HoldOutPlan, filler: Filler, method: Any) -> list[Candidate]:
+    """All tests of one method, copy by copy."""
+    found: list[Candidate] = []
+    for number, hide in enumerate(planned.copies):
+        tests = [test for test in planned.tests if test.copy == number]
+        copy = motion.hidden(hide)
+        filled = filler(copy, [test.window for test in tests], method=method)
+        found += [_compare(motion, test, said) for test, said in zip(tests, filled, strict=True)]
+    return found
+
+
+def edge_distance(motion: MarkerArray, gap: Gap) -> Floats:
+    """(L) frames from each frame of the gap to the nearest known sample beside it."""
+    frames = np.arange(gap.start, gap.stop, dtype=np.float64)
+    before = frames - gap.start + 1 if gap.start > 0 else np.full(gap.length, np.inf)
+    after = gap.stop - frames if gap.stop < motion.xyz.shape[1] else np.full(gap.length, np.inf)
+    return np.minimum(before, after)
+
+
+def _compare(motion: MarkerArray, test: HoldOutGap, said: Prediction) -> Candidate:
+    window, (first, last) = test.window, test.keep
+    error = (said.xyz - motion.xyz[window.marker, window.start : window.stop])[first:last]
+    cov, edge = said.cov[first:last], edge_distance(motion, window)[first:last]
+    if not np.isfinite(error).all():
+        return Candidate(test, error[:0], cov[:0], edge[:0])
+    return Candidate(test, error, cov, edge)
+
+
+class _Books(NamedTuple):
+    """Which frames of each copy are taken, and how much of each marker."""
+
+    seen: NDArray[np.bool_]
+    busy: list[NDArray[np.bool_]]
+    taken: dict[tuple[int, int], int]
+
+    def place(self, gap: Gap) -> int:
+        """The first copy with room for a gap, which is then taken."""
+        room = SHARE * self.seen[gap.marker].sum()
+        for copy, busy in enumerate(self.busy):
+            sum_after = self.taken.get((copy, gap.marker), 0) + gap.length
+            if sum_after <= room and not busy[gap.start : gap.stop].any():
+                break
+        else:
+            copy = len(self.busy)
+            self.busy.append(np.zeros(self.seen.shape[1], np.bool_))
+        self.busy[copy][max(gap.start - 1, 0) : gap.stop + 1] = True
+        self.taken[copy, gap.marker] = self.taken.get((copy, gap.marker), 0) + gap.length
+        return copy
+
+    def with_room(self, marker: int, length: int, starts: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Those of the starts of a window that the first copy with room for any has room for; all where none has."""
+        room = SHARE * self.seen[marker].sum()
+        for copy, busy in enumerate(self.busy):
+            if self.taken.get((copy, marker), 0) + length <= room and busy.mean() < FULL:
+                taken = np.concatenate([[0], np.cumsum(busy)])
+                free = starts[taken[starts + length] == taken[starts]]
+                if len(free):
+                    return free
+        return starts
+
+
+def _windows(
+    motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, n: int, rng: np.random.Generator, books: _Books | None
+) -> list[tuple[int, Gap, int]]:
+    """Up to n windows (first hidden frame, window compared, last hidden frame + 1) for a gap.
+
+    With `books`, where the copies have room.
+    """
+    length, F = gap.length, motion.xyz.shape[1]
+    while length >= 1:
+        own = _starts(seen[gap.marker], length)
+        if len(own) and 1.5 * length <= seen[gap.marker].sum():  # half as much is left to learn from
+            own = books.with_room(gap.marker, length, own) if books else own
+            chosen = [Gap(gap.marker, int(a), int(a) + length) for a in _spread(own, n, rng)]
+        else:
+            chosen = _twins(motion, seen, gap, length, 2 * n)
+        if chosen:
+            return [(0 if gap.start == 0 else w.start, w, F if gap.stop == F else w.stop) for w in chosen]  # (2)
+        length = int(SHORTER * length)
+    return []
+
+
+def _twins(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, length: int, n: int) -> list[Gap]:
+    """(3): the same frames, or the first so many of them, of the n nearest markers known there and on both sides."""
+    window = slice(max(gap.start - 1, 0), gap.start + length + 1)
+    known = seen[:, window].all(1) & (seen.sum(1) > length + 2)
+    known[gap.marker] = False
+    apart = distances(motion, gap.marker)
+    near = [k for k in np.argsort(apart) if known[k] and np.isfinite(apart[k])]
+    return [Gap(int(k), gap.start, gap.start + length) for k in near[:n]]
+
+
+def distances(motion: MarkerArray, marker: int) -> Floats:
+    """(M) mm, median distance of all markers from one, over at most a few hundred frames; NaN where never together."""
+    thin = motion.xyz[:, :: max(1, motion.xyz.shape[1] // 300)]
+    apart = np.linalg.norm(thin - thin[marker], axis=-1)
+    both = np.isfinite(apart).any(1)
+    out = np.full(len(apart), np.nan)
+    out[both] = np.nanmedian(apart[both], axis=1)
+    return out
+
+
+def _starts(known: NDArray[np.bool_], length: int) -> NDArray[np.int64]:
+    """Where a window of a marker may start: known throughout and one frame on both sides."""
+    seen = np.concatenate([[0], np.cumsum(known)])
+    if len(seen) < length + 3:
+        return np.zeros(0, np.int64)
+    return np.flatnonzero(seen[length + 2 :] - seen[: -length - 2] == length + 2) + 1
+
+
+def _spread(starts: NDArray[np.int64], n: int, rng: np.random.Generator) -> NDArray[np.int64]:
+    """About n of the starts, one drawn from each of n equal shares."""
+    shares = np.array_split(starts, min(n, len(starts)))
+    return np.array([rng.choice(share) for share in shares])
+
+
+def _state(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, window: Gap) -> list[Gap]:
+    """(1): what else is missing in the gap, shifted to the window; (4) where that is another marker's."""
+    length = min(gap.length, window.length)
+    missing = ~seen[:, gap.start : gap.start + length]
+    missing[[gap.marker, window.marker]] = False
+    others = np.flatnonzero(missing.any(1))
+    alike = _alike(motion, gap.marker, window.marker, others) if window.marker != gap.marker and len(others) else {}
+    out = []
+    for marker in others:
+        steps = np.flatnonzero(np.diff(missing[marker], prepend=False, append=False))
+        for hidden in {int(marker), alike.get(int(marker), int(marker))}:
+            out += [Gap(hidden, window.start + int(a), window.start + int(b)) for a, b in list(pairwise(steps))[::2]]
+    return out
+
+
+def _alike(motion: MarkerArray, marker: int, other: int, missing: NDArray[np.int64]) -> dict[int, int]:
+    """(4): for each missing marker, that which is as many-th nearest to the other marker as it is to this one.
+
+    Those as near to the other marker that are missing anyway, this one too, stand for as many.
+    """
+    order, theirs = (np.argsort(distances(motion, k), kind="stable") for k in (marker, other))
+    place = np.argsort(order)[missing]
+    near, gone = theirs[1 : place.max() + 2], [marker, *missing]
+    spare = int(np.isin(near, gone).sum() - np.isin(theirs[place], gone).sum())
+    last = np.argsort(place)[: max(0, len(missing) - max(spare, 0))]
+    return {int(missing[k]): int(theirs[place[k]]) for k in last if theirs[place[k]] != other}

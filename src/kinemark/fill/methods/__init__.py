@@ -1,0 +1,1 @@
+"""The methods that fill a gap, one a file, and what only they share."""

@@ -1,0 +1,260 @@
+"""A marker from the pose of the body part around it and from its own past and future: kriging in local frames.
+
+Three donors carry a local frame (R, c) (`triad`). In it the marker is a function of the pose φ, the donors' local
+coordinates, and a remainder that drifts in time (soft tissue, what the donors do not tell):
+
+    Rᵀ(y − c)(t) = a + f(φ(t)) + r(t) + noise                                                             (1)
+
+All three are Gaussian processes, so that the marker in a gap given all that is seen is a matter of linear algebra
+(`kriging`; regression kriging: Hengl et al. 2007). Which frames are learnt from, and what φ is: `scene`.
+
+Left and right are alike. The mirrored trial (`mirror`) is a second source of the same function, but not the same one,
+as markers are never put on quite alike: ρ says how alike. In the mirrored trial a donor's part is played by its
+partner: one whose partner is missing in the gap would leave the other side out there, and unless it is of the first
+`FIRSTS` it is not used (2).
+
+How good a model is for a gap is told by two measures. The likelihood p of the n frames learnt from is that of small
+steps, which are most of what is seen; but a model is never quite true, and a long gap asks for long steps. So with e
+the mean error with which blocks of the gap's length are predicted when they are left out, a model is the worse the
+greater
+
+    J = ln e − ln p / 3n                                                                                  (3)
+
+is. λ, ℓ, ν, ρ, θ and the order of r's covariance are those of a small grid with the least J, found one after the
+other: each value in turn takes the place of the best so far if J is less by `MARGIN`. ρ = 0 sets the mirror aside.
+Which three donors carry the frame matters too, and how f may bend. Every base is tried with each of BENDS, and the
+`kept` best are averaged with weights w ∝ exp(−SHARPNESS J) (what is best in the blocks is best in the gap only by so
+much). With y_k and V_k what each predicts, the fill has (law of total covariance)
+
+    ȳ = Σ w y_k,     V = Σ w (V_k + (y_k − ȳ)(y_k − ȳ)ᵀ),     Σ w = 1                                        (4)
+
+A donor that is not seen throughout the gap is not used, nor one that jumps in it (`trusted`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data.array_types import Floats, Ints
+from ...data.method import parameter
+from ..jumping_markers import JumpingMarkers
+from ..marker_array import Gap, MarkerArray, Prediction
+from ..mirrored_markers import partners
+from ..reference_ranking import Ranks
+from .kriging import ORDERS, FramePairs, Hyper, fit, left_out, predict
+from .stage import FILL, FillMethod
+from .training_frames import FEWEST, TrainingFrames, View, pairs_of, scene_of, view_of
+
+FIRSTS = 4
+"""Donors that are used even where their partner is missing in the gap."""
+FEW = 4
+"""Gaps that λ, ℓ, ν … of a trial are found from."""
+SHARPNESS = 5.0
+MARGIN = 0.005
+GRID = {
+    "theta": (0.03, 0.1, 0.6),
+    "rho": (0.0, 0.5, 0.98),
+    "ell": (0.02, 0.05, 0.12),
+    "lam": (3.0,),
+    "nu": (1e-5, 1e-3, 0.1),
+    "order": (3.5,),
+}
+"""What is tried for θ, ρ, ℓ (s), λ, ν and the order beside their usual values (`Hyper`)."""
+BENDS = ((1.0, 3.0), (2.0, 0.5), (8.0, 3.0))
+"""κ and η of `kriging` that are tried."""
+
+
+@dataclass(frozen=True, slots=True)
+class Body(FillMethod):
+    """Kriging on the pose of reference markers, in local frames, with the mirrored side as a second source."""
+
+    donors: int = parameter(16, unit="markers", low=3, meaning="at most so many reference markers")
+    bases: int = parameter(
+        5, unit="triples", low=1, meaning="triples of the first donors that are tried as carriers of the local frame"
+    )
+    kept: int = parameter(5, unit="predictions", low=1, meaning="how many of the best predictions are averaged")
+    frames: int = parameter(
+        150, unit="frames", low=FEWEST,
+        meaning="training frames at most; half of them beside the gap, half all over the trial",
+    )  # fmt: skip
+    hz: float = parameter(30.0, unit="Hz", above=0, high=math.inf, meaning="how densely training frames are taken")
+    mirror: bool = parameter(True, meaning="learn from the other side of the body too")
+    hyper: Hyper | None = parameter(
+        None,
+        meaning="λ, ℓ, ν … of the trial (`common_hyper`), with which there is one prediction, in the first base; "
+        "None: each marker's own are found",
+    )
+
+    def check_together(self) -> None:
+        """Refuse an order of the drift that there is not."""
+        if self.hyper and self.hyper.order not in ORDERS:
+            raise ValueError(f"the order of the drift is {self.hyper.order}, wanted one of {ORDERS}")
+
+    def for_many_gaps(self, gaps: Sequence[Gap], source: MarkerArray | None) -> Body:
+        """Fewer donors and frames, one base, and one set of λ, ℓ, ν … for all gaps, learned from the source."""
+        quick = replace(self, donors=min(self.donors, 12), bases=1, frames=min(self.frames, 75))
+        if self.hyper or source is None:
+            return quick
+        return replace(quick, hyper=common_hyper(source, list(gaps), method=quick))
+
+
+class _Trial(NamedTuple):
+    motion: MarkerArray
+    seen: NDArray[np.bool_]
+    partner: Ints
+    ranks: Ranks
+    trust: JumpingMarkers
+    hypers: dict[tuple[int, bytes], Hyper]
+
+
+class _Look(NamedTuple):
+    donors: Ints
+    scene: TrainingFrames
+    views: list[View]
+
+
+@FILL.method("body", Body, rank=14, source="Hengl et al. 2007")
+def fill_body(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> list[Prediction]:
+    """Each gap by (4); gaps of one marker with the same donors share λ, ℓ, ν …"""
+    trial = _trial(motion, method)
+    return [_fill(trial, gap, method) for gap in gaps]
+
+
+def common_hyper(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> Hyper:
+    """λ, ℓ, ν … that are best for `FEW` of the gaps together."""
+    trial = _trial(motion, method)
+    some = [gaps[k] for k in np.unique(np.linspace(0, len(gaps) - 1, FEW).astype(int))] if gaps else []
+    looks = [look for gap in some if not isinstance(look := _look(trial, gap, method), str)]
+    return _best(looks)
+
+
+def _trial(motion: MarkerArray, method: Body) -> _Trial:
+    partner = partners(motion.names) if method.mirror else np.arange(len(motion.names))
+    ranks = Ranks(motion)
+    return _Trial(motion, motion.seen, partner, ranks, JumpingMarkers(motion, ranks), {})
+
+
+def _fill(trial: _Trial, gap: Gap, method: Body) -> Prediction:
+    look = _look(trial, gap, method)
+    if isinstance(look, str):
+        return Prediction.none(gap.length, look)
+    donors, scene, views = look
+    if method.hyper:
+        kept = [(1.0, views[0], method.hyper)]
+    else:
+        key = gap.marker, donors.tobytes()
+        if key not in trial.hypers:
+            trial.hypers[key] = _best([look])
+        kept = _weighed(scene, views, trial.hypers[key])[: method.kept]
+    xyz, cov = _mean(scene, kept)
+    return Prediction(xyz, cov, donors=tuple(int(d) for d in donors))
+
+
+def _look(trial: _Trial, gap: Gap, method: Body) -> _Look | str:
+    """What there is to fill a gap from, or why there is too little."""
+    donors = _donors(trial, gap, method.donors)
+    if len(donors) < 3:
+        return f"only {len(donors)} other markers are seen throughout the gap; wanted 3"
+    most, hz = method.frames, method.hz
+    scene = scene_of(trial.motion, trial.seen, gap, donors, partner=trial.partner, most=most, hz=hz)
+    if scene is None:
+        return f"fewer than {FEWEST} frames show the marker together with its donors"
+    views = [view for base in _bases(len(donors), method.bases) if (view := view_of(scene, base))]
+    if not views:
+        return "the donors stand on one line or in one point: they carry no local frame"
+    return _Look(donors, scene, views)
+
+
+def _weighed(scene: TrainingFrames, views: list[View], hyper: Hyper) -> list[tuple[float, View, Hyper]]:
+    """Every view with every bend, the least J (3) first, with weights that are not normed yet."""
+    out = []
+    for view in views:
+        pairs, y = pairs_of(scene, view, scene.few, scene.few), view.y[scene.few]
+        for kappa, eta in BENDS:
+            bent = hyper._replace(kappa=kappa, eta=eta)
+            out.append((_badness(pairs, y, bent, scene.blocks), view, bent))
+    out.sort(key=lambda each: each[0])
+    return [(float(np.exp(-SHARPNESS * (J - out[0][0]))), view, bent) for J, view, bent in out]
+
+
+def _badness(pairs: FramePairs, y: Floats, h: Hyper, blocks: list[Ints]) -> float:
+    """J of (3)."""
+    found = fit(pairs, y, h)
+    missed = np.log(max(left_out(found, blocks), 1e-6)) if blocks else 0.0
+    return float(missed - found.likely / (3 * len(y)))
+
+
+def _mean(scene: TrainingFrames, kept: list[tuple[float, View, Hyper]]) -> tuple[Floats, Floats]:
+    """(4)."""
+    w = np.array([weight for weight, _, _ in kept])
+    w /= w.sum()
+    said = [_laboratory(scene, view, h) for _, view, h in kept]
+    each = np.array([xyz for xyz, _ in said])
+    mean = np.tensordot(w, each, 1)
+    cov = np.tensordot(w, np.array([V for _, V in said]), 1)
+    return mean, cov + np.einsum("k,kfi,kfj->fij", w, each - mean, each - mean)
+
+
+def _laboratory(scene: TrainingFrames, view: View, h: Hyper) -> tuple[Floats, Floats]:
+    """What one model predicts for the gap, turned back into the laboratory."""
+    seen, wanted = slice(scene.n), slice(scene.n, None)
+    found = fit(pairs_of(scene, view, seen, seen), view.y, h)
+    inside, var = predict(pairs_of(scene, view, wanted, seen), found)
+    R = view.R[wanted]
+    xyz = view.c[wanted] + np.einsum("fij,fj->fi", R, view.mean + inside)
+    return xyz, np.einsum("fij,fj,fkj->fik", R, var, R)
+
+
+def _donors(trial: _Trial, gap: Gap, most: int) -> Ints:
+    """The first of the ranked markers that are seen throughout the gap, and leave most frames to learn from."""
+    marker = gap.marker
+    thin = trial.seen[:, :: max(1, trial.seen.shape[1] // 400)]
+    chosen: list[int] = []
+    together = thin[marker]
+    ready: NDArray[np.bool_] = np.logical_and.reduce(trial.seen[:, gap.start : gap.stop], axis=1)
+    ready &= trial.trust.of(gap)
+    n = np.count_nonzero(together)
+    missing = ~ready
+    missing[marker] = True
+    order = trial.ranks.of(marker)[ready[trial.ranks.of(marker)]]
+    order = order[(np.arange(len(order)) < FIRSTS) | ~missing[trial.partner[order]]]  # (2)
+    for donor in order:
+        if len(chosen) == most:
+            break
+        both = together & thin[donor]
+        if (left := np.count_nonzero(both)) >= 0.8 * n:
+            together, n = both, left
+            chosen.append(int(donor))
+    return np.array(chosen, np.int64)
+
+
+@cache
+def _bases(donors: int, n: int) -> list[tuple[int, int, int]]:
+    """n triples of donors, of the lowest ranks first; the marker itself is row 0 of the scene."""
+    triples = combinations(range(1, donors + 1), 3)
+    return sorted(triples, key=lambda t: (max(t), sum(t)))[:n]
+
+
+def _best(looks: list[_Look]) -> Hyper:
+    """The best of the grid for the first views of all looks together, one parameter after the other."""
+    first = [(scene, views[0], scene.few) for _, scene, views in looks]
+    seen = [(pairs_of(s, view, few, few), view.y[few], s.blocks) for s, view, few in first]
+
+    def badness(h: Hyper) -> float:
+        return sum(_badness(pairs, y, h, blocks) for pairs, y, blocks in seen)
+
+    best, at = Hyper(), badness(Hyper())
+    for name, values in GRID.items():
+        for value in values:
+            new = best._replace(**{name: value})
+            if (found := badness(new)) < at - MARGIN * len(looks):
+                best, at = new, found
+    return best

@@ -1,0 +1,45 @@
+"""Donors in order: those that keep their distance from a marker move with it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data.array_types import Floats
+from .marker_array import MarkerArray
+
+FEWEST = 12
+"""Frames to learn from, at least."""
+
+
+class Ranks:
+    """The other markers of a trial in order, for each marker worked out when it is first asked for."""
+
+    def __init__(self, motion: MarkerArray) -> None:
+        """Of a trial, from some hundreds of its frames."""
+        self.thin = np.ascontiguousarray(motion.xyz[:, :: max(1, motion.xyz.shape[1] // 400)])
+        self._of: dict[int, NDArray[np.int64]] = {}
+
+    def of(self, marker: int) -> NDArray[np.int64]:
+        """That whose distance from the marker varies least first; only those seen with it often enough."""
+        if marker not in self._of:
+            self._of[marker] = _ranked(self.thin, marker)
+        return self._of[marker]
+
+
+def ranked(motion: MarkerArray, marker: int) -> NDArray[np.int64]:
+    """The same of one marker."""
+    return Ranks(motion).of(marker)
+
+
+def _ranked(thin: Floats, marker: int) -> NDArray[np.int64]:
+    way = thin - thin[marker]
+    square = np.einsum("mfi,mfi->mf", way, way)
+    n = np.isfinite(square).sum(1)
+    square = np.where(np.isfinite(square), square, 0.0)
+    sum_, square = np.sqrt(square).sum(1), square.sum(1)
+    vary = np.sqrt(np.maximum(square / np.maximum(n, 1) - (sum_ / np.maximum(n, 1)) ** 2, 0.0))
+    vary[(n < FEWEST) | (n < 0.5 * n[marker])] = np.inf
+    vary[marker] = np.inf
+    order = np.argsort(vary, kind="stable")
+    return order[np.isfinite(vary[order])]

@@ -1,0 +1,104 @@
+"""What each camera saw and how well it agrees with the others.
+
+The image of a reconstructed point X in camera c is compared with the detection (u, v) that it was made from:
+
+    r = (u, v) − project_c(X)         px                                     (1)
+    |r|                               reprojection residual of one view      (2)
+    median r                          offset; not zero when the camera has moved since its calibration   (3)
+
+One pixel at the depth Z of the point and focal length f spans
+
+    s = Z / f                         mm/px                                  (4)
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Camera, Cloud, Detections, Rig, Validity
+from ..data.array_types import Floats
+from ..geometry import project, to_camera
+from .plain import mean, quantile, rms, share
+
+QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+"""Those that the figure of residuals draws as whiskers, box and middle line."""
+
+
+def residuals(rig: Rig, detections: Detections, cloud: Cloud) -> list[Floats]:
+    """For each camera (n, 2) px: used detection minus reprojection of its point, NaN behind the camera."""
+    offsets = []
+    for c, camera in enumerate(rig):
+        seen = _seen(cloud, c)
+        offsets.append(detections.uv[cloud.view[seen, c]] - project(camera, cloud.xyz[seen]))  # (1)
+    return offsets
+
+
+def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list[Floats]) -> list[dict[str, Any]]:
+    """The figures of every camera, in the order of `detections`."""
+    counts = detections.counts
+    rows = detections.camera
+    return [
+        _calibrated(camera)
+        | _detected(counts[c], detections.validity[rows == c], cloud.view[_seen(cloud, c), c])
+        | {"separated": int((detections.merged & detections.valid & (rows == c)).sum())}
+        | _reprojected(offsets[c])
+        | {"pixel_at_subject_mm": _pixel(camera, cloud.xyz[_seen(cloud, c)])}
+        for c, camera in enumerate(rig)
+    ]
+
+
+def _seen(cloud: Cloud, c: int) -> NDArray[np.int64]:
+    """Rows of the cloud that camera c sees; a cloud without points may have no columns."""
+    return np.flatnonzero(cloud.view[:, c] >= 0) if len(cloud) else np.zeros(0, np.int64)
+
+
+def _calibrated(camera: Camera) -> dict[str, Any]:
+    known = bool((camera.size > 0).all())
+    return {
+        "name": camera.name,
+        "size_px": camera.size if known else None,
+        "position_mm": camera.centre,
+        "focal_px": [abs(camera.K[0, 0]), abs(camera.K[1, 1])],
+        "calibration_residual_px": camera.residual,
+    }
+
+
+def _detected(counts: NDArray[np.int64], validity: NDArray[np.uint8], used: NDArray[np.int64]) -> dict[str, Any]:
+    """From detections a frame (F), the validity of each detection (n) and those that points were made from."""
+    n, valid = len(validity), int((validity == Validity.VALID).sum())
+    return {
+        "detections": n,
+        "detections_per_frame": {
+            "mean": mean(counts.astype(float)),
+            "min": counts.min() if counts.size else None,
+            "max": counts.max() if counts.size else None,
+        },
+        "frames_without_detection_share": share((counts == 0).sum(), counts.size),
+        "used_share": share(len(np.unique(used)), n),
+        "used_of_valid_share": share(len(np.unique(used)), valid),
+        "invalid": {
+            reason.name.lower(): int((validity == reason).sum()) for reason in Validity if reason != Validity.VALID
+        },
+        "invalid_share": {
+            reason.name.lower(): share((validity == reason).sum(), n) for reason in Validity if reason != Validity.VALID
+        },
+    }
+
+
+def _reprojected(offsets: Floats) -> dict[str, Any]:
+    distance = np.linalg.norm(offsets, axis=1)  # (2)
+    return {
+        "residual_median_px": quantile(distance, 0.5),
+        "residual_rms_px": rms(distance),
+        "residual_95_px": quantile(distance, 0.95),
+        "residual_quantiles_px": [quantile(distance, q) for q in QUANTILES],
+        "offset_px": [quantile(offsets[:, 0], 0.5), quantile(offsets[:, 1], 0.5)],  # (3)
+    }
+
+
+def _pixel(camera: Camera, xyz: Floats) -> float:
+    """Width of one pixel at the middle depth of the points, mm."""
+    return quantile(to_camera(camera, xyz)[:, 2], 0.5) / abs(float(camera.K[0, 0]))  # (4)

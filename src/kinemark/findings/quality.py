@@ -1,0 +1,186 @@
+"""Every figure of the report as plain data, for machines and for the page that shows them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..data import Cloud, Detections, Rig, Step, Tracks, Trajectories
+from ..data.array_types import Floats
+from ..io.files import replacing
+from ..track.simultaneous import AmbiguousDecision
+from ..version import __version__
+from .cameras import camera_figures, residuals
+from .markers import marker_figures, positions, trajectory_figures
+from .plain import mean, plain, quantile, rms, share
+from .trial_advice import verdict, warnings
+
+
+def quality(
+    *,
+    session: str,
+    trial: str,
+    rig: Rig,
+    detections: Detections,
+    tracks: Tracks,
+    trajectories: Trajectories,
+    steps: Sequence[Step],
+    notes: Sequence[str] = (),
+    ambiguous_decisions: Sequence[AmbiguousDecision] = (),
+    diagnostics: Sequence[str] = (),
+    judged: Mapping[str, Any] | None = None,
+    filling: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """All figures of one trial as JSON-able data, units in the names of the keys, None where unknown.
+
+    Args:
+        session: its name; trial: its name.
+        rig: the calibrated cameras; it must know those of `detections`.
+        detections: what the cameras saw; rows of `tracks.cloud.view` count in it.
+        tracks: all reconstructed points.
+        trajectories: the markers as they leave the last stage.
+        steps: how the trial was made.
+        notes: sentences to pass on to the reader.
+        ambiguous_decisions: decisions of the tracker that were close.
+        diagnostics: sentences on what the tracker found odd about its input.
+        judged: how good the calibration is, from `calibration.calibration_figures`; None where nobody judged it.
+        filling: what became of the gaps, from `filling.filling_figures`; None where none was to be filled.
+
+    Raises:
+        ValueError: a camera of the detections is not in the rig, or the points were not made from these detections.
+    """
+    cloud, rig_used = tracks.cloud, rig.select(detections.cameras)
+    _check(cloud, detections)
+    offsets = residuals(rig_used, detections, cloud)
+    figures: dict[str, Any] = plain(
+        {
+            "kinemark": __version__,
+            "session": session,
+            "trial": trial,
+            "recording": _recording(detections),
+            "calibration": {
+                "method": rig.method,
+                "cameras_not_used": [n for n in rig.names if n not in rig_used.names],
+                **({key: judged[key] for key in ("verdict", "warnings", "precision")} if judged else {}),
+            },
+            "volume": _volume(rig, trajectories),
+            "cameras": camera_figures(rig_used, detections, cloud, offsets),
+            "points": _points(cloud, tracks, offsets),
+            "tracks": _tracks(tracks),
+            "trajectories": trajectory_figures(trajectories, marker_figures(trajectories)),
+            "timing": _timing(steps, detections.n_frames),
+            "steps": [_step(step) for step in steps],
+            "notes": list(notes),
+            "diagnostics": list(diagnostics),
+            "ambiguous_decisions": [_decision(row, detections.rate) for row in ambiguous_decisions],
+            "filling": filling,
+        }
+    )
+    figures["warnings"] = warnings(figures)
+    figures["verdict"] = verdict(figures)
+    return figures
+
+
+def write_quality(path: Path | str, quality: dict[str, Any]) -> None:
+    """Write the figures as indented JSON, whole or not at all.
+
+    Raises:
+        KinemarkError: the folder cannot be written.
+    """
+    text = json.dumps(quality, indent=2, ensure_ascii=False, allow_nan=False)
+    with replacing(path) as beside:
+        beside.write_text(text + "\n", encoding="utf-8")
+
+
+def _check(cloud: Cloud, detections: Detections) -> None:
+    if not len(cloud):
+        return
+    if cloud.view.shape[1] != len(detections.cameras):
+        raise ValueError(
+            f"tracks see {cloud.view.shape[1]} cameras, wanted the {len(detections.cameras)} of detections"
+        )
+    if cloud.view.max(initial=-1) >= len(detections):
+        raise ValueError(f"tracks refer to detection {cloud.view.max()}, but there are only {len(detections)}")
+
+
+def _recording(detections: Detections) -> dict[str, Any]:
+    n = detections.n_frames
+    return {"frames": n, "rate_hz": detections.rate, "duration_s": share(n, detections.rate)}
+
+
+def _volume(rig: Rig, trajectories: Trajectories) -> dict[str, Any]:
+    """The control volume as given, the box that the markers spanned, the share of their samples outside the former."""
+    xyz = positions(trajectories).reshape(-1, 3)
+    xyz = xyz[np.isfinite(xyz).all(1)]
+    given = bool(np.isfinite(rig.volume).all())
+    outside = ((xyz < rig.volume[0]) | (xyz > rig.volume[1])).any(1)
+    return {
+        "given_mm": rig.volume if given else None,
+        "spanned_mm": [xyz.min(0), xyz.max(0)] if len(xyz) else None,
+        "samples_outside_given_share": share(outside.sum(), len(xyz)) if given else None,
+    }
+
+
+def _points(cloud: Cloud, tracks: Tracks, offsets: list[Floats]) -> dict[str, Any]:
+    distance = np.linalg.norm(np.concatenate([np.zeros((0, 2)), *offsets]), axis=1)
+    views = (cloud.view >= 0).sum(1)
+    number, count = np.unique(views, return_counts=True)
+    return {
+        "count": len(cloud),
+        "per_frame_mean": share(len(cloud), cloud.n_frames),
+        "cameras_per_point": {str(n): k for n, k in zip(number, count, strict=True)},
+        "fewer_than_3_cameras_share": share((views < 3).sum(), len(cloud)),
+        "in_a_track_share": share((tracks.id >= 0).sum(), len(cloud)),
+        "residual_median_px": quantile(distance, 0.5),
+        "residual_rms_px": rms(distance),
+        "residual_95_px": quantile(distance, 0.95),
+    }
+
+
+def _tracks(tracks: Tracks) -> dict[str, Any]:
+    lengths = tracks.lengths
+    return {
+        "count": (lengths > 0).sum(),
+        "length_mean_frames": mean(lengths[lengths > 0].astype(float)),
+        "length_median_frames": quantile(lengths[lengths > 0].astype(float), 0.5),
+        "lengths_frames": lengths,
+    }
+
+
+def _decision(row: AmbiguousDecision, rate: float) -> dict[str, Any]:
+    """A close decision, its tracks by the names of their trajectories."""
+    return {
+        "kind": row.kind,
+        "first_frame": row.first,
+        "last_frame": row.last,
+        "time_s": row.first / rate,
+        "trajectories": [f"*{track + 1}" for track in row.tracks if track >= 0],
+        "reason": row.reason,
+    }
+
+
+def _timing(steps: Sequence[Step], frames: int) -> dict[str, Any]:
+    total = float(sum(step.seconds for step in steps))
+    stages: dict[str, float] = {}
+    for step in steps:
+        stages[step.stage] = stages.get(step.stage, 0.0) + step.seconds
+    return {
+        "total_s": total,
+        "frames_per_s": share(frames, total),
+        "stages": [{"stage": name, "time_s": s, "frames_per_s": share(frames, s)} for name, s in stages.items()],
+    }
+
+
+def _step(step: Step) -> dict[str, Any]:
+    return {
+        "stage": step.stage,
+        "method": step.method,
+        "parameters": step.parameters,
+        "version": step.version,
+        "input": step.input,
+        "time_s": step.seconds,
+    }

@@ -1,0 +1,171 @@
+"""A C3D file as a trial, in mm, s and named channels."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data import Analog, Events, ForcePlate, KinemarkError, MarkerTrajectory, Trajectories, Trial
+from .document import C3D, has_unsigned_analog, with_parameters
+from .parameters import Parameter
+from .points import LENGTH, distinct, kinds_of, mm_per_unit, point_names, samples_of
+from .reading import read_document
+
+N_CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6}
+"""Channels of each type of force plate; others have as many as the file lists."""
+PLATE_COLUMNS = {"CORNERS": 3, "ORIGIN": 2, "CHANNEL": 2, "CAL_MATRIX": 3}
+"""Parameters of a force plate and how many dimensions they have."""
+
+
+def read_c3d(path: Path | str, *, units: str | None = None, partial: bool = False) -> Trial:
+    """A trial from a C3D file. `Trial.source` keeps the file's own document, so that writing gives it back.
+
+    Args:
+        path: the file.
+        units: unit of its lengths where the file is silent or wrong: "mm", "cm", "m", "in".
+        partial: read what there is of a damaged file; `trial.source.notes` says what is not.
+
+    Raises:
+        KinemarkError: the file cannot be read, or states no rate, an unknown unit or has lost something.
+    """
+    doc = read_document(path, partial=partial)
+    if units is not None:
+        doc = with_parameters(doc, "POINT", [Parameter.text("UNITS", units)])
+    try:
+        return trial_of(doc, name=Path(path).stem)
+    except KinemarkError as error:
+        raise KinemarkError(f"{path}: {error}") from error
+
+
+def trial_of(doc: C3D, *, name: str) -> Trial:
+    """The trial that a document holds.
+
+    Raises:
+        KinemarkError: its unit is unknown or its rate is.
+    """
+    if doc.rate <= 0:
+        raise KinemarkError("the file states no frame rate. Set POINT:RATE and write it again.")
+    analog = analog_of(doc)
+    return Trial(
+        name=name,
+        trajectories=Trajectories(_paths(doc), doc.rate, doc.first_frame),
+        analog=() if analog is None else (analog,),
+        plates=plates_of(doc),
+        events=events_of(doc),
+        source=doc,
+    )
+
+
+def markers(trial: Trial) -> Trajectories:
+    """The trajectories that are positions, without the angles, forces, moments, powers and scalars of the source."""
+    all_paths = trial.trajectories
+    if not isinstance(trial.source, C3D):
+        return all_paths
+    kinds = kinds_of(trial.source, all_paths.names)
+    return replace(all_paths, paths=tuple(p for p, kind in zip(all_paths, kinds, strict=True) if kind == LENGTH))
+
+
+def _paths(doc: C3D) -> tuple[MarkerTrajectory, ...]:
+    samples = samples_of(doc)
+    unknown = np.broadcast_to(np.nan, (doc.points.shape[0], 3, 3))
+    return tuple(
+        MarkerTrajectory(name, samples.xyz[i], unknown, samples.origin[i], samples.residual[i], samples.cameras[i])
+        for i, name in enumerate(point_names(doc))
+    )
+
+
+def analog_names(doc: C3D) -> tuple[str, ...]:
+    """(A) the names of the channels, all different; "channel 3" where the file has none."""
+    return distinct(doc.texts("ANALOG", "LABELS"), len(doc.analog), "channel ")
+
+
+def analog_scaling(doc: C3D) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Factors and offsets (A): value = (raw − offset) factor, with factor = GEN_SCALE SCALE; 1 and 0 where absent."""
+    n, offsets = len(doc.analog), doc.series("ANALOG", "OFFSET")
+    factor, offset = np.ones(n), np.zeros(n)
+    scale = doc.numbers("ANALOG", "SCALE")[:n]
+    zero = np.concatenate([np.zeros(0), *(p.unsigned if has_unsigned_analog(doc) else p.numbers for p in offsets)])[:n]
+    factor[: len(scale)], offset[: len(zero)] = scale, zero
+    return np.nan_to_num(factor * doc.number("ANALOG", "GEN_SCALE", 1.0)), np.nan_to_num(offset)
+
+
+def analog_of(doc: C3D) -> Analog | None:
+    """The channels in their units; None where the file has no samples."""
+    n = len(doc.analog)
+    if not n or not doc.samples:
+        return None
+    factor, offset = analog_scaling(doc)
+    units = (*doc.texts("ANALOG", "UNITS"), *[""] * n)[:n]
+    with np.errstate(invalid="ignore", over="ignore"):  # a damaged file may hold any number
+        values = (doc.analog - offset[:, None]) * factor[:, None]
+    return Analog(analog_names(doc), units, doc.rate * doc.samples, values)
+
+
+def plates_of(doc: C3D) -> tuple[ForcePlate, ...]:
+    """The force plates, lengths in mm; what the file does not state is NaN."""
+    types = np.nan_to_num(doc.numbers("FORCE_PLATFORM", "TYPE"))
+    used = doc.number("FORCE_PLATFORM", "USED", len(types))
+    count = int(min(len(types), used)) if used > 0 else 0
+    channels, factor = analog_names(doc), mm_per_unit(doc)
+    corners, origin, channel, matrix = (_column(doc, name, ndim, count) for name, ndim in PLATE_COLUMNS.items())
+    rows = zip(types[:count], corners, origin, channel, matrix, strict=True)
+    return tuple(_plate(int(kind), *row, names=channels, factor=factor) for kind, *row in rows)
+
+
+def _column(doc: C3D, name: str, ndim: int, count: int) -> NDArray[np.float64]:
+    """A parameter, one row a plate; empty rows where it is absent or short.
+
+    Some files leave out the last dimension where there is one plate.
+    """
+    parameter = doc.get("FORCE_PLATFORM", name)
+    if parameter is None or parameter.is_text:
+        return np.zeros((count, 0))
+    values = parameter.values[None] if count == 1 and parameter.values.ndim == ndim - 1 else parameter.values
+    return values[:count].astype(np.float64) if values.ndim == ndim and len(values) >= count else np.zeros((count, 0))
+
+
+def _plate(
+    kind: int,
+    corners: NDArray[np.float64],
+    origin: NDArray[np.float64],
+    channel: NDArray[np.float64],
+    matrix: NDArray[np.float64],
+    *,
+    names: tuple[str, ...],
+    factor: float,
+) -> ForcePlate:
+    listed = [int(c) for c in np.nan_to_num(channel)][: N_CHANNELS.get(kind)]
+    return ForcePlate(
+        type=kind,
+        corners=_shaped(corners, (4, 3)) * factor,
+        origin=_shaped(origin, (3,)) * factor,
+        channels=tuple(names[c - 1] for c in listed if 0 < c <= len(names)),
+        calibration=matrix.T if kind not in (1, 2, 3) and matrix.ndim == 2 and matrix.size else None,
+    )
+
+
+def _shaped(values: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
+    return values if values.shape == shape else np.full(shape, np.nan)
+
+
+def events_of(doc: C3D) -> Events:
+    """The events of the EVENT group, or those of the header where it has none.
+
+    EVENT:TIMES holds minutes and seconds of each, whether as a table or flat, or seconds alone.
+    """
+    times, labels = doc.numbers("EVENT", "TIMES"), doc.texts("EVENT", "LABELS")
+    used = doc.number("EVENT", "USED", max(len(labels), len(times) // 2))
+    count = int(used) if 0 < used < 2**16 else 0
+    if len(times) >= 2 * count:
+        times = times[: 2 * count : 2] * 60 + times[1 : 2 * count : 2]
+    count = min(count, len(times))
+    if not count:
+        header = doc.header_events
+        names = tuple(event.label.strip(" \0") for event in header)
+        return Events(names, ("",) * len(header), np.array([event.time for event in header]))
+    blank = ("",) * count
+    sides = (*doc.texts("EVENT", "CONTEXTS"), *blank)[:count]
+    return Events((*labels, *blank)[:count], sides, times[:count])

@@ -1,0 +1,181 @@
+"""The tables and small pieces of the page; everything that comes from the user is escaped."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import Any
+
+from .formatting import count, measure, number, percent
+
+WORDS = {"green": "good", "amber": "look", "red": "stop", "info": "note"}
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, marked: Sequence[bool] = ()) -> str:
+    """An HTML table of plain texts, the first column being the rows' heading; marked rows are tinted."""
+    top = "".join(f'<th scope="col">{escape(text)}</th>' for text in head)
+    body = []
+    for i, (first, *cells) in enumerate(rows):
+        tint = ' class="marked"' if i < len(marked) and marked[i] else ""
+        inner = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
+        body.append(f'<tr{tint}><th scope="row">{escape(first)}</th>{inner}</tr>')
+    return f'<div class="scroll"><table><thead><tr>{top}</tr></thead><tbody>{"".join(body)}</tbody></table></div>'
+
+
+def calibration_table(cameras: list[dict[str, Any]]) -> str:
+    """A row a camera: what it is and where it stands."""
+    head = ["camera", "image (px)", "position x, y, z (mm)", "focal length x, y (px)", "calibration RMS (px)"]
+    head += ["1 px at the subject (mm)"]
+    return table(head, [_calibrated(camera) for camera in cameras])
+
+
+def _calibrated(camera: dict[str, Any]) -> list[str]:
+    size = camera["size_px"]
+    return [
+        camera["name"],
+        f"{size[0]} × {size[1]}" if size else "–",
+        _list(camera["position_mm"], 0),
+        _list(camera["focal_px"], 1),
+        number(camera["calibration_residual_px"], 2),
+        number(camera["pixel_at_subject_mm"], 2),
+    ]
+
+
+def camera_table(cameras: list[dict[str, Any]], doubtful: Iterable[str]) -> str:
+    """A row a camera: what it saw and how well it agrees; the doubtful ones are marked."""
+    head = ["camera", "detections", "a frame: mean (least–most)", "frames without", "invalid", "used"]
+    head += ["residual: median (px)", "RMS (px)", "95 % (px)", "offset u, v (px)"]
+    doubtful = set(doubtful)
+    return table(head, [_saw(c) for c in cameras], marked=[c["name"] in doubtful for c in cameras])
+
+
+def spots_table(cameras: list[dict[str, Any]]) -> str:
+    """A row a camera: how many spots, how many of them valid, and the others by reason."""
+    reasons = list(cameras[0]["invalid"]) if cameras else []
+    head = ["camera", "spots", "valid", "of them separated", *(reason.replace("_", " ") for reason in reasons)]
+    rows = [
+        [
+            camera["name"],
+            number(camera["detections"]),
+            number(camera["detections"] - sum(camera["invalid"].values())),
+            number(camera["separated"]),
+            *(number(camera["invalid"][reason]) for reason in reasons),
+        ]
+        for camera in cameras
+    ]
+    return table(head, rows)
+
+
+def _saw(camera: dict[str, Any]) -> list[str]:
+    seen = camera["detections_per_frame"]
+    reasons = [f"{name.replace('_', ' ')} {percent(part)}" for name, part in camera["invalid_share"].items() if part]
+    return [
+        camera["name"],
+        number(camera["detections"]),
+        f"{number(seen['mean'], 1)} ({number(seen['min'])}–{number(seen['max'])})",
+        percent(camera["frames_without_detection_share"]),
+        ", ".join(reasons) or ("none" if camera["detections"] else "–"),
+        percent(camera["used_share"]),
+        *(number(camera[f"residual_{key}_px"], 2) for key in ("median", "rms", "95")),
+        _list(camera["offset_px"], 2),
+    ]
+
+
+def marker_table(markers: list[dict[str, Any]], *, gap_s: float) -> str:
+    """A row a marker; those never seen or with a gap longer than `gap_s` are marked."""
+    head = ["marker", "samples", "missing", "filled", "edited", "complete", "in view", "seen from–to (s)"]
+    head += ["gaps", "longest", "σ (mm)", "σ 95 % (mm)", "jitter (mm)", "residual (mm)", "cameras"]
+    marked = [not marker["samples"] or marker["longest_gap_s"] > gap_s for marker in markers]
+    return table(head, [_marker(marker) for marker in markers], marked=marked)
+
+
+def _marker(marker: dict[str, Any]) -> list[str]:
+    samples = [number(marker[f"{key}samples"]) for key in ("", "missing_", "filled_", "edited_")]
+    shares = [percent(marker[f"completeness_{key}share"]) for key in ("", "in_view_")]
+    span = "–".join(number(marker[f"{key}_seen_s"], 2) for key in ("first", "last")) if marker["samples"] else "never"
+    longest = f"{number(marker['longest_gap_frames'])} ({measure(marker['longest_gap_s'], 2, 's')})"
+    keys = ("sd_per_axis_mean_mm", "sd_per_axis_95_mm", "jitter_mm", "residual_mean_mm")
+    exact = [number(marker[key], 2) for key in keys] + [number(marker["cameras_mean"], 1)]
+    return [marker["name"], *samples, *shares, span, number(marker["gaps"]), longest if marker["gaps"] else "–", *exact]
+
+
+def step_table(steps: list[dict[str, Any]]) -> str:
+    """A row a step with its parameters, so that it can be run again."""
+    rows = [
+        [
+            step["stage"],
+            step["method"],
+            _parameters(step["parameters"]),
+            step["version"],
+            step["input"][:12],
+            number(step["time_s"], 2),
+        ]
+        for step in steps
+    ]
+    return table(["stage", "method", "parameters", "Kinemark", "input (hash)", "time (s)"], rows)
+
+
+def _parameters(parameters: dict[str, Any]) -> str:
+    return ", ".join(f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in parameters.items()) or "none"
+
+
+def _list(values: Sequence[float | None], decimals: int) -> str:
+    known = all(value is not None for value in values)
+    return ", ".join(number(value, decimals) for value in values) if known else "–"
+
+
+def tiles(quality: dict[str, Any]) -> str:
+    """The key figures, each with its meaning below."""
+    return "".join(
+        f'<div class="tile"><b>{escape(value)}</b><span>{escape(name)}</span><small>{escape(more)}</small></div>'
+        for value, name, more in (*_marker_tiles(quality), *_recording_tiles(quality))
+    )
+
+
+def _marker_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
+    markers, points = quality["trajectories"], quality["points"]
+    complete, whole = (percent(markers[f"completeness_{key}share"]) for key in ("in_view_", ""))
+    longest = f"longest {measure(markers['longest_gap_s'], 2, 's')}, {count(markers['longest_gap_frames'], 'frame')}"
+    median, rms = (measure(points[f"residual_{key}_px"], 2, "px") for key in ("median", "rms"))
+    sd, jitter = (measure(markers[key], 2, "mm") for key in ("sd_per_axis_mean_mm", "jitter_median_mm"))
+    return [
+        (complete, "complete in view", f"{whole} of the whole trial"),
+        (number(markers["gaps"]), "gaps", longest if markers["gaps"] else "within what was seen"),
+        (median, "median residual", f"RMS {rms}"),
+        (sd, "σ of a position, per axis", f"jitter found {jitter}"),
+    ]
+
+
+def _recording_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
+    recording, points, timing = quality["recording"], quality["points"], quality["timing"]
+    tracks = f"{count(quality['tracks']['count'], 'track')}, {number(points['per_frame_mean'], 1)} points a frame"
+    trajectories = quality["trajectories"]
+    worn = trajectories["markers_worn"] if trajectories["unlabelled"] else trajectories["count"]
+    few = f"{percent(points['fewer_than_3_cameras_share'])} of points in fewer than three"
+    frames = f"{count(recording['frames'], 'frame')} at {number(recording['rate_hz'])} Hz"
+    return [
+        (number(worn), "markers", tracks),
+        (number(len(quality["cameras"])), "cameras", few),
+        (measure(recording["duration_s"], 2, "s"), "recorded", frames),
+        (
+            measure(timing["total_s"] or None, 1, "s"),
+            "of computing",
+            f"{number(timing['frames_per_s'], 0)} frames a second",
+        ),
+    ]
+
+
+def warning_list(warnings: list[dict[str, str]]) -> str:
+    """What deserves a look, and what to do."""
+    items = "".join(
+        f'<li class="{w["severity"]}"><span class="tag">{WORDS[w["severity"]]}</span>'
+        f"<div><b>{escape(w['what'])}</b><br>{escape(w['do'])}</div></li>"
+        for w in warnings
+    )
+    return f'<ul class="warnings">{items}</ul>' if items else "<p>Nothing asks for attention.</p>"
+
+
+def paragraphs(texts: Iterable[str]) -> str:
+    """One paragraph a text."""
+    return "".join(f"<p>{escape(text)}</p>" for text in texts)

@@ -1,0 +1,37 @@
+"""The figures that matter most, as a few lines for the terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .digitised import digitised_line
+from .formatting import number, percent
+
+
+def summary(quality: dict[str, Any]) -> str:
+    """A short plain text of what `quality` found: verdict, what was measured, a line a camera, what to do."""
+    lines = [f"{quality['session']} / {quality['trial']}: {quality['verdict']['headline']}"]
+    lines += [f"  {sentence}" for sentence in quality["verdict"]["sentences"]]
+    if quality.get("digitising"):
+        lines.append(f"  {digitised_line(quality['digitising'])}")
+    lines += ["", *_cameras(quality["cameras"])]
+    if quality["warnings"]:
+        lines.append("")
+    lines += [
+        f"  {warning['severity'].upper():5s} {warning['what']} {warning['do']}" for warning in quality["warnings"]
+    ]
+    if quality["timing"]["total_s"]:
+        timing = quality["timing"]
+        lines += ["", f"  {number(timing['total_s'], 1)} s of computing, {number(timing['frames_per_s'], 1)} frames/s."]
+    return "\n".join(lines) + "\n"
+
+
+def _cameras(cameras: list[dict[str, Any]]) -> list[str]:
+    width = max([len("camera"), *(len(camera["name"]) for camera in cameras)])
+    head = f"  {'camera':{width}s}  seen/frame   used  median px   95 % px"
+    return [head] + [
+        f"  {camera['name']:{width}s}  {number(camera['detections_per_frame']['mean'], 1):>10s}"
+        f"  {percent(camera['used_share']):>5s}  {number(camera['residual_median_px'], 2):>9s}"
+        f"  {number(camera['residual_95_px'], 2):>8s}"
+        for camera in cameras
+    ]

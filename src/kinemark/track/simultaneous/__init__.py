@@ -1,0 +1,22 @@
+"""Matching and tracking at once: from detections straight to tracks."""
+
+from ..two_cameras.former_two_cameras import FormerTwoCameras
+from .ambiguous import AmbiguousDecision, ambiguous_decisions, track_with_decisions
+from .diagnostics import diagnose
+from .diagnostics_of_tracks import diagnose_tracks
+from .methods import track_detections
+from .simultaneous_method import Simultaneous
+from .tracker import TrackingResult, track_simultaneously
+
+__all__ = [
+    "AmbiguousDecision",
+    "FormerTwoCameras",
+    "Simultaneous",
+    "TrackingResult",
+    "ambiguous_decisions",
+    "diagnose",
+    "diagnose_tracks",
+    "track_detections",
+    "track_simultaneously",
+    "track_with_decisions",
+]

@@ -1,0 +1,173 @@
+"""Decisions that were close, for the user to look at.
+
+| kind  | what happened | when it is a doubt |
+| swap  | two tracks came so near that either could have had the other's images | nearer than their gates (1) |
+| swap  | a track was lost and found again | its place was known no better than `Simultaneous.worst` |
+| swap  | a track jumped | farther than usual accelerations lead (3) |
+| merge | a track lived on images that it shared with another | fewer than two images of its own |
+| ghost | a track of little evidence | less than `SURE_INDEED` |
+| join  | two tracks may be one marker | made or not, another join was nearly as likely, or the gap was wide (2) |
+
+With standard deviations s and s' of where both tracks were expected, in each axis, (1) is |x − x'| < g (s + s'). A gap
+is wide where motion leaves the place more open than half of `worst` (2). A track jumps where it lies farther from where
+its last two points lead to than g a T²/2 (3), with the usual acceleration a and the time T since, and than its points
+are certain.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ...data import Detections, Rig, Tracks
+from ...data.array_types import Bools, Floats, Ints
+from .passes import Associations
+from .simultaneous_method import DEFAULT, Simultaneous
+from .stitch import CLEAR
+from .tracker import TrackingResult, track_simultaneously
+
+SURE_INDEED = float(np.log(1000.0))
+"""A marker is then a thousand times likelier than chance."""
+
+CLOSE = 3
+"""Frames apart that two ambiguous decisions of the same tracks may lie to be one."""
+
+
+class AmbiguousDecision(NamedTuple):
+    """A decision that was close: kind; first and last frame; the tracks that it is about; the reason in words."""
+
+    kind: Literal["swap", "merge", "ghost", "join"]
+    first: int
+    last: int
+    tracks: tuple[int, ...]
+    reason: str
+
+
+def track_with_decisions(
+    detections: Detections, rig: Rig, *, method: Simultaneous = DEFAULT
+) -> tuple[Tracks, list[AmbiguousDecision]]:
+    """Tracks of all markers as `follow` gives them, and the decisions that were close."""
+    result = track_simultaneously(detections, rig, method)
+    return result.tracks, ambiguous_decisions(result, method)
+
+
+def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
+    """The decisions of a run that were close, by frame."""
+    seen = result.seen.take(np.flatnonzero(result.id[result.seen.id] >= 0))
+    seen = seen.take(np.argsort(seen.frame, kind="stable"))
+    seen = seen._replace(id=result.id[seen.id])
+    found = [
+        *_near(seen, method),
+        *_found_again(seen, method),
+        *_jumps(result.tracks, method),
+        *_merged(seen, result.images.merged),
+        *_weak(result),
+        *_joins(result, method),
+    ]
+    return sorted(found, key=lambda doubt: (doubt.first, doubt.last, doubt.tracks))
+
+
+def _near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
+    """Tracks that came nearer than their gates (1), both having images."""
+    seen = seen.take(np.flatnonzero((seen.row >= 0).any(0)))
+    start = np.searchsorted(seen.frame, np.arange(int(seen.frame.max(initial=-1)) + 2))
+    pairs, apart = [np.zeros((2, 0), np.int64)], [np.zeros(0)]
+    for a, b in zip(start[:-1].tolist(), start[1:].tolist(), strict=True):
+        xyz, reach = seen.xyz[:, a:b], method.gate * seen.before[a:b] / np.sqrt(3)
+        squared = ((xyz[:, :, None] - xyz[:, None]) ** 2).sum(0)
+        i, j = np.nonzero(np.triu(squared < (reach + reach[:, None]) ** 2, 1))
+        pairs.append(np.array([a + i, a + j]))
+        apart.append(np.sqrt(squared[i, j]))
+    rows, far = np.concatenate(pairs, 1), np.concatenate(apart)
+    who = np.sort(seen.id[rows], axis=0)
+    other = who[0] != who[1]
+    return [
+        AmbiguousDecision(
+            "swap", a, b, who, f"came within {least:.0f} mm of each other, nearer than their places were certain"
+        )
+        for who, a, b, least in _spells(who.T[other], seen.frame[rows[0]][other], far[other])
+    ]
+
+
+def _found_again(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
+    """Tracks that were lost, and then had two images where their place was hardly known."""
+    again = np.flatnonzero((seen.before > method.worst) & ((seen.row >= 0).sum(0) >= 2))
+    return [
+        AmbiguousDecision("swap", a, b, who, f"lost, and found again where its place was known to {most:.0f} mm only")
+        for who, a, b, most in _spells(seen.id[again][:, None], seen.frame[again], seen.before[again])
+    ]
+
+
+def _jumps(tracks: Tracks, method: Simultaneous) -> list[AmbiguousDecision]:
+    """Tracks that jumped (3)."""
+    order = np.lexsort([tracks.cloud.frame, tracks.id])
+    a, b, c = order[:-2], order[1:-1], order[2:]
+    frame, xyz, sd = tracks.cloud.frame, tracks.cloud.xyz, np.sqrt(np.trace(tracks.cloud.cov, axis1=1, axis2=2))
+    before, since = frame[b] - frame[a], frame[c] - frame[b]
+    same = (tracks.id[a] == tracks.id[c]) & (since <= method.patience * tracks.cloud.rate)
+    ratio = since / np.where(same, before, 1)
+    off = np.linalg.norm(xyz[c] - xyz[b] - (xyz[b] - xyz[a]) * ratio[:, None], axis=1)
+    usual = method.acceleration * (since * (since + before)) / tracks.cloud.rate**2 / 2
+    sure = sd[c] + sd[b] * (1 + ratio) + sd[a] * ratio
+    far = np.flatnonzero(same & (off > method.gate * (usual + sure)))
+    return [
+        AmbiguousDecision("swap", a, b, who, f"jumped by {most:.0f} mm")
+        for who, a, b, most in _spells(tracks.id[c[far]][:, None], frame[c[far]], off[far])
+    ]
+
+
+def _merged(seen: Associations, merged: Bools) -> list[AmbiguousDecision]:
+    """Tracks that lived on images of others."""
+    has = seen.row >= 0
+    own = (has & ~seen.shared & ~merged[seen.row]).sum(0)
+    rows = np.flatnonzero((own < 2) & (has & seen.shared).any(0) & (has.sum(0) >= 2))
+    return [
+        AmbiguousDecision("merge", a, b, who, "lived on images in which markers run together")
+        for who, a, b, _ in _spells(seen.id[rows][:, None], seen.frame[rows], np.zeros(len(rows)))
+    ]
+
+
+def _weak(result: TrackingResult) -> list[AmbiguousDecision]:
+    """Tracks of little evidence."""
+    cloud, ids = result.tracks.cloud, result.tracks.id
+    total = np.zeros(len(result.tracks))
+    raw = np.flatnonzero(result.id[: len(result.evidence)] >= 0)
+    np.add.at(total, result.id[raw], result.evidence[raw])
+    return [
+        AmbiguousDecision(
+            "ghost",
+            int(cloud.frame[ids == i].min()),
+            int(cloud.frame[ids == i].max()),
+            (int(i),),
+            f"a marker is only {np.exp(total[i]):.0f} times likelier than a chance meeting of images",
+        )
+        for i in np.flatnonzero(total < SURE_INDEED)
+    ]
+
+
+def _joins(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
+    """Joins that had a rival, and those over wide gaps."""
+    found = []
+    for join in result.joins:
+        rival, wide = join.margin < 2 * CLEAR, join.sd > method.worst / 2  # (2)
+        if not rival and not wide:
+            continue
+        tracks = tuple(dict.fromkeys(int(result.id[i]) for i in (join.before, join.after)))
+        what = "were joined over a gap" if join.margin > CLEAR else "may be one marker with a gap"
+        why = "another join was nearly as likely" if rival else f"its motion alone leaves {join.sd:.0f} mm open"
+        found.append(AmbiguousDecision("join", join.last, join.first, tracks, f"{what}, but {why}"))
+    return found
+
+
+def _spells(who: Ints, frame: Ints, size: Floats) -> list[tuple[tuple[int, ...], int, int, float]]:
+    """Runs of frames in which the same tracks `who` (n, k) are in doubt: they, first, last, the median of `size`."""
+    order = np.lexsort([frame, *who.T[::-1]])
+    who, frame, size = who[order], frame[order], size[order]
+    new = np.ones(len(order), bool)
+    new[1:] = (who[1:] != who[:-1]).any(1) | (np.diff(frame) > CLOSE)
+    cuts = np.append(np.flatnonzero(new), len(order))
+    return [
+        (tuple(int(i) for i in who[a]), int(frame[a]), int(frame[b - 1]), float(np.median(size[a:b])))
+        for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True)
+    ]

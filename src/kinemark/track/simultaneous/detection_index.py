@@ -1,0 +1,172 @@
+"""What the cameras saw, as the tracker reads it: ideal pixels, their uncertainty, and which lie near a place.
+
+Every image counts as seen by a pinhole camera, its lens undone once for the whole recording. The noise of an image is
+that of its centroid plus what the calibration of its camera leaves open where the optical axes meet,
+
+    C = C_centroid + J_θ C_θ J_θᵀ                                        (1)
+
+taken as equal in both axes. Where markers run together, the image is no marker's own; it lies within the blob, so its
+noise is that of a place somewhere in a disc of the blob's size, (r / 2)² in each axis (2). A marker half behind a limb
+has its image beside its place by a part of its radius r. For the claims (HIDDEN r)² is added; the positions are solved
+by a method with heavy tails, which knows of that itself.
+
+The images stand in one long list by frame, camera and u. Those near a place are a piece of it, found by bisection, so
+that looking costs the same whether a camera sees ten markers or a thousand.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data import Camera, Detections, Rig
+from ...data.array_types import Bools, Floats, Ints
+from ...geometry import parameter_jacobian, undistort
+from ...native import ImageIndex, index_images
+
+USUAL_SD = 0.2
+"""px, of centroids of which nobody knows the noise."""
+
+LEAST_SD = 0.05
+"""px; no calibration of a real camera is better, whatever it says of itself."""
+
+SEEN = 0.8
+"""p of `claims`, with which a camera sees a marker; it weighs little: between 0.5 and 0.95, what an image is worth
+changes by that of a distance of two standard deviations."""
+
+HIDDEN = 0.1
+"""Of the radius of an image: its usual shift where a limb hides a part of it."""
+
+USUAL_AREA = 20.0
+"""px², of images of which nobody knows the size."""
+
+
+class Images(NamedTuple):
+    """All D detections of a recording of C cameras and F frames.
+
+    Attributes:
+        P: (C, 3, 4) projections, scaled so that the third row gives the depth in mm.
+        uv: (D, 2) ideal pixels; variance: (D) px² of each axis; radius: (D) px.
+        camera, frame: (D); usable: (D) whether it is valid; merged: (D) whether it may be more markers than one.
+        prior: (C) 2 ln(p / ((1 − p) 2π b)) of `claims`, b images per frame and px².
+        calibration: (C) px², the second term of (1), which is in `variance`.
+        margin: (D) px² that `variance` has for the claims alone.
+        widest: (F C) px², the greatest variance in each frame and camera.
+        stated: whether any source says how noisy its images are; usual: px², of those of which none does.
+        size: (C, 2) of the images, px.
+        n_frames: F.
+        by_cell: the usable rows by frame, camera and u; a cell is frame C + camera.
+    """
+
+    P: Floats
+    uv: Floats
+    variance: Floats
+    radius: Floats
+    camera: Ints
+    frame: Ints
+    usable: Bools
+    merged: Bools
+    prior: Floats
+    calibration: Floats
+    margin: Floats
+    widest: Floats
+    stated: bool
+    usual: float
+    size: Floats
+    n_frames: int
+    by_cell: ImageIndex
+
+    def near(self, cell: Ints, u: Floats, reach: Floats) -> tuple[Ints, Ints]:
+        """Images whose u lies within reach (N) px of u (N), in cells frame C + camera (N): (places in N, rows)."""
+        return self.by_cell.near(cell, u, reach)
+
+    def noisier(self, added: Floats) -> Images:
+        """The same with more variance (C) px² in the images of each camera."""
+        variance = np.maximum(self.variance + added[self.camera], LEAST_SD**2)
+        return self._replace(variance=variance, widest=_widest(variance, self.by_cell))
+
+    def without(self, cameras: Ints) -> Images:
+        """The same without the images of some cameras."""
+        if not len(cameras):
+            return self
+        usable = self.usable & ~np.isin(self.camera, cameras)
+        return self._replace(usable=usable, by_cell=self.by_cell.keep(usable))
+
+    def in_frames(self, frames: list[int]) -> list[Ints]:
+        """Usable rows of each frame, camera by camera."""
+        order, first, C = self.by_cell.order, self.by_cell.first, len(self.P)
+        return [order[first[f * C] : first[(f + 1) * C]] for f in frames]
+
+
+def read_images(detections: Detections, rig: Rig) -> Images:
+    """The images of detections, seen by the cameras of a rig."""
+    uv = np.full((len(detections), 2), np.nan)
+    for c, camera in enumerate(rig):
+        own = slice(detections.start[c, 0], detections.start[c, -1])
+        uv[own] = undistort(camera, detections.uv[own])
+    usable = detections.valid & np.isfinite(uv[:, 0]) & np.isfinite(uv[:, 1])
+    size = np.array([extent(camera, uv[detections.camera == c]) for c, camera in enumerate(rig)])
+    clutter = np.maximum(detections.counts.sum(1) / max(detections.n_frames, 1), 1.0) / size.prod(1)
+    middle = meeting(rig)
+    calibration = np.array([_open(camera, middle) for camera in rig])
+    centroid = np.trace(detections.cov, axis1=1, axis2=2) / 2
+    known = np.isfinite(centroid)
+    usual = float(np.median(centroid[known])) if known.any() else USUAL_SD**2
+    radius = np.sqrt(np.where(np.isfinite(detections.area), detections.area, USUAL_AREA) / np.pi)
+    noise = np.where(known, centroid, usual)
+    margin = np.maximum(LEAST_SD**2 - noise, 0.0) + np.where(np.isfinite(detections.area), (HIDDEN * radius) ** 2, 0.0)
+    variance = noise + margin + calibration[detections.camera]  # (1)
+    variance = variance + np.where(detections.merged, radius**2 / 4, 0.0)  # (2)
+    cell = detections.frame * len(rig) + detections.camera
+    index = index_images(uv, cell, usable, n_cells=len(rig) * detections.n_frames)
+    return Images(
+        P=rig.P / np.linalg.norm(rig.P[:, 2, :3], axis=1)[:, None, None],
+        uv=uv,
+        variance=variance,
+        radius=radius,
+        camera=detections.camera,
+        frame=detections.frame,
+        usable=usable,
+        merged=detections.merged,
+        prior=2 * np.log(SEEN / ((1 - SEEN) * 2 * np.pi * clutter)),
+        calibration=calibration,
+        margin=margin,
+        widest=_widest(variance, index),
+        stated=bool(known.any()),
+        usual=usual,
+        size=size,
+        n_frames=detections.n_frames,
+        by_cell=index,
+    )
+
+
+def _widest(variance: Floats, index: ImageIndex) -> Floats:
+    """`Images.widest`."""
+    widest = np.zeros(index.n_cells)
+    cell = np.repeat(np.arange(index.n_cells), np.diff(index.first))
+    np.maximum.at(widest, cell, variance[index.order])
+    return widest
+
+
+def extent(camera: Camera, uv: Floats) -> Floats:
+    """(2) size of a camera's images, px; as far as images were seen where it is not known."""
+    if camera.size.all():
+        return np.asarray(camera.size, np.float64)
+    seen = uv[np.isfinite(uv).all(1)]
+    return np.maximum(seen.max(0, initial=1.0), 64.0)
+
+
+def meeting(rig: Rig) -> Floats:
+    """(3) mm, the point that lies nearest to all optical axes."""
+    axes = np.array([camera.R[2] for camera in rig])
+    across = np.eye(3) - axes[:, :, None] * axes[:, None]
+    return np.linalg.lstsq(across.sum(0), (across @ rig.centres[..., None]).sum(0)[:, 0], rcond=None)[0]
+
+
+def _open(camera: Camera, xyz: Floats) -> float:
+    """px², the second term of (1) at a point (3) mm, the mean of both axes."""
+    if not camera.cov.any() or (camera.R @ xyz + camera.t)[2] <= 0:
+        return 0.0
+    J = parameter_jacobian(camera, xyz[None])[0]
+    return float(np.trace(J @ camera.cov @ J.T) / 2)

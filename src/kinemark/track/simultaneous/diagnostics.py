@@ -1,0 +1,198 @@
+"""What a run shows of its input: cameras that were moved, exchanged, shifted or stopped, and a rate that cannot be.
+
+Each camera is compared with what all the others together say. From its images in the tracks, the median of image less
+projection over a tenth of the recording shows a camera that stands otherwise than it is calibrated (1), and since when.
+The share of the tracked points for which it has an image shows one whose images fit nothing, or nothing any more (2).
+A camera whose images fit nothing may be another one's: its images are tried with the calibration of each other (3).
+Images that lie where the marker was, or will be, show a camera that is not synchronous (`time_offsets`).
+A rate that is wrong changes all speeds by one factor, which no image tells; only one that makes people faster than they
+are is seen (4). Half of the true rate goes unnoticed.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data import Detections, Rig
+from ...data.array_types import Bools, Floats, Ints
+from .associate import predict_images
+from .detection_index import Images
+from .kalman_states import KalmanStates
+from .measurement_noise import DEAF, FAR
+from .time_offsets import TimeOffsets, time_offsets
+from .tracker import TrackingResult
+
+PARTS = 10
+"""Into which a recording is cut."""
+
+BESIDE = 0.5
+"""px; less is what a usual calibration leaves."""
+
+CERTAIN = 5.0
+"""Standard errors of a delay."""
+
+FASTEST = 15_000.0
+"""mm/s; markers on people hardly move faster than the hand of a thrower."""
+
+FEW = 30
+"""Points from which a median is taken."""
+
+
+def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[str]:
+    """Sentences on what is odd about the input; none where nothing is."""
+    said, late = [], _not_synchronous(detections, rig, time_offsets(result))
+    for c, name in enumerate(rig.names):
+        said += _silent(detections, result, c) or late.get(c) or _beside(result, c, name)
+    said += [_misfit(result, rig, c) for c in result.noise.deaf.tolist()]
+    return said + _too_fast(result, detections.rate)
+
+
+def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> dict[int, list[str]]:
+    """About cameras that see at other times than the others, under their numbers."""
+    there = (np.abs(found.delay) > CERTAIN * found.error) & (found.shift > BESIDE)
+    said = {}
+    for c in np.flatnonzero(there).tolist():
+        delay, late = abs(found.delay[c]), "later" if found.delay[c] > 0 else "earlier"
+        said[c] = [
+            f"Camera {rig.names[c]} sees everything {delay / detections.rate * 1000:.1f} ms {late} than the others, "
+            f"{delay:.2f} of a frame, which moves its images by up to {found.shift[c]:.1f} px: "
+            "are all cameras triggered together?"
+        ]
+    return said
+
+
+def _silent(detections: Detections, result: TrackingResult, c: int) -> list[str]:
+    """About a camera without images at the end, or the beginning, of the recording, though markers were in its view."""
+    n, some, name = detections.n_frames, np.flatnonzero(detections.counts[c]), detections.cameras[c]
+    if not n or not len(some):
+        return [f"Camera {name} has no images at all."] if n else []
+    should = result.tracks.cloud.frame[_in_view(result, c, _expected(result, c), min(2, len(detections.cameras) - 1))]
+    said = []
+    if n - some[-1] > n / PARTS and (should > some[-1]).sum() >= FEW:
+        said.append(f"Camera {name} has no images after frame {some[-1]} of {n}: did it stop?")
+    if some[0] > n / PARTS and (should < some[0]).sum() >= FEW:
+        said.append(f"Camera {name} has no images before frame {some[0]} of {n}: did it start late?")
+    return said
+
+
+class Parts(NamedTuple):
+    """Of one camera and each part of the recording: off (n, 2) px where its images lie beside the others' points, NaN
+    where hardly any lies near; share (n) of the points that have one in their track; first (n) frame of the part."""
+
+    off: Floats
+    share: Floats
+    first: Ints
+
+
+def _beside(result: TrackingResult, c: int, name: str) -> list[str]:
+    """About a camera whose images lie beside the others', or fit no longer."""
+    if c in result.noise.deaf:
+        return []
+    parts = _parts(result, c)
+    usual = np.nanmax(parts.share, initial=0.0)
+    lost = parts.share < 0.1 * usual
+    if usual > DEAF and lost[-1]:  # (2)
+        last = len(lost) - int(np.argmin(lost[::-1]))
+        return [f"The images of camera {name} fit no track from frame {parts.first[last]} on: was it moved?"]
+    far = np.linalg.norm(parts.off, axis=1)
+    wrong = np.flatnonzero(far > BESIDE)  # (1)
+    if not len(wrong):
+        return []
+    whole = len(wrong) >= np.isfinite(far).sum() - 1
+    since = "" if whole else f" from frame {parts.first[wrong[0]]} on"
+    dx, dy = np.nanmedian(parts.off[wrong], axis=0)
+    return [
+        f"The images of camera {name} lie ({dx:+.1f}, {dy:+.1f}) px beside where the other cameras expect them{since}: "
+        "was it touched after the calibration?"
+    ]
+
+
+def _parts(result: TrackingResult, c: int) -> Parts:
+    """What a camera has where the points of the tracks are, by parts of the recording."""
+    cloud, images = result.tracks.cloud, result.images
+    first = np.unique(np.linspace(0, cloud.n_frames, PARTS + 1).astype(int))[:-1]
+    part = np.searchsorted(first, cloud.frame, side="right") - 1
+    uv = _expected(result, c)
+    inside = _in_view(result, c, uv, 2)
+    near = _nearest(images, cloud.frame, c, uv)
+    off, share = np.full((len(first), 2), np.nan), np.full(len(first), np.nan)
+    for k in range(len(first)):
+        own = (part == k) & inside
+        there = own & (near >= 0)
+        if there.sum() >= max(FEW, 2 * DEAF * own.sum()):
+            off[k] = np.median(images.uv[near[there]] - uv[there], axis=0)
+        if own.sum() >= FEW:
+            share[k] = (cloud.view[own, c] >= 0).mean()
+    return Parts(off, share, first)
+
+
+def _expected(result: TrackingResult, c: int) -> Floats:
+    """(P, 2) px where camera c should see the points of the tracks."""
+    return (
+        predict_images(
+            result.images.P[c : c + 1],
+            KalmanStates(result.tracks.cloud.xyz.T, np.zeros((3, 3, len(result.tracks.cloud)))),
+        )
+        .uv[0]
+        .T
+    )
+
+
+def _in_view(result: TrackingResult, c: int, uv: Floats, least: int) -> Bools:
+    """(P) points of the tracks that lie in the image of camera c, at uv (P, 2), and that so many others see."""
+    others = np.delete(result.tracks.cloud.view, c, axis=1) >= 0
+    return np.asarray(((uv >= 0) & (uv < result.images.size[c])).all(1) & (others.sum(1) >= least))
+
+
+def _nearest(images: Images, frame: Ints, c: int, uv: Floats) -> Ints:
+    """(P) rows of the images of camera c nearest to places uv (P, 2), −1 where none is within FAR."""
+    own, row = images.near(frame * len(images.P) + c, uv[:, 0], np.full(len(uv), FAR))
+    far = np.linalg.norm(images.uv[row] - uv[own], axis=1)
+    order = np.argsort(-far, kind="stable")
+    order = order[far[order] < FAR]
+    out = np.full(len(uv), -1)
+    out[own[order]] = row[order]
+    return out
+
+
+def _misfit(result: TrackingResult, rig: Rig, c: int) -> str:
+    """About a camera whose images fit nothing: which other one it might be (3)."""
+    cloud, images = result.tracks.cloud, result.images
+    found = np.zeros(len(rig))
+    for other in range(len(rig)):
+        uv = _expected(result, other)
+        inside = ((uv >= 0) & (uv < images.size[c])).all(1)
+        if inside.any():
+            found[other] = (_nearest(images, cloud.frame[inside], c, uv[inside]) >= 0).mean()
+    best = int(found.argmax())
+    if best != c and found[best] > 2 * DEAF:
+        return (
+            f"Camera {rig.names[c]} sees what camera {rig.names[best]} should see: are the cameras in the wrong order? "
+            "It was left out."
+        )
+    return (
+        f"The images of camera {rig.names[c]} fit nothing that the others see: its calibration is of another place. "
+        "It was left out."
+    )
+
+
+def _too_fast(result: TrackingResult, rate: float) -> list[str]:
+    """About speeds that nobody has (4)."""
+    cloud, ids = result.tracks.cloud, result.tracks.id
+    order = np.lexsort([cloud.frame, ids])
+    xyz, frame, ids = cloud.xyz[order], cloud.frame[order], ids[order]
+    next_one = (np.diff(ids) == 0) & (np.diff(frame) == 1)
+    speed = np.linalg.norm(np.diff(xyz, axis=0)[next_one], axis=1) * rate
+    if not len(cloud) and (result.noise.found > DEAF).any():
+        return [
+            "The cameras agree in single frames, but nothing goes on from one frame to the next: is the frame rate of "
+            f"{rate:g} Hz that of the recording?"
+        ]
+    if len(speed) < FEW or np.percentile(speed, 99) < FASTEST:
+        return []
+    return [
+        f"Markers move at {np.percentile(speed, 99) / 1000:.0f} m/s: is the frame rate of {rate:g} Hz that of the "
+        "recording?"
+    ]

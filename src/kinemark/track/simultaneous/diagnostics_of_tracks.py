@@ -1,0 +1,39 @@
+"""What tracks of any method show of their input, in the sentences of `diagnose`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...data import Detections, Rig, Tracks
+from .candidate_points import fundamentals
+from .detection_index import read_images
+from .diagnostics import diagnose
+from .measurement_noise import learned
+from .passes import Associations
+from .simultaneous_method import DEFAULT
+from .tracker import TrackingResult
+
+LEFT_OUT = " It was left out."
+"""True of `Simultaneous` only: the other methods match whatever they are given."""
+
+
+def diagnose_tracks(detections: Detections, rig: Rig, tracks: Tracks) -> list[str]:
+    """Sentences on what is odd about the input of a method that says nothing of it itself; none where nothing is.
+
+    Args:
+        detections: what the cameras saw.
+        rig: the cameras, of the same names in the same order.
+        tracks: what any method made of it; points without an identity say nothing.
+    """
+    images = read_images(detections, rig)
+    images, noise = learned(images, fundamentals(images.P), DEFAULT.gate)
+    own = tracks.id >= 0
+    tracks = Tracks(tracks.cloud.keep(own), tracks.id[own])
+    result = TrackingResult(tracks, _not_known(len(rig)), np.zeros(0, np.int64), np.zeros(0), [], images, noise)
+    return [sentence.removesuffix(LEFT_OUT) for sentence in diagnose(detections, rig, result)]
+
+
+def _not_known(C: int) -> Associations:
+    """No sightings: of other methods it is not known where they looked."""
+    zero, none, row = np.zeros(0, np.int64), np.zeros(0), np.zeros((C, 0), np.int64)
+    return Associations(zero, zero, row, row > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))

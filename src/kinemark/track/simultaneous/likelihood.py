@@ -1,0 +1,57 @@
+"""Whether a track is a marker or a chance meeting of images.
+
+The images of a marker lie about the projections of its point as their noise says, though now and then, as when a limb
+hides a part of the marker, farther off: as Student's t with ν degrees of freedom. Those of a chance meeting lie
+anywhere within the gate of g standard deviations. In a point of n images k = 2n − 3 distances are free, and with q the
+sum of their squares in standard deviations it speaks for the marker by
+
+    k ln(2g / √(2π)) − (ν + k)/2 ln(1 + q/ν)                                              (1)
+
+which for g = 5 is 1.4 for two images that fit perfectly, 4.1 for three, and no point speaks against it by more than
+ln WEAK (2), as errors that last, such as a calibration's, are no chance. The evidence for a track is the sum over its
+points (3). Images that markers share or merge in say nothing. A track of less than `SURE` is dropped.
+
+Images of two markers that move alike may meet for a while. So a track that three cameras never see counts as nothing
+where its evidence is less than FAIR of what images that fit perfectly would give (4).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...data.array_types import Bools, Floats
+from .passes import Associations
+
+TAILS = 4.0
+"""ν"""
+
+WEAK = 0.75
+"""Of (2): then a chance meeting, uniform within the gate, gains nothing from being long."""
+
+SURE = float(np.log(10.0))
+"""A marker is then ten times likelier than chance, whatever its length."""
+
+FAIR = 0.45
+"""Of (4); markers have 0.5 to 0.9, as their images have noise."""
+
+
+def says(seen: Associations, own: Bools, gate: float) -> Floats:
+    """(S) by (1) and (2) for each sighting, whose own images are `own` (C, S)."""
+    n = own.sum(0)
+    free = 2 * np.maximum(n, 1.5) - 3
+    said = free * _perfect(gate) - (TAILS + free) / 2 * np.log1p(seen.squared / TAILS)  # (1)
+    return np.where(n >= 2, np.maximum(said, np.log(WEAK)), 0.0)  # (2)
+
+
+def evidence(seen: Associations, own: Bools, gate: float) -> Floats:
+    """(N) by (3) and (4) for each track, whose own images are `own` (C, S)."""
+    n, tracks = own.sum(0), int(seen.id.max(initial=-1)) + 1
+    total = np.bincount(seen.id, says(seen, own, gate), minlength=tracks)
+    pairs = np.bincount(seen.id, n == 2, minlength=tracks)
+    only_pairs = np.bincount(seen.id, (seen.row >= 0).sum(0) > 2, minlength=tracks) == 0
+    return np.where(only_pairs & (total < FAIR * _perfect(gate) * pairs), 0.0, total)  # (4)
+
+
+def _perfect(gate: float) -> float:
+    """(1) of two images that fit perfectly."""
+    return float(np.log(2 * gate / np.sqrt(2 * np.pi)))

@@ -1,0 +1,96 @@
+"""What the points of tracks say of the motion near one frame of them.
+
+From the points of the frames before it, with which the filter of `kalman_states` is updated one after the other, a
+track has a state there; from those after it, against time, another. Either alone tells where a path goes on (`stitch`).
+Both together, with covariances V₋ and V₊ of the whole states x₋ and x₊, and what the images of the frame itself say
+of the position, N and p, give
+
+    K = V₋ (V₋ + V₊)⁻¹,   x = x₋ + K (x₊ − x₋),   V = K V₊                               (1)
+
+updated with N (p − x) by (4) of `native.point_motion`: the smoothed position (Fraser & Potter 1969, "The optimum linear
+smoother as a combination of two optimum linear filters", IEEE Trans. Autom. Control 14, 387–390).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Bools, Floats, Ints
+from ...native import inverse
+from .kalman_states import KalmanStates, at_rest, predict, reversed_time, update
+from .simultaneous_method import Simultaneous
+
+LOOK = 8
+"""Frames from which the motion is known."""
+
+NOWHERE = 1000.0
+"""mm, the standard deviation of a position of which nothing is known."""
+
+
+class TrackPoints(NamedTuple):
+    """P points of tracks: frame, id (P), xyz (P, 3) mm, cov (P, 3, 3) mm²."""
+
+    frame: Ints
+    id: Ints
+    xyz: Floats
+    cov: Floats
+
+    def take(self, which: Bools | slice) -> TrackPoints:
+        """Only these."""
+        return TrackPoints(self.frame[which], self.id[which], self.xyz[which], self.cov[which])
+
+    def plus(self, other: TrackPoints) -> TrackPoints:
+        """These and others after them."""
+        frame, id = np.concatenate([self.frame, other.frame]), np.concatenate([self.id, other.id])
+        return TrackPoints(frame, id, np.concatenate([self.xyz, other.xyz]), np.concatenate([self.cov, other.cov]))
+
+
+def rows_of(points: TrackPoints) -> Ints:
+    """(N, F) the row of each track in each frame, −1 for none."""
+    rows = np.full((int(points.id.max(initial=-1)) + 1, int(points.frame.max(initial=-1)) + 1), -1)
+    rows[points.id, points.frame] = np.arange(len(points.id))
+    return rows
+
+
+def rows_near(rows: Ints, id: Ints, frame: Ints, way: int) -> Ints:
+    """(LOOK, n) the rows of tracks id (n) in frame (n) and those that lie before (way −1) or after (1) it."""
+    frames = frame + way * np.arange(LOOK)[:, None]
+    inside = (frames >= 0) & (frames < rows.shape[1])
+    return np.where(inside, rows[id, np.where(inside, frames, 0)], -1)
+
+
+def motion_from(points: TrackPoints, near: Ints, around: Floats, T: float, method: Simultaneous) -> KalmanStates:
+    """The motion of n tracks in a frame, from their rows `near` (LOOK, n) it; somewhere about `around` (3, n) mm."""
+    n = near.shape[1]
+    wide = np.broadcast_to(np.eye(3)[..., None] * NOWHERE**2, (3, 3, n))
+    motion = at_rest(around, wide, speed=method.speed, acceleration=method.acceleration)
+    for k in range(LOOK - 1, -1, -1):
+        motion = motion if k == LOOK - 1 else predict(motion, T, method.wander)
+        N = inverse(points.cov[near[k]].transpose(1, 2, 0)) * (near[k] >= 0)
+        motion = update(motion, N, np.einsum("ijt,jt->it", N, points.xyz[near[k]].T - motion.position))
+    return motion
+
+
+def smoothed(points: TrackPoints, which: Bools, sound: Bools, T: float, method: Simultaneous) -> tuple[Floats, Floats]:
+    """Positions (n, 3) mm and covariances (n, 3, 3) mm² of the points `which` (P) by (1), from sound ones (P) near."""
+    row = np.flatnonzero(which)
+    rows, id, frame = rows_of(points), points.id[row], points.frame[row]
+    around = points.xyz[row].T
+    near = [np.where(sound[one], one, -1) for one in (rows_near(rows, id, frame, way) for way in (-1, 1))]
+    for one in near:
+        one[0] = -1
+    before, after = (motion_from(points, one, around, T, method) for one in near)
+    both = between(before, reversed_time(after))
+    N = inverse(points.cov[row].transpose(1, 2, 0))
+    both = update(both, N, np.einsum("ijt,jt->it", N, around - both.position))
+    return both.position.T, both.cov.transpose(2, 0, 1)
+
+
+def between(before: KalmanStates, after: KalmanStates) -> KalmanStates:
+    """What both sides say of the motion of n points, by (1)."""
+    one, other = (motion.V.transpose(2, 0, 1) for motion in (before, after))
+    K = np.linalg.solve(one + other, one).swapaxes(1, 2)
+    x = before.x.T + (K @ (after.x - before.x).T[..., None])[..., 0]
+    return KalmanStates(x.T, (K @ other).transpose(1, 2, 0))

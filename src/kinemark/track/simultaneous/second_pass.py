@@ -1,0 +1,159 @@
+"""A second look at what the run was not sure of, with the frames before and after at hand.
+
+The run knows of a track only what was before, and looks for new ones not in every frame; so it may miss what two
+cameras see for a moment, or take a wrong image. Once tracks are whole, a frame in question has known points of its
+track before and after it. The motion of each side is taken on to the frame, and where both lead to, by (1) of `paths`,
+images are claimed as in the run (`claims`), among those that no known point has. In question are
+
+- points of two images, known being those of SOUND and more: they are wrong where they do not lie where both sides lead
+  to, or where SOUND images are claimed instead (1);
+- frames without a point between known points, and for a while after a track's last and before its first; these only
+  where three cameras ever saw it, as a chance meeting of two images also goes on. Two claimed images make a point (2).
+
+What is found leads farther on, so (2) is done LOOKS times.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Bools, Ints
+from ...native import inverse
+from .associate import associate, information, predict_images
+from .candidate_points import intersect
+from .detection_index import Images
+from .kalman_states import KalmanStates, predict, reversed_time, update
+from .neighbouring_points import TrackPoints, between, motion_from, rows_near, rows_of
+from .passes import without_loose
+from .simultaneous_method import Simultaneous
+
+LOOKS = 3
+
+SOUND = 3
+"""Images of a point that is not in question."""
+
+AT_ONCE = 20_000
+"""Frames of tracks that are looked at in one go, and the rest of the last frame; more would take memory."""
+
+
+class SecondPass(NamedTuple):
+    """Which of P points are kept (P), and points that were found, with their images row (C, N)."""
+
+    kept: Bools
+    found: TrackPoints
+    row: Ints
+
+
+class Doubtful(NamedTuple):
+    """N frames of tracks id in question, and the known points before and after each, −1 for none; all (N)."""
+
+    id: Ints
+    frame: Ints
+    before: Ints
+    after: Ints
+
+    def take(self, which: Bools | Ints) -> Doubtful:
+        """Only these."""
+        return Doubtful(*(column[which] for column in self))
+
+
+def second_pass(points: TrackPoints, row: Ints, images: Images, T: float, method: Simultaneous) -> SecondPass:
+    """A second look at the tracks of P points with the images row (C, P)."""
+    sound = (row >= 0).sum(0) >= SOUND
+    kept = ~_wrong(points, sound, row, images, T, method)
+    known, view = points.take(kept), row[:, kept]
+    for _ in range(LOOKS):
+        doubtful = _doubtful(known, images.n_frames, T, method)
+        inside = (doubtful.before >= 0) & (doubtful.after >= 0)
+        doubtful = doubtful.take(inside | np.isin(doubtful.id, points.id[sound]))
+        free, claimed = _free(images, view), np.empty((len(row), len(doubtful.id)), np.int64)
+        for part in _parts(doubtful.frame):
+            expected = _expected(known, doubtful.take(part), T, method)
+            claimed[:, part] = _claimed(images, free, doubtful.frame[part], expected, method)
+        place = intersect(images, claimed)
+        new = TrackPoints(doubtful.frame, doubtful.id, place.xyz.T, place.cov.transpose(2, 0, 1))
+        good = ((claimed >= 0).sum(0) >= 2) & np.isfinite(new.xyz).all(1) & np.isfinite(new.cov).all((1, 2))  # (2)
+        if not good.any():
+            break
+        known = known.plus(new.take(good))
+        view = np.concatenate([view, claimed[:, good]], 1)
+    old = int(kept.sum())
+    return SecondPass(kept, known.take(slice(old, None)), view[:, old:])
+
+
+def _wrong(points: TrackPoints, sound: Bools, row: Ints, images: Images, T: float, method: Simultaneous) -> Bools:
+    """(P) by (1), from the sound points (P)."""
+    known, wrong = points.take(sound), np.zeros(len(sound), bool)
+    doubtful = _doubtful(known, images.n_frames, T, method)
+    at = rows_near(rows_of(points), doubtful.id, doubtful.frame, 1)[0]
+    doubtful, at = doubtful.take(at >= 0), at[at >= 0]
+    free = _free(images, np.delete(row, at, axis=1))
+    for part in _parts(doubtful.frame):
+        own, expected = at[part], _expected(known, doubtful.take(part), T, method)
+        off = points.xyz[own].T - expected.position
+        N = inverse(expected.cov + points.cov[own].transpose(1, 2, 0))
+        elsewhere = (off * np.einsum("ijt,jt->it", N, off)).sum(0) > method.gate**2
+        instead = _claimed(images, free, doubtful.frame[part], expected, method)
+        wrong[own] = elsewhere | ((instead >= 0).sum(0) >= SOUND)
+    return wrong
+
+
+def _parts(frame: Ints) -> list[Ints]:
+    """Places of about AT_ONCE of the frames (N), each frame in one part, as its claims are made together."""
+    order = np.argsort(frame, kind="stable")
+    cuts = np.searchsorted(frame[order], frame[order][AT_ONCE::AT_ONCE], "right")
+    return [part for part in np.split(order, np.unique(cuts)) if len(part)]
+
+
+def _free(images: Images, held: Ints) -> Bools:
+    """(D) the usable images that none of the views (C, n) holds."""
+    free = images.usable.copy()
+    free[held[held >= 0]] = False
+    return free
+
+
+def _doubtful(known: TrackPoints, n_frames: int, T: float, method: Simultaneous) -> Doubtful:
+    """The frames between known points of a track, and those soon after its last and before its first."""
+    order = np.lexsort([known.frame, known.id])
+    a, b = order[:-1], order[1:]
+    step = known.frame[b] - known.frame[a]
+    near = (known.id[a] == known.id[b]) & (step * T <= method.gap)
+    edge = np.ones(min(len(order), 1), bool)
+    last, first = order[np.concatenate([~near, edge])], order[np.concatenate([edge, ~near])]
+    wait = round(method.patience / T)
+    none = np.full(len(last), -1)
+    before, after = np.concatenate([a[near], last, none]), np.concatenate([b[near], none, first])
+    left, right = np.minimum(wait, known.frame[first]), np.minimum(wait, n_frames - 1 - known.frame[last])
+    count = np.concatenate([step[near] - 1, right, left])
+    k = np.repeat(np.arange(len(count)), count)
+    nth = np.arange(len(k)) - np.repeat(np.cumsum(count) - count, count) + 1
+    own, way = np.where(before >= 0, before, after)[k], np.where(before >= 0, 1, -1)[k]
+    return Doubtful(known.id[own], known.frame[own] + way * nth, before[k], after[k])
+
+
+def _expected(known: TrackPoints, doubtful: Doubtful, T: float, method: Simultaneous) -> KalmanStates:
+    """What the known points on both sides, or on the only one, say of the motion in the doubtful frames."""
+    rows, sides = rows_of(known), []
+    for point, way in ((doubtful.before, -1), (doubtful.after, 1)):
+        ends, which = np.unique(point, return_inverse=True)
+        near = rows_near(rows, known.id[ends], known.frame[ends], way)
+        motion = motion_from(known, near, known.xyz[ends].T, T, method).take(which)
+        sides.append(predict(motion, np.abs(doubtful.frame - known.frame[point]) * T, method.wander))
+    before, after = sides[0], reversed_time(sides[1])
+    both = between(before, after)
+    one_sided = [doubtful.after < 0, doubtful.before < 0]
+    return KalmanStates(*(np.select(one_sided, each[:2], each[2]) for each in zip(before, after, both, strict=True)))
+
+
+def _claimed(images: Images, free: Bools, frame: Ints, expected: KalmanStates, method: Simultaneous) -> Ints:
+    """(C, N) the images claimed in frames (N) that fit one another; none where the place is not known to `worst`."""
+    row = np.full((len(images.P), len(frame)), -1)
+    near = np.sqrt(np.trace(expected.cov)) < method.worst
+    expected = expected.take(near)
+    seen = predict_images(images.P, expected)
+    claims = associate(images, free, frame[near], seen, method.gate)
+    after = update(expected, *information(images, seen, claims))
+    row[:, near] = without_loose(images, method.gate, expected, seen, claims, after).claims.row
+    return row

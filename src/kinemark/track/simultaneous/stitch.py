@@ -1,0 +1,207 @@
+"""Pieces of one marker's path that lie apart become one track.
+
+A track that ends goes on by its motion, one that begins goes back by its own, and half way of the gap between them the
+one is compared with the other. With δ the difference of positions and velocities there and S the sum of their
+covariances,
+
+    worth = 2 ln(p / ((1 − p) b)) − ln |2π S| − δᵀ S⁻¹ δ                                  (1)
+
+says how much likelier both are one marker than two, where b tracks per mm³ and (mm/s)³ begin by chance during the gap.
+S grows with the gap, and after some tenths of a second (1) says nothing any more. But most markers sit on something
+rigid. The distance to another track k that is there on both sides was r ± σ before the gap and is r' after it,
+
+    worth_k = 2 ln(L / (√(2π) σ)) − (r' − r)² / σ²                                        (2)
+
+against a distance that could be any of a length L, the usual distance between tracks. The three others of least σ
+count. Where S leaves the place more open than `Simultaneous.worst`, motion alone makes no join: it takes (2) as well.
+
+All joins together are those of the greatest worth. One is only made where it is worth more than any other join of
+either track, and than none, by CLEAR (3); otherwise both tracks stay as they are and the join is a doubt.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from ...data.array_types import Floats, Ints
+from .kalman_states import KalmanStates, predict, reversed_time
+from .neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of
+from .simultaneous_method import Simultaneous
+
+CLEAR = 2 * np.log(100.0)
+"""A hundred times likelier than the next best, in units of (1)."""
+
+NEVER = 1 << 40
+"""The first frame of a track without points."""
+
+LEAST = 1.0
+"""mm; no two markers are held at a distance that is steadier, skin and clothes being what they are."""
+
+MATES = 3
+"""Other tracks of which (2) counts."""
+
+AT_ONCE = 20_000
+"""Pairs that are worked out in one go; more would take memory and no less time."""
+
+SEEN = 0.8
+"""p of (1): how many of the tracks that end before their marker is gone begin again within the gap."""
+
+
+class Ends(NamedTuple):
+    """Of each of N tracks: its first and last frame; and its motion there, that at the first against time."""
+
+    first: Ints
+    last: Ints
+    begin: KalmanStates
+    end: KalmanStates
+
+
+class Stitch(NamedTuple):
+    """Track `before` goes on as track `after`; worth of (1) and (2), and margin over the next best (3);
+    sd of the difference of positions (1), mm; last and first: the frames at both sides of the gap."""
+
+    before: int
+    after: int
+    worth: float
+    margin: float
+    sd: float
+    last: int
+    first: int
+
+
+class Stitched(NamedTuple):
+    """(N) the identity of each track after the clear joins, that of the first of its pieces; and the joins that were
+    thought of, clear or not."""
+
+    id: Ints
+    joins: list[Stitch]
+
+
+def stitched(points: TrackPoints, T: float, method: Simultaneous) -> Stitched:
+    """Tracks that do not overlap stitched to longer ones; T is the time between frames in s.
+
+    Most gaps are short, and motion alone is clear; distances to others are only looked at for what is then left.
+    """
+    ids, found = np.arange(int(points.id.max(initial=-1)) + 1), []
+    for distances in (False, True):
+        best = _best(points._replace(id=ids[points.id]), T, method, distances)
+        found += [join for join in best if distances or join.margin > CLEAR]
+        ids = _followed(ids, best)
+    return Stitched(ids, found)
+
+
+def _followed(ids: Ints, found: list[Stitch]) -> Ints:
+    """Identities after the clear joins."""
+    before = {join.after: join.before for join in found if join.margin > CLEAR}
+    ids = ids.copy()
+    for i in range(len(ids)):
+        while int(ids[i]) in before:
+            ids[i] = before[int(ids[i])]
+    return ids
+
+
+def _best(points: TrackPoints, T: float, method: Simultaneous, distances: bool) -> list[Stitch]:
+    """The joins of the greatest worth together."""
+    if not len(points.id):
+        return []
+    ends = _ends(points, T, method)
+    a, b = _possible(ends, T, method)
+    worth, sd = _by_motion(points, ends, a, b, T, method)
+    gain = _by_distance(points, a, b, worth) if distances else np.zeros(len(a))
+    worth = np.where((sd < method.worst) | (gain > 0), worth + gain, 0.0)
+    n = len(ends.first)
+    table = np.zeros((n, n))
+    table[a, b] = np.maximum(worth, 0.0)
+    open_ = np.zeros((n, n))
+    open_[a, b] = sd
+    before, after = linear_sum_assignment(table, maximize=True)
+    best, rest = table[before, after], table.copy()
+    rest[before, after] = 0.0
+    margin = best - np.maximum(rest.max(1)[before], rest.max(0)[after])
+    return [
+        Stitch(i, j, float(best[k]), float(margin[k]), float(open_[i, j]), int(ends.last[i]), int(ends.first[j]))
+        for k, (i, j) in enumerate(zip(before.tolist(), after.tolist(), strict=True))
+        if best[k] > 0
+    ]
+
+
+def _possible(ends: Ends, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
+    """Pairs of tracks of which the second begins within the gap after the first ends, where it can be by then."""
+    gap = ends.first - ends.last[:, None]
+    a, b = np.nonzero((gap > 0) & (gap * T <= method.gap))
+    apart = np.linalg.norm(ends.begin.position[:, b] - ends.end.position[:, a], axis=0)
+    near = apart < 3 * method.speed * T * gap[a, b] + method.worst
+    return a[near], b[near]
+
+
+def _ends(points: TrackPoints, T: float, method: Simultaneous) -> Ends:
+    """First and last frames of the tracks, and their motion there."""
+    n = int(points.id.max()) + 1
+    first, last = np.full(n, NEVER), np.full(n, -NEVER)
+    np.minimum.at(first, points.id, points.frame)
+    np.maximum.at(last, points.id, points.frame)
+    rows, there = rows_of(points), np.flatnonzero(last >= 0)
+    motion = []
+    for frame, way in ((first, 1), (last, -1)):
+        near = np.full((LOOK, n), -1)
+        near[:, there] = rows_near(rows, there, frame[there], way)
+        motion.append(motion_from(points, near, points.xyz[near[0]].T, T, method))
+    return Ends(first, last, *motion)
+
+
+def _by_motion(
+    points: TrackPoints, ends: Ends, a: Ints, b: Ints, T: float, method: Simultaneous
+) -> tuple[Floats, Floats]:
+    """(1) of pairs, and the standard deviation of the difference of positions, mm."""
+    gap = ends.first[b] - ends.last[a]
+    if not len(a):
+        return np.zeros(0), np.zeros(0)
+    extent = np.ptp(np.percentile(points.xyz, [5, 95], axis=0), axis=0) + 100.0
+    begun = max(len(ends.first) * method.gap / (T * (points.frame.max() + 1)), 1.0)
+    prior = 2 * np.log(SEEN / (1 - SEEN) * extent.prod() * (2 * method.speed) ** 3 / begun)
+    worth, sd = np.empty(len(a)), np.empty(len(a))
+    for first in range(0, len(a), AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        half = gap[part] * T / 2
+        one = predict(ends.end.take(a[part]), half, method.wander)
+        other = reversed_time(predict(ends.begin.take(b[part]), half, method.wander))
+        delta = (other.x[:6] - one.x[:6]).T
+        S = (one.V[:6, :6] + other.V[:6, :6]).transpose(2, 0, 1)
+        squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)
+        worth[part] = prior - np.linalg.slogdet(2 * np.pi * S)[1] - squared
+        sd[part] = np.sqrt(np.trace(S[:, :3, :3], axis1=1, axis2=2))
+    return worth, sd
+
+
+def _by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats) -> Floats:
+    """(2) of pairs, 0 where no other track is there on both sides, or where it could not bring (1) above 0."""
+    spread = float(np.linalg.norm(points.xyz.std(0)) * np.sqrt(2)) + LEAST
+    most = MATES * 2 * np.log(spread / (np.sqrt(2 * np.pi) * LEAST))
+    some = np.flatnonzero(by_motion + most > 0)
+    place = rows_of(points)
+    known = {i: _distances(points, place, i) for i in np.unique([a[some], b[some]]).tolist()}
+    worth = np.zeros(len(a))
+    for pair in some.tolist():
+        (r, sd), (r2, sd2) = known[int(a[pair])], known[int(b[pair])]
+        sigma = np.hypot(sd, sd2)
+        mates = np.argsort(sigma)[:MATES]
+        mates = mates[np.isfinite(sigma[mates])]
+        off = (r2 - r)[mates] / sigma[mates]
+        worth[pair] = (2 * np.log(spread / (np.sqrt(2 * np.pi) * sigma[mates])) - off**2).sum()  # (2)
+    return worth
+
+
+def _distances(points: TrackPoints, place: Ints, i: int) -> tuple[Floats, Floats]:
+    """Mean distances of track i from every other, and their standard deviations; NaN where less than LOOK frames."""
+    own = np.flatnonzero(place[i] >= 0)
+    there = place[:, own] >= 0
+    there[i] = False
+    some = np.flatnonzero(there.sum(1) >= LOOK)
+    r = np.linalg.norm(points.xyz[place[some[:, None], own]] - points.xyz[place[i, own]], axis=-1)
+    r = np.where(there[some], r, np.nan)
+    mean, sd = np.full(len(place), np.nan), np.full(len(place), np.nan)
+    mean[some], sd[some] = np.nanmean(r, 1), np.maximum(np.nanstd(r, 1), LEAST)
+    return mean, sd

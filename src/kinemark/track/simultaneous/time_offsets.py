@@ -1,0 +1,118 @@
+"""Whether the cameras are synchronous, from the tracks.
+
+A camera whose clock is late by τ shows a marker of velocity v where it was that long ago, so that its image lies off
+the projection of the point X by
+
+    off_c = J_c (x − v τ_c) + noise,   J_c = ∂u_c/∂X                     (1)
+
+where x is what all the cameras of the point have in common, and moves it instead. With Q = 1 − J (JᵀJ)⁻¹ Jᵀ, which
+takes x away, and D the images' velocities J_c v, each in its own camera's column,
+
+    τ = −(Σ DᵀQ D)⁻¹ Σ DᵀQ off                                           (2)
+
+over the points that three and more cameras see. What all cameras have in common no image shows, so delays are given
+less their median. Points of one track follow each other, and what bends one bends its neighbours; so the recording is
+cut into k parts, and with τ₍ⱼ₎ the solution without the j-th, the variance is (k − 1)/k Σ (τ₍ⱼ₎ − mean)² (3), the
+jackknife's (Tukey 1958).
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Floats, Ints
+from .associate import predict_images
+from .kalman_states import KalmanStates
+from .tracker import TrackingResult
+
+PARTS = 10
+"""k of (3)."""
+
+ENOUGH = 300
+"""Points from which something can be said."""
+
+TAILS = 4.0
+"""Images farther off than this many times the median are not used; they belong to something else."""
+
+STEADY = 0.5
+"""Of a point's velocity: the most by which it may change in a frame; nothing else says when the point was where."""
+
+FAST = 0.9
+"""Quantile of the images' speed for `TimeOffsets.shift`: where people move, most markers hardly do."""
+
+
+class TimeOffsets(NamedTuple):
+    """delay, error (C): how much later than the others each camera sees, and its standard error, in frames; NaN where
+    not known. shift (C): by how much that moves its images where they are fast, px."""
+
+    delay: Floats
+    error: Floats
+    shift: Floats
+
+
+class Moving(NamedTuple):
+    """N points in motion: J (N, C, 2, 3) px/mm, off and flow (N, C, 2) px and px a frame, 0 where unseen; frame (N)."""
+
+    J: Floats
+    off: Floats
+    flow: Floats
+    frame: Ints
+
+
+def time_offsets(result: TrackingResult) -> TimeOffsets:
+    """The delays of the cameras of a run, by (2)."""
+    C = len(result.images.P)
+    moving = _moving(result)
+    if len(moving.frame) < ENOUGH:
+        return TimeOffsets(*np.full((3, C), np.nan))
+    A, b = _sums(moving)
+    without = np.array([_delays(A.sum(0) - A[j], b.sum(0) - b[j]) for j in range(PARTS)])
+    delay, error = _delays(A.sum(0), b.sum(0)), without.std(0) * np.sqrt(PARTS - 1)  # (3)
+    speed = np.quantile(np.linalg.norm(moving.flow, axis=-1), FAST, axis=0)
+    return TimeOffsets(delay, error, np.abs(delay) * speed)
+
+
+def _moving(result: TrackingResult) -> Moving:
+    """The points of tracks that three cameras see, with the point before and after them."""
+    cloud, ids = result.tracks.cloud, result.tracks.id
+    order = np.lexsort([cloud.frame, ids])
+    middle, before, after = order[1:-1], order[:-2], order[2:]
+    near = (ids[before] == ids[after]) & (cloud.frame[after] - cloud.frame[before] == 2) & (ids[middle] >= 0)
+    near &= (cloud.view[middle] >= 0).sum(1) >= 3
+    ahead, behind = cloud.xyz[after] - cloud.xyz[middle], cloud.xyz[middle] - cloud.xyz[before]
+    velocity = (ahead + behind) / 2
+    near &= np.linalg.norm(ahead - behind, axis=1) < STEADY * np.linalg.norm(velocity, axis=1)
+    point, velocity = middle[near], velocity[near]
+    in_time = np.argsort(cloud.frame[point], kind="stable")
+    point, velocity = point[in_time], velocity[in_time]
+    expected = predict_images(result.images.P, KalmanStates(cloud.xyz[point].T, np.zeros((3, 3, len(point)))))
+    view = cloud.view[point]
+    seen = (view >= 0)[..., None]
+    J = np.where(seen[..., None], expected.J.transpose(3, 0, 1, 2), 0.0)
+    off = np.where(seen, result.images.uv[view] - expected.uv.transpose(2, 0, 1), 0.0)
+    return Moving(J, off, (J @ velocity[:, None, :, None])[..., 0], cloud.frame[point])
+
+
+def _sums(moving: Moving) -> tuple[Floats, Floats]:
+    """DᵀQ D (k, C, C) and DᵀQ off (k, C) of each part of the recording."""
+    C = moving.off.shape[1]
+    far = np.linalg.norm(moving.off, axis=-1).max(1)
+    good = far <= TAILS * np.median(far)
+    J, off = moving.J[good].reshape(-1, 2 * C, 3), moving.off[good].reshape(-1, 2 * C)
+    D = (moving.flow[good][..., None] * np.eye(C)[:, None]).reshape(-1, 2 * C, C)
+    QD = D - J @ np.linalg.solve(J.transpose(0, 2, 1) @ J, J.transpose(0, 2, 1) @ D)
+    first = np.searchsorted(moving.frame[good], np.linspace(0, moving.frame[-1] + 1, PARTS + 1))
+    parts = [slice(*pair) for pair in pairwise(first.tolist())]
+    A = np.array([np.einsum("nic,nid->cd", QD[part], D[part]) for part in parts])
+    return A, np.array([np.einsum("nic,ni->c", QD[part], off[part]) for part in parts])
+
+
+def _delays(A: Floats, b: Floats) -> Floats:
+    """(C) frames by (2), less their median; NaN of cameras that saw nothing move."""
+    seen = np.diag(A) > 0
+    delay = np.full(len(b), np.nan)
+    delay[seen] = -np.linalg.pinv(A[np.ix_(seen, seen)], rcond=1e-6, hermitian=True) @ b[seen]
+    return delay - np.median(delay[seen]) if seen.any() else delay

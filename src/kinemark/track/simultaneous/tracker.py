@@ -1,0 +1,192 @@
+"""Kinemark's own tracker: matching and tracking at once.
+
+The paper of the Kiss system (Shafiq, Tümer and Güler 2001) notes that no method had been reported that does both at the
+same time. Here the tracks, predicted with their covariance (`motion`), claim their images in all cameras (`claims`);
+what nobody claims gives birth to new tracks (`groups`, `births`); tracks go forwards and then backwards (`run`), and
+what their images say of each point is solved as by the other methods (`reconstruct.located`). A track is kept where
+there is evidence for it (`evidence`), and so is what it finds after it was lost; pieces of one marker's path become
+one track (`joins`), and what is missing or doubtful in it is looked for again (`second`).
+
+A point of which the images alone say little, as where two cameras look along almost one line or markers run together,
+is known better from its motion. Where the images leave more than VAGUE times as much open as they usually do, the
+smoothed position is given instead (1).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data import Cloud, Detections, Matches, Rig, Tracks
+from ...data.array_types import Bools, Floats, Ints
+from ...reconstruct import LeastSquares, located, wanted
+from ..stage import DETECTIONS, TRACK
+from .candidate_points import fundamentals
+from .detection_index import Images, read_images
+from .likelihood import SURE, evidence, says
+from .measurement_noise import Noise, learned
+from .neighbouring_points import TrackPoints, smoothed
+from .passes import Associations, run
+from .second_pass import second_pass
+from .simultaneous_method import Simultaneous
+from .stitch import Stitch, stitched
+
+PLACE = LeastSquares()
+
+LEAST = 1e-6
+"""px²"""
+
+VAGUE = 5.0
+"""Of the median of the standard deviations."""
+
+
+class TrackingResult(NamedTuple):
+    """What the method gives.
+
+    Attributes:
+        tracks: the tracks.
+        seen: every time that a track was looked for, also of those that were dropped, but for what lost tracks found
+            without evidence and for the second look; its rows are of `images`.
+        id: (N) the track that each of `seen` became, −1 for none.
+        evidence: (N) for each of `seen`.
+        joins: those that were made or thought of, of tracks of `seen`.
+        images: what the cameras saw; noise: what was learned of them.
+    """
+
+    tracks: Tracks
+    seen: Associations
+    id: Ints
+    evidence: Floats
+    joins: list[Stitch]
+    images: Images
+    noise: Noise
+
+
+@TRACK.method("simultaneous", Simultaneous, takes=DETECTIONS)
+def simultaneous_tracks(detections: Detections, rig: Rig, *, method: Simultaneous) -> Tracks:
+    """Tracks of all markers; called through `track_detections`."""
+    return track_simultaneously(detections, rig, method).tracks
+
+
+def track_simultaneously(
+    detections: Detections, rig: Rig, method: Simultaneous, *, place: LeastSquares = PLACE
+) -> TrackingResult:
+    """Tracks of all markers, their points as `place` says, and how they came about."""
+    T = 1 / detections.rate
+    images, noise = learned(images := read_images(detections, rig), fundamentals(images.P), method.gate)
+    least = max(method.shortest / T, 4)
+    every = run(images.without(noise.deaf), detections.rate, method)  # images that fit nothing are left out
+    every = every.take(~_strayed(every, _own(every, images), least, method))
+    seen = _gathered(every, least)
+    own = _own(seen, images)
+    speaks = evidence(seen, own, method.gate)
+    detections = replace(detections, cov=_variance(seen, images)[:, None, None] * np.eye(2))
+    cloud = _surest(_placed(seen.frame, seen.row, seen.xyz, detections, rig, place), seen, own.sum(0) >= 2, T, method)
+    good = wanted(cloud, rig) & _sure(cloud, own.sum(0), method) & (speaks > SURE)[seen.id]
+    cloud, ids = cloud.keep(good), seen.id[good]
+    whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
+    cloud, ids = _looked_again(cloud, whole.id[ids], images, detections, rig, method, place)
+    kept, number = np.unique(ids, return_inverse=True)
+    final = np.full(int(every.id.max(initial=-1)) + 1, -1)
+    final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
+    return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.joins, images, noise)
+
+
+def _looked_again(
+    cloud: Cloud, ids: Ints, images: Images, detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares
+) -> tuple[Cloud, Ints]:
+    """The points and their tracks after a second look."""
+    points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
+    kept, found, row = second_pass(points, cloud.view.T, images, 1 / detections.rate, method)
+    order = np.argsort(found.frame, kind="stable")
+    row = row[:, order]
+    new = _placed(found.frame[order], row, found.xyz[order].T, detections, rig, place)
+    good = wanted(new, rig) & _sure(new, ((row >= 0) & ~images.merged[row]).sum(0), method)
+    both, ids = (cloud.keep(kept), new.keep(good)), np.concatenate([ids[kept], found.id[order][good]])
+    frame = np.concatenate([one.frame for one in both])
+    order = np.argsort(frame, kind="stable")
+    start = np.searchsorted(frame[order], np.arange(cloud.n_frames + 1))
+    names = ("xyz", "cov", "residual", "view")
+    columns = (np.concatenate([getattr(one, name) for one in both])[order] for name in names)
+    return Cloud(cloud.rate, start, *columns), ids[order]
+
+
+def _gathered(seen: Associations, least: float) -> Associations:
+    """The sightings in two and more cameras of tracks that have enough of them, by frame."""
+    own = np.flatnonzero((seen.row >= 0).sum(0) >= 2)
+    own = own[np.bincount(seen.id[own], minlength=1)[seen.id[own]] >= least]
+    return seen.take(own[np.lexsort([seen.id[own], seen.frame[own]])])
+
+
+def _own(seen: Associations, images: Images) -> Bools:
+    """(C, S) images that are no other marker's too."""
+    return (seen.row >= 0) & ~seen.shared & ~images.merged[seen.row]
+
+
+def _strayed(every: Associations, own: Bools, least: float, method: Simultaneous) -> Bools:
+    """(S) sightings of a track after it was lost, its place known no better than `worst`, where nothing says it is it.
+
+    What its own images (C, S) say until it is lost again must be evidence of a marker, or last as long as the shortest
+    track. In `every` a track's sightings stand as they were made, forwards from its birth and then backwards.
+    """
+    order = np.argsort(every.id, kind="stable")
+    id, frame = every.id[order], every.frame[order]
+    back = frame < frame[np.searchsorted(id, id)]
+    begins = np.ones(len(order), bool)
+    begins[1:] = (id[1:] != id[:-1]) | (back[1:] != back[:-1])
+    anchored = own.sum(0)[order] >= 2
+    lost = (every.before[order] > method.worst) & ~np.roll(anchored, 1)
+    spell = np.cumsum(begins | lost) - 1
+    said = np.bincount(spell, says(every, own, method.gate)[order])
+    sure = (np.bincount(spell, begins & ~lost) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
+    out = np.zeros(len(order), bool)
+    out[order] = ~sure[spell]
+    return out
+
+
+def _variance(seen: Associations, images: Images) -> Floats:
+    """(D) px², of all images, those that tracks share being anywhere in their blobs."""
+    shared = np.zeros(len(images.uv), bool)
+    shared[seen.row[seen.shared & (seen.row >= 0)]] = True
+    variance = images.variance - images.margin - images.calibration[images.camera]  # which `located` adds itself
+    variance = np.maximum(variance, LEAST)
+    return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
+
+
+def _placed(frame: Ints, row: Ints, guess: Floats, detections: Detections, rig: Rig, place: LeastSquares) -> Cloud:
+    """The points of images row (C, P), one to one, that are thought to be at guess (3, P) mm."""
+    matches = Matches(frame, row.T, np.zeros(len(frame)), detections.n_frames)
+    return located(matches, detections, rig, guess=np.ascontiguousarray(guess.T), method=place)
+
+
+def _surest(cloud: Cloud, seen: Associations, sound: Bools, T: float, method: Simultaneous) -> Cloud:
+    """The cloud with the points of which the images say little by their motion (1)."""
+    sd = _sd(cloud.cov)
+    known = np.isfinite(cloud.xyz).all(1) & np.isfinite(sd)
+    vague = known & (sd > VAGUE * np.median(sd[known])) if known.any() else known
+    if not vague.any():
+        return cloud
+    xyz, cov = cloud.xyz.copy(), cloud.cov.copy()
+    points = TrackPoints(cloud.frame[known], seen.id[known], xyz[known], cov[known])
+    smooth = smoothed(points, vague[known], sound[known], T, method)
+    filtered = seen.xyz.T[vague], seen.cov.transpose(2, 0, 1)[vague]
+    better = _sd(smooth[1]) < _sd(filtered[1])
+    moved = np.where(better[:, None], smooth[0], filtered[0])
+    open_ = np.where(better[:, None, None], smooth[1], filtered[1])
+    gains = _sd(open_) < sd[vague]
+    rows = np.flatnonzero(vague)[gains]
+    xyz[rows], cov[rows] = moved[gains], open_[gains]
+    return replace(cloud, xyz=xyz, cov=cov)
+
+
+def _sd(cov: Floats) -> Floats:
+    """Standard deviation (P) of all three axes together, mm."""
+    return np.asarray(np.sqrt(np.trace(cov, axis1=1, axis2=2)))
+
+
+def _sure(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
+    """Whether points are known well enough to be given."""
+    sd = _sd(cloud.cov)
+    return ((own >= 2) | (sd < method.worst / 5)) & (sd < method.worst)

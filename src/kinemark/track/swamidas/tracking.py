@@ -1,0 +1,99 @@
+"""The tracks through all frames (Swamidas 1997, 3.3.2, 3.4 and figures 3.9 and 3.12).
+
+In each frame every track predicts, `constraints` say which point it takes, and the predictor goes on with that point
+or, for as long as none is found, with its own prediction; so the identity outlives the gap.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data import Cloud, Tracks
+from ...data.array_types import Floats, Ints
+from ..stage import CLOUD, TRACK
+from .active import ActiveSwamidasTracks, advance, begin, expect, none
+from .constraints import Constraint, PredictedPoints, match_points
+from .learning import Knowledge, before_learning
+from .parameters import DEFAULT, Swamidas
+from .segments import allowed_points
+
+BEGINNING = 3  # frames with points in which tracks begin where begin = "first": the first three measurements
+
+
+class Expectation(NamedTuple):
+    """One frame before its points were looked at: T tracks' id (T), xyz (T, 3) mm and half (T, 3) mm of the box."""
+
+    id: Ints
+    xyz: Floats
+    half: Floats
+
+
+class SwamidasResult(NamedTuple):
+    """Tracks, and how they came about.
+
+    tracks; by (P) the `Constraint` that gave each point its identity; expected (F) what was predicted in each frame.
+    """
+
+    tracks: Tracks
+    by: Ints
+    expected: list[Expectation]
+
+    def path(self, identity: int) -> Floats:
+        """(F, 3) mm the points of a track, and its predictions where it has none; NaN before it began."""
+        xyz = np.full((len(self.expected), 3), np.nan)
+        for f, frame in enumerate(self.expected):
+            xyz[f] = next(iter(frame.xyz[frame.id == identity]), np.full(3, np.nan))
+        own = self.tracks.id == identity
+        xyz[self.tracks.cloud.frame[own]] = self.tracks.cloud.xyz[own]
+        return xyz
+
+
+@TRACK.method("swamidas", Swamidas, source="Swamidas 1997, 3.3 and 3.4", takes=CLOUD)
+def track_swamidas(cloud: Cloud, *, method: Swamidas = DEFAULT) -> Tracks:
+    """The cloud with identities, numbered in the order in which the tracks begin; within a frame, that of its points.
+
+    Points that no constraint gives to a track, and that begin none, have no identity.
+    """
+    return follow_points(cloud, method=method).tracks
+
+
+def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult:
+    """As `track_swamidas`, with all predictions and the constraints that decided."""
+    identity, by = np.full(len(cloud), -1), np.full(len(cloud), int(Constraint.NONE))
+    jump = method.jerk / cloud.rate**3
+    patience = np.inf if method.patience is None else method.patience * cloud.rate
+    lesson = max(round(method.learning * cloud.rate), BEGINNING)
+    known, active, frames, with_points = before_learning(cloud, method), none(), [], 0
+    for f in range(cloud.n_frames):
+        rows = cloud.rows(f)
+        points, mine, why = cloud.xyz[rows], identity[rows], by[rows]
+        expected = expect(active, known.error, method.velocity_share)
+        frames.append(Expectation(active.id, expected.xyz, expected.half))
+        taken, reason = match_points(expected, points, _allowed(active, expected, points, known, method))
+        hit = taken >= 0
+        mine[taken[hit]], why[taken[hit]] = active.id[hit], reason[hit]
+        active = advance(active, taken, points, sd=known.sd, jump=jump)
+        with_points += len(points) > 0
+        if method.begin == "any" or with_points <= BEGINNING:
+            fresh = np.flatnonzero(mine < 0)
+            mine[fresh], why[fresh] = int(identity.max(initial=-1)) + 1 + np.arange(len(fresh)), Constraint.BEGIN
+            active = begin(active, mine[fresh], points[fresh])
+        active = active.keep(active.missed <= patience)
+        known.listen(mine, points, lesson, method)
+    return SwamidasResult(Tracks(cloud, identity), by, frames)
+
+
+def _allowed(
+    active: ActiveSwamidasTracks, expected: PredictedPoints, points: Floats, known: Knowledge, method: Swamidas
+) -> NDArray[np.bool_]:
+    """(T, N) pairs that the segments do not forbid; before they are learned, all."""
+    if not (method.segment_tolerance and len(known.segments.link)):
+        return np.ones((len(active.id), len(points)), bool)
+    place = np.full(max(int(known.segments.link.max()), int(active.id.max(initial=0))) + 1, -1)
+    place[active.id] = np.arange(len(active.id))
+    here = known.segments._replace(link=place[known.segments.link])
+    sure = active.going & (active.missed == 0) & (active.seen == 3)
+    return allowed_points(points, expected.xyz, sure, here, method.segment_tolerance)

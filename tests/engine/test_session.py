@@ -1,0 +1,401 @@
+"""A session from its file to its results: settings, running, resuming, and what is said when it cannot be done."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinemark.data import Analog, ForcePlate, KinemarkError, Trial
+from kinemark.detect import detect
+from kinemark.engine.pipeline import alongside, together
+from kinemark.engine.session import Session
+from kinemark.engine.settings import SETTABLE, read_settings
+from kinemark.geometry import project_all, to_dlt
+from kinemark.io.c3d import read_c3d
+from kinemark.io.control_points import read_control_points
+from kinemark.io.detections_csv import write_detections_csv
+from kinemark.io.dlt_csv import write_dlt_csv
+from kinemark.io.images import open_images, write_png
+from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
+from kinemark.io.video import write_video
+from kinemark.synth.score import score
+from support.laboratory import observe, ring
+from support.motions import swarm
+from support.shared import shared_data
+
+POINTS = swarm(n=6, frames=40)
+
+SETTINGS = """\
+name = "test"
+rate_hz = 100.0
+[calibration]
+file = "rig.toml"
+[[trials]]
+name = "one"
+detections = "one.csv"
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A session with detections and a ready-made calibration."""
+    rig = ring(4)
+    write_rig_toml(tmp_path / "rig.toml", rig)
+    write_detections_csv(tmp_path / "one.csv", observe(rig, POINTS, noise=0.1)[0])
+    (tmp_path / "session.toml").write_text(SETTINGS)
+    return tmp_path
+
+
+def changed(folder, old, new):
+    file = folder / "session.toml"
+    assert old in file.read_text()
+    file.write_text(file.read_text().replace(old, new))
+    return folder
+
+
+def run(folder):
+    return Session.open(folder).run()["one"]
+
+
+def test_a_session_gives_tracks_c3d_report_and_figures(folder):
+    given = {path: path.read_bytes() for path in folder.iterdir()}
+    result = run(folder)
+    found = score(result.tracks, POINTS)
+    assert (found.recall, found.swaps) == (1.0, 0)
+    trial = read_c3d(folder / "results/one/one.c3d")
+    assert trial.trajectories.names == tuple(f"*{i + 1}" for i in range(6))
+    assert trial.trajectories.rate == 100
+    assert np.nanmax(np.abs(trial.trajectories.xyz - result.trajectories.xyz)) < 1e-3
+    figures = json.loads((folder / "results/one/quality.json").read_text())
+    assert figures["session"] == "test"
+    assert "<html" in (folder / "results/one/report.html").read_text()
+    assert {path: path.read_bytes() for path in given} == given
+    assert {path.name for path in folder.iterdir()} == {path.name for path in given} | {"results"}
+
+
+STAGED = '[track]\nmethod = "extrapolation_ladder"\n[calibration]'
+
+
+def test_a_second_run_does_only_what_changed(folder):
+    assert run(folder).computed == ("detect", "track")
+    before = {p: p.stat().st_mtime_ns for p in (folder / "results/one").glob("*.h5")}
+    assert run(folder).computed == ()
+    assert {p: p.stat().st_mtime_ns for p in before} == before
+    changed(folder, "[calibration]", "[track]\ngate = 4.0\n[calibration]")
+    assert run(folder).computed == ("track",)
+    changed(folder, "[track]", "[reconstruct]\nmarker_diameter = 25.0\n[track]")
+    assert run(folder).computed == ("track",)
+    rig = read_rig_toml(folder / "rig.toml")
+    write_rig_toml(folder / "rig.toml", replace(rig, cameras=rig.cameras[:3]))
+    assert run(folder).computed == ("detect", "track")
+
+
+def test_a_tracker_of_points_runs_the_stages_before_it(folder):
+    changed(folder, "[calibration]", STAGED)
+    assert run(folder).computed == ("detect", "match", "reconstruct", "track")
+    changed(folder, "[track]", "[reconstruct]\ntails = 2.0\n[track]")
+    assert run(folder).computed == ("reconstruct", "track")
+    changed(folder, "extrapolation_ladder", "kiss_tracking")
+    assert run(folder).computed == ("track",)
+    changed(folder, "[reconstruct]", '[match]\nmethod = "kiss_triplets"\n[reconstruct]')
+    assert run(folder).computed == ("match", "reconstruct", "track")
+    assert score(run(folder).tracks, POINTS).recall > 0.99
+
+
+def test_stages_that_would_do_nothing_are_refused(folder):
+    changed(folder, "[calibration]", "[match]\nsearch_band = 3.0\n[calibration]")
+    with pytest.raises(KinemarkError, match=r"\[match\] would do nothing.*extrapolation_ladder"):
+        run(folder)
+    changed(folder, "[match]\nsearch_band = 3.0", '[reconstruct]\nmethod = "camera_pairs"')
+    with pytest.raises(KinemarkError, match=r"\[reconstruct\] would do nothing"):
+        run(folder)
+
+
+def test_what_the_tracker_doubts_outlives_the_run(folder):
+    first = run(folder)
+    said = json.loads((folder / "results/one/ambiguous_decisions.json").read_text())
+    assert set(said) == {"ambiguous_decisions", "diagnostics"}
+    again = run(folder)
+    assert again.computed == () and again.quality["ambiguous_decisions"] == first.quality["ambiguous_decisions"]
+    (folder / "results/one/ambiguous_decisions.json").write_text("{")
+    assert run(folder).computed == ("track",)
+
+
+def test_what_is_lost_or_damaged_is_made_again(folder):
+    results = folder / "results/one"
+    first = run(changed(folder, "[calibration]", STAGED))
+    (results / "report.html").unlink()
+    assert run(folder).computed == ()
+    assert (results / "report.html").is_file()
+    (results / "cloud.h5").write_bytes(b"damaged")
+    assert run(folder).computed == ("reconstruct",)
+    (results / "steps.json").write_text("{")
+    assert run(folder).computed == ("detect", "match", "reconstruct", "track")
+    assert np.array_equal(run(folder).tracks.id, first.tracks.id)
+
+
+def test_a_run_that_was_cut_off_goes_on(folder, monkeypatch):
+    def fail(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("kinemark.engine.pipeline.track_simultaneously", fail)
+        with pytest.raises(KeyboardInterrupt):
+            run(folder)
+    assert not list(folder.rglob("*.part*"))
+    assert run(folder).computed == ("track",)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('name = "test"', 'name = "test"\ntreshold = 3', r"treshold: there is no such key.*there are name"),
+        ("[calibration]", "[trakc]\n[calibration]", r"trakc: there is no such key \(did you mean 'track'\?\)"),
+        ("[calibration]", "[track]\ngaet = 3\n[calibration]", r"did you mean 'gate'"),
+        ("[calibration]", '[track]\nmethod = "magic"\n[calibration]', r"'magic' is not known; there are simultaneous"),
+        ("[calibration]", '[track]\ngate = "far"\n[calibration]', r"track"),
+        ("[calibration]", "[detect]\nthreshold = 900\n[calibration]", r"threshold is 900"),
+        ("rate_hz = 100.0", "rate_hz = -3", r"rate_hz: .*greater than 0"),
+        ("rate_hz = 100.0", "", r"does not say its frame rate. Set rate_hz"),
+        ('file = "rig.toml"', "", r"exactly one of file, .*wand and single_marker, found none"),
+        ('file = "rig.toml"', 'file = "nowhere.toml"', r"nowhere.toml is not a file"),
+        ('detections = "one.csv"', "", r"wants either images or detections"),
+        ('detections = "one.csv"', 'detections = "two.csv"', r"two.csv is not a file"),
+        ('name = "one"', 'name = "a/b"', r"trials.0.name"),
+        ("[calibration]", '[cameras]\nnames = ["c0", "c9"]\n[calibration]', r"not c9"),
+        ("[calibration]", '[cameras]\nnames = ["c0"]\n[calibration]', r"1 camera, and a point in space needs two"),
+        ("[calibration]", "[calibration", r"is not TOML"),
+    ],
+)
+def test_settings_that_cannot_be_used_are_explained(folder, old, new, said):
+    with pytest.raises(KinemarkError, match=said):
+        run(changed(folder, old, new))
+    assert not (folder / "results/one").exists()
+
+
+def test_no_session_says_how_to_make_one(tmp_path):
+    with pytest.raises(KinemarkError, match="kinemark simulate"):
+        Session.open(tmp_path)
+
+
+def test_a_trial_that_is_not_there_is_named(folder):
+    with pytest.raises(KinemarkError, match=r"no trial.*the session has one"):
+        Session.open(folder).run(["two"])
+
+
+def test_every_method_can_be_written_in_the_file(folder):
+    given = (folder / "session.toml").read_text()
+    for stage, methods in SETTABLE.items():
+        for name, declared in methods.items():
+            staged = '[track]\nmethod = "swamidas"\n' if stage in ("match", "reconstruct") else ""
+            needed = 'markers = ["A", "B"]\n' if stage == "digitise" else ""
+            (folder / "session.toml").write_text(f'{given}{staged}[{stage}]\nmethod = "{name}"\n{needed}')
+            found = getattr(read_settings(folder / "session.toml"), stage)
+            assert type(found.method if stage == "fill" else found) is declared.kind
+
+
+def test_dlt_files_need_their_unit_and_then_give_the_same_points(folder):
+    rig = ring(4, lens=np.zeros(5))
+    write_detections_csv(folder / "one.csv", observe(rig, POINTS)[0])
+    write_rig_toml(folder / "rig.toml", rig)
+    direct = run(folder)
+    metres = to_dlt(rig.P) * np.array([1000, 1000, 1000, 1, 1000, 1000, 1000, 1, 1000, 1000, 1000])
+    write_dlt_csv(folder / "rig.csv", metres)
+    changed(folder, "rig.toml", "rig.csv")
+    changed(folder, "[calibration]", '[cameras]\nnames = ["c0", "c1", "c2", "c3"]\n[calibration]')
+    with pytest.raises(KinemarkError, match="length_unit"):
+        run(folder)
+    by_dlt = run(changed(folder, "[calibration]", '[calibration]\nlength_unit = "m"'))
+    assert np.abs(by_dlt.tracks.cloud.xyz - direct.tracks.cloud.xyz).max() < 1e-3
+
+
+IMAGES = """\
+name = "images"
+rate_hz = 50.0
+[cameras]
+names = ["c0", "c1", "c2"]
+[calibration]
+file = "rig.toml"
+[[trials]]
+name = "one"
+images = "one/{camera}.mkv"
+[track]
+worst = 30.0
+"""
+
+
+def dots(uv, size=(96, 64)):
+    """An image with a round spot at each place."""
+    u, v = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
+    image = np.zeros(size[::-1])
+    for place in np.atleast_2d(uv):
+        image += 200 * np.exp(-((u - place[0]) ** 2 + (v - place[1]) ** 2) / 6)
+    return np.minimum(image + 5, 255).astype(np.uint8)
+
+
+@pytest.fixture
+def filmed(tmp_path):
+    """A session with small videos of one marker in three cameras."""
+    rig = ring(3, focal=90.0, size=(96, 64), lens=np.zeros(5))
+    write_rig_toml(tmp_path / "rig.toml", rig)
+    (tmp_path / "one").mkdir()
+    path = np.array([[0, 0, 900]]) + np.linspace(-300, 300, 30)[:, None] * [[1, 0.5, 0.2]]
+    for name, uv in zip(rig.names, project_all(rig, path), strict=True):
+        write_video(tmp_path / "one" / f"{name}.mkv", [dots(p) for p in uv], 50.0)
+    (tmp_path / "session.toml").write_text(IMAGES)
+    return tmp_path, path
+
+
+def test_videos_are_processed(filmed):
+    folder, path = filmed
+    result = score(run(folder).tracks, path[None], within=20.0)  # a pixel is 30 mm, and the spots are no discs
+    assert result.recall == 1.0
+    assert result.rmse < 1.5
+
+
+def test_the_report_shows_the_frames_that_it_names(filmed):
+    folder, _ = filmed
+    session = Session.open(folder)
+    rig = session.calibrate().rig
+    source = session.source(session.settings.trials[0], rig)
+    asked = [0, 7, 29]
+    for name, f, picture in zip(rig.names, asked, source.pictures(asked), strict=True):
+        np.testing.assert_array_equal(picture, list(open_images(folder / f"one/{name}.mkv"))[f])
+    page = (run(folder).folder / "report.html").read_text(encoding="utf-8")
+    (spec,) = re.findall(r'<script type="application/json" data-for="spots">(.*?)</script>', page)
+    assert [trace["type"] for trace in json.loads(spec)["data"]].count("heatmap") == 3
+
+
+def test_videos_that_contradict_are_refused(filmed):
+    folder, _ = filmed
+    video = folder / "one" / "c1.mkv"
+    whole = video.read_bytes()
+    with pytest.raises(KinemarkError, match=r"c0 30.*c1 20"):
+        write_video(video, [dots([40, 30])] * 20, 50.0)
+        run(folder)
+    video.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(KinemarkError, match=r"c1"):
+        run(folder)
+    write_video(video, [dots([40, 30], (80, 64))] * 30, 50.0)
+    with pytest.raises(KinemarkError, match=r"calibrated at 96 × 64 px and its images are 80 × 64"):
+        run(folder)
+    video.unlink()
+    with pytest.raises(KinemarkError, match=r"Camera 'c1' of \[cameras\] has no usable images"):
+        run(folder)
+    assert not (folder / "results/one").exists() or not list((folder / "results/one").glob("*.c3d"))
+
+
+def test_a_pattern_without_camera_is_refused(filmed):
+    folder, _ = filmed
+    with pytest.raises(KinemarkError, match=r"no \{camera\} in it"):
+        run(changed(folder, "one/{camera}.mkv", "one/c1.mkv"))
+
+
+def test_digitised_control_points_snap_to_markers(tmp_path):
+    uv = np.array([[20.3, 30.6], [60.1, 20.2]])
+    write_png(tmp_path / "c0.png", dots(uv))
+    head = "name,x_mm,y_mm,z_mm,c0_u_px,c0_v_px\n"
+    (tmp_path / "points.csv").write_text(head + "a,0,0,0,22,29\nb,1,0,0,60,22\nd,2,0,0,,\n")
+    seen = detect([open_images(tmp_path / "c0.png")], cameras=["c0"], rate=1.0)
+    points = read_control_points(tmp_path / "points.csv", ["c0"], seen)
+    assert np.abs(points.uv[0, :2] - uv).max() < 0.2
+    assert np.isnan(points.uv[0, 2]).all()
+    (tmp_path / "points.csv").write_text(head + "a,0,0,0,80,50\n")
+    with pytest.raises(KinemarkError, match="no marker within 8 px of point 1"):
+        read_control_points(tmp_path / "points.csv", ["c0"], seen)
+    (tmp_path / "points.csv").write_text("name,x_mm,y_mm\na,0,0\n")
+    with pytest.raises(KinemarkError, match="lacks the columns z_mm, c0_u_px"):
+        read_control_points(tmp_path / "points.csv", ["c0"])
+
+
+def test_analog_channels_fit_the_frames_of_a_c3d_file():
+    fast = Analog(("a",), ("V",), 1000.0, np.arange(45.0)[None])
+    slow = Analog(("b",), ("N",), 500.0, np.arange(10.0)[None])
+    odd, late = replace(fast, rate=333.0), replace(fast, start=0.5)
+    (both,) = alongside((fast, slow, odd, late), 250.0, 10)
+    assert (both.names, both.units, both.rate) == (("a", "b"), ("V", "N"), 1000.0)
+    assert np.array_equal(both["a"], np.arange(40.0))
+    assert np.array_equal(both["b"][:20], np.repeat(np.arange(10.0), 2))
+    assert np.isnan(both["b"][20:]).all()
+    assert alongside((odd,), 250.0, 10) == ()
+
+
+def test_a_bts_file_is_a_whole_session(tmp_path):
+    file = shared_data("cameras/gait9_bts/gait9.tdf")
+    (tmp_path / "session.toml").write_text(
+        f'name = "gait"\n[calibration]\nfile = "{file}"\n[[trials]]\nname = "one"\ndetections = "{file}"\n'
+    )
+    result = run(tmp_path)
+    assert result.tracks.cloud.n_frames == 1686
+    trial = read_c3d(tmp_path / "results/one/one.c3d")
+    assert trial.trajectories.rate == 250
+    assert len(trial.plates) == 2
+    assert "Fz1" in trial.analog[0].names
+    assert Path(tmp_path / "results/one/report.html").stat().st_size > 1_000_000
+
+
+def test_another_rate_is_another_input(folder):
+    assert run(folder).trajectories.rate == 100
+    result = run(changed(folder, "rate_hz = 100.0", "rate_hz = 200.0"))
+    assert result.computed[0] == "detect"
+    assert read_c3d(folder / "results/one/one.c3d").trajectories.rate == 200
+
+
+def test_outputs_that_were_not_written_are_written_by_the_next_run(folder, monkeypatch):
+    run(folder)
+    changed(folder, "[calibration]", "[track]\nshortest = 1000\n[calibration]")
+
+    def fail(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("kinemark.engine.pipeline.write_c3d", fail)
+        with pytest.raises(KeyboardInterrupt):
+            run(folder)
+    assert run(folder).computed == ()
+    assert len(read_c3d(folder / "results/one/one.c3d").trajectories) == 0
+    run(changed(folder, 'name = "test"', 'name = "renamed"'))
+    assert json.loads((folder / "results/one/quality.json").read_text())["session"] == "renamed"
+
+
+@pytest.mark.parametrize("name", ["..", ".", "a/b", "rig.toml", "a\\u0000b", "x" * 200])
+def test_a_trial_cannot_write_outside_its_results(folder, name):
+    with pytest.raises(KinemarkError, match=r"trials.0.name"):
+        run(changed(folder, 'name = "one"', f'name = "{name}"'))
+
+
+def test_a_control_volume_reaches_the_calibration(folder):
+    changed(folder, "[calibration]", "volume_mm = [[0, 0, 0], [2400, 1400, 2000]]\n[calibration]")
+    Session.open(folder).calibrate()
+    assert read_rig_toml(folder / "results/rig.toml").volume.tolist() == [[0, 0, 0], [2400, 1400, 2000]]
+    with pytest.raises(KinemarkError, match="least corner first"):
+        Session.open(changed(folder, "[[0, 0, 0], [2400", "[[9000, 0, 0], [2400"))
+
+
+def test_a_recording_is_not_a_session(folder):
+    with pytest.raises(KinemarkError, match="is a recording, not a session"):
+        Session.open(folder / "one.csv")
+
+
+def test_cameras_of_one_name_are_refused(folder):
+    with pytest.raises(KinemarkError, match="names must differ"):
+        run(changed(folder, "[calibration]", '[cameras]\nnames = ["c0", "c0"]\n[calibration]'))
+
+
+def test_a_rate_that_the_videos_contradict_is_a_doubt(filmed):
+    folder, _ = filmed
+    assert not run(folder).quality["notes"]
+    figures = run(changed(folder, "rate_hz = 50.0", "rate_hz = 500.0")).quality
+    assert "500 Hz and the videos say otherwise: c0 50 Hz" in figures["notes"][0]
+    assert figures["verdict"]["grade"] != "green"
+
+
+def test_plates_go_with_their_channels(folder):
+    plate = ForcePlate(2, np.zeros((4, 3)), np.zeros(3), ("late",))
+    late = Analog(("late",), ("N",), 1000.0, np.zeros((1, 400)), start=0.5)
+    result = run(folder)
+    whole = together(Trial("t", result.trajectories, (late,), (plate,)), result.trajectories)
+    assert (whole.analog, whole.plates) == ((), ())

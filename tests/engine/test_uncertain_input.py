@@ -1,0 +1,111 @@
+"""Input that is not what it says, from the files to report and quality.json: every way of tracking survives it.
+
+It also says what it noticed, and the verdict is not green; of the same recording with nothing wrong it is.
+"""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.data import Rig
+from kinemark.engine.session import Session
+from kinemark.io.records import save
+from kinemark.io.rig_toml import write_rig_toml
+from kinemark.synth.score import score
+from support.laboratory import observe, ring
+from support.motions import dance
+
+RIG, PATHS = ring(6), dance(n=10, frames=60)
+SEEN, _ = observe(RIG, PATHS, noise=0.1)
+HALF = 30
+
+METHODS = {
+    "simultaneous": ("good", "out of order", "shifted", "rate", "stops", "moved"),
+    "extrapolation_ladder": ("good", "out of order", "shifted", "rate", "stops", "moved"),
+    "kiss_tracking": ("good", "rate", "moved"),
+    "swamidas": ("good", "stops"),
+    "distance_only": ("shifted",),
+}
+
+
+def moved(camera, by, since=0):
+    """The detections with the images of one camera elsewhere from a frame on."""
+    those = (SEEN.camera == camera) & (SEEN.frame >= since)
+    return replace(SEEN, uv=SEEN.uv + those[:, None] * np.array(by))
+
+
+def in_order(order):
+    """The rig with its cameras in another order under the same names."""
+    return Rig(tuple(replace(RIG[k], name=name) for k, name in zip(order, RIG.names, strict=True)))
+
+
+CASES = {
+    "good": (SEEN, RIG),
+    "out of order": (SEEN, in_order([0, 4, 2, 3, 1, 5])),
+    "shifted": (moved(3, [2.0, 0.0]), RIG),
+    "rate": (replace(SEEN, rate=5000.0), RIG),
+    "stops": (SEEN.keep((SEEN.camera != 1) | (SEEN.frame < HALF)), RIG),
+    "moved": (moved(5, [15.0, 6.0], HALF), RIG),
+}
+
+WORDS = {
+    "out of order": ("images of c1 and c4 seem to be exchanged",),
+    "shifted": ("c3", "(+2.0, ", "was it touched"),
+    "rate": ("is the frame rate of 5000 Hz",),
+    "stops": ("Camera c1 has no images after frame 29 of 60",),
+    "moved": ("c5", f"from frame {HALF} on", "was it moved"),
+}
+
+
+def session(folder, case, method):
+    """A session of one trial on disk."""
+    detections, rig = CASES[case]
+    save(folder / "one.h5", detections)
+    write_rig_toml(folder / "rig.toml", rig)
+    (folder / "session.toml").write_text(
+        'name = "uncertain"\n[calibration]\nfile = "rig.toml"\n[[trials]]\nname = "one"\ndetections = "one.h5"\n'
+        f'[track]\nmethod = "{method}"\n'
+    )
+    return Session.open(folder)
+
+
+@pytest.mark.parametrize(("method", "case"), [(method, case) for method, cases in METHODS.items() for case in cases])
+def test_the_run_survives_and_says_what_is_wrong(tmp_path, method, case):
+    result = session(tmp_path, case, method).run()["one"]
+    quality = json.loads((result.folder / "quality.json").read_text("utf-8"))
+    page = (result.folder / "report.html").read_text("utf-8")
+    said = " ".join(warning["what"] for warning in quality["warnings"])
+    if case == "good":
+        assert (quality["verdict"]["grade"], quality["diagnostics"], quality["notes"]) == ("green", [], [])
+        return
+    assert quality["verdict"]["grade"] != "green"
+    assert all(words in said for words in WORDS[case])
+    assert all(words in page for words in WORDS[case])
+    if case in ("shifted", "stops", "moved"):  # the other cameras are enough
+        found = score(result.tracks, PATHS)
+        assert found.recall > 0.99 and found.swaps == 0
+
+
+def test_ours_goes_on_without_cameras_that_fit_nothing(tmp_path):
+    result = session(tmp_path, "out of order", "simultaneous").run()["one"]
+    found = score(result.tracks, PATHS)
+    assert found.recall > 0.99 and found.swaps == 0 and found.extra_per_frame == 0
+
+
+@pytest.mark.parametrize("case", ["stops", "moved"])
+def test_two_cameras_have_their_troubles_too(tmp_path, case):
+    """The former method: what two cameras cannot tell is not told, but the run survives."""
+    detections, rig = CASES[case]
+    save(tmp_path / "one.h5", detections)
+    write_rig_toml(tmp_path / "rig.toml", rig)
+    names = '["c0", "c1"]' if case == "stops" else '["c0", "c5"]'
+    (tmp_path / "session.toml").write_text(
+        f'name = "uncertain"\n[cameras]\nnames = {names}\n[calibration]\nfile = "rig.toml"\n'
+        '[[trials]]\nname = "one"\ndetections = "one.h5"\n[track]\nmethod = "former_two_cameras"\n'
+    )
+    quality = Session.open(tmp_path).run()["one"].quality
+    assert quality["verdict"]["grade"] != "green"
+    if case == "stops":
+        assert "no images after frame 29" in quality["diagnostics"][0]

@@ -1,0 +1,263 @@
+"""What the figures of a trial say: exact ones for known faults, words for each, and none for a perfect trial."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.data import Detections, KinemarkError, MarkerTrajectory, Origin, Rig, Tracks, Trajectories, Validity
+from kinemark.findings.markers import completeness, in_view, jitter, markers_worn
+from kinemark.findings.plain import plain, runs
+from kinemark.findings.trial_advice import CHECKS
+from kinemark.report import summary, write_quality, write_report
+from kinemark.report.formatting import number, percent, some
+from support.captures import RATE, capture, empty_capture, found, judge, ring, walk
+
+
+def test_a_perfect_trial_is_green_and_its_figures_are_known():
+    rig = ring()
+    figures = judge(rig, capture(rig, walk()))
+    assert figures["verdict"]["grade"] == "green"
+    assert figures["warnings"] == []
+    assert figures["recording"] == {"frames": 40, "rate_hz": 50.0, "duration_s": 0.8}
+    assert figures["points"]["count"] == 120
+    assert figures["points"]["per_frame_mean"] == 3
+    assert figures["points"]["cameras_per_point"] == {"4": 120}
+    assert figures["points"]["residual_rms_px"] < 1e-9
+    assert figures["tracks"]["lengths_frames"] == [40, 40, 40]
+    assert figures["trajectories"]["completeness_share"] == 1
+    assert figures["trajectories"]["sd_per_axis_mean_mm"] == pytest.approx(0.5)
+    assert figures["timing"]["total_s"] == 2.5
+    assert figures["timing"]["frames_per_s"] == pytest.approx(16)
+    camera = figures["cameras"][0]
+    assert camera["position_mm"] == pytest.approx([3000, 0, 2000])
+    assert camera["detections_per_frame"] == {"mean": 3, "min": 3, "max": 3}
+    assert camera["used_share"] == 1
+    assert camera["calibration_residual_px"] is None
+    assert 2700 / 800 < camera["pixel_at_subject_mm"] < 3300 / 800
+
+
+def test_a_camera_two_pixels_off_is_found_and_named():
+    rig = ring()
+    offset = np.zeros((4, 2))
+    offset[2] = [1.2, -1.6]
+    figures = judge(rig, capture(rig, walk(), offset))
+    for key in ("residual_median_px", "residual_rms_px", "residual_95_px"):
+        assert figures["cameras"][2][key] == pytest.approx(2.0)
+        assert figures["cameras"][1][key] < 1e-9
+    assert figures["cameras"][2]["offset_px"] == pytest.approx([1.2, -1.6])
+    assert figures["points"]["residual_rms_px"] == pytest.approx(1.0)  # one view in four is 2 px off
+    assert [w["what"].split()[1] for w in found(figures, "disagrees")] == ["cam3"]
+    assert figures["verdict"]["grade"] == "amber"
+
+
+def test_equal_residuals_blame_no_camera():
+    rig = ring()
+    figures = judge(rig, capture(rig, walk(), np.full((4, 2), 0.6)))
+    assert not found(figures, "disagrees")
+
+
+def test_detections_are_counted_used_and_refused():
+    rig = ring(3)
+    records = capture(rig, walk(markers=4, frames=10))
+    seen = records["detections"]
+    validity = np.zeros(len(seen), np.uint8)
+    validity[:10] = Validity.TOO_SMALL  # in cam1
+    view = records["tracks"].cloud.view.copy()
+    view[np.isin(view, np.arange(10))] = -1
+    records["detections"] = replace(seen, validity=validity)
+    records["tracks"] = Tracks(replace(records["tracks"].cloud, view=view), records["tracks"].id)
+    figures = judge(rig, records)
+    first = figures["cameras"][0]
+    assert first["detections"] == 40
+    assert first["used_share"] == pytest.approx(0.75)
+    assert first["used_of_valid_share"] == 1
+    assert first["invalid_share"]["too_small"] == pytest.approx(0.25)
+    assert first["invalid_share"]["at_edge"] == 0
+    assert figures["points"]["cameras_per_point"] == {"2": 10, "3": 30}
+    assert figures["points"]["fewer_than_3_cameras_share"] == pytest.approx(0.25)
+
+
+def test_gaps_and_completeness():
+    xyz = walk(markers=4, frames=100)
+    xyz[1, 20:45] = np.nan  # one gap of 25 frames, 0.5 s
+    xyz[2, :10] = np.nan  # before the first sample: missing, no gap
+    xyz[3, 50:52] = xyz[3, 60:61] = np.nan  # two short gaps
+    rig = ring()
+    figures = judge(rig, capture(rig, xyz))
+    together, markers = figures["trajectories"], figures["trajectories"]["markers"]
+    assert [m["gaps"] for m in markers] == [0, 1, 0, 2]
+    assert [m["longest_gap_frames"] for m in markers] == [0, 25, 0, 2]
+    assert [m["missing_samples"] for m in markers] == [0, 25, 10, 3]
+    assert together["gaps"] == 3
+    assert together["longest_gap_s"] == pytest.approx(0.5)
+    assert together["completeness_share"] == pytest.approx(1 - 38 / 400)
+    assert markers[2]["first_seen_s"] == pytest.approx(0.2)
+    assert [w["what"] for w in found(figures, "Gaps longer")] == ["Gaps longer than 0.2 s in marker m1."]
+
+
+def test_in_view_leaves_out_the_way_into_the_volume():
+    xyz = walk(markers=4, frames=50)
+    xyz[:2, :10] = np.nan
+    xyz[1, 45:] = np.nan
+    trajectories = capture(ring(), xyz)["trajectories"]
+    assert in_view(trajectories) == (10, 50)
+
+
+def test_filled_samples_are_told_apart():
+    rig = ring()
+    records = capture(rig, walk())
+    path = records["trajectories"].paths[0]
+    origin = path.origin.copy()
+    origin[5:25] = Origin.FILLED
+    origin[30] = Origin.EDITED
+    paths = (replace(path, origin=origin), *records["trajectories"].paths[1:])
+    figures = judge(rig, {**records, "trajectories": replace(records["trajectories"], paths=paths)})
+    marker = figures["trajectories"]["markers"][0]
+    assert (marker["filled_samples"], marker["edited_samples"], marker["longest_fill_frames"]) == (20, 1, 20)
+    assert found(figures, "filled, not measured, in marker m0")
+
+
+def test_volume_given_and_spanned():
+    rig, xyz = ring(volume=[[0, -500, 0], [150, 500, 2000]]), walk(markers=1, frames=31)
+    figures = judge(rig, capture(rig, xyz))
+    assert figures["volume"]["given_mm"] == [[0, -500, 0], [150, 500, 2000]]
+    assert figures["volume"]["spanned_mm"] == pytest.approx(np.array([xyz[0].min(0), xyz[0].max(0)]))
+    assert figures["volume"]["samples_outside_given_share"] == pytest.approx(15 / 31)
+    assert found(figures, "outside the control volume")
+
+
+def test_jitter_is_the_noise_that_was_added():
+    noise = np.random.default_rng(3).normal(0, 0.7, (20000, 3))
+    assert jitter(walk(1, 20000)[0] + noise) == pytest.approx(0.7, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("change", "text", "severity"),
+    [
+        (lambda q: q["cameras"][1].update(detections=0), "cam2 saw nothing", "amber"),
+        (lambda q: q["cameras"][1].update(used_of_valid_share=0.3), "Much of what camera cam2 saw", "amber"),
+        (lambda q: q["cameras"][1].update(calibration_residual_px=7.0), "calibration itself is poor", "amber"),
+        (lambda q: q["points"].update(fewer_than_3_cameras_share=0.8), "only two cameras", "amber"),
+        (lambda q: q["points"].update(residual_median_px=1.5), "agree poorly", "amber"),
+        (lambda q: q["points"].update(residual_median_px=4.0), "agree poorly", "red"),
+        (lambda q: q["points"].update(in_a_track_share=0.5), "belong to no track", "amber"),
+        (lambda q: q.update(notes=["The videos say 25 Hz."]), "The videos say 25 Hz", "amber"),
+        (lambda q: q["cameras"][0].update(focal_px=[800.0, 600.0]), "not be square", "amber"),
+        (lambda q: q["trajectories"].update(completeness_in_view_share=0.9), "Only 90.0", "amber"),
+        (lambda q: q["trajectories"].update(completeness_in_view_share=0.5), "Only 50.0", "red"),
+        (lambda q: q["trajectories"]["markers"][0].update(name="*1"), "have no marker name", "info"),
+        (lambda q: q["trajectories"]["markers"][0].update(samples=0), "Never seen: marker m0", "amber"),
+        (lambda q: q["trajectories"]["markers"][0].update(sd_per_axis_mean_mm=4.0), "standard deviation", "amber"),
+    ],
+)
+def test_every_fault_is_named_and_says_what_to_do(change, text, severity):
+    rig = ring()
+    figures = judge(rig, capture(rig, walk()))
+    change(figures)
+    said = [w for check in CHECKS for w in check(figures)]
+    assert [w["severity"] for w in said if text in w["what"]] == [severity]
+    assert all(w["do"].endswith(".") for w in said)
+
+
+def odd_cases():
+    rig = ring()
+    unknown = Rig(tuple(replace(c, size=np.zeros(2), cov=np.full((15, 15), np.nan)) for c in ring()))
+    missing = walk()
+    missing[1] = np.nan
+    return {
+        "nothing seen": (rig, empty_capture(rig, 30)),
+        "no frames": (rig, empty_capture(rig, 0)),
+        "one frame": (rig, capture(rig, walk(frames=1))),
+        "a marker never there": (rig, capture(rig, missing)),
+        "no sample at all": (rig, capture(rig, np.full((2, 5, 3), np.nan))),
+        "unknown size and covariance": (unknown, capture(unknown, walk(), sd=float("nan"))),
+        "more cameras calibrated than used": (ring(5), capture(Rig(ring(5).cameras[1:]), walk())),
+        "half a volume": (ring(volume=[[0, 0, 0], [np.nan] * 3]), capture(rig, walk())),
+        "many cameras": (ring(17), capture(ring(17), walk())),
+    }
+
+
+@pytest.mark.parametrize("name", odd_cases())
+def test_odd_trials_give_valid_json_text_and_page(name, tmp_path):
+    rig, records = odd_cases()[name]
+    figures = judge(rig, records)
+    write_quality(tmp_path / "quality.json", figures)
+    text = (tmp_path / "quality.json").read_text(encoding="utf-8")
+    assert json.loads(text, parse_constant=lambda constant: pytest.fail(constant)) == figures
+    assert figures["verdict"]["headline"] in summary(figures)
+    write_report(tmp_path / "report.html", quality=figures, rig=rig, **records)
+    assert len(figures["cameras"]) == len(records["detections"].cameras)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["quality.json", "report.html"]
+
+
+@pytest.mark.parametrize("name", ["nothing seen", "no frames", "no sample at all"])
+def test_a_trial_without_trajectories_is_red(name):
+    rig, records = odd_cases()[name]
+    assert judge(rig, records)["verdict"]["grade"] == "red"
+
+
+def test_records_that_do_not_belong_together_are_refused():
+    rig = ring()
+    records = capture(rig, walk())
+    with pytest.raises(ValueError, match="cam4"):
+        judge(Rig(rig.cameras[:3]), records)
+    fewer = Detections.build(rig.names[:2], RATE, np.zeros((2, 40)), np.zeros((0, 2)))
+    with pytest.raises(ValueError, match="wanted the 2 of detections"):
+        judge(rig, {**records, "detections": fewer})
+    with pytest.raises(ValueError, match="only 60"):
+        judge(rig, {**records, "detections": records["detections"].keep(np.arange(480) % 8 == 0)})
+
+
+def test_a_place_that_cannot_be_written_is_reported_and_left_alone(tmp_path):
+    (tmp_path / "quality.json").mkdir()
+    rig = ring()
+    with pytest.raises(KinemarkError, match="cannot be written"):
+        write_quality(tmp_path / "quality.json", judge(rig, capture(rig, walk())))
+    assert [p.name for p in tmp_path.iterdir()] == ["quality.json"]
+
+
+def test_numbers_as_readers_want_them():
+    assert number(None) == "–"
+    assert number(1234567.0, 0) == "1\u00a0234\u00a0567"
+    assert number(-0.001, 2) == "0.00"
+    assert number(-1.5, 1) == "-1.5"
+    assert number(50.0) == "50"
+    assert [percent(x) for x in (None, 0.0, 1.0, 0.9999, 0.0001, 0.1234)] == [
+        "–", "0\u00a0%", "100\u00a0%", "> 99.9\u00a0%", "< 0.1\u00a0%", "12.3\u00a0%",
+    ]  # fmt: skip
+    assert some("marker", ["a"]) == "marker a"
+    assert some("marker", list("abcdefgh")) == "markers a, b, c, d, e, f and 2 more"
+
+
+def test_plain_is_json_without_nan():
+    value = {"a": np.array([1.0, np.nan]), 3: (np.int64(2), np.bool_(True), math.inf), "e": Origin.FILLED, "p": object}
+    assert json.loads(json.dumps(plain(value), allow_nan=False)) == {
+        "a": [1.0, None], "3": [2, True, None], "e": 2, "p": "<class 'object'>",
+    }  # fmt: skip
+
+
+def test_runs_of_true_values():
+    assert runs(np.array([1, 1, 0, 0, 1, 0, 1], bool)) == [(0, 2), (4, 5), (6, 7)]
+
+
+def pieces(at):
+    """Trajectories of one marker each, seen only in the frames given, over 100 frames."""
+    paths = []
+    for k, (first, stop) in enumerate(at):
+        xyz = np.full((100, 3), np.nan)
+        xyz[first:stop] = [k, 0, 0]
+        paths.append(MarkerTrajectory.measured(f"*{k + 1}", xyz))
+    return Trajectories(tuple(paths), 100.0)
+
+
+def test_unlabelled_pieces_are_counted_as_the_markers_that_they_make():
+    """Two markers in five pieces are two markers, complete but for what lies between the pieces."""
+    broken = pieces([(0, 100), (0, 20), (25, 50), (50, 75), (80, 100)])
+    assert markers_worn(broken) == 2
+    assert completeness(broken) == pytest.approx(190 / 200)
+    named = Trajectories(tuple(replace(p, name=p.name[1:]) for p in broken), 100.0)
+    assert markers_worn(named) == 5
+    assert completeness(named) == pytest.approx(190 / 500)

@@ -1,0 +1,147 @@
+"""Marker files as text: TRC and CSV."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, same
+from kinemark.io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
+from kinemark.io.trc import read_trc, write_trc
+from support.examples import examples
+from support.shared import shared_data
+
+FORMATS = {"trc": (read_trc, write_trc), "csv": (read_trajectories_csv, write_trajectories_csv)}
+
+
+def markers(seed, n_markers=3, n_frames=20, rate=50.0, first=1):
+    """Seeded markers with gaps, from whole numbers to awkward ones."""
+    rng = np.random.default_rng(seed)
+    xyz = rng.normal(size=(n_markers, n_frames, 3)) * 10.0 ** rng.integers(-6, 7, (n_markers, 1, 3))
+    xyz[rng.random((n_markers, n_frames)) < 0.2] = np.nan
+    names = [f"L.Knee {m}, é" for m in range(n_markers)]
+    return Trajectories(tuple(MarkerTrajectory.measured(n, x) for n, x in zip(names, xyz, strict=True)), rate, first)
+
+
+@pytest.mark.parametrize("form", FORMATS)
+@settings(max_examples=examples(25), deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    n=st.integers(1, 4),
+    frames=st.integers(2, 30),
+    rate=st.sampled_from([50.0, 59.94, 250.0, 1000.0, 100.5]),
+    first=st.integers(1, 5000),
+)
+def test_what_is_written_reads_back_the_same(tmp_path_factory, form, seed, n, frames, rate, first):
+    read, write = FORMATS[form]
+    path = tmp_path_factory.mktemp("t") / f"a.{form}"
+    before = markers(seed, n, frames, rate, first)
+    write(path, before)
+    assert same(read(path), before)
+
+
+@pytest.mark.parametrize(("name", "n_frames", "n_markers"), [("static", 300, 49), ("walk", 151, 41)])
+def test_opensims_files(tmp_path, name, n_frames, n_markers):
+    path = shared_data(f"mocap3d/opensim_gait/subject01_{name}.trc")
+    read = read_trc(path)
+    assert (read.n_frames, len(read), read.rate, read.first_frame) == (n_frames, n_markers, 60.0, 1)
+    table = np.genfromtxt(path, skip_header=6, delimiter="\t")
+    assert np.array_equal(read.xyz.transpose(1, 0, 2).reshape(n_frames, -1), table[:, 2 : 2 + 3 * n_markers])
+    write_trc(tmp_path / "again.trc", read)
+    assert same(read_trc(tmp_path / "again.trc"), read)
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("mm", 1), ("cm", 10), ("m", 1000), ("M", 1000)])
+def test_units_become_mm(tmp_path, unit, factor):
+    path = tmp_path / "a.trc"
+    write_trc(path, markers(0))
+    path.write_text(path.read_text("utf-8").replace("\tmm\t", f"\t{unit}\t"), "utf-8")
+    assert np.array_equal(read_trc(path).xyz, markers(0).xyz * factor, equal_nan=True)
+
+
+def test_windows_line_ends_and_encoding_are_read(tmp_path):
+    for form, (read, write) in FORMATS.items():
+        path = tmp_path / f"a.{form}"
+        write(path, markers(3))
+        path.write_bytes(path.read_text("utf-8").replace("\n", "\r\n").encode("cp1252"))
+        assert same(read(path), markers(3))
+
+
+def changed(path, line, change):
+    """The file with one line (from 1) changed, or left out where `change` gives None."""
+    lines = path.read_text("utf-8").split("\n")
+    new = change(lines[line - 1])
+    path.write_text("\n".join(lines[: line - 1] + ([] if new is None else [new]) + lines[line:]), "utf-8")
+
+
+@pytest.mark.parametrize(
+    ("line", "change", "says"),
+    [
+        (1, lambda s: "something else", "PathFileType"),
+        (2, lambda s: s.replace("Units", "Unit"), "line 3: .*Units"),
+        (3, lambda s: s.replace("mm", "furlong"), "line 3: .*furlong"),
+        (3, lambda s: s.replace("50.0", "fast"), "line 3: .*fast"),
+        (3, lambda s: s.replace("50.0", "-1"), "line 3: DataRate"),
+        (3, lambda s: s.replace("\t20\t3", "\t21\t3"), "20 frames, its header says 21"),
+        (3, lambda s: s.replace("\t20\t3", "\t20\t4"), "line 4: has 3 markers, line 3 says 4"),
+        (9, lambda s: s.replace("\t", "\tx", 1), "line 9: .*x"),
+        (9, lambda s: s.rsplit("\t", 1)[0], "line 9: has 10 cells, wanted 11"),
+        (9, lambda s: s + "\t1\t2\t3", "line 9: has 14 cells, wanted 11"),
+        (10, lambda s: s.replace("4", "7", 1), "line 10: .*does not follow"),
+        (10, lambda s: s.replace("4", "3.5", 1), "line 10: the frame is 3.5"),
+        (10, lambda s: None, "19 frames, its header says 20"),
+    ],
+)
+def test_a_broken_trc_names_the_line(tmp_path, line, change, says):
+    path = tmp_path / "a.trc"
+    write_trc(path, markers(0))
+    changed(path, line, change)
+    with pytest.raises(KinemarkError, match=says):
+        read_trc(path)
+
+
+@pytest.mark.parametrize(
+    ("line", "change", "says"),
+    [
+        (1, lambda s: s.replace("frame", "f", 1), "line 1: wanted frame, time_s"),
+        (1, lambda s: s.replace("_y_mm", "_y_m", 1), "line 1: wanted"),
+        (4, lambda s: s + ",7", "line 4: has 12 cells, wanted 11"),
+        (4, lambda s: "3,0.04,up" + ",1" * 8, "line 4: .*up"),
+        (4, lambda s: None, "line 4: .*does not follow"),
+        (21, lambda s: s.replace(",0.38,", ",,", 1), "rate"),
+    ],
+)
+def test_a_broken_csv_names_the_line(tmp_path, line, change, says):
+    path = tmp_path / "a.csv"
+    write_trajectories_csv(path, markers(0))
+    changed(path, line, change)
+    with pytest.raises(KinemarkError, match=says):
+        read_trajectories_csv(path)
+
+
+def test_one_frame_needs_a_rate(tmp_path):
+    path = tmp_path / "a.csv"
+    write_trajectories_csv(path, markers(0, n_frames=1))
+    with pytest.raises(KinemarkError, match="rate"):
+        read_trajectories_csv(path)
+    assert same(read_trajectories_csv(path, rate=50.0), markers(0, n_frames=1))
+
+
+@pytest.mark.parametrize("form", FORMATS)
+@pytest.mark.parametrize(
+    "data", [b"", b"\0" * 100, b"\xff" * 100, b"PathFileType\n", b"\n\n\n\n\n\n", b'"' + b"x" * 200000]
+)
+def test_other_files_are_refused(tmp_path, form, data):
+    path = tmp_path / f"a.{form}"
+    path.write_bytes(data)
+    with pytest.raises(KinemarkError):
+        FORMATS[form][0](path)
+    with pytest.raises(KinemarkError, match="not a file"):
+        FORMATS[form][0](tmp_path / "absent")
+
+
+def test_a_name_that_trc_cannot_hold_is_refused(tmp_path):
+    bad = Trajectories((MarkerTrajectory.measured("a\tb", np.zeros((2, 3))),), 50.0)
+    with pytest.raises(ValueError, match="tab"):
+        write_trc(tmp_path / "a.trc", bad)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,168 @@
+"""Filters have no lag, the cut-off that they state, and leave the noise that they foretell."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import make_smoothing_spline
+
+from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.kinematics import Butterworth, WoltringSpline, residual_cutoff, smooth
+from kinemark.signal.filters import butterworth, butterworth_gain, residual_analysis
+from kinemark.signal.splines import smoothing_spline
+from kinemark.signal.woltring import spline_gain, woltring
+
+RNG = np.random.default_rng(12)
+RATE = 100.0
+T = np.arange(1000) / RATE
+
+
+def both(y, cutoff):
+    return butterworth(y, rate=RATE, cutoff_hz=cutoff), woltring(y, cutoff=cutoff / RATE).values
+
+
+@pytest.mark.parametrize("cutoff", [3.0, 8.0, 20.0])
+def test_a_sine_at_the_cutoff_falls_to_one_over_root_two_without_lag(cutoff):
+    y = np.stack([np.sin(2 * np.pi * cutoff * T), np.cos(2 * np.pi * cutoff * T)], -1)
+    for out in both(y, cutoff):
+        middle = slice(300, 700)
+        assert np.abs(out[middle] - y[middle] / np.sqrt(2)).max() < 0.01
+
+
+def test_slow_motion_passes_and_fast_does_not():
+    slow, fast = np.sin(2 * np.pi * 0.5 * T)[:, None], np.sin(2 * np.pi * 30 * T)[:, None]
+    for a, b in zip(both(slow, 6.0), both(fast, 6.0), strict=True):
+        assert np.abs(a - slow)[100:-100].max() < 2e-3 and np.abs(b)[100:-100].max() < 0.03
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+def test_butterworth_leaves_the_noise_that_it_foretells(order):
+    y = RNG.normal(size=(4000, 20))
+    out = butterworth(y, rate=RATE, cutoff_hz=10.0, order=order)
+    assert abs(out[100:-100].var() / butterworth_gain(rate=RATE, cutoff_hz=10.0, order=order) - 1) < 0.05
+
+
+@pytest.mark.parametrize("m", [2, 3])
+def test_the_spline_leaves_the_noise_that_it_foretells(m):
+    y = RNG.normal(size=(2000, 30))
+    out = woltring(y, half_order=m, cutoff=0.08).values
+    assert abs(out[100:-100].var() / spline_gain(0.08, half_order=m) - 1) < 0.05
+
+
+def test_the_cubic_spline_is_the_one_that_others_find():
+    y = 40 * np.sin(T[:300] * 5) + RNG.normal(size=300)
+    for cutoff in (0.02, 0.1, 0.3):
+        p = (np.sqrt(2) - 1) * (2 * np.pi * cutoff) ** -4.0
+        theirs = make_smoothing_spline(np.arange(300.0), y, lam=p)(np.arange(300.0))
+        assert np.abs(woltring(y[:, None], half_order=2, cutoff=cutoff).values[:, 0] - theirs).max() < 1e-8
+
+
+def test_the_quintic_spline_minimises_its_functional():
+    """Parabolas cost nothing and stay; the result is linear in the samples and symmetric in time."""
+    t = np.arange(60.0)
+    parabola = (0.03 * t**2 - t + 5)[:, None]
+    assert np.abs(woltring(parabola, cutoff=0.01).values - parabola).max() < 1e-5
+    a, b = RNG.normal(size=(2, 60, 1))
+    S = [woltring(y, cutoff=0.1).values for y in (a, b, 2 * a - b, a[::-1])]
+    assert np.allclose(S[2], 2 * S[0] - S[1]) and np.allclose(S[3], S[0][::-1])
+
+
+def test_cross_validation_finds_nearly_the_best_smoothing():
+    true = np.stack([100 * np.sin(2 * np.pi * 0.8 * T), 30 * np.cos(2 * np.pi * 1.7 * T)], -1)
+    y = true + RNG.normal(size=true.shape)
+    error = [np.sqrt(np.mean((woltring(y, cutoff=c).values - true) ** 2)) for c in np.geomspace(0.01, 0.4, 30)]
+    found = woltring(y)
+    assert np.sqrt(np.mean((found.values - true) ** 2)) < 1.1 * min(error)
+
+
+def test_cross_validation_is_the_trace_of_the_smoother():
+    """The score that is minimised, against the smoother's whole matrix."""
+    n = 40
+    y = np.sin(np.arange(n) / 5)[:, None] + 0.1 * RNG.normal(size=(n, 1))
+    cutoffs = np.geomspace(0.02, 0.4, 200)
+    scores = []
+    for c in cutoffs:
+        A = woltring(np.eye(n) + 0.0, cutoff=c).values
+        scores.append(np.sum((y - A @ y) ** 2) / (n - np.trace(A)) ** 2)
+    assert abs(np.log(woltring(y).cutoff / cutoffs[int(np.argmin(scores))])) < 0.08
+
+
+def test_the_spline_goes_across_gaps_and_long_signals():
+    true = np.sin(2 * np.pi * 0.5 * T)[:, None]
+    y = true + 0.001 * RNG.normal(size=true.shape)
+    y[400:420] = np.nan
+    assert np.abs(woltring(y).values - true)[400:420].max() < 0.01
+    assert len(woltring(np.tile(true, (6, 1)), cutoff=0.1).values) == 6000
+
+
+def test_residual_analysis_finds_noise_and_a_good_cutoff():
+    true = np.stack([200 * np.sin(2 * np.pi * 0.7 * T), 50 * np.sin(2 * np.pi * 2.1 * T + 1), 10 * T], -1)
+    y = true + 0.8 * RNG.normal(size=true.shape)
+    cutoff, sigma = residual_analysis(y, rate=RATE)
+    assert abs(sigma / 0.8 - 1) < 0.05
+    errors = {c: np.sqrt(np.mean((butterworth(y, rate=RATE, cutoff_hz=c) - true) ** 2)) for c in np.arange(2, 20, 0.5)}
+    assert np.sqrt(np.mean((butterworth(y, rate=RATE, cutoff_hz=cutoff) - true) ** 2)) < 1.5 * min(errors.values())
+
+
+def test_filters_refuse_what_they_cannot_do():
+    with pytest.raises(ValueError, match="cutoff_hz is 60"):
+        butterworth(np.zeros((100, 1)), rate=RATE, cutoff_hz=60.0)
+    with pytest.raises(ValueError, match="samples, wanted more"):
+        butterworth(np.zeros((5, 1)), rate=RATE, cutoff_hz=6.0)
+    with pytest.raises(ValueError, match="wanted more than 6"):
+        woltring(np.zeros((6, 1)))
+    with pytest.raises(ValueError, match=r"0 to 0\.5"):
+        woltring(np.zeros((60, 1)), cutoff=0.7)
+    with pytest.raises(ValueError, match="residual analysis"):
+        residual_analysis(np.zeros((20, 1)), rate=RATE)
+    for method in (Butterworth, WoltringSpline):
+        with pytest.raises(ValueError, match="cutoff_hz"):
+            method(cutoff_hz=-1.0)
+
+
+def trial(sd=0.5):
+    true = np.stack([150 * np.sin(2 * np.pi * 0.6 * T), 80 * np.cos(2 * np.pi * 0.6 * T), 20 * T], -1)
+    cov = np.tile(sd**2 * np.eye(3), (len(T), 1, 1))
+    noisy = true + sd * RNG.normal(size=true.shape)
+    holed = noisy.copy()
+    holed[300:340] = holed[700:702] = np.nan
+    paths = (MarkerTrajectory.measured("whole", noisy, cov=cov), MarkerTrajectory.measured("holed", holed, cov=cov))
+    return Trajectories(paths, RATE), true
+
+
+@pytest.mark.parametrize("method", [Butterworth(6.0), Butterworth(), WoltringSpline(6.0), WoltringSpline()])
+def test_markers_are_smoothed_gaps_stay_and_covariances_are_true(method):
+    raw, true = trial()
+    out = smooth(raw, method=method)
+    assert [(np.isnan(a.xyz) == np.isnan(b.xyz)).all() for a, b in zip(raw, out, strict=True)] == [True, True]
+    error = (out["whole"].xyz - true)[50:-50]
+    stated = np.sqrt(out["whole"].cov[500, 0, 0])
+    assert error.std() < 0.3 and 0.85 < error.std() / stated < 1.3
+    turn = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1.0]])  # what is smoothed turns with the laboratory
+    turned = smooth(Trajectories((MarkerTrajectory.measured("w", raw["whole"].xyz @ turn.T),), RATE), method=method)
+    assert np.allclose(turned["w"].xyz, out["whole"].xyz @ turn.T, atol=1e-6)
+
+
+def test_short_paths_are_kept_as_they_are():
+    short = Trajectories(
+        (
+            MarkerTrajectory.measured("s", RNG.normal(size=(6, 3))),
+            MarkerTrajectory.measured("n", np.full((6, 3), np.nan)),
+        ),
+        RATE,
+    )
+    for method in (Butterworth(6.0), Butterworth(), WoltringSpline()):
+        out = smooth(short, method=method)
+        assert np.array_equal(out.xyz, short.xyz, equal_nan=True)
+    assert residual_cutoff(short["s"], rate=RATE) is None
+
+
+def test_both_forms_of_the_spline_are_the_same_spline():
+    """In bands for long signals, and by kernels for samples at any times, where p is in units of half the range."""
+    rng, n, cutoff, m = np.random.default_rng(3), 80, 0.07, 3
+    y = np.sin(np.arange(n)[:, None] / 9) + 0.1 * rng.standard_normal((n, 2))
+    seen = rng.random(n) < 0.8
+    p = (np.sqrt(2) - 1) * (2 * np.pi * cutoff) ** (-2.0 * m) / ((n - 1) / 2) ** (2 * m - 1)
+    t = np.arange(n, dtype=float)
+    kernels = smoothing_spline(t[seen], y[seen], t, half_order=m, smoothing=p)
+    banded = woltring(np.where(seen[:, None], y, np.nan), half_order=m, cutoff=cutoff)
+    within = slice(np.flatnonzero(seen)[0], np.flatnonzero(seen)[-1] + 1)
+    np.testing.assert_allclose(banded.values[within], kernels.values[within], atol=1e-6)

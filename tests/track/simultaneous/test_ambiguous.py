@@ -1,0 +1,305 @@
+"""Each kind of doubt, each sentence on the input, and what decides which tracks there are: one law at a time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.data import Cloud, Tracks
+from kinemark.match import match
+from kinemark.reconstruct import reconstruct
+from kinemark.synth.score import score
+from kinemark.track import track
+from kinemark.track.simultaneous import Simultaneous, diagnose, diagnose_tracks, track_detections, track_simultaneously
+from kinemark.track.simultaneous.ambiguous import SURE_INDEED, _found_again, _joins, _jumps, _merged, _near, _weak
+from kinemark.track.simultaneous.candidate_points import CandidatePoints
+from kinemark.track.simultaneous.initiate import _triples
+from kinemark.track.simultaneous.likelihood import WEAK, evidence
+from kinemark.track.simultaneous.passes import Associations
+from kinemark.track.simultaneous.stitch import CLEAR, Stitch, stitched
+from support.clouds import points
+from support.laboratory import observe, ring
+from support.motions import dance, in_pieces
+
+METHOD = Simultaneous()
+
+
+def sightings(xyz, *, rows=None, before=1.0, shared=None):
+    """Tracks (N, F, 3) seen by two cameras in every frame, by frame; rows (N, F, 2) where not all are, −1 for none."""
+    n, frames, _ = xyz.shape
+    id, frame = (k.ravel() for k in np.mgrid[:n, :frames])
+    own = np.arange(2 * n * frames).reshape(n, frames, 2) if rows is None else np.asarray(rows)
+    shared = np.zeros(own.shape, bool) if shared is None else shared
+    wide = np.broadcast_to(np.asarray(before, float), (n, frames)).ravel()
+    cov = np.broadcast_to(np.eye(3)[..., None], (3, 3, n * frames))
+    every = Associations(
+        frame,
+        id,
+        own.reshape(-1, 2).T,
+        shared.reshape(-1, 2).T,
+        np.zeros(n * frames),
+        wide,
+        xyz.reshape(-1, 3).T,
+        cov,
+    )
+    return every.take(np.argsort(frame, kind="stable"))
+
+
+def straight(n=2, frames=20, apart=100.0):
+    t = np.arange(frames)
+    return np.stack([np.stack([5.0 * t, apart * k + 0 * t, 1000 + 0 * t], -1) for k in range(n)]).astype(float)
+
+
+# What deserves a doubt
+
+
+@pytest.mark.parametrize(("share", "found"), [(0.98, 1), (1.02, 0)])
+def test_tracks_nearer_than_their_gates_may_be_swapped(share, found):
+    paths, before = straight(), 3.0
+    paths[1, 8:12, 1] = share * 2 * METHOD.gate * before / np.sqrt(3)  # (1); elsewhere 100 mm apart
+    doubts = _near(sightings(paths, before=before), METHOD)
+    assert [(d.kind, d.first, d.last, d.tracks) for d in doubts] == [("swap", 8, 11, (0, 1))] * found
+
+
+def test_a_track_that_was_lost_and_found_is_a_doubt_only_where_its_place_was_hardly_known():
+    before = np.ones((2, 20))
+    before[0, 9], before[1, 9] = 1.1 * METHOD.worst, 0.9 * METHOD.worst
+    (doubt,) = _found_again(sightings(straight(), before=before), METHOD)
+    assert (doubt.kind, doubt.first, doubt.last, doubt.tracks) == ("swap", 9, 9, (0,))
+    rows = np.arange(80).reshape(2, 20, 2)
+    rows[0, 9, 1] = -1  # one image alone finds nothing again
+    assert _found_again(sightings(straight(), before=before, rows=rows), METHOD) == []
+
+
+@pytest.mark.parametrize("rate", [50.0, 200.0])
+@pytest.mark.parametrize(("share", "found"), [(0.98, 0), (1.02, 1)])
+def test_a_track_that_bends_more_than_markers_do_jumped(rate, share, found):
+    xyz, sd = straight(1)[0], 0.01 / np.sqrt(3)
+    xyz[10:, 2] += share * METHOD.gate * (METHOD.acceleration / rate**2 + 4 * 0.01)  # (3), each point 0.01 mm sure
+    cov = np.tile(np.eye(3) * sd**2, (20, 1, 1))
+    cloud = Cloud(rate, np.arange(21), xyz, cov, np.zeros(20), np.zeros((20, 2), int))
+    doubts = _jumps(Tracks(cloud, np.zeros(20, np.int64)), METHOD)
+    assert [(d.kind, d.tracks) for d in doubts[:1]] == [("swap", (0,))] * found
+
+
+def test_a_track_that_lives_on_images_of_others_is_merged():
+    merged = np.zeros(80, bool)
+    shared = np.zeros((2, 20, 2), bool)
+    shared[0, 5:9, 0] = True
+    assert [(d.kind, d.first, d.last, d.tracks) for d in _merged(sightings(straight(), shared=shared), merged)] == [
+        ("merge", 5, 8, (0,))
+    ]
+    assert _merged(sightings(straight()), merged) == []
+
+
+@pytest.fixture(scope="module")
+def result():
+    """Of six markers in six cameras."""
+    detections, _ = observe(ring(6), dance(n=6, frames=40), noise=0.1)
+    return track_simultaneously(detections, ring(6), METHOD)
+
+
+def test_a_track_of_little_evidence_may_be_a_ghost(result):
+    assert _weak(result) == []
+    track = int(result.id[0])
+    own = np.flatnonzero(result.id[: len(result.evidence)] == track)
+    speaks = result.evidence.copy()
+    speaks[own] = (SURE_INDEED - 0.1) / len(own)
+    (doubt,) = _weak(result._replace(evidence=speaks))
+    assert (doubt.kind, doubt.tracks) == ("ghost", (track,))
+
+
+def test_joins_are_doubted_at_their_gap():
+    """Also where a piece was itself stitched before: the gap is that between the pieces that meet there."""
+    path = np.stack([np.linspace(0, 600, 121), np.zeros(121), np.full(121, 1000.0)], -1)
+    pieces = np.stack([path] * 3)
+    pieces[0, 40:], pieces[1, :43], pieces[1, 80:], pieces[2, :84] = (np.nan,) * 4
+    found = stitched(points(pieces), 0.01, METHOD).joins
+    assert {(join.last, join.first) for join in found} == {(39, 43), (79, 84)}
+    rest = stitched(points(pieces[:, :, :]), 0.01, replace(METHOD, gap=0.045)).joins
+    assert {(join.last, join.first) for join in rest} == {(39, 43)}
+
+
+@pytest.mark.parametrize(
+    ("margin", "sd", "words"),
+    [
+        (1.5 * CLEAR, 1.0, "joined over a gap, but another join was nearly as likely"),
+        (3 * CLEAR, 0.6 * METHOD.worst, "joined over a gap, but its motion alone leaves 6 mm open"),
+        (0.5 * CLEAR, 1.0, "may be one marker with a gap, but another join was nearly as likely"),
+        (3 * CLEAR, 0.4 * METHOD.worst, None),
+    ],
+)
+def test_joins_with_a_rival_or_over_a_wide_gap_are_doubts(result, margin, sd, words):
+    doubts = _joins(result._replace(joins=[Stitch(0, 1, 2 * margin, margin, sd, 10, 15)]), METHOD)
+    assert [doubt.reason for doubt in doubts] == ([] if words is None else [doubts[0].reason])
+    assert words is None or words in doubts[0].reason
+
+
+# What is found of the input
+
+
+@pytest.fixture(scope="module")
+def seen():
+    xyz, rig = dance(n=12, frames=80), ring(6)
+    return rig, xyz, observe(rig, xyz, noise=0.1)[0]
+
+
+def staged(detections, rig):
+    """Tracks of the former stages, one after the other."""
+    return track(reconstruct(match(detections, rig), detections, rig))
+
+
+def test_a_camera_that_starts_late_is_named(seen):
+    rig, _, detections = seen
+    late = detections.keep((detections.camera != 2) | (detections.frame >= 30))
+    for sentences in (
+        diagnose(late, rig, track_simultaneously(late, rig, METHOD)),
+        diagnose_tracks(late, rig, staged(late, rig)),
+    ):
+        (sentence,) = sentences
+        assert "c2" in sentence and "before frame 30" in sentence
+
+
+def test_a_camera_whose_view_the_markers_enter_late_did_not_start_late():
+    """And one whose view they leave did not stop."""
+    rig, xyz = ring(6), dance(n=12, frames=80)
+    detections, _ = observe(rig, xyz, noise=0.1)
+    away = rig[2].R.copy()
+    turned = replace(rig[2], R=np.diag([-1.0, 1, -1]) @ away, t=-np.diag([-1.0, 1, -1]) @ away @ rig[2].centre)
+    looks_away = replace(rig, cameras=tuple(turned if c == 2 else rig[c] for c in range(6)))
+    for own in (detections.frame >= 30, detections.frame < 50):
+        some = detections.keep((detections.camera != 2) | own)
+        sentences = diagnose(some, looks_away, track_simultaneously(some, looks_away, METHOD))
+        assert not any("start late" in one or "stop" in one for one in sentences)
+
+
+def test_speeds_that_nobody_has_name_the_rate(seen):
+    rig, _, detections = seen
+    tracks = staged(detections, rig)
+    assert diagnose_tracks(detections, rig, tracks) == []
+    fast = Tracks(replace(tracks.cloud, rate=2000.0), tracks.id)
+    (sentence,) = diagnose_tracks(replace(detections, rate=2000.0), rig, fast)
+    assert "frame rate of 2000 Hz" in sentence and "m/s" in sentence
+
+
+def test_what_is_noticed_does_not_depend_on_who_made_the_tracks(seen):
+    rig, _, detections = seen
+    beside = replace(detections, uv=detections.uv + (detections.camera == 3)[:, None] * [2.0, 0.0])
+    ours = diagnose(beside, rig, track_simultaneously(beside, rig, METHOD))
+    theirs = diagnose_tracks(beside, rig, staged(beside, rig))
+    assert ours == theirs and "(+2.0, " in ours[0]
+
+
+def test_a_shift_is_said_to_be_since_when_it_was(seen):
+    rig, _, detections = seen
+    for since in (0, 40):
+        those = (detections.camera == 3) & (detections.frame >= since)
+        beside = replace(detections, uv=detections.uv + those[:, None] * [3.0, 1.0])
+        (sentence,) = diagnose(beside, rig, track_simultaneously(beside, rig, METHOD))
+        assert "(+3.0, +1.0) px" in sentence and ("from frame 40 on" in sentence) == (since > 0)
+
+
+def test_only_our_own_method_says_that_a_camera_was_left_out(seen):
+    rig, _, detections = seen
+    order = [0, 4, 2, 3, 1, 5]
+    wrong = replace(rig, cameras=tuple(replace(rig[k], name=n) for k, n in zip(order, rig.names, strict=True)))
+    ours = diagnose(detections, wrong, track_simultaneously(detections, wrong, METHOD))
+    theirs = diagnose_tracks(detections, wrong, staged(detections, wrong))
+    assert len(ours) == len(theirs) == 2
+    assert all("left out" in one for one in ours) and not any("left out" in one for one in theirs)
+
+
+def test_points_without_an_identity_say_nothing_of_speed(seen):
+    rig, _, detections = seen
+    tracks = staged(detections, rig)
+    some = Tracks(tracks.cloud, np.where(tracks.id < 6, tracks.id, -1))
+    assert diagnose_tracks(detections, rig, some) == []
+
+
+def test_two_cameras_and_nothing_seen_are_no_trouble():
+    rig = ring(2)
+    for n in (0, 3):
+        detections, _ = observe(rig, dance(n=n, frames=12))
+        assert diagnose_tracks(detections, rig, staged(detections, rig)) == ([] if n else diagnose_tracks(*blind(rig)))
+
+
+def blind(rig):
+    """Twelve frames in which nobody sees anything."""
+    detections, _ = observe(rig, np.zeros((0, 12, 3)))
+    return detections, rig, staged(detections, rig)
+
+
+# What decides
+
+
+def test_evidence_is_what_its_formula_says():
+    """For a gate of 5: 1.4 for two images that fit perfectly, 4.1 for three, and little against it however bad."""
+    for n, squared, wanted in ((2, 0.0, 1.383), (3, 0.0, 4.149), (3, 6.0, 0.942), (2, 6.0, -0.908), (3, 1e4, -99.0)):
+        row = np.arange(3)[:, None]
+        none = np.zeros((3, 1), bool)
+        one = Associations(
+            np.array([0]),
+            np.array([0]),
+            row,
+            none,
+            np.array([squared]),
+            np.ones(1),
+            np.zeros((3, 1)),
+            np.eye(3)[..., None],
+        )
+        assert evidence(one, row < n, 5.0)[0] == pytest.approx(max(wanted, np.log(WEAK)), abs=2e-3)
+
+
+def test_of_two_that_end_neither_takes_the_one_that_begins():
+    path = np.stack([np.linspace(0, 600, 61), np.zeros(61), np.full(61, 1000.0)], -1)
+    one, other = in_pieces(path, 3)
+    twin = np.where(np.isfinite(one), one + np.array([0, 2.0, 0]), np.nan)
+    assert stitched(points(np.stack([one, twin, other])), 0.01, METHOD).id.tolist() == [0, 1, 2]
+
+
+def places(xyz, frame, sd=1.0):
+    """CandidatePoints of three images each at places (G, 3)."""
+    n = len(xyz)
+    cov = np.broadcast_to((np.eye(3) * sd**2)[..., None], (3, 3, n))
+    return CandidatePoints(
+        np.full(n, frame), np.asarray(xyz, float).T, cov, np.zeros((3, n), int), np.zeros(n), np.ones(n)
+    )
+
+
+def test_of_three_frames_the_straightest_and_slowest_begin_a_track():
+    T = 0.01
+    first = places([[0, 0, 0]], 0)
+    middle = places([[5, 6, 0], [5, 0, 0]], 1)
+    last = places([[10, 0, 0], [10, 9, 0]], 2)
+    assert [k.tolist() for k in _triples(first, middle, last, T, METHOD)] == [[0], [1], [0]]
+    far = places([[60, 0, 0], [5, 0, 0]], 1), places([[120, 0, 0], [10, 0, 0]], 2)  # both straight
+    assert [k.tolist() for k in _triples(first, *far, T, METHOD)] == [[0], [1], [1]]
+
+
+@pytest.mark.parametrize(("share", "born"), [(0.98, 1), (1.02, 0)])
+def test_three_points_bend_as_far_as_their_covariances_say(share, born):
+    T, sd = 1e-4, 2.0  # so short that no acceleration matters
+    quick = replace(METHOD, speed=1e9)
+    bend = share * METHOD.gate * np.sqrt(6) * sd
+    groups = [places([[0, y, 0]], f, sd) for f, y in enumerate((bend / 4, -bend / 4, bend / 4))]
+    assert len(_triples(*groups, T, quick)[0]) == born
+
+
+def test_points_less_sure_than_asked_for_are_not_given():
+    """Two cameras side by side know the depth poorly."""
+    rig = ring(12).select(["c0", "c1"])
+    detections, _ = observe(rig, dance(n=8, frames=40), noise=0.3)
+    every, sure = (track_detections(detections, rig, method=Simultaneous(worst=worst)).cloud for worst in (20.0, 2.0))
+    sd = np.sqrt(np.trace(every.cov, axis1=1, axis2=2))
+    assert sd.max() > 2.0 and len(sure) < len(every)
+    assert (np.sqrt(np.trace(sure.cov, axis1=1, axis2=2)) < 2.0).all()
+
+
+def test_a_track_does_not_outlive_what_is_known_of_its_place():
+    """All cameras are blind for half a second: what comes after it is another track, however patient the method."""
+    rig, xyz = ring(6), dance(n=6, frames=110)
+    detections, _ = observe(rig, xyz, noise=0.1)
+    blind = detections.keep((detections.frame < 30) | (detections.frame >= 80))
+    patient = Simultaneous(patience=2.0, gap=0.011)
+    tracks = track_detections(blind, rig, method=patient)
+    assert score(tracks, xyz).pieces.tolist() == [2] * 6

@@ -1,0 +1,59 @@
+"""What the tracks say of the cameras' time offsets."""
+
+import re
+
+import numpy as np
+import pytest
+
+from kinemark.data import Detections
+from kinemark.track.simultaneous import Simultaneous, diagnose, track_simultaneously
+from kinemark.track.simultaneous.time_offsets import time_offsets
+from support.laboratory import observe, ring
+from support.motions import dance
+
+FRAMES = 160
+
+
+@pytest.fixture(scope="module")
+def ball():
+    """Cameras, and a dance twice as long as it is watched, so that it can be seen earlier and later."""
+    return ring(6), dance(n=12, frames=FRAMES + 2)
+
+
+def watched(rig, xyz, late):
+    """What cameras see of paths (M, F + 2, 3) mm, each so many frames later than it should."""
+    frames = np.arange(1.0, FRAMES + 1)
+    seen = []
+    for c, delay in enumerate(late):
+        f = frames - delay
+        low = f.astype(int)
+        share = (f - low)[:, None]
+        moved = (1 - share) * xyz[:, low] + share * xyz[:, low + 1]
+        one, _ = observe(rig, moved, noise=0.1, seed=c)
+        seen.append((one.counts[c], one.uv[one.camera == c], one.cov[one.camera == c]))
+    counts, uv, cov = zip(*seen, strict=True)
+    return Detections.build(rig.names, 100.0, np.array(counts), np.concatenate(uv), np.concatenate(cov))
+
+
+@pytest.mark.parametrize("late", [(0, 0, 0, 0, 0, 0), (0, 0, 0.3, 0, 0, 0), (0.2, 0, 0, -0.4, 0, 0)])
+def test_delays_are_found_with_their_errors(ball, late):
+    rig, xyz = ball
+    found = time_offsets(track_simultaneously(watched(rig, xyz, late), rig, Simultaneous()))
+    assert found.delay == pytest.approx(np.array(late) - np.median(late), abs=0.02)
+    assert (found.error < 0.01).all()
+    assert (np.abs(found.delay - late) < 8 * found.error + 0.01).all()
+
+
+def test_a_late_camera_is_named_and_not_taken_for_a_moved_one(ball):
+    rig, xyz = ball
+    detections = watched(rig, xyz, (0, 0, 0.3, 0, 0, 0))
+    (sentence,) = diagnose(detections, rig, track_simultaneously(detections, rig, Simultaneous()))
+    assert re.match(f"Camera {rig.names[2]} sees everything (2.9|3.0|3.1) ms later than the others", sentence)
+
+
+def test_nothing_is_known_of_clocks_when_nothing_moves(ball):
+    rig, xyz = ball
+    still = np.repeat(xyz[:, :1], FRAMES + 2, axis=1)
+    found = time_offsets(track_simultaneously(watched(rig, still, (0, 0, 0.4, 0, 0, 0)), rig, Simultaneous()))
+    known = np.abs(found.delay) > 5 * found.error
+    assert not (known & (found.shift > 0.1)).any()

@@ -26,6 +26,8 @@ from ..engine.session import Session
 from ..engine.settings import methods_figures, methods_text, session_schema
 from ..engine.simulate import Scene
 from ..engine.simulate import simulate as simulate_session
+from ..engine.system import absence_notice
+from ..engine.system import system as describe_system
 from ..engine.trial_angles import AngleSettings, angles_of_file
 from ..fill import LIMIT, GapEdges
 from ..report.angles_text import angle_summary
@@ -273,16 +275,21 @@ def fill(
 
 
 @app.command
-def info(file: Path, *files: Path, json: Json = False) -> None:
+def info(*files: Path, system: Annotated[bool, Parameter(negative="")] = False, json: Json = False) -> None:
     """Say what is in files: C3D, TDF, TRC, CSV, rig TOML, DLT, HDF5, video, images or a session.
 
     Args:
-        file: one file or folder.
-        files: and others.
+        files: files or folders.
+        system: say instead what Kinemark runs on: versions, threads, and whether its compiled library is used.
         json: print it for a machine.
     """
+    if system == bool(files):
+        raise KinemarkError("Say what is wanted: files, or --system.")
+    if system:
+        _print(describe_system().figures() if json else describe_system().text())
+        return
     found: dict[str, dict[str, object]] = {}
-    for one in (file, *files):
+    for one in files:
         try:
             found[str(one)] = describe(one)
         except KinemarkError as error:  # one bad file keeps nobody from seeing the others
@@ -410,6 +417,8 @@ def _print(value: object) -> None:
 
 def main() -> None:
     """The command `kinemark`."""
+    if notice := absence_notice():
+        errors.print(f"kinemark: {notice}", markup=False, highlight=False, soft_wrap=True)
     try:
         app()
     except KinemarkError as error:

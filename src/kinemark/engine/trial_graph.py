@@ -36,7 +36,7 @@ from ..io.c3d import on_frames, write_c3d
 from ..io.files import replacing
 from ..io.records import load, save
 from ..match import match
-from ..reconstruct import LeastSquares, reconstruct
+from ..reconstruct import LeastSquares, image_errors, reconstruct
 from ..report.figures_detections import telling_frames
 from ..report.filling_page import write_filling_page
 from ..report.page import write_report
@@ -193,7 +193,7 @@ def _from_detections(inputs: TrialInputs, records: Records) -> Tracked:
     if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
         tracks = track_detections(detections, rig, method=method)
         return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
-    result = track_simultaneously(detections, rig, method, place=place)
+    result = track_simultaneously(detections, rig, method, errors=image_errors(place))
     return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), tuple(diagnose(detections, rig, result)))
 
 

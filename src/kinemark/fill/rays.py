@@ -26,6 +26,7 @@ from ..data import Camera, Detections, Rig, Tracks
 from ..data.array_types import Floats
 from ..data.trajectories import camera_bits
 from ..geometry import point_jacobian, project
+from ..numerics.runs import true_runs
 
 GATE = 9.21
 """99 % of χ² with two degrees of freedom."""
@@ -127,8 +128,7 @@ def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays:
 
 def _lasting(found: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Which (L) lie in runs of LEAST and more (4); a gap shorter than that has all of its frames for a run."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], found, [False]]).astype(np.int8))).reshape(-1, 2)
     out = np.zeros(len(found), bool)
-    for first, stop in edges:
+    for first, stop in true_runs(found):
         out[first:stop] = stop - first >= min(LEAST, len(found))
     return out

@@ -17,7 +17,6 @@ import numpy as np
 from ...data.array_types import Bools, Floats, Ints
 from .candidate_points import CandidatePoints, groups_of
 from .detection_index import Images
-from .kalman_states import inverse
 from .simultaneous_method import Simultaneous
 
 

@@ -9,8 +9,8 @@ from kinemark.data import KinemarkError, same
 from kinemark.geometry import project
 from kinemark.io.tdf import TDF_PARTS, Tdf, read_tdf
 from support.shared import shared_data
+from support.tdf_files import floats, label, segments, tracks_block, write
 
-SIGNATURE = bytes.fromhex("824b6041d31184ca6000b6ac16680c08")
 F4, F8, I4, I2, U2 = "<f4", "<f8", "<i4", "<i2", "<u2"
 
 
@@ -80,22 +80,6 @@ def test_force_plate_carries_the_subject_as_c3d_says_it(gait):
 # --- files built here ------------------------------------------------------------------------------------------------
 
 
-def label(text):
-    return text.encode().ljust(256, b"\0")
-
-
-def floats(values, dtype=F4):
-    return np.asarray(values, dtype).tobytes()
-
-
-def segments(values):
-    """A signal (n, width) with NaN rows as BTS stores it by track."""
-    seen = np.flatnonzero(np.isfinite(values).all(1))
-    runs = np.split(seen, np.flatnonzero(np.diff(seen) > 1) + 1) if len(seen) else []
-    head = struct.pack("<ii", len(runs), 0) + b"".join(struct.pack("<ii", run[0], len(run)) for run in runs)
-    return head + b"".join(floats(values[run]) for run in runs)
-
-
 def rig_block(n=2, model=3, other=(0, 0, 0, 0), turn=None):
     turn = np.eye(3) if turn is None else turn
     head = struct.pack("<ii", n, model) + floats([3, 2, 6]) + floats(turn) + floats([-1, 0, -2])
@@ -111,15 +95,6 @@ def detections_block(counts, uv, flags=0):
     n_frames, n = counts.shape
     head = struct.pack("<iiifI", n, n_frames, 100, 0.0, flags) + np.arange(n, dtype=U2).tobytes()
     return head + counts.astype(U2).tobytes() + floats(uv)
-
-
-def tracks_block(form, xyz, names, start=0.0):
-    head = struct.pack("<iifi", xyz.shape[1], 100, start, len(xyz)) + floats(np.zeros(15)) + struct.pack("<I", 0)
-    links = struct.pack("<iiii", 1, 0, 0, 1) if form in (1, 3) else b""
-    if form < 3:
-        return head + links + b"".join(label(n) + segments(x) for n, x in zip(names, xyz, strict=True))
-    stored = np.nan_to_num(xyz).transpose(1, 0, 2)
-    return head + links + b"".join(map(label, names)) + floats(stored)
 
 
 def wrench_block(form, rows, start=0.0):
@@ -145,17 +120,6 @@ def emg_block(form, values, names):
 def events_block(events):
     items = [label(name) + struct.pack("<ii", len(times) > 1, len(times)) + floats(times) for name, times in events]
     return struct.pack("<if", len(events), 0.0) + b"".join(items)
-
-
-def write(path, *blocks, spare=2):
-    """A TDF of (type, format, bytes) blocks with some empty entries."""
-    offset = 64 + 288 * (len(blocks) + spare)
-    head = SIGNATURE + struct.pack("<ii", 1, len(blocks) + spare) + bytes(40)
-    for kind, form, data in blocks:
-        head += struct.pack("<8i", kind, form, offset, len(data), 0, 0, 0, 0) + bytes(256)
-        offset += len(data)
-    path.write_bytes(head + bytes(288 * spare) + b"".join(data for *_, data in blocks))
-    return path
 
 
 RNG = np.random.default_rng(5)

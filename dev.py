@@ -36,7 +36,7 @@ CHECKS: tuple[tuple[str, list[str]], ...] = (
 )
 SITE = ("sphinx", "--fail-on-warning", "--keep-going", "--quiet", "-b", "html", "docs", "docs/_build")
 NIGHTLY: tuple[tuple[str, list[str], dict[str, str]], ...] = (
-    ("tests, new random examples", ["-m", "pytest", "--hypothesis-profile=nightly"], {}),
+    ("tests, new random examples", ["-m", "pytest", "-m", "", "--hypothesis-profile=nightly"], {}),
     ("tests without compiled parts", ["-m", "pytest"], {"KINEMARK_PLAIN": "1"}),
     ("studies", ["docs/validation/generate.py", "--check"], {}),
     ("benchmarks", ["benchmarks/compare.py"], {}),

@@ -19,10 +19,11 @@ from kinemark.detect.blobs import Blobs
 from kinemark.detect.grouping import group_runs
 from kinemark.detect.runs import Runs, find_runs
 from kinemark.detect.sums import pixel_sums
+from support.examples import examples
 
 needs_kernel = pytest.mark.skipif(compiled.library() is None, reason="detection was installed without a compiler")
 SINGLE = Centroids(most_discs=1, hidden=False)  # what is done with overlapping markers knows nothing of the kernel
-some = settings(max_examples=60, deadline=None)
+some = settings(max_examples=examples(60), deadline=None)
 
 
 def plainly(function, *args, **parameters):

@@ -10,6 +10,7 @@ from kinemark.data import KinemarkError, Validity
 from kinemark.detect import Centroids, Masks, combined_masks, detect, detect_frames, learn_masks
 from kinemark.detect.masks import masked, rasterised, rectangles
 from kinemark.io.masks_toml import read_masks, write_masks
+from support.examples import examples
 
 W, H = 90, 60
 
@@ -47,7 +48,7 @@ def within(x, y, polygon):
     return round(turn / (2 * np.pi)) % 2 == 1
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(seed=st.integers(0, 10**6), corners=st.integers(3, 8))
 def test_pixels_are_those_whose_centres_lie_within(seed, corners):
     polygon = np.random.default_rng(seed).uniform(-8, 30, (corners, 2))  # may cross itself and leave the image
@@ -56,7 +57,7 @@ def test_pixels_are_those_whose_centres_lie_within(seed, corners):
     np.testing.assert_array_equal(mask, expected)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=examples(12), deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_rectangles_cover_exactly_what_is_masked(seed):
     rng = np.random.default_rng(seed)
@@ -150,7 +151,7 @@ def test_what_does_not_fit_is_refused():
         masks().pixels("b")
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=examples(12), deadline=None)
 @given(seed=st.integers(0, 10**6), names=st.lists(st.text(min_size=1, max_size=8), unique=True, max_size=3))
 def test_the_file_reads_back_the_same(tmp_path_factory, seed, names):
     rng = np.random.default_rng(seed)

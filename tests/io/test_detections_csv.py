@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from kinemark.data import Detections, KinemarkError, Validity, same
 from kinemark.io.detections_csv import read_detections_csv, write_detections_csv
+from support.examples import examples
 
 
 def detections(seed, cameras=("left", "right, é"), n_frames=7, known=True):
@@ -20,7 +21,7 @@ def detections(seed, cameras=("left", "right, é"), n_frames=7, known=True):
     return Detections.build(cameras, 50.0, counts, rng.uniform(-1, 700, (n, 2)), **extra)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(seed=st.integers(0, 10**6), n_frames=st.integers(0, 9), known=st.booleans())
 def test_what_is_written_reads_back_the_same(tmp_path_factory, seed, n_frames, known):
     before = detections(seed, n_frames=n_frames, known=known)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, same
 from kinemark.io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from kinemark.io.trc import read_trc, write_trc
+from support.examples import examples
 from support.shared import shared_data
 
 FORMATS = {"trc": (read_trc, write_trc), "csv": (read_trajectories_csv, write_trajectories_csv)}
@@ -23,7 +24,7 @@ def markers(seed, n_markers=3, n_frames=20, rate=50.0, first=1):
 
 
 @pytest.mark.parametrize("form", FORMATS)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(
     seed=st.integers(0, 10**6),
     n=st.integers(1, 4),

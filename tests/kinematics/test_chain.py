@@ -27,6 +27,7 @@ from kinemark.kinematics import (
 from kinemark.kinematics.chain import chosen, complete, points_of
 from kinemark.kinematics.sequences import followed, read_angles
 from kinemark.synth.arm import RANGES, Build, arm, skeleton
+from support.examples import examples
 
 SEQUENCES = [a + b + c for a in "xyz" for b in "xyz" for c in "xyz" if b not in (a, c)]
 UM2AS = load_model("um2as")
@@ -78,7 +79,7 @@ def test_the_upper_limb_gives_the_angles_that_made_it(task):
     assert not found.locked.any() and np.isnan(found.cov[0]).all()
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(40))
 @given(st.lists(st.floats(-80, 80), min_size=7, max_size=7))
 def test_seven_free_angles_come_back_with_their_signs(v):
     trial = posed(

@@ -27,6 +27,13 @@ def test_the_model_keeps_long_gaps_as_near_as_the_thesis_does(study, number, tes
     assert found["limbs"] < 2.5
 
 
+@pytest.mark.parametrize(("number", "test"), [(1, 1), (1, 3), (1, 7), (2, 9), (3, 5)])
+def test_a_model_of_the_same_recording_does_nearly_as_well_as_one_of_another(study, number, test):
+    """Also where the other cycles hide the segment too, so that nothing but the model's mean tells its direction."""
+    own, limbs = (np.sqrt(study.squared(number, test, way, 1).mean()) for way in ("own", "limbs"))
+    assert own < 2 * limbs + 0.1
+
+
 def test_the_predictor_alone_is_lost(study):
     alone = np.sqrt(study.squared(1, 12, "meeting", 1).mean())
     assert alone > 5 * np.sqrt(study.squared(1, 12, "position", 1).mean())

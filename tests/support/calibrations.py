@@ -79,12 +79,15 @@ def off(rig, truth=SMALL, places=POINTS):
     return float(np.nanmedian(np.linalg.norm(project_all(rig, places) - project_all(truth, places), axis=-1)))
 
 
-def points_csv(folder, *, uv=None):
-    """The control frame's markers as control points, seen at (4, 24, 2) px, or where they are but for some noise."""
+def points_csv(folder, *, uv=None, by=0.0):
+    """The control frame's markers as control points, seen at (4, 24, 2) px, or where they are but for some noise.
+
+    `by` (3) mm is how far the survey's origin lies from the laboratory's.
+    """
     if uv is None:
         uv = project_all(SMALL, POINTS) + 0.05 * np.random.default_rng(1).normal(size=(4, len(POINTS), 2))
     rows = ["name,x_mm,y_mm,z_mm," + ",".join(f"{c}_{axis}_px" for c in SMALL.names for axis in "uv")]
-    for n, (xyz, pixels) in enumerate(zip(POINTS, uv.transpose(1, 0, 2), strict=True)):
+    for n, (xyz, pixels) in enumerate(zip(POINTS + by, uv.transpose(1, 0, 2), strict=True)):
         rows.append(",".join([f"P{n + 1}", *map(str, xyz), *("" if np.isnan(p) else str(p) for p in pixels.ravel())]))
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "points.csv").write_text("\n".join(rows) + "\n")

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import distance_transform_edt
 
 from ..data import KinemarkError, Validity
+from ..numerics.runs import equal_runs, true_runs_of_rows
 from .blobs import Blobs
 from .centroids_method import Centroids, check_images, grey_scale
 from .kiss import KissNearest, KissScanning
@@ -170,15 +171,11 @@ def masked(blobs: Blobs, mask: NDArray[np.bool_]) -> Blobs:
 
 def rectangles(mask: NDArray[np.bool_]) -> tuple[NDArray[np.float64], ...]:
     """Rectangles (4, 2) px that cover exactly the masked pixels: equal runs of consecutive lines as one."""
-    step = np.diff(mask.astype(np.int8), axis=1, prepend=0, append=0)
-    line, left = np.nonzero(step == 1)
-    right = np.nonzero(step == -1)[1]
+    line, left, right = true_runs_of_rows(mask).T
     order = np.lexsort((line, right, left))
     line, left, right = line[order], left[order], right[order]
-    fresh = np.ones(len(line), np.bool_)
-    fresh[1:] = (left[1:] != left[:-1]) | (right[1:] != right[:-1]) | (line[1:] != line[:-1] + 1)
-    first = np.flatnonzero(fresh)
-    last = np.append(first[1:], len(line))[: len(first)] - 1
+    ends = equal_runs(left, right, line - np.arange(len(line)))
+    first, last = ends[:-1], ends[1:] - 1
     sides = zip(left[first] - 0.5, right[first] - 0.5, line[first] - 0.5, line[last] + 0.5, strict=True)
     return tuple(np.array([(x1, y1), (x2, y1), (x2, y2), (x1, y2)]) for x1, x2, y1, y2 in sides)
 

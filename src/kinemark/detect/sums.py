@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.runs import begins
 from .compiled import library
 from .grouping import PixelGroups
 
@@ -93,7 +94,7 @@ def _widened(groups: PixelGroups, height: int, width: int) -> tuple[Stretches, S
     left, right = np.full(len(of), EMPTY), np.full(len(of), -EMPTY)
     y, first, last = groups.runs
     row = y + np.repeat(begin + MARGIN - groups.top, np.diff(groups.start))
-    fresh = np.concatenate([[True], row[1:] != row[:-1]])
+    fresh = begins(row)
     left[row[fresh]] = first[fresh]
     right[row] = last  # of several runs in one line the last stays
     inside = line // height == groups.frame[of]

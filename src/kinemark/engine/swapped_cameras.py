@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Cloud, Detections, Finding, Rig, make_finding
-from ..match import MatchMethod, match
-from ..reconstruct import ReconstructMethod, reconstruct
+from ..data.method import Method
+from ..match import match
+from ..reconstruct import reconstruct
 
 LITTLE = 0.6
 """Share of a camera's valid detections; if less agree with two other cameras, it may have the images of another."""
@@ -21,7 +22,7 @@ MOST_PAIRS = 30
 
 
 def swapped_cameras(
-    detections: Detections, rig: Rig, cloud: Cloud, *, matching: MatchMethod, placing: ReconstructMethod
+    detections: Detections, rig: Rig, cloud: Cloud, *, matching: Method, placing: Method
 ) -> tuple[Finding, ...]:
     """Which two cameras have each other's images or calibration, if so; nothing where all is well.
 

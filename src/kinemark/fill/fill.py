@@ -16,16 +16,15 @@ from .judge.auto import Auto
 from .judge.combine import close_ones, mean_prediction, mean_tests, together
 from .judge.combine import weights as best_weights
 from .judge.expected_error import ErrorCalibration, MeasuredErrors, as_hard, weigh
-from .judge.hold_out import Candidate, edge_distance, plan, run
+from .judge.hold_out import MANY, Candidate, edge_distance, plan, run
+from .known_samples import possible
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
-from .methods.table import FILLERS, MANY, NAMES, TOGETHER, affordable, name_of, within_time
+from .methods.stage import FILL, FillMethod, filler_of
 from .static import place_absent
 from .static_shape import StaticShape
 
-METHODS: dict[str, type] = {"auto": Auto, **NAMES}
-"""All methods by the names that settings and the command line use."""
-WILD = 1e6
-"""mm from the middle of all samples, beyond which a sample is no position of a marker."""
+SLOW = 600_000
+"""Gaps times frames above which methods that look at the whole trial for each hidden test are not tried."""
 LIMIT = 20.0
 ENOUGH = 60
 """Hidden tests of one method that tell how far off it is; more are made to choose one for each gap."""
@@ -102,11 +101,11 @@ def fill(
 ) -> Filled:
     """Fill the gaps of a trial.
 
-    Samples more than a kilometre from the others become missing, and bad ones beside gaps are filled too (`GapEdges`).
+    Samples more than a kilometre from the median of all become missing; bad ones beside gaps are filled (`GapEdges`).
 
     Args:
         trajectories: the trial; what is filled already counts as seen.
-        method: an object of one of `METHODS`; `Auto()` when None.
+        method: one of `FILL`; `Auto()` when None.
         limit_mm: gaps with a greater expected mean error stay open; infinite fills all that can be filled.
         ends: also fill before a marker's first sample and after its last.
         edges: how samples beside gaps are judged and trimmed; `GapEdges()` when None, `GapEdges(most=0)` trims none.
@@ -114,14 +113,14 @@ def fill(
         seed: of the places of the hidden tests.
 
     Raises:
-        ValueError: the method is none of `METHODS`, or the limit is not above 0.
+        ValueError: the method is none of `FILL`, or the limit is not above 0.
     """
     method = Auto() if method is None else method
     if not limit_mm > 0:
         raise ValueError(f"limit_mm is {limit_mm}, wanted above 0")
     candidates = method.methods if isinstance(method, Auto) else (method,)
     for candidate in candidates:
-        name_of(candidate)
+        filler_of(candidate)
     motion = within_reach(MarkerArray.of(trajectories))
     written = _Columns(trajectories)
     written.drop(~motion.seen)
@@ -141,6 +140,17 @@ def fill(
     return filled if static is None else _with_static(filled, static, limit_mm)
 
 
+def affordable(methods: Sequence[FillMethod], gaps: int, frames: int) -> list[FillMethod]:
+    """Those of the methods to choose from that a trial of so many gaps and frames leaves time for."""
+    quick = [method for method in methods if not method.slow]
+    return quick if quick and gaps * frames > SLOW else list(methods)
+
+
+def within_time(method: FillMethod, gaps: list[Gap], source: MarkerArray | None) -> FillMethod:
+    """The method itself, or a faster form of it where there are many gaps; for `source` see `FillMethod`."""
+    return method if len(gaps) <= MANY else method.for_many_gaps(gaps, source)
+
+
 def tests_per_gap(gaps: int) -> int:
     """How often each gap is tried: more where there are few gaps, as tests of other gaps tell less of it."""
     return int(np.clip(200 // gaps, 1, 12))
@@ -148,10 +158,9 @@ def tests_per_gap(gaps: int) -> int:
 
 def within_reach(motion: MarkerArray) -> MarkerArray:
     """The trial without samples that cannot be positions: a filler would take them for motion."""
-    middle = np.nan_to_num(np.nanmedian(motion.xyz, axis=(0, 1))) if motion.seen.any() else np.zeros(3)
-    with np.errstate(invalid="ignore"):
-        wild = np.abs(motion.xyz - middle).max(-1) > WILD
-    return motion._replace(xyz=np.where(wild[..., None], np.nan, motion.xyz)) if wild.any() else motion
+    known = possible(motion.xyz)
+    wild = motion.seen & ~known
+    return motion._replace(xyz=np.where(known[..., None], motion.xyz, np.nan)) if wild.any() else motion
 
 
 def ask(motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[FillAnswer]:
@@ -162,9 +171,10 @@ def ask(motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed
 def ask_winners(motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[FillAnswer]:
     """As `ask`, but of each gap only the methods that are needed to choose and fill are asked, for time's sake.
 
-    That is the one that does best in the tests; the next best where that has nothing to say; and those of `TOGETHER`.
+    That is the one that does best in the tests; the next best where that has nothing to say; and those
+    that answer for all gaps together.
     """
-    answers = _asked(motion, gaps, candidates, seed, lambda method: isinstance(method, TOGETHER))
+    answers = _asked(motion, gaps, candidates, seed, lambda method: method.together)
     left = set(range(len(gaps)))
     while left:
         lead = {index: _leader(answers, *_told(answers, gaps, index)) for index in left}
@@ -195,9 +205,11 @@ def _asked(
     answers = []
     for candidate in candidates:
         method = within_time(candidate, gaps, source)
-        tried = run(motion, planned, FILLERS[type(method)], method)
+        tried = run(motion, planned, filler_of(method), method)
         said = _say(motion, gaps, method) if whether(method) else [UNASKED] * len(gaps)
-        answers.append(FillAnswer(name_of(method), said, MeasuredErrors(tried), ErrorCalibration(tried), tried, method))
+        answers.append(
+            FillAnswer(FILL.of(method).name, said, MeasuredErrors(tried), ErrorCalibration(tried), tried, method)
+        )
     return answers
 
 
@@ -218,7 +230,7 @@ def _tested(gaps: list[Gap]) -> list[int]:
 
 def _say(motion: MarkerArray, gaps: list[Gap], method: Any) -> list[Prediction]:
     """What a method says of some gaps, if any."""
-    return FILLERS[type(method)](motion, gaps, method=method) if gaps else []
+    return filler_of(method)(motion, gaps, method=method) if gaps else []
 
 
 def _within(found: FilledGap, limit_mm: float) -> FilledGap:
@@ -349,7 +361,7 @@ class _Columns:
 
     def of(self, marker: int) -> dict[str, Any]:
         """The columns of a marker, copied when they are first asked for."""
-        names = ("xyz", "cov", "origin", "residual", "cameras")
+        names = ("xyz", "cov", "origin", "residual", "cameras", "view")
         path = self.source.paths[marker]
         return self.changed.setdefault(marker, {name: getattr(path, name).copy() for name in names})
 
@@ -360,13 +372,14 @@ class _Columns:
             if wild.any():
                 into = self.of(marker)
                 into["xyz"][wild] = into["cov"][wild] = into["residual"][wild] = np.nan
-                into["origin"][wild], into["cameras"][wild] = Origin.MISSING, 0
+                into["origin"][wild], into["cameras"][wild], into["view"][wild] = Origin.MISSING, 0, -1
 
     def put(self, gap: Gap, xyz: Floats, cov: Floats) -> None:
         """Fill a gap."""
         into, at = self.of(gap.marker), slice(gap.start, gap.stop)
         into["xyz"][at], into["cov"][at] = xyz, cov
-        into["origin"][at], into["residual"][at], into["cameras"][at] = Origin.FILLED, np.nan, 0
+        into["origin"][at], into["residual"][at] = Origin.FILLED, np.nan
+        into["cameras"][at], into["view"][at] = 0, -1
 
     def trajectories(self) -> Trajectories:
         """The trial with all that was put."""

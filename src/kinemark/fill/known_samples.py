@@ -1,7 +1,7 @@
 """What is known of a trial, as fillers read it: the samples that can be true, and what lies around a gap.
 
-A sample more than `FAR` (a kilometre) from the origin is no marker's; it counts as missing, so that one wrong number
-does not swamp the sums that all gaps are learnt from.
+A sample more than `FAR` (a kilometre) from the median of all samples is no marker's; it counts as missing, so that one
+wrong number does not swamp the sums that all gaps are learnt from. Where the world has its origin does not matter.
 """
 
 from __future__ import annotations
@@ -13,12 +13,24 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.runs import equal_runs
 from .marker_array import Gap, MarkerArray
 
 FAR = 1e6
-"""mm."""
+"""mm from the median of all samples, beyond which a sample is no position of a marker."""
 ENOUGH = 600
 """Frames that are enough to learn from; longer trials are thinned evenly."""
+
+
+def possible(xyz: Floats) -> Bools:
+    """(M, F) which samples (M, F, 3) mm, NaN where missing, can be true: those within `FAR` of the median of all."""
+    flat = xyz.reshape(-1, 3)
+    low, high = np.fmin.reduce(flat, initial=np.nan), np.fmax.reduce(flat, initial=np.nan)
+    with np.errstate(invalid="ignore"):
+        if not np.linalg.norm(high - low) >= FAR:  # no two are that far apart; a median would take ten times as long
+            return np.asarray(np.isfinite(xyz).all(-1))
+        off = xyz - np.nanmedian(flat, axis=0)
+        return np.asarray(np.einsum("mfi,mfi->mf", off, off) < FAR**2)
 
 
 class Span(NamedTuple):
@@ -94,10 +106,8 @@ class KnownSamples(NamedTuple):
     @classmethod
     def of(cls, motion: MarkerArray) -> KnownSamples:
         """What of a trial can be true."""
-        square = np.einsum("mfi,mfi->mf", motion.xyz, motion.xyz)
-        seen = square < FAR**2
-        far = square >= FAR**2
-        x = np.where(far[..., None], np.nan, motion.xyz) if far.any() else motion.xyz
+        seen = possible(motion.xyz)
+        x = np.where(seen[..., None], motion.xyz, np.nan) if (motion.seen & ~seen).any() else motion.xyz
         return cls(np.ascontiguousarray(x), seen, motion.rate, motion.names)
 
     @property
@@ -166,7 +176,7 @@ def pieces(known: KnownSamples, span: Span, *, least: int, most: int = 12) -> li
     whole = seen.all(1).sum()
     if span.length < 2 or (whole >= least and whole >= 0.7 * seen.sum(0).mean()):
         return [(span.start, span.stop)]
-    cuts = np.flatnonzero((seen[:, 1:] != seen[:, :-1]).any(0)) + 1
+    cuts = equal_runs(*seen)[1:-1]
     if len(cuts) >= most:
         cuts = np.unique(np.linspace(0, span.length, most + 1).astype(int))[1:-1]
     ends = [span.start, *(span.start + int(c) for c in cuts), span.stop]

@@ -11,8 +11,8 @@ import numpy as np
 from ..data import Finding, Origin, Trajectories, make_finding
 from ..data import MarkerTrajectory as MarkerPath
 from ..data.finding import gravest_first, red_if
-from ..fill import Filled, FilledGap
-from ..fill.fill import WILD
+from ..fill import Filled, FilledGap, MarkerArray
+from ..fill.known_samples import possible
 from ..version import __version__
 from .plain import SCHEMA_VERSION, plain
 from .verdict import verdict_of
@@ -89,11 +89,8 @@ def _at_an_end(gap: FilledGap, before: Trajectories) -> int:
 
 def _far_away(trajectories: Trajectories) -> int:
     """Samples that cannot be positions."""
-    xyz = trajectories.xyz if len(trajectories) else np.zeros((0, 0, 3))
-    if not np.isfinite(xyz).any():
-        return 0
-    with np.errstate(invalid="ignore"):
-        return int((np.abs(xyz - np.nanmedian(xyz, axis=(0, 1))).max(-1) > WILD).sum())
+    motion = MarkerArray.of(trajectories)
+    return int((motion.seen & ~possible(motion.xyz)).sum())
 
 
 def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:

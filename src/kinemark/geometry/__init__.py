@@ -12,14 +12,17 @@ from .camera import (
     to_camera,
     undistort,
 )
-from .dlt import camera_from_dlt, decompose, fit_dlt, from_dlt, to_dlt
+from .dlt import camera_from_dlt, cameras_from_dlt, decompose, fit_dlt, from_dlt, to_dlt
 from .epipolar import epipolar_constants, epipolar_lines, fundamental, line_distance
+from .origin import about, joint_about, near_middle, parameters_about, rig_about
 from .sphere_offset import sphere_offset
-from .triangulate import Triangulated, inverse3, refine, solve3, triangulate
+from .triangulate import Triangulated, refine, triangulate
 
 __all__ = [
     "Triangulated",
+    "about",
     "camera_from_dlt",
+    "cameras_from_dlt",
     "decompose",
     "distort",
     "epipolar_constants",
@@ -27,20 +30,22 @@ __all__ = [
     "fit_dlt",
     "from_dlt",
     "fundamental",
-    "inverse3",
+    "joint_about",
     "line_distance",
+    "near_middle",
     "nearest_rotations",
     "normalised",
     "parameter_jacobian",
+    "parameters_about",
     "point_jacobian",
     "polar_rotations",
     "project",
     "project_all",
     "rays",
     "refine",
+    "rig_about",
     "rigid_align",
     "rigid_poses",
-    "solve3",
     "sphere_offset",
     "to_camera",
     "to_dlt",

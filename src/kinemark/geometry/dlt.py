@@ -15,11 +15,18 @@ camera (5), and K[1, 1] < 0 where v is counted upwards, so that R is always a ro
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from ..data import Camera, KinemarkError
+
+SINGULAR = 1e12
+"""Condition of M, above which no camera follows."""
+PARALLEL = 0.01
+"""Mean squared sine of the angle between optical axes and their common direction: about 6°."""
 
 
 def to_dlt(P: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -90,7 +97,7 @@ def decompose(
         KinemarkError: P has no optical centre at a finite place, so it is not a pinhole camera.
     """
     M = P[:, :3] / np.linalg.norm(P[2, :3])
-    if np.linalg.cond(M) > 1e12:
+    if np.linalg.cond(M) > SINGULAR:
         raise KinemarkError("The projection is singular: it is no pinhole camera. Calibrate again with other points.")
     depth = P[2] @ np.append(np.asarray(front, np.float64), 1.0)
     sign = np.sign(depth) or 1.0  # (5)
@@ -101,6 +108,26 @@ def decompose(
         K, R = K @ np.diag([1.0, -1.0, 1.0]), np.diag([1.0, -1.0, 1.0]) @ R  # (6)
     t = np.linalg.solve(K, sign * P[:, 3] / np.linalg.norm(P[2, :3]))  # (4)
     return K / K[2, 2], R, t
+
+
+def cameras_from_dlt(names: Sequence[str], L: NDArray[np.float64]) -> tuple[Camera, ...]:
+    """`camera_from_dlt` of cameras (C, 11) that look at one place.
+
+    What the cameras have before them eleven parameters do not say. It is the place (3,) nearest to all optical axes,
+    from a camera at c along d: the x of least Σ |(1 − d dᵀ) (x − c)|² (7). Where the axes are nearly parallel that is
+    no place, and the world's origin is taken.
+    """
+    P = from_dlt(L)
+    front = np.zeros(3)
+    if len(P) > 1 and (np.linalg.cond(P[:, :, :3]) < SINGULAR).all():
+        centre = -np.linalg.solve(P[:, :, :3], P[:, :, 3:])[..., 0]
+        d = P[:, 2, :3] / np.linalg.norm(P[:, 2, :3], axis=1, keepdims=True)
+        across = np.eye(3) - d[:, :, None] * d[:, None]
+        middle = centre.mean(0)
+        if np.linalg.eigvalsh(across.mean(0))[0] > PARALLEL:
+            pull = (across @ (centre - middle)[..., None]).sum(0)[:, 0]
+            front = middle + np.linalg.solve(across.sum(0), pull)  # (7)
+    return tuple(camera_from_dlt(name, row, front=front) for name, row in zip(names, L, strict=True))
 
 
 def camera_from_dlt(name: str, L: ArrayLike, *, front: ArrayLike = (0.0, 0.0, 0.0), size: ArrayLike = (0, 0)) -> Camera:

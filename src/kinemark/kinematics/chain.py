@@ -29,8 +29,9 @@ import numpy as np
 from ..data import Angles, KinemarkError, Trajectories
 from ..data.array_types import Floats
 from ..data.models import LABORATORY, Axis, Joint, Model, Segment
+from ..geometry import near_middle
 from .pose import Template, carry
-from .sequences import Method, SignedAngles, principal, read_angles
+from .sequences import AngleMethod, SignedAngles, principal, read_angles
 
 Points = Mapping[str, Floats]
 
@@ -44,7 +45,7 @@ def joint_angles(
     trajectories: Trajectories,
     *,
     model: Model,
-    method: Method | None = None,
+    method: AngleMethod | None = None,
     template: Template | None = None,
 ) -> Angles:
     """The angles of all joints of a model, with their covariance and the frames in gimbal lock.
@@ -60,7 +61,7 @@ def joint_angles(
         KinemarkError: markers of the model are not in the trial.
     """
     method = method or SignedAngles()
-    used = chosen(trajectories, model, template)
+    used = _near_origin(chosen(trajectories, model, template))
     R = joint_matrices(points_of(used), model, template)
     read = [read_angles(R[j], joint, method) for j, joint in enumerate(model.joints)]
     deg, locked = np.array([d for d, _ in read]), np.array([flag for _, flag in read])
@@ -70,6 +71,12 @@ def joint_angles(
     C = slope[..., :, None] * C * slope[..., None, :]
     sequences = tuple(joint.sequence for joint in model.joints)
     return Angles(tuple(joint.name for joint in model.joints), sequences, deg, C, trajectories.rate, locked)
+
+
+def _near_origin(trajectories: Trajectories) -> Trajectories:
+    """The same about their mean: angles do not depend on the origin, but far from it differences over `STEP` do."""
+    origin = near_middle(trajectories.xyz)
+    return replace(trajectories, paths=tuple(replace(path, xyz=path.xyz - origin) for path in trajectories))
 
 
 def _principal(R: Floats, model: Model, j: int) -> Floats:

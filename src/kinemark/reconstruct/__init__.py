@@ -1,15 +1,14 @@
 """From matched images to points in space, each with its covariance: one file a method."""
 
 from .camera_pairs import CameraPairs
-from .least_squares import LeastSquares, located, wanted
-from .methods import RECONSTRUCTORS, ReconstructMethod, reconstruct
+from .least_squares import LeastSquares, image_errors
+from .methods import reconstruct
+from .stage import RECONSTRUCT
 
 __all__ = [
-    "RECONSTRUCTORS",
+    "RECONSTRUCT",
     "CameraPairs",
     "LeastSquares",
-    "ReconstructMethod",
-    "located",
+    "image_errors",
     "reconstruct",
-    "wanted",
 ]

@@ -11,7 +11,7 @@ from plotly.subplots import make_subplots
 from ..data import Origin, Trajectories
 from ..findings.markers import sample_deviation
 from .theme import HUES, STATES, axis_style, empty, figure, hue, label
-from .thin import blocks, envelope
+from .thin import blocks, envelope, short
 
 SAMPLES = 180_000
 """Most samples in the figure of trajectories, all markers and axes together."""
@@ -35,7 +35,7 @@ def trajectories_figure(trajectories: Trajectories) -> go.Figure:
         for axis in range(3):
             frame, values = envelope(path.xyz[:, axis], most)
             fig.add_scatter(
-                x=(frame / trajectories.rate).astype(np.float32), y=values.astype(np.float32), mode=single,
+                x=(frame / trajectories.rate).astype(np.float32), y=short(values), mode=single,
                 line={"color": hue(m), "width": 1.5}, connectgaps=False, name=label(path.name),
                 legendgroup=str(m), showlegend=axis == 0, row=axis + 1, col=1,
                 hovertemplate="%{x:.3f} s: %{y:.1f} mm",

@@ -13,8 +13,9 @@ from ..data import Rig
 from ..data.array_types import Floats
 from ..findings.cameras import upwards
 from .formatting import number
-from .scene3d import draw_box, draw_camera, draw_floor, viewpoint
+from .scene3d import draw_box, draw_camera, draw_floor, extent_of, viewpoint
 from .theme import FAINT, HUES, axis_style, empty, figure, hue, label
+from .thin import short
 
 SLICES = 3
 SCALE = "Cividis"
@@ -55,8 +56,7 @@ def space_figure(figures: dict[str, Any], rig: Rig, points: Floats) -> go.Figure
     """Cameras, the volume with σ at places in it, and the points (N, 3) mm that the calibration was made from."""
     sd, axes = _volume(figures["map"], "sd_mm")
     corners = np.array(figures["volume"]["corners_mm"])
-    everything = np.concatenate([rig.centres, corners, points[np.isfinite(points).all(1)], np.zeros((1, 3))])
-    extent, up = np.array([everything.min(0), everything.max(0)]), upwards(rig)
+    extent, up = extent_of(rig.centres, corners, points[np.isfinite(points).all(1)]), upwards(rig)
     legend = {"orientation": "h", "y": 1, "yanchor": "bottom"}
     fig = figure(620, margin={"l": 0, "r": 0, "t": 36, "b": 0}, showlegend=True, legend=legend)
     draw_floor(fig, extent, up)
@@ -64,7 +64,7 @@ def space_figure(figures: dict[str, Any], rig: Rig, points: Floats) -> go.Figure
     for c, camera in enumerate(rig):
         draw_camera(fig, camera, hue(c), corners.mean(0))
     _cloud(fig, sd, axes)
-    x, y, z = points[np.isfinite(points).all(1)].T.astype(np.float32)
+    x, y, z = short(points[np.isfinite(points).all(1)].T)
     style = {"size": 3, "color": HUES[1]}
     fig.add_scatter3d(x=x, y=y, z=z, mode="markers", name="calibration points", marker=style, hoverinfo="skip")
     axis = {f"{a}axis": {"title": f"{a} (mm)", "backgroundcolor": "#F7F9FA", "gridcolor": "#DDE3E8"} for a in NAMES}
@@ -82,7 +82,7 @@ def _cloud(fig: go.Figure, sd: Floats, axes: list[Floats]) -> None:
     few = [np.arange(0, len(axis), 2) for axis in axes]
     at = np.stack(np.meshgrid(*(axis[k] for axis, k in zip(axes, few, strict=True)), indexing="ij"), -1).reshape(-1, 3)
     values = sd[np.ix_(*few)].reshape(-1)
-    x, y, z = at[np.isfinite(values)].T.astype(np.float32)
+    x, y, z = short(at[np.isfinite(values)].T)
     values = values[np.isfinite(values)]
     low, high = _range(sd)
     bar = {"title": {"text": "σ (mm)"}, "thickness": 14, "len": 0.7}
@@ -188,7 +188,7 @@ def wand_figure(wand: dict[str, Any] | None) -> go.Figure:
     dot = {"color": HUES[0], "size": 4, "opacity": 0.5}
     for axis in range(3):
         fig.add_scatter(
-            x=place[:, axis].astype(np.float32), y=error.astype(np.float32), mode="markers", marker=dot,
+            x=short(place[:, axis]), y=error.astype(np.float32), mode="markers", marker=dot,
             hovertemplate="%{y:.2f} mm<extra></extra>", row=1, col=axis + 1,
         )  # fmt: skip
         edges = np.quantile(place[:, axis], [0, 1 / 3, 2 / 3, 1])

@@ -17,9 +17,12 @@ from ..data.array_types import Floats
 from ..findings.cameras import upwards
 from ..findings.markers import in_view, positions, present
 from .theme import FAINT, INK, figure, hue, label
+from .thin import short
 
 POINTS = 300
 """Most samples drawn of one path."""
+AFAR = 10.0
+"""Widths of all that is drawn; an origin of the world farther off than that is not drawn with it."""
 LOOSE = 2000
 """Most points drawn of those in no track."""
 
@@ -28,7 +31,7 @@ def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:
     """Cameras with names and viewing directions, control volume, floor, paths, loose points, markers of one frame."""
     xyz = positions(trajectories)
     seen = xyz[present(trajectories)]
-    extent = _extent(rig, seen)
+    extent = extent_of(seen, rig.centres, rig.volume[np.isfinite(rig.volume).all(1)])
     fig = figure(680, margin={"l": 0, "r": 0, "t": 36, "b": 0}, showlegend=bool(len(seen)), legend={"y": 1})
     up = upwards(rig)
     draw_floor(fig, extent, up)
@@ -62,11 +65,15 @@ def corners(camera: Camera, depth: float) -> Floats:
     return camera.centre + depth * np.linalg.solve(camera.K, uv.T).T @ camera.R  # (1)
 
 
-def _extent(rig: Rig, seen: Floats) -> Floats:
-    """(2, 3) mm least and greatest corner of all that is drawn."""
-    parts = [seen, rig.centres, rig.volume[np.isfinite(rig.volume).all(1)], np.zeros((1, 3))]
-    everything = np.concatenate(parts)
-    return np.array([everything.min(0), everything.max(0)])
+def extent_of(*places: Floats) -> Floats:
+    """(2, 3) mm least and greatest corner of places (N, 3) mm, and of the world's origin unless that is far off."""
+    everything = np.concatenate([*places, np.zeros((0, 3))])
+    if not len(everything):
+        return np.zeros((2, 3))
+    extent = np.array([everything.min(0), everything.max(0)])
+    beside = np.maximum(np.maximum(extent[0], -extent[1]), 0.0)  # from the box to the origin
+    near = np.linalg.norm(beside) <= AFAR * np.linalg.norm(extent[1] - extent[0])
+    return np.array([np.minimum(extent[0], 0.0), np.maximum(extent[1], 0.0)]) if near else extent
 
 
 def viewpoint(extent: Floats, up: int) -> dict[str, float]:
@@ -77,9 +84,10 @@ def viewpoint(extent: Floats, up: int) -> dict[str, float]:
 
 
 def draw_floor(fig: go.Figure, extent: Floats, up: int) -> None:
-    """The level plane through the world's origin."""
-    (a0, b0, _), (a1, b1, _) = np.roll(extent, 2 - up, axis=1)
-    corner = np.array([[a0, b0, 0], [a1, b0, 0], [a1, b1, 0], [a0, b1, 0]])
+    """The level plane through the world's origin, or below all that is drawn where the origin is far off."""
+    (a0, b0, c0), (a1, b1, c1) = np.roll(extent, 2 - up, axis=1)
+    level = 0.0 if c0 <= 0 <= c1 else c0
+    corner = np.array([[a0, b0, level], [a1, b0, level], [a1, b1, level], [a0, b1, level]])
     x, y, z = np.roll(corner, up - 2, axis=1).T
     fig.add_mesh3d(
         x=x, y=y, z=z, i=[0, 0], j=[1, 2], k=[2, 3],
@@ -127,7 +135,7 @@ def _loose(fig: go.Figure, tracks: Tracks) -> None:
     xyz = tracks.cloud.xyz[(tracks.id < 0) & np.isfinite(tracks.cloud.xyz).all(axis=1)]
     if not len(xyz):
         return
-    x, y, z = xyz[:: -(-len(xyz) // LOOSE)].T.astype(np.float32)
+    x, y, z = short(xyz[:: -(-len(xyz) // LOOSE)].T)
     fig.add_scatter3d(
         x=x, y=y, z=z, mode="markers", name="points in no track", marker={"size": 2, "color": FAINT, "opacity": 0.6},
         visible="legendonly", hovertemplate="x %{x:.0f}, y %{y:.0f}, z %{z:.0f} mm",
@@ -150,6 +158,6 @@ def _markers(fig: go.Figure, trajectories: Trajectories) -> None:
 
 def draw_line(fig: go.Figure, xyz: Floats, colour: str, *, width: float, dash: str = "solid", **more: object) -> None:
     """A line through points (n, 3) mm, broken where they are NaN."""
-    x, y, z = xyz.T.astype(np.float32)
+    x, y, z = short(xyz.T)
     style = {"color": colour, "width": width, "dash": dash}
     fig.add_scatter3d(x=x, y=y, z=z, mode="lines", line=style, **{"showlegend": False, **more})

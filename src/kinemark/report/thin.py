@@ -7,6 +7,16 @@ from numpy.typing import NDArray
 
 from ..data.array_types import Floats
 
+FINE = 0.01
+"""mm, or px: what no figure shows."""
+
+
+def short(values: NDArray[np.float64]) -> NDArray[np.floating]:
+    """The same in single precision, for a page of half the size, unless numbers are so great that it would show."""
+    single = values.astype(np.float32)
+    most = np.abs(single[np.isfinite(single)]).max(initial=np.float32(0))
+    return single if np.spacing(most) < FINE else values
+
 
 def blocks(values: NDArray[np.generic], most: int) -> NDArray[np.generic]:
     """The last axis (…, F) cut into at most `most` blocks (…, B, k), the last one filled up with the last sample."""

@@ -35,8 +35,8 @@ from numpy.typing import NDArray
 
 from ..data import PARAMETERS, Rig
 from ..data.array_types import Bools, Floats
-from ..geometry import parameter_jacobian, point_jacobian, refine
-from ..geometry.triangulate import inverse3
+from ..geometry import near_middle, parameter_jacobian, point_jacobian, refine, rig_about
+from ..numerics.small_matrices import inverse3
 
 FREE = (0, 1, 2, 3, 9, 10, 11, 12, 13, 14)
 """Of `data.PARAMETERS`: focal lengths, principal point, turn, place."""
@@ -102,7 +102,9 @@ def gains(rig: Rig, xyz: Floats, seen: Bools) -> Gains:
 
 def shown(rig: Rig, xyz: Floats, uv: Floats, time_s: Floats) -> Shown:
     """What images (N, C, 2) px, NaN where unseen, of points (N, 3) mm at times (N) s show by (3) to (8)."""
-    plain = Rig(tuple(replace(camera, cov=np.zeros((15, 15))) for camera in rig))
+    origin = near_middle(xyz)  # about which the priors of (3) hold
+    plain = rig_about(Rig(tuple(replace(camera, cov=np.zeros((15, 15))) for camera in rig)), origin)
+    xyz = xyz - origin
     place = refine(plain, xyz, uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)))
     views = np.isfinite(uv[..., 0]).sum(1)
     used = _tame(place.off, (views >= 3) & np.isfinite(place.xyz).all(1))

@@ -22,21 +22,16 @@ from kinemark.fill import (
     StaticShape,
     find_gaps,
 )
-from kinemark.fill.methods.low_rank_kalman import solve
-from kinemark.fill.methods.polynomials import lagrange
-from kinemark.fill.methods.table import (
-    fill_cubic,
-    fill_cyclic,
-    fill_linear,
-    fill_low_rank_kalman,
-    fill_pattern,
-    fill_pca,
-    fill_quintic,
-    fill_relational,
-    fill_rigid_body,
-)
+from kinemark.fill.methods.cyclic import fill_cyclic
+from kinemark.fill.methods.low_rank_kalman import fill_low_rank_kalman, solve
+from kinemark.fill.methods.pattern import fill_pattern
+from kinemark.fill.methods.pca import fill_pca
+from kinemark.fill.methods.polynomials import fill_cubic, fill_linear, lagrange
+from kinemark.fill.methods.quintic import fill_quintic
+from kinemark.fill.methods.relational import fill_relational
+from kinemark.fill.methods.rigid_body import fill_rigid_body
 from kinemark.geometry import nearest_rotations
-from kinemark.io.c3d.to_trial import markers, read_c3d
+from kinemark.io.c3d.to_trial import read_c3d
 from kinemark.signal import smoothing_spline
 from support.shared import shared_data
 
@@ -389,7 +384,7 @@ def test_the_closed_form_is_the_kalman_smoother(sides):
 
 def test_a_real_walk_is_filled_to_a_few_millimetres():
     """Hidden gaps of 1 s, raw data with measured residuals; the bounds are the field's best known figures."""
-    trial = markers(read_c3d(shared_data("mocap3d/qualisys_gait/Gait - CGM2 1.c3d")))
+    trial = read_c3d(shared_data("mocap3d/qualisys_gait/Gait - CGM2 1.c3d")).trajectories
     motion = MarkerArray.of(getattr(trial, "trajectories", trial))
     rng = np.random.default_rng(1)
     whole = np.flatnonzero(motion.seen.all(1))
@@ -403,7 +398,7 @@ def test_a_real_walk_is_filled_to_a_few_millimetres():
 
 
 def test_all_gaps_of_a_trial_with_gaps_are_answered():
-    motion = MarkerArray.of(markers(read_c3d(shared_data("mocap3d/arm_box_lift_gaps/Vicon.c3d"))))
+    motion = MarkerArray.of(read_c3d(shared_data("mocap3d/arm_box_lift_gaps/Vicon.c3d")).trajectories)
     gaps = find_gaps(motion)
     for name in FILLERS:
         assert all(p.reason or not np.isnan(p.xyz).any() for p in fill(name, motion, gaps))

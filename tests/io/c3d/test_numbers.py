@@ -10,6 +10,7 @@ from kinemark.data import same
 from kinemark.io.c3d import ByteOrder, Group, Parameter
 from kinemark.io.c3d.numbers import decode_floats, encode_floats, float_of_vax, vax_of_float
 from kinemark.io.c3d.parameters import decode_parameters, encode_parameters
+from support.examples import examples
 
 finite = st.floats(width=32, allow_nan=False, allow_infinity=False, min_value=-(2.0**126), max_value=2.0**126)
 
@@ -60,7 +61,7 @@ groups = st.lists(
 
 
 @given(groups, st.sampled_from(list(ByteOrder)))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 def test_parameters_come_back(given_groups, order):
     found, lost, odd = decode_parameters(encode_parameters(given_groups, order), order)
     assert same(found, given_groups) and not lost and not odd

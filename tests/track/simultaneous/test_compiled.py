@@ -23,9 +23,10 @@ from kinemark.track.simultaneous import (
     kalman_states as motion,
 )
 from kinemark.track.simultaneous.detection_index import Images, read_images
+from support.examples import examples
 
 needs_kernel = pytest.mark.skipif(compiled.library() is None, reason="the tracker was installed without a compiler")
-some = settings(max_examples=40, deadline=None)
+some = settings(max_examples=examples(40), deadline=None)
 RIG = ring(5, focal_px=1100.0)
 WALK = dressed(walking(duration_s=0.3, rate=100.0, seed=5, speed_mm_s=1000.0), 15, seed=5)
 SEEN = observe(RIG, WALK, noise_px=0.2, false_per_frame=5.0, merge_px=8.0, seed=5)

@@ -8,6 +8,7 @@ import pytest
 
 from kinemark.data import Detections, KinemarkError, Rig
 from kinemark.geometry import project
+from kinemark.numerics.small_matrices import inverse3_last
 from kinemark.synth import dressed, walking
 from kinemark.synth import observe as seen_by
 from kinemark.synth import ring as synth_ring
@@ -16,7 +17,7 @@ from kinemark.track.simultaneous import Simultaneous, track_detections
 from kinemark.track.simultaneous.associate import associate, predict_images
 from kinemark.track.simultaneous.candidate_points import _near_lines, _together, fundamentals, placed
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.kalman_states import KalmanStates, ahead, at_rest, back, inverse, reversed_time, told
+from kinemark.track.simultaneous.kalman_states import KalmanStates, ahead, at_rest, back, reversed_time, told
 from kinemark.track.simultaneous.neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of, smoothed
 from support.laboratory import observe, ring
 from support.motions import dance
@@ -190,7 +191,7 @@ def test_the_filter_is_the_textbooks():
         z, M = rng.normal(size=(n, 3)) * 100, rng.normal(size=(n, 3, 3))
         R = M @ M.swapaxes(1, 2) + np.eye(3)
         motion = ahead(motion, T, q)
-        N = inverse(R.transpose(1, 2, 0))
+        N = inverse3_last(R.transpose(1, 2, 0))
         motion = told(motion, N, np.einsum("ijt,jt->it", N, z.T - motion.position))
         plain = [textbook(x, V, T, q, z[t], R[t]) for t, (x, V) in enumerate(plain)]
     for t, (x, V) in enumerate(plain):

@@ -26,6 +26,7 @@ from kinemark.track.swamidas.distance import shortest_first
 from kinemark.track.swamidas.learning import learn_error
 from kinemark.track.swamidas.segments import LearnedSegments, allowed_points, learn_segments
 from support.clouds import cloud_and_markers as cloud_of
+from support.examples import examples
 from support.laboratory import observe, ring
 from support.motions import parabolas, swarm
 
@@ -87,7 +88,7 @@ def test_the_predictor_is_a_textbook_filter_written_otherwise():
         np.testing.assert_allclose([P for _, P in found], expected[:, 1], rtol=1e-7)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(st.lists(st.sampled_from([0, 1, 3]), max_size=60), st.floats(0.01, 20), st.floats(1e-3, 50))
 def test_covariances_stay_symmetric_and_positive(steps, sd, jump):
     rng = np.random.default_rng(0)
@@ -161,7 +162,7 @@ def test_a_region_that_reaches_a_neighbour_takes_it_and_one_with_two_waits():
     assert matched(e, [[100.0, 0, 0], [60, 0, 0]]) == ([1, 0], ["DISTANCE", "REGION"])
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 @given(st.integers(0, 6), st.integers(0, 6), st.integers(0, 10_000))
 def test_no_point_serves_two_tracks_and_the_order_of_points_is_nothing(n_tracks, n_points, seed):
     rng = np.random.default_rng(seed)
@@ -332,7 +333,7 @@ def test_unequal_numbers_never_pair_twice_and_the_rest_is_left():
     assert len(np.unique(used)) == len(used)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.integers(0, 7), st.integers(0, 7), st.integers(0, 10_000))
 def test_pairs_are_those_of_rising_cost(n, m, seed):
     rng = np.random.default_rng(seed)

@@ -124,7 +124,9 @@ class FreePoints:
 
     def placed(self, R: Floats, t: Floats, scale: float) -> FreePoints:
         """In a world where X is scale · R X + t."""
-        return FreePoints(scale * self.at @ R.T + t)
+        surveyed = None if self.surveyed is None else scale * self.surveyed @ R.T + t
+        information = None if self.information is None else R @ self.information @ R.T / scale**2
+        return FreePoints(scale * self.at @ R.T + t, surveyed, information)
 
     def take(self, rows: NDArray[np.int64]) -> FreePoints:
         """Some of the points."""

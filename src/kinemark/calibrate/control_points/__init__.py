@@ -6,15 +6,15 @@ were said to be; `judgement` weighs it all.
 """
 
 from .fit import ControlFit, calibrate_control_points, control_point_quality
-from .fit_camera import ControlPoints, Dlt, Method, fit_camera, free_parameters
+from .fit_camera import CameraMethod, ControlPoints, Dlt, fit_camera, free_parameters
 from .judgement import Judgement, judge_control_points
 
 __all__ = [
+    "CameraMethod",
     "ControlFit",
     "ControlPoints",
     "Dlt",
     "Judgement",
-    "Method",
     "calibrate_control_points",
     "control_point_quality",
     "fit_camera",

@@ -19,17 +19,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...data import Camera, Finding, KinemarkError, Rig
-from ...geometry import project, sphere_offset
+from ...geometry import about, near_middle, project, sphere_offset
 from .checks import check_extent, check_points, labels
-from .fit_camera import ControlPoints, Dlt, FittedCamera, Method, fit_camera, free_parameters
+from .fit_camera import CameraMethod, ControlPoints, Dlt, FittedCamera, fit_camera, free_parameters
 from .left_out import leave_one_out
 from .mistaken import mistaken_points
 
 __all__ = [
+    "CameraMethod",
     "ControlFit",
     "ControlPoints",
     "Dlt",
-    "Method",
     "calibrate_control_points",
     "control_point_quality",
     "fit_camera",
@@ -73,7 +73,7 @@ class ControlFit(NamedTuple):
     left_out_xyz: NDArray[np.float64]
     left_out_cov: NDArray[np.float64]
     freedom: NDArray[np.int64]
-    method: Method
+    method: CameraMethod
     lenses: tuple[Camera, ...] | None
 
 
@@ -84,7 +84,7 @@ def calibrate_control_points(
     uv: NDArray[np.float64],
     *,
     cov: NDArray[np.float64] | None = None,
-    method: Method | None = None,
+    method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
     points: Sequence[str] | None = None,
@@ -123,7 +123,7 @@ def control_point_quality(
     uv: NDArray[np.float64],
     *,
     cov: NDArray[np.float64] | None = None,
-    method: Method | None = None,
+    method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
     points: Sequence[str] | None = None,
@@ -153,10 +153,11 @@ def _examined(
     uv: NDArray[np.float64],
     cov: NDArray[np.float64],
     stated: NDArray[np.bool_],
-    method: Method,
+    method: CameraMethod,
     lenses: tuple[Camera, ...] | None,
 ) -> ControlFit:
-    left = leave_one_out(fits, xyz, uv, cov, method=method)
+    local = xyz - near_middle(xyz)
+    left = leave_one_out(fits, local, uv, cov, method=method)
     return ControlFit(
         rig=_rig(fits, uv, xyz),
         points=points,
@@ -164,7 +165,7 @@ def _examined(
         uv=uv,
         cov=cov,
         stated=stated,
-        residual=uv - np.stack([project(f.camera, xyz) for f in fits]),
+        residual=uv - np.stack([project(f.camera, local) for f in fits]),
         kept=np.stack([f.kept for f in fits]),
         left_out_error=left.error,
         left_out_xyz=left.xyz,
@@ -181,19 +182,20 @@ def _fits(
     xyz: NDArray[np.float64],
     uv: NDArray[np.float64],
     cov: NDArray[np.float64] | None,
-    method: Method | None,
+    method: CameraMethod | None,
     lenses: Sequence[Camera] | None,
     diameter: float | None,
     points: tuple[str, ...],
 ) -> tuple[list[FittedCamera], NDArray[np.float64], NDArray[np.float64]]:
-    """Each camera with `kept` over all N points; the centres (C, N, 2) px that it was fitted to, and their weights."""
+    """Each camera about `near_middle` of the points, with `kept` over all N of them; the centres (C, N, 2) px that it
+    was fitted to, and their weights."""
     sizes = np.asarray(sizes, np.int64).reshape(-1, 2)
     _check_shapes(names, sizes, xyz, uv, cov, lenses)
     method = method or ControlPoints()
     if lenses is not None and isinstance(method, Dlt):
         raise ValueError("lenses were given for Dlt, whose principal point is its own; wanted ControlPoints")
     check_extent(xyz)
-    fits = []
+    fits, local = [], xyz - near_middle(xyz)
     centres = np.where(np.isfinite(xyz.sum(1))[:, None] & np.isfinite(uv.sum(-1, keepdims=True)), uv, np.nan)
     spread = np.tile(np.eye(2), (*uv.shape[:2], 1, 1))
     for c, name in enumerate(names):
@@ -208,7 +210,7 @@ def _fits(
             raise KinemarkError(f"Camera {name}: {error}") from None
         try:
             fitted, centres[c, seen] = _corrected_fit(
-                name, sizes[c], xyz[seen], centres[c, seen], spread[c, seen], method, lens, diameter
+                name, sizes[c], local[seen], centres[c, seen], spread[c, seen], method, lens, diameter
             )
         except KinemarkError as error:
             mistaken = mistaken_points(xyz[seen], centres[c, seen], here, camera=name)
@@ -236,7 +238,7 @@ def _corrected_fit(
     xyz: NDArray[np.float64],
     uv: NDArray[np.float64],
     cov: NDArray[np.float64],
-    method: Method,
+    method: CameraMethod,
     lens: Camera | None,
     diameter: float | None,
 ) -> tuple[FittedCamera, NDArray[np.float64]]:
@@ -258,7 +260,7 @@ def _rig(fits: list[FittedCamera], centres: NDArray[np.float64], xyz: NDArray[np
     words = f"control points: {'DLT' if linear else 'DLT and least squares'}, {len(known)} points"
     words += "; lenses as linearised" if any(f.tied for f in fits) else ""
     words += f"; left out: {', '.join(left_out)}" if left_out else ""
-    return Rig(tuple(f.camera for f in fits), words, volume)
+    return Rig(tuple(about(f.camera, -near_middle(xyz)) for f in fits), words, volume)
 
 
 def _stated(cov: NDArray[np.float64]) -> bool:

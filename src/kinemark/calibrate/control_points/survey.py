@@ -28,8 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError
-from ...geometry import parameter_jacobian, project_all
-from ..resection import scaled_inverse
+from ...geometry import about, near_middle, parameter_jacobian, project_all
+from ...numerics.scaled import scaled_inverse
 from .fit import ControlFit, refitted
 
 FAR = 5.0
@@ -102,10 +102,10 @@ def _best_cluster(fit: ControlFit, spared: int) -> NDArray[np.bool_]:
     """(N) so many points next to each other without which residuals fall most, by (4)."""
     near = np.argsort(np.linalg.norm(fit.xyz[:, None] - fit.xyz, axis=-1), axis=1)[:, :spared]
     near = near[np.isfinite(fit.xyz).all(1)]
-    fall = np.zeros(len(near))
+    fall, origin = np.zeros(len(near)), near_middle(fit.xyz)
     for c, camera in enumerate(fit.rig):
         rows = np.flatnonzero(fit.kept[c])
-        J = parameter_jacobian(camera, fit.xyz[rows])
+        J = parameter_jacobian(about(camera, origin), fit.xyz[rows] - origin)
         J = J[..., np.diag(camera.cov) > 0].reshape(2 * len(rows), -1)
         H = J @ scaled_inverse(J.T @ J) @ J.T
         r = fit.residual[c, rows].ravel()

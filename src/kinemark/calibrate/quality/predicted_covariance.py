@@ -34,8 +34,8 @@ import numpy as np
 
 from ...data import PARAMETERS, Camera, Rig
 from ...data.array_types import Bools, Floats
-from ...geometry import parameter_jacobian, point_jacobian, project, undistort
-from ...geometry.triangulate import inverse3
+from ...geometry import joint_about, near_middle, parameter_jacobian, point_jacobian, project, rig_about, undistort
+from ...numerics.small_matrices import inverse3
 
 FOLDED = 1e-3  # px; further than this from its own image, a point is on the far side of a lens term's fold
 
@@ -134,6 +134,8 @@ def apart_from_frame(rig: Rig, joint: Floats, xyz: Floats, *, centroid_sd: float
 
     Places that fewer than two cameras see do not count.
     """
+    origin = near_middle(xyz)
+    rig, joint, xyz = rig_about(rig, origin), joint_about(rig, joint, origin), xyz - origin
     said = views(rig, xyz, centroid_sd=centroid_sd)
     usable = said.seen.sum(0) >= 2
     inverse = inverse3(said.information.sum(0)[usable])
@@ -141,7 +143,7 @@ def apart_from_frame(rig: Rig, joint: Floats, xyz: Floats, *, centroid_sd: float
     off = -(inverse @ B).reshape(-1, joint.shape[0])  # (2): how all the places move with δ
     G = np.concatenate([_turned(xyz[usable]), np.tile(np.eye(3), (int(usable.sum()), 1, 1))], 2).reshape(-1, 6)
     S = np.eye(len(joint)) - _moves(rig) @ np.linalg.pinv(G) @ off
-    return S @ joint @ S.T  # (5)
+    return joint_about(rig, S @ joint @ S.T, -origin)  # (5)
 
 
 def _turned(xyz: Floats) -> Floats:

@@ -14,19 +14,18 @@ from ...calibrate.control_points import ControlFit, control_point_quality, judge
 from ...calibrate.quality import Evidence
 from ...data import KinemarkError, Rig
 from ...data.array_types import Floats
-from ...geometry import camera_from_dlt
+from ...geometry import cameras_from_dlt
 from ...io.control_points import read_control_points
 from ...io.dlt_csv import read_dlt_csv
 from ...io.rig_toml import read_rig_toml
 from ...io.rods_toml import read_rods
 from ...io.tdf import read_tdf
 from ...io.um2as import read_cp_set, siblings
+from ...io.units import MM
 from ..recordings import size_of_cameras
 from ..settings import DigitisedPoints, TargetRecording
 from .lens_grids import Lenses, lenses_of
 from .task import Made, Task
-
-MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 
 
 def from_file(task: Task) -> Made:
@@ -62,10 +61,9 @@ def rig_of_dlt(file: Path, names: Sequence[str], unit: str | None) -> Rig:
     names = names or tuple(f"cam{c + 1}" for c in range(len(L)))
     if len(names) != len(L):
         raise KinemarkError(f"{file} has {len(L)} columns and [cameras] {len(names)} names. Name one a column.")
-    mm = MILLIMETRES[unit]
+    mm = MM[unit]
     scaled = L / np.array([mm, mm, mm, 1, mm, mm, mm, 1, mm, mm, mm])
-    cameras = (camera_from_dlt(name, row) for name, row in zip(names, scaled, strict=True))
-    return Rig(tuple(cameras), f"DLT of {file.name}")
+    return Rig(cameras_from_dlt(names, scaled), f"DLT of {file.name}")
 
 
 def is_cp(path: Path) -> bool:
@@ -83,8 +81,7 @@ def rig_of_cp(files: Sequence[Path | str], *, names: Sequence[str] = ()) -> Rig:
     names = names or [f"cam{n}" for n in numbers]
     if len(names) != len(numbers):
         raise KinemarkError(f"There are {len(numbers)} .cp files and {len(names)} names of cameras. Name one each.")
-    cameras = tuple(camera_from_dlt(name, row) for name, row in zip(names, L, strict=True))
-    return Rig(cameras, f"DLT of {', '.join(Path(file).name for file in files)}")
+    return Rig(cameras_from_dlt(names, L), f"DLT of {', '.join(Path(file).name for file in files)}")
 
 
 def from_control_points(task: Task) -> Made:

@@ -11,6 +11,7 @@ from ...calibrate.lens.dot_grid import order_grid, part_of_grid
 from ...calibrate.lens.linearisation import GridView, LensFit, Linearisation, linearise
 from ...data import Camera, Detections, Finding, KinemarkError, make_finding
 from ...data.array_types import Floats
+from ...data.progress import tell
 from ...io.images import ImageSource
 from ..recordings import open_cameras
 from ..settings import LinearisationGrid, TargetRecording
@@ -46,7 +47,7 @@ def lenses_of(task: Task) -> Lenses:
             raise KinemarkError(f"Camera {name}: the grid is in none of its images. {failed[0][1]}")
         findings += [make_finding(kind, cameras=[name], reason=reason) for kind, reason in failed]
         fits.append(linearise(name, source.size, views, method=Linearisation(way.radial, way.tangential)))
-        task.progress("linearise", c + 1, len(sources))
+        tell(c + 1, len(sources))
     return Lenses(tuple(f.camera for f in fits), tuple(map(_straight, fits)), tuple(findings))
 
 

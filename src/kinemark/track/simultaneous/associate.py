@@ -31,6 +31,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from ...data.array_types import Bools, Floats, Ints
+from ...numerics.runs import equal_runs
 from .compiled import library
 from .detection_index import Images
 from .kalman_states import KalmanStates
@@ -127,7 +128,7 @@ def _best(own: Ints, image: Ints, worth: Floats, cell: Ints) -> Ints:
         rest = rest[left]
         if not simple.any():
             rest = rest[np.argsort(cell[rest], kind="stable")]
-            cuts = np.flatnonzero(np.diff(cell[rest])) + 1
+            cuts = equal_runs(cell[rest])[1:-1]
             won += [_assigned(own[part], image[part], worth[part], part) for part in np.split(rest, cuts)]
             break
     return np.concatenate([np.zeros(0, np.int64), *won])

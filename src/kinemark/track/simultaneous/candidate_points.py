@@ -17,11 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
-from ...geometry import fundamental, solve3
+from ...geometry import fundamental
+from ...numerics.runs import begins
+from ...numerics.small_matrices import inverse3_last, solve3
 from .associate import candidates, predict_images
 from .compiled import library
 from .detection_index import Images
-from .kalman_states import KalmanStates, inverse
+from .kalman_states import KalmanStates
 
 AT_ONCE = 4000
 """Images of all frames that are paired in one go: fewer waste time on overhead, more take memory."""
@@ -151,9 +153,7 @@ def _completed(images: Images, free: Bools, pair: Ints, gate: float) -> Ints:
 def _distinct(view: Ints) -> Ints:
     """The different views."""
     order = np.lexsort(view)
-    new = np.ones(len(order), bool)
-    new[1:] = (view[:, order[1:]] != view[:, order[:-1]]).any(0)
-    return view[:, np.sort(order[new])]
+    return view[:, np.sort(order[begins(*view[:, order])])]
 
 
 def _chosen(images: Images, free: Bools, view: Ints, gate: float, leasts: tuple[int, ...]) -> list[CandidatePoints]:
@@ -220,7 +220,7 @@ def placed(images: Images, view: Ints, camera: Ints | None = None) -> PlacedPoin
     J = np.where(seen, (P[:2, :3] - (h[:2] / z)[:, None] * P[2, :3]) / z, 0.0)
     variance = images.variance[view]
     with np.errstate(divide="ignore", invalid="ignore"):  # rays that are parallel
-        cov = inverse(_squares(J / variance, J))
+        cov = inverse3_last(_squares(J / variance, J))
     moved = np.einsum("ijh,jh->ih", cov, _sums(J / variance, off))
     off -= np.einsum("ijkh,jh->ikh", J, moved)
     squared = np.where(seen, (off * off).sum(0) / variance, -1.0)

@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
+from ...numerics.small_matrices import inverse3_last
 from .candidate_points import CandidatePoints, groups_of
 from .detection_index import Images
-from .kalman_states import inverse
 from .simultaneous_method import Simultaneous
 
 
@@ -58,7 +58,7 @@ def _triples(
     bend = first.xyz[:, i] - 2 * middle.xyz[:, j] + last.xyz[:, k]
     S = first.cov[..., i] + 4 * middle.cov[..., j] + last.cov[..., k]
     S = S + (method.acceleration * T * T) ** 2 * np.eye(3)[..., None]
-    squared = (bend * np.einsum("ijt,jt->it", inverse(S), bend)).sum(0)  # (1)
+    squared = (bend * np.einsum("ijt,jt->it", inverse3_last(S), bend)).sum(0)  # (1)
     pace = ((last.xyz[:, k] - first.xyz[:, i]) ** 2).sum(0) / (2 * method.speed * T) ** 2
     cost = squared + pace - first.merit[i] - middle.merit[j] - last.merit[k]
     fits = np.flatnonzero(squared < method.gate**2)

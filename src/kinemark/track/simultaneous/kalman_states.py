@@ -26,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
+from ...numerics.small_matrices import inverse3_last
 from .compiled import library
 
 
@@ -102,23 +103,10 @@ def told(motion: KalmanStates, N: Floats, g: Floats) -> KalmanStates:
     if kernel := library():
         return KalmanStates(*kernel.told(motion.x, motion.V, N, g))
     with_p = motion.V[:, :3]
-    before = inverse(motion.cov)
-    gain = np.einsum("ijt,jkt->ikt", before, inverse(before + N))  # V₀⁻¹ P
+    before = inverse3_last(motion.cov)
+    gain = np.einsum("ijt,jkt->ikt", before, inverse3_last(before + N))  # V₀⁻¹ P
     R = before - np.einsum("ijt,jkt->ikt", gain, before)  # (3)
     R = (R + R.swapaxes(0, 1)) / 2  # rounding would make it lopsided, more and more
     x = motion.x + np.einsum("ijt,jt->it", with_p, np.einsum("ijt,jt->it", gain, g))  # (4)
     V = motion.V - np.einsum("ijt,kjt->ikt", np.einsum("ijt,jkt->ikt", with_p, R), with_p)
     return KalmanStates(x, V)
-
-
-def inverse(A: Floats) -> Floats:
-    """Inverses of symmetric matrices (3, 3, T) by cofactors; not finite where singular."""
-    a, b, c, d, e, f = A[0, 0], A[0, 1], A[0, 2], A[1, 1], A[1, 2], A[2, 2]
-    aa, bb, cc = d * f - e * e, c * e - b * f, b * e - c * d
-    scale = 1 / (a * aa + b * bb + c * cc)
-    out = np.empty_like(A)
-    out[0, 0], out[0, 1], out[0, 2] = aa, bb, cc
-    out[1, 0], out[1, 1], out[1, 2] = bb, a * f - c * c, b * c - a * e
-    out[2, 0], out[2, 1], out[2, 2] = cc, out[1, 2], a * d - b * b
-    out *= scale
-    return out

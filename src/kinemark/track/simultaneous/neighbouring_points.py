@@ -18,7 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
-from .kalman_states import KalmanStates, ahead, at_rest, inverse, reversed_time, told
+from ...numerics.small_matrices import inverse3_last
+from .kalman_states import KalmanStates, ahead, at_rest, reversed_time, told
 from .simultaneous_method import Simultaneous
 
 LOOK = 8
@@ -67,7 +68,7 @@ def motion_from(points: TrackPoints, near: Ints, around: Floats, T: float, metho
     motion = at_rest(around, wide, speed=method.speed, acceleration=method.acceleration)
     for k in range(LOOK - 1, -1, -1):
         motion = motion if k == LOOK - 1 else ahead(motion, T, method.wander)
-        N = inverse(points.cov[near[k]].transpose(1, 2, 0)) * (near[k] >= 0)
+        N = inverse3_last(points.cov[near[k]].transpose(1, 2, 0)) * (near[k] >= 0)
         motion = told(motion, N, np.einsum("ijt,jt->it", N, points.xyz[near[k]].T - motion.position))
     return motion
 
@@ -82,7 +83,7 @@ def smoothed(points: TrackPoints, which: Bools, sound: Bools, T: float, method: 
         one[0] = -1
     before, after = (motion_from(points, one, around, T, method) for one in near)
     both = between(before, reversed_time(after))
-    N = inverse(points.cov[row].transpose(1, 2, 0))
+    N = inverse3_last(points.cov[row].transpose(1, 2, 0))
     both = told(both, N, np.einsum("ijt,jt->it", N, around - both.position))
     return both.position.T, both.cov.transpose(2, 0, 1)
 

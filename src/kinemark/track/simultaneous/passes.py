@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
+from ...data.progress import tell
+from ...numerics.small_matrices import inverse3_last
 from .associate import Association, PredictedImages, associate, information, predict_images, share
 from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
 from .initiate import initiate
-from .kalman_states import KalmanStates, ahead, at_rest, inverse, told
+from .kalman_states import KalmanStates, ahead, at_rest, told
 from .simultaneous_method import Simultaneous
 
 LANES = 8
@@ -113,12 +115,14 @@ class Run:
         length = int(np.diff(first).max())
         active = self.nobody()
         for k in range(length):
+            tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)
             active = self.step(active.take(active.frame < self.images.n_frames))
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first[:-1] if f + k < self.images.n_frames]))
         active = self.born
         while len(active.id):
+            tell(length, 2 * length)
             active = active._replace(frame=active.frame - 1)
             active = self.step(active.take(active.frame >= 0))
         if not self.seen:
@@ -159,7 +163,7 @@ class Run:
         motion = at_rest(first.xyz, first.cov, speed=self.method.speed, acceleration=self.method.acceleration)
         for group in others:
             motion = ahead(motion, self.T, self.method.wander)
-            N = inverse(group.cov)
+            N = inverse3_last(group.cov)
             motion = told(motion, N, np.einsum("ijt,jt->it", N, group.xyz - motion.position))
         return ActiveTracks(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
 

@@ -20,10 +20,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Ints
+from ...data.progress import tell
+from ...numerics.small_matrices import inverse3_last
 from .associate import associate, information, predict_images
 from .candidate_points import placed
 from .detection_index import Images
-from .kalman_states import KalmanStates, ahead, inverse, reversed_time, told
+from .kalman_states import KalmanStates, ahead, reversed_time, told
 from .neighbouring_points import TrackPoints, between, motion_from, rows_near, rows_of
 from .passes import without_loose
 from .simultaneous_method import Simultaneous
@@ -69,6 +71,7 @@ def second_pass(points: TrackPoints, row: Ints, images: Images, T: float, method
         doubtful = doubtful.take(inside | np.isin(doubtful.id, points.id[sound]))
         free, claimed = _free(images, view), np.empty((len(row), len(doubtful.id)), np.int64)
         for part in _parts(doubtful.frame):
+            tell(1, 2)
             expected = _expected(known, doubtful.take(part), T, method)
             claimed[:, part] = _claimed(images, free, doubtful.frame[part], expected, method)
         place = placed(images, claimed)
@@ -92,7 +95,7 @@ def _wrong(points: TrackPoints, sound: Bools, row: Ints, images: Images, T: floa
     for part in _parts(doubtful.frame):
         own, expected = at[part], _expected(known, doubtful.take(part), T, method)
         off = points.xyz[own].T - expected.position
-        N = inverse(expected.cov + points.cov[own].transpose(1, 2, 0))
+        N = inverse3_last(expected.cov + points.cov[own].transpose(1, 2, 0))
         elsewhere = (off * np.einsum("ijt,jt->it", N, off)).sum(0) > method.gate**2
         instead = _claimed(images, free, doubtful.frame[part], expected, method)
         wrong[own] = elsewhere | ((instead >= 0).sum(0) >= SOUND)

@@ -50,6 +50,11 @@ TURN = 0.1
 """a of (2), rad."""
 OTHERS = 3
 """Cycles before, and after, of (3)."""
+SURE = 0.2
+"""Least sum of the weights of (3) for which d is taken from it. The sum is 1 or more where one other cycle shows the
+segment, and falls to 0 at its holes. A moment within a hole is not worth 0, though: the interpolation gives the seen
+frames beside the hole its outer weights, of −0.07 to 0 each. Their sum is negative, and no direction. By dividing by
+0.2 or more what six other cycles leave of this stays small beside what one of them shows."""
 FEWEST = 10
 """Frames that must tell of r."""
 MOST = 1500
@@ -91,13 +96,14 @@ class Placings(NamedTuple):
 
 class _Bank(NamedTuple):
     """The R segments of a bank: rows of the model, link (R, 2) and curve; seen (F, R, 3) the directions, 0 where
-    missing; weighted (F, 3 R), those with the weights of (3); and in the frames from which errors are judged, d and
-    alone of `_directions`."""
+    missing; weight (F, R) w of (3); weighted (F, 3 R), seen times w; and in the frames from which errors are judged, d
+    and alone of `_directions`."""
 
     rows: Ints
     link: Ints
     curve: CycleTemplate
     seen: Floats
+    weight: Floats
     weighted: Floats
     d: Floats
     alone: Bools
@@ -186,9 +192,10 @@ class Placer:
             link = self.model.links[rows]
             seen = columns(self.xyz, link)
             seen[np.isnan(seen)] = 0.0
-            weighted = seen * np.repeat(self._weight[link].min(1).T, 3, axis=1)
+            weight = np.ascontiguousarray(self._weight[link].min(1).T)
+            weighted = seen * np.repeat(weight, 3, axis=1)
             curve, seen = self._curve.some(_columns_of(rows)), seen.reshape(len(seen), -1, 3)
-            bank = _Bank(rows, link, curve, seen, weighted, np.zeros(0), np.zeros(0, np.bool_))
+            bank = _Bank(rows, link, curve, seen, weight, weighted, np.zeros(0), np.zeros(0, np.bool_))
             d, alone = self._directions(bank, self._usual, self._usual_others)
             self._banks[number] = bank._replace(d=d, alone=alone)
         return self._banks[number]
@@ -223,7 +230,7 @@ class Placer:
             return bank.curve(cycles).reshape(shape), np.zeros(shape[:2], np.bool_)
         d = (others @ bank.weighted).reshape(shape)
         size = np.sqrt(np.einsum("nri,nri->nr", d, d))
-        alone = size < 1e-6
+        alone = np.minimum(others @ bank.weight, size) < SURE  # size: cycles that contradict each other, too
         d /= np.maximum(size, 1e-6)[..., None]
         some = np.flatnonzero(alone.any(1))
         d[some] = np.where(alone[some, :, None], bank.curve(cycles[some]).reshape(-1, *shape[1:]), d[some])

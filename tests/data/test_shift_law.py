@@ -1,0 +1,104 @@
+"""The origin of the world is arbitrary: a trial 10 km away gives the same answer, 10 km away.
+
+Each public function that takes positions has a case in the modules `support.shift_*`: what it gives in a world moved
+by `by`. Places must move along, and all else must stay: distances, angles, covariances, pixels, names, choices. Inputs
+lie on a grid that such a move does not round, so that what is left is the rounding of the computation; 10 km has ulp
+1.9e-9 mm.
+"""
+
+import importlib
+import inspect
+import pkgutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import kinemark
+from kinemark.fill import Linear, fill
+from support import shift_files, shift_motion, shift_scene, shift_space, shift_tracks
+from support.shift_law import CASES, FAR, differences, moved
+
+MODULES = shift_motion, shift_space, shift_tracks, shift_files
+"""Of cases."""
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_far_away_the_answer_is_the_same(name):
+    case, mm, share, _ = CASES[name]
+    places, rest = differences(case(np.zeros(3)), case(FAR), FAR)
+    assert places <= mm and rest <= share, f"places are off by {places:.2g} mm, the rest by {rest:.2g} of itself"
+
+
+NO_POSITIONS = {
+    "pixels, images and their files": """
+        calibrate.aspect_ratio calibrate.corrected calibrate.find_corners calibrate.find_marks calibrate.linearise
+        calibrate.mark_shift calibrate.order_grid calibrate.part_of_grid calibrate.reference_shift
+        calibrate.rows_of_points calibrate.straightness calibrate.thinned calibrate.unknown_optics
+        calibrate.wand_points detect.combined_masks detect.detect detect.detect_frames detect.detect_nearest
+        detect.detect_scanning detect.learn_masks detect.propose digitise.clicked digitise.identified
+        digitise.look_at digitise.nearest_free io.open_images io.read_da io.read_da_set io.read_detections_csv
+        io.read_rf io.write_da io.write_detections_csv io.write_rf""",
+    "cameras found from images alone, in a world of their own": """
+        calibrate.calibrate_points calibrate.calibrate_sticks calibrate.calibrate_wand calibrate.start""",
+    "the operator's questions and answers": """
+        digitise.advance digitise.answer_text digitise.begin digitise.drive digitise.given digitise.parse_answer
+        digitise.question_of digitise.result digitise.row_of digitise.words""",
+    "which detection is which": """
+        data.images_of data.matches_of digitise.identified_matches digitise.identified_tracks geometry.check_cameras
+        signal.assign signal.assign_nearest signal.cheapest_first""",
+    "directions, rotations, angles, phases and their files": """
+        fill.component_angles fill.cycle_events fill.intervals fill.model_events geometry.nearest_rotations
+        geometry.polar_rotations io.read_angles io.write_angles kinematics.cycles
+        kinematics.inverse_cosines kinematics.outside kinematics.principal kinematics.resampled kinematics.spans_of
+        kinematics.turned sensitivity.cycle_weights""",
+    "numbers, matrices, settings, models, names": """
+        calibrate.centroid_deviation calibrate.free_parameters calibrate.marker_places data.same geometry.inverse3
+        geometry.solve3 io.camera_number io.load_model io.on_frames io.siblings io.with_parameters kinematics.named
+        sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
+        engine.calibrate_method engine.is_da engine.method_of engine.methods_text engine.methods_figures
+        engine.methods_table_markdown engine.session_schema track.matches_itself
+        engine.read_settings signal.gain signal.weights synth.focal_pixels""",
+    "motions at places of their own": """
+        synth.circle_over_cylinder synth.elbow_flexion synth.tilted_rectangle""",
+    "files of what others give: of `quality` and `scene`, of `film` and `truth`; of BTS, which is only read": """
+        findings.write_quality report.write_report synth.write_calibration synth.write_session io.read_tdf""",
+}
+"""By what they take instead, functions without a case."""
+
+BY_THE_ORIGIN = """
+    io.read_cp io.read_cp_set io.write_cp sensitivity.calibration_experiment sensitivity.laboratory
+    sensitivity.linear_points sensitivity.marker sensitivity.marker_experiment"""
+"""UM²AS (eq. 2.4, 4.1 to 4.3) solves for eleven parameters in units of the depth of the world's origin, writes them
+with seven digits, and gives errors in percent of the distance from it: for these the origin is not arbitrary."""
+
+
+def public_functions():
+    """Every function that the package or one of its parts exports, by its part and name."""
+    parts = [module.name for module in pkgutil.walk_packages(kinemark.__path__, "kinemark.") if module.ispkg]
+    for part in map(importlib.import_module, ["kinemark", *parts]):
+        for name in getattr(part, "__all__", ()):
+            function = getattr(part, name)
+            if inspect.isfunction(function):
+                yield f"{function.__module__.split('.')[1]}.{name}", function
+
+
+def test_every_function_that_takes_positions_has_a_case():
+    covered = {function for *_, functions in CASES.values() for function in functions}
+    public = dict(public_functions())
+    excused = [name for names in (*NO_POSITIONS.values(), BY_THE_ORIGIN) for name in names.split()]
+    assert len(set(excused)) == len(excused) and not set(excused) - set(public)
+    assert not [name for name in excused if public[name] in covered]
+    assert not [name for name, function in public.items() if function not in covered and name not in excused]
+
+
+def test_a_sample_a_kilometre_from_the_others_is_none_wherever_the_origin_lies():
+    """Walks 2 km from the origin were filled by `body` and refused by `linear`."""
+    trial = shift_scene.trial()
+    wild = trial.xyz
+    wild[4, 12] += [0.0, 0.0, 1.1e6]
+    paths = [replace(path, xyz=xyz) for path, xyz in zip(trial, wild, strict=True)]
+    for by in (np.zeros(3), np.array([2e6, 0.0, 0.0]), FAR):
+        filled, gaps = fill(moved(replace(trial, paths=tuple(paths)), by), method=Linear())
+        assert {(gap.start, gap.stop) for gap in gaps if gap.method} == {(12, 13), (30, 40)}
+        assert np.abs(filled.xyz[4, 12] - by - trial.xyz[4, 12]).max() < 20.0

@@ -1,0 +1,137 @@
+"""Cases of the shift law: from images to tracks."""
+
+from dataclasses import replace
+
+import numpy as np
+
+import kinemark
+from kinemark import digitise, geometry
+from kinemark.digitise import OtherViews, propose
+from kinemark.match import MATCH, NearestEpipolar
+from kinemark.reconstruct import RECONSTRUCT, LeastSquares, located, wanted
+from kinemark.track import TRACK, Swamidas, blend, swamidas, track, within_volume, without_short
+from kinemark.track.simultaneous import FormerTwoCameras, Simultaneous, track_with_decisions
+from support.shift_law import OPEN, Answer, law, moved
+from support.shift_scene import cloud, matches, observed, rig, tracks, walk
+
+
+def first_cameras(n):
+    seen = observed().detections
+    return seen.select(seen.cameras[:n])
+
+
+@law(kinemark.match, share=1e-8, each={name: declared.kind() for name, declared in MATCH.items()})
+def _(by, parameter):
+    seen = first_cameras(2) if isinstance(parameter, NearestEpipolar) else observed().detections
+    return Answer(rest=kinemark.match(seen, moved(rig().select(seen.cameras), by), method=parameter))
+
+
+RECONSTRUCTORS = {name: declared.kind() for name, declared in RECONSTRUCT.items()}
+RECONSTRUCTORS["spheres"] = LeastSquares(marker_diameter=25.0)
+
+
+@law(kinemark.reconstruct, each=RECONSTRUCTORS, mm=1e-6, share=OPEN)
+def _(by, parameter):
+    found = kinemark.reconstruct(matches(), observed().detections, moved(rig(), by), method=parameter)
+    return Answer(found.xyz, replace(found, xyz=0 * found.xyz))
+
+
+@law(located, wanted, mm=1e-6, share=OPEN)
+def _(by):
+    cameras = moved(rig(), by)
+    guess = located(matches(), observed().detections, rig()).xyz + by
+    found = located(matches(), observed().detections, cameras, guess=guess)
+    return Answer(found.xyz, (found.cov, found.residual, wanted(found, cameras)))
+
+
+OF_DETECTIONS = {"simultaneous": Simultaneous(), "former_two_cameras": FormerTwoCameras()}
+
+
+@law(kinemark.track_detections, each=OF_DETECTIONS, mm=1e-6, share=OPEN)
+def _(by, parameter):
+    seen = first_cameras(2) if isinstance(parameter, FormerTwoCameras) else observed().detections
+    found = kinemark.track_detections(seen, moved(rig().select(seen.cameras), by), method=parameter)
+    return Answer(found.cloud.xyz, (found.id, found.cloud.cov, found.cloud.residual, found.cloud.view))
+
+
+@law(
+    kinemark.track_simultaneously,
+    kinemark.ambiguous_decisions,
+    kinemark.diagnose,
+    kinemark.diagnose_tracks,
+    track_with_decisions,
+    mm=1e-6,
+    share=OPEN,
+)
+def _(by):
+    seen, cameras = observed().detections, moved(rig(), by)
+    found = kinemark.track_simultaneously(seen, cameras, Simultaneous())
+    tracks, decisions = track_with_decisions(seen, cameras)
+    words = kinemark.diagnose(seen, cameras, found), kinemark.diagnose_tracks(seen, cameras, tracks)
+    again = kinemark.ambiguous_decisions(found, Simultaneous())
+    rest = found.id, found.evidence, found.joins, found.noise, decisions, again, words
+    return Answer((found.tracks.cloud.xyz, tracks.cloud.xyz), rest)
+
+
+TRACKERS = {name: declared.kind() for name, declared in TRACK.items() if name not in OF_DETECTIONS}
+TRACKERS["segments"] = Swamidas(segment_tolerance=0.05)
+
+
+@law(track, each=TRACKERS)
+def _(by, parameter):
+    return Answer(rest=track(moved(cloud(), by), method=parameter).id)
+
+
+@law(swamidas.follow_points, swamidas.track_swamidas, swamidas.track_distance)
+def _(by):
+    there = moved(cloud(), by)
+    found = swamidas.follow_points(there)
+    ids = swamidas.track_swamidas(there).id, swamidas.track_distance(there).id
+    expected = [(frame.id, frame.half) for frame in found.expected]
+    return Answer([frame.xyz for frame in found.expected], (found.by, expected, ids))
+
+
+@law(swamidas.start, swamidas.predict, swamidas.update)
+def _(by):
+    past = walk().xyz[:5, 2::-1] + by
+    state = swamidas.predict(swamidas.start(past, 0.5, 0.1), 0.1)
+    state = swamidas.update(state, walk().xyz[:5, 5:2:-1] + by, np.arange(5) < 3, 0.5, 0.1)
+    return Answer(state.x[:, 0], (state.x[:, 1:], state.P))
+
+
+@law(blend, within_volume, without_short, kinemark.to_trajectories)
+def _(by):
+    there, cameras = moved(tracks(), by), moved(rig(), by)
+    blended = blend(there)
+    inside = within_volume(there, np.array([[300.0, 300, 300], [1500, 1000, 1500]]) + by)
+    long = without_short(there, shortest=20)
+    made = kinemark.to_trajectories(there, cameras)
+    assert 0 < (inside.id >= 0).sum() < (there.id >= 0).sum()
+    paths = [replace(path, xyz=0 * path.xyz) for path in made]
+    return Answer((made.xyz, blended.cloud.xyz), (blended.id, inside.id, long.id, paths))
+
+
+@law(propose, digitise.called, share=1e-7)
+def _(by):
+    image = np.full((1024, 1280), 10, np.uint8)
+    u, v = (round(float(x)) for x in geometry.project(rig()[0], walk().xyz[2, 0]))
+    image[v - 4 : v + 5, u - 4 : u + 5] = 220
+    look, uv = digitise.look_at(image), geometry.project_all(rig(), walk().xyz[:, :1])
+    views = OtherViews(moved(rig(), by), 0, uv)
+    free, still = np.ones(len(look.uv), bool), np.zeros(2)
+    method = digitise.SemiAutomatic(walk().names)
+    options = {"shift": still, "expected": uv[0, 2, 0], "look": look, "free": free, "method": method}
+    found = propose(views, 0, 2, **options), propose(replace(views, uv=np.where(two(uv), uv, np.nan)), 0, 2, **options)
+    paths = kinemark.to_trajectories(moved(tracks(), by), moved(rig(), by))
+    named = digitise.called(paths, [f"m{k}" for k in range(len(paths) + 1)], paths.n_frames)
+    return Answer(named.xyz, (found, named.names))
+
+
+def two(uv):
+    """Of the other cameras only one."""
+    return (np.arange(len(uv)) < 2)[:, None, None, None]
+
+
+@law(kinemark.score)
+def _(by):
+    return Answer(rest=kinemark.score(moved(tracks(), by), walk().xyz[:, :60] + by))

@@ -65,7 +65,7 @@ WRONG = {
     "another way's parameter": text(BY_POINTS, "[calibrate]\nmost_poses = 300"),
     "no source": text(tail='[[trials]]\nname = "one"'),
     "two sources": text(tail=TAIL + 'images = "one.mkv"'),
-    "interlaced": text(head=HEAD + 'interlaced = "left"'),
+    "interlaced": text(head=HEAD + 'interlaced = "left"\n'),
     "masks of nothing": text(more="[masks]\ngrow_px = 2"),
     "no markers": text(more="[digitise]\ngrid = 7"),
     "common parameter": text(more="[fill]\nlimit_mm = 0"),

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, get_args, get_origin
 
-from ...data.method import ONE, Declaration, Parameter, Stage
+from ...data.method import ONE, Declaration, Parameter, Stage, plain
 from .calibration_table import WAYS
 from .method_tables import COMMON, SETTABLE, methods_of_way
 from .session_file import Settings
@@ -25,10 +25,8 @@ def session_schema() -> dict[str, Any]:
     """The schema of a session file, as a value of JSON."""
     schema = _without_null(Settings.model_json_schema())
     for stage in SETTABLE.values():
-        schema["properties"][stage.name] = {
-            "description": stage.meaning,
-            "anyOf": [_ref(stage, name) for name in stage],
-        }
+        methods = [_ref(stage, name) for name in stage]
+        schema["properties"][stage.name] = {"description": stage.meaning, "anyOf": methods}
         schema["$defs"] |= {_key(stage, name): method_schema(stage, declared) for name, declared in stage.items()}
     title = {"$schema": DIALECT, "title": "session.toml", "description": "A recording session of Kinemark."}
     return title | schema | {"description": title["description"], "title": title["title"], "allOf": _of_ways()}
@@ -53,7 +51,7 @@ def parameter_schema(p: Parameter) -> dict[str, Any]:
     """One parameter with its range, default and meaning."""
     schema = _schema(p.inner, p)
     if p.default is not None:
-        schema["default"] = p.default
+        schema["default"] = plain(p.default)
     if p.unit not in ("", ONE):
         schema["x-unit"] = p.unit
     return schema | {"description": p.meaning}

@@ -21,6 +21,7 @@ extensions = [
     "benchmarks",
     "bibliography",
     "commands",
+    "findings",
     "mathml",
     "methods",
     "offline",

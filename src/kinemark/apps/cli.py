@@ -21,7 +21,7 @@ from ..engine.error_budget import error_budget
 from ..engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ..engine.formats import convert as convert_file
 from ..engine.formats import describe
-from ..engine.pipeline import Progress as Told
+from ..engine.progress import Progress as Told
 from ..engine.session import Session
 from ..engine.settings import methods_figures, methods_text, session_schema
 from ..engine.simulate import Scene
@@ -30,10 +30,12 @@ from ..engine.system import absence_notice
 from ..engine.system import system as describe_system
 from ..engine.trial_angles import AngleSettings, angles_of_file
 from ..fill import LIMIT, GapEdges
-from ..findings.angles import angle_summary
-from ..findings.sensitivity_figures import sensitivity_summary
+from ..report.angles_text import angle_summary
 from ..report.calibration_text import calibration_summary
-from ..report.terminal_summary import summary
+from ..report.proposal_text import proposal_text
+from ..report.sensitivity_text import sensitivity_summary
+from ..report.terminal_summary import finding_lines, summary
+from ..report.words import with_words
 from ..sensitivity import ErrorBudget
 from ..version import __version__
 from .demo import demo as run_demo
@@ -46,6 +48,7 @@ app.command(digitise)
 app.command(um2as)
 errors = Console(stderr=True)
 
+LengthUnit = Literal["mm", "cm", "m", "in"] | None
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the results for a machine.")]
 
 
@@ -97,23 +100,62 @@ def demo(folder: Path = Path("demo"), *, json: Json = False) -> None:
 
 
 @app.command
-def run(session: Path, *trials: str, set: Set = None, json: Json = False) -> None:
+def run(
+    session: Path,
+    *trials: str,
+    set: Set = None,
+    to: str = "write",
+    frames: tuple[int, int] | None = None,
+    results: Path | None = None,
+    threads: int | None = None,
+    json: Json = False,
+) -> None:
     """Process a session: calibrate, detect, match, reconstruct, track, and write C3D and report.
 
     Args:
         session: a folder with a session.toml, or such a file.
         trials: names of the trials to process; all where none is given.
         set: methods and parameters instead of the file's, as track.method=kiss_tracking; `kinemark methods` lists them.
+        to: stop after this stage, such as detect, track or fill.
+        frames: only frames FIRST LAST, counted from 1, as a preview; its results go into a folder of their own.
+        results: folder for everything computed; results in the session's folder where none is given.
+        threads: how many detection may use; as many as there are processors where none is given.
         json: print the figures for a machine.
     """
+    opened = Session.open(session, overrides=set or (), results=results)
     with progress() as tell:
-        results = Session.open(session, overrides=set or ()).run(trials, progress=tell)
+        if frames is None:
+            done = opened.run(trials, to=to, progress=tell, threads=threads)
+        else:
+            previews = [opened.trial(name).preview(*frames) for name in trials or opened.names]
+            done = {trial.name: trial.run(to, progress=tell, threads=threads) for trial in previews}
     if json:
-        _print({name: result.quality for name, result in results.items()})
+        _print({name: trial.told() for name, trial in done.items()})
         return
-    for result in results.values():
-        did = ", ".join(result.computed) or "nothing: all is unchanged"
-        _print(f"{summary(result.quality)}\n\ncomputed: {did}\nresults:  {result.folder}")
+    for trial in done.values():
+        did = ", ".join(trial.computed) or "nothing: all is unchanged"
+        figures = f"{summary(trial.quality)}\n\n" if trial.done("quality") else ""
+        _print(f"{figures}computed: {did}\nresults:  {trial.folder}")
+
+
+@app.command
+def status(session: Path, *trials: str, json: Json = False) -> None:
+    """Say which stages of a session's trials are done and up to date; nothing is computed but the calibration.
+
+    Args:
+        session: a folder with a session.toml, or such a file.
+        trials: names of the trials; all where none is given.
+        json: print it for a machine.
+    """
+    opened = Session.open(session)
+    found = {name: opened.trial(name).state() for name in trials or opened.names}
+    if json:
+        _print(found)
+        return
+    for name, stages in found.items():
+        done = ", ".join(stage for stage, there in stages.items() if there) or "nothing"
+        left = ", ".join(stage for stage, there in stages.items() if not there)
+        _print(f"{name}: {done} done" + (f"; to do: {left}" if left else ""))
 
 
 @app.command
@@ -174,9 +216,15 @@ def detect(source: Path, *, propose: bool = False, masks: Path | None = None, js
         return
     found = propose_detection(source)
     if json:
-        _print({name: asdict(proposal.centroids) | {"warnings": proposal.warnings} for name, proposal in found.items()})
+        _print(
+            {
+                name: asdict(proposal.centroids)
+                | {"findings": with_words([one.as_dict() for one in proposal.findings])}
+                for name, proposal in found.items()
+            }
+        )
     else:
-        _print("\n".join(f"# {name}: {proposal.text()}" for name, proposal in found.items()))
+        _print("\n".join(f"# {name}: {proposal_text(proposal)}" for name, proposal in found.items()))
 
 
 @app.command
@@ -193,14 +241,15 @@ def fill(
     static: Path | None = None,
     report: bool = False,
     rate_hz: float | None = None,
+    length_unit: LengthUnit = None,
     json: Json = False,
 ) -> None:
     """Fill the gaps of a trial's markers, each with an expected error; all else in the file stays as it was.
 
     Args:
-        source: C3D, TRC, CSV or BTS file.
+        source: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC.
         sources: and others, which go into a folder under their names.
-        output: the file to write, C3D, TRC or CSV, or a folder; an existing file is not replaced.
+        output: the file to write, C3D, TRC, CSV, HDF5 or TDC, or a folder; an existing file is not replaced.
         method: auto finds out for every gap which method is best; `kinemark methods fill` lists them.
         set: PARAMETER=VALUE of the method; may be repeated.
         model: an angle model (CSV) or another trial of the same motion, for limb_angles, kalman_angles and auto.
@@ -209,7 +258,8 @@ def fill(
         trim: so many bad samples may be replaced on each side of a gap; 0 keeps all that was measured.
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
-        rate_hz: of a CSV file that does not say it.
+        rate_hz: of a CSV or TDC file that does not say it.
+        length_unit: of a C3D file that does not say it.
         json: print what became of every gap for a machine.
     """
     chosen = fill_method(method, set or (), model=model)
@@ -217,6 +267,7 @@ def fill(
         done = fill_files(
             (source, *sources), output, report=report, told=lambda n: tell("fill", n, 1 + len(sources)), method=chosen,
             name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
+            length_unit=length_unit,
         )  # fmt: skip
     _print(filled_figures(done) if json else filled_text(done))
     if any(isinstance(found, KinemarkError) for found in done.values()):
@@ -258,19 +309,20 @@ def convert(
     target: Path,
     *,
     what: Literal["trajectories", "detections", "rig"] | None = None,
-    length_unit: Literal["mm", "cm", "m", "in"] | None = None,
+    length_unit: LengthUnit = None,
     rate_hz: float | None = None,
 ) -> None:
-    """Convert between formats: trajectories (C3D, TRC, CSV), rigs (TOML, DLT CSV), detections (HDF5, CSV), from TDF.
+    """Convert between formats: trajectories (C3D, TRC, CSV, HDF5, TDC), rigs (TOML, DLT), detections (HDF5, CSV).
 
     Args:
         source: the file to read.
         target: the file to write; an existing one is not replaced.
         what: which part, where the names do not tell.
-        length_unit: of a rig file that does not say it.
-        rate_hz: of detections or trajectories in a CSV file, which does not say it.
+        length_unit: of a rig or C3D file that does not say it.
+        rate_hz: of detections or trajectories in a CSV or TDC file, which does not say it.
     """
-    convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz)
+    for note in convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz):
+        _print(f"note: {note}")
     _print(f"{target} is written. What it holds: kinemark info {target}")
 
 
@@ -301,7 +353,7 @@ def angles(
     """Joint angles of a trial with their standard deviation: CSV, C3D, a page with curves and a moving stick figure.
 
     Args:
-        trial: C3D, TDF, TRC, CSV or HDF5 file with markers.
+        trial: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC.
         model: um2as, isb_upper_limb, isb_shoulder, or a TOML file that describes one.
         output: folder of the results; beside the trial, its name and _angles, where none is given.
         static: trial that shows the points which clusters of markers carry.
@@ -326,6 +378,8 @@ def sensitivity(
     centroid_px: float | None = None,
     model: str | None = None,
     markers: Path | None = None,
+    rate_hz: float | None = None,
+    length_unit: LengthUnit = None,
     json: Json = False,
 ) -> None:
     """Say what limits the accuracy of a trial: noise, lenses, calibration, marker placement, or a camera that is lost.
@@ -337,7 +391,10 @@ def sensitivity(
         cycles: how many cycles a mean is taken over.
         centroid_px: standard deviation of a centroid, px; as the trial's residuals show it where none is given.
         model: rank the joint angles of this model (its name, or a TOML file); else the directions of segments.
-        markers: a C3D, TRC, CSV or TDF file of the same recording with the names that the model wants.
+        markers: a file of trajectories (C3D, TDF, TRC, CSV, HDF5 or TDC) of the same recording with the names that the
+            model wants.
+        rate_hz: of the markers' file, where it does not say it.
+        length_unit: of the markers' file, where it does not say it.
         json: print the figures for a machine.
     """
     try:
@@ -345,7 +402,10 @@ def sensitivity(
     except ValueError as error:
         raise KinemarkError(f"{error}.") from error
     with progress() as tell:
-        found = error_budget(session, trial=trial, method=asked, model=model, markers=markers, progress=tell)
+        found = error_budget(
+            session, trial=trial, method=asked, model=model, markers=markers, rate_hz=rate_hz,
+            length_unit=length_unit, progress=tell,
+        )  # fmt: skip
     _print(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")
 
 
@@ -362,7 +422,8 @@ def main() -> None:
     try:
         app()
     except KinemarkError as error:
-        errors.print(f"kinemark: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        told = "\n".join([f"kinemark: {error}", *finding_lines([found.as_dict() for found in error.findings])])
+        errors.print(told, style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)
     except BrokenPipeError:  # whoever read the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

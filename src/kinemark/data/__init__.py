@@ -12,15 +12,21 @@ from .detections import Detections, Validity
 from .errors import KinemarkError
 from .events import Events
 from .fills import Fills
+from .finding import SEVERITIES, Finding, FindingKind, Grade, Severity
+from .finding_kinds import KINDS, make_finding
 from .marker_set import MarkerSet
 from .matches import Matches
 from .rig import PARAMETERS, Camera, Rig
 from .rods import Rods
+from .sample_images import SampleImages, images_of, matches_of
+from .signals import Signal, Signals
 from .trajectories import MarkerTrajectory, Origin, Trajectories
 from .trial import Step, Trial
 
 __all__ = [
+    "KINDS",
     "PARAMETERS",
+    "SEVERITIES",
     "Analog",
     "AngleModel",
     "Angles",
@@ -29,7 +35,10 @@ __all__ = [
     "Detections",
     "Events",
     "Fills",
+    "Finding",
+    "FindingKind",
     "ForcePlate",
+    "Grade",
     "KinemarkError",
     "MarkerSet",
     "MarkerTrajectory",
@@ -37,10 +46,17 @@ __all__ = [
     "Origin",
     "Rig",
     "Rods",
+    "SampleImages",
+    "Severity",
+    "Signal",
+    "Signals",
     "Step",
     "Tracks",
     "Trajectories",
     "Trial",
     "Validity",
+    "images_of",
+    "make_finding",
+    "matches_of",
     "same",
 ]

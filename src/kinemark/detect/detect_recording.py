@@ -30,6 +30,7 @@ def detect(
     method: Method | None = None,
     masks: Masks | None = None,
     progress: Callable[[int], None] | None = None,
+    threads: int | None = None,
 ) -> Detections:
     """Markers in the recordings of all cameras, at `rate` Hz.
 
@@ -41,6 +42,7 @@ def detect(
             frames that show something.
         masks: where nothing is a marker, for some or all of the cameras.
         progress: called with the number of frames done so far, all cameras together, from the threads that do them.
+        threads: how many cameras are looked at side by side; as many as there are processors where None.
 
     Raises:
         ValueError: not one name a source.
@@ -63,7 +65,7 @@ def detect(
         mask = masks.pixels(name) if masks and name in masks.cameras else None
         return _detect_camera(source, name, method or DETECT.make(), mask, tell)
 
-    with ThreadPoolExecutor(max(1, min(os.cpu_count() or 1, len(sources)))) as pool:
+    with ThreadPoolExecutor(max(1, min(threads or os.cpu_count() or 1, len(sources)))) as pool:
         parts = list(pool.map(one, sources, cameras))
     if not parts:
         return Detections.build((), rate, np.zeros((0, 0), np.int64), np.zeros((0, 2)))

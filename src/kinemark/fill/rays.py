@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from ..data import Camera, Detections, Rig, Tracks
 from ..data.array_types import Floats
+from ..data.trajectories import camera_bits
 from ..geometry import point_jacobian, project
 
 GATE = 9.21
@@ -51,11 +52,16 @@ class Rays(NamedTuple):
 
 
 class Sharpened(NamedTuple):
-    """Positions (L, 3) mm, covariances (L, 3, 3) mm², and which cameras (L) told of each, as bits."""
+    """Positions (L, 3) mm, covariances (L, 3, 3) mm², and the image (L, C) by which a camera told of each, −1: none."""
 
     xyz: Floats
     cov: Floats
-    cameras: NDArray[np.uint32]
+    view: NDArray[np.int64]
+
+    @property
+    def cameras(self) -> NDArray[np.uint32]:
+        """(L) which cameras told of each, as bits."""
+        return camera_bits(self.view)
 
 
 class _RayImages(NamedTuple):
@@ -76,7 +82,7 @@ def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> Sharpened:
         rays: what the cameras saw.
     """
     xyz, cov = xyz.copy(), cov.copy()
-    cameras = np.zeros(len(xyz), np.uint32)
+    view = np.full((len(xyz), len(rays.rig)), -1, np.int64)
     for c, camera in enumerate(rays.rig):
         found = _fitting(camera, c, xyz, cov, start, rays)
         rows = np.flatnonzero(found.row >= 0)
@@ -87,8 +93,8 @@ def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> Sharpened:
         xyz[rows] += (gain @ found.off[rows, :, None])[..., 0]  # (3)
         P = P - gain @ J @ P
         cov[rows] = (P + P.transpose(0, 2, 1)) / 2
-        cameras[rows] |= np.uint32(1 << c) if c < 32 else np.uint32(0)
-    return Sharpened(xyz, cov, cameras)
+        view[rows, c] = found.row[rows]
+    return Sharpened(xyz, cov, view)
 
 
 def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays: Rays) -> _RayImages:

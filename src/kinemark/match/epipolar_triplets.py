@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 from ..data import Detections, Matches, Rig
 from ..data.array_types import Floats, Ints
 from ..data.method import Method, parameter
+from ..data.progress import tell
 from ..geometry import fundamental, triangulate
 from ..geometry.ideal_pixels import ideal_pixels
 from .stage import MATCH
@@ -99,6 +100,7 @@ def blocks_of(detections: Detections, rig: Rig) -> Iterator[FrameImages]:
     uv = ideal_pixels(detections, rig)
     block = min(BLOCK, max(CELLS // max(int(detections.counts.max(initial=1)), 1) ** 2, 1))
     for first in range(0, detections.n_frames, block):
+        tell(first, detections.n_frames)
         cut = detections.start[:, first : first + block + 1]
         yield FrameImages(uv, [_padded(rows) for rows in cut])
 

@@ -42,6 +42,7 @@ from numpy.typing import NDArray
 from ..data import Detections, Matches, Rig
 from ..data.array_types import Floats, Ints
 from ..data.method import Method, parameter
+from ..data.progress import tell
 from ..geometry import fundamental
 from ..geometry.ideal_pixels import ideal_pixels
 from .epipolar_triplets import collected, costs
@@ -107,6 +108,7 @@ def match_kiss(detections: Detections, rig: Rig, *, method: KissTriplets) -> Mat
     steep = crossings(rig).tolist()
     views = [np.full((0, n), -1)]
     for f in range(detections.n_frames):
+        tell(f, detections.n_frames)
         row = np.concatenate([np.arange(*detections.rows(c, f).indices(len(uv))) for c in range(n)])
         frame = _frame(row[np.isfinite(uv[row, 0])], uv, detections, F, method.search_band)
         groups = list(_markers(frame, steep, method))

@@ -27,6 +27,7 @@ import numpy as np
 from ..data import Cloud, Tracks
 from ..data.array_types import Floats, Ints
 from ..data.method import Method, parameter
+from ..data.progress import tell
 from ..signal import PAST, assign_nearest, extrapolate
 from .editing import blend, inside_volume, without_short
 from .stage import CLOUD, TRACK
@@ -90,6 +91,7 @@ def link(cloud: Cloud, *, method: KissTracking) -> Tracks:
     active = ActiveKissTrack(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, PAST, 3)))
     n_tracks = 0
     for f in range(cloud.n_frames):
+        tell(f, cloud.n_frames)
         points, own = cloud[f], identity[cloud.rows(f)]
         predicted = extrapolate(active.past, active.known)
         off = np.linalg.norm(points - predicted[:, None], axis=-1)

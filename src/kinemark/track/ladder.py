@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 from ..data import Cloud, Tracks
 from ..data.array_types import Floats, Ints
 from ..data.method import Method, parameter
+from ..data.progress import tell
 from ..geometry import solve3
 from ..signal import PAST, assign, extrapolate, gain
 from .stage import CLOUD, TRACK
@@ -84,6 +85,7 @@ def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
     patience = round(method.patience * cloud.rate)
     n_tracks = 0
     for f in range(cloud.n_frames):
+        tell(f, cloud.n_frames)
         rows = cloud.rows(f)
         points, cov, view = cloud.xyz[rows], cloud.cov[rows], cloud.view[rows]
         predicted = extrapolate(active.past, active.known)

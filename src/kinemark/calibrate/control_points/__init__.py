@@ -2,7 +2,7 @@
 
 `camera` fits one camera and `fit` all of them; `checks` refuses what determines none. `left_out` asks how well points
 that took no part are seen, `mistaken` which images were taken for another's, `survey` which points are not where they
-were said to be; `judgement` puts it into words.
+were said to be; `judgement` weighs it all.
 """
 
 from .fit import ControlFit, calibrate_control_points, control_point_quality

@@ -18,12 +18,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...data import Camera, KinemarkError, Rig
+from ...data import Camera, Finding, KinemarkError, Rig
 from ...geometry import about, near_middle, project, sphere_offset
 from .checks import check_extent, check_points, labels
 from .fit_camera import CameraMethod, ControlPoints, Dlt, FittedCamera, fit_camera, free_parameters
 from .left_out import leave_one_out
-from .mistaken import exchanged_words
+from .mistaken import mistaken_points
 
 __all__ = [
     "CameraMethod",
@@ -213,12 +213,23 @@ def _fits(
                 name, sizes[c], local[seen], centres[c, seen], spread[c, seen], method, lens, diameter
             )
         except KinemarkError as error:
-            swap = exchanged_words(xyz[seen], centres[c, seen], here)
-            raise KinemarkError(f"Camera {name}: {error}{swap}") from None
+            mistaken = mistaken_points(xyz[seen], centres[c, seen], here, camera=name)
+            raise _unfitted(name, error, mistaken) from None
         kept = seen.copy()
         kept[seen] = fitted.kept
         fits.append(fitted._replace(kept=kept))
     return fits, centres, spread
+
+
+def _unfitted(name: str, error: KinemarkError, mistaken: Finding | None) -> KinemarkError:
+    """The error of a camera that does not fit, with the points that may be to blame."""
+    if mistaken is None:
+        return KinemarkError(f"Camera {name}: {error}")
+    points = mistaken.values.get("points_list") or (mistaken.values["point"],)
+    assert isinstance(points, tuple)
+    return KinemarkError(
+        f"Camera {name}: {error} Check control points {', '.join(map(str, points))}.", findings=[mistaken]
+    )
 
 
 def _corrected_fit(

@@ -101,6 +101,9 @@ class TrialEntry(Strict):
         description="pattern of a file of each camera with what an operator answers, who digitises the images by "
         "[digitise]",
     )
+    frames: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]] | None = Field(
+        default=None, description="first and last frame of the stretch to process, counted from 1; all where absent"
+    )
 
     @field_validator("name")
     @classmethod
@@ -115,6 +118,10 @@ class TrialEntry(Strict):
         """Exactly one source must be given."""
         if (self.images is None) == (self.detections is None):
             raise ValueError(f"trial {self.name!r} wants either images or detections")
+        if self.frames is not None and self.frames[0] > self.frames[1]:
+            raise ValueError(f"trial {self.name!r} has frames = {list(self.frames)}: give the first, then the last")
+        if self.frames is not None and self.answers is not None:
+            raise ValueError(f"trial {self.name!r} is digitised from its first frame on: leave out frames")
         if self.answers is not None and self.images is None:
             raise ValueError(f"trial {self.name!r} has answers, which are of images, and has none")
         return self

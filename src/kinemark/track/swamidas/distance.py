@@ -15,6 +15,7 @@ import numpy as np
 from ...data import Cloud, Tracks
 from ...data.array_types import Floats, Ints
 from ...data.method import Method, parameter
+from ...data.progress import tell
 from ..stage import CLOUD, TRACK
 
 
@@ -43,6 +44,7 @@ def track_distance(cloud: Cloud, *, method: DistanceOnly = DistanceOnly()) -> Tr
     own, last, missed = np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, np.int64)
     n_tracks = 0
     for f in range(cloud.n_frames):
+        tell(f, cloud.n_frames)
         rows = cloud.rows(f)
         points = cloud.xyz[rows]
         track, point = shortest_first(np.linalg.norm(points - last[:, None], axis=-1))

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..data.array_types import Floats
 from ..geometry.rigid_pairs import distances
+from ..numerics.vectors import across
 from .sample_frames import SampledFrames
 
 
@@ -56,10 +57,7 @@ def segment_jacobian(xyz: Floats, pairs: list[tuple[int, int]]) -> Floats:
         line = xyz[b] - xyz[a]
         length = np.linalg.norm(line, axis=1, keepdims=True)
         ahead = line / length
-        least = np.eye(3)[np.argmin(np.abs(np.nan_to_num(ahead)), axis=1)]
-        first = np.cross(ahead, least)
-        first /= np.linalg.norm(first, axis=1, keepdims=True)
-        for i, e in enumerate((first, np.cross(ahead, first))):
+        for i, e in enumerate(np.moveaxis(across(ahead), -1, 0)):
             J[:, 2 * k + i, b] = np.degrees(e / length)  # (1)
             J[:, 2 * k + i, a] = -J[:, 2 * k + i, b]
     return J

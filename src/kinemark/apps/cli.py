@@ -16,8 +16,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 
 from ..data import KinemarkError
-from ..engine.detection_proposals import learn_session_masks, propose_detection
 from ..engine.bibliography import as_bibtex, as_text, chosen
+from ..engine.detection_proposals import learn_session_masks, propose_detection
 from ..engine.error_budget import error_budget
 from ..engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ..engine.formats import convert as convert_file

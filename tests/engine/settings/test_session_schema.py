@@ -5,13 +5,13 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from calibrations import BY_POINTS, BY_WAND, HEAD, L_FRAME, TAIL
 from jsonschema import Draft202012Validator
 from pydantic import ValidationError
 
 from kinemark.apps.cli import schema as schema_command
 from kinemark.engine.settings import SETTABLE, Settings, session_schema
 from kinemark.engine.settings.overrides import overridden
+from support.calibrations import BY_POINTS, BY_WAND, HEAD, L_FRAME, TAIL
 
 SCHEMA = session_schema()
 FILE = 'file = "rig.toml"'

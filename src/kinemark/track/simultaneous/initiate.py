@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
+from ...native import inverse
 from .candidate_points import CandidatePoints, groups_of
 from .detection_index import Images
 from .simultaneous_method import Simultaneous

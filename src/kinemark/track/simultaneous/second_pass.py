@@ -21,6 +21,7 @@ import numpy as np
 
 from ...data.array_types import Bools, Ints
 from ...data.progress import tell
+from ...native import inverse
 from .associate import associate, information, predict_images
 from .candidate_points import intersect
 from .detection_index import Images

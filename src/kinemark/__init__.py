@@ -40,6 +40,8 @@ from .data import (
     Origin,
     Rig,
     Rods,
+    Signal,
+    Signals,
     Tracks,
     Trajectories,
     Trial,
@@ -58,6 +60,7 @@ from .io.rig_toml import read_rig_toml, write_rig_toml
 from .io.tdf import read_tdf
 from .io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .io.trc import read_trc, write_trc
+from .io.trial import read_trial, write_trial
 from .kinematics import InverseCosines, SignedAngles, joint_angles
 from .match import EpipolarTriplets, KissTriplets, NearestEpipolar, match
 from .reconstruct import CameraPairs, LeastSquares, reconstruct
@@ -110,6 +113,8 @@ __all__ = [
     "Origin",
     "Rig",
     "Rods",
+    "Signal",
+    "Signals",
     "SignedAngles",
     "Simultaneous",
     "Swamidas",
@@ -147,6 +152,7 @@ __all__ = [
     "read_tdf",
     "read_trajectories_csv",
     "read_trc",
+    "read_trial",
     "reconstruct",
     "refine",
     "save",
@@ -164,4 +170,5 @@ __all__ = [
     "write_rig_toml",
     "write_trajectories_csv",
     "write_trc",
+    "write_trial",
 ]

@@ -198,7 +198,7 @@ def test_the_library_imports_without_an_interface():
 def test_the_public_names_are_a_decision():
     """Whoever adds or removes one changes this list with it."""
     records = "Analog AngleModel Angles Camera Cloud Detections Events ForcePlate MarkerSet Matches Origin"
-    records += " MarkerTrajectory Rig Rods Tracks Trajectories Trial Validity KinemarkError"
+    records += " MarkerTrajectory Rig Rods Signal Signals Tracks Trajectories Trial Validity KinemarkError"
     methods = "Centroids ControlPoints EpipolarTriplets ExtrapolationLadder LeastSquares"
     methods += (
         " CameraPairs DistanceOnly FormerTwoCameras KissTracking KissTriplets NearestEpipolar Simultaneous Swamidas"
@@ -210,7 +210,8 @@ def test_the_public_names_are_a_decision():
     stages += " calibrate_points calibrate_sticks calibrate_wand learn_masks linearise predicted_covariance propose"
     geometry = "project refine triangulate undistort"
     kinds = "c3d detections_csv dlt_csv rig_toml trajectories_csv trc"
-    files = " ".join(f"read_{k} write_{k}" for k in kinds.split()) + " read_tdf load load_model save open_images"
+    files = " ".join(f"read_{k} write_{k}" for k in kinds.split())
+    files += " read_tdf read_trial write_trial load load_model save open_images"
     names = " ".join([records, methods, stages, geometry, files, "__version__"]).split()
     assert sorted(kinemark.__all__) == sorted(names)
     assert all(hasattr(kinemark, name) for name in names)

@@ -36,12 +36,20 @@ def written(write, read, name, *what):
         return read(Folder(folder) / name)
 
 
-@law(kinemark.write_trajectories_csv, kinemark.read_trajectories_csv, kinemark.write_trc, kinemark.read_trc)
+@law(
+    kinemark.write_trajectories_csv,
+    kinemark.read_trajectories_csv,
+    kinemark.write_trc,
+    kinemark.read_trc,
+    kinemark.write_trial,
+    kinemark.read_trial,
+)
 def _(by):
     before = moved(trial(), by)
     csv = written(kinemark.write_trajectories_csv, kinemark.read_trajectories_csv, "a.csv", before)
     trc = written(kinemark.write_trc, kinemark.read_trc, "a.trc", before)
-    return Answer((csv.xyz, trc.xyz), (csv.names, trc.names, csv.rate, trc.rate))
+    whole = written(lambda path, t: kinemark.write_trial(Trial("a", t), path), kinemark.read_trial, "a.h5", before).trajectories
+    return Answer((csv.xyz, trc.xyz, whole.xyz), (csv.names, trc.names, whole.names, csv.rate, trc.rate, whole.rate))
 
 
 @law(kinemark.write_c3d, kinemark.read_c3d, c3d.document_of, c3d.stored, c3d.trial_of, mm=0.501)

@@ -156,7 +156,7 @@ def _not_held(signal: Signal) -> Iterable[FileNote]:
         yield FileNote("incomplete", "signals", (signal.name,))
     if a > 3:
         yield FileNote("not_written", "components beyond the third of", (signal.name,))
-    if a > 1 and np.isfinite(signal.cov[:, ~np.eye(a, dtype=bool)]).any():
+    if a > 1 and np.nan_to_num(signal.cov[:, ~np.eye(a, dtype=bool)]).any():
         yield FileNote("not_written", "correlations between components of", (signal.name,))
 
 

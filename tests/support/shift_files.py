@@ -48,7 +48,9 @@ def _(by):
     before = moved(trial(), by)
     csv = written(kinemark.write_trajectories_csv, kinemark.read_trajectories_csv, "a.csv", before)
     trc = written(kinemark.write_trc, kinemark.read_trc, "a.trc", before)
-    whole = written(lambda path, t: kinemark.write_trial(Trial("a", t), path), kinemark.read_trial, "a.h5", before).trajectories
+    whole = written(
+        lambda path, t: kinemark.write_trial(Trial("a", t), path), kinemark.read_trial, "a.h5", before
+    ).trajectories
     return Answer((csv.xyz, trc.xyz, whole.xyz), (csv.names, trc.names, whole.names, csv.rate, trc.rate, whole.rate))
 
 

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kinemark.data.method import plain_parameters
 from kinemark.engine import keys
 from kinemark.engine.keys import code_key, digest, file_key
-from kinemark.engine.store import Store, plain
+from kinemark.engine.store import Store
 
 PLAIN = st.recursive(
     st.none()
@@ -139,6 +140,6 @@ def test_an_update_never_serves_what_another_version_made(tmp_path, monkeypatch)
 def test_a_method_that_holds_an_array_can_be_written_down():
     import json
 
-    said = json.loads(json.dumps(plain(Method(3.0, np.arange(6.0).reshape(2, 3)))))
+    said = json.loads(json.dumps(plain_parameters(Method(3.0, np.arange(6.0).reshape(2, 3)))))
     assert said["gate"] == 3.0 and said["template"]["shape"] == [2, 3]
-    assert said != plain(Method(3.0, np.zeros((2, 3))))
+    assert said != plain_parameters(Method(3.0, np.zeros((2, 3))))

@@ -31,6 +31,7 @@ from ..engine.system import absence_notice
 from ..engine.system import system as describe_system
 from ..engine.trial_angles import AngleSettings, angles_of_file
 from ..fill import LIMIT, GapEdges
+from ..findings.schema import quality_schema
 from ..report.angles_text import angle_summary
 from ..report.calibration_text import calibration_summary
 from ..report.proposal_text import proposal_text
@@ -202,13 +203,13 @@ def methods(stage: str | None = None, *, json: Json = False) -> None:
 
 
 @app.command
-def schema(what: Literal["session"] = "session") -> None:
-    """Print the JSON schema of session.toml, for an editor that completes and checks it.
+def schema(what: Literal["session", "quality"] = "session") -> None:
+    """Print the JSON schema of session.toml, for an editor that completes and checks it, or of quality.json.
 
     Args:
         what: of which file.
     """
-    _print({"session": session_schema}[what]())
+    _print({"session": session_schema, "quality": quality_schema}[what]())
 
 
 @app.command

@@ -245,7 +245,7 @@ def plain(value: Any, name: str = "value") -> Any:
         return _of_array(value)
     if is_dataclass(value) or hasattr(value, "_fields"):
         names = value._fields if isinstance(value, tuple) else [f.name for f in fields(value)]  # type: ignore[attr-defined]
-        return {"is": type(value).__name__} | {one: plain(getattr(value, one), f"{name}.{one}") for one in names}
+        return {"kind": type(value).__name__} | {one: plain(getattr(value, one), f"{name}.{one}") for one in names}
     if isinstance(value, Mapping):
         return {str(key): plain(one, f"{name}[{key}]") for key, one in value.items()}
     if isinstance(value, (tuple, list)):

@@ -9,20 +9,20 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass, field, fields, is_dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
 from filelock import FileLock, Timeout
 
 from ..data import KinemarkError, Step
+from ..data.method import plain_parameters
 from ..data.progress import Listener
 from ..io.files import replacing
 from ..version import __version__
-from .keys import code_key, digest
+from .keys import code_key
 
 Record = TypeVar("Record")
 
@@ -101,7 +101,7 @@ class Store:
         save(self.folder / files[0], record)
         self.computed.append(stage)
         name = "" if method is None else type(method).__name__
-        self.steps.append(Step(stage, name, plain(method), f"{__version__}+{code_key()}", key, seconds))
+        self.steps.append(Step(stage, name, plain_parameters(method), f"{__version__}+{code_key()}", key, seconds))
         self._write()
         return record
 
@@ -133,26 +133,6 @@ class Store:
         rows += [asdict(step) for stage, step in self.old.items() if stage not in done]
         with replacing(self.folder / STEPS) as part:
             part.write_text(json.dumps(rows, indent=1), "utf-8")
-
-
-def plain(method: Any) -> dict[str, Any]:
-    """The parameters of a method for JSON; arrays, and what else JSON cannot hold, by kind and key."""
-    return {} if method is None else {f.name: _plain(getattr(method, f.name)) for f in fields(method)}
-
-
-def _plain(value: Any) -> Any:
-    """A value as JSON holds it."""
-    if value is None or isinstance(value, (bool, int, float, str)):
-        return value
-    if isinstance(value, (list, tuple)):
-        return [_plain(part) for part in value]
-    if isinstance(value, Mapping):
-        return {str(name): _plain(part) for name, part in value.items()}
-    if is_dataclass(value) and not isinstance(value, type):
-        return {"kind": type(value).__name__} | plain(value)
-    if isinstance(value, np.ndarray):
-        return {"shape": list(value.shape), "key": digest(value)}
-    return str(value)
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from kinemark.apps.cli import schema as schema_command
 from kinemark.engine.settings import SETTABLE, Settings, session_schema
 from kinemark.engine.settings.overrides import overridden
+from kinemark.findings.schema import quality_schema
 from support.calibrations import BY_POINTS, BY_WAND, HEAD, L_FRAME, TAIL
 
 SCHEMA = session_schema()
@@ -126,3 +127,5 @@ def test_everything_in_it_is_described():
 def test_the_command_prints_it(capsys):
     schema_command()
     assert json.loads(capsys.readouterr().out) == SCHEMA
+    schema_command("quality")
+    assert json.loads(capsys.readouterr().out) == quality_schema()

@@ -25,7 +25,7 @@ from ..digitise import (
 from ..engine.digitising import Reel
 
 NEAR = 6
-"""Markers of an image that are listed."""
+"""Markers of an image that are listed; chosen."""
 
 
 class Terminal:

@@ -36,7 +36,7 @@ Threshold = Annotated[float, Parameter(help="Grey level above which a pixel is w
 Inverted = Annotated[bool, Parameter(negative="", help="Threshold type inverted: black markers on a white background.")]
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the figures for a machine.")]
 Many = Parameter(consume_multiple=True, negative="")
-WHITE = 253
+WHITE = 253  # grey level of 8 bits of a marker in the picture; chosen
 
 
 @um2as.command

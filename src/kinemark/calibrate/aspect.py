@@ -40,9 +40,9 @@ import numpy as np
 from ..data import KinemarkError
 from ..data.array_types import Floats
 
-STEPS = 20
+STEPS = 20  # Gauss-Newton steps at most; chosen: a few settle it
 TURNED = 1e-3
-"""Least change of ΔV² with the angle, of the whole: a bar that is not turned tells nothing."""
+"""Least change of ΔV² with the angle, of the whole: a bar that is not turned tells nothing; chosen."""
 
 
 class AspectRatio(NamedTuple):

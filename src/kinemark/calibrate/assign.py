@@ -34,14 +34,14 @@ from ..data.array_types import Floats, Ints
 
 Map = Callable[[Floats], Floats]
 
-FLAT = 1e-3
-ROUNDS = 12
-NEAR = 0.5
-OFF = 20.0
-LEAST = 1.0
-FOUND = 0.9
+FLAT = 1e-3  # of the greatest spread; points thinner than this lie on a line or in a plane; chosen
+ROUNDS = 12  # of assigning and fitting in turn, at most; chosen
+NEAR = 0.5  # of the distance to the next target point; chosen: farther off, an image is nearer to another one
+OFF = 20.0  # times the median distance that counts as near; chosen, wide, as the first fit is rough
+LEAST = 1.0  # px; the least that counts as near, however well all fits; chosen
+FOUND = 0.9  # of the target's points that must be found; chosen, lest one be taken for another
 PERSPECTIVE = 0.1
-"""λ of (2)."""
+"""λ of (2); chosen."""
 
 
 def assign_points(uv: Floats, xyz: Floats, *, picked: NDArray[np.integer], at: Floats, tolerance: float = 5.0) -> Ints:

@@ -29,12 +29,12 @@ from scipy.spatial import KDTree
 from ..data import Detections, KinemarkError
 from ..data.arrays import check_positive
 
-TOLERANCE = 3.0
-REACH = 20.0
-MOST_FRAMES = 400
-NEARLY_AS_MANY = 0.8
-OFTEN = 0.5
-FAR = 2.0
+TOLERANCE = 3.0  # px within which a mark has not moved; chosen
+REACH = 20.0  # px within which a mark that moved is looked for; chosen
+MOST_FRAMES = 400  # frames that are looked at, spread evenly; chosen for speed
+NEARLY_AS_MANY = 0.8  # of the most marks that agree on a shift; chosen
+OFTEN = 0.5  # of the frames in which a mark must be seen; chosen
+FAR = 2.0  # times the tolerance, beyond which an image is another thing; chosen
 
 
 class MarkShift(NamedTuple):

@@ -37,9 +37,10 @@ from ..geometry import parameter_jacobian, project
 from ..numerics.levenberg_marquardt import damped_step, minimise
 from ..numerics.scaled import scaled_inverse
 
-STEPS = 100
-SETTLED = 1e-13
-FOCAL_POWERS = np.array([1.0, 1, 0, 0, 2, 4, 1, 1, 6, 0, 0, 0, 0, 0, 0])  # of m in each of `data.PARAMETERS`, (4)
+STEPS = 100  # tries at most; chosen, more than DLT starts take
+SETTLED = 1e-13  # share of χ²; conventional: some hundred roundings
+FOCAL_POWERS = np.array([1.0, 1, 0, 0, 2, 4, 1, 1, 6, 0, 0, 0, 0, 0, 0])
+"""Of m in each of `data.PARAMETERS`, (4); by definition."""
 
 
 class ResectionFit(NamedTuple):

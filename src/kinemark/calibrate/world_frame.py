@@ -35,9 +35,9 @@ from ..data.array_types import Floats
 from ..numerics.vectors import cross_matrix
 from .bundle import BundleFit
 
-MISFIT = 0.1
-MOST = 12
-CLEAR = 1e-3
+MISFIT = 0.1  # of the frame's size; points that are laid on each other worse are not the same; chosen
+MOST = 12  # points in which the frame is looked for at most; chosen, as all orders are tried
+CLEAR = 1e-3  # of the longest extent; thinner, points lie on a line and give no frame; chosen
 
 
 def scaled(rig: Rig, factor: float) -> Rig:

@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-SPAN = 16
-LINES = 8
-STRETCHES = 8
+SPAN = 16  # pixels of a stretch; chosen: long enough for a variance, short enough to be even
+LINES = 8  # of an image that are looked at, about; chosen for speed
+STRETCHES = 8  # in each of them, about; chosen for speed
 
 ROUNDING = 1 / 12
-"""Variance that rounding to whole grey levels has alone."""
+"""Variance that rounding to whole grey levels has alone; by definition."""
 
 
 def background(images: NDArray[np.uint8 | np.uint16]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

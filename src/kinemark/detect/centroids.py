@@ -19,8 +19,8 @@ from .separate import separated
 from .stage import DETECT
 from .validity import judge, remove_noise
 
-MOST_RUNS = 1 << 18
-MOST_GROUPS = 10_000
+MOST_RUNS = 1 << 18  # white runs of a batch, above which it is halved; chosen for memory
+MOST_GROUPS = 10_000  # groups of a frame at most; chosen: more are the noise of a threshold set too low
 
 
 @DETECT.method("centroids", Centroids, source="Shafiq, Tümer and Güler 2001, section 2")

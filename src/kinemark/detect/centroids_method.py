@@ -12,10 +12,10 @@ from ..data.method import ONE, Method, parameter
 from .stage import check_areas
 
 MOST_DISCS = 5
-"""More discs on each other than this are not told apart: their fit would be a guess."""
+"""More discs on each other than this are not told apart: their fit would be a guess; chosen."""
 
 BITS_16 = 257.0
-"""How often the grey scale of 8 bits (white is 255) goes into that of 16 bits (65 535)."""
+"""How often the grey scale of 8 bits (white is 255) goes into that of 16 bits (65 535); by definition."""
 
 
 @dataclass(frozen=True, slots=True)

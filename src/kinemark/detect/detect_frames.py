@@ -11,7 +11,7 @@ from .centroids_method import check_images
 from .levels import levelled
 from .stage import DETECT
 
-PIXELS = 20 << 20  # looked at in one go: enough to share what NumPy costs a call, little enough for the cache
+PIXELS = 20 << 20  # looked at in one go: enough to share what NumPy costs a call, little enough for the cache; chosen
 
 
 def detect_frames(images: NDArray[np.uint8 | np.uint16], *, method: Method | None = None) -> Blobs:

@@ -41,20 +41,25 @@ from scipy.special import ndtr
 from ..data.array_types import Floats
 from ..numerics.levenberg_marquardt import Tries, minimise_many
 
-STEPS = 10
-SMALL_STEP = 1e-3  # px; a tenth of what any noise leaves
-SMALL_GAIN = 0.01  # of χ² a pixel; a tenth of a standard deviation of one parameter
-HOPELESS = 0.03  # of χ²; a step that gains less leads nowhere near a χ² that is far below
+STEPS = 10  # tries of each fit at most; chosen; speed and errors are those of studies/overlapping_markers.py
+SMALL_STEP = 1e-3  # px; a tenth of what any noise leaves; chosen (see studies/overlapping_markers.py)
+SMALL_GAIN = 0.01
+"""Of χ² a pixel; a tenth of a standard deviation of one parameter; chosen (see studies/overlapping_markers.py)."""
+HOPELESS = 0.03
+"""Of χ²; a step that gains less leads nowhere near a χ² that is far below; chosen (see
+studies/overlapping_markers.py)."""
 NODES, NODE_WEIGHTS = (half / 2 for half in np.polynomial.legendre.leggauss(7))
-CORNER = 3.5  # w; farther from one of two outlines the other is alone
+"""Of Gauss and Legendre's rule over the shutter's time, exact to degree 13; chosen."""
+CORNER = 3.5  # w; farther from one of two outlines the other is alone; chosen (see studies/overlapping_markers.py)
 NODES_CORNER, WEIGHTS_CORNER = (
     (np.polynomial.legendre.leggauss(6)[0] + 1) / 2,
     np.polynomial.legendre.leggauss(6)[1] / 2,
 )
-MOST_CONDITION = 1e12
-WIDTHS = (0.25, 3.0)  # px; of the blur w
-INVERSE_ROOT_2PI = 0.3989422804014327
-_TINY = 1e-9
+"""Of the same rule over the integral of (2), exact to degree 11; chosen (see studies/overlapping_markers.py)."""
+MOST_CONDITION = 1e12  # of a normal matrix that is inverted, without unit; conventional: four digits are then left
+WIDTHS = (0.25, 3.0)  # px; of the blur w; chosen (see studies/overlapping_markers.py)
+INVERSE_ROOT_2PI = 0.3989422804014327  # 1 / √(2π), the height of the normal density; by definition
+_TINY = 1e-9  # px; keeps a distance of zero from dividing; conventional
 
 
 class Patches(NamedTuple):

@@ -20,7 +20,7 @@ from .patches import CutOut
 from .plausible import whole_disc
 from .starts import disc_start, ellipse_start
 
-EVIDENCE = 25.0
+EVIDENCE = 25.0  # of χ², by which a disc must win; chosen, as in `overlap`: studies/overlapping_markers.py judges it
 
 
 def discs_at_edge(cut: CutOut) -> tuple[NDArray[np.bool_], Floats, Floats]:

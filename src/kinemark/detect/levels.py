@@ -24,9 +24,9 @@ from .centroids_method import grey_scale
 
 AnyMethod = TypeVar("AnyMethod", bound=Method)
 
-FRAMES = 16
-LEAST = 4  # pixels a frame that must stand out
-TURNS = 20
+FRAMES = 16  # of a batch that levels are measured in; chosen for speed
+LEAST = 4  # pixels a frame that must stand out; chosen
+TURNS = 20  # of the search for two classes at most; chosen: fewer settle it
 
 
 def levelled(method: AnyMethod, images: NDArray[np.uint8 | np.uint16]) -> AnyMethod | None:

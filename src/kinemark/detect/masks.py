@@ -20,11 +20,12 @@ from .centroids_method import Centroids, check_images, grey_scale
 from .kiss import KissNearest, KissScanning
 from .source import BATCH, FrameSource
 
-MOSTLY = 0.5
-_TURN = np.arange(24) * 2 * np.pi / 24
+MOSTLY = 0.5  # of a spot's area; masked above, half masked below; chosen
+_TURN = np.arange(24) * 2 * np.pi / 24  # rad; directions round a disc; chosen
 _RINGS = [r * np.stack([np.cos(_TURN), np.sin(_TURN)], -1)[::step] for r, step in ((0.33, 6), (0.67, 2), (1, 1))]
+"""radii and directions of places in a unit disc; chosen to share out its area."""
 PLACES = np.concatenate([np.zeros((1, 2)), *_RINGS])
-"""Places that share out the area of the unit disc."""
+"""Places that share out the area of the unit disc; by definition."""
 
 
 def learn_masks(

@@ -47,14 +47,18 @@ from .patches import CutOut
 from .plausible import SMALLEST, apart, plausible_cut, plausible_discs, rim
 from .starts import cut_start, disc_start, ellipse_start, motion_start, second_moments
 
-EVIDENCE = 25.0
+EVIDENCE = 25.0  # of χ², by which an explanation must win; studies/overlapping_markers.py judges it
 CLEAR, SURE = 8.0, 4.0
-ONE, CUT, UNCLEAR = 1, 0, -1
-INSIDE, MANY = 0.97, 40  # of the brightness; pixels
-WHOLE = 0.045  # of the brightness; two discs of 8 px that are 0.3 diameters apart leave that much
-ODD = 0.1  # of the brightness; three discs in a ring leave 0.24
-MODEL = 0.01  # of the brightness; what the models themselves are off by at the rim
-CORNER = 0.005  # px at a blur of 1 px
+"""Shares of what whole shapes leave beyond noise, 1 / 8 and 1 / 4; studies/overlapping_markers.py judges them."""
+ONE, CUT, UNCLEAR = 1, 0, -1  # codes of the kinds; by definition
+INSIDE, MANY = 0.97, 40  # of the brightness; pixels; chosen (see studies/overlapping_markers.py)
+WHOLE = 0.045
+"""Of the brightness; two discs of 8 px that are 0.3 diameters apart leave that much; chosen (see
+studies/overlapping_markers.py)."""
+ODD = 0.1  # of the brightness; three discs in a ring leave 0.24; chosen (see studies/overlapping_markers.py)
+MODEL = 0.01
+"""Of the brightness; what the models themselves are off by at the rim; chosen (see studies/overlapping_markers.py)."""
+CORNER = 0.005  # px at a blur of 1 px; chosen (see studies/overlapping_markers.py)
 
 
 class ObservedGroup(NamedTuple):

@@ -17,8 +17,10 @@ from ..data.array_types import Floats
 from .discs import Patches
 from .grouping import PixelGroups
 
-MARGIN = 3  # px; holds the rim of a marker blurred by one pixel, with fewer the fits often go astray
-SATURATED = 4  # pixels at exactly the highest level, from which on it is the sensor's white
+MARGIN = 3
+"""px; holds the rim of a marker blurred by one pixel, with fewer the fits often go astray; chosen (see
+studies/overlapping_markers.py)."""
+SATURATED = 4  # pixels at exactly the highest level, from which on it is the sensor's white; chosen
 
 
 class CutOut(NamedTuple):

@@ -12,15 +12,17 @@ from ..data.array_types import Floats
 from .discs import DiscFit, Patches
 from .patches import CutOut
 
-MISFIT = 0.10
-RIM = 0.03  # of the brightness
-KNOWN = 0.5  # px, standard deviation
-SMALLEST = 2.0  # px, radius
-ALIKE = 0.5  # the smaller radius by the larger
-IN_SIGHT = 0.2  # share of each disc's outline outside of the others
-HIDDEN = (0.02, 0.62)  # share of a cut disc's area
-APART = 0.6  # of the sum of the radii; the outline of two discs so far apart has a waist that nothing else has
-AROUND = np.arange(24) * 2 * np.pi / 24
+MISFIT = 0.10  # of the brightness, RMS at the rim; studies/overlapping_markers.py judges it
+RIM = 0.03  # of the brightness; chosen (see studies/overlapping_markers.py)
+KNOWN = 0.5  # px, standard deviation; chosen (see studies/overlapping_markers.py)
+SMALLEST = 2.0  # px, radius of the smallest disc that is believed; chosen (see studies/overlapping_markers.py)
+ALIKE = 0.5  # the smaller radius by the larger; chosen (see studies/overlapping_markers.py)
+IN_SIGHT = 0.2  # share of each disc's outline outside of the others; chosen (see studies/overlapping_markers.py)
+HIDDEN = (0.02, 0.62)  # share of a cut disc's area; chosen (see studies/overlapping_markers.py)
+APART = 0.6
+"""Of the sum of the radii; the outline of two discs so far apart has a waist that nothing else has; chosen (see
+studies/overlapping_markers.py)."""
+AROUND = np.arange(24) * 2 * np.pi / 24  # rad; directions round a disc; chosen (see studies/overlapping_markers.py)
 
 
 def rim(patches: Patches, model: Floats) -> NDArray[np.bool_]:

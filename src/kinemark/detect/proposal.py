@@ -24,12 +24,12 @@ from .stability import LevelGap, groups_above, marker_gap, peaks_of
 
 Images = NDArray[np.uint8 | np.uint16]
 
-FRAMES = 12
-BATCH = 16
+FRAMES = 12  # frames that a proposal looks at; chosen for speed
+BATCH = 16  # frames read in one go; chosen for memory
 WIDE_GAP = 1.3
-"""Contrast at the gap's end by that at its beginning that is called clear."""
+"""Contrast at the gap's end by that at its beginning that is called clear; chosen."""
 MUCH = 0.1
-"""Share of the pixels that are bright and no marker that is called much."""
+"""Share of the pixels that are bright and no marker that is called much; chosen."""
 
 
 class Reason(NamedTuple):

@@ -27,8 +27,8 @@ from ..numerics.runs import equal_runs
 from .blobs import Blobs
 from .grouping import PixelGroups
 
-SHARED = 3
-SHARP = 0.04
+SHARED = 3  # groups with one peak level, from which on it is white; chosen: two may share it by chance
+SHARP = 0.04  # px² a pixel of rim, of sharp images at white; chosen to stand for all blurs
 
 
 def without_clipped(

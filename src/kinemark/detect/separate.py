@@ -22,7 +22,7 @@ from .overlap import CUT, ONE, UNCLEAR, ObservedGroup, explain
 from .patches import MARGIN, cut_out
 from .suspicion import suspicious
 
-PIXELS = 12_000  # fitted in one go: enough to share what NumPy costs a call, little enough for the cache
+PIXELS = 12_000  # fitted in one go: enough to share what NumPy costs a call, little enough for the cache; chosen
 
 
 def separated(

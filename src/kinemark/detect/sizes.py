@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 
 from .grouping import PixelGroups
 
-ROUND = 1.35
-FILL = 0.65
-RATIO = 1.8
-FEW = 4
-TWO = 2.1
-ROOM = 3.0
+ROUND = 1.35  # factor between widths by heights of one kind of marker; chosen
+FILL = 0.65  # of its rectangle that a disc fills (π/4 is 0.785); chosen, with room for pixels
+RATIO = 1.8  # of areas between clusters of sizes; chosen
+FEW = 4  # 1 part in so many of the most frequent size; chosen
+TWO = 2.1  # times the greatest marker's area: two on each other; chosen, with 5 % of room
+ROOM = 3.0  # times a marker's area, where there is nothing else; chosen
 
 
 class Sizes(NamedTuple):

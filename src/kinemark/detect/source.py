@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-BATCH = 16
+BATCH = 16  # frames read in one go; chosen for memory
 
 
 class FrameSource(Protocol):

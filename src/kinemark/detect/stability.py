@@ -36,9 +36,9 @@ from .grouping import PixelGroups, group_runs
 from .kiss.white import pixels_of
 from .runs import find_runs
 
-STEPS = 36
-MOST_RUNS = 200_000  # in all images; a threshold with more lies in the noise
-SHARE = 0.4
+STEPS = 36  # thresholds that are tried, evenly in their logarithm; chosen for speed
+MOST_RUNS = 200_000  # in all images; a threshold with more lies in the noise; chosen
+SHARE = 0.4  # of the peak's contrast; chosen: a little below half way, where the rim is
 
 
 class LevelGap(NamedTuple):

@@ -15,8 +15,8 @@ from ..data.array_types import Floats
 from .discs import DiscFit
 from .patches import CutOut
 
-LLOYD_STEPS = 6
-BLUR = 0.65
+LLOYD_STEPS = 6  # of grouping bright pixels round centres; chosen: few settle it (see studies/overlapping_markers.py)
+BLUR = 0.65  # px, first guess of w; chosen for usual lenses (see studies/overlapping_markers.py)
 
 
 def _tail(cut: CutOut) -> Floats:

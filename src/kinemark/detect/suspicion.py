@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from ..data import Validity
 from .grouping import PixelGroups
 
-RATIO = 2.2
-FILL = 1.75
-LEAST = 26  # px²; of fewer pixels nothing can be told
+RATIO = 2.2  # px; with it single markers of 5 to 16 px are hardly ever suspected: docs/theory/detect.md, 5100 of them
+FILL = 1.75  # px²; with it single markers of 5 to 16 px are hardly ever suspected: docs/theory/detect.md, 5100 of them
+LEAST = 26  # px²; of fewer pixels nothing can be told; chosen (see studies/overlapping_markers.py)
 
 
 def suspicious(groups: PixelGroups, validity: NDArray[np.uint8], *, aspect: float) -> NDArray[np.int64]:

@@ -23,8 +23,9 @@ from ..detect.centroids_method import grey_scale
 from ..detect.levels import levelled
 from ..detect.masks import masked
 
-TOUCHING = np.ones((3, 3))
-AROUND = 6  # px; a centroid that lies on a black pixel, as of a crescent, belongs to the white one nearest to it
+TOUCHING = np.ones((3, 3))  # pixels that touch along a side or at a corner are one; by definition
+AROUND = 6
+"""px; a centroid that lies on a black pixel, as of a crescent, belongs to the white one nearest to it; chosen."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

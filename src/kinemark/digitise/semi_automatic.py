@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..data.method import ONE, Method, check_parameters, parameter
 
 FIRST = 2
-"""Frames that are digitised by hand, since two places are what extrapolation needs."""
+"""Frames that are digitised by hand, since two places are what extrapolation needs; by definition."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from .recordings import masks_of, open_cameras
 from .session import Session
 
 FRAMES = 12
-"""Looked at, of all cameras together at least two each."""
+"""Looked at, of all cameras together at least two each; chosen."""
 
 
 def propose_detection(source: Path) -> dict[str, DetectionProposal]:

@@ -45,7 +45,7 @@ from ..io.images import ImageSource
 from ..io.um2as import read_da_set, siblings, write_da
 
 FIGURES = "digitising.json"
-KEPT = 32  # images kept ready: as far as an operator goes back without waiting
+KEPT = 32  # images kept ready: as far as an operator goes back without waiting; chosen
 
 
 class Reel:

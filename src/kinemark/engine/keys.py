@@ -23,10 +23,11 @@ from pydantic import BaseModel
 from ..data import Rig
 
 WHOLE = 64 << 20
-"""Bytes. Files up to this size are read for their key; larger ones are known by parts, size and time of change."""
+"""Bytes. Files up to this size are read for their key; larger ones are known by parts, size and time of change.
+Chosen."""
 
 PARTS, PART = 64, 64 << 10
-"""How many parts of a larger file are read, and their bytes: 4 MiB of any video."""
+"""How many parts of a larger file are read, and their bytes: 4 MiB of any video; chosen."""
 
 SOURCES = (".py", ".c", ".h", ".toml", ".html")
 

@@ -130,7 +130,8 @@ def _first_seconds(trajectories: Trajectories, seconds: float) -> Trajectories:
 
 
 WALKING_SPEED = 850.0
-"""mm/s; slow enough for two seconds, with the feet before and behind, to stay within the 2.4 m of the volume."""
+"""mm/s; slow enough for two seconds, with the feet before and behind, to stay within the 2.4 m of the volume.
+Chosen."""
 
 
 def simulate(folder: pathlib.Path, *, scene: Scene | None = None, progress: Progress = silent) -> pathlib.Path:

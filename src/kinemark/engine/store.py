@@ -29,7 +29,7 @@ Record = TypeVar("Record")
 STEPS = "steps.json"
 
 PAUSE = 0.2
-"""s between two looks whether another process is done."""
+"""s between two looks whether another process is done; chosen."""
 
 
 @dataclass(slots=True)

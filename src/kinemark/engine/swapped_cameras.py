@@ -14,11 +14,13 @@ from ..match import match
 from ..reconstruct import reconstruct
 
 LITTLE = 0.6
-"""Share of a camera's valid detections; if less agree with two other cameras, it may have the images of another."""
+"""Share of a camera's valid detections; if less agree with two other cameras, it may have the images of another.
+Chosen."""
 AS_MUCH, AS_GOOD = 0.7, 0.95
+"""Of the detections that must agree once two cameras are exchanged, and of the best share; chosen."""
 LOOKED_AT = 20
-"""Frames on which cameras are exchanged."""
-MOST_PAIRS = 30
+"""Frames on which cameras are exchanged; chosen."""
+MOST_PAIRS = 30  # pairs of cameras that are tried; chosen for speed
 
 
 def swapped_cameras(

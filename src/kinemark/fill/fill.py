@@ -24,18 +24,21 @@ from .static import place_absent
 from .static_shape import StaticShape
 
 SLOW = 600_000
-"""Gaps times frames above which methods that look at the whole trial for each hidden test are not tried."""
+"""Gaps times frames above which methods that look at the whole trial for each hidden test are not tried; chosen."""
 LIMIT = 20.0
+"""mm of expected error above which a gap stays open; chosen: about a marker's diameter (see benchmarks/gaps.py)."""
 ENOUGH = 60
-"""Hidden tests of one method that tell how far off it is; more are made to choose one for each gap."""
+"""Hidden tests of one method that tell how far off it is; more are made to choose one for each gap.
+Chosen (see benchmarks/gaps.py)."""
 FIRST = "body"
 """The method that is best in most trials (docs/fill.md)."""
 MOSTLY = 0.6
-"""Of what is known must be left where all tests are hidden at once, for methods to learn from that."""
+"""Of what is known must be left where all tests are hidden at once, for methods to learn from that.
+Chosen (see benchmarks/gaps.py)."""
 LITTLE = 0.05
-"""Of the weight of a mean, below which a method is not named."""
+"""Of the weight of a mean, below which a method is not named; chosen."""
 UNASKED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
-"""Stands where a method was tried in the tests, but not asked about the gap itself."""
+"""Stands where a method was tried in the tests, but not asked about the gap itself; by definition."""
 
 
 @dataclass(frozen=True, slots=True)

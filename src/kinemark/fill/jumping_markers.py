@@ -21,13 +21,13 @@ from ..data.array_types import Floats
 from .marker_array import Gap, MarkerArray
 from .reference_ranking import Ranks
 
-NEAR = 4
+NEAR = 4  # markers whose distance is watched; chosen (see benchmarks/gaps.py)
 JUMP = 5.0
-"""mm from one frame to the next."""
+"""mm from one frame to the next; chosen (see benchmarks/gaps.py)."""
 AWAY = 10.0
-"""mm."""
-TIMES = 3.0
-OFTEN = 0.02
+"""mm beyond the usual range of a distance, of (2); chosen (see benchmarks/gaps.py)."""
+TIMES = 3.0  # times the usual step; chosen
+OFTEN = 0.02  # of the frames, at most, in which a distance is unusual; chosen (see benchmarks/gaps.py)
 
 
 class JumpingMarkers:

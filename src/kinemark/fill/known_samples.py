@@ -17,11 +17,13 @@ from ..numerics.runs import equal_runs
 from .marker_array import Gap, MarkerArray
 
 FAR = 1e6
-"""mm from the median of all samples, beyond which a sample is no position of a marker."""
+"""mm from the median of all samples, beyond which a sample is no position of a marker.
+Chosen (see benchmarks/gaps.py)."""
 RESOLVED = 2.0**42
-"""mm, 4.4 million km: farther from the origin, doubles are more than a thousandth of a millimetre apart."""
+"""mm, 4.4 million km: farther from the origin, doubles are more than a thousandth of a millimetre apart.
+Chosen (see benchmarks/gaps.py)."""
 ENOUGH = 600
-"""Frames that are enough to learn from; longer trials are thinned evenly."""
+"""Frames that are enough to learn from; longer trials are thinned evenly; chosen (see benchmarks/gaps.py)."""
 
 
 def possible(xyz: Floats) -> Bools:

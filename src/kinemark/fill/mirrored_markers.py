@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 OTHER = {"L": "R", "R": "L", "l": "r", "r": "l"}
 REFLECTED = np.array([-1.0, 1.0, 1.0])
-"""Any plane serves, as positions are seen from a local frame afterwards."""
+"""Any plane serves, as positions are seen from a local frame afterwards; by definition."""
 
 
 def partners(names: tuple[str, ...]) -> NDArray[np.int64]:

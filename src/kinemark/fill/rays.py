@@ -29,11 +29,11 @@ from ..geometry import point_jacobian, project
 from ..numerics.runs import true_runs
 
 GATE = 9.21
-"""99 % of χ² with two degrees of freedom."""
-CHANCE = 0.05
-LEAST = 3
+"""99 % of χ² with two degrees of freedom; chosen (see benchmarks/gaps.py)."""
+CHANCE = 0.05  # images expected by chance within the gate; chosen, a usual level (see benchmarks/gaps.py)
+LEAST = 3  # frames in a row; chosen, as chance does not last (see benchmarks/gaps.py)
 USUAL_SD = 0.3
-"""px, of images that state no noise."""
+"""px, of images that state no noise; chosen (see benchmarks/gaps.py)."""
 
 
 class Rays(NamedTuple):

@@ -23,7 +23,7 @@ from ..geometry.rigid_pairs import distances_from
 from .known_samples import KnownSamples
 
 INSTANTS = 150
-"""Instants at which donors are judged."""
+"""Instants at which donors are judged; chosen (see benchmarks/gaps.py)."""
 
 
 class Apart(NamedTuple):

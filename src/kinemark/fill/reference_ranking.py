@@ -10,7 +10,7 @@ from ..geometry.rigid_pairs import distances_from
 from .marker_array import MarkerArray
 
 FEWEST = 12
-"""Frames to learn from, at least."""
+"""Frames to learn from, at least; chosen (see benchmarks/gaps.py)."""
 
 
 class Ranks:

@@ -28,7 +28,7 @@ from ..data.array_types import Floats
 from .known_samples import Span
 
 NUGGET = 1e-6
-"""ν."""
+"""ν, as a share of the residual's variance: what is added for noise; chosen (see benchmarks/gaps.py)."""
 
 
 class Leftover(NamedTuple):

@@ -14,9 +14,9 @@ from .plain import SCHEMA_VERSION, plain, quantile, runs, share
 from .verdict import verdict_of
 
 TOO_STEADY_MM = 0.02
-"""An estimated error of markers below this means that they were smoothed before."""
+"""An estimated error of markers below this means that they were smoothed before; chosen."""
 LEAST_BEYOND_DEG = 0.5
-"""Beyond its normal range by less, an angle is not told."""
+"""Beyond its normal range by less, an angle is not told; chosen."""
 
 
 def angle_figures(

@@ -13,33 +13,38 @@ from .calibration_lengths import LENGTH_CHECKS
 from .trial_findings import CALIBRATION_AMBER_PX, RESIDUAL_FLOOR_PX, RESIDUAL_RATIO, Figures, not_square
 
 RESIDUAL_RED_PX = 3.0
-"""RMS residual of one camera at which geometry is no longer believed."""
+"""RMS residual of one camera at which geometry is no longer believed; chosen (see studies/calibration_quality.py)."""
 LEFT_OUT_RATIO, LEFT_OUT_FLOOR_PX = 2.0, 0.1
-"""Errors left out above this many times the residual, and above so many px, mean that few points decide much."""
+"""Errors left out above this many times the residual, and above so many px, mean that few points decide much.
+Chosen."""
 UNSEEN_AMBER, UNSEEN_RED = 0.02, 0.3
-"""Share of the volume that fewer than two cameras see."""
+"""Share of the volume that fewer than two cameras see; chosen (see studies/calibration_quality.py)."""
 CHECKED = 0.3
-"""Share of the volume that may be seen by two cameras only, which cannot check each other."""
+"""Share of the volume that may be seen by two cameras only, which cannot check each other.
+Chosen (see studies/calibration_quality.py)."""
 LOSS = 2.0
-"""A camera whose loss makes the error this many times as large …"""
+"""A camera whose loss makes the error this many times as large …; chosen."""
 LOSS_SHARE = 0.1
-"""… or takes so much of the volume away, is one that everything rests on."""
+"""… or takes so much of the volume away, is one that everything rests on.
+Chosen (see studies/calibration_quality.py)."""
 COVERED = 0.8
-"""Share of the volume in a camera's image that should lie among the points it was calibrated with."""
+"""Share of the volume in a camera's image that should lie among the points it was calibrated with.
+Chosen (see studies/calibration_quality.py)."""
 CORNER_PX, CORNER_RATIO = 1.0, 4.0
-"""How uncertain the image of a place in the volume may be, px, and how many times as much as at its centre."""
+"""How uncertain the image of a place in the volume may be, px, and how many times as much as at its centre; chosen."""
 SD_AMBER_MM, SD_RED_MM = 2.0, 10.0
-"""Standard deviation of one axis in 95 % of the volume."""
+"""Standard deviation of one axis in 95 % of the volume; chosen (see studies/calibration_quality.py)."""
 FLAT_SHARE = 0.1
-"""Share of the volume in which all rays may meet at less than 20°."""
+"""Share of the volume in which all rays may meet at less than 20°; chosen (see studies/calibration_quality.py)."""
 LEFT_OUT_IMAGES = 0.05
-"""Share of all images of points that may have been left out as wrong."""
+"""Share of all images of points that may have been left out as wrong; chosen (see studies/calibration_quality.py)."""
 POINT_RATIO = 4.0
-"""A point whose error left out is this many times the median, and above 0.25 px, was surveyed or read wrongly."""
+"""A point whose error left out is this many times the median, and above 0.25 px, was surveyed or read wrongly.
+Chosen."""
 MOVED_MM, MOVED_PX = 2.0, 1.0
-"""A camera that has moved by so much since the former calibration is named."""
+"""A camera that has moved by so much since the former calibration is named; chosen."""
 FLAT_DEG = 20
-"""Rays that meet at less leave the depth poorly known."""
+"""Rays that meet at less leave the depth poorly known; chosen (see studies/calibration_quality.py)."""
 
 
 def calibration_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Finding]:

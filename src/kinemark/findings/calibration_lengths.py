@@ -11,19 +11,21 @@ from ..data.finding import red_if
 from .trial_findings import Figures
 
 SCALE_AMBER, SCALE_RED = 0.005, 0.02
-"""How far a length that took no part may come out wrong, as a share of it."""
+"""How far a length that took no part may come out wrong, as a share of it.
+Chosen (see studies/calibration_quality.py)."""
 WAND_AMBER, WAND_RED = 0.005, 0.02
-"""RMS error of the wand's length, as a share of it, and …"""
+"""RMS error of the wand's length, as a share of it, and …; chosen (see studies/calibration_quality.py)."""
 WAND_FLOOR_MM = 1.0
-"""… below this nobody minds."""
+"""… below this nobody minds; chosen (see studies/calibration_quality.py)."""
 NEAREST_MM, FARTHEST_MM = 200.0, 50_000.0
-"""Median distance between cameras of a laboratory."""
+"""Median distance between cameras of a laboratory; chosen (see studies/calibration_quality.py)."""
 SAME_PLACE_MM = 30.0
-"""Cameras nearer to each other than this would be within each other."""
+"""Cameras nearer to each other than this would be within each other; chosen (see studies/calibration_quality.py)."""
 MOST_OFF = 4.0
-"""Standard errors by which the wand's mean length about one place must be off to be told."""
+"""Standard errors by which the wand's mean length about one place must be off to be told.
+Chosen (see studies/calibration_quality.py)."""
 FEWEST_POSES = 5
-"""About one place, from which its mean length is told."""
+"""About one place, from which its mean length is told; chosen (see studies/calibration_quality.py)."""
 
 
 def _scale(figures: Figures) -> Iterator[Finding]:

@@ -12,9 +12,9 @@ from ..data.array_types import Floats
 from .plain import mean, quantile, rms
 
 CELLS = 3
-"""Of the volume along each axis, in which the wand's length is judged."""
+"""Of the volume along each axis, in which the wand's length is judged; chosen (see studies/calibration_quality.py)."""
 MOST_POINTS = 500
-"""Points that are listed one by one."""
+"""Points that are listed one by one; chosen (see studies/calibration_quality.py)."""
 
 
 def control_point_figures(rig: Rig, evidence: Evidence) -> list[dict[str, Any]]:

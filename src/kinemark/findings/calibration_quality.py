@@ -28,7 +28,7 @@ from .cameras import upwards
 from .plain import SCHEMA_VERSION, over_volume, plain, quantile, rms, share
 
 MANY = 20
-"""Points from which the box around them is a volume."""
+"""Points from which the box around them is a volume; chosen (see studies/calibration_quality.py)."""
 
 
 def calibration_figures(

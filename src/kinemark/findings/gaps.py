@@ -18,9 +18,10 @@ from .plain import SCHEMA_VERSION, plain
 from .verdict import verdict_of
 
 UNSURE_MM = 10.0
-"""An expected error, or a standard deviation, above which a gap should be looked at before its values are used."""
+"""An expected error, or a standard deviation, above which a gap should be looked at before its values are used.
+Chosen."""
 MUCH = 0.2
-"""Share of a marker's samples; if more is filled, it is hardly measured any more."""
+"""Share of a marker's samples; if more is filled, it is hardly measured any more; chosen."""
 STATIC = "static"
 
 

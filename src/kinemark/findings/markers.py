@@ -28,7 +28,7 @@ from ..numerics.robust import SD_PER_MEDIAN
 from .plain import mean, quantile, runs, share
 
 IN_VIEW = 0.75
-"""Share of the markers that must be there for the subject to count as in view."""
+"""Share of the markers that must be there for the subject to count as in view; chosen."""
 
 
 def standard_deviation(cov: Floats) -> Floats:

@@ -12,7 +12,7 @@ from ..data.array_types import Bools, Floats
 from ..numerics.runs import true_runs
 
 SCHEMA_VERSION = 1
-"""Of all files of figures; it grows when a key is renamed, removed or comes to mean something else."""
+"""Of all files of figures; it grows when a key is renamed, removed or comes to mean something else; by definition."""
 
 
 def plain(value: Any) -> Any:

@@ -19,8 +19,9 @@ from .plain import SCHEMA_VERSION, plain, quantile, share
 from .verdict import Verdict, verdict_of
 
 ACCEPTABLE_DEG, REASONABLE_DEG = 2.0, 5.0
-CYCLES = (1, 2, 3, 4, 6, 8, 10, 15, 20)
-MANY_GONE = 0.05
+"""deg; acceptable below 2°, reasonable to 5° (McGinley et al. 2009, on gait analysis)."""
+CYCLES = (1, 2, 3, 4, 6, 8, 10, 15, 20)  # numbers of cycles in the table; chosen
+MANY_GONE = 0.05  # of the points that a lost camera takes along; chosen
 
 PLACEMENT = "marker placement"
 """The name of the source that is no camera's."""

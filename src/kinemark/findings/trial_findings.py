@@ -13,34 +13,34 @@ from ..data.finding import gravest_first, red_if
 from .verdict import Verdict, verdict_of
 
 RESIDUAL_RATIO = 3.0
-"""A camera stands out when its median residual is above this many times the median of the other cameras …"""
+"""A camera stands out when its median residual is above this many times the median of the other cameras …; chosen."""
 RESIDUAL_FLOOR_PX = 0.25
-"""… and above this: below it, no camera stands out."""
+"""… and above this: below it, no camera stands out; chosen."""
 RESIDUAL_AMBER_PX, RESIDUAL_RED_PX = 1.0, 3.0
-"""Median residual over all cameras."""
+"""Median residual over all cameras; chosen."""
 CALIBRATION_AMBER_PX = 1.0
-"""RMS residual of one camera's calibration."""
+"""RMS residual of one camera's calibration; chosen."""
 USED_SHARE = 0.6
-"""Share of a camera's valid detections that should belong to a point."""
+"""Share of a camera's valid detections that should belong to a point; chosen."""
 COMPLETE_AMBER, COMPLETE_RED = 0.97, 0.8
-"""Share of samples that are present while the subject is in view."""
+"""Share of samples that are present while the subject is in view; chosen."""
 STRETCH = 0.06
-"""How far the focal lengths along u and v may differ, or differ from 2:1 in fields of interlaced video."""
+"""How far the focal lengths along u and v may differ, or differ from 2:1 in fields of interlaced video; chosen."""
 PIECES = 1.3
-"""Tracks a marker above which they count as broken."""
+"""Tracks a marker above which they count as broken; chosen."""
 LONG_GAP_S = 0.2
-"""A gap that interpolation should not bridge unseen: a fifth of a gait cycle."""
+"""A gap that interpolation should not bridge unseen: a fifth of a gait cycle; chosen."""
 FILLED_SHARE = 0.1
-"""Share of a marker's samples that may be filled."""
+"""Share of a marker's samples that may be filled; chosen."""
 SD_AMBER_MM = 2.0
-"""Standard deviation of one axis: about a degree over a segment of 100 mm."""
+"""Standard deviation of one axis: about a degree over a segment of 100 mm; chosen."""
 OUTSIDE_SHARE = 0.02
-"""Share of samples that may lie outside the control volume."""
+"""Share of samples that may lie outside the control volume; chosen."""
 
 NO_TRACK = 0.1
-"""Share of the points that may belong to no track."""
+"""Share of the points that may belong to no track; chosen."""
 TWO_CAMERAS = 0.5
-"""Share of the points that may rest on fewer than three cameras."""
+"""Share of the points that may rest on fewer than three cameras; chosen."""
 
 Figures = dict[str, Any]
 Found = Iterator[Finding]

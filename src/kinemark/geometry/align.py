@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from ..numerics.vectors import cross
 
 LEAST_DET = 1e-14
-"""det H as a share of |H|³, below which rounding may decide its sign, and (2) is used."""
+"""det H as a share of |H|³, below which rounding may decide its sign, and (2) is used; chosen."""
 ROUNDS = 20
-"""Of (3) at most; five to seven are usual."""
+"""Of (3) at most; five to seven are usual; chosen."""
 
 
 def rigid_align(

@@ -24,9 +24,9 @@ from numpy.typing import ArrayLike, NDArray
 from ..data import Camera, KinemarkError
 
 SINGULAR = 1e12
-"""Condition of M, above which no camera follows."""
+"""Condition of M, above which no camera follows; chosen."""
 PARALLEL = 0.01
-"""Mean squared sine of the angle between optical axes and their common direction: about 6°."""
+"""Mean squared sine of the angle between optical axes and their common direction: about 6°; chosen."""
 
 
 def to_dlt(P: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..data import Detections, KinemarkError, Rig
 from . import undistort
 
-MOST = 1000  # images of one camera and frame; more are noise, and their pairs would take hours
+MOST = 1000  # images of one camera and frame; more are noise, and their pairs would take hours; chosen
 
 
 def check_cameras(detections: Detections, rig: Rig) -> None:

@@ -18,9 +18,9 @@ from scipy.spatial.distance import squareform
 from ..data.array_types import Floats, Ints
 
 MOST_FRAMES = 1000
-"""Frames, spread over the trial, that (1) looks at."""
+"""Frames, spread over the trial, that (1) looks at; chosen."""
 LOOSE = 9.0
-"""Share that stands for no known share, in (3)."""
+"""Share that stands for no known share, in (3); chosen."""
 
 
 class Distances(NamedTuple):

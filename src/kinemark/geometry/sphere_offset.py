@@ -32,9 +32,10 @@ from ..data.array_types import Floats
 from . import lens
 from .camera import to_camera
 
-_SIXTH = np.arange(6) * np.pi / 3
+_SIXTH = np.arange(6) * np.pi / 3  # rad; six directions of `NODES`; by definition
 NODES = np.concatenate([np.zeros((1, 2)), np.sqrt(2 / 3) * np.stack([np.cos(_SIXTH), np.sin(_SIXTH)], -1)])
-WEIGHTS = np.array([1 / 4] + [1 / 8] * 6)
+"""Of a rule for the unit disc, exact to degree 5."""
+WEIGHTS = np.array([1 / 4] + [1 / 8] * 6)  # of the same rule; exact
 
 
 def sphere_offset(camera: Camera, xyz: Floats, *, diameter: float) -> Floats:

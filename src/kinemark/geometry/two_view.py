@@ -27,11 +27,12 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..numerics.robust import SD_PER_MEDIAN
 
-FEWEST = 8
-TRIALS = 150
-JUDGES = 400
-SPREAD = 3.0
+FEWEST = 8  # pairs that the eight-point method needs; by definition
+TRIALS = 150  # samples of eight; with 30 % wrong pairs one in 17 is right: chosen
+JUDGES = 400  # pairs that a sample is judged by; chosen for speed
+SPREAD = 3.0  # standard deviations within which pairs fit; conventional
 QUARTER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+"""W of (7), a quarter turn about z; by definition."""
 
 
 def homogeneous(x: Floats) -> Floats:

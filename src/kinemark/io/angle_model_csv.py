@@ -28,9 +28,9 @@ FIRST = ["kinemark angle model", "1"]
 SEGMENTS = ["segment", "from", "to", "bank", "length_mm", "spread_mm"]
 ANGLES = ["segment", "percent", "x_deg", "y_deg", "z_deg", "cycles", "xx", "xy", "xz", "yy", "yz", "zz"]
 
-UPPER = np.triu_indices(3)
+UPPER = np.triu_indices(3)  # entries of a symmetric matrix in the file; of the format, ours
 UNIT = 0.01
-"""By which the cosines of three angles may miss a unit vector."""
+"""By which the cosines of three angles may miss a unit vector; chosen."""
 
 
 def write_angle_model(path: Path | str, model: AngleModel) -> None:

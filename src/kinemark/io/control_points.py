@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..data import Detections, KinemarkError
 from .number_text import read_text
 
-SNAP = 8.0  # px; an operator points within this distance of a marker's centre
+SNAP = 8.0  # px; an operator points within this distance of a marker's centre; chosen
 
 
 class DigitisedControlPoints(NamedTuple):

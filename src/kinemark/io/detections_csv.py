@@ -18,8 +18,8 @@ from .number_text import bad_line, numbers, plain, read_text, whole
 NEEDED = ("camera", "frame", "u_px", "v_px")
 VARIANCES = ("var_u_px2", "var_v_px2")
 OPTIONAL = ("area_px2", *VARIANCES)
-ROWS_AT_ONCE = 65536
-MOST_COUNTS = 10_000_000
+ROWS_AT_ONCE = 65536  # rows turned to numbers in one go; chosen for memory
+MOST_COUNTS = 10_000_000  # cameras times frames that a sparse file may claim; chosen for memory
 
 
 def read_detections_csv(

@@ -18,8 +18,8 @@ from .files import replacing
 from .number_text import bad_line, numbers, plain
 from .trajectories_csv import csv_rows
 
-N_DLT = 11
-MOST_CAMERAS = 1024
+N_DLT = 11  # coefficients of a camera; of the format (KISS eq. 7)
+MOST_CAMERAS = 1024  # in a file; chosen, lest a broken file take memory
 
 
 def read_dlt_csv(path: Path | str) -> NDArray[np.float64]:

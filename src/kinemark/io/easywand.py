@@ -18,7 +18,7 @@ from ..data import Camera, KinemarkError
 from ..data.array_types import Floats
 from .mat5 import read_mat5
 
-MOST_CAMERAS = 64
+MOST_CAMERAS = 64  # in a file; chosen, lest a broken file take memory
 
 
 class EasyWand(NamedTuple):

@@ -11,7 +11,7 @@ import zlib
 
 REVERSED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
 FOOTER, ZERO = 8, 0xFFFFFFFF
-"""Size of a slice's footer, and what zlib calls a remainder of zero after starting from zero."""
+"""Size of a slice's footer, and what zlib calls a remainder of zero after starting from zero; of the format."""
 
 
 def intact(packet: bytes) -> bool:

@@ -31,7 +31,7 @@ Content = Literal["trajectories", "detections", "rig"]
 VIDEO = 30.0
 """Hz; stands where a .tdc file does not say its rate: UM²AS digitises video."""
 UNSAID = 1.0
-"""Hz; stands where a detections CSV does not say its rate."""
+"""Hz; stands where a detections CSV does not say its rate; chosen."""
 IMAGES = (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".mkv", ".mp4", ".avi", ".mov", ".mpg", ".m4v")
 HOLDS: dict[type, str] = {
     Trial: "a trial",

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from ..data import KinemarkError
 from .files import read_bytes
 
-HEADER = 128
-MOST_BYTES = 64 << 20
-DEEPEST = 16
-MATRIX, DEFLATED = 14, 15
+HEADER = 128  # bytes before the first element; of the format
+MOST_BYTES = 64 << 20  # of a file, and unpacked; chosen for memory
+DEEPEST = 16  # levels of nesting; chosen, lest a broken file go on for ever
+MATRIX, DEFLATED = 14, 15  # codes of elements; of the format
 STORED = {
     1: "i1",
     2: "u1",
@@ -37,9 +37,9 @@ STORED = {
     16: "u1",
     17: "u2",
 }
-CELL, STRUCT, CHAR = 1, 2, 4
-NUMBERS = range(6, 16)
-COMPLEX = 0x08
+CELL, STRUCT, CHAR = 1, 2, 4  # codes of classes; of the format
+NUMBERS = range(6, 16)  # codes of classes; of the format
+COMPLEX = 0x08  # flag of an array with imaginary parts; of the format
 
 
 class Element(NamedTuple):

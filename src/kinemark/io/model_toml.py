@@ -45,7 +45,7 @@ KEYS = {
 }
 """What each table may have, and what it must have."""
 MOST = 500
-"""Most items of a list in a file."""
+"""Most items of a list in a file; chosen."""
 
 
 def models() -> tuple[str, ...]:

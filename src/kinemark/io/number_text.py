@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..data import KinemarkError
 from .files import read_bytes
 
-MOST_BYTES = 1 << 29
+MOST_BYTES = 1 << 29  # of a file; chosen for memory
 
 
 def read_text(path: Path | str) -> str:

@@ -19,8 +19,8 @@ from ..data import KinemarkError
 
 Image = NDArray[np.unsignedinteger[Any]]
 """(H, W) uint8 or uint16."""
-LUMA = np.array([0.299, 0.587, 0.114])
-MOST_PIXELS = 1 << 27
+LUMA = np.array([0.299, 0.587, 0.114])  # weights of red, green and blue (ITU-R BT.601)
+MOST_PIXELS = 1 << 27  # of an image; chosen for memory
 PLANAR = re.compile(r"gray(9|10|12|14|16)?(le|be)?|yuv[aj]?4\d\dp(9|10|12|14|16)?(le|be)?|nv(12|16|21|24|42)")
 INTERLEAVED = {
     "ya8": (2, 0),

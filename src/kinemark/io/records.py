@@ -42,6 +42,7 @@ from .files import replacing
 
 FORMAT, VERSION = "kinemark", 1
 SEAL, SEAL_SIZE = b"kinemark record, sha256 ", 512
+"""First bytes of a record, and how many they are; of the format, ours."""
 Record = Detections | Matches | Cloud | Tracks | Fills | Trajectories | Signals | Trial
 RECORDS: dict[str, type[Record]] = {kind.__name__: kind for kind in get_args(Record)}
 UNITS: dict[type, dict[str, str]] = {

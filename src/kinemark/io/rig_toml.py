@@ -23,9 +23,9 @@ from .number_text import read_text
 from .units import CALLERS, USUAL, mm_per
 
 NOT_CAMERAS = ("metadata", "kinemark")
-SAME_TURN = 1e-9
-LARGEST = 1e100  # what may be squared without overflow
-MOST_CAMERAS = 1024
+SAME_TURN = 1e-9  # of a rotation's entries; closer, the file's angles are of this matrix; conventional: rounding
+LARGEST = 1e100  # what may be squared without overflow; chosen
+MOST_CAMERAS = 1024  # in a file; chosen, lest a broken file take memory
 
 
 def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:

@@ -13,10 +13,10 @@ from ..data import KinemarkError, Rods
 from .number_text import read_text
 from .units import USUAL, mm_per
 
-MOST_RODS = 16
-MOST_MARKERS = 12
-BEND = 0.02
-LARGEST = 100.0  # m; no laboratory hangs rods further apart
+MOST_RODS = 16  # in a description; chosen for the speed of recognising them
+MOST_MARKERS = 12  # of a rod; chosen for the speed of recognising them
+BEND = 0.02  # of a rod's length by which a marker may be off its line; chosen
+LARGEST = 100.0  # m; no laboratory hangs rods further apart; chosen
 
 
 def read_rods(path: Path) -> Rods:

@@ -24,7 +24,7 @@ from ..data import Camera, KinemarkError
 from ..data.array_types import Floats
 from .number_text import bad_line, numbers, read_text, whole
 
-MOST_CAMERAS = 1024
+MOST_CAMERAS = 1024  # in a file; chosen, lest a broken file take memory
 
 
 class SelfCal(NamedTuple):

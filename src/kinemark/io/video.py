@@ -21,7 +21,7 @@ from .pixels import Image, check_pixels, grey
 CONTAINERS = (
     "matroska,webm,mov,mp4,m4a,3gp,3g2,mj2,avi,mpeg,mpegts,mxf,dv,h264,hevc,m4v,mjpeg,ogg,flv,asf,yuv4mpegpipe,nut"
 )
-ROUNDING = 1.5e-3  # Matroska counts in ms
+ROUNDING = 1.5e-3  # Matroska counts in ms; of the format
 STRICT = {"err_detect": "explode"}  # a damaged frame must fail, not be painted over
 GREY = {np.dtype(np.uint8): "gray", np.dtype(np.uint16): "gray16le"}
 

@@ -22,7 +22,7 @@ from .chain import picked
 from .pose import ClusterTemplate, Pose, Template, body_pose, cluster_template
 
 LEAST_TURN = 0.05
-"""Of the least singular value over √F; about 6° of standard deviation about the least used axis."""
+"""Of the least singular value over √F; about 6° of standard deviation about the least used axis; chosen."""
 
 
 class JointCentre(NamedTuple):

@@ -20,7 +20,7 @@ from ..data import Angles, Events, KinemarkError
 from ..data.array_types import Floats
 from ..data.cycles import Cycles
 
-POINTS = 101
+POINTS = 101  # of a cycle, 0 to 100 %; conventional in gait analysis
 
 
 def resampled(values: Floats, *, rate: float, span: tuple[float, float], points: int = POINTS) -> Floats:

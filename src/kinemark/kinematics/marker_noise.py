@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from ..data import MarkerTrajectory, Trajectories
 from ..numerics.robust import MEDIAN_OF_NORMAL
 
-DIFFERENCES = 4
-GAIN = 70.0
-FEWEST = 20
+DIFFERENCES = 4  # order of the differences; chosen: movement is gone from the fourth
+GAIN = 70.0  # Σ of the squared coefficients 1 4 6 4 1; exact
+FEWEST = 20  # differences that a median is taken of; chosen
 
 
 def estimated_sd(xyz: NDArray[np.float64]) -> float:

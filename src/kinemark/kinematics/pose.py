@@ -29,7 +29,7 @@ from ..data.array_types import Floats
 from ..data.arrays import column, set_columns
 
 ON_A_LINE = 1e-3
-"""A cluster's second greatest extent over its greatest below which its markers are on a line."""
+"""A cluster's second greatest extent over its greatest below which its markers are on a line; chosen."""
 
 
 class Pose(NamedTuple):

@@ -39,8 +39,8 @@ from ..geometry.ideal_pixels import ideal_pixels
 from ..numerics.runs import equal_runs
 from .stage import MATCH
 
-BLOCK = 512  # frames matched together, enough to share numpy's overhead
-CELLS = 1 << 24  # pairs of images in a block, at most: bounds the memory
+BLOCK = 512  # frames matched together, enough to share numpy's overhead; chosen
+CELLS = 1 << 24  # pairs of images in a block, at most: bounds the memory; chosen
 
 
 @dataclass(frozen=True, slots=True)

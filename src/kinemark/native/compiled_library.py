@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 VERSION = 1
-"""Of the functions' meaning, as in library.c: a library left over from another version is not used."""
+"""Of the functions' meaning, as in library.c: a library left over from another version is not used; by definition."""
 
 PLAIN = "KINEMARK_PLAIN"
 """Environment variable: where it is set and not empty, NumPy does the work."""
@@ -49,7 +49,7 @@ class Pointer:
 
 _SIZE, _REAL = ctypes.c_int64, ctypes.c_double
 _FLOATS, _INTS, _BOOLS, _GREY8, _GREY16 = map(Pointer, (np.float64, np.int64, np.bool_, np.uint8, np.uint16))
-_DEPTHS = (8, _GREY8), (16, _GREY16)
+_DEPTHS = (8, _GREY8), (16, _GREY16)  # bits of a pixel, as in library.c
 
 FUNCTIONS: dict[str, tuple[Any, ...]] = {
     **{f"find_runs_{bits}": (grey, *4 * [_SIZE], *3 * [_INTS]) for bits, grey in _DEPTHS},

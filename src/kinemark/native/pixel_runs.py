@@ -27,14 +27,14 @@ from .array_checks import GREY, Arrays
 from .compiled_library import library
 
 FEW = 1 << 14
-"""Runs for which room is made first: fresh memory costs time, and mostly there are fewer."""
+"""Runs for which room is made first: fresh memory costs time, and mostly there are fewer; chosen."""
 
-BLOCK = 8  # 1 << 3
+BLOCK = 8  # pixels, 1 << 3: a word of 64 bits; by definition
 SLAB = 1 << 23
-"""Pixels folded at a time."""
+"""Pixels folded at a time; chosen."""
 
 MOST_CELLS = 1 << 18
-"""Cells looked at in one go, which bounds the memory."""
+"""Cells looked at in one go, which bounds the memory; chosen."""
 
 Columns = tuple[Ints, Ints, Ints]
 """Line, first and last column of runs, (R) each."""

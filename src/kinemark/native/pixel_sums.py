@@ -21,13 +21,13 @@ from .compiled_library import library
 from .run_groups import MOST_WIDE
 
 MARGIN = 2
-"""Lines: one for the rim, one for the background."""
+"""Lines: one for the rim, one for the background; by definition."""
 
 SUMS = 16
-"""Rows of what `sum_pixels` returns."""
+"""Rows of what `sum_pixels` returns; by definition."""
 
 EMPTY = 1 << 40
-"""Beyond every column."""
+"""Beyond every column; by definition."""
 
 _GROUPS = Arrays(images=(GREY, "n", "H", "W"), start=(INT, "S"), y=(INT, "R"), first=(INT, "R"), last=(INT, "R"))
 

@@ -23,10 +23,10 @@ from .array_checks import INT, Arrays
 from .compiled_library import library
 
 MOST_WIDE = 1 << 16
-"""px, of an image: sums of x² times 16-bit grey levels along wider lines leave 64 bits."""
+"""px, of an image: sums of x² times 16-bit grey levels along wider lines leave 64 bits; chosen."""
 
 LINES = 1 << 40
-"""No film has so many scan lines; more of them leave 64 bits in (1)."""
+"""No film has so many scan lines; more of them leave 64 bits in (1); chosen."""
 
 _RUNS = Arrays(y=(INT, "R"), first=(INT, "R"), last=(INT, "R"))
 

@@ -33,7 +33,7 @@ import numpy as np
 from ..data.array_types import Floats
 
 MEDIAN_OF_NORMAL = 0.6745
-"""(5), in standard deviations; the normal distribution's, to the four digits that are usual."""
+"""(5), in standard deviations; the normal distribution's, to the four digits that are usual; by definition."""
 
 SD_PER_MEDIAN = 1.4826
 """Standard deviation of a normal distribution over its median |d|, without unit: 1 / 0.67449 (Rousseeuw 1984)."""

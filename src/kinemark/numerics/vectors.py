@@ -6,7 +6,7 @@ import numpy as np
 
 from ..data.array_types import Floats
 
-AFTER, BEFORE = [1, 2, 0], [2, 0, 1]
+AFTER, BEFORE = [1, 2, 0], [2, 0, 1]  # places of y z x and of z x y; by definition
 
 
 def cross(a: Floats, b: Floats) -> Floats:

@@ -60,7 +60,7 @@ from ..geometry.weighted_points import centroid_cov, usable_points
 from ..numerics.small_matrices import inverse3
 from .stage import RECONSTRUCT
 
-BLOCK = 100_000  # distances between solutions worked on at once, so that they stay in the cache
+BLOCK = 100_000  # distances between solutions worked on at once, so that they stay in the cache; chosen
 
 
 @dataclass(frozen=True, slots=True)

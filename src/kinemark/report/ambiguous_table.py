@@ -10,9 +10,9 @@ from .formatting import number
 from .html_tables import table
 from .words import reason_text
 
-MOST_ROWS = 200
+MOST_ROWS = 200  # shown; chosen for the page's size
 MOST_TIMES = 6
-"""Of one row; the others are counted."""
+"""Of one row; the others are counted; chosen."""
 
 SILENT = "This method of tracking does not tell which of its decisions were close; the method simultaneous does."
 

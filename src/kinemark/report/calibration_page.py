@@ -58,7 +58,7 @@ POINTS = (
     "ones were not used by some camera."
 )
 MOST_POINTS = 600
-"""Drawn in space."""
+"""Drawn in space; chosen."""
 
 
 def write_calibration_page(path: Path | str, *, figures: dict[str, Any], rig: Rig, evidence: Evidence) -> None:

@@ -14,9 +14,9 @@ from .theme import HUES, STATES, axis_style, empty, figure, hue, label
 from .thin import blocks, envelope, short
 
 SAMPLES = 180_000
-"""Most samples in the figure of trajectories, all markers and axes together."""
+"""Most samples in the figure of trajectories, all markers and axes together; chosen."""
 COLUMNS = 1200
-"""Most columns in the timeline."""
+"""Most columns in the timeline; chosen."""
 
 ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
 NO_MARKERS = "There are no trajectories to draw."

@@ -14,9 +14,9 @@ from .figures import ABOVE
 from .theme import FAINT, HUES, axis_style, empty, figure, label
 
 WIDE = 1.96
-"""Standard deviations on each side that hold 95 %."""
+"""Standard deviations on each side that hold 95 %; by definition."""
 MOST = 3000
-"""Most frames drawn of one curve."""
+"""Most frames drawn of one curve; chosen."""
 BAD = "#B3261E"
 
 

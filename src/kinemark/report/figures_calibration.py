@@ -17,14 +17,14 @@ from .scene3d import draw_box, draw_camera, draw_floor, extent_of, viewpoint
 from .theme import FAINT, HUES, axis_style, empty, figure, hue, label
 from .thin import short
 
-SLICES = 3
+SLICES = 3  # heights of the volume that are drawn; chosen
 SCALE = "Cividis"
 """Light is uncertain; people with any colour vision read it alike."""
 ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
-MOST_BARS = 40
-LOST_COLUMNS = 4
+MOST_BARS = 40  # drawn; chosen, so that names can be read
+LOST_COLUMNS = 4  # panels side by side; chosen
 LEAST_LOSS = 1.5
-"""Up to which factor the colours reach at least, so that a small loss is not made to look large."""
+"""Up to which factor the colours reach at least, so that a small loss is not made to look large; chosen."""
 NAMES = "xyz"
 
 

@@ -13,7 +13,7 @@ from .theme import FAINT, HUES, INK, empty, figure, hue, label
 from .thin import blocks
 
 COLUMNS = 600
-"""Most samples of one camera's line."""
+"""Most samples of one camera's line; chosen."""
 
 
 def residual_figure(cameras: list[dict[str, Any]]) -> go.Figure:

@@ -20,12 +20,12 @@ from .theme import INK, axis_style, empty, figure, label
 
 Picture = NDArray[np.uint8 | np.uint16]
 
-LOOKED_AT = 100
-COLUMNS = 3
+LOOKED_AT = 100  # frames of a camera among which one is chosen; for speed
+COLUMNS = 3  # pictures side by side; chosen
 WIDEST = 320
-"""Columns of a picture in the page; of each block of pixels the brightest is shown, so that no spot is lost."""
+"""Columns of a picture in the page; of each block of pixels the brightest is shown, so that no spot is lost; chosen."""
 MOST_FAULTS = 400
-"""Invalid spots of other frames that are drawn a camera."""
+"""Invalid spots of other frames that are drawn a camera; chosen."""
 VALID, SEPARATED = "valid", "valid, separated from another"
 KINDS = {
     VALID: ("#56B4E9", "circle-open"),

@@ -17,16 +17,16 @@ from .formatting import number
 from .theme import FAINT, GRID, INK, STATES
 
 WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 360, 110, 46, 6, 16
-"""px; of a panel, and of its margins."""
+"""px; of a panel, and of its margins; chosen."""
 CONTEXT = 1.0
-"""Of the gap's length shown on either side, and at least CONTEXT_S."""
-CONTEXT_S = 0.25
+"""Of the gap's length shown on either side, and at least CONTEXT_S; chosen."""
+CONTEXT_S = 0.25  # s shown on either side at least; chosen
 MOST = 160
-"""Points of a line."""
-NINETY_FIVE = 1.96
+"""Points of a line; chosen."""
+NINETY_FIVE = 1.96  # standard deviations on each side that hold 95 %; the normal distribution's, by definition
 NEIGHBOUR = "#9AA5B1"
 SHOWN_MM = 1000.0
-"""From the curve; a replaced sample farther off is outside the panel, so that the curve can still be seen."""
+"""From the curve; a replaced sample farther off is outside the panel, so that the curve can still be seen; chosen."""
 
 
 def gap_figure(

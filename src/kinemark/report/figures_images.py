@@ -12,11 +12,11 @@ from ..calibrate.quality import Evidence
 from ..data.array_types import Floats
 from .theme import FAINT, HUES, axis_style, empty, figure, label
 
-COLUMNS = 3
+COLUMNS = 3  # pictures side by side; chosen
 MOST_POINTS = 400
-"""Drawn a camera."""
+"""Drawn a camera; chosen."""
 ARROW = 0.08
-"""Longest arrow, as a share of the image's width."""
+"""Longest arrow, as a share of the image's width; chosen."""
 
 
 def images_figure(cameras: list[dict[str, Any]], evidence: Evidence) -> go.Figure:

@@ -22,9 +22,9 @@ COLOURS = {
     "lens model": HUES[2],
     "disturbed images": HUES[4],
 }
-COLUMNS = 4
+COLUMNS = 4  # pictures side by side; chosen
 ARROW = 0.16
-"""Longest arrow, as a share of the image's width."""
+"""Longest arrow, as a share of the image's width; chosen."""
 
 
 def ranked_figure(figures: dict[str, Any]) -> go.Figure:

@@ -19,9 +19,9 @@ from .words import headline_of, sentences_of
 
 NAV = {"verdict": "Verdict", "gaps": "Every gap", "drawings": "Drawings", "terms": "Terms"}
 MOST_DRAWN = 300
-"""Gaps; the least certain come first."""
+"""Gaps; the least certain come first; chosen."""
 MOST_DONORS = 3
-"""Named in the table and drawn beside a gap."""
+"""Named in the table and drawn beside a gap; chosen."""
 OPEN = "stayed open"
 
 

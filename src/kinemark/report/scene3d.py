@@ -20,11 +20,11 @@ from .theme import FAINT, INK, figure, hue, label
 from .thin import short
 
 POINTS = 300
-"""Most samples drawn of one path."""
+"""Most samples drawn of one path; chosen."""
 AFAR = 10.0
-"""Widths of all that is drawn; an origin of the world farther off than that is not drawn with it."""
+"""Widths of all that is drawn; an origin of the world farther off than that is not drawn with it; chosen."""
 LOOSE = 2000
-"""Most points drawn of those in no track."""
+"""Most points drawn of those in no track; chosen."""
 
 
 def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:

@@ -21,9 +21,9 @@ from ..kinematics.chain import Points, laboratory
 from .theme import LONGEST, hue
 
 MOST_FRAMES = 900
-"""Frames drawn; more are thinned evenly."""
+"""Frames drawn; more are thinned evenly; chosen."""
 TAIL_S = 0.7
-"""How long a path stays behind its marker."""
+"""How long a path stays behind its marker; chosen."""
 
 
 def stick_html(points: Points, angles: Angles, model: Model, *, first_frame: int = 1) -> str:

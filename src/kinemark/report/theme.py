@@ -13,9 +13,9 @@ import plotly.graph_objects as go
 
 HUES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#4D4D4D")
 SHADES = ((0, 0.0), (0, 0.45), (255, 0.45))
-"""Towards black or white, and how far; dashes would look like missing samples."""
+"""Towards black or white, and how far; dashes would look like missing samples; chosen."""
 LONGEST = 24
-"""Most letters of a name in a figure."""
+"""Most letters of a name in a figure; chosen."""
 INK, FAINT, GRID = "#1C2733", "#66727F", "#E4E8EC"
 STATES = {"missing": "#D9DEE3", "measured": "#0072B2", "filled": "#E69F00", "edited": "#CC79A7"}
 """Colour of each `Origin`, in its order."""

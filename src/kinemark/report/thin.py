@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..data.array_types import Floats
 
 FINE = 0.01
-"""mm, or px: what no figure shows."""
+"""mm, or px: what no figure shows; chosen."""
 
 
 def short(values: NDArray[np.float64]) -> NDArray[np.floating]:

@@ -42,10 +42,10 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..numerics.small_matrices import inverse3, solve3_entries
 
-FEWEST = 6
+FEWEST = 6  # points that the eleven parameters of a DLT need; by definition
 SINGULAR = 1e-14
 """Of the product of the diagonal, below which a determinant is rounding; conventional: some ten roundings."""
-SYMMETRIC = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+SYMMETRIC = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # rows and columns of the six entries; by definition
 
 
 def fit_parameters(xyz: Floats, uv: Floats) -> Floats:

@@ -39,16 +39,17 @@ from ..geometry import near_middle, parameter_jacobian, point_jacobian, refine, 
 from ..numerics.small_matrices import inverse3
 
 FREE = (0, 1, 2, 3, 9, 10, 11, 12, 13, 14)
-"""Of `data.PARAMETERS`: focal lengths, principal point, turn, place."""
+"""Of `data.PARAMETERS`: focal lengths, principal point, turn, place; by definition."""
 PRIOR = (0.02, 0.02, 20.0, 20.0, 0.02, 0.02, 0.02, 30.0, 30.0, 30.0)
-"""Standard deviations of (3): share of the focal length, px, rad, mm; wide, to hold what no residual tells of."""
-CELLS = (8, 6)
+"""Standard deviations of (3): share of the focal length, px, rad, mm; wide, to hold what no residual tells of.
+Chosen."""
+CELLS = (8, 6)  # of an image, across and down; chosen
 FEWEST = 3
-"""Images in a cell and half, below which its mean is not used."""
+"""Images in a cell and half, below which its mean is not used; chosen."""
 WILD = 6.0
-"""Residuals this many times the usual are mistakes of matching or of detection, and not counted."""
-ROUNDS = 20
-STRETCH_S = 0.25
+"""Residuals this many times the usual are mistakes of matching or of detection, and not counted; chosen."""
+ROUNDS = 20  # of reweighting at most; chosen
+STRETCH_S = 0.25  # s of a stretch that goes to one half or the other; chosen, longer than noise lasts
 
 
 class Gains(NamedTuple):

@@ -48,7 +48,7 @@ from .um2as_experiment import LinearisedErrors
 Kinematics = Callable[[Floats], Floats]
 """Angles (F, A) deg of markers (M, F, 3) mm."""
 
-STEP_MM = 0.05
+STEP_MM = 0.05  # mm of a numerical derivative; chosen between rounding and curvature
 
 
 class Spread(NamedTuple):

@@ -40,11 +40,11 @@ from .segment_directions import segment_jacobian, segments
 
 Unit = Literal["mm", "deg"]
 
-FEWEST = 10
+FEWEST = 10  # points to judge by; chosen
 USUAL_PX = 0.2
-"""A centroid's standard deviation where nothing tells of it."""
+"""A centroid's standard deviation where nothing tells of it; chosen."""
 EVERY = 7
-"""Points that are enough to fix the world by."""
+"""Points that are enough to fix the world by; chosen."""
 
 
 @dataclass(frozen=True, slots=True)

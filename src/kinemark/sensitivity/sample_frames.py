@@ -11,7 +11,7 @@ from ..data import Detections, KinemarkError, Tracks, Trajectories
 from ..data.array_types import Bools, Floats
 
 SAME_MM = 20.0
-"""A point nearer to a named marker than this is that marker."""
+"""A point nearer to a named marker than this is that marker; chosen."""
 
 
 class SampledFrames(NamedTuple):

@@ -28,7 +28,7 @@ from ..data.array_types import Floats
 Error = Callable[[Floats], Floats]
 """From angles θ (S, D) rad to errors (S)."""
 
-STARTS = 8
+STARTS = 8  # worst samples that are followed uphill; chosen
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,7 +33,7 @@ class Rigid:
 
 
 RIGID = Rigid()
-FEWEST = 10
+FEWEST = 10  # frames that must have both markers; chosen
 
 
 def segments(there: SampledFrames, method: Rigid = RIGID) -> list[tuple[int, int]]:

@@ -46,10 +46,10 @@ CONTROL_BALLS = 10.0 * np.array(
         [32.5, 31.2, 58.9],
     ]
 )
-"""(8, 3) mm, the .msr file of figure 3.5."""
+"""(8, 3) mm, the .msr file of figure 3.5; of the thesis."""
 
 PER_MM = np.array([0.1, 0.1, 0.1, 1.0, 0.1, 0.1, 0.1, 1.0, 0.1, 0.1, 0.1])
-"""Turns parameters for cm into those for mm."""
+"""Turns parameters for cm into those for mm; by definition."""
 
 TABLE_4_2 = PER_MM * np.array(
     [
@@ -67,11 +67,11 @@ PERTURBED_4_2 = PER_MM * np.array(
         *(-0.0036892, -0.0001282, -0.0000876),
     ]
 )
-"""(11) the same after the worst of a million perturbations."""
+"""(11) the same after the worst of a million perturbations; of the thesis."""
 
-DISTANCE_MM = 2400.0
-FOCAL_PX = (1082.0, 1286.0)
-SIZE = (512, 512)
+DISTANCE_MM = 2400.0  # mm from camera to the balls; of the thesis' laboratory (UM²AS 4.2)
+FOCAL_PX = (1082.0, 1286.0)  # px, of table 4.2 of the thesis
+SIZE = (512, 512)  # px of an image; chosen for the thesis' laboratory
 FROM_ORIGIN_MM = 719.0
 """|X| of the thesis' marker: 3.28 cm are 4.56 % of 71.9 cm."""
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LADDER = ((1, 0), (2, 1), (3, 1), (3, 1), (5, 2))
-"""(samples, degree) for 1, 2, 3, 4, and 5 or more known samples."""
+"""(samples, degree) for 1, 2, 3, 4, and 5 or more known samples; chosen."""
 
 
 def weights(samples: int, degree: int) -> NDArray[np.float64]:
@@ -33,9 +33,10 @@ def weights(samples: int, degree: int) -> NDArray[np.float64]:
 
 
 PAST = 5
-"""Samples that the ladder looks back on."""
+"""Samples that the ladder looks back on; by definition."""
 
 RUNGS = np.array([np.pad(weights(n, d), (PAST - n, 0)) for n, d in LADDER])
+"""Weights of the last five samples for each rung of `LADDER`; exact."""
 
 
 def extrapolate(history: NDArray[np.float64], known: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -26,11 +26,11 @@ import numpy as np
 
 from ..data.array_types import Floats
 
-CUTOFFS = 60
+CUTOFFS = 60  # that residual analysis tries; chosen
 HIGHEST = 0.4
-"""Of the rate; the highest cut-off that residual analysis looks at."""
+"""Of the rate; the highest cut-off that residual analysis looks at; chosen."""
 GRID = (np.arange(4000) + 0.5) / 8000
-"""ν of the integrals."""
+"""ν of the integrals; chosen."""
 
 
 def butterworth(y: Floats, *, rate: float, cutoff_hz: float, order: int = 2) -> Floats:

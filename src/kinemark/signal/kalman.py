@@ -42,10 +42,10 @@ from numpy.typing import NDArray
 from ..data.array_types import Floats
 
 F = np.array([[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
-"""Of (1)."""
+"""Transition matrix of (1), a sample on; by definition."""
 
 D = np.array([[1.0, 0.0, 0.0], [1.5, -2.0, 0.5], [1.0, -2.0, 1.0]])
-"""Of (3); its columns are the last position, the one before, and the one before that."""
+"""Of (3); its columns are the last position, the one before, and the one before that; by definition."""
 
 SPREAD = D @ D.T
 """Of (9), for σ = 1; its diagonal is that of (5)."""

@@ -32,9 +32,9 @@ from scipy.optimize import minimize_scalar
 from ..data.array_types import Floats
 
 FEWEST_PAIRS = 0.25
-"""Share of the samples that must have a partner, for (1) to be known."""
+"""Share of the samples that must have a partner, for (1) to be known; chosen."""
 TOLERANCE = 0.1
-"""Of (2)."""
+"""Of the way from the shallowest to the deepest D, the tolerance of (2); chosen."""
 
 
 class Harmonics(NamedTuple):

@@ -31,11 +31,11 @@ from scipy.linalg import LinAlgError, solveh_banded
 from ..data.array_types import Floats, Ints
 
 STEPS, A_CYCLE, MEAN, MOST = 64, 16, 4, 8
-"""Of (3): steps and frames a cycle, the mean advance and the greatest."""
+"""Of (3): steps and frames a cycle, the mean advance and the greatest; chosen."""
 INDEPENDENT = 10.0
-"""Frames a cycle that count, of (1)."""
+"""Frames a cycle that count, of (1); chosen."""
 UNSTEADY = 0.1
-"""Of (2)."""
+"""Share of the speed by which it walks in a cycle, of (2); chosen."""
 
 
 class CycleTemplate:

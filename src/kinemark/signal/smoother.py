@@ -52,7 +52,7 @@ from .kalman import F
 State = tuple[Floats, Floats]
 
 LEAST_SD = 0.01
-"""No position is known better than this, mm."""
+"""No position is known better than this, mm; chosen."""
 
 
 class SmoothedStates(NamedTuple):

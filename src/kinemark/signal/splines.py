@@ -34,7 +34,7 @@ import numpy as np
 from ..data.array_types import Floats
 
 LADDER = np.geomspace(1e-12, 1e4, 97)
-"""Candidates of p, in units of the greatest e."""
+"""Candidates of p, in units of the greatest e; chosen."""
 
 
 class Spline(NamedTuple):

@@ -35,7 +35,7 @@ from scipy.sparse import csr_array, diags_array
 from ..data.array_types import Floats
 
 LADDER = np.geomspace(0.005, 0.45, 40)
-"""ν_c of the p that are tried, cycles a sample."""
+"""ν_c of the p that are tried, cycles a sample; chosen."""
 
 
 class SmoothedSpline(NamedTuple):

@@ -26,7 +26,7 @@ LINKS = (
 )
 
 GAP = 1.0
-"""Between skin and marker, mm."""
+"""Between skin and marker, mm; chosen."""
 
 
 class WalkingPose(NamedTuple):
@@ -78,12 +78,13 @@ class BodySegments(NamedTuple):
 
 
 _MIRRORS = (np.array([1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0]))
+"""Signs of the left and of the right side; by definition."""
 
 THIGH, CALF, SHIN, FOOT, PELVIS, TRUNK, UPPER_ARM, FOREARM = 66.0, 50.0, 34.0, 24.0, 98.0, 112.0, 44.0, 36.0
-"""Thicknesses of limbs, mm, as radii at 1730 mm height."""
+"""Thicknesses of limbs, mm, as radii at 1730 mm height; chosen."""
 
 WAND = 55.0
-"""How far the wands hold their markers off the skin, mm."""
+"""How far the wands hold their markers off the skin, mm; chosen."""
 
 
 def build(body: BodySegments, pose: WalkingPose) -> tuple[Floats, Capsules]:
@@ -105,7 +106,7 @@ def _pelvis_markers(body: BodySegments, pose: WalkingPose) -> Floats:
 
 
 _HIPS = np.array([-8.0, 0.0, 45.0])
-"""Middle of the pelvis's capsule, seen from between the hips, mm."""
+"""Middle of the pelvis's capsule, seen from between the hips, mm; chosen."""
 
 
 def _leg_markers(body: BodySegments, joints: Leg, leg: Leg, mirror: Floats) -> Floats:
@@ -122,7 +123,7 @@ def _leg_markers(body: BodySegments, joints: Leg, leg: Leg, mirror: Floats) -> F
 
 
 _SOLE = np.array([[-24.0, 0.0, -50.0], [112.0, 0.0, -56.0]])
-"""Ends of the foot's limb, seen from the ankle, mm."""
+"""Ends of the foot's limb, seen from the ankle, mm; chosen."""
 
 
 def _unit(*xyz: float) -> Floats:

@@ -30,7 +30,7 @@ VOLUME = np.array([[0.0, 0.0, 0.0], [2400.0, 1400.0, 2000.0]])
 """The control volume of KISS, mm: 2.4 m along the walkway (x), 1.4 m across (y), 2 m high."""
 
 LEVEL = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-"""R₀ of (1)."""
+"""R₀ of (1); by definition."""
 
 
 def focal_pixels(focal_mm: float, pitch_um: float) -> float:

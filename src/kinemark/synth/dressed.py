@@ -9,7 +9,7 @@ import numpy as np
 from ..data.array_types import Floats
 from .subjects import Capsules, Subject
 
-MOST_TRIES = 100
+MOST_TRIES = 100  # places tried for each marker; chosen
 
 
 def dressed(subject: Subject, n: int, *, apart_mm: float = 40.0, seed: int = 0) -> Subject:

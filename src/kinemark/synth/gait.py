@@ -38,21 +38,43 @@ from .subjects import Subject, pairs
 from .wobble import smooth_noise
 
 HIP = (27, 26, 24, 20, 15, 10, 5, 0, -4, -8, -10, -8, 0, 9, 19, 27, 32, 33, 32, 29.5)
-KNEE = (4, 10, 16, 17, 14, 10, 7, 4, 3, 4, 9, 19, 34, 51, 59, 60, 51, 35, 18, 7)
+"""deg, flexion at 0, 5, … 95 % of the stride; typical of normal gait, chosen."""
+KNEE = (
+    4,
+    10,
+    16,
+    17,
+    14,
+    10,
+    7,
+    4,
+    3,
+    4,
+    9,
+    19,
+    34,
+    51,
+    59,
+    60,
+    51,
+    35,
+    18,
+    7,
+)  # deg, flexion as of `HIP`; typical of normal gait, chosen
 ANKLE = (0, -3, -1, 6, 8, 9, 11, 12, 13, 13, 9, -2, -14, -14, -6, 0, 2, 3, 3, 2)
-"""Flexion and dorsiflexion, deg, at 0, 5, … 95 % of the stride from foot strike."""
+"""Flexion and dorsiflexion, deg, at 0, 5, … 95 % of the stride from foot strike; chosen."""
 
 TILT = 8.0
-"""Forward tilt of the pelvis, deg."""
+"""Forward tilt of the pelvis, deg; chosen."""
 
 FOOT_OFF = 0.60
-"""Share of the stride at which a foot leaves the floor."""
+"""Share of the stride at which a foot leaves the floor; chosen."""
 
 SOFT = 4.0
-"""τ of (3), mm."""
+"""τ of (3), mm; chosen."""
 
-HARMONICS = 6
-GRID = 512
+HARMONICS = 6  # of the pelvis's path; chosen: gait has hardly any above six
+GRID = 512  # instants of a stride; chosen, a power of two
 
 
 class Stride(NamedTuple):

@@ -31,15 +31,15 @@ from .render import film, interlace, render
 from .subjects import Subject
 from .targets import control_frame, hung, wand
 
-WAND_MM = 500.0
+WAND_MM = 500.0  # mm; a usual wand's length; chosen
 WAND_SECONDS, WAND_RATE = 120.0, 1.25
-"""s and Hz: slowly enough that neighbouring poses differ."""
-ARMS_MM = (800.0, 600.0)
-BALL_MM = 25.0
+"""s and Hz: slowly enough that neighbouring poses differ; chosen."""
+ARMS_MM = (800.0, 600.0)  # mm; an L-frame's arms; chosen
+BALL_MM = 25.0  # mm; diameter of the markers of wand and frame; chosen
 GRID, GRID_MM, DOT_MM = (20, 15), 50.0, 12.0
-"""Columns and rows at most, mm between dots, their diameter."""
+"""Columns and rows at most, mm between dots, their diameter; chosen."""
 GRID_SHARE, GRID_PX, GRID_TURN_DEG = 0.85, 24.0, 20.0
-"""Of the image that the grid takes up, px that its dots are apart at least, and how far it is turned."""
+"""Of the image that the grid takes up, px that its dots are apart at least, and how far it is turned; chosen."""
 
 Image = NDArray[np.uint8]
 WriteFrames = Callable[[Path, Iterable[Image], float], None]

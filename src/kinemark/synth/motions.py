@@ -23,13 +23,13 @@ from .subjects import Capsules, Subject, pairs
 from .wobble import smooth_noise
 
 UPPER, FOREARM, NEAR = 290.0, 260.0, 45.0
-"""Shoulder to elbow, elbow to hand, elbow to D, mm."""
+"""Shoulder to elbow, elbow to hand, elbow to D, mm; chosen."""
 
 PERIODS_S = (2.2, 1.6, 1.0)
-"""Of the three motions."""
+"""Of the three motions; chosen."""
 
 SHOULDER = np.array([250.0, -450.0, 300.0])
-"""C at rest, seen from the transmitter, mm."""
+"""C at rest, seen from the transmitter, mm; chosen."""
 
 
 def circle_over_cylinder(

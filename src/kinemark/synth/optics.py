@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 BANK_SPARE = 1 << 18
-"""Pixels by which a bank is longer than an image: as many different backgrounds."""
+"""Pixels by which a bank is longer than an image: as many different backgrounds; chosen."""
 
 
 @dataclass(frozen=True, slots=True)

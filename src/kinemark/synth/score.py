@@ -12,7 +12,7 @@ from ..data import Tracks
 from ..data.array_types import Floats, Ints
 from ..signal import assign
 
-SLACK = 3  # frames; a path may end or begin this much beside the moment at which a track changes over
+SLACK = 3  # frames; a path may end or begin this much beside the moment at which a track changes over; chosen
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,7 +14,8 @@ from .wobble import smooth_noise
 
 SPACINGS = ((550, 200, 150, 600, 250), (350, 250, 650, 150, 350), (150, 450, 550, 150, 450), (500, 550, 250, 150, 300))
 """Gaps between the markers of each rod from its top down, mm. Perspective keeps the cross-ratios of four markers in a
-row; of all gaps in steps of 50 mm these four sets keep them well apart, upside down too (by 0.29 in the logarithm)."""
+row; of all gaps in steps of 50 mm these four sets keep them well apart, upside down too (by 0.29 in the logarithm).
+Chosen."""
 
 
 def hung(rods: Rods) -> Subject:

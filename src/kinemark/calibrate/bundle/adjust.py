@@ -22,9 +22,11 @@ from .parts import Part, all_points, complete
 from .robust import equations, solve_softly, solve_without_outliers, unknowns
 from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
 
-VAGUE = 0.1  # a focal length is not known if its standard deviation is more than this share of it
-MOST_LOST = 0.3
-ABSURD = 0.01  # of the image's diagonal
+VAGUE = 0.1
+"""A focal length is not known if its standard deviation is more than this share of it; chosen (see
+benchmarks/bundle.py)."""
+MOST_LOST = 0.3  # of a camera's points that may be left out; chosen (see benchmarks/bundle.py)
+ABSURD = 0.01  # of the image's diagonal; chosen (see benchmarks/bundle.py)
 
 
 @dataclass(frozen=True, slots=True)

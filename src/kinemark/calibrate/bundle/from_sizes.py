@@ -23,13 +23,17 @@ from .parts import complete
 from .robust_points import robust_points
 from .solver import BundleState, Freedom, placed
 
-BASE = 1000.0
-WORSE = 3.0  # right calibrations, of real files too, have at most 1.5 times the residual of two cameras alone
-FINE = 0.3  # px
-FAR_OFF = 0.01  # of the image's diagonal; what a first guess, by wrong lengths too, is off at most
-OTHER_ORDER = 0.5  # of the images; a projection keeps the order, but for wrong points and sticks seen end on
-WRONG_GAP = 0.002  # of the stick's length
-FEWEST = 12  # sticks of which all markers are seen, to judge the gaps by
+BASE = 1000.0  # mm between the first two cameras where nothing has a length; a convention
+WORSE = 3.0  # right calibrations, of real files too, have at most 1.5 times the residual of two cameras alone; chosen
+FINE = 0.3  # px of residual, below which no camera is suspected; chosen (see benchmarks/bundle.py)
+FAR_OFF = 0.01
+"""Of the image's diagonal; what a first guess, by wrong lengths too, is off at most; chosen (see
+benchmarks/bundle.py)."""
+OTHER_ORDER = 0.5
+"""Of the images; a projection keeps the order, but for wrong points and sticks seen end on; chosen (see
+benchmarks/bundle.py)."""
+WRONG_GAP = 0.002  # of the stick's length; chosen (see benchmarks/bundle.py)
+FEWEST = 12  # sticks of which all markers are seen, to judge the gaps by; chosen (see benchmarks/bundle.py)
 
 
 def calibrate_sticks(

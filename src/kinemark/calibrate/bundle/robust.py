@@ -21,11 +21,12 @@ from ...numerics.robust import plane_scale
 from .parts import Part, slices, supported
 from .solver import BundleState, Freedom, ImageObservations, normalised_residuals, solve
 
-SOFT = 2.5
-ROUNDS = 8
-SETTLED = 0.95
+SOFT = 2.5  # c in standard deviations; near Cauchy's usual 2.385 (Holland & Welsch 1977)
+ROUNDS = 8  # at most, of reweighting and of leaving out; chosen: two or three do (see benchmarks/bundle.py)
+SETTLED = 0.95  # share of s that a round must leave to be the last; chosen (see benchmarks/bundle.py)
 ROUGH = 1e-4
-TINY = 1e-9
+"""Share of the cost by which a soft solution may still fall; chosen: it is only a start (see benchmarks/bundle.py)."""
+TINY = 1e-9  # px or standard deviations; keeps the scale of perfect images above zero; conventional
 
 
 def unknowns(state: BundleState, freedoms: tuple[Freedom, ...], used: Bools) -> int:

@@ -30,11 +30,12 @@ from ...numerics.schur import BlockEquations, block_step
 from ..resection import moved
 from .parts import Part, all_points, complete, slices
 
-STEPS = 200
+STEPS = 200  # tries at most; chosen, far more than `benchmarks/bundle.py start` ever takes
 SETTLED = 1e-7
-FARTHEST = 1e9
-POWERS = np.array([2.0, 4.0, 1.0, 1.0, 6.0])
-EVERYTHING = np.ones(15, np.bool_)
+"""Share of the cost that two tries in turn must neither promise nor bring; chosen (see benchmarks/bundle.py)."""
+FARTHEST = 1e9  # mm, px, or of a lens term: where numbers run away to infinity; chosen (see benchmarks/bundle.py)
+POWERS = np.array([2.0, 4.0, 1.0, 1.0, 6.0])  # of f, for k1 k2 p1 p2 k3; by (5), exact
+EVERYTHING = np.ones(15, np.bool_)  # all of `data.PARAMETERS`; by definition
 
 
 class Freedom(NamedTuple):

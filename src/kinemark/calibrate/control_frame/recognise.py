@@ -41,17 +41,17 @@ from ..control_points.fit_camera import CameraMethod
 from ..resection import resect
 from .spacing import Reading, fewest_markers, readings
 
-MOST_POINTS = 100
-MOST_IN_ROW = 10
-READINGS_A_ROD = 8
-TRIALS = 300
-TRIALS_EXCHANGED = 12
-TRIALS_FEWER = 40
-ENOUGH = 5
-SLACK = (1.0, 3.0, 9.0)
-TOLERANCE = 3.0
-DOUBTFUL = 0.15
-MUCH_BETTER = 0.25
+MOST_POINTS = 100  # images of a camera at most; chosen, lest the search take minutes
+MOST_IN_ROW = 10  # points on one line at most; chosen for speed
+READINGS_A_ROD = 8  # best readings of each rod that are kept; chosen for speed
+TRIALS = 300  # assignments of readings to rods that are tried at most; chosen for speed
+TRIALS_EXCHANGED = 12  # the same, for rods that hang at each other's places; chosen for speed
+TRIALS_FEWER = 40  # the same, with one rod fewer; chosen for speed
+ENOUGH = 5  # assignments that fit, after which the best of them is taken; chosen
+SLACK = (1.0, 3.0, 9.0)  # times the tolerance, tried one after the other; chosen
+TOLERANCE = 3.0  # px by which an image may be off its rod's place; chosen
+DOUBTFUL = 0.15  # of the tolerance, RMS, above which one rod may hang elsewhere; chosen
+MUCH_BETTER = 0.25  # of the RMS, which a fit with one rod fewer must come below to be believed; chosen
 
 
 def calibrate_control_frame(

@@ -34,8 +34,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-DEPTH = 4.0
-WORST = 1e9
+DEPTH = 4.0  # times as far the far end of a rod may be as its near one; chosen
+WORST = 1e9  # px; stands for an error beyond all limits; a sentinel, by definition
 
 
 class Reading(NamedTuple):

@@ -15,13 +15,18 @@ from numpy.typing import NDArray
 
 from ...data import KinemarkError
 
-FEWEST = 6
+FEWEST = 6  # points that the eleven parameters of a DLT need; by definition
 FLAT = 0.01
-LEAST_EXTENT = 10.0  # mm
-MOST_EXTENT = 1e5  # mm
-SAME = 1e-6
+"""Of the greatest extent; thinner than this, points lie in a plane; chosen (see studies/calibration_quality.py)."""
+LEAST_EXTENT = 10.0  # mm that control points span; less is another unit; chosen
+MOST_EXTENT = 1e5  # mm that control points span; more is another unit; chosen
+SAME = 1e-6  # of the extent, or px; closer points are one; conventional: rounding of a file
 APART = 0.01
+"""Of the extent; one point may not be seen, or stand, so far from itself; chosen (see
+studies/calibration_quality.py)."""
 UPRIGHT = 0.98
+"""Cosine, about 11 degrees, within which a plane's normal is called an axis; chosen (see
+studies/calibration_quality.py)."""
 
 
 def labels(points: Sequence[str] | None, n: int) -> tuple[str, ...]:

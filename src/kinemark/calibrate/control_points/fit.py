@@ -37,6 +37,8 @@ __all__ = [
 ]
 
 CORRECTIONS = 2
+"""Rounds in which spheres' centroids are corrected; chosen: the second changes next to nothing (see
+studies/calibration_quality.py)."""
 
 
 class ControlFit(NamedTuple):

@@ -40,11 +40,11 @@ from ...numerics.scaled import scaled_inverse
 from ..resection import ResectionFit, lens_covariance, resect
 from ..stage import CALIBRATE
 
-RADIAL = (4, 5, 8)
-TANGENTIAL = (6, 7)
-ABSURD = 0.1
-POSE_AND_FOCUS = (0, 1, 2, 3, 9, 10, 11, 12, 13, 14)
-ZOOM_AND_POSE = (0, 1, 9, 10, 11, 12, 13, 14)
+RADIAL = (4, 5, 8)  # places of k1, k2, k3 in `data.PARAMETERS`; by definition
+TANGENTIAL = (6, 7)  # places of p1, p2 in `data.PARAMETERS`; by definition
+ABSURD = 0.1  # of the images' spread; a residual beyond is no calibration; chosen (see studies/calibration_quality.py)
+POSE_AND_FOCUS = (0, 1, 2, 3, 9, 10, 11, 12, 13, 14)  # places in `data.PARAMETERS`; by definition
+ZOOM_AND_POSE = (0, 1, 9, 10, 11, 12, 13, 14)  # places in `data.PARAMETERS`; by definition
 
 SURVEYED = ("control_points", "control_frame")
 """The ways of calibrating that have points at known places."""

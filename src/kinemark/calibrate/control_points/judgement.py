@@ -36,17 +36,22 @@ from .mistaken import mistaken_points
 from .survey import Displaced, displaced_points, refused_everywhere, suspicious
 
 GRADES = ("good", "usable", "bad")
-GOOD = 2000
-BAD = 300
-SURE = 0.95
-CHANCE = 1e-3
-TOO_NOISY = 3.0
-LOOSE = 20
+GOOD = 2000  # 1 part in so many, of the volume; chosen (see studies/calibration_quality.py)
+BAD = 300  # 1 part in so many, of the volume; chosen (see studies/calibration_quality.py)
+SURE = 0.95  # probability of the limits of an error; conventional
+CHANCE = 1e-3  # probability below which something is not taken for chance; conventional
+TOO_NOISY = 3.0  # times the variance expected; chosen: less is no cause for alarm
+LOOSE = 20  # 1 part in so many, of the focal length's standard deviation; chosen (see studies/calibration_quality.py)
 NEAR = 5.0
+"""Standard deviations within which a point is taken for another's place; chosen (see
+studies/calibration_quality.py)."""
 FEW = 10
-ALIKE = 0.3
+"""Points of a camera up to which its image says more than the left-out errors; chosen (see
+studies/calibration_quality.py)."""
+ALIKE = 0.3  # of a distance, within which errors are called alike; chosen (see studies/calibration_quality.py)
 MUCH_LESS = 0.7
-EXACT = 1e-3  # px
+"""Of the error before, which leaving a point out must come below; chosen (see studies/calibration_quality.py)."""
+EXACT = 1e-3  # px of residual, below which images are simulated ones; chosen
 WEIGHT: tuple[Severity, ...] = ("info", "amber", "red")
 """Of a reason that allows each of `GRADES` at best."""
 LIMIT = (None, GOOD, BAD)

@@ -26,10 +26,10 @@ from ...geometry.dlt import equations
 from .checks import FEWEST
 from .fit_camera import ControlPoints, fit_all
 
-CHANCE = 1e-3
-MOST_POINTS = 60
-MOST_EXCHANGES = 3
-CANDIDATES = 4
+CHANCE = 1e-3  # probability below which an improvement is not taken for chance; conventional
+MOST_POINTS = 60  # above which all pairs are not tried; chosen for speed
+MOST_EXCHANGES = 3  # pairs that may be exchanged in one camera; chosen (see studies/calibration_quality.py)
+CANDIDATES = 4  # pairs, the most promising, that are fitted in full; chosen for speed
 
 
 class SwappedPoints(NamedTuple):

@@ -32,16 +32,18 @@ from ...geometry import about, near_middle, parameter_jacobian, project_all
 from ...numerics.scaled import scaled_inverse
 from .fit import ControlFit, refitted
 
-FAR = 5.0
+FAR = 5.0  # standard deviations; a point so far off is wrong; chosen (see studies/calibration_quality.py)
 SUSPICIOUS = 4.0
-KEPT = 0.75
-CONCENTRATIONS = 2
-ROUNDS = 4
+"""Standard deviations; from here on wrong points are looked for; chosen (see studies/calibration_quality.py)."""
+KEPT = 0.75  # of the points, that each concentration step is made from (Rousseeuw & Van Driessen 1999 advise 0.75)
+CONCENTRATIONS = 2  # steps from each start; two, as in Rousseeuw & Van Driessen 1999
+ROUNDS = 4  # of adding what is near again, at most; chosen (see studies/calibration_quality.py)
 MOST_WRONG = 0.4
-FEWEST_RIGHT = 7
-MOST_POINTS = 100
-NEARLY = 0.02
-UNEXPLAINED = 0.3
+"""Of the points; if more are, nobody can say which; chosen, below one half (see studies/calibration_quality.py)."""
+FEWEST_RIGHT = 7  # points that must remain; chosen: one more than the six of a DLT (see studies/calibration_quality.py)
+MOST_POINTS = 100  # above which points are not checked one by one; chosen for speed
+NEARLY = 0.02  # of the greatest singular value; smaller ones are noise; chosen (see studies/calibration_quality.py)
+UNEXPLAINED = 0.3  # of a point's residual that its move may leave; chosen (see studies/calibration_quality.py)
 
 
 class Displaced(NamedTuple):

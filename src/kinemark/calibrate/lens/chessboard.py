@@ -32,12 +32,13 @@ from ...data.array_types import Floats
 from .dot_grid import order_grid
 
 SCALES = (2.0, 3.5, 1.2)
-STRONGEST = 0.05
-SHARES = (1.3, 2.0, 6.0)
-ANGLES = 32
-EVEN = 1.5
-STEPS = 20
-WINDOW = (2.0, 9.0)
+"""px, σ of the blur, tried one after the other; chosen for boards near and far (see studies/linearisation.py)."""
+STRONGEST = 0.05  # of a strong corner's response; weaker ones are none; chosen (see studies/linearisation.py)
+SHARES = (1.3, 2.0, 6.0)  # times the corners of the board, taken as candidates; chosen
+ANGLES = 32  # directions round a corner at which grey levels are read; chosen (see studies/linearisation.py)
+EVEN = 1.5  # times as strong the even harmonic as the odd ones; chosen
+STEPS = 20  # of refining a corner at most; chosen (see studies/linearisation.py)
+WINDOW = (2.0, 9.0)  # px, least and greatest half width about a corner; chosen (see studies/linearisation.py)
 
 
 def find_corners(image: NDArray[np.number], *, columns: int, rows: int) -> Floats:

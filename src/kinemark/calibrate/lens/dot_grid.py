@@ -20,11 +20,11 @@ from ...data import KinemarkError
 from ...data.array_types import Floats, Ints
 from .lattice import grow_lattice
 
-FEWEST_SHARE = 0.6
-HALF = 0.5
-MOST_POINTS = 5000
+FEWEST_SHARE = 0.6  # of the grid's dots that must be seen; chosen (see studies/linearisation.py)
+HALF = 0.5  # of a line's dots; an outer line with fewer is no line of the grid; chosen (see studies/linearisation.py)
+MOST_POINTS = 5000  # images of a camera at most; chosen, lest noise take minutes (see studies/linearisation.py)
 TURNS = [np.array(u).reshape(2, 2) for u in product(range(-2, 3), repeat=4) if abs(u[0] * u[3] - u[1] * u[2]) == 1]
-"""The U of (1)."""
+"""The U of (1); by definition."""
 
 
 def order_grid(uv: Floats, *, columns: int, rows: int) -> Ints:

@@ -24,17 +24,24 @@ from scipy.spatial import KDTree
 from ...data.array_types import Bools, Floats, Ints
 
 REACH = 0.3
-OPPOSITE = 0.25
-NEIGHBOURS = 16
-SEEDS = 8
+"""Of a cell's side; a point may be so far from where the lattice expects it; chosen (see studies/linearisation.py)."""
+OPPOSITE = 0.25  # of a step's length; two steps that cancel to this are opposite; chosen (see studies/linearisation.py)
+NEIGHBOURS = 16  # of each point, among which its cell is looked for; chosen (see studies/linearisation.py)
+SEEDS = 8  # blocks that are grown at most; chosen for speed
 WINDOW, NEAR = 3, 2
+"""Cells; half width of the polynomial's window, of degree three and of one; chosen (see studies/linearisation.py)."""
 SETTLED = (0.08, 0.15)
-FULL = 0.95
+"""Of a cell's side, least and greatest tolerance at the end; chosen (see studies/linearisation.py)."""
+FULL = 0.95  # of the points, with which a lattice is taken at once; chosen (see studies/linearisation.py)
 
 _OFFSETS = (np.indices((2 * WINDOW + 1, 2 * WINDOW + 1)) - WINDOW).reshape(2, -1).T
+"""Cells of the window, about its middle; by definition."""
 _WEIGHT = 1.0 / (1.0 + (_OFFSETS**2).sum(1)) * (_OFFSETS != 0).any(1)
+"""Of each cell, falling with its distance in cells; chosen (see studies/linearisation.py)."""
 _POWERS = [(a, n - a) for n in range(4) for a in range(n, -1, -1)]
+"""Of a polynomial of degree three in two variables; by definition."""
 _TERMS = np.stack([1.0 * _OFFSETS[:, 0] ** a * _OFFSETS[:, 1] ** b for a, b in _POWERS], 1)
+"""Its terms at `_OFFSETS`; by definition."""
 
 
 def grow_lattice(uv: Floats, *, enough: int | None = None) -> Ints:

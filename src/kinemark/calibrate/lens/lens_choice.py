@@ -32,13 +32,15 @@ from numpy.typing import NDArray
 from ...data.array_types import Floats
 from .plane_views import POSE, KnownOptics, PlaneFit, PlanePoints, fit_planes, normalised_residuals
 
-SIDE = 4
+SIDE = 4  # blocks across and down a view; chosen (see studies/linearisation.py)
 FOLDS = 4
-STEPS = 6
-WORTH = 0.01
-BEHIND = 1e12
+"""Parts of the cross-validation; chosen, so that no two blocks of a part lie side by side (see
+studies/linearisation.py)."""
+STEPS = 6  # tries from a start that is near; chosen (see studies/linearisation.py)
+WORTH = 0.01  # of the least error; what fewer terms may lose; chosen on the simulations of docs/theory/linearisation.md
+BEHIND = 1e12  # standard deviations²; stands for a point behind the camera; a sentinel, by definition
 RADIAL = (0, 1, 4)
-"""Places of k1, k2, k3 among k1 k2 p1 p2 k3."""
+"""Places of k1, k2, k3 among k1 k2 p1 p2 k3; by definition."""
 
 
 class LensScore(NamedTuple):

@@ -55,12 +55,13 @@ from .plane_views import (
     zoomed,
 )
 
-FEWEST, FEWEST_OF_MANY = 15, 8
-MOST_KEPT = 0.7
+FEWEST, FEWEST_OF_MANY = 15, 8  # points of a single view, and of each of several; chosen (see studies/linearisation.py)
+MOST_KEPT = 0.7  # of the points that must remain; chosen (see studies/linearisation.py)
 FOCAL_KNOWN = 0.05
-ABSURD = 0.02
-ROUNDS = 10
-START_STEPS = 12
+"""Standard deviation of ln f up to which the focal length counts as known; chosen (see studies/linearisation.py)."""
+ABSURD = 0.02  # of the images' spread; a residual beyond is no linearisation; chosen (see studies/linearisation.py)
+ROUNDS = 10  # of leaving out outliers, at most; chosen (see studies/linearisation.py)
+START_STEPS = 12  # tries from each start; chosen, as only the best one goes on (see studies/linearisation.py)
 
 
 @dataclass(frozen=True, slots=True)

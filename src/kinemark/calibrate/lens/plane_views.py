@@ -42,16 +42,16 @@ from ...geometry.dlt import normalising
 from ...numerics.levenberg_marquardt import damped_step, minimise
 from ...numerics.scaled import scaled_inverse
 
-SHARED = 9
-POSE = 6
+SHARED = 9  # parameters that all views share: ε, ln(fy/fx), centre, five lens terms; by definition
+POSE = 6  # parameters of a view's pose; by definition
 ZOOM = np.array([1.0, 1.0, 0.0, 0.0, 2.0, 4.0, 1.0, 1.0, 6.0])
-"""Powers of e^ε by which (2) multiplies fx, fy, cx, cy, k1, k2, p1, p2, k3."""
-STEPS = 60
-SETTLED = 1e-4  # of s²: a hundredth of a standard deviation
-FURTHEST = 3.0  # a zoom beyond e³ is no step but a fall
-START_NOISE = 1e-2
-DECENTRED = 1e-3
-STARTS = (1.0, 0.5, 2.0)
+"""Powers of e^ε by which (2) multiplies fx, fy, cx, cy, k1, k2, p1, p2, k3; by definition."""
+STEPS = 60  # tries at most; chosen (see studies/linearisation.py)
+SETTLED = 1e-4  # of s²: a hundredth of a standard deviation; chosen (see studies/linearisation.py)
+FURTHEST = 3.0  # a zoom beyond e³ is no step but a fall; chosen (see studies/linearisation.py)
+START_NOISE = 1e-2  # px², the s² of the first pass; chosen: a tenth of a pixel (see studies/linearisation.py)
+DECENTRED = 1e-3  # standard deviation of p1 and p2 of any lens, without unit; chosen (see studies/linearisation.py)
+STARTS = (1.0, 0.5, 2.0)  # times the nominal focal length; chosen
 
 
 class PlanePoints(NamedTuple):

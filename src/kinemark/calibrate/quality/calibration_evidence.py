@@ -13,9 +13,9 @@ from ...data.array_types import Floats
 from ..control_points.judgement import Judgement
 
 FALLBACK_SD = 0.2
-"""px; a centroid's, where a calibration says nothing of its residuals."""
+"""px; a centroid's, where a calibration says nothing of its residuals; chosen (see studies/calibration_quality.py)."""
 LEAST_SD = 0.01
-"""px; no camera model is truer than this."""
+"""px; no camera model is truer than this; chosen (see studies/calibration_quality.py)."""
 
 
 def _none(*shape: int) -> Floats:

@@ -20,7 +20,8 @@ from ...geometry import project, rigid_align
 from .predicted_covariance import visible
 
 AHEAD = 1000.0
-"""mm; points so far ahead along the cameras' own axes take part in laying one rig on the other."""
+"""mm; points so far ahead along the cameras' own axes take part in laying one rig on the other.
+Chosen (see studies/calibration_quality.py)."""
 
 
 class Change(NamedTuple):

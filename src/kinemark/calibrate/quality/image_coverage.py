@@ -22,7 +22,7 @@ from ...geometry import parameter_jacobian, project, rays, to_camera
 from .predicted_covariance import visible
 
 COLUMNS, ROWS = 16, 12
-"""Places of the map of (1) over an image."""
+"""Places of the map of (1) over an image; chosen (see studies/calibration_quality.py)."""
 
 
 class ImageCoverage(NamedTuple):

@@ -21,8 +21,8 @@ from ...data import KinemarkError, Rig
 from ...data.array_types import Floats
 from .predicted_covariance import block_diagonal, covariance_from, views
 
-PLACES = 1000
-FEWEST_A_SIDE = 4
+PLACES = 1000  # points of the volume that are looked at, about; chosen for speed
+FEWEST_A_SIDE = 4  # of them along each axis; chosen (see studies/calibration_quality.py)
 
 
 class VolumeMap(NamedTuple):

@@ -24,8 +24,8 @@ from ...data.array_types import Bools, Floats
 from ...geometry import project_all, refine, triangulate, undistort
 from ..bundle import Bundle, BundleFit, Freedom, FreePoints, Part, bundle, sticks_through
 
-FOLDS = 3
-BLOCKS_A_FOLD = 6
+FOLDS = 3  # parts of the cross-validation; chosen (see studies/calibration_quality.py)
+BLOCKS_A_FOLD = 6  # stretches of time in each part; chosen, as neighbouring poses are alike
 
 
 class LeftOutPoses(NamedTuple):

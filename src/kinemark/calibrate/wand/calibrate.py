@@ -36,9 +36,9 @@ from .completion import completed
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
 
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
-FIRST_POSES = 150
-CELLS = 12
-AGREEING = 0.5
+FIRST_POSES = 150  # poses of the first rig; chosen for speed
+CELLS = 12  # across and down an image, filled evenly with poses; chosen (see benchmarks/bundle.py)
+AGREEING = 0.5  # of the frames that claim to show the wand; chosen (see benchmarks/bundle.py)
 
 
 @dataclass(frozen=True, slots=True)

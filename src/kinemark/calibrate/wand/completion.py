@@ -23,8 +23,9 @@ from ..bundle import sticks_through
 from ..bundle.robust_points import robust_points
 from .identify import at_rows
 
-STIFF = 0.03
-APART = 1e5  # px between frames, where the detections of all of them are searched at once
+STIFF = 0.03  # of the wand's length by which a marker may be off; chosen (see benchmarks/bundle.py)
+APART = 1e5
+"""px between frames, where the detections of all of them are searched at once; chosen (see benchmarks/bundle.py)."""
 
 
 def completed(

@@ -35,16 +35,16 @@ from ...data.array_types import Floats
 from ...geometry.two_view import fit_fundamental, robust_fundamental, sampson_distance
 
 FEWEST = 16
-"""Frames that two cameras must share to tell anything about each other."""
+"""Frames that two cameras must share to tell anything about each other; chosen (see benchmarks/bundle.py)."""
 MIDDLE = 6.0
-"""px; how far middles may be off epipolar lines."""
+"""px; how far middles may be off epipolar lines; chosen (see benchmarks/bundle.py)."""
 LEAST_SPREAD = 0.3
-"""px; noise below which epipolar distances are not believed."""
-ROUNDS = 6
+"""px; noise below which epipolar distances are not believed; chosen (see benchmarks/bundle.py)."""
+ROUNDS = 6  # of signs and fundamental matrices in turn; chosen (see benchmarks/bundle.py)
 STRONGEST = 20.0
-"""Bound of (2)."""
+"""Bound of (2); chosen (see benchmarks/bundle.py)."""
 SURE = 3.0
-"""Evidence below which a camera's sign is left open."""
+"""Evidence below which a camera's sign is left open; chosen (see benchmarks/bundle.py)."""
 
 
 def agreed_ends(uv: Floats, lead: Floats) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

@@ -24,17 +24,17 @@ from .ends import FEWEST as FEWEST_SHARED
 from .ends import agreed_ends
 from .rows import read_rows
 
-STILL = 0.15
-STILL_FRAMES = 10
+STILL = 0.15  # of the frames in which a place shows a point that stands still; chosen (see benchmarks/bundle.py)
+STILL_FRAMES = 10  # and at least so many; chosen (see benchmarks/bundle.py)
 CELL = 6.0
-"""px; a point that stands still stays within such a square."""
-MOST = 12
+"""px; a point that stands still stays within such a square; chosen (see benchmarks/bundle.py)."""
+MOST = 12  # moving points in a frame above which the camera's frame is left out; chosen for speed
 FEWEST = 12
-"""Frames in which a camera must see the wand."""
+"""Frames in which a camera must see the wand; chosen (see benchmarks/bundle.py)."""
 CERTAIN = 9.0
-"""Lead, as 2 ln of odds, from which an image's direction needs no other camera."""
+"""Lead, as 2 ln of odds, from which an image's direction needs no other camera; chosen (see benchmarks/bundle.py)."""
 WRONG_GAPS = 0.15
-"""Of ln (first gap / last gap), on the median over all images."""
+"""Of ln (first gap / last gap), on the median over all images; chosen (see benchmarks/bundle.py)."""
 
 
 class Wanted(NamedTuple):

@@ -28,7 +28,7 @@ from ...numerics.small_matrices import inverse3
 from ..quality import block_diagonal
 
 GUESS = 0.1
-"""px; standard deviation of centroids that do not state theirs."""
+"""px; standard deviation of centroids that do not state theirs; chosen (see benchmarks/bundle.py)."""
 
 
 class WandLengths(NamedTuple):

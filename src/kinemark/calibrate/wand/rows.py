@@ -30,19 +30,19 @@ from numpy.typing import NDArray
 from ...data.array_types import Floats
 
 NOISE = 1.5
-"""px."""
-BEND = 0.01
+"""px by which a short row may be bent, of (2); chosen (see benchmarks/bundle.py)."""
+BEND = 0.01  # of a row's length by which a lens may bend it; chosen for usual lenses (see benchmarks/bundle.py)
 TILT = 0.1
-"""Standard deviation of δ for a wand waved in all directions some metres away."""
+"""Standard deviation of δ for a wand waved in all directions some metres away; chosen (see benchmarks/bundle.py)."""
 DEEPEST = 0.6
-"""Greatest δ: the far end at most 1.8 times as far as the near one."""
+"""Greatest δ: the far end at most 1.8 times as far as the near one; chosen."""
 CENTROID = 0.3
-"""px; noise of centroids that σδ reckons with."""
+"""px; noise of centroids that σδ reckons with; chosen (see benchmarks/bundle.py)."""
 SHORTEST = 6.0
-"""px; in shorter rows the markers run together."""
+"""px; in shorter rows the markers run together; chosen (see benchmarks/bundle.py)."""
 CLEAR = 4.0
-"""By how much the second best choice of points must be worse, in (3)."""
-AT_ONCE = 100_000
+"""By how much the second best choice of points must be worse, in (3); chosen (see benchmarks/bundle.py)."""
+AT_ONCE = 100_000  # rows that are worked out in one go; chosen for memory
 
 
 class Readings(NamedTuple):

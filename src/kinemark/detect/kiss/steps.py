@@ -25,7 +25,8 @@ from .white_centroids import centroids, peaks
 Images = NDArray[np.uint8 | np.uint16]
 
 MOST_GROUPS = 10_000
-MOST_PIXELS = 1 << 20  # white, of a batch; above that its frames are done in smaller batches, for memory's sake
+"""Groups of a frame at most; chosen: more are the noise of a threshold set too low (see studies/kiss_detection.py)."""
+MOST_PIXELS = 1 << 20  # white, of a batch; above that its frames are done in smaller batches, for memory's sake; chosen
 
 
 @DETECT.method("kiss_scanning", KissScanning, source="Shafiq, Tümer and Güler 2001, 2.1 to 2.3")

@@ -36,7 +36,7 @@ from ...data.array_types import Floats
 from .pixel_groups import KissGroups, rectangles, white_pixels
 from .white import pixels_of
 
-SHARE = 0.035
+SHARE = 0.035  # of a part's length, the standard deviation of a separated centroid; studies/kiss_proposed.py judges it
 
 
 def centroids(groups: KissGroups, *, height: int) -> tuple[Floats, Floats]:

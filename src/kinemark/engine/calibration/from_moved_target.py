@@ -20,7 +20,7 @@ from .task import Made, Task
 from .world_placement import placed_in_world
 
 FEWEST_FRAMES = 20
-"""In which two cameras each see one marker."""
+"""In which two cameras each see one marker; chosen."""
 
 
 class FittedRig(NamedTuple):

@@ -18,7 +18,7 @@ from ..settings import LinearisationGrid, TargetRecording
 from .task import Task
 
 FEWEST_DOTS = 25
-"""In a part of a grid that is used where the whole is not seen."""
+"""In a part of a grid that is used where the whole is not seen; chosen."""
 
 
 class Lenses(NamedTuple):

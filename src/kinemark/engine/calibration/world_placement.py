@@ -19,7 +19,8 @@ from .from_known_points import digitised
 from .task import Task
 
 TOLERANCE = 0.05
-"""How far an L-frame's distances may be from what they should be, as a share of the longest; smaller ones are said."""
+"""How far an L-frame's distances may be from what they should be, as a share of the longest; smaller ones are said.
+Chosen."""
 
 
 class PlacedRig(NamedTuple):

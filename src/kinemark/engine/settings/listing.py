@@ -14,10 +14,10 @@ from .method_tables import COMMON, STAGES
 from .suggestions import are, guess
 
 WIDTH = 118
-"""Of a line on the terminal, characters."""
+"""Of a line on the terminal, characters; chosen."""
 
 LONG = 40
-"""Characters above which only the number of a list's elements is told."""
+"""Characters above which only the number of a list's elements is told; chosen."""
 
 
 def stages(stage: str | None = None) -> list[Stage]:

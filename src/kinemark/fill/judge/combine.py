@@ -24,10 +24,10 @@ from ...data.array_types import Floats
 from ..marker_array import Prediction
 from .hold_out import Candidate
 
-CLOSE = 2.0
+CLOSE = 2.0  # times the least typical error; methods within it share the weight; chosen
 HEAVY = 1e3
 """What Σ w = 1 counts in the least squares that give (1): any value gives the same w once Σ w is made 1, a great one
-keeps rounding away."""
+keeps rounding away; chosen (see benchmarks/gaps.py)."""
 
 
 def close_ones(typical: Sequence[float]) -> list[int]:

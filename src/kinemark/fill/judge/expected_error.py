@@ -54,19 +54,20 @@ from ...data.array_types import Floats
 from ..marker_array import Gap, Prediction
 from .hold_out import Candidate, HoldOutGap
 
-SPREAD = 0.5
-MARKER = 0.25
-OTHER = 0.05
-LEVEL = 0.95
+SPREAD = 0.5  # of ln length, and of ln distance; chosen; its coverage is that of benchmarks/gaps.py
+MARKER = 0.25  # weight of tests for other gaps of the marker; chosen; its coverage is that of benchmarks/gaps.py
+OTHER = 0.05  # weight of tests for other markers; chosen; its coverage is that of benchmarks/gaps.py
+LEVEL = 0.95  # probability within the interval; conventional
 OMEGA, WORTH = 0.5, 4.0
-"""ω₀ and ν₀ of (6). On 648 gaps of seven trials ω was 0.44 for body, 0.57, 0.60, 0.65 and 0.75 for four others."""
+"""ω₀ and ν₀ of (6). On 648 gaps of seven trials ω was 0.44 for body, 0.57, 0.60, 0.65 and 0.75 for four others.
+Chosen (see benchmarks/gaps.py)."""
 LEAST = 1e-3
-"""mm below which distances do not differ, and the least weight by (9)."""
+"""mm below which distances do not differ, and the least weight by (9); chosen (see benchmarks/gaps.py)."""
 MOST = 5.0
-"""What a claim may move an expected error by, at most."""
-Z = 1.959964
+"""What a claim may move an expected error by, at most; chosen (see benchmarks/gaps.py)."""
+Z = 1.959964  # standard deviations on each side that hold 95 %; the normal distribution's, by definition
 QUANTILES = (np.arange(40) + 0.5) / 40
-"""At which distributions are tabulated."""
+"""At which distributions are tabulated; by definition."""
 
 
 def weigh(tests: list[HoldOutGap], of: int, gaps: list[Gap]) -> Floats:

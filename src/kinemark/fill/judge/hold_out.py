@@ -33,14 +33,16 @@ from ..marker_array import Gap, MarkerArray, Prediction
 
 Filler = Callable[..., list[Prediction]]
 SHARE = 0.1
-"""Of a marker's known samples, at most so many are hidden in one copy, unless by one test alone."""
+"""Of a marker's known samples, at most so many are hidden in one copy, unless by one test alone.
+Chosen (see benchmarks/gaps.py)."""
 MANY = 20
-"""Gaps of a trial above which time counts more than the last tenth of a millimetre."""
+"""Gaps of a trial above which time counts more than the last tenth of a millimetre; chosen."""
 FULL = 0.4
 """Share of the frames of a copy in which something is hidden, above which no further windows are drawn into it: fillers
-learn from frames in which many markers are seen."""
+learn from frames in which many markers are seen; chosen."""
 SHORTER = 0.7
-"""By what a test's length shrinks until it fits, where no marker of the trial has room."""
+"""By what a test's length shrinks until it fits, where no marker of the trial has room.
+Chosen (see benchmarks/gaps.py)."""
 
 
 class HoldOutGap(NamedTuple):

@@ -54,11 +54,11 @@ from .stage import FILL, FillMethod
 from .training_frames import FEWEST, TrainingFrames, View, pairs_of, scene_of, view_of
 
 FIRSTS = 4
-"""Donors that are used even where their partner is missing in the gap."""
+"""Donors that are used even where their partner is missing in the gap; chosen (see benchmarks/gaps.py)."""
 FEW = 4
-"""Gaps that λ, ℓ, ν … of a trial are found from."""
-SHARPNESS = 5.0
-MARGIN = 0.005
+"""Gaps that λ, ℓ, ν … of a trial are found from; chosen (see benchmarks/gaps.py)."""
+SHARPNESS = 5.0  # of the weight exp(−SHARPNESS J), without unit; chosen; docs/theory/fill.md has what comes of it
+MARGIN = 0.005  # of J, by which a value must be better; chosen, lest noise decide (see benchmarks/gaps.py)
 GRID = {
     "theta": (0.03, 0.1, 0.6),
     "rho": (0.0, 0.5, 0.98),
@@ -69,7 +69,7 @@ GRID = {
 }
 """What is tried for θ, ρ, ℓ (s), λ, ν and the order beside their usual values (`Hyper`)."""
 BENDS = ((1.0, 3.0), (2.0, 0.5), (8.0, 3.0))
-"""κ and η of `kriging` that are tried."""
+"""κ and η of `kriging` that are tried; chosen (see benchmarks/gaps.py)."""
 
 
 @dataclass(frozen=True, slots=True)

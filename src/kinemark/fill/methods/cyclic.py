@@ -33,10 +33,10 @@ from ..reference_markers import Distances, distances, nearest
 from .stage import FILL, FillMethod
 
 FINE = 1500
-"""Frames to which a trial is thinned to find its cycle."""
-NEIGHBOURS = 6
+"""Frames to which a trial is thinned to find its cycle; chosen (see benchmarks/gaps.py)."""
+NEIGHBOURS = 6  # markers that cycles are compared by; chosen (see benchmarks/gaps.py)
 INSTANTS = 16
-"""Instants at which (2) is taken for a gap."""
+"""Instants at which (2) is taken for a gap; chosen (see benchmarks/gaps.py)."""
 
 
 @dataclass(frozen=True, slots=True)

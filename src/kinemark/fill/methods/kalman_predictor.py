@@ -38,10 +38,10 @@ from ..marker_array import Gap, MarkerArray, Prediction
 from .stage import FILL, FillMethod
 
 FEWEST = 3
-"""Samples that a state of position, velocity and acceleration needs."""
+"""Samples that a state of position, velocity and acceleration needs; by definition."""
 
 STRIDE = 0.05
-"""Time over which U is found, s."""
+"""Time over which U is found, s; chosen (see benchmarks/gaps.py)."""
 
 Mode = Literal["forward", "forward_backward", "smoother"]
 

@@ -31,7 +31,7 @@ from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dtrtrs
 
 from ...data.array_types import Floats, Ints
 
-ORDERS = (1.5, 3.5)
+ORDERS = (1.5, 3.5)  # ν of Matérn's covariance, without unit; chosen: once and three times differentiable
 
 
 class Hyper(NamedTuple):

@@ -31,7 +31,7 @@ from ..reference_ranking import FEWEST, Ranks
 from .stage import FILL, FillMethod
 
 MOST = 400
-"""Frames to learn from, evenly spread; neighbours in time say the same."""
+"""Frames to learn from, evenly spread; neighbours in time say the same; chosen."""
 
 
 @dataclass(frozen=True, slots=True)

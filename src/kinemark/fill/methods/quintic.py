@@ -19,7 +19,7 @@ from .polynomials import beside
 from .stage import FILL, FillMethod
 
 MOST = 60
-"""Samples of one side; a side of more would cost time and change nothing."""
+"""Samples of one side; a side of more would cost time and change nothing; chosen."""
 
 
 @dataclass(frozen=True, slots=True)

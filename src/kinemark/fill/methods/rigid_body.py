@@ -33,9 +33,9 @@ from ..static_shape import StaticShape
 from .stage import FILL, FillMethod
 
 LEARN = 160
-"""Frames from which a body is learnt."""
+"""Frames from which a body is learnt; chosen (see benchmarks/gaps.py)."""
 JUDGE = 40
-"""Frames in which sets of donors are compared."""
+"""Frames in which sets of donors are compared; chosen (see benchmarks/gaps.py)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,15 +26,15 @@ from ..mirrored_markers import REFLECTED
 from .kriging import FramePairs
 
 FEWEST = 8
-"""Frames to learn from, at least."""
+"""Frames to learn from, at least; chosen (see benchmarks/gaps.py)."""
 EDGE = 3
-"""Frames beside a gap that are all used; further away they are thinned."""
+"""Frames beside a gap that are all used; further away they are thinned; chosen (see benchmarks/gaps.py)."""
 SEARCH = 100
-"""Frames from which models are judged, of those to learn from."""
+"""Frames from which models are judged, of those to learn from; chosen (see benchmarks/gaps.py)."""
 BLOCKS = 12
-"""At most so many are left out, the nearest to the gap."""
+"""At most so many are left out, the nearest to the gap; chosen (see benchmarks/gaps.py)."""
 STILL = 0.01
-"""Turns, in radians, below which they are noise."""
+"""Turns, in radians, below which they are noise; chosen (see benchmarks/gaps.py)."""
 
 
 class TrainingFrames(NamedTuple):

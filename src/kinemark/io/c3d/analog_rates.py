@@ -17,11 +17,11 @@ from ...data import Analog
 from ..notes import FileNote
 
 SAME_RATE = 1e-3
-"""Share by which rates may differ and still be one, since files round them."""
+"""Share by which rates may differ and still be one, since files round them; chosen."""
 SAME_TIME = 1e-3
-"""Samples by which a start may be off the clock."""
+"""Samples by which a start may be off the clock; chosen."""
 MOST_DRIFT = 0.5
-"""Samples by which a repeated channel may be off the clock at its end."""
+"""Samples by which a repeated channel may be off the clock at its end; chosen."""
 
 
 def samples_a_frame(analog: Sequence[Analog], rate: float) -> int:

@@ -25,9 +25,9 @@ from ...data import KinemarkError
 from .numbers import ByteOrder, decode_floats, decode_words, encode_floats, encode_words
 from .parameters import BLOCK
 
-MOST_EVENTS = 18
-NAMED_EVENTS = 12345
-_TIMES, _FLAGS, _LABELS = 304, 376, 396
+MOST_EVENTS = 18  # events in a header; of the format
+NAMED_EVENTS = 12345  # word that says that events have names of four letters; of the format
+_TIMES, _FLAGS, _LABELS = 304, 376, 396  # bytes at which times, flags and names of events begin; of the format
 
 
 @dataclass(frozen=True, slots=True)

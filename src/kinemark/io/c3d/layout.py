@@ -16,7 +16,7 @@ from .document import C3D
 from .header import C3DHeader
 from .parameters import BLOCK
 
-MOST_FRAMES = 2**31
+MOST_FRAMES = 2**31  # above which a count is nonsense; of the format: signed words of 32 bits
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 _EXPONENT, _MANTISSA, _SIGN = np.uint32(0xFF), np.uint32(0x7FFFFF), np.uint32(1 << 31)
-_TWO = np.uint32(2 << 23)
+"""Bits of a float; of the formats of IEEE and DEC."""
+_TWO = np.uint32(2 << 23)  # two in the exponent; of the formats of IEEE and DEC
 
 
 class ByteOrder(IntEnum):

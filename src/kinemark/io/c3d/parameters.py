@@ -26,9 +26,9 @@ from numpy.typing import ArrayLike, NDArray
 from ...data.arrays import set_columns
 from .numbers import ByteOrder, decode_floats, decode_words, encode_floats, encode_words
 
-BLOCK = 512
-MOST_ENTRIES = 65_536
-MOST_DIMENSIONS = 7
+BLOCK = 512  # bytes of a block of the file; of the format
+MOST_ENTRIES = 65_536  # parameters and groups at most; chosen, lest a broken file take memory
+MOST_DIMENSIONS = 7  # of a parameter; of the format
 ValueArray = NDArray[np.uint8] | NDArray[np.int8] | NDArray[np.int16] | NDArray[np.float32]
 _TYPE_OF = {"uint8": -1, "int8": 1, "int16": 2, "float32": 4}
 

@@ -27,7 +27,7 @@ from .provenance import told_filled
 
 OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 LENGTH = "LENGTH"
-FARTHEST = 1e9
+FARTHEST = 1e9  # in the file's unit; farther, a sample is no position; chosen
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -18,7 +18,7 @@ from .tables import with_numbers, with_text
 
 GROUP, POINTS, FRAMES = "KINEMARK", "FILLED_POINTS", "FILLED_FRAMES"
 LAST = np.array([0, 1])
-"""From where a run begins and where it is over to its first and last frame."""
+"""From where a run begins and where it is over to its first and last frame; by definition."""
 
 
 def told_filled(doc: C3D, names: tuple[str, ...]) -> NDArray[np.bool_]:

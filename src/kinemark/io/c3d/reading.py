@@ -18,7 +18,7 @@ from .layout import Layout, layout_of
 from .numbers import ByteOrder, decode_floats, decode_words
 from .parameters import BLOCK, Group, decode_parameters
 
-MOST_BLOCKS = 65535
+MOST_BLOCKS = 65535  # of a parameter section; chosen, the most that a word of 16 bits counts
 
 
 def read_document(path: Path | str, *, partial: bool = False) -> C3D:

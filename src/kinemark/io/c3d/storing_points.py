@@ -17,10 +17,10 @@ from .provenance import with_filled
 from .signal_points import SD, SignalPoint, points_of, with_listed, with_told
 from .tables import matched, with_descriptions, with_text
 
-MOST_COUNTS = 32767
-FULL_SCALE = 32000.0
+MOST_COUNTS = 32767  # of a signed word of 16 bits; of the format
+FULL_SCALE = 32000.0  # counts that the farthest coordinate gets; chosen: a little room below 32 767
 OFF_ORIGIN = 1e-6
-"""How far from (0, 0, 0), in file units, a sample at the very origin is written, because zeros say missing."""
+"""How far from (0, 0, 0), in file units, a sample at the very origin is written, because zeros say missing; chosen."""
 
 
 def with_points(doc: C3D, source: C3D, trial: Trial, *, floats: bool) -> tuple[C3D, tuple[FileNote, ...]]:

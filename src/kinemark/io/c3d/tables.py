@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from .document import C3D, with_parameters
 from .parameters import Parameter, ValueArray
 
-MOST_ROWS = 255
-LONGEST = 127
+MOST_ROWS = 255  # of one parameter: dimensions are bytes; of the format
+LONGEST = 127  # bytes of a text; of the format
 
 
 def text_rows(doc: C3D, group: str, name: str) -> list[bytes]:

@@ -16,7 +16,7 @@ from .reading import read_document
 from .signal_points import signals_of
 
 N_CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6}
-"""Channels of each type of force plate; others have as many as the file lists."""
+"""Channels of each type of force plate; others have as many as the file lists; of the format."""
 PLATE_COLUMNS = {"CORNERS": 3, "ORIGIN": 2, "CHANNEL": 2, "CAL_MATRIX": 3}
 """Parameters of a force plate and how many dimensions they have."""
 

@@ -21,7 +21,7 @@ __all__ = ["TDF_PARTS", "Tdf", "read_tdf"]
 TDF_PARTS = ("rig", "detections", "trajectories", "plates", "analog", "events")
 """What `read_tdf` can read, each unless `parts` leaves it out."""
 
-RIG, DETECTIONS, TRAJECTORIES, PLATES, WRENCHES, EMG, EVENTS = 2, 4, 5, 7, 9, 11, 16
+RIG, DETECTIONS, TRAJECTORIES, PLATES, WRENCHES, EMG, EVENTS = 2, 4, 5, 7, 9, 11, 16  # codes of blocks; of the format
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from ...data import Camera, Detections, Rig
 from .cursor import Cursor
 
-NO_DISTORTION, RADIAL = 0, 3
-MOST_CAMERAS = 1024
-FARTHEST = 1e6  # m
+NO_DISTORTION, RADIAL = 0, 3  # codes of lens models; of the format
+MOST_CAMERAS = 1024  # in a file; chosen, lest a broken file take memory
+FARTHEST = 1e6  # m from the origin to a camera, at most; chosen
 CAMERA = np.dtype(
     [
         ("R", "<f8", (3, 3)),

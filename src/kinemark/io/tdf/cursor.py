@@ -17,9 +17,10 @@ from ...data import KinemarkError
 from ..files import read_bytes
 
 SIGNATURE = bytes.fromhex("824b6041d31184ca6000b6ac16680c08")
-HEADER, ENTRY = 64, 288
+HEADER, ENTRY = 64, 288  # bytes of the header, and of an entry in its table; of the format
 SPARE_BYTES, SPARSENESS = 1 << 26, 64
-"""A block may unfold to 64 MiB, or to 64 times its file: enough for the sparsest real tracks, too little for harm."""
+"""A block may unfold to 64 MiB, or to 64 times its file: enough for the sparsest real tracks, too little for harm.
+Chosen."""
 
 
 @dataclass(slots=True)

@@ -22,8 +22,9 @@ from .cursor import Cursor
 
 WRENCH = ("Fx", "Fy", "Fz", "Px", "Py", "Mz")
 UNITS = ("N", "N", "N", "mm", "mm", "N·m")
-FROM_FILE = ((2, -1.0), (3, -1.0), (4, -1.0), (0, 1000.0), (1, 1000.0), (5, -1.0))  # (2): column and factor
-PLATE_TYPE = 1
+FROM_FILE = ((2, -1.0), (3, -1.0), (4, -1.0), (0, 1000.0), (1, 1000.0), (5, -1.0))
+"""(2): column and factor; of the format."""
+PLATE_TYPE = 1  # C3D's type with force and centre of pressure; of that format
 
 
 def by_track(cursor: Cursor, n: int, width: int) -> NDArray[np.float64]:

@@ -15,7 +15,7 @@ from ...data import KinemarkError
 from .tab_tables import read_rows, write_rows
 
 ENDINGS = {"shoulder": ".shd", "elbow": ".elb", "wrist": ".wst"}
-DECIMALS = 2
+DECIMALS = 2  # of an angle in deg; of the format (UM²AS, appendix)
 
 
 def read_angles(path: Path | str) -> NDArray[np.float64]:

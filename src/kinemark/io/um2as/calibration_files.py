@@ -15,10 +15,10 @@ from ...data import KinemarkError
 from ..number_text import bad_line, read_text
 from .tab_tables import ABSENT, MM, camera_number, read_rows, write_lines, write_rows
 
-N_PARAMETERS = 11
-DECIMALS = 7
+N_PARAMETERS = 11  # of a camera; of the format (UM²AS eq. 2.4)
+DECIMALS = 7  # of a parameter; of the format (UM²AS, table 4.2)
 PER_LENGTH = np.array([MM, MM, MM, 1, MM, MM, MM, 1, MM, MM, MM])
-"""What a parameter for mm is multiplied by to be one for the files' cm."""
+"""What a parameter for mm is multiplied by to be one for the files' cm; by definition."""
 
 DATE = re.compile(r"\s*YEAR:\s*(\d{2}|\d{4})\s+MONTH:\s*(\d{1,2})\s+DAY:\s*(\d{1,2})\s*", re.IGNORECASE)
 CENTURY = 1980

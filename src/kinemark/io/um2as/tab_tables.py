@@ -17,9 +17,9 @@ from ..units import MM as UNITS_MM
 MM = UNITS_MM["cm"]
 """mm in a unit of the files, cm."""
 
-ABSENT = 999.0
+ABSENT = 999.0  # stands for what is missing; of the format (UM²AS eq. 2.6)
 HEADER = re.compile(r"\s*Number of frames:\s*(\d+)\s+Number of markers:\s*(\d+)\s*", re.IGNORECASE)
-MOST = 10_000_000
+MOST = 10_000_000  # numbers in a file; chosen for memory
 
 
 class TabHeader(NamedTuple):

@@ -23,7 +23,7 @@ from ..formatting import millimetres, number, percent, some
 Text = str | Callable[[Finding], str]
 
 MOST_NAMED = 6
-"""Names of a list; the others are counted."""
+"""Names of a list; the others are counted; chosen."""
 SUFFIX: dict[Unit, str] = {
     "px": "\u00a0px",
     "mm": "\u00a0mm",

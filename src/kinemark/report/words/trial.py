@@ -7,7 +7,7 @@ from .template import Words, fill, shown
 from .verdicts import calibration_headline
 
 FAR_ABOVE = 100
-"""Times as large as the others', above which the number says no more."""
+"""Times as large as the others', above which the number says no more; chosen."""
 
 
 def _no_points(found: Finding) -> str:

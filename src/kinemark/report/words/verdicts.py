@@ -12,7 +12,7 @@ SOURCES = {
 }
 """Sources of error as a sentence has them, where that is more than "the" and their names."""
 BOUND_MM = 0.01
-"""A length below this is only bounded."""
+"""A length below this is only bounded; chosen."""
 
 
 def calibration_headline(found: Finding) -> str:

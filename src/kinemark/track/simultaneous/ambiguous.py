@@ -32,10 +32,11 @@ from .stitch import CLEAR
 from .tracker import TrackingResult, track_simultaneously
 
 SURE_INDEED = float(np.log(1000.0))
-"""A marker is then a thousand times likelier than chance."""
+"""A marker is then a thousand times likelier than chance; chosen."""
 
 CLOSE = 3
-"""Frames apart that two ambiguous decisions of the same tracks may lie to be one."""
+"""Frames apart that two ambiguous decisions of the same tracks may lie to be one.
+Chosen (see benchmarks/tracking.py)."""
 
 
 DecisionKind = Literal["swap", "merge", "ghost", "join"]

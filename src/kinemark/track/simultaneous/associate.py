@@ -37,7 +37,7 @@ from .detection_index import Images
 from .kalman_states import KalmanStates
 
 IN_ROW = 1.15
-"""(n − 1)/√n for three discs in a row."""
+"""(n − 1)/√n for three discs in a row; by definition."""
 
 
 class PredictedImages(NamedTuple):

@@ -25,10 +25,10 @@ from .detection_index import Images
 from .kalman_states import KalmanStates
 
 AT_ONCE = 4000
-"""Images of all frames that are paired in one go: fewer waste time on overhead, more take memory."""
+"""Images of all frames that are paired in one go: fewer waste time on overhead, more take memory; chosen."""
 
 MOST = 1500
-"""Images of a frame that are looked at; more than these are noise."""
+"""Images of a frame that are looked at; more than these are noise; chosen (see benchmarks/tracking.py)."""
 
 
 class CandidatePoints(NamedTuple):

@@ -26,20 +26,20 @@ from ...geometry import parameter_jacobian, undistort
 from ...native import ImageIndex, index_images
 
 USUAL_SD = 0.2
-"""px, of centroids of which nobody knows the noise."""
+"""px, of centroids of which nobody knows the noise; chosen (see benchmarks/tracking.py)."""
 
 LEAST_SD = 0.05
-"""px; no calibration of a real camera is better, whatever it says of itself."""
+"""px; no calibration of a real camera is better, whatever it says of itself; chosen (see benchmarks/tracking.py)."""
 
 SEEN = 0.8
 """p of `claims`, with which a camera sees a marker; it weighs little: between 0.5 and 0.95, what an image is worth
-changes by that of a distance of two standard deviations."""
+changes by that of a distance of two standard deviations; chosen (see benchmarks/tracking.py)."""
 
 HIDDEN = 0.1
-"""Of the radius of an image: its usual shift where a limb hides a part of it."""
+"""Of the radius of an image: its usual shift where a limb hides a part of it; chosen (see benchmarks/tracking.py)."""
 
 USUAL_AREA = 20.0
-"""px², of images of which nobody knows the size."""
+"""px², of images of which nobody knows the size; chosen (see benchmarks/tracking.py)."""
 
 
 class Images(NamedTuple):

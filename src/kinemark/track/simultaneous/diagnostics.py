@@ -25,19 +25,19 @@ from .time_offsets import TimeOffsets, time_offsets
 from .tracker import TrackingResult
 
 PARTS = 10
-"""Into which a recording is cut."""
+"""Into which a recording is cut; chosen (see benchmarks/tracking.py)."""
 
 BESIDE = 0.5
-"""px; less is what a usual calibration leaves."""
+"""px; less is what a usual calibration leaves; chosen (see benchmarks/tracking.py)."""
 
 CERTAIN = 5.0
-"""Standard errors of a delay."""
+"""Standard errors of a delay; chosen (see benchmarks/tracking.py)."""
 
 FASTEST = 15_000.0
-"""mm/s; markers on people hardly move faster than the hand of a thrower."""
+"""mm/s; markers on people hardly move faster than the hand of a thrower; chosen (see benchmarks/tracking.py)."""
 
 FEW = 30
-"""Points from which a median is taken."""
+"""Points from which a median is taken; chosen (see benchmarks/tracking.py)."""
 
 
 def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[Finding]:

@@ -24,16 +24,17 @@ from ...numerics.robust import student_log_likelihood
 from .passes import Associations
 
 TAILS = 4.0
-"""ν"""
+"""ν, degrees of freedom of Student's t in (1); chosen (see benchmarks/tracking.py)."""
 
 WEAK = 0.75
-"""Of (2): then a chance meeting, uniform within the gate, gains nothing from being long."""
+"""Of (2): then a chance meeting, uniform within the gate, gains nothing from being long.
+Chosen (see benchmarks/tracking.py)."""
 
 SURE = float(np.log(10.0))
-"""A marker is then ten times likelier than chance, whatever its length."""
+"""A marker is then ten times likelier than chance, whatever its length; chosen."""
 
 FAIR = 0.45
-"""Of (4); markers have 0.5 to 0.9, as their images have noise."""
+"""Of (4); markers have 0.5 to 0.9, as their images have noise; chosen (see benchmarks/tracking.py)."""
 
 
 def says(seen: Associations, own: Bools, gate: float) -> Floats:

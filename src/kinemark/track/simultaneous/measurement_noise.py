@@ -28,31 +28,33 @@ from .detection_index import LEAST_SD, Images
 from .kalman_states import KalmanStates
 
 LOOSE = 0.4
-"""px"""
+"""px of noise that a camera is given before its own is known; chosen (see benchmarks/tracking.py)."""
 
 FAR = 10.0
-"""px; no image that lies farther off is the one that is expected."""
+"""px; no image that lies farther off is the one that is expected; chosen (see benchmarks/tracking.py)."""
 
 ROUNDS = 3
-"""Of (1), in which the others' a² becomes known as well."""
+"""Of (1), in which the others' a² becomes known as well; chosen (see benchmarks/tracking.py)."""
 
 WORTH = 0.5
-"""Variance of this share of what is stated is missing before any is added."""
+"""Variance of this share of what is stated is missing before any is added; chosen (see benchmarks/tracking.py)."""
 
 DEAF = 0.15
-"""Share of the places expected in a camera's image at which it must have an image; occlusion leaves 0.3 and more."""
+"""Share of the places expected in a camera's image at which it must have an image; occlusion leaves 0.3 and more.
+Chosen (see benchmarks/tracking.py)."""
 
 OUTER = 0.8
-"""Quantile of (3): as far out as images of other markers hardly reach."""
+"""Quantile of (3): as far out as images of other markers hardly reach; chosen (see benchmarks/tracking.py)."""
 
 LOOKS = 1500
-"""Images that are looked at, about, in two frames at least and at most in one of SPARED."""
+"""Images that are looked at, about, in two frames at least and at most in one of SPARED.
+Chosen (see benchmarks/tracking.py)."""
 
 SPARED = 50
-"""Frames of which one is looked at at most: what is learned takes no more than a tenth of the time."""
+"""Frames of which one is looked at at most: what is learned takes no more than a tenth of the time; chosen."""
 
 ENOUGH = 20
-"""Places from which something can be said of a camera."""
+"""Places from which something can be said of a camera; chosen (see benchmarks/tracking.py)."""
 
 
 class Noise(NamedTuple):

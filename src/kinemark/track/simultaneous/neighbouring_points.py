@@ -23,10 +23,10 @@ from .kalman_states import KalmanStates, at_rest, predict, reversed_time, update
 from .simultaneous_method import Simultaneous
 
 LOOK = 8
-"""Frames from which the motion is known."""
+"""Frames from which the motion is known; chosen (see benchmarks/tracking.py)."""
 
 NOWHERE = 1000.0
-"""mm, the standard deviation of a position of which nothing is known."""
+"""mm, the standard deviation of a position of which nothing is known; chosen (see benchmarks/tracking.py)."""
 
 
 class TrackPoints(NamedTuple):

@@ -18,22 +18,23 @@ from .kalman_states import KalmanStates, at_rest, predict, update
 from .simultaneous_method import Simultaneous
 
 LANES = 8
-"""Stretches that are gone through side by side: NumPy's overhead is then shared by eight times as many tracks."""
+"""Stretches that are gone through side by side: NumPy's overhead is then shared by eight times as many tracks.
+Chosen."""
 
 LANE = 64
-"""Frames of a stretch at least; each begins with all its tracks to be born."""
+"""Frames of a stretch at least; each begins with all its tracks to be born; chosen (see benchmarks/tracking.py)."""
 
 LOST = 2.0
 """A track of which two cameras see nothing ends where its place is known no better than to this many times `worst`: it
 could then be taken up by another marker's images, and whether it goes on is for `joins` to decide, which knows what
-came afterwards."""
+came afterwards; chosen."""
 
 LEFT = 0.05
 """Of an image's variance, the least that is left beside the place's: an image that alone says where a track is agrees
-with itself."""
+with itself; chosen (see benchmarks/tracking.py)."""
 
 ROUNDS = 3
-"""Images at most that a track gives back in one frame."""
+"""Images at most that a track gives back in one frame; chosen (see benchmarks/tracking.py)."""
 
 
 class ActiveTracks(NamedTuple):

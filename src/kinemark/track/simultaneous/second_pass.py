@@ -30,13 +30,13 @@ from .neighbouring_points import TrackPoints, between, motion_from, rows_near, r
 from .passes import without_loose
 from .simultaneous_method import Simultaneous
 
-LOOKS = 3
+LOOKS = 3  # times in turn; chosen: the third finds hardly anything new
 
 SOUND = 3
-"""Images of a point that is not in question."""
+"""Images of a point that is not in question; chosen (see benchmarks/tracking.py)."""
 
 AT_ONCE = 20_000
-"""Frames of tracks that are looked at in one go, and the rest of the last frame; more would take memory."""
+"""Frames of tracks that are looked at in one go, and the rest of the last frame; more would take memory; chosen."""
 
 
 class SecondPass(NamedTuple):

@@ -33,22 +33,24 @@ from .neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows
 from .simultaneous_method import Simultaneous
 
 CLEAR = 2 * np.log(100.0)
-"""A hundred times likelier than the next best, in units of (1)."""
+"""A hundred times likelier than the next best, in units of (1); chosen."""
 
 NEVER = 1 << 40
-"""The first frame of a track without points."""
+"""The first frame of a track without points; by definition."""
 
 LEAST = 1.0
-"""mm; no two markers are held at a distance that is steadier, skin and clothes being what they are."""
+"""mm; no two markers are held at a distance that is steadier, skin and clothes being what they are.
+Chosen (see benchmarks/tracking.py)."""
 
 MATES = 3
-"""Other tracks of which (2) counts."""
+"""Other tracks of which (2) counts; chosen (see benchmarks/tracking.py)."""
 
 AT_ONCE = 20_000
-"""Pairs that are worked out in one go; more would take memory and no less time."""
+"""Pairs that are worked out in one go; more would take memory and no less time; chosen."""
 
 SEEN = 0.8
-"""p of (1): how many of the tracks that end before their marker is gone begin again within the gap."""
+"""p of (1): how many of the tracks that end before their marker is gone begin again within the gap.
+Chosen (see benchmarks/tracking.py)."""
 
 
 class Ends(NamedTuple):

@@ -29,19 +29,20 @@ from .kalman_states import KalmanStates
 from .tracker import TrackingResult
 
 PARTS = 10
-"""k of (3)."""
+"""k of (3); chosen (see benchmarks/tracking.py)."""
 
 ENOUGH = 300
-"""Points from which something can be said."""
+"""Points from which something can be said; chosen (see benchmarks/tracking.py)."""
 
 TAILS = 4.0
-"""Images farther off than this many times the median are not used; they belong to something else."""
+"""Images farther off than this many times the median are not used; they belong to something else; chosen."""
 
 STEADY = 0.5
-"""Of a point's velocity: the most by which it may change in a frame; nothing else says when the point was where."""
+"""Of a point's velocity: the most by which it may change in a frame; nothing else says when the point was where.
+Chosen (see benchmarks/tracking.py)."""
 
 FAST = 0.9
-"""Quantile of the images' speed for `TimeOffsets.shift`: where people move, most markers hardly do."""
+"""Quantile of the images' speed for `TimeOffsets.shift`: where people move, most markers hardly do; chosen."""
 
 
 class TimeOffsets(NamedTuple):

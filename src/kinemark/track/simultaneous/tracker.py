@@ -35,10 +35,10 @@ from .simultaneous_method import Simultaneous
 from .stitch import Stitch, stitched
 
 LEAST = 1e-6
-"""px²"""
+"""px² of variance, the least that an image is given; chosen (see benchmarks/tracking.py)."""
 
 VAGUE = 5.0
-"""Of the median of the standard deviations."""
+"""Of the median of the standard deviations; chosen (see benchmarks/tracking.py)."""
 
 
 class TrackingResult(NamedTuple):

@@ -21,7 +21,7 @@ from .learning import Knowledge, before_learning
 from .parameters import DEFAULT, Swamidas
 from .segments import allowed_points
 
-BEGINNING = 3  # frames with points in which tracks begin where begin = "first": the first three measurements
+BEGINNING = 3  # frames with points in which tracks begin where begin = "first": the first three measurements; chosen
 
 
 class Expectation(NamedTuple):

@@ -24,7 +24,7 @@ from ...data.array_types import Floats, Ints
 from ...signal import assign_nearest, weights
 
 FAR = 1e9
-"""px: no limit."""
+"""px: no limit; by definition."""
 
 
 class Paths(NamedTuple):

@@ -28,14 +28,15 @@ from .seeds import Seed, known_focus_seed, point_seeds, stick_seeds
 from .unknown_optics import UnknownOptics
 from .view_pairs import FEWEST_COMMON, Pair, common_points, find_pairs
 
-PIECES = 120
-PAIRS = 6
-SEEDS = 8
-AMPLE = 150
-FEWEST_KNOWN = 12
-GOOD = 2.0
-BENT = 0.02  # of the image's diagonal; no right point is further off in the first guess
-LONGER = 0.2  # a stick whose length is more than this share off has a wrong end
+PIECES = 120  # pieces of a rough adjustment at most; chosen for speed
+PAIRS = 6  # pairs of cameras that beginnings are taken from; chosen (see benchmarks/bundle.py)
+SEEDS = 8  # beginnings that are tried at most; chosen; seen by `benchmarks/bundle.py start`
+AMPLE = 150  # points in common that are enough for a first guess; chosen for speed
+FEWEST_KNOWN = 12  # known points that a new camera must see; chosen: twice the six of a DLT (see benchmarks/bundle.py)
+GOOD = 2.0  # times the noise of two cameras alone, within which a start is taken at once; chosen
+BENT = 0.02
+"""Of the image's diagonal; no right point is further off in the first guess; chosen (see benchmarks/bundle.py)."""
+LONGER = 0.2  # a stick whose length is more than this share off has a wrong end; chosen (see benchmarks/bundle.py)
 
 
 class TargetViews(NamedTuple):

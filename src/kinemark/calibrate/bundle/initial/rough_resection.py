@@ -21,9 +21,9 @@ from .seeds import projections
 from .unknown_optics import UnknownOptics
 
 FOCUS = (0.3, 6.0)
-"""Least and greatest focal length that is believed, in image widths."""
+"""Least and greatest focal length that is believed, in image widths; chosen (see benchmarks/bundle.py)."""
 
-POSE = np.arange(15) >= 9
+POSE = np.arange(15) >= 9  # of `data.PARAMETERS`, the six of the pose; by definition
 
 
 def rough_freedom(optics: UnknownOptics, *, focus_held: bool = False) -> Freedom:

@@ -25,9 +25,9 @@ from .unknown_optics import UnknownOptics
 from .view_pairs import FEWEST_COMMON, Pair
 
 FOCI = np.geomspace(0.45, 4.0, 14)
-"""Focal lengths that are tried, in image widths."""
-JUDGES = 60
-WITNESSES = 3
+"""Focal lengths that are tried, in image widths; chosen (see benchmarks/bundle.py)."""
+JUDGES = 60  # points that a beginning is judged by at most; chosen for speed
+WITNESSES = 3  # further cameras that a beginning is judged by; chosen for speed
 
 
 class Seed(NamedTuple):

@@ -26,9 +26,10 @@ from ....geometry.two_view import fit_fundamental, sampson_distance
 from ..solver import POWERS
 
 COMMON = (0.0, -0.05, -0.1, -0.16, -0.24, 0.06)
-STEPS = (0.06, 0.03, 0.015)
-ENOUGH = 200
-SHARPEST = 0.05  # px; a finer fit is chance
+"""k1 that all cameras may have, tried first; chosen to span usual lenses (see benchmarks/bundle.py)."""
+STEPS = (0.06, 0.03, 0.015)  # of k1, tried about the best one after the other; chosen (see benchmarks/bundle.py)
+ENOUGH = 200  # points of a pair at most; chosen for speed
+SHARPEST = 0.05  # px; a finer fit is chance; chosen (see benchmarks/bundle.py)
 
 
 class UnknownOptics(NamedTuple):

@@ -22,8 +22,9 @@ from ....numerics.robust import SD_PER_MEDIAN
 from ..parts import complete
 from .unknown_optics import UnknownOptics, straightened
 
-FEWEST_COMMON = 24
+FEWEST_COMMON = 24  # points that a pair must share; chosen: three times the eight of a fundamental matrix
 FLAT = 0.003
+"""Of the image's diagonal; pairs that a homography explains to this are no use; chosen (see benchmarks/bundle.py)."""
 
 
 class Pair(NamedTuple):

@@ -17,9 +17,9 @@ from ....data.array_types import Floats, Ints
 from ....geometry.rigid_pairs import Distances, distances, rigid_groups, spanning_links
 
 FEWEST = 10
-"""Frames that must have both ends of a segment."""
+"""Frames that must have both ends of a segment; chosen (see studies/missing_markers.py)."""
 LONG = 1500
-"""Frames of a trial above which fewer of them tell distances."""
+"""Frames of a trial above which fewer of them tell distances; chosen (see studies/missing_markers.py)."""
 
 
 class LinkedSegments(NamedTuple):

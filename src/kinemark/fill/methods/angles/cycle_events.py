@@ -17,7 +17,7 @@ from ....data.array_types import Floats
 from ....signal.phase import CyclePhase
 
 FLAT = 2.0
-"""Degrees that an angle must range over for its extremes to be events."""
+"""Degrees that an angle must range over for its extremes to be events; chosen (see studies/missing_markers.py)."""
 
 
 def model_events(model: AngleModel) -> dict[str, float]:

@@ -62,7 +62,7 @@ from .limb_angles import LimbAngles, fit_model
 from .place import Placer
 
 LEAST = 1e-4
-"""Variance of a place at least, mm²."""
+"""Variance of a place at least, mm²; chosen (see studies/missing_markers.py)."""
 
 Feedback = Literal["position", "path", "measured", "none"]
 

@@ -33,26 +33,27 @@ from ....signal.phase import CyclePhase, CycleTemplate, refine_phase
 from .connect import LinkedSegments, directions
 
 STEPS = 100
-"""B, percent."""
+"""B of the model, steps of a cycle: percent, by definition."""
 LEAST_SPREAD = 0.02
-"""Of a direction; what marks on skin do at least."""
+"""Of a direction; what marks on skin do at least; chosen (see studies/missing_markers.py)."""
 ONE_CYCLE = 0.1
-"""Spread taken where one cycle only was seen."""
+"""Spread taken where one cycle only was seen; chosen (see studies/missing_markers.py)."""
 HOLE = 0.1
-"""Of (3)."""
+"""Of the cycle, the longest part that may be unknown, of (3); chosen (see studies/missing_markers.py)."""
 MOST = 60
-"""Sequences that the cycle and the phase are found from."""
-ROUNDS = 3
+"""Sequences that the cycle and the phase are found from; chosen (see studies/missing_markers.py)."""
+ROUNDS = 3  # of phase and mean in turn; chosen: few settle it (see studies/missing_markers.py)
 DENSE = 24
-"""Frames a cycle that are enough for its phase and its mean."""
+"""Frames a cycle that are enough for its phase and its mean; chosen (see studies/missing_markers.py)."""
 LONG = 1500
-"""Frames of a trial above which it is thinned to that."""
+"""Frames of a trial above which it is thinned to that; chosen (see studies/missing_markers.py)."""
 ENOUGH = 40
-"""Times the longest cycle that is looked for, of the middle of a trial in which the cycle is found."""
+"""Times the longest cycle that is looked for, of the middle of a trial in which the cycle is found.
+Chosen (see studies/missing_markers.py)."""
 CYCLES = 100
-"""That are enough for a mean; of more, some are taken, evenly spread."""
+"""That are enough for a mean; of more, some are taken, evenly spread; chosen (see studies/missing_markers.py)."""
 WHOLE = 1.2
-"""Cycles that a trial must hold for its cycle to be seen coming back."""
+"""Cycles that a trial must hold for its cycle to be seen coming back; chosen (see studies/missing_markers.py)."""
 
 
 class Learned(NamedTuple):

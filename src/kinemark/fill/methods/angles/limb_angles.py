@@ -39,11 +39,11 @@ from .place import Placer, Placings, correlation
 
 STRANGE = 25.0
 """Mean squared deviation from another trial's model, in its own spreads (at least 0.1), above which the motion is
-another."""
+another; chosen (see studies/missing_markers.py)."""
 FOREIGN = 0.1
-"""Least spread of the directions of another trial's model."""
+"""Least spread of the directions of another trial's model; chosen (see studies/missing_markers.py)."""
 HEADINGS = 12
-"""Turns about the vertical that are tried with another trial's model."""
+"""Turns about the vertical that are tried with another trial's model; chosen (see studies/missing_markers.py)."""
 
 
 @dataclass(frozen=True, slots=True)

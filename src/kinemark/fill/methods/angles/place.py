@@ -45,31 +45,33 @@ from ....signal.smoother import noise_of
 from .learn import LONG, CycleInterpolation, columns, telling, template_of, weights
 
 SKIN = 3.0
-"""σ of (2), mm."""
+"""σ of (2), mm; chosen (see studies/missing_markers.py)."""
 TURN = 0.1
-"""a of (2), rad."""
+"""a of (2), rad; chosen (see studies/missing_markers.py)."""
 OTHERS = 3
-"""Cycles before, and after, of (3)."""
+"""Cycles before, and after, of (3); chosen (see studies/missing_markers.py)."""
 SURE = 0.2
 """Least sum of the weights of (3) for which d is taken from it. The sum is 1 or more where one other cycle shows the
 segment, and falls to 0 at its holes. A moment within a hole is not worth 0, though: the interpolation gives the seen
 frames beside the hole its outer weights, of −0.07 to 0 each. Their sum is negative, and no direction. By dividing by
-0.2 or more what six other cycles leave of this stays small beside what one of them shows."""
+0.2 or more what six other cycles leave of this stays small beside what one of them shows.
+Chosen (see studies/missing_markers.py)."""
 FEWEST = 10
-"""Frames that must tell of r."""
+"""Frames that must tell of r; chosen (see studies/missing_markers.py)."""
 MOST = 1500
-"""Frames of a trial above which r is judged in runs of them, spread over the trial: neighbours say the same."""
+"""Frames of a trial above which r is judged in runs of them, spread over the trial: neighbours say the same.
+Chosen (see studies/missing_markers.py)."""
 RUN = 7
-"""Frames in a row that tell its noise."""
+"""Frames in a row that tell its noise; chosen (see studies/missing_markers.py)."""
 APART = 6
-"""Frames unknown that keep runs from being taken for one."""
+"""Frames unknown that keep runs from being taken for one; chosen (see studies/missing_markers.py)."""
 FEW = 9
-"""Frames of a gap at which the phase's variance is worked out."""
+"""Frames of a gap at which the phase's variance is worked out; chosen (see studies/missing_markers.py)."""
 UNKNOWN = 0.05
-"""Spread of (1) as a share of ℓ, where r is not known."""
-LAGS = np.linspace(0.01, 6, 600)
+"""Spread of (1) as a share of ℓ, where r is not known; chosen (see studies/missing_markers.py)."""
+LAGS = np.linspace(0.01, 6, 600)  # lags over τ at which (5) is tabulated; chosen (see studies/missing_markers.py)
 FALLING = -(1 + LAGS) * np.exp(-LAGS)
-"""−c of (5) at these Δt / τ, rising."""
+"""−c of (5) at these Δt / τ, rising; by definition."""
 
 
 class Errors(NamedTuple):

@@ -11,7 +11,10 @@ are the same on every machine but for rounding; speeds are ratios of two times i
 from __future__ import annotations
 
 import argparse
+import datetime
 import json
+import os
+import platform
 import sys
 import tomllib
 from collections.abc import Callable
@@ -23,6 +26,8 @@ import gaps
 import recording
 import tracking
 from metrics import Metric, is_worse
+
+from kinemark.version import __version__
 
 BASELINE = Path(__file__).with_name("baseline.toml")
 SUITE: dict[str, Callable[[], list[Metric]]] = {
@@ -42,11 +47,23 @@ def baseline() -> Entries:
 
 def as_toml(entries: Entries) -> str:
     """A table a metric."""
-    lines = ["# Written by `python benchmarks/compare.py --update`; see metrics.py for what the fields mean.", ""]
+    lines = [
+        "# Written by `python benchmarks/compare.py --update`; see metrics.py for what the fields mean.",
+        f"# {made()}",
+        "",
+    ]
     for name, metrics in entries.items():
         for metric, fields in metrics.items():
             lines += [f'["{name}"."{metric}"]', *(f"{key} = {json.dumps(value)}" for key, value in fields.items()), ""]
     return "\n".join(lines)
+
+
+def made() -> str:
+    """When, by which version, and on what kind of machine."""
+    machine = (
+        f"{os.cpu_count()} processors {platform.machine()}, {platform.system()}, Python {platform.python_version()}"
+    )
+    return f"{datetime.date.today().isoformat()}, Kinemark {__version__}, {machine}; seeds 0 to 12, in the programs"
 
 
 def line(metric: Metric, before: float | None) -> tuple[str, bool]:

@@ -30,7 +30,7 @@ from metrics import Metric
 from kinemark.data import MarkerTrajectory as Path3D
 from kinemark.data import Origin, Trajectories
 from kinemark.engine.formats import read
-from kinemark.fill import METHODS, Auto, Gap, MarkerArray, fill, find_gaps
+from kinemark.fill import FILL, Auto, Gap, MarkerArray, fill, find_gaps
 from kinemark.fill.fill import FillAnswer, ask, choose
 from kinemark.fill.judge.hold_out import distances
 from kinemark.fill.reference_ranking import ranked
@@ -134,7 +134,7 @@ def results(motion: MarkerArray, gaps: Gaps, names: list[str]) -> dict[str, list
     hidden, answers, seconds = motion.hidden(gaps), [], []
     for name in names:
         clock = time.process_time()
-        answers += ask(hidden, gaps, [METHODS[name]()])
+        answers += ask(hidden, gaps, [FILL.make(name)])
         seconds.append((time.process_time() - clock) / len(gaps))
     out = {
         name: [_judge(motion, hidden, gaps, k, [answer], spent) for k in range(len(gaps))]
@@ -191,7 +191,7 @@ def speed(names: list[str]) -> None:
     paths = [Path3D.measured(n, x) for n, x in zip(whole.names, whole.hidden(gaps).xyz, strict=True)]
     for name in names:
         clock = time.process_time()
-        found = fill(Trajectories(tuple(paths), 100.0), method=METHODS[name](), limit_mm=np.inf)
+        found = fill(Trajectories(tuple(paths), 100.0), method=FILL.make(name), limit_mm=np.inf)
         seconds = time.process_time() - clock
         error = [
             np.linalg.norm(path.xyz - true, axis=1)[path.origin == Origin.FILLED].mean()

@@ -26,11 +26,12 @@ from numpy.typing import NDArray
 from tracking_rivals import RIVALS
 
 from kinemark.data import Detections, Rig, Tracks
-from kinemark.match import EpipolarTriplets, KissTriplets, MatchMethod, match
+from kinemark.data.method import Method
+from kinemark.match import EpipolarTriplets, KissTriplets, match
 from kinemark.reconstruct import reconstruct
 from kinemark.synth import ObservedImages, Subject, dressed, observe, ring, together, walking
 from kinemark.synth.score import Score, score
-from kinemark.track import ExtrapolationLadder, KissTracking, TrackMethod, track
+from kinemark.track import ExtrapolationLadder, KissTracking, track
 from kinemark.track.simultaneous import Simultaneous, track_detections
 
 
@@ -118,7 +119,7 @@ def person(
 # ---- Methods: from detections to tracks ----
 
 
-def staged(matching: MatchMethod, tracking: TrackMethod) -> Callable[[Detections, Rig], Tracks]:
+def staged(matching: Method, tracking: Method) -> Callable[[Detections, Rig], Tracks]:
     """Matching, reconstruction and tracking one after another."""
 
     def run(detections: Detections, rig: Rig) -> Tracks:

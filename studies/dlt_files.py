@@ -27,6 +27,7 @@ from kinemark.data import Camera
 from kinemark.data.array_types import Floats
 from kinemark.geometry import fit_dlt, from_dlt, triangulate, undistort
 from kinemark.io.dlt_csv import read_dlt_csv, read_dltdv_xy, read_dltdv_xyz
+from kinemark.report.words import text_of
 
 Case = tuple[str, Floats, Floats, tuple[int, int]]
 
@@ -123,10 +124,10 @@ def judgements(root: Path) -> None:
     print("\njudgement of control points")
     for name, xyz, uv, size in (six_points(root), moving_light(root), five_poles(root)):
         fit = control_point_quality([f"cam{c + 1}" for c in range(len(uv))], [size] * len(uv), xyz, uv)
-        grade, sentences, _ = judge_control_points(fit)
+        grade, findings = judge_control_points(fit)
         print(f"  {name}: {grade}")
-        for sentence in sentences[:2]:
-            print(f"    {sentence}")
+        for found in findings[:2]:
+            print(f"    {text_of(found)}")
 
 
 def six_points(root: Path) -> Case:

@@ -44,13 +44,14 @@ from recordings import recording
 
 from kinemark.data import Camera, Cloud, Detections, Rig, Tracks
 from kinemark.data.array_types import Floats, Ints
+from kinemark.data.method import Method
 from kinemark.geometry import normalised, triangulate, undistort
 from kinemark.io.tdf import read_tdf
-from kinemark.match import EpipolarTriplets, KissTriplets, MatchMethod, match
-from kinemark.reconstruct import CameraPairs, LeastSquares, ReconstructMethod, reconstruct
+from kinemark.match import EpipolarTriplets, KissTriplets, match
+from kinemark.reconstruct import CameraPairs, LeastSquares, reconstruct
 from kinemark.signal import assign
 from kinemark.synth.score import Score, changes, score
-from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, TrackMethod, track
+from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, track
 from kinemark.track.simultaneous import Simultaneous, track_detections
 
 JUMP = 8.0  # mm; a second difference no marker on a body has at 250 Hz (500 m/s²)
@@ -123,7 +124,7 @@ def extras(tracks: Tracks, near: NDArray[np.bool_]) -> tuple[float, float]:
     return float(extra.sum() / n), float(strangers.sum() / n)
 
 
-def by_chance(rig: Rig, detections: Detections, tracks: Tracks, near: NDArray[np.bool_], method: Method) -> float:
+def by_chance(rig: Rig, detections: Detections, tracks: Tracks, near: NDArray[np.bool_], method: TrialMethod) -> float:
     """Points a frame that the method makes of the images left over, the cameras shifted against each other."""
     used = np.zeros(len(detections), bool)
     view = tracks.cloud.view[near & (tracks.id >= 0)]
@@ -239,14 +240,14 @@ def pieces_per_track(result: Score, reference: Floats, shortest: int = 25) -> fl
 class Staged(NamedTuple):
     """Matching, reconstruction and tracking one after another."""
 
-    matching: MatchMethod
-    tracking: TrackMethod
-    placing: ReconstructMethod = LeastSquares()
+    matching: Method
+    tracking: Method
+    placing: Method = LeastSquares()
 
 
-Method = Staged | Simultaneous
+TrialMethod = Staged | Simultaneous
 
-METHODS: dict[str, Method] = {
+METHODS: dict[str, TrialMethod] = {
     "simultaneous": Simultaneous(),
     "epipolar_triplets, extrapolation_ladder": Staged(EpipolarTriplets(), ExtrapolationLadder()),
     "kiss_triplets, kiss_tracking": Staged(KissTriplets(), KissTracking()),
@@ -257,7 +258,7 @@ METHODS: dict[str, Method] = {
 USUAL = 3  # of these are run where none is named
 
 
-def run(method: Method, detections: Detections, rig: Rig) -> Tracks:
+def run(method: TrialMethod, detections: Detections, rig: Rig) -> Tracks:
     """From detections to tracks."""
     if isinstance(method, Simultaneous):
         return track_detections(detections, rig, method=method)
@@ -286,7 +287,7 @@ class Row(NamedTuple):
         return self.whole[THEIRS].owner >= 0
 
 
-def made(method: Method, detections: Detections, rig: Rig, reference: Floats, pieces: Floats) -> Row:
+def made(method: TrialMethod, detections: Detections, rig: Rig, reference: Floats, pieces: Floats) -> Row:
     """The row of a method."""
     began = time.process_time()
     tracks = run(method, detections, rig)

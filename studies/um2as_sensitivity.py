@@ -18,10 +18,11 @@ import numpy as np
 
 from kinemark.data import Detections, KinemarkError, Rig, Trajectories
 from kinemark.data.array_types import Floats
-from kinemark.findings.sensitivity_figures import sensitivity_figures, sensitivity_summary
+from kinemark.findings.sensitivity_figures import sensitivity_figures
 from kinemark.geometry import project
 from kinemark.io.model_toml import load_model
 from kinemark.io.tdf import read_tdf
+from kinemark.report.sensitivity_text import sensitivity_summary
 from kinemark.report.theme import FAINT, HUES, INK
 from kinemark.sensitivity import (
     Kinematics,

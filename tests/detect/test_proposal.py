@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from kinemark.data import KinemarkError, Validity
+from kinemark.data import KinemarkError, Validity, make_finding
 from kinemark.detect import KissScanning, detect_frames, propose
 from kinemark.engine.detection_proposals import propose_detection
 from kinemark.engine.settings import method_of
 from kinemark.io.images import open_images, write_png
+from kinemark.report.proposal_text import proposal_text
+from kinemark.report.words import text_of
 from support.shared import shared_data
 from support.studies import STUDIES
 
@@ -78,7 +80,7 @@ def test_with_the_proposed_parameters_all_markers_are_found_and_nothing_else(lig
 def test_strobes_and_specks_fall_outside_of_the_limits():
     images = grey(scene(2, diameters=(9, 12), strobes=2, specks=4))
     proposal = propose(images)
-    assert (proposal.sizes.strobes, proposal.sizes.specks) == (2, 4) and proposal.warnings == ()
+    assert (proposal.sizes.strobes, proposal.sizes.specks) == (2, 4) and proposal.findings == ()
     for method in methods(proposal):
         found = detect_frames(images, method=method)
         assert np.bincount(found.validity, minlength=3)[:3].tolist() == [100, 16, 8]
@@ -158,7 +160,7 @@ def test_the_levels_are_measured_and_the_threshold_lies_between_noise_and_marker
 def test_sixteen_bits_are_the_same_images():
     images = grey(scene(5))
     plain, deep = propose(images), propose(images.astype(np.uint16) * 257)
-    assert deep.white == 65535 and deep.warnings == plain.warnings == ()
+    assert deep.white == 65535 and deep.findings == plain.findings == ()
     assert deep.centroids == replace(plain.centroids, threshold=deep.centroids.threshold)
     assert deep.centroids.threshold == pytest.approx(plain.centroids.threshold, abs=0.5)
 
@@ -166,7 +168,7 @@ def test_sixteen_bits_are_the_same_images():
 def test_a_camera_of_twelve_bits_is_noticed_and_gets_a_threshold_in_its_own_range():
     images = grey(scene(6, peak=2500, ground=200, noise=30), np.uint16)
     proposal = propose(images)
-    assert proposal.white == 4095 and any("no level above 4095" in w for w in proposal.warnings)
+    assert proposal.white == 4095 and proposal.findings[-1] == make_finding("few_bits_used", white=4095)
     assert 200 / 257 < proposal.centroids.threshold < 2700 / 257
     for method in methods(proposal):
         assert detect_frames(images, method=method).counts.tolist() == [25] * 4
@@ -175,7 +177,7 @@ def test_a_camera_of_twelve_bits_is_noticed_and_gets_a_threshold_in_its_own_rang
 def test_dark_markers_on_bright_ground_are_the_same_turned_over():
     images = grey(scene(7, ground=30.0))
     bright, dark = propose(images), propose(255 - images)
-    assert dark.inverted and not bright.inverted and any("dark on a bright ground" in w for w in dark.warnings)
+    assert dark.inverted and not bright.inverted and make_finding("markers_dark") in dark.findings
     assert dark.sizes == bright.sizes and dark.gap.threshold == pytest.approx(bright.gap.threshold)
     assert dark.centroids.threshold == pytest.approx(255 - bright.centroids.threshold, abs=0.1)
     for method in (*methods(dark), dark.nearest):
@@ -197,33 +199,34 @@ def test_images_that_look_wrong_are_said_to():
     y = np.arange(SIZE[0])[:, None]
     floor = scene(9) + 120.0 * (y > 170)
     cases = {
-        "Nothing stands out": 20 + noise,
-        "white": np.full((2, *SIZE), 255.0),
-        "clipped": scene(9, peak=600),
-        "no markers: windows": floor,
+        "nothing_stands_out": 20 + noise,
+        "images_white": np.full((2, *SIZE), 255.0),
+        "light_clipped": scene(9, peak=600),
+        "bright_without_markers": floor,
     }
-    for words, images in cases.items():
+    for kind, images in cases.items():
         proposal = propose(grey(images))
-        assert any(words in warning for warning in proposal.warnings), (words, proposal.warnings)
-        assert words in proposal.text()
+        (found,) = (one for one in proposal.findings if one.kind == kind)
+        assert text_of(found) in proposal_text(proposal)
     texture = 40 * ndimage.gaussian_filter(noise, (0, 2, 2)) + 60 + noise / 4
     proposal = propose(grey(texture))
-    assert not proposal.reasons or any("no clear gap" in w or "no markers" in w for w in proposal.warnings)
-    assert propose(grey(scene(9))).warnings == ()
+    kinds = {one.kind for one in proposal.findings}
+    assert not proposal.reasons or kinds & {"no_clear_gap", "bright_without_markers"}
+    assert propose(grey(scene(9))).findings == ()
 
 
 def test_without_markers_nothing_is_proposed_and_the_methods_are_the_defaults():
     proposal = propose(np.full((1, 40, 50), 7, np.uint8))
     assert proposal.reasons == () and proposal.sizes is None
     assert (proposal.centroids, proposal.scanning) == (type(proposal.centroids)(), type(proposal.scanning)())
-    assert "No parameters can be proposed" in proposal.text()
+    assert "No parameters can be proposed" in proposal_text(proposal)
 
 
 def test_the_text_is_a_table_of_a_session_file():
     """Also what is commented out, once the paper's method is asked for; each value has its reason beside it."""
     for images in (grey(scene(10)), 255 - grey(scene(10, ground=40.0))):
         proposal = propose(images)
-        text = proposal.text()
+        text = proposal_text(proposal)
         assert method_of("detect", tomllib.loads(text)["detect"]) == proposal.centroids
         lines = [line.removeprefix("# ") for line in text.splitlines() if " = " in line and " method " not in line]
         lines = [line for line in lines if "`" not in line and not line.startswith(("min_width", "max_aspect"))]
@@ -290,7 +293,7 @@ def test_the_dots_of_a_real_body_are_found(camera):
     for method in methods(proposal):
         found = detect_frames(next(source.batches(1)), method=method)
         assert 103 <= (found.validity == 0).sum() <= 106
-    assert any("clipped" in warning for warning in proposal.warnings)
+    assert "light_clipped" in {one.kind for one in proposal.findings}
 
 
 @pytest.mark.parametrize("camera", [0, 1, 2, 3])

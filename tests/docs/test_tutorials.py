@@ -3,7 +3,8 @@
 from pathlib import Path
 
 import pytest
-from tutorial_pages import agrees, blocks, commands, compare, pages, run_page
+
+from support.tutorial_pages import agrees, blocks, commands, compare, pages, run_page
 
 TUTORIALS = Path(__file__).parents[2] / "docs" / "tutorials"
 

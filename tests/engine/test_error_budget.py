@@ -10,13 +10,15 @@ from kinemark.apps import cli
 from kinemark.data import Cloud, Detections, KinemarkError, MarkerTrajectory, Rig, Tracks, Trajectories
 from kinemark.engine.error_budget import error_budget
 from kinemark.engine.session import Session
-from kinemark.findings.sensitivity_figures import sensitivity_figures, sensitivity_summary
+from kinemark.findings.sensitivity_figures import sensitivity_figures
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.report.sensitivity_page import sensitivity_page
 from kinemark.sensitivity import ErrorBudget, SampledFrames, gather, gather_named, rank, segments, typical
 from support.captures import ring
 from support.error_budget import RATE, dance, moved_cameras, recorded, shown_by
+from support.findings import kinds
+from support.schema import check_findings
 from support.shared import shared_data
 from support.studies import figures, printed
 
@@ -133,7 +135,7 @@ def test_two_cameras_have_nothing_to_lose():
     assert ranking.lost == ()
     told = sensitivity_figures(ranking, session="s", trial="t")
     assert "assumed" in next(r for r in told["ranking"] if r["source"] == "centroid noise")["origin"]
-    assert "With two cameras" in sensitivity_summary(told)
+    assert kinds(told)[-1] == "two_cameras_no_loss" and told["verdict"]["statements"][-1] == told["findings"][-1]
     assert "<html" in sensitivity_page(figures=told, ranking=ranking, rig=rig)
 
 
@@ -189,6 +191,7 @@ def test_the_command_ranks_a_session(session, capsys):
     with pytest.raises(KinemarkError, match="no trial"):
         cli.sensitivity(session, trial="walk99")
     saved = json.loads((session / "results/walk01/sensitivity.json").read_text("utf-8"))
+    check_findings(saved)
     assert saved["placement_mm"] == 3 and len(saved["ranking"]) == 5 and len(saved["lost"]) == 4
     assert sum(row["variance_share"] for row in saved["ranking"]) == pytest.approx(1)
     page = (session / "results/walk01/sensitivity.html").read_text("utf-8")

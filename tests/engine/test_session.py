@@ -10,9 +10,9 @@ import pytest
 
 from kinemark.data import Analog, ForcePlate, KinemarkError, Trial
 from kinemark.detect import detect
-from kinemark.engine.pipeline import alongside, together
+from kinemark.engine.alongside import alongside, together
 from kinemark.engine.session import Session
-from kinemark.engine.settings import METHODS, read_settings
+from kinemark.engine.settings import SETTABLE, read_settings
 from kinemark.geometry import project_all, to_dlt
 from kinemark.io.c3d import read_c3d
 from kinemark.io.control_points import read_control_points
@@ -22,8 +22,10 @@ from kinemark.io.images import open_images, write_png
 from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
 from kinemark.io.video import write_video
 from kinemark.synth.score import score
+from support.findings import found, kinds
 from support.laboratory import observe, ring
 from support.motions import swarm
+from support.schema import check_quality
 from support.shared import shared_data
 
 POINTS = swarm(n=6, frames=40)
@@ -60,6 +62,11 @@ def run(folder):
     return Session.open(folder).run()["one"]
 
 
+def recomputed(trial):
+    """The stages that were computed, but for the two that tell of the others."""
+    return tuple(stage for stage in trial.computed if stage not in ("quality", "write"))
+
+
 def test_a_session_gives_tracks_c3d_report_and_figures(folder):
     given = {path: path.read_bytes() for path in folder.iterdir()}
     result = run(folder)
@@ -70,6 +77,7 @@ def test_a_session_gives_tracks_c3d_report_and_figures(folder):
     assert trial.trajectories.rate == 100
     assert np.nanmax(np.abs(trial.trajectories.xyz - result.trajectories.xyz)) < 1e-3
     figures = json.loads((folder / "results/one/quality.json").read_text())
+    check_quality(figures)
     assert figures["session"] == "test"
     assert "<html" in (folder / "results/one/report.html").read_text()
     assert {path: path.read_bytes() for path in given} == given
@@ -80,28 +88,28 @@ STAGED = '[track]\nmethod = "extrapolation_ladder"\n[calibration]'
 
 
 def test_a_second_run_does_only_what_changed(folder):
-    assert run(folder).computed == ("detect", "track")
+    assert recomputed(run(folder)) == ("detect", "track")
     before = {p: p.stat().st_mtime_ns for p in (folder / "results/one").glob("*.h5")}
-    assert run(folder).computed == ()
+    assert recomputed(run(folder)) == ()
     assert {p: p.stat().st_mtime_ns for p in before} == before
     changed(folder, "[calibration]", "[track]\ngate = 4.0\n[calibration]")
-    assert run(folder).computed == ("track",)
+    assert recomputed(run(folder)) == ("track",)
     changed(folder, "[track]", "[reconstruct]\nmarker_diameter = 25.0\n[track]")
-    assert run(folder).computed == ("track",)
+    assert recomputed(run(folder)) == ("track",)
     rig = read_rig_toml(folder / "rig.toml")
     write_rig_toml(folder / "rig.toml", replace(rig, cameras=rig.cameras[:3]))
-    assert run(folder).computed == ("detect", "track")
+    assert recomputed(run(folder)) == ("detect", "track")
 
 
 def test_a_tracker_of_points_runs_the_stages_before_it(folder):
     changed(folder, "[calibration]", STAGED)
-    assert run(folder).computed == ("detect", "match", "reconstruct", "track")
+    assert recomputed(run(folder)) == ("detect", "match", "reconstruct", "track")
     changed(folder, "[track]", "[reconstruct]\ntails = 2.0\n[track]")
-    assert run(folder).computed == ("reconstruct", "track")
+    assert recomputed(run(folder)) == ("reconstruct", "track")
     changed(folder, "extrapolation_ladder", "kiss_tracking")
-    assert run(folder).computed == ("track",)
+    assert recomputed(run(folder)) == ("track",)
     changed(folder, "[reconstruct]", '[match]\nmethod = "kiss_triplets"\n[reconstruct]')
-    assert run(folder).computed == ("match", "reconstruct", "track")
+    assert recomputed(run(folder)) == ("match", "reconstruct", "track")
     assert score(run(folder).tracks, POINTS).recall > 0.99
 
 
@@ -119,21 +127,21 @@ def test_what_the_tracker_doubts_outlives_the_run(folder):
     said = json.loads((folder / "results/one/ambiguous_decisions.json").read_text())
     assert set(said) == {"ambiguous_decisions", "diagnostics"}
     again = run(folder)
-    assert again.computed == () and again.quality["ambiguous_decisions"] == first.quality["ambiguous_decisions"]
+    assert recomputed(again) == () and again.quality["ambiguous_decisions"] == first.quality["ambiguous_decisions"]
     (folder / "results/one/ambiguous_decisions.json").write_text("{")
-    assert run(folder).computed == ("track",)
+    assert recomputed(run(folder)) == ("track",)
 
 
 def test_what_is_lost_or_damaged_is_made_again(folder):
     results = folder / "results/one"
     first = run(changed(folder, "[calibration]", STAGED))
     (results / "report.html").unlink()
-    assert run(folder).computed == ()
+    assert recomputed(run(folder)) == ()
     assert (results / "report.html").is_file()
     (results / "cloud.h5").write_bytes(b"damaged")
-    assert run(folder).computed == ("reconstruct",)
+    assert recomputed(run(folder)) == ("reconstruct",)
     (results / "steps.json").write_text("{")
-    assert run(folder).computed == ("detect", "match", "reconstruct", "track")
+    assert recomputed(run(folder)) == ("detect", "match", "reconstruct", "track")
     assert np.array_equal(run(folder).tracks.id, first.tracks.id)
 
 
@@ -142,11 +150,11 @@ def test_a_run_that_was_cut_off_goes_on(folder, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("kinemark.engine.pipeline.track_simultaneously", fail)
+        patch.setattr("kinemark.engine.trial_graph.track_simultaneously", fail)
         with pytest.raises(KeyboardInterrupt):
             run(folder)
     assert not list(folder.rglob("*.part*"))
-    assert run(folder).computed == ("track",)
+    assert recomputed(run(folder)) == ("track",)
 
 
 @pytest.mark.parametrize(
@@ -188,19 +196,20 @@ def test_a_trial_that_is_not_there_is_named(folder):
 
 def test_every_method_can_be_written_in_the_file(folder):
     given = (folder / "session.toml").read_text()
-    for stage, methods in METHODS.items():
-        for name, kind in methods.items():
+    for stage, methods in SETTABLE.items():
+        for name, declared in methods.items():
             staged = '[track]\nmethod = "swamidas"\n' if stage in ("match", "reconstruct") else ""
-            (folder / "session.toml").write_text(f'{given}{staged}[{stage}]\nmethod = "{name}"\n')
+            needed = 'markers = ["A", "B"]\n' if stage == "digitise" else ""
+            (folder / "session.toml").write_text(f'{given}{staged}[{stage}]\nmethod = "{name}"\n{needed}')
             found = getattr(read_settings(folder / "session.toml"), stage)
-            assert type(found.method if stage == "fill" else found) is kind
+            assert type(found.method if stage == "fill" else found) is declared.kind
 
 
 def test_dlt_files_need_their_unit_and_then_give_the_same_points(folder):
     rig = ring(4, lens=np.zeros(5))
     write_detections_csv(folder / "one.csv", observe(rig, POINTS)[0])
     write_rig_toml(folder / "rig.toml", rig)
-    direct = run(folder)
+    direct = run(folder).tracks
     metres = to_dlt(rig.P) * np.array([1000, 1000, 1000, 1, 1000, 1000, 1000, 1, 1000, 1000, 1000])
     write_dlt_csv(folder / "rig.csv", metres)
     changed(folder, "rig.toml", "rig.csv")
@@ -208,7 +217,7 @@ def test_dlt_files_need_their_unit_and_then_give_the_same_points(folder):
     with pytest.raises(KinemarkError, match="length_unit"):
         run(folder)
     by_dlt = run(changed(folder, "[calibration]", '[calibration]\nlength_unit = "m"'))
-    assert np.abs(by_dlt.tracks.cloud.xyz - direct.tracks.cloud.xyz).max() < 1e-3
+    assert np.abs(by_dlt.tracks.cloud.xyz - direct.cloud.xyz).max() < 1e-3
 
 
 IMAGES = """\
@@ -259,7 +268,7 @@ def test_the_report_shows_the_frames_that_it_names(filmed):
     folder, _ = filmed
     session = Session.open(folder)
     rig = session.calibrate().rig
-    source = session.source(session.settings.trials[0], rig)
+    source = session.trial("one").source(rig)
     asked = [0, 7, 29]
     for name, f, picture in zip(rig.names, asked, source.pictures(asked), strict=True):
         np.testing.assert_array_equal(picture, list(open_images(folder / f"one/{name}.mkv"))[f])
@@ -351,10 +360,10 @@ def test_outputs_that_were_not_written_are_written_by_the_next_run(folder, monke
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("kinemark.engine.pipeline.write_c3d", fail)
+        patch.setattr("kinemark.engine.trial_graph.write_c3d", fail)
         with pytest.raises(KeyboardInterrupt):
             run(folder)
-    assert run(folder).computed == ()
+    assert recomputed(run(folder)) == ()
     assert len(read_c3d(folder / "results/one/one.c3d").trajectories) == 0
     run(changed(folder, 'name = "test"', 'name = "renamed"'))
     assert json.loads((folder / "results/one/quality.json").read_text())["session"] == "renamed"
@@ -386,9 +395,10 @@ def test_cameras_of_one_name_are_refused(folder):
 
 def test_a_rate_that_the_videos_contradict_is_a_doubt(filmed):
     folder, _ = filmed
-    assert not run(folder).quality["notes"]
+    assert "frame_rate_contradicted" not in kinds(run(folder).quality)
     figures = run(changed(folder, "rate_hz = 50.0", "rate_hz = 500.0")).quality
-    assert "500 Hz and the videos say otherwise: c0 50 Hz" in figures["notes"][0]
+    (one,) = found(figures, "frame_rate_contradicted")
+    assert one.cameras[0] == "c0" and one.values["rate_hz"] == 500 and set(one.values["stated_hz_list"]) == {50.0}
     assert figures["verdict"]["grade"] != "green"
 
 

@@ -22,6 +22,8 @@ from kinemark.report.angles_page import angles_page
 from kinemark.report.figures_angles import joint_figure
 from kinemark.report.stick import MOST_FRAMES, stick_data
 from kinemark.synth.arm import arm
+from support.findings import found, kinds
+from support.schema import check_findings
 from support.shared import shared_data
 
 UM2AS = load_model("um2as")
@@ -127,6 +129,7 @@ def test_the_page_needs_nothing_else_and_tells_what_it_knows(written):
     assert sorted(ids) == ["cycle0", "cycle1", "cycle2", "joint0", "joint1", "joint2"]
     figures = json.loads((result.folder / "angles.json").read_text())
     assert figures["verdict"]["grade"] == "green" and len(figures["angles"]) == 8
+    check_findings(figures)
 
 
 def test_the_stick_figure_is_the_markers_seen_from_the_laboratory(written):
@@ -169,9 +172,10 @@ def test_ranges_locks_and_joints_without_frames_are_told():
         for j in UM2AS.joints
     )
     result = trial_angles(trial, model=replace(UM2AS, joints=narrow), settings=AngleSettings(lock_deg=85.0))
-    texts = [w["what"] for w in result.figures["warnings"]]
-    assert any("Elbow flexion/extension is beyond its normal range" in t for t in texts)
-    assert any("is in gimbal lock: frame" in t for t in texts) and result.figures["verdict"]["grade"] == "amber"
+    beyond = [(one.values["joint"], one.values["angle"]) for one in found(result.figures, "angle_beyond_normal")]
+    assert ("elbow", "flexion/extension") in beyond
+    assert all(one.frames for one in found(result.figures, "gimbal_lock"))
+    assert "gimbal_lock" in kinds(result.figures, "amber") and result.figures["verdict"]["grade"] == "amber"
     table = next(row for row in result.figures["angles"] if row["joint"] == "elbow" and row["positive"] == "flexion")
     assert table["frames"] == 300 and table["outside_frames"] > 0  # marked, not hidden
     shapes = joint_figure(result.angles, result.model, 1).layout.shapes
@@ -181,9 +185,10 @@ def test_ranges_locks_and_joints_without_frames_are_told():
         MarkerTrajectory.measured(p.name, np.full_like(p.xyz, np.nan)) if p.name == "MC37" else p
         for p in trial.trajectories
     )))  # fmt: skip
-    found = trial_angles(blind, model=UM2AS)
-    assert found.figures["verdict"]["grade"] == "red" and np.isfinite(found.angles.deg[:2]).all()
-    page = angles_page(figures=found.figures, angles=found.angles, model=UM2AS, points=found.points)
+    without = trial_angles(blind, model=UM2AS)
+    assert without.figures["verdict"]["grade"] == "red" and np.isfinite(without.angles.deg[:2]).all()
+    assert [one.values["joints_list"] for one in found(without.figures, "joints_without_angles")] == [("wrist",)]
+    page = angles_page(figures=without.figures, angles=without.angles, model=UM2AS, points=without.points)
     assert "No frame has angles of: wrist" in page
 
 
@@ -201,7 +206,7 @@ def test_it_is_said_where_the_sd_comes_from(sd, origin):
 def test_paths_that_were_smoothed_before_are_noticed():
     trial, _ = eating(sd=0.0, hole=False)
     result = trial_angles(trial, model=UM2AS)
-    assert any("were smoothed before" in w["what"] for w in result.figures["warnings"])
+    assert "markers_smoothed_before" in kinds(result.figures)
 
 
 @pytest.mark.parametrize("smoothing", ["butterworth", "woltring"])

@@ -10,7 +10,7 @@ from scipy.stats import spearmanr
 from kinemark.data import Origin, Trajectories
 from kinemark.engine.formats import read
 from kinemark.fill import (
-    METHODS,
+    FILL,
     Auto,
     Body,
     Gap,
@@ -22,11 +22,11 @@ from kinemark.fill import (
     fill,
     find_gaps,
 )
-from kinemark.fill.fill import ENOUGH, UNASKED, _tested, ask, ask_winners, choose
+from kinemark.fill.fill import ENOUGH, UNASKED, _tested, ask, ask_winners, choose, within_time
 from kinemark.fill.local_frames import local, triad
 from kinemark.fill.marker_array import Prediction
 from kinemark.fill.methods.local_regression import fill_local_regression
-from kinemark.fill.methods.table import FILLERS, NAMES, name_of, within_time
+from kinemark.fill.methods.stage import filler_of
 from kinemark.fill.mirrored_markers import REFLECTED, partners
 from kinemark.synth import dressed, walking
 from support.filling import moving, off, trial
@@ -39,19 +39,19 @@ OURS = [LocalRegression(), Body()]
 class TestFillersOfSeveralDonors:
     def test_a_rigid_body_is_filled_exactly(self, method):
         motion, gap = moving(), Gap(2, 100, 200)
-        (said,) = FILLERS[type(method)](motion.hidden([gap]), [gap], method=method)
+        (said,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
         assert off(said, motion, gap).max() < 0.05
 
     def test_what_moves_with_the_donors_is_learnt(self, method):
         motion, gap = moving(soft=10.0, noise=0.1), Gap(2, 100, 200)
-        (said,) = FILLERS[type(method)](motion.hidden([gap]), [gap], method=method)
+        (said,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
         assert off(said, motion, gap).mean() < 0.8  # of a wobble of 10 mm
 
     def test_a_turned_and_shifted_trial_is_filled_alike(self, method):
         motion, gap = moving(soft=8.0, noise=0.5), Gap(1, 120, 180)
         turn, shift = Rotation.from_rotvec([0.4, -1.1, 2.0]), np.array([4e3, -2e3, 900.0])
         turned = motion._replace(xyz=np.stack([turn.apply(x) for x in motion.xyz]) + shift)
-        filler = FILLERS[type(method)]
+        filler = filler_of(method)
         (a,) = filler(motion.hidden([gap]), [gap], method=method)
         (b,) = filler(turned.hidden([gap]), [gap], method=method)
         assert np.allclose(turn.apply(a.xyz) + shift, b.xyz, atol=1e-5)
@@ -60,27 +60,27 @@ class TestFillersOfSeveralDonors:
         method = replace(method, hz=1000.0, frames=1000) if isinstance(method, Body) else method
         motion, gap = moving(201, soft=8.0, noise=0.5), Gap(1, 80, 121)
         back = motion._replace(xyz=motion.xyz[:, ::-1])
-        (a,) = FILLERS[type(method)](motion.hidden([gap]), [gap], method=method)
-        (b,) = FILLERS[type(method)](back.hidden([gap]), [gap], method=method)
+        (a,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
+        (b,) = filler_of(method)(back.hidden([gap]), [gap], method=method)
         assert np.allclose(a.xyz, b.xyz[::-1], atol=1e-3)
 
     def test_what_is_hidden_cannot_matter(self, method):
         motion, gap = moving(soft=8.0, noise=0.5), Gap(1, 120, 180)
         other = motion.xyz.copy()
         other[1, 120:180] += 1e3
-        (a,) = FILLERS[type(method)](motion.hidden([gap]), [gap], method=method)
-        (b,) = FILLERS[type(method)](motion._replace(xyz=other).hidden([gap]), [gap], method=method)
+        (a,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
+        (b,) = filler_of(method)(motion._replace(xyz=other).hidden([gap]), [gap], method=method)
         assert np.array_equal(a.xyz, b.xyz)
 
     def test_donors_that_are_missing_are_not_used(self, method):
         motion = moving(soft=8.0)
         gaps = [Gap(k, 120, 180) for k in (1, 2, 3)]
-        said = FILLERS[type(method)](motion.hidden(gaps), gaps, method=method)
+        said = filler_of(method)(motion.hidden(gaps), gaps, method=method)
         assert all(np.isfinite(s.xyz).all() and not {1, 2, 3} & set(s.donors) for s in said)
 
     def test_two_markers_carry_no_frame(self, method):
         gap = Gap(0, 100, 120)
-        (said,) = FILLERS[type(method)](moving(markers=2).hidden([gap]), [gap], method=method)
+        (said,) = filler_of(method)(moving(markers=2).hidden([gap]), [gap], method=method)
         assert np.isnan(said.xyz).all() and "wanted 3" in said.reason
 
     def test_donors_on_a_line_carry_no_frame(self, method):
@@ -88,7 +88,7 @@ class TestFillersOfSeveralDonors:
         line = motion.xyz.copy()
         line[1:] = line[1] + np.arange(3)[:, None, None] * np.array([10.0, 0, 0])
         gap = Gap(0, 100, 120)
-        (said,) = FILLERS[type(method)](motion._replace(xyz=line).hidden([gap]), [gap], method=method)
+        (said,) = filler_of(method)(motion._replace(xyz=line).hidden([gap]), [gap], method=method)
         assert np.isnan(said.xyz).all() and "line" in said.reason
 
 
@@ -96,7 +96,7 @@ def test_the_own_error_bars_of_kriging_hold_on_a_model_of_its_kind():
     inside = []
     for seed in range(12):
         motion, gap = moving(400, soft=5.0, noise=0.5, seed=seed), Gap(2, 150, 250)
-        (said,) = FILLERS[Body](motion.hidden([gap]), [gap], method=Body(frames=100))
+        (said,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body(frames=100))
         error = said.xyz - motion.xyz[2, 150:250]
         inside.append((np.abs(error) < 1.96 * np.sqrt(np.diagonal(said.cov, axis1=1, axis2=2))).mean())
     assert 0.75 < np.mean(inside) <= 1.0  # before calibration
@@ -109,7 +109,7 @@ def test_the_mirrored_side_teaches():
     for marker in range(0, 15, 2):
         gap = Gap(marker, 20, 190)
         errors = [
-            off(FILLERS[Body](motion.hidden([gap]), [gap], method=Body(mirror=m))[0], motion, gap).mean()
+            off(filler_of(Body())(motion.hidden([gap]), [gap], method=Body(mirror=m))[0], motion, gap).mean()
             for m in (True, False)
         ]
         better.append(errors[0] / errors[1])
@@ -179,11 +179,11 @@ class TestFill:
                 Prediction.none(g.length, "shy") if g in gaps_of_shy else s for g, s in zip(gaps, said, strict=True)
             ]
 
-        monkeypatch.setitem(FILLERS, LocalRegression, shy)
+        monkeypatch.setitem(FILL._known, "local_regression", replace(FILL["local_regression"], function=shy))
         motion = moving(900, markers=6, soft=3.0, noise=0.5)
         gaps = [Gap(k % 6, 12 + 36 * k, 13 + 36 * k + 3 * (k % 10)) for k in range(24)]
         gaps_of_shy = gaps[7:10]  # which it does well in the tests of
-        hidden, candidates = motion.hidden(gaps), [Linear(), METHODS["pattern"](), LocalRegression()]
+        hidden, candidates = motion.hidden(gaps), [Linear(), FILL.make("pattern"), LocalRegression()]
         everyone, few = (make(hidden, gaps, candidates) for make in (ask, ask_winners))
         chosen = []
         for index in range(len(gaps)):
@@ -225,7 +225,7 @@ class TestFill:
         motion = trial(moving())
         with pytest.raises(ValueError, match="limit_mm is 0"):
             fill(motion, limit_mm=0)
-        with pytest.raises(ValueError, match="no method of filling"):
+        with pytest.raises(ValueError, match="no method of the stage fill"):
             fill(motion, method="spline")
         with pytest.raises(ValueError, match="each once"):
             Auto((Body(), Body(donors=4)))
@@ -237,8 +237,8 @@ class TestFill:
                 LocalRegression(**bad)
 
     def test_every_method_has_a_name_and_a_filler(self):
-        assert set(METHODS) == {*NAMES, "auto"} and set(NAMES.values()) == set(FILLERS)
-        assert all(name_of(kind()) == name for name, kind in NAMES.items())
+        assert [name for name, declared in FILL.items() if declared.function is None] == ["auto"]
+        assert all(FILL.of(declared.kind()).name == name for name, declared in FILL.items())
         motion = moving()
         assert within_time(Body(), [Gap(2, 100, 120)] * 3, motion) == Body()
         assert within_time(Body(), [Gap(2, 100, 120)] * 30, motion).hyper

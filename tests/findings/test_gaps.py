@@ -19,7 +19,9 @@ from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.report.figures_gaps import gap_figure
 from kinemark.report.filling_page import filling_page
 from support.filling import GAP, segment, swaying, trial_of, with_gap
+from support.findings import found
 from support.laboratory import observe, ring
+from support.schema import check_findings
 
 QUICK = {"method": Linear(), "name": "linear", "limit_mm": np.inf}
 
@@ -43,7 +45,8 @@ def test_replaced_samples_are_told_drawn_and_kept_on_request(tmp_path):
     (gap,) = done.figures["list"]
     assert gap["trimmed"] == [103, 104] and done.figures["replaced"] == 2  # the file counts from 5
     assert np.abs(read_c3d(tmp_path / "out.c3d").trajectories["A"].xyz[98:100] - truth[0, 98:100]).max() < 3
-    assert any("2 samples measured beside 1 gap" in remark["what"] for remark in done.figures["warnings"])
+    (replaced,) = found(done.figures, "samples_replaced")
+    assert (replaced.values["samples"], replaced.values["gaps"]) == (2, 1)
     assert done.figures["verdict"]["grade"] == "green"  # a note is no doubt
     page = (tmp_path / "out.html").read_text()
     assert page.count("<circle") == 6 and "2 samples measured beside 1 gap" in filled_text({source: done})
@@ -71,7 +74,10 @@ def test_trim_is_the_same_in_a_session_in_python_and_on_the_command_line(tmp_pat
 def said_of(xyz, **options):
     before = trial_of(xyz).trajectories
     filled = fill(before, method=options.pop("method", Linear()), **options)
-    return filling_figures(filled, before, source="s", method="linear", limit_mm=options.get("limit_mm", 20.0))
+    limit = options.get("limit_mm", 20.0)
+    figures = filling_figures(filled, before, source="s", method="linear", limit_mm=limit)
+    check_findings(figures)
+    return figures
 
 
 def test_missing_samples_are_counted_once_each():
@@ -88,7 +94,7 @@ def test_missing_samples_are_counted_once_each():
 
 def test_a_trial_without_any_sample_is_not_called_good():
     figures = said_of(np.full((4, 50, 3), np.nan))
-    assert figures["verdict"]["grade"] == "red" and "No marker is seen" in figures["verdict"]["headline"]
+    assert figures["verdict"]["grade"] == "red" and figures["verdict"]["statements"][0]["kind"] == "no_marker_seen"
     assert said_of(segment(50))["verdict"]["grade"] == "green"
     one = segment(50)
     one[3, 5:] = np.nan
@@ -111,7 +117,8 @@ def test_a_gap_with_a_great_standard_deviation_asks_for_a_look():
     gap = FilledGap("A", GAP.start, GAP.stop, "body", 2.0)
     figures = filling_figures(Filled(after, (gap,)), before, source="s", method="body", limit_mm=20.0)
     assert figures["list"][0]["sd_worst_mm"] == pytest.approx(20)
-    assert figures["verdict"]["grade"] == "amber" and "20\u00a0mm" in figures["warnings"][0]["what"]
+    assert figures["verdict"]["grade"] == "amber"
+    assert found(figures, "gaps_uncertain")[0].values["worst_mm"] == pytest.approx(20)
 
 
 def test_a_fill_that_no_test_could_judge_is_said_to_be_unknown():
@@ -121,7 +128,7 @@ def test_a_fill_that_no_test_could_judge_is_said_to_be_unknown():
     judged, unjudged = replace(gap, start=0, stop=1), replace(gap, expected_mm=np.inf)
     figures = filling_figures(filled._replace(gaps=(judged, unjudged)), before, source="s", method="l", limit_mm=np.inf)
     assert figures["unknown"] == 1 and figures["expected_worst_mm"] == gap.expected_mm
-    assert figures["verdict"]["grade"] == "amber" and "nobody knows" in str(figures["warnings"])
+    assert figures["verdict"]["grade"] == "amber" and found(figures, "gaps_untested")[0].values["gaps"] == 1
     assert "expected –" in filling_page(figures=figures, trajectories=filled.trajectories, before=before)
 
 

@@ -1,4 +1,4 @@
-"""What the figures of a trial say: exact ones for known faults, words for each, and none for a perfect trial."""
+"""The figures of a trial: exact ones, a finding for every known fault, and none for a perfect trial."""
 
 import json
 import math
@@ -7,20 +7,33 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.data import Detections, KinemarkError, MarkerTrajectory, Origin, Rig, Tracks, Trajectories, Validity
+from kinemark.data import (
+    Detections,
+    KinemarkError,
+    MarkerTrajectory,
+    Origin,
+    Rig,
+    Tracks,
+    Trajectories,
+    Validity,
+    make_finding,
+)
 from kinemark.findings.markers import completeness, in_view, jitter, markers_worn
 from kinemark.findings.plain import plain, runs
-from kinemark.findings.trial_advice import CHECKS
+from kinemark.findings.trial_findings import trial_findings
 from kinemark.report import summary, write_quality, write_report
 from kinemark.report.formatting import number, percent, some
-from support.captures import RATE, capture, empty_capture, found, judge, ring, walk
+from kinemark.report.words import advice_of
+from support.captures import RATE, capture, empty_capture, judge, ring, walk
+from support.findings import found
+from support.schema import check_quality
 
 
 def test_a_perfect_trial_is_green_and_its_figures_are_known():
     rig = ring()
     figures = judge(rig, capture(rig, walk()))
     assert figures["verdict"]["grade"] == "green"
-    assert figures["warnings"] == []
+    assert figures["findings"] == []
     assert figures["recording"] == {"frames": 40, "rate_hz": 50.0, "duration_s": 0.8}
     assert figures["points"]["count"] == 120
     assert figures["points"]["per_frame_mean"] == 3
@@ -49,14 +62,17 @@ def test_a_camera_two_pixels_off_is_found_and_named():
         assert figures["cameras"][1][key] < 1e-9
     assert figures["cameras"][2]["offset_px"] == pytest.approx([1.2, -1.6])
     assert figures["points"]["residual_rms_px"] == pytest.approx(1.0)  # one view in four is 2 px off
-    assert [w["what"].split()[1] for w in found(figures, "disagrees")] == ["cam3"]
+    (one,) = found(figures, "camera_disagrees")
+    assert one.cameras == ("cam3",) and one.values["residual_px"] == pytest.approx(2.0)
+    assert (one.values["offset_u_px"], one.values["offset_v_px"]) == pytest.approx((1.2, -1.6))
+    assert figures["verdict"]["findings"] == ["camera_disagrees"]
     assert figures["verdict"]["grade"] == "amber"
 
 
 def test_equal_residuals_blame_no_camera():
     rig = ring()
     figures = judge(rig, capture(rig, walk(), np.full((4, 2), 0.6)))
-    assert not found(figures, "disagrees")
+    assert not found(figures, "camera_disagrees")
 
 
 def test_detections_are_counted_used_and_refused():
@@ -95,7 +111,7 @@ def test_gaps_and_completeness():
     assert together["longest_gap_s"] == pytest.approx(0.5)
     assert together["completeness_share"] == pytest.approx(1 - 38 / 400)
     assert markers[2]["first_seen_s"] == pytest.approx(0.2)
-    assert [w["what"] for w in found(figures, "Gaps longer")] == ["Gaps longer than 0.2 s in marker m1."]
+    assert [one.markers for one in found(figures, "long_gaps")] == [("m1",)]
 
 
 def test_in_view_leaves_out_the_way_into_the_volume():
@@ -117,7 +133,7 @@ def test_filled_samples_are_told_apart():
     figures = judge(rig, {**records, "trajectories": replace(records["trajectories"], paths=paths)})
     marker = figures["trajectories"]["markers"][0]
     assert (marker["filled_samples"], marker["edited_samples"], marker["longest_fill_frames"]) == (20, 1, 20)
-    assert found(figures, "filled, not measured, in marker m0")
+    assert [one.markers for one in found(figures, "much_filled")] == [("m0",)]
 
 
 def test_volume_given_and_spanned():
@@ -126,7 +142,7 @@ def test_volume_given_and_spanned():
     assert figures["volume"]["given_mm"] == [[0, -500, 0], [150, 500, 2000]]
     assert figures["volume"]["spanned_mm"] == pytest.approx(np.array([xyz[0].min(0), xyz[0].max(0)]))
     assert figures["volume"]["samples_outside_given_share"] == pytest.approx(15 / 31)
-    assert found(figures, "outside the control volume")
+    assert found(figures, "outside_volume")[0].values["samples_share"] == pytest.approx(15 / 31)
 
 
 def test_jitter_is_the_noise_that_was_added():
@@ -135,31 +151,48 @@ def test_jitter_is_the_noise_that_was_added():
 
 
 @pytest.mark.parametrize(
-    ("change", "text", "severity"),
+    ("change", "kind", "severity", "about"),
     [
-        (lambda q: q["cameras"][1].update(detections=0), "cam2 saw nothing", "amber"),
-        (lambda q: q["cameras"][1].update(used_of_valid_share=0.3), "Much of what camera cam2 saw", "amber"),
-        (lambda q: q["cameras"][1].update(calibration_residual_px=7.0), "calibration itself is poor", "amber"),
-        (lambda q: q["points"].update(fewer_than_3_cameras_share=0.8), "only two cameras", "amber"),
-        (lambda q: q["points"].update(residual_median_px=1.5), "agree poorly", "amber"),
-        (lambda q: q["points"].update(residual_median_px=4.0), "agree poorly", "red"),
-        (lambda q: q["points"].update(in_a_track_share=0.5), "belong to no track", "amber"),
-        (lambda q: q.update(notes=["The videos say 25 Hz."]), "The videos say 25 Hz", "amber"),
-        (lambda q: q["cameras"][0].update(focal_px=[800.0, 600.0]), "not be square", "amber"),
-        (lambda q: q["trajectories"].update(completeness_in_view_share=0.9), "Only 90.0", "amber"),
-        (lambda q: q["trajectories"].update(completeness_in_view_share=0.5), "Only 50.0", "red"),
-        (lambda q: q["trajectories"]["markers"][0].update(name="*1"), "have no marker name", "info"),
-        (lambda q: q["trajectories"]["markers"][0].update(samples=0), "Never seen: marker m0", "amber"),
-        (lambda q: q["trajectories"]["markers"][0].update(sd_per_axis_mean_mm=4.0), "standard deviation", "amber"),
+        (lambda q: q["cameras"][1].update(detections=0), "camera_sees_nothing", "amber", "cam2"),
+        (lambda q: q["cameras"][1].update(used_of_valid_share=0.3), "detections_unused", "amber", "cam2"),
+        (lambda q: q["cameras"][1].update(calibration_residual_px=7.0), "calibration_residual_high", "amber", "cam2"),
+        (lambda q: q["points"].update(fewer_than_3_cameras_share=0.8), "two_camera_points", "amber", None),
+        (lambda q: q["points"].update(residual_median_px=1.5), "cameras_agree_poorly", "amber", None),
+        (lambda q: q["points"].update(residual_median_px=4.0), "cameras_agree_poorly", "red", None),
+        (lambda q: q["points"].update(in_a_track_share=0.5), "points_in_no_track", "amber", None),
+        (lambda q: q["cameras"][0].update(focal_px=[800.0, 600.0]), "pixels_not_square", "amber", "cam1"),
+        (lambda q: q["trajectories"].update(completeness_in_view_share=0.9), "incomplete", "amber", None),
+        (lambda q: q["trajectories"].update(completeness_in_view_share=0.5), "incomplete", "red", None),
+        (lambda q: q["trajectories"]["markers"][0].update(name="*1"), "unnamed_trajectories", "info", None),
+        (lambda q: q["trajectories"]["markers"][0].update(samples=0), "markers_never_seen", "amber", "m0"),
+        (lambda q: q["trajectories"]["markers"][0].update(sd_per_axis_mean_mm=4.0), "markers_uncertain", "amber", "m0"),
     ],
 )
-def test_every_fault_is_named_and_says_what_to_do(change, text, severity):
+def test_every_fault_is_named_and_says_what_to_do(change, kind, severity, about):
     rig = ring()
     figures = judge(rig, capture(rig, walk()))
     change(figures)
-    said = [w for check in CHECKS for w in check(figures)]
-    assert [w["severity"] for w in said if text in w["what"]] == [severity]
-    assert all(w["do"].endswith(".") for w in said)
+    findings = trial_findings(figures)
+    assert [(one.kind, one.severity) for one in findings] == [(kind, severity)]
+    assert about is None or about in findings[0].cameras + findings[0].markers
+    assert advice_of(findings[0]).endswith(".")
+
+
+def test_what_the_stages_found_is_among_the_findings():
+    rig = ring()
+    noted = make_finding("frame_rate_contradicted", cameras=["cam1"], rate_hz=50.0, stated_hz_list=[25.0])
+    figures = judge(rig, capture(rig, walk()), findings=[noted])
+    assert found(figures, "frame_rate_contradicted") == [noted]
+    assert figures["verdict"]["grade"] == "amber"
+
+
+def test_a_camera_that_was_diagnosed_is_not_blamed_twice():
+    rig = ring()
+    figures = judge(rig, capture(rig, walk()))
+    figures["cameras"][2]["used_of_valid_share"] = 0.1
+    moved = make_finding("camera_moved", cameras=[rig.names[2]], frames=[(4, 39)])
+    assert [one.kind for one in trial_findings(figures)] == ["detections_unused"]
+    assert [one.kind for one in trial_findings(figures, [moved])] == ["camera_moved"]
 
 
 def odd_cases():
@@ -187,6 +220,7 @@ def test_odd_trials_give_valid_json_text_and_page(name, tmp_path):
     write_quality(tmp_path / "quality.json", figures)
     text = (tmp_path / "quality.json").read_text(encoding="utf-8")
     assert json.loads(text, parse_constant=lambda constant: pytest.fail(constant)) == figures
+    check_quality(figures)
     assert figures["verdict"]["headline"] in summary(figures)
     write_report(tmp_path / "report.html", quality=figures, rig=rig, **records)
     assert len(figures["cameras"]) == len(records["detections"].cameras)

@@ -9,7 +9,7 @@ import pytest
 
 from kinemark.data import Detections, Validity
 from kinemark.geometry import epipolar_lines, fundamental, project
-from kinemark.match import MATCHERS, EpipolarTriplets, KissTriplets, match
+from kinemark.match import MATCH, EpipolarTriplets, KissTriplets, match
 from kinemark.match.kiss_triplets import crossings, sharing
 from support.clouds import groups_of
 from support.laboratory import IDEAL, observe, ring, seen_by
@@ -232,11 +232,11 @@ def test_invalid_detections_are_left_out_and_nothing_is_no_error():
         assert len(match(nothing, rig, method=KissTriplets(all_duals=True))) == 0
 
 
-@pytest.mark.parametrize("method", MATCHERS, ids=lambda kind: kind.__name__)
+@pytest.mark.parametrize("method", MATCH)
 def test_every_method_groups_images_of_one_frame_one_a_camera(method):
     rig, points = ring(6).select(["c0", "c2"]), swarm(n=6, frames=5)
     detections, truth = observe(rig, points, noise=0.1)
-    matches = match(detections, rig, method=method())
+    matches = match(detections, rig, method=MATCH.make(method))
     assert sum(len(group) == 1 for group in groups_of(matches, truth)) >= 25
     for c, own in enumerate(matches.view.T):
         assert (detections.camera[own] == c).all()

@@ -9,7 +9,7 @@ from scipy.stats import chi2
 
 from kinemark.data import Detections, Matches, Rig
 from kinemark.geometry import project_all, triangulate, undistort
-from kinemark.reconstruct import RECONSTRUCTORS, CameraPairs, LeastSquares, reconstruct
+from kinemark.reconstruct import RECONSTRUCT, CameraPairs, LeastSquares, reconstruct
 from kinemark.reconstruct.camera_pairs import agreeing, solutions
 from kinemark.synth import look_at, ring
 
@@ -255,10 +255,11 @@ def test_images_without_a_covariance_are_given_one_from_the_data():
 
 
 def test_the_table_has_both_methods():
-    assert set(RECONSTRUCTORS) == {LeastSquares, CameraPairs}
+    kinds = [declared.kind for declared in RECONSTRUCT.values()]
+    assert set(kinds) == {LeastSquares, CameraPairs}
     empty, rig = Matches(np.zeros(0, int), np.zeros((0, 3), int), np.zeros(0), 4), ring(3)
     nothing = Detections.build(rig.names, 50.0, np.zeros((3, 4), int), np.zeros((0, 2)))
-    for method in RECONSTRUCTORS:
+    for method in kinds:
         cloud = reconstruct(empty, nothing, rig, method=method())
         assert len(cloud) == 0 and cloud.n_frames == 4 and cloud.rate == 50
 

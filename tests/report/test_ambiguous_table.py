@@ -1,13 +1,12 @@
-"""What the report says of close decisions and of what was noticed."""
+"""The table of close decisions: grouped by value, worded in one place."""
 
 import pytest
 
-from kinemark.findings.trial_advice import warnings
 from kinemark.report.ambiguous_table import SILENT, ambiguous_table, grouped
-from support.captures import capture, judge, ring, walk
+from kinemark.report.words import decisions as words
 
 
-def doubt(kind, at, who, reason):
+def decision(kind, at, who, reason, **values):
     return {
         "kind": kind,
         "first_frame": at,
@@ -15,56 +14,51 @@ def doubt(kind, at, who, reason):
         "time_s": at / 100,
         "trajectories": who,
         "reason": reason,
+        "values": values,
     }
 
 
-LOST = "lost, and found again where its place was known to {} mm only"
-
-
-def test_the_same_doubt_about_the_same_markers_is_one_row():
-    many = [doubt("swap", 10 * k, ["*3"], LOST.format(mm)) for k, mm in enumerate((13, 21, 10))]
-    others = [doubt("swap", 15, ["*4"], LOST.format(12)), doubt("swap", 16, ["*3"], "jumped by 20 mm")]
-    both = doubt("merge", 5, ["*3"], "lived on images in which markers run together")
-    doubts = sorted([*many, *others, both], key=lambda one: one["first_frame"])
-    assert [len(own) for own in grouped(doubts)] == [3, 1, 1, 1]
-    page = ambiguous_table(doubts, told=True)
+def test_the_same_reason_about_the_same_markers_is_one_row():
+    many = [decision("swap", 10 * k, ["*3"], "found_again", sd_mm=mm) for k, mm in enumerate((13, 21, 10))]
+    others = [
+        decision("swap", 15, ["*4"], "found_again", sd_mm=12),
+        decision("swap", 16, ["*3"], "jumped", jump_mm=20),
+    ]
+    both = decision("merge", 5, ["*3"], "shared_images")
+    decisions = sorted([*many, *others, both], key=lambda one: one["first_frame"])
+    assert [len(own) for own in grouped(decisions)] == [3, 1, 1, 1]
+    page = ambiguous_table(decisions, told=True)
     assert page.count("<tr>") == 1 + 4
-    assert "known to 10–21 mm only" in page and "0.00, 0.10, 0.20" in page and "known to 12 mm only" in page
+    assert "10–21 mm" in page and "0.00, 0.10, 0.20" in page and "12 mm" in page
+
+
+def test_rows_are_grouped_by_value_whatever_the_words_are(monkeypatch):
+    decisions = [
+        decision("swap", 0, ["*3"], "found_again", sd_mm=12),
+        decision("swap", 1, ["*3"], "jumped", jump_mm=12),
+    ]
+    monkeypatch.setitem(words.REASONS, "found_again", "7 of 9")
+    monkeypatch.setitem(words.REASONS, "jumped", "7 of 9")
+    assert [len(own) for own in grouped(decisions)] == [1, 1]
 
 
 def test_many_moments_are_counted_and_none_is_lost():
-    page = ambiguous_table([doubt("swap", 10 * k, ["*3"], LOST.format(13)) for k in range(40)], told=True)
+    page = ambiguous_table([decision("swap", 10 * k, ["*3"], "found_again", sd_mm=13) for k in range(40)], told=True)
     assert "<td>40</td>" in page and "… 3.90" in page and page.count("<tr>") == 2
 
 
-def test_a_method_that_tells_no_doubts_is_not_free_of_them():
+def test_a_method_that_tells_no_decisions_is_not_free_of_them():
     assert "None." in ambiguous_table([], told=True)
     assert SILENT in ambiguous_table([], told=False) and "None." not in ambiguous_table([], told=False)
 
 
 def test_names_from_outside_are_text():
-    assert "<b>" not in ambiguous_table([doubt("swap", 1, ["<b>"], "x <b> 3")], told=True)
+    assert "<b>" not in ambiguous_table([decision("swap", 1, ["<b>"], "jumped", jump_mm=3)], told=True)
 
 
-@pytest.fixture
-def figures():
-    rig = ring()
-    return judge(rig, capture(rig, walk()))
-
-
-def advice(figures, sentence):
-    (one,) = [w for w in warnings(figures | {"diagnostics": [sentence]}) if w["what"] == sentence]
-    return one["do"]
-
-
-def test_advice_is_for_what_was_noticed(figures):
-    assert "rate_hz" in advice(figures, "Markers move at 60 m/s: is the frame rate of 5000 Hz that of the recording?")
-    assert "calibrate again" in advice(figures, "The images of camera cam3 fit no track from frame 4 on: was it moved?")
-
-
-def test_a_camera_that_was_noticed_is_not_blamed_twice(figures):
-    figures["cameras"][2]["used_of_valid_share"] = 0.1
-    name = figures["cameras"][2]["name"]
-    assert any("became no part" in w["what"] for w in warnings(figures))
-    told = figures | {"diagnostics": [f"The images of camera {name} fit no track from frame 4 on: was it moved?"]}
-    assert not any("became no part" in w["what"] for w in warnings(told))
+@pytest.mark.parametrize("reason", words.REASONS)
+def test_every_reason_has_words_for_any_number(reason):
+    names = {"distance_mm", "sd_mm", "jump_mm", "likelihood_ratio", "margin"}
+    for value in (None, 0.0, 1e30, -3.0):
+        text = words.reason_text([{"reason": reason, "values": dict.fromkeys(names, value)}])
+        assert text and "{" not in text and "None" not in text

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from plotly.offline import get_plotlyjs
 
-from kinemark.data import Detections, Origin, Step, Tracks, Validity
+from kinemark.data import Detections, Origin, Step, Tracks, Validity, make_finding
+from kinemark.findings.cameras import upwards
 from kinemark.geometry import project
 from kinemark.report import write_report
 from kinemark.report.figures_detections import SEPARATED, VALID, brightest, kinds_of, spots_figure, telling_frames
 from kinemark.report.html_tables import spots_table
 from kinemark.report.page import figures as page_figures
-from kinemark.report.scene3d import corners, scene, upwards
+from kinemark.report.scene3d import corners, scene
 from kinemark.report.thin import blocks, envelope
 from support.captures import RATE, camera_at, capture, judge, ring, walk
 
@@ -28,7 +29,11 @@ def evil_page(tmp_path_factory):
     rig = replace(rig, method=EVIL)
     records = capture(rig, walk(), names=[f"{EVIL}{m}" for m in range(3)])
     steps = [Step(EVIL, EVIL, {EVIL: EVIL}, EVIL, EVIL, 1.0)]
-    figures = judge(rig, records, session=EVIL, trial=EVIL, steps=steps, notes=[EVIL])
+    evil = [
+        make_finding("grid_image_unused", cameras=[EVIL], reason=EVIL),
+        make_finding("angle_beyond_normal", joint=EVIL, angle=EVIL, frames_share=0.5, most_deg=3.0),
+    ]
+    figures = judge(rig, records, session=EVIL, trial=EVIL, steps=steps, findings=evil)
     path = tmp_path_factory.mktemp("page") / "report.html"
     write_report(path, quality=figures, rig=rig, **records)
     html = path.read_text(encoding="utf-8")

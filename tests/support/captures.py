@@ -60,10 +60,6 @@ def judge(rig, records, **more):
     return quality(**{"session": "S", "trial": "T", "steps": STEPS, "rig": rig, **records, **more})
 
 
-def found(figures, text):
-    return [w for w in figures["warnings"] if text in w["what"]]
-
-
 def empty_capture(rig, frames):
     detections = Detections.build(rig.names, RATE, np.zeros((len(rig), frames)), np.zeros((0, 2)))
     cloud = Cloud(RATE, np.zeros(frames + 1), np.zeros((0, 3)), np.zeros((0, 3, 3)), [], np.zeros((0, len(rig))))

@@ -7,7 +7,7 @@ from kinemark.data import Cloud, Tracks, same
 from kinemark.match import KissTriplets, match
 from kinemark.reconstruct import reconstruct
 from kinemark.synth.score import score
-from kinemark.track import TRACKERS, KissTracking, blend, track, within_volume, without_short
+from kinemark.track import TRACK, KissTracking, blend, track, within_volume, without_short
 from kinemark.track.kiss_tracking import link
 from support.clouds import cloud_of, pieces
 from support.laboratory import observe, ring
@@ -213,10 +213,10 @@ def test_parameters_that_make_no_sense_are_refused(name, value):
         KissTracking(volume=((0, 0, 0), (1, -1, 1)))
 
 
-@pytest.mark.parametrize("method", TRACKERS, ids=lambda kind: kind.__name__)
+@pytest.mark.parametrize("method", [name for name, declared in TRACK.items() if declared.takes == "cloud"])
 def test_every_method_follows_slow_markers_far_apart(method):
     points = np.arange(3)[:, None, None] * [300.0, -200.0, 100.0] + line(40, [1.0, 0.5, 0.2])
-    tracks = track(cloud_of(points), method=method())
+    tracks = track(cloud_of(points), method=TRACK.make(method))
     assert tracks.lengths.tolist() == [40, 40, 40]
 
 

@@ -21,17 +21,19 @@ from ..engine.error_budget import error_budget
 from ..engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ..engine.formats import convert as convert_file
 from ..engine.formats import describe
-from ..engine.pipeline import Progress as Told
+from ..engine.progress import Progress as Told
 from ..engine.session import Session
-from ..engine.settings import methods_text, parameters
+from ..engine.settings import methods_figures, methods_text, session_schema
 from ..engine.simulate import Scene
 from ..engine.simulate import simulate as simulate_session
 from ..engine.trial_angles import AngleSettings, angles_of_file
 from ..fill import LIMIT, GapEdges
-from ..findings.angles import angle_summary
-from ..findings.sensitivity_figures import sensitivity_summary
+from ..report.angles_text import angle_summary
 from ..report.calibration_text import calibration_summary
-from ..report.terminal_summary import summary
+from ..report.proposal_text import proposal_text
+from ..report.sensitivity_text import sensitivity_summary
+from ..report.terminal_summary import finding_lines, summary
+from ..report.words import with_words
 from ..sensitivity import ErrorBudget
 from ..version import __version__
 from .demo import demo as run_demo
@@ -95,23 +97,62 @@ def demo(folder: Path = Path("demo"), *, json: Json = False) -> None:
 
 
 @app.command
-def run(session: Path, *trials: str, set: Set = None, json: Json = False) -> None:
+def run(
+    session: Path,
+    *trials: str,
+    set: Set = None,
+    to: str = "write",
+    frames: tuple[int, int] | None = None,
+    results: Path | None = None,
+    threads: int | None = None,
+    json: Json = False,
+) -> None:
     """Process a session: calibrate, detect, match, reconstruct, track, and write C3D and report.
 
     Args:
         session: a folder with a session.toml, or such a file.
         trials: names of the trials to process; all where none is given.
         set: methods and parameters instead of the file's, as track.method=kiss_tracking; `kinemark methods` lists them.
+        to: stop after this stage, such as detect, track or fill.
+        frames: only frames FIRST LAST, counted from 1, as a preview; its results go into a folder of their own.
+        results: folder for everything computed; results in the session's folder where none is given.
+        threads: how many detection may use; as many as there are processors where none is given.
         json: print the figures for a machine.
     """
+    opened = Session.open(session, overrides=set or (), results=results)
     with progress() as tell:
-        results = Session.open(session, overrides=set or ()).run(trials, progress=tell)
+        if frames is None:
+            done = opened.run(trials, to=to, progress=tell, threads=threads)
+        else:
+            previews = [opened.trial(name).preview(*frames) for name in trials or opened.names]
+            done = {trial.name: trial.run(to, progress=tell, threads=threads) for trial in previews}
     if json:
-        _print({name: result.quality for name, result in results.items()})
+        _print({name: trial.told() for name, trial in done.items()})
         return
-    for result in results.values():
-        did = ", ".join(result.computed) or "nothing: all is unchanged"
-        _print(f"{summary(result.quality)}\n\ncomputed: {did}\nresults:  {result.folder}")
+    for trial in done.values():
+        did = ", ".join(trial.computed) or "nothing: all is unchanged"
+        figures = f"{summary(trial.quality)}\n\n" if trial.done("quality") else ""
+        _print(f"{figures}computed: {did}\nresults:  {trial.folder}")
+
+
+@app.command
+def status(session: Path, *trials: str, json: Json = False) -> None:
+    """Say which stages of a session's trials are done and up to date; nothing is computed but the calibration.
+
+    Args:
+        session: a folder with a session.toml, or such a file.
+        trials: names of the trials; all where none is given.
+        json: print it for a machine.
+    """
+    opened = Session.open(session)
+    found = {name: opened.trial(name).state() for name in trials or opened.names}
+    if json:
+        _print(found)
+        return
+    for name, stages in found.items():
+        done = ", ".join(stage for stage, there in stages.items() if there) or "nothing"
+        left = ", ".join(stage for stage, there in stages.items() if not there)
+        _print(f"{name}: {done} done" + (f"; to do: {left}" if left else ""))
 
 
 @app.command
@@ -135,14 +176,23 @@ def calibrate(session: Path, *, set: Set = None, json: Json = False) -> None:
 
 @app.command
 def methods(stage: str | None = None, *, json: Json = False) -> None:
-    """List the methods of each stage with their parameters, as session.toml and --set name them.
+    """List the methods of each stage with their parameters: default, unit, range and meaning.
 
     Args:
-        stage: calibrate, detect, match, reconstruct, track or fill; all where none is given.
-        json: print them for a machine.
+        stage: calibrate, detect, match, reconstruct, track, fill, digitise, angles or smooth; all where none is given.
+        json: print them for a machine, with all that is known of each parameter.
     """
-    found = parameters(stage)
-    _print(found if json else methods_text(found))
+    _print(methods_figures(stage) if json else methods_text(stage))
+
+
+@app.command
+def schema(what: Literal["session"] = "session") -> None:
+    """Print the JSON schema of session.toml, for an editor that completes and checks it.
+
+    Args:
+        what: of which file.
+    """
+    _print({"session": session_schema}[what]())
 
 
 @app.command
@@ -163,9 +213,15 @@ def detect(source: Path, *, propose: bool = False, masks: Path | None = None, js
         return
     found = propose_detection(source)
     if json:
-        _print({name: asdict(proposal.centroids) | {"warnings": proposal.warnings} for name, proposal in found.items()})
+        _print(
+            {
+                name: asdict(proposal.centroids)
+                | {"findings": with_words([one.as_dict() for one in proposal.findings])}
+                for name, proposal in found.items()
+            }
+        )
     else:
-        _print("\n".join(f"# {name}: {proposal.text()}" for name, proposal in found.items()))
+        _print("\n".join(f"# {name}: {proposal_text(proposal)}" for name, proposal in found.items()))
 
 
 @app.command
@@ -344,7 +400,8 @@ def main() -> None:
     try:
         app()
     except KinemarkError as error:
-        errors.print(f"kinemark: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        told = "\n".join([f"kinemark: {error}", *finding_lines([found.as_dict() for found in error.findings])])
+        errors.print(told, style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)
     except BrokenPipeError:  # whoever read the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

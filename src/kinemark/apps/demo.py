@@ -9,9 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.pipeline import Progress, Results, silent
-from ..engine.session import FILE, Session
+from ..engine.open_trial import OpenTrial
+from ..engine.progress import Progress, silent
+from ..engine.session import Session
 from ..engine.simulate import Scene, simulate
+from ..engine.sources import FILE
 from ..report.terminal_summary import summary
 from ..synth.score import Score, score
 
@@ -26,7 +28,7 @@ class Demonstration:
         seconds: the whole took; simulated: whether the images were made in it.
     """
 
-    results: Results
+    results: OpenTrial
     score: Score
     markers: int
     seconds: float

@@ -16,8 +16,8 @@ from ..detect import Centroids
 from ..digitise import DigitisedImages, Look, OtherViews, SemiAutomatic, look_at
 from ..engine.calibration.from_known_points import rig_of_cp
 from ..engine.digitising import Reel, digitise_camera, digitise_trial
-from ..engine.recordings import frame_of
 from ..engine.session import Session
+from ..engine.sources import frame_of
 from ..engine.um2as import angles_files, calibrate_file, coordinates_files, table
 from ..io.images import open_images, write_png
 from ..io.um2as import camera_number, read_da_set, read_rf, write_da, write_rf

@@ -29,9 +29,11 @@ from .lens.dot_grid import order_grid, part_of_grid
 from .lens.linearisation import GridView, LensFit, Linearisation, linearise, straightness
 from .quality import map_volume, predicted_covariance
 from .reference_marker import MarkShift, corrected, find_marks, mark_shift, reference_shift
+from .stage import CALIBRATE
 from .wand import Wand, WandLengths, by_place, calibrate_wand, wand_lengths, wand_points
 
 __all__ = [
+    "CALIBRATE",
     "AspectRatio",
     "Bundle",
     "BundleFit",

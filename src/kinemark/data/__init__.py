@@ -12,6 +12,8 @@ from .detections import Detections, Validity
 from .errors import KinemarkError
 from .events import Events
 from .fills import Fills
+from .finding import SEVERITIES, Finding, FindingKind, Grade, Severity
+from .finding_kinds import KINDS, make_finding
 from .marker_set import MarkerSet
 from .matches import Matches
 from .rig import PARAMETERS, Camera, Rig
@@ -20,7 +22,9 @@ from .trajectories import MarkerTrajectory, Origin, Trajectories
 from .trial import Step, Trial
 
 __all__ = [
+    "KINDS",
     "PARAMETERS",
+    "SEVERITIES",
     "Analog",
     "AngleModel",
     "Angles",
@@ -29,7 +33,10 @@ __all__ = [
     "Detections",
     "Events",
     "Fills",
+    "Finding",
+    "FindingKind",
     "ForcePlate",
+    "Grade",
     "KinemarkError",
     "MarkerSet",
     "MarkerTrajectory",
@@ -37,10 +44,12 @@ __all__ = [
     "Origin",
     "Rig",
     "Rods",
+    "Severity",
     "Step",
     "Tracks",
     "Trajectories",
     "Trial",
     "Validity",
+    "make_finding",
     "same",
 ]

@@ -8,8 +8,10 @@ from .kiss import KissNearest, KissScanning
 from .masks import Masks, combined_masks, learn_masks
 from .proposal import DetectionProposal, propose
 from .source import FrameSource
+from .stage import DETECT
 
 __all__ = [
+    "DETECT",
     "Blobs",
     "Centroids",
     "DetectionProposal",

@@ -21,6 +21,9 @@ SPAN = 16
 LINES = 8
 STRETCHES = 8
 
+ROUNDING = 1 / 12
+"""Variance that rounding to whole grey levels has alone."""
+
 
 def background(images: NDArray[np.uint8 | np.uint16]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(n) median grey level and (n) variance of the dark pixels of frames (n, H, W), in the image's own levels."""
@@ -35,12 +38,12 @@ def background(images: NDArray[np.uint8 | np.uint16]) -> tuple[NDArray[np.float6
     few = stretches[:, :, ::4]
     level = _median(few.reshape(n, count * few.shape[2]))
     if span == 0:
-        return level, np.full(n, 1 / 12)
+        return level, np.full(n, ROUNDING)
     k = span * 2 / 3 if span > 1 else 1.0  # (2)
     d = np.diff(stretches, axis=2)
     spread = np.einsum("nsk,nsk->ns", d, d) / (2 * span)
     variance = _median(spread) / (1 - 2 / (9 * k)) ** 3  # (1)
-    return level, np.maximum(variance, 1 / 12)  # rounding to whole levels alone has 1/12
+    return level, np.maximum(variance, ROUNDING)
 
 
 def _median(values: NDArray[Any]) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Validity
-from .background_noise import background
+from .background_noise import ROUNDING, background
 from .blobs import Blobs, joined
 from .centroids_method import Centroids, grey_scale
 from .grouping import PixelGroups, group_runs
@@ -16,13 +16,15 @@ from .moments import Moments, measure, outline_centroids
 from .runs import find_runs
 from .saturation import without_clipped
 from .separate import separated
+from .stage import DETECT
 from .validity import judge, remove_noise
 
 MOST_RUNS = 1 << 18
 MOST_GROUPS = 10_000
 
 
-def detect_centroids(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids) -> Blobs:
+@DETECT.method("centroids", Centroids, source="Shafiq, Tümer and Güler 2001, section 2")
+def detect_centroids(images: NDArray[np.uint8 | np.uint16], first: int, *, method: Centroids) -> Blobs:
     """Markers in consecutive frames (n, H, W), of which the first has this number."""
     if not method.inverted:
         return _bright(images, first, method)
@@ -48,7 +50,7 @@ def _bright(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids
     groups = remove_noise(groups, method=method)
     ground, variance = background(images)
     if method.noise is not None:
-        variance = np.full_like(variance, (method.noise * grey_scale(images.dtype)) ** 2)
+        variance = np.full_like(variance, max((method.noise * grey_scale(images.dtype)) ** 2, ROUNDING))
     blobs = _whole(images, groups, threshold, ground, variance, method)
     return separated(images, groups, blobs, threshold=threshold, variance=variance, method=method)
 

@@ -12,15 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
+from ..data.method import Method
 from .blobs import Blobs, joined
 from .centroids_method import Centroids
 from .detect_frames import detect_frames
-from .kiss import KissNearest, KissScanning
 from .levels import levelled
 from .masks import Masks, masked
 from .source import FrameSource, ahead
-
-Method = Centroids | KissScanning | KissNearest
+from .stage import DETECT
 
 
 def detect(
@@ -31,6 +30,7 @@ def detect(
     method: Method | None = None,
     masks: Masks | None = None,
     progress: Callable[[int], None] | None = None,
+    threads: int | None = None,
 ) -> Detections:
     """Markers in the recordings of all cameras, at `rate` Hz.
 
@@ -38,9 +38,11 @@ def detect(
         sources: what each camera recorded; the next images are decoded while markers are looked for.
         cameras: their names.
         rate: frames a second, Hz.
-        method: how; a relative threshold is measured once a camera, in the first frames that show something.
+        method: one of `DETECT`, `Centroids()` where None; a relative threshold is measured once a camera, in the first
+            frames that show something.
         masks: where nothing is a marker, for some or all of the cameras.
         progress: called with the number of frames done so far, all cameras together, from the threads that do them.
+        threads: how many cameras are looked at side by side; as many as there are processors where None.
 
     Raises:
         ValueError: not one name a source.
@@ -61,9 +63,9 @@ def detect(
 
     def one(source: FrameSource, name: str) -> Blobs:
         mask = masks.pixels(name) if masks and name in masks.cameras else None
-        return _detect_camera(source, name, method or Centroids(), mask, tell)
+        return _detect_camera(source, name, method or DETECT.make(), mask, tell)
 
-    with ThreadPoolExecutor(max(1, min(os.cpu_count() or 1, len(sources)))) as pool:
+    with ThreadPoolExecutor(max(1, min(threads or os.cpu_count() or 1, len(sources)))) as pool:
         parts = list(pool.map(one, sources, cameras))
     if not parts:
         return Detections.build((), rate, np.zeros((0, 0), np.int64), np.zeros((0, 2)))

@@ -14,15 +14,15 @@ on bright ground are turned to their negative first.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .centroids_method import Centroids, grey_scale
-from .kiss import KissNearest, KissScanning
+from ..data.method import Method
+from .centroids_method import grey_scale
 
-AnyMethod = TypeVar("AnyMethod", bound=Centroids | KissScanning | KissNearest)
+AnyMethod = TypeVar("AnyMethod", bound=Method)
 
 FRAMES = 16
 LEAST = 4  # pixels a frame that must stand out
@@ -34,19 +34,21 @@ def levelled(method: AnyMethod, images: NDArray[np.uint8 | np.uint16]) -> AnyMet
 
     None where nothing stands out from the background in them. A method without `relative` is returned as it is.
     """
-    if method.relative is None:
+    share, inverted = getattr(method, "relative", None), getattr(method, "inverted", False)
+    if share is None:
         return method
     white = np.iinfo(images.dtype).max
     counts = np.zeros(white + 1, np.int64)
     chosen = images[np.unique(np.linspace(0, len(images) - 1, FRAMES).astype(int))] if len(images) else images
     for image in chosen:
         counts += np.bincount(image.reshape(-1), minlength=white + 1)
-    found = levels(counts[::-1] if method.inverted else counts, frames=len(chosen))
+    found = levels(counts[::-1] if inverted else counts, frames=len(chosen))
     if found is None:
         return None
-    level = found[0] + method.relative * (found[1] - found[0])  # (3)
-    threshold = (white - level if method.inverted else level) / grey_scale(images.dtype)
-    return replace(method, threshold=float(np.clip(threshold, 0, 254.99)), relative=None)
+    level = found[0] + share * (found[1] - found[0])  # (3)
+    threshold = (white - level if inverted else level) / grey_scale(images.dtype)
+    absolute: Any = {"threshold": float(np.clip(threshold, 0, 254.99)), "relative": None}
+    return replace(method, **absolute)
 
 
 def levels(counts: NDArray[np.int64], *, frames: int) -> tuple[float, float] | None:

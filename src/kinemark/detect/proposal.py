@@ -1,20 +1,21 @@
 """Parameters of detection that images propose for themselves.
 
 The threshold comes from the gap between noise and markers (`stability`), the limits of size from the sizes of what is
-brighter (`sizes`). Every proposed number stands with the measured ones that it follows from, and images that look
-wrong (dark, white, dark markers, clipped light, no gap) are said to do so. It is a proposal: whoever knows the
+brighter (`sizes`). Every proposed number stands with the measured ones that it follows from, and findings say which
+images look wrong (dark, white, dark markers, clipped light, no gap). It is a proposal: whoever knows the
 laboratory decides.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data import Finding, make_finding
 from .centroids_method import Centroids, check_images, grey_scale
 from .kiss import KissNearest, KissScanning
 from .sizes import Sizes, marker_sizes
@@ -32,11 +33,11 @@ MUCH = 0.1
 
 
 class Reason(NamedTuple):
-    """A parameter, its proposed value, and why."""
+    """A parameter, its proposed value, and the measured numbers that it follows from, by name."""
 
     parameter: str
     value: float
-    why: str
+    measured: Mapping[str, float | bool]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,7 @@ class DetectionProposal:
         sizes: of the markers; None where there are none.
         inverted: whether markers are dark on a bright ground.
         centroids, scanning, nearest: the methods with the proposed parameters; defaults where there are no markers.
-        reasons: a parameter each. warnings: what looks wrong; empty where nothing does.
+        reasons: a parameter each. findings: what looks wrong; empty where nothing does.
     """
 
     size: tuple[int, int]
@@ -62,11 +63,7 @@ class DetectionProposal:
     scanning: KissScanning
     nearest: KissNearest
     reasons: tuple[Reason, ...]
-    warnings: tuple[str, ...]
-
-    def text(self) -> str:
-        """The proposal as part of a session file, the reasons beside the values."""
-        return "\n".join(_lines(self)) + "\n"
+    findings: tuple[Finding, ...]
 
 
 def propose(images: Images | FrameSource, *, frames: int = FRAMES) -> DetectionProposal:
@@ -96,7 +93,7 @@ def propose(images: Images | FrameSource, *, frames: int = FRAMES) -> DetectionP
         inverted,
         *_methods({reason.parameter: reason.value for reason in reasons}, inverted),
         reasons,
-        tuple(_warnings(stack, white, gap, sizes, inverted)),
+        tuple(_findings(stack, white, gap, sizes, inverted)),
     )
 
 
@@ -136,36 +133,37 @@ def _reasons(gap: LevelGap, sizes: Sizes, white: int, scale: float, inverted: bo
     yield Reason(
         "threshold",
         round(threshold, 1 if threshold >= 10 else 2),
-        f"background {b:.3g}, noise {gap.noise / scale:.2g}, markers' median peak {peak:.3g}{_of_negative(inverted)}; "
-        f"from {low:.3g} to {high:.3g} the number of groups hardly changes, {gap.groups:.3g} a frame",
+        {
+            "background": b,
+            "noise": gap.noise / scale,
+            "peak": peak,
+            "inverted": inverted,
+            "low": low,
+            "high": high,
+            "groups_per_frame": gap.groups,
+        },
     )
-    found = f"markers have {sizes.least:.0f} to {sizes.greatest:.0f} px², median {sizes.area:.0f}"
-    below = f"{sizes.specks:.2g} smaller groups a frame" if sizes.specks else "nothing smaller was seen"
-    above = f"{sizes.strobes:.2g} larger groups a frame" if sizes.strobes else "nothing larger was seen"
-    yield Reason("min_area", max(4, int(sizes.low)), f"{found}; {below}")
-    yield Reason("max_area", max(8, int(np.ceil(sizes.high))), f"{found}; {above}")
-    narrow = min(sizes.width, sizes.height)
-    median = f"markers are {sizes.width:.3g} px wide and {sizes.height:.3g} px high, the median of each"
-    yield Reason("min_width", 2 if narrow < 9 else 3, median)
-    yield Reason(
-        "max_aspect", round(max(2.5, 1.6 * sizes.aspect), 1), f"half of the markers are below {sizes.aspect:.2f} to 1"
-    )
+    areas = {"least_px2": sizes.least, "greatest_px2": sizes.greatest, "median_px2": sizes.area}
+    yield Reason("min_area", max(4, int(sizes.low)), areas | {"smaller_per_frame": sizes.specks})
+    yield Reason("max_area", max(8, int(np.ceil(sizes.high))), areas | {"larger_per_frame": sizes.strobes})
+    sides = {"width_px": sizes.width, "height_px": sizes.height}
+    yield Reason("min_width", 2 if min(sizes.width, sizes.height) < 9 else 3, sides)
+    yield Reason("max_aspect", round(max(2.5, 1.6 * sizes.aspect), 1), {"median_aspect": sizes.aspect})
     yield from _kiss_reasons(sizes)
 
 
 def _kiss_reasons(sizes: Sizes) -> Iterator[Reason]:
     """What the paper's method needs besides; the shares are those that part simulated pairs of markers best."""
     rows = max(2, int(np.ceil(0.4 * sizes.height)))
-    yield Reason("near_x", float(max(2, np.ceil(0.6 * sizes.width))), "0.6 of the median width")
-    yield Reason(
-        "small_area", float(np.ceil(max(8.0, 0.7 * sizes.width * rows))), f"{rows} rows of 0.7 of the median width"
-    )
-    yield Reason("small_rows", rows, "0.4 of the median height: rows above the notch of two markers side by side")
+    sides = {"width_px": sizes.width, "height_px": sizes.height}
+    yield Reason("near_x", float(max(2, np.ceil(0.6 * sizes.width))), sides)
+    yield Reason("small_area", float(np.ceil(max(8.0, 0.7 * sizes.width * rows))), sides | {"rows": rows})
+    yield Reason("small_rows", rows, sides)
     ratio = sizes.height / sizes.width
     ratio = 1.0 if 0.75 < ratio < 1.33 else ratio
     room = _room(min(sizes.width, sizes.height))
-    yield Reason("min_ratio", round(ratio / room, 3), f"{room:.3g} times wider for its height than a marker is")
-    yield Reason("max_ratio", round(ratio * room, 3), f"{room:.3g} times higher for its width than a marker is")
+    yield Reason("min_ratio", round(ratio / room, 3), {"factor": room})
+    yield Reason("max_ratio", round(ratio * room, 3), {"factor": room})
 
 
 def _room(side: float) -> float:
@@ -174,10 +172,6 @@ def _room(side: float) -> float:
     A fifth, for motion blur, and a pixel at either end; parts of what is split need √2, and touching markers have 2.
     """
     return float(np.clip(1.2 * (side + 1) / max(side - 1, 1), 1.43, 1.7))
-
-
-def _of_negative(inverted: bool) -> str:
-    return " (of the negative)" if inverted else ""
 
 
 def _methods(value: dict[str, float], inverted: bool) -> tuple[Centroids, KissScanning, KissNearest]:
@@ -207,55 +201,34 @@ def _methods(value: dict[str, float], inverted: bool) -> tuple[Centroids, KissSc
     return centroids, scanning, KissNearest(threshold=threshold, inverted=inverted)
 
 
-def _warnings(images: Images, white: int, gap: LevelGap, sizes: Sizes | None, inverted: bool) -> Iterator[str]:
+def _findings(images: Images, white: int, gap: LevelGap, sizes: Sizes | None, inverted: bool) -> Iterator[Finding]:
     """What looks wrong."""
     share = float((images >= white).mean())
     if not inverted and (gap.background >= 0.95 * white or share > 0.5):
-        yield f"The images are white: {share:.0%} of the pixels have the brightest level. Shorten the exposure."
+        yield make_finding("images_white", white_share=share)
     elif sizes is None:
-        yield (
-            f"Nothing stands out: the brightest pixel has {gap.brightest:.0f} of {white}, the background "
-            f"{gap.background:.0f} with a noise of {gap.noise:.2g}. Is the light on, are markers in view?"
+        yield make_finding(
+            "nothing_stands_out",
+            brightest=gap.brightest,
+            white=white,
+            background=gap.background,
+            noise=gap.noise,
         )
     if inverted:
-        yield "The markers are dark on a bright ground: `inverted = true` is part of the proposal."
+        yield make_finding("markers_dark")
     if np.isfinite(gap.low) and gap.high - gap.background < WIDE_GAP * (gap.low - gap.background):
-        yield (
-            f"There is no clear gap between noise and markers: only from {gap.low:.0f} to {gap.high:.0f} of {white} "
-            "the number of groups is steady. Look at the detections before you trust them."
-        )
+        yield make_finding("no_clear_gap", low=gap.low, high=gap.high, white=white)
     if sizes is not None and (much := _no_markers(images, gap, sizes)) > MUCH:
-        yield (
-            f"{much:.0%} of the pixels stand out and are no markers: windows, lamps, a bright floor? Mask them or "
-            "raise the threshold; KISS's long/wide test would break them to pieces."
-        )
+        yield make_finding("bright_without_markers", pixels_share=much)
     if sizes is not None and not inverted:
         clipped = float((peaks_of(images, groups_above(images, gap.threshold)) >= white).mean())
         if clipped > 0.3:
-            yield f"The light is clipped: {clipped:.0%} of the groups reach the brightest level. Shorten the exposure."
+            yield make_finding("light_clipped", groups_share=clipped)
     if images.dtype == np.uint16 and white < 65535:
-        yield f"The images have 16 bits, but no level above {white} is used: hence the low numbers of the thresholds."
+        yield make_finding("few_bits_used", white=white)
 
 
 def _no_markers(images: Images, gap: LevelGap, sizes: Sizes) -> float:
     """Share of the pixels that are above the threshold in groups of another size than markers have."""
     area = groups_above(images, gap.threshold).area
     return float(area[(area < sizes.low) | (area > sizes.high)].sum() / images.size)
-
-
-def _lines(proposal: DetectionProposal) -> Iterator[str]:
-    width, height = proposal.size
-    yield f"# {proposal.frames} frames of {width} × {height} px, white is {proposal.white}"
-    yield from (f"# ! {warning}" for warning in proposal.warnings)
-    if not proposal.reasons:
-        yield "# No parameters can be proposed."
-        return
-    yield "[detect]"
-    if proposal.inverted:
-        yield "inverted = true"
-    kiss = False
-    for reason in proposal.reasons:
-        if not kiss and not hasattr(proposal.centroids, reason.parameter):
-            kiss = True
-            yield '# and for method = "kiss_scanning", in the place of min_width and max_aspect:'
-        yield f"{'# ' if kiss else ''}{reason.parameter} = {reason.value:g}  # {reason.why}"

@@ -12,6 +12,7 @@ from .other_views import OtherViews, propose
 from .question_text import answer_text, parse_answer, words
 from .replay import Given, Replay, given, row_of
 from .semi_automatic import SemiAutomatic
+from .stage import DIGITISE
 from .state import (
     Absent,
     Accept,
@@ -33,6 +34,7 @@ from .state import (
 )
 
 __all__ = [
+    "DIGITISE",
     "Absent",
     "Accept",
     "Answer",

@@ -13,6 +13,7 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from .machine import Looks, Proposer, advance, begin, question_of
 from .semi_automatic import SemiAutomatic
+from .stage import DIGITISE
 from .state import Answer, DigitisingPhase, DigitisingState, Found, Question
 
 Operator = Callable[[Question, DigitisingState], Answer]
@@ -45,6 +46,7 @@ class DigitisedImages(NamedTuple):
     figures: dict[str, Any]
 
 
+@DIGITISE.method("semi_automatic", SemiAutomatic, source="UM²AS, 3.5")
 def drive(
     operator: Operator,
     looks: Looks,

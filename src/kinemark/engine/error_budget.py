@@ -15,10 +15,12 @@ from ..findings.sensitivity_figures import sensitivity_figures
 from ..io.model_toml import load_model
 from ..io.tdf import Tdf
 from ..report.sensitivity_page import write_sensitivity_page
+from ..report.words import with_words
 from ..sensitivity import ErrorBudget, SampledFrames, gather, gather_named, rank
 from ..sensitivity.joints import kinematics_of
 from .formats import read
-from .pipeline import Progress, Results, silent
+from .open_trial import OpenTrial
+from .progress import Progress, silent
 from .session import Session
 
 
@@ -58,13 +60,13 @@ def error_budget(
     angles = kinematics_of(load_model(model), there.names) if model else None
     rig = results.rig.select(results.detections.cameras)
     ranking = rank(rig, there, method=method, angles=angles)
-    figures = sensitivity_figures(ranking, session=opened.settings.name, trial=name)
+    figures = with_words(sensitivity_figures(ranking, session=opened.settings.name, trial=name))
     write_quality(results.folder / "sensitivity.json", figures)
     write_sensitivity_page(results.folder / "sensitivity.html", figures=figures, ranking=ranking, rig=rig)
     return ErrorBudgetResult(figures, results.folder / "sensitivity.html")
 
 
-def _there(results: Results, markers: Path | None, frames: int) -> SampledFrames:
+def _there(results: OpenTrial, markers: Path | None, frames: int) -> SampledFrames:
     """Markers and their images."""
     if markers is None:
         return gather(results.tracks, results.detections, frames=frames)

@@ -12,12 +12,14 @@ from pydantic import ValidationError
 
 from ..data import AngleModel, KinemarkError, Trajectories, Trial
 from ..fill import LIMIT, Auto, Filled, GapEdges, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
-from ..findings.gaps import filling_figures, filling_summary
+from ..findings.gaps import filling_figures
 from ..io.angle_model_csv import FIRST, read_angle_model
 from ..io.c3d import markers
 from ..io.number_text import read_text
 from ..io.tdf import Tdf
 from ..report.filling_page import write_filling_page
+from ..report.filling_text import filling_summary
+from ..report.words import with_words
 from .formats import WRITERS, read, write_trial
 from .settings.method_tables import method_of
 from .settings.overrides import overridden
@@ -50,7 +52,7 @@ def fill_file(
     Args:
         source: a C3D, TRC or CSV file of trajectories, or a BTS one that has some.
         target: the file to write, of any of the first three kinds; an existing one is not replaced.
-        method: of `fill.METHODS`, with its parameters; `Auto()` where None. name: what the report calls it.
+        method: one of `fill.FILL`, with its parameters; `Auto()` where None. name: what the report calls it.
         limit_mm: gaps whose expected mean error is greater stay open.
         ends: also fill before a marker's first sample and after its last.
         trim: so many bad samples may be replaced on each side of a gap; 0: none.
@@ -73,7 +75,7 @@ def fill_file(
         raise KinemarkError(f"{source} has no markers, so there is nothing to fill.")
     still = markers(_trial(static, rate_hz)) if static else None
     filled = fill(positions, method=method, limit_mm=limit_mm, ends=ends, edges=edges, static=still)
-    figures = filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm)
+    figures = with_words(filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm))
     whole = with_markers(trial, filled.trajectories)
     write_trial(target, whole)
     if report:
@@ -155,7 +157,7 @@ def fill_method(name: str, parameters: Iterable[str] = (), *, model: Path | None
     """A method by its name and texts like "neighbours=5".
 
     Args:
-        name: of `fill.METHODS`. parameters: of it.
+        name: in `fill.FILL`. parameters: of it.
         model: an angle model's file, or another trial of the same motion, for the methods that place markers by the
             angles of limbs.
 

@@ -23,9 +23,10 @@ from ..io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from ..io.trc import read_trc, write_trc
 from ..io.um2as import trajectories_of_tdc
 from ..track import to_trajectories
+from .alongside import together
 from .calibration import rig_of_dlt
-from .pipeline import together
-from .session import FILE, Session
+from .session import Session
+from .sources import FILE
 
 VIDEO = 30.0  # Hz; stands where a .tdc file does not say its rate: UM²AS digitises video
 UNSAID = 1.0  # Hz; stands where a detections CSV does not say its rate

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
+from ..data.progress import tell
 from ..detect import Masks as StaticMasks
 from ..detect import combined_masks, detect, learn_masks
 from ..io.detections_csv import read_detections_csv
 from ..io.images import ImageSource, open_images
 from ..io.masks_toml import read_masks
 from ..io.records import load
-from .pipeline import Progress
+from .keys import file_key
 from .settings import Settings, TargetRecording
-from .store import file_key
 
 
 class Recorded(NamedTuple):
@@ -47,22 +46,16 @@ def open_cameras(root: Path, settings: Settings, pattern: str, names: Sequence[s
     return images
 
 
-def frame_of(source: ImageSource, f: int) -> NDArray[np.uint8] | NDArray[np.uint16]:
-    """One frame (H, W) of a camera; all before it are decoded as well."""
-    return next(islice(source.frames(), f, None))
-
-
 def recorded(
     root: Path,
     settings: Settings,
     seen: TargetRecording,
     names: Sequence[str],
     *,
-    progress: Progress,
-    what: str,
     masked: bool = True,
+    threads: int | None = None,
 ) -> Recorded:
-    """What the cameras saw of something that calibrates them, as `what` for progress; masked as trials are, or not.
+    """What the cameras saw of something that calibrates them; masked as trials are, or not.
 
     Raises:
         KinemarkError: images or detections cannot be used, or a camera is not among them.
@@ -82,7 +75,8 @@ def recorded(
         rate=settings.rate_hz or 1.0,
         method=method,
         masks=masks_of(root, settings, names) if masked else None,
-        progress=lambda done: progress(what, done, total),
+        progress=lambda done: tell(done, total),
+        threads=threads,
     )
     return Recorded(found, np.array([images[name].size for name in names]))
 

@@ -27,7 +27,7 @@ from ..synth import (
     walking,
     write_session,
 )
-from .pipeline import Progress, silent
+from .progress import Progress, silent
 
 Motion = Literal["walk", "feeding", "drinking", "circle", "rectangle", "flexion"]
 

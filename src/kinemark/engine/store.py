@@ -1,59 +1,44 @@
-"""Doing only what changed: every stage is written down with a key of all that it depends on.
+"""What was computed, kept in a folder and found again by its key.
 
-The key of a stage is a hash of its name, its method and parameters, Kinemark's version and the key of its input, so
-that a change anywhere makes new keys from there on. A stage whose key stands in `steps.json` and whose file is there is
-read instead of computed. The file is written after every stage, and a run that was cut off goes on where it was.
+`steps.json` says of every stage how it was done and under which key. A stage whose key stands there, and whose file is
+there, is read instead of computed. The file is written after every stage, so a run that was cut off goes on where it
+was. One process at a time works in a folder; another one waits. What a killed process left half-written is removed.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 import time
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from filelock import FileLock, Timeout
 
 from ..data import KinemarkError, Step
+from ..data.progress import Listener
 from ..io.files import replacing
 from ..version import __version__
+from .keys import code_key, digest
 
 Record = TypeVar("Record")
 
 STEPS = "steps.json"
 
-
-def digest(*parts: Any) -> str:
-    """A hash of plain values, arrays and dataclasses of them, the same on every machine."""
-    h = hashlib.sha256()
-    for part in parts:
-        if isinstance(part, np.ndarray):
-            h.update(f"{part.dtype.str}{part.shape}".encode())
-            h.update(np.ascontiguousarray(part).tobytes())
-        elif isinstance(part, bytes):
-            h.update(part)
-        else:
-            h.update(json.dumps(part, sort_keys=True, default=str).encode())
-        h.update(b"\0")
-    return h.hexdigest()[:16]
-
-
-def file_key(*paths: Path) -> str:
-    """A key of files by name, size and time of change, which costs no reading of gigabytes of images."""
-    seen = [(path.name, path.stat().st_size, path.stat().st_mtime_ns) for path in paths if path.is_file()]
-    return digest(seen)
+PAUSE = 0.2
+"""s between two looks whether another process is done."""
 
 
 @dataclass(slots=True)
 class Store:
-    """The steps of one results folder.
+    """The stages of one folder of results.
 
     Attributes:
         folder: where the stages' files and `steps.json` are.
-        old: steps of the last run by stage; steps: those of this run.
+        old: steps of earlier runs by stage; steps: those of this run.
         computed: stages that had to be computed this time.
     """
 
@@ -63,67 +48,83 @@ class Store:
     computed: list[str] = field(default_factory=list)
 
     @classmethod
-    def open(cls, folder: Path) -> Store:
-        """The ledger of a folder; one that is absent or unreadable counts as empty, and all is computed anew."""
+    def read(cls, folder: Path) -> Store:
+        """What stands in a folder, to look at; one that is absent or unreadable counts as empty."""
         try:
             rows = json.loads((folder / STEPS).read_text("utf-8"))
             return cls(folder, {row["stage"]: Step(**row) for row in rows})
         except (OSError, ValueError, TypeError, KeyError):
             return cls(folder)
 
+    @classmethod
+    @contextmanager
+    def open(cls, folder: Path, lock: Path, waiting: Listener) -> Iterator[Store]:
+        """The store of a folder, for this process alone while it has the file `lock`; `waiting` is told of others.
+
+        A folder that cannot be written is opened all the same: what is unchanged can be read.
+        """
+        with _alone(folder, lock, waiting):
+            yield cls.read(folder)
+
     def do(
         self,
         stage: str,
         method: Any,
-        source: str,
+        key: str,
         *,
-        file: str,
+        files: tuple[str, ...],
         make: Callable[[], Record],
         save: Callable[[Path, Record], None],
         load: Callable[[Path], Record],
-    ) -> tuple[Record, str]:
-        """The record of a stage and its key: loaded where nothing changed, else made and saved.
+        in_place: bool = False,
+    ) -> Record:
+        """The record of a stage: loaded where it is there under this key and can be read, else made and saved.
 
         Args:
             stage: its name.
-            method: a dataclass of parameters, or None.
-            source: key of what goes in.
-            file: where in the folder the record is.
+            method: a record of parameters, or None; for `steps.json`.
+            key: of all that the stage depends on.
+            files: what the stage leaves in the folder; the first holds the record.
             make: computes the record; save, load: write and read it.
+            in_place: `make` itself writes files, so that an earlier record counts no longer once it begins.
         """
-        parameters = {} if method is None else asdict(method)
+        kept = self._kept(stage, key, files, load)
+        if kept is not None:
+            self.steps.append(self.old[stage])
+            return kept[0]
+        if in_place:
+            self._forget(stage)
+        began = time.perf_counter()
+        record = make()
+        seconds = time.perf_counter() - began
+        self._forget(stage)
+        save(self.folder / files[0], record)
+        self.computed.append(stage)
         name = "" if method is None else type(method).__name__
-        key = digest(stage, name, parameters, __version__, source)
-        record, seconds = self._loaded(stage, key, file, load), 0.0
-        if record is None:
-            began = time.perf_counter()
-            record = make()
-            seconds = time.perf_counter() - began
-            save(self.folder / file, record)
-            self.computed.append(stage)
-        else:
-            seconds = self.old[stage].seconds
-        self.steps.append(Step(stage, name, parameters, __version__, key, seconds))
+        self.steps.append(Step(stage, name, plain(method), f"{__version__}+{code_key()}", key, seconds))
         self._write()
-        return record, key
+        return record
 
-    def stands(self, stage: str, key: str) -> bool:
-        """Whether a stage was done with this key in the last run."""
-        return stage in self.old and self.old[stage].input == key
+    def holds(self, stage: str, key: str, files: tuple[str, ...]) -> bool:
+        """Whether a stage was done with this key and all its files are there."""
+        done = stage in self.old and self.old[stage].input == key
+        return done and all((self.folder / file).is_file() for file in files)
 
-    def note(self, stage: str, key: str) -> None:
-        """Write down that a stage without a record of its own is done."""
-        self.steps.append(Step(stage, "", {}, __version__, key, 0.0))
-        self._write()
-
-    def _loaded(self, stage: str, key: str, file: str, load: Callable[[Path], Record]) -> Record | None:
-        """The record of an unchanged stage, or None where it must be made."""
-        if not self.stands(stage, key) or not (self.folder / file).is_file():
+    def _kept(
+        self, stage: str, key: str, files: tuple[str, ...], load: Callable[[Path], Record]
+    ) -> tuple[Record] | None:
+        """The record of an unchanged stage, in a tuple; None where it must be made."""
+        if not self.holds(stage, key, files):
             return None
         try:
-            return load(self.folder / file)
+            return (load(self.folder / files[0]),)
         except KinemarkError:  # damaged since: what can be computed again need not stop the user
             return None
+
+    def _forget(self, stage: str) -> None:
+        """A stage counts as not done from now on: a file of one key must never stand under another."""
+        if self.old.pop(stage, None) is not None:
+            self._write()
 
     def _write(self) -> None:
         """Steps of this run, and those of the last that it has not come to yet."""
@@ -132,3 +133,53 @@ class Store:
         rows += [asdict(step) for stage, step in self.old.items() if stage not in done]
         with replacing(self.folder / STEPS) as part:
             part.write_text(json.dumps(rows, indent=1), "utf-8")
+
+
+def plain(method: Any) -> dict[str, Any]:
+    """The parameters of a method for JSON; arrays, and what else JSON cannot hold, by kind and key."""
+    return {} if method is None else {f.name: _plain(getattr(method, f.name)) for f in fields(method)}
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON holds it."""
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    if isinstance(value, (list, tuple)):
+        return [_plain(part) for part in value]
+    if isinstance(value, Mapping):
+        return {str(name): _plain(part) for name, part in value.items()}
+    if is_dataclass(value) and not isinstance(value, type):
+        return {"kind": type(value).__name__} | plain(value)
+    if isinstance(value, np.ndarray):
+        return {"shape": list(value.shape), "key": digest(value)}
+    return str(value)
+
+
+@contextmanager
+def _alone(folder: Path, file: Path, waiting: Listener) -> Iterator[None]:
+    """A folder for this process alone, without what killed processes left half-written."""
+    lock = FileLock(file)
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        _wait(lock, waiting)
+    except OSError:  # read-only: nothing will be written, so nothing can be damaged
+        yield
+        return
+    try:
+        for part in folder.glob(".*.part*"):  # whoever wrote these is gone, since the lock was free
+            with suppress(OSError):
+                part.unlink()
+        yield
+    finally:
+        lock.release()
+
+
+def _wait(lock: FileLock, waiting: Listener) -> None:
+    """Take a lock as soon as it is free; meanwhile the run can be cancelled."""
+    while True:
+        try:
+            lock.acquire(timeout=0)
+            return
+        except Timeout:
+            waiting(0, 1)
+            time.sleep(PAUSE)

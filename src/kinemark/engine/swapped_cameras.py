@@ -8,9 +8,10 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Cloud, Detections, Rig
-from ..match import MatchMethod, match
-from ..reconstruct import ReconstructMethod, reconstruct
+from ..data import Cloud, Detections, Finding, Rig, make_finding
+from ..data.method import Method
+from ..match import match
+from ..reconstruct import reconstruct
 
 LITTLE = 0.6
 """Share of a camera's valid detections; if less agree with two other cameras, it may have the images of another."""
@@ -21,9 +22,9 @@ MOST_PAIRS = 30
 
 
 def swapped_cameras(
-    detections: Detections, rig: Rig, cloud: Cloud, *, matching: MatchMethod, placing: ReconstructMethod
-) -> tuple[str, ...]:
-    """Which two cameras have each other's images or calibration, as a sentence, if so; nothing where all is well.
+    detections: Detections, rig: Rig, cloud: Cloud, *, matching: Method, placing: Method
+) -> tuple[Finding, ...]:
+    """Which two cameras have each other's images or calibration, if so; nothing where all is well.
 
     A point on two cameras is no proof, as any two rays that meet are one. So cameras little of whose detections became
     part of a point on three are exchanged in pairs; that pair is named with which most then do, `AS_MUCH` and twice as
@@ -35,7 +36,7 @@ def swapped_cameras(
         return ()
     frames = np.linspace(0, detections.n_frames - 1, min(LOOKED_AT, detections.n_frames)).astype(np.int64)
     few = detections.keep(np.isin(detections.frame, frames))
-    shares: dict[str, float] = {}
+    shares: dict[tuple[str, str], float] = {}
     for a, b in list(combinations(map(int, doubtful), 2))[:MOST_PAIRS]:
         cameras = list(rig.cameras)
         cameras[a], cameras[b] = replace(rig[b], name=rig.names[a]), replace(rig[a], name=rig.names[b])
@@ -43,15 +44,17 @@ def swapped_cameras(
         points = reconstruct(match(few, other, method=matching), few, other, method=placing)
         now, before = (share[[a, b]] for share in (_confirmed(few, points), confirmed))
         if now.min() > max(AS_MUCH, 2 * before.max()):
-            shares[f"{rig.names[a]} and {rig.names[b]}"] = float(now.min())
+            shares[rig.names[a], rig.names[b]] = float(now.min())
     best = [pair for pair, share in shares.items() if share > AS_GOOD * max(shares.values())]
     if not best:
         return ()
     return (
-        f"The images of {', or of '.join(best)} seem to be exchanged: with each taken for the other "
-        f"{100 * max(shares.values()):.0f} % of what they saw agrees with two cameras more, and "
-        f"{100 * confirmed[doubtful].max():.0f} % or less as it is. Exchange the files, in the trial or in the "
-        "calibration.",
+        make_finding(
+            "cameras_swapped",
+            cameras=[name for pair in best for name in pair],
+            swapped_share=max(shares.values()),
+            as_is_share=confirmed[doubtful].max(),
+        ),
     )
 
 

@@ -16,13 +16,12 @@ from ..io.c3d import markers, with_angles, write_c3d
 from ..io.files import replacing
 from ..io.model_toml import load_model
 from ..kinematics import (
-    Butterworth,
+    SMOOTH,
     Cycles,
     InverseCosines,
     Model,
     SignedAngles,
     Template,
-    WoltringSpline,
     cycles,
     joint_angles,
     smooth,
@@ -32,6 +31,7 @@ from ..kinematics import (
 )
 from ..kinematics.chain import Points, chosen, complete, points_of
 from ..report.angles_page import write_angles_page
+from ..report.words import with_words
 from .formats import read_trial
 
 
@@ -43,7 +43,7 @@ class AngleSettings:
         side: of the limb; the model's own where none is given.
         inverse_cosines: take angles as the thesis UM²AS does, without the sign of the first and third.
         lock_deg: how near to gimbal lock a frame is flagged.
-        smoothing: of the markers before: a Butterworth filter without lag, or Woltring's quintic spline.
+        smoothing: of the markers before, "none" or a method that `kinemark methods smooth` lists.
         cutoff_hz: of the smoothing; by residual analysis or cross-validation where none is given.
         marker_sd_mm: standard deviation of a marker along an axis, where its file states none; estimated from the
             markers' unsteadiness where none is given.
@@ -59,7 +59,7 @@ class AngleSettings:
     side: Literal["right", "left"] | None = None
     inverse_cosines: bool = False
     lock_deg: float = 10.0
-    smoothing: Literal["none", "butterworth", "woltring"] = "none"
+    smoothing: str = "none"
     cutoff_hz: float | None = None
     marker_sd_mm: float | None = None
     cycle: tuple[str, ...] = ()
@@ -68,6 +68,8 @@ class AngleSettings:
     rate_hz: float | None = None
 
     def __post_init__(self) -> None:
+        if self.smoothing != "none" and self.smoothing not in SMOOTH:
+            raise KinemarkError(f"There is no smoothing {self.smoothing!r}. There are none, {', '.join(SMOOTH)}.")
         if self.cutoff_hz is not None and self.smoothing == "none":
             raise KinemarkError("A cut-off is given without a smoothing. Say --smoothing butterworth or woltring.")
         if self.cycle and self.cycle_event:
@@ -117,7 +119,7 @@ def trial_angles(
     spans = _spans(trial, settings)
     found = cycles(angles, spans=spans) if spans else None
     how = _words(used, stated, settings)
-    figures = angle_figures(angles, model, name=trial.name, trajectories=smoothed, how=how, cycles=found)
+    figures = with_words(angle_figures(angles, model, name=trial.name, trajectories=smoothed, how=how, cycles=found))
     return TrialAngles(angles, model, points, found, figures)
 
 
@@ -181,9 +183,8 @@ def angles_of_file(
 def _smoothed(raw: Trajectories, settings: AngleSettings) -> Trajectories:
     if settings.smoothing == "none":
         return raw
-    method = Butterworth if settings.smoothing == "butterworth" else WoltringSpline
     try:
-        return smooth(raw, method=method(cutoff_hz=settings.cutoff_hz))
+        return smooth(raw, method=SMOOTH.make(settings.smoothing, cutoff_hz=settings.cutoff_hz))
     except ValueError as error:
         raise KinemarkError(f"The markers cannot be smoothed: {error}. Change --cutoff-hz.") from None
 

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from ..calibrate import Dlt, calibrate_control_points
 from ..data import Angles, KinemarkError, Rig, Trajectories
 from ..data.array_types import Floats
+from ..data.method import Method
 from ..digitise import called, identified, identified_matches, identified_tracks
 from ..geometry import to_dlt
 from ..io.model_toml import load_model
@@ -44,7 +45,7 @@ from ..io.um2as import (
     write_tdc,
 )
 from ..kinematics import InverseCosines, SignedAngles, joint_angles
-from ..reconstruct import CameraPairs, ReconstructMethod, reconstruct
+from ..reconstruct import CameraPairs, reconstruct
 from ..track import to_trajectories
 from .calibration.from_known_points import rig_of_cp
 
@@ -105,7 +106,7 @@ def placed(
     *,
     names: Sequence[str] = (),
     rate: float = RATE,
-    method: ReconstructMethod = PAIRS,
+    method: Method = PAIRS,
 ) -> Trajectories:
     """Places of digitised markers, by the rule of pairs or another method, with their covariance.
 
@@ -137,7 +138,7 @@ def coordinates_files(
     tdc: Path | str,
     *,
     markers: int | None = None,
-    method: ReconstructMethod = PAIRS,
+    method: Method = PAIRS,
 ) -> Trajectories:
     """From `.cp` and `.da` files of the same two, three or more cameras to places in a `.tdc` file.
 

@@ -1,7 +1,7 @@
 """Missing samples: fillers, which of them to trust, and how far off they may be."""
 
 from .edges import GapEdges, Trimmed, trim_edges
-from .fill import LIMIT, METHODS, Filled, FilledGap, fill
+from .fill import LIMIT, Filled, FilledGap, fill
 from .fill_recording import Filling, fill_recording
 from .judge.auto import Auto
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
@@ -17,13 +17,14 @@ from .methods.polynomials import Cubic, Linear
 from .methods.quintic import Quintic
 from .methods.relational import Relational
 from .methods.rigid_body import RigidBody
+from .methods.stage import FILL
 from .rays import Rays
 from .static import FromStatic, PlacedMarker, place_absent
 from .static_shape import StaticShape
 
 __all__ = [
+    "FILL",
     "LIMIT",
-    "METHODS",
     "PCA",
     "Auto",
     "Body",

@@ -34,42 +34,30 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Floats, Ints
-from ..data.arrays import check_positive
+from ..data.method import ONE, Method, parameter
 from .known_samples import KnownSamples
 from .marker_array import Gap, MarkerArray
 from .reference_markers import Distances, distances, nearest
 
 
 @dataclass(frozen=True, slots=True)
-class GapEdges:
-    """Parameters of the check.
+class GapEdges(Method):
+    """How samples beside gaps are judged and trimmed."""
 
-    Attributes:
-        most: samples that may be trimmed on each side; 0: no check.
-        past: samples of the parabola.
-        limit: times the median error.
-        beyond: times what the marker exceeds in one frame of two hundred.
-        least: mm.
-        donors: neighbours whose mean is taken off; 0: none.
-        habit: errors E(h) that must be known for a verdict.
-    """
-
-    most: int = 5
-    past: int = 6
-    limit: float = 5.0
-    beyond: float = 1.3
-    least: float = 1.0
-    donors: int = 3
-    habit: int = 50
-
-    def __post_init__(self) -> None:
-        check_positive(limit=self.limit, beyond=self.beyond, least=self.least)
-        if self.most < 0 or self.donors < 0 or self.habit < 1:
-            raise ValueError(
-                f"most {self.most}, donors {self.donors} and habit {self.habit} must be 0, 0 and 1 or more"
-            )
-        if self.past < 4:
-            raise ValueError(f"past is {self.past}, wanted at least 4 samples for a parabola")
+    most: int = parameter(5, unit="samples", low=0, meaning="that may be trimmed on each side; 0: no check")
+    past: int = parameter(6, unit="samples", low=4, meaning="that the parabola is fitted to")
+    limit: float = parameter(5.0, unit=ONE, above=0, meaning="a sample is bad from this many times the median error on")
+    beyond: float = parameter(
+        1.3,
+        unit=ONE,
+        above=0,
+        meaning="and from this many times what the marker exceeds in one frame of two hundred on",
+    )
+    least: float = parameter(1.0, unit="mm", above=0, meaning="and from this error on")
+    donors: int = parameter(
+        3, unit="markers", low=0, meaning="reference markers: neighbours whose mean error is taken off; 0: none"
+    )
+    habit: int = parameter(50, unit="errors", low=1, meaning="errors E(h) that must be known for a verdict")
 
 
 class Trimmed(NamedTuple):

@@ -16,15 +16,15 @@ from .judge.auto import Auto
 from .judge.combine import close_ones, mean_prediction, mean_tests, together
 from .judge.combine import weights as best_weights
 from .judge.expected_error import ErrorCalibration, MeasuredErrors, as_hard, weigh
-from .judge.hold_out import Candidate, edge_distance, plan, run
+from .judge.hold_out import MANY, Candidate, edge_distance, plan, run
 from .known_samples import possible
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
-from .methods.table import FILLERS, MANY, NAMES, TOGETHER, affordable, name_of, within_time
+from .methods.stage import FILL, FillMethod, filler_of
 from .static import place_absent
 from .static_shape import StaticShape
 
-METHODS: dict[str, type] = {"auto": Auto, **NAMES}
-"""All methods by the names that settings and the command line use."""
+SLOW = 600_000
+"""Gaps times frames above which methods that look at the whole trial for each hidden test are not tried."""
 LIMIT = 20.0
 ENOUGH = 60
 """Hidden tests of one method that tell how far off it is; more are made to choose one for each gap."""
@@ -105,7 +105,7 @@ def fill(
 
     Args:
         trajectories: the trial; what is filled already counts as seen.
-        method: an object of one of `METHODS`; `Auto()` when None.
+        method: one of `FILL`; `Auto()` when None.
         limit_mm: gaps with a greater expected mean error stay open; infinite fills all that can be filled.
         ends: also fill before a marker's first sample and after its last.
         edges: how samples beside gaps are judged and trimmed; `GapEdges()` when None, `GapEdges(most=0)` trims none.
@@ -113,14 +113,14 @@ def fill(
         seed: of the places of the hidden tests.
 
     Raises:
-        ValueError: the method is none of `METHODS`, or the limit is not above 0.
+        ValueError: the method is none of `FILL`, or the limit is not above 0.
     """
     method = Auto() if method is None else method
     if not limit_mm > 0:
         raise ValueError(f"limit_mm is {limit_mm}, wanted above 0")
     candidates = method.methods if isinstance(method, Auto) else (method,)
     for candidate in candidates:
-        name_of(candidate)
+        filler_of(candidate)
     motion = within_reach(MarkerArray.of(trajectories))
     written = _Columns(trajectories)
     written.drop(~motion.seen)
@@ -138,6 +138,17 @@ def fill(
             written.put(gap, said.xyz, cov)
     filled = Filled(written.trajectories(), tuple(told))
     return filled if static is None else _with_static(filled, static, limit_mm)
+
+
+def affordable(methods: Sequence[FillMethod], gaps: int, frames: int) -> list[FillMethod]:
+    """Those of the methods to choose from that a trial of so many gaps and frames leaves time for."""
+    quick = [method for method in methods if not method.slow]
+    return quick if quick and gaps * frames > SLOW else list(methods)
+
+
+def within_time(method: FillMethod, gaps: list[Gap], source: MarkerArray | None) -> FillMethod:
+    """The method itself, or a faster form of it where there are many gaps; for `source` see `FillMethod`."""
+    return method if len(gaps) <= MANY else method.for_many_gaps(gaps, source)
 
 
 def tests_per_gap(gaps: int) -> int:
@@ -160,9 +171,10 @@ def ask(motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed
 def ask_winners(motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[FillAnswer]:
     """As `ask`, but of each gap only the methods that are needed to choose and fill are asked, for time's sake.
 
-    That is the one that does best in the tests; the next best where that has nothing to say; and those of `TOGETHER`.
+    That is the one that does best in the tests; the next best where that has nothing to say; and those
+    that answer for all gaps together.
     """
-    answers = _asked(motion, gaps, candidates, seed, lambda method: isinstance(method, TOGETHER))
+    answers = _asked(motion, gaps, candidates, seed, lambda method: method.together)
     left = set(range(len(gaps)))
     while left:
         lead = {index: _leader(answers, *_told(answers, gaps, index)) for index in left}
@@ -193,9 +205,11 @@ def _asked(
     answers = []
     for candidate in candidates:
         method = within_time(candidate, gaps, source)
-        tried = run(motion, planned, FILLERS[type(method)], method)
+        tried = run(motion, planned, filler_of(method), method)
         said = _say(motion, gaps, method) if whether(method) else [UNASKED] * len(gaps)
-        answers.append(FillAnswer(name_of(method), said, MeasuredErrors(tried), ErrorCalibration(tried), tried, method))
+        answers.append(
+            FillAnswer(FILL.of(method).name, said, MeasuredErrors(tried), ErrorCalibration(tried), tried, method)
+        )
     return answers
 
 
@@ -216,7 +230,7 @@ def _tested(gaps: list[Gap]) -> list[int]:
 
 def _say(motion: MarkerArray, gaps: list[Gap], method: Any) -> list[Prediction]:
     """What a method says of some gaps, if any."""
-    return FILLERS[type(method)](motion, gaps, method=method) if gaps else []
+    return filler_of(method)(motion, gaps, method=method) if gaps else []
 
 
 def _within(found: FilledGap, limit_mm: float) -> FilledGap:

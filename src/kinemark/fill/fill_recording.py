@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..data import MarkerTrajectory, Origin, Trajectories
-from ..data.arrays import check_positive
+from ..data.method import Method, parameter
 from .edges import GapEdges
 from .fill import LIMIT, Filled, FilledGap, fill
 from .judge.auto import Auto
@@ -16,27 +16,24 @@ from .rays import Rays, sharpened
 
 
 @dataclass(frozen=True, slots=True)
-class Filling:
-    """How the gaps of a recording are filled.
+class Filling(Method):
+    """How the gaps of a recording are filled: by which method, and what goes for all methods.
 
     Attributes:
-        method: one of `fill.METHODS`. name: of it.
-        limit_mm: gaps whose expected mean error is greater stay open.
-        ends: also fill before a marker's first sample and after its last.
-        trim: so many bad samples may be replaced on each side of a gap; 0: none.
-        rays: use images that one camera alone has of a marker in its gap.
+        method: one of the stage's methods. name: of it.
     """
 
     method: Any = field(default_factory=Auto)
     name: str = "auto"
-    limit_mm: float = LIMIT
-    ends: bool = False
-    trim: int = GapEdges().most
-    rays: bool = True
-
-    def __post_init__(self) -> None:
-        check_positive(limit_mm=self.limit_mm)
-        GapEdges(most=self.trim)
+    limit_mm: float = parameter(
+        LIMIT, unit="mm", above=0, meaning="gaps whose expected mean error is greater stay open"
+    )
+    ends: bool = parameter(False, meaning="also fill before a marker's first sample and after its last")
+    trim: int = parameter(
+        GapEdges().most, unit="samples", low=0,
+        meaning="so many bad samples may be replaced on each side of a gap; 0: none",
+    )  # fmt: skip
+    rays: bool = parameter(True, meaning="use images that one camera alone has of a marker in its gap")
 
 
 def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -> Filled:

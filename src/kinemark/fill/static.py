@@ -35,7 +35,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Floats, Ints
-from ..data.arrays import check_positive
+from ..data.method import ONE, Method, parameter
 from ..geometry import rigid_poses
 from .known_samples import KnownSamples
 from .marker_array import MarkerArray
@@ -47,31 +47,28 @@ JUDGE = 40
 
 
 @dataclass(frozen=True, slots=True)
-class FromStatic:
-    """Parameters of the method.
+class FromStatic(Method):
+    """A marker that the trial never shows, placed from its place among others in a static trial."""
 
-    Attributes:
-        donors: names of markers on the same body; empty: chosen.
-        nearest: markers among which donors are chosen.
-        at_most: of donors, when they are chosen.
-        reach: of donors from the lost marker in the static trial, mm.
-        share: of the frames that show any donor, so many must show all.
-        flat: donors lie on a line below this ratio of their breadth to their length.
-    """
+    donors: tuple[str, ...] = parameter(
+        (), meaning="reference markers: names of markers on the same body; empty: chosen"
+    )
+    nearest: int = parameter(6, unit="markers", low=3, meaning="among which donors are chosen")
+    at_most: int = parameter(4, unit="markers", low=3, meaning="most donors, when they are chosen")
+    reach: float = parameter(
+        600.0, unit="mm", above=0, meaning="farthest donor from the lost marker in the static trial"
+    )
+    share: float = parameter(
+        0.5, unit=ONE, above=0, meaning="share of the frames that show any donor in which all must be shown"
+    )
+    flat: float = parameter(
+        0.1, unit=ONE, meaning="donors lie on a line below this ratio of their breadth to their length"
+    )
 
-    donors: tuple[str, ...] = ()
-    nearest: int = 6
-    at_most: int = 4
-    reach: float = 600.0
-    share: float = 0.5
-    flat: float = 0.1
-
-    def __post_init__(self) -> None:
-        check_positive(reach=self.reach, share=self.share)
+    def check_together(self) -> None:
+        """Refuse fewer than three donors."""
         if self.donors and len(set(self.donors)) < 3:
             raise ValueError(f"donors are {list(self.donors)}, wanted at least three different ones, or none")
-        if self.at_most < 3 or self.nearest < 3:
-            raise ValueError(f"at_most and nearest are {self.at_most} and {self.nearest}, wanted at least 3 each")
 
 
 class PlacedMarker(NamedTuple):

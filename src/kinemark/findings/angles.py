@@ -1,19 +1,22 @@
-"""What a run says of joint angles: as figures for a machine, as a few lines of text, and as warnings."""
+"""What a run says of joint angles: figures, what deserves a look, and the verdict."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from ..data import Angles, Trajectories
+from ..data import Angles, Finding, Trajectories, make_finding
 from ..kinematics import Cycles, Model, named, outside
-from ..report.formatting import count, number, percent, some
 from ..version import __version__
-from .plain import plain, quantile, runs, share
+from .plain import SCHEMA_VERSION, plain, quantile, runs, share
+from .verdict import verdict_of
 
 TOO_STEADY_MM = 0.02
-"""An estimated error of markers below this means that their paths were smoothed before."""
+"""An estimated error of markers below this means that they were smoothed before."""
+LEAST_BEYOND_DEG = 0.5
+"""Beyond its normal range by less, an angle is not told."""
 
 
 def angle_figures(
@@ -37,6 +40,7 @@ def angle_figures(
     joints = [_joint(angles, j) for j in range(len(angles.joints))]
     figures = {
         "kinemark": __version__,
+        "schema_version": SCHEMA_VERSION,
         "trial": name,
         "model": model.name,
         "source": model.source,
@@ -49,9 +53,9 @@ def angle_figures(
         "angles": rows,
         "cycles": None if cycles is None else _cycles(cycles, model),
     }
-    figures["warnings"] = _warnings(figures)
-    worst = max((("info", "amber", "red").index(w["severity"]) for w in figures["warnings"]), default=0)
-    return plain(figures | {"verdict": {"grade": ("green", "amber", "red")[worst], **_headline(figures, worst)}})
+    findings = _findings(figures)
+    figures["findings"] = [found.as_dict() for found in findings]
+    return plain(figures | {"verdict": verdict_of(findings, _statements(figures, findings)).as_dict()})
 
 
 def _angle(angles: Angles, model: Model, k: int) -> dict[str, Any]:
@@ -111,88 +115,61 @@ def _cycles(cycles: Cycles, model: Model) -> dict[str, Any]:
     }
 
 
-def _warnings(figures: dict[str, Any]) -> list[dict[str, str]]:
-    found = _missing(figures["joints"])
-    found += [w for joint in figures["joints"] for w in _locked(joint, figures["first_frame"])]
+def _findings(figures: dict[str, Any]) -> list[Finding]:
+    """What deserves a look, in the order of the page."""
+    found = list(_missing(figures["joints"]))
+    found += [one for joint in figures["joints"] for one in _locked(joint, figures["first_frame"])]
     for row in figures["angles"]:
-        if row["outside_frames"] and row["outside_most_deg"] >= 0.5:
-            name, part = f"{row['joint'].capitalize()} {row['name']}", percent(row["outside_share"])
-            most = number(row["outside_most_deg"], 1)
-            what = f"{name} is beyond its normal range in {part} of the frames, by up to {most}°."
-            found.append(_say("amber", what, "Check that no marker is swapped or misplaced; the angles are kept."))
+        if row["outside_frames"] and row["outside_most_deg"] >= LEAST_BEYOND_DEG:
+            found.append(
+                make_finding(
+                    "angle_beyond_normal",
+                    joint=row["joint"],
+                    angle=row["name"],
+                    frames_share=row["outside_share"],
+                    most_deg=row["outside_most_deg"],
+                )
+            )
     sd = figures["marker_sd_mm"]
     if figures["noise_from"] == "estimated" and sd is not None and sd < TOO_STEADY_MM:
-        what = (
-            f"The markers hardly tremble ({number(sd, 4)} mm): their paths were smoothed before, so that the standard "
-            "deviations of the angles are far too small."
-        )
-        found.append(_say("amber", what, "State what the laboratory knows: --marker-sd-mm."))
+        found.append(make_finding("markers_smoothed_before", sd_mm=sd))
     elif figures["noise_from"] != "stated":
-        what = f"The file states no errors of its markers; their standard deviation is {figures['noise_from']}."
-        found.append(_say("info", what, "State it with --marker-sd-mm, if it is known better."))
+        found.append(make_finding("marker_errors_not_stated", how=figures["noise_from"]))
     return found
 
 
-def _missing(joints: list[dict[str, Any]]) -> list[dict[str, str]]:
+def _missing(joints: list[dict[str, Any]]) -> Iterator[Finding]:
     """Frames without angles, joints with the same number of them together."""
-    do, found = "Fill the gaps, or use a model with clusters and a static trial.", []
     for n in sorted({joint["missing_frames"] for joint in joints} - {0}):
         fits = [joint for joint in joints if joint["missing_frames"] == n]
-        names = ", ".join(joint["name"] for joint in fits)
+        names = [joint["name"] for joint in fits]
         if not all(joint["frames"] for joint in fits):
-            found.append(_say("red", f"No frame has angles of: {names}. Markers are missing.", do))
+            yield make_finding("joints_without_angles", joints_list=names)
         else:
-            found.append(
-                _say("info", f"{count(n, 'frame')} without angles of: {names}. Markers are missing there.", do)
-            )
-    return found
+            yield make_finding("frames_without_angles", count=n, joints_list=names)
 
 
-def _locked(joint: dict[str, Any], first_frame: int) -> list[dict[str, str]]:
-    if not joint["locked"]:
-        return []
-    spans = [f"{a + first_frame}–{b + first_frame}" for a, b in joint["locked"]]
-    what = f"The {joint['name']} is in gimbal lock: {some('frame', spans, 4)}."
-    return [_say("amber", what, "Its first and third angle are not told apart there; another sequence may fit better.")]
+def _locked(joint: dict[str, Any], first_frame: int) -> Iterator[Finding]:
+    if joint["locked"]:
+        spans = [(a + first_frame, b + first_frame) for a, b in joint["locked"]]
+        yield make_finding("gimbal_lock", joint=joint["name"], frames=spans)
 
 
-def _say(severity: str, what: str, do: str) -> dict[str, str]:
-    return {"severity": severity, "what": what, "do": do}
-
-
-def _headline(figures: dict[str, Any], worst: int) -> dict[str, Any]:
+def _statements(figures: dict[str, Any], findings: list[Finding]) -> Iterator[Finding]:
+    grade = verdict_of(findings, ()).grade
+    yield make_finding({"green": "angles_good", "amber": "angles_usable", "red": "angles_missing"}[grade])
+    yield make_finding("angles_computed", model=figures["model"], side=figures["side"], frame_count=figures["frames"])
     rows = [row for row in figures["angles"] if row["sd_median_deg"] == row["sd_median_deg"]]
-    heads = ("The angles hold together", "The angles deserve a look", "A joint has no angles")
-    sentences = [f"Model {figures['model']}, {figures['side']} side, {count(figures['frames'], 'frame')}."]
     if rows:
-        best, last = (f(rows, key=lambda row: row["sd_median_deg"]) for f in (min, max))
-        sentences.append(
-            f"Standard deviations by the markers' errors: from {_deg(best)} ({best['joint']} {best['positive']}) to "
-            f"{_deg(last)} ({last['joint']} {last['positive']}), in the middle of the frames. They are a floor: "
-            "placement of the markers and skin that slides over bone come on top."
+        least, greatest = (f(rows, key=lambda row: row["sd_median_deg"]) for f in (min, max))
+        yield make_finding(
+            "angle_deviations",
+            least_deg=least["sd_median_deg"],
+            least_joint=least["joint"],
+            least_angle=least["positive"],
+            greatest_deg=greatest["sd_median_deg"],
+            greatest_joint=greatest["joint"],
+            greatest_angle=greatest["positive"],
         )
     if (cycles := figures["cycles"]) is not None:
-        sentences.append(f"{count(len(cycles['spans_s']), 'cycle')} averaged.")
-    return {"headline": heads[worst], "sentences": sentences}
-
-
-def _deg(row: dict[str, Any]) -> str:
-    sd = row["sd_median_deg"]
-    return f"{sd:.2g}°" if sd < 1 else f"{sd:.1f}°"
-
-
-def angle_summary(figures: dict[str, Any]) -> str:
-    """A short plain text: verdict, a line an angle, warnings."""
-    rows = figures["angles"]
-    width = max(len(f"{row['joint']} {row['name']}") for row in rows) if rows else 0
-    lines = [f"{figures['trial']}: {figures['verdict']['headline']}"]
-    lines += [f"  {sentence}" for sentence in figures["verdict"]["sentences"]]
-    lines += ["", f"  {'angle, deg':{width}s}   least  greatest    SD  outside"]
-    for row in rows:
-        lines.append(
-            f"  {row['joint'] + ' ' + row['name']:{width}s}  {number(row['least_deg'], 1):>6s}  "
-            f"{number(row['greatest_deg'], 1):>8s}  {number(row['sd_median_deg'], 2):>4s}  "
-            f"{number(row['outside_frames']):>7s}"
-        )
-    lines += ["", *(f"  {w['severity'].upper():5s} {w['what']} {w['do']}" for w in figures["warnings"])]
-    return "\n".join(lines).rstrip() + "\n"
+        yield make_finding("cycles_averaged", cycles=len(cycles["spans_s"]))

@@ -24,10 +24,11 @@ from ..data import Camera, Rig
 from ..data.array_types import Floats
 from ..geometry.camera import pixels
 from ..geometry.lens import distort
-from ..report.scene3d import upwards
 from ..version import __version__
-from .calibration_advice import calibration_verdict, calibration_warnings
-from .plain import mean, plain, quantile, rms, share
+from .calibration_findings import calibration_findings
+from .calibration_verdict import calibration_verdict
+from .cameras import upwards
+from .plain import SCHEMA_VERSION, mean, plain, quantile, rms, share
 
 CELLS = 3
 """Of the volume along each axis, in which the wand's length is judged."""
@@ -60,6 +61,7 @@ def calibration_figures(
     figures: dict[str, Any] = plain(
         {
             "kinemark": __version__,
+            "schema_version": SCHEMA_VERSION,
             "session": session,
             "way": evidence.way,
             "method": rig.method,
@@ -73,14 +75,23 @@ def calibration_figures(
             "checks": [_check(*check) for check in evidence.checks],
             "straightness": [{"name": n, "before_px": a, "after_px": b} for n, a, b in evidence.straight],
             "change": _change(change, since),
-            "judged": evidence.judged._asdict() if evidence.judged else None,
-            "doubts": list(evidence.doubts),
+            "judged": _judgement(evidence),
             "map": _map(grid, upwards(rig)),
         }
     )
-    figures["warnings"] = calibration_warnings(figures)
-    figures["verdict"] = calibration_verdict(figures)
+    findings = calibration_findings(figures, evidence.findings)
+    figures["findings"] = [found.as_dict() for found in findings]
+    figures["verdict"] = calibration_verdict(figures, findings).as_dict()
     return figures
+
+
+def _judgement(evidence: Evidence) -> dict[str, Any] | None:
+    if evidence.judged is None:
+        return None
+    return {
+        "grade": evidence.judged.grade,
+        "findings": [found.as_dict() for found in evidence.judged.findings],
+    }
 
 
 def judged_volume(rig: Rig, evidence: Evidence) -> Floats:
@@ -103,7 +114,6 @@ def headline_figures(figures: Mapping[str, Any]) -> dict[str, Any]:
     fit, precision = figures["fit"], figures["precision"]
     few = {
         "verdict": figures["verdict"]["grade"],
-        "headline": figures["verdict"]["headline"],
         "residual_rms_px": fit["residual_rms_px"],
         "left_out_rms_px": fit["left_out_rms_px"],
         "centroid_sd_px": precision["centroid_sd_px"],

@@ -102,3 +102,11 @@ def _reprojected(offsets: Floats) -> dict[str, Any]:
 def _pixel(camera: Camera, xyz: Floats) -> float:
     """Width of one pixel at the middle depth of the points, mm."""
     return quantile(to_camera(camera, xyz)[:, 2], 0.5) / abs(float(camera.K[0, 0]))  # (4)
+
+
+def upwards(rig: Rig) -> int:
+    """The world's axis that points up: that of the cameras' own upward sides on average; z where they do not agree."""
+    if not len(rig):
+        return 2
+    mean = np.mean([-np.sign(camera.K[1, 1]) * camera.R[1] for camera in rig], axis=0)
+    return int(mean.argmax()) if mean.max() > 0.3 else 2

@@ -1,4 +1,4 @@
-"""What became of the gaps of a trial: figures, a verdict and what deserves a look."""
+"""What became of the gaps of a trial: figures, what deserves a look, and the verdict."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from ..data import Finding, Origin, Trajectories, make_finding
 from ..data import MarkerTrajectory as MarkerPath
-from ..data import Origin, Trajectories
+from ..data.finding import gravest_first, red_if
 from ..fill import Filled, FilledGap, MarkerArray
 from ..fill.known_samples import possible
-from ..report.formatting import count, millimetres, number, percent, some
-from ..report.html_tables import WORDS
 from ..version import __version__
-from .plain import plain
-from .trial_advice import Remark
+from .plain import SCHEMA_VERSION, plain
+from .verdict import verdict_of
 
 UNSURE_MM = 10.0
 """An expected error, or a standard deviation, above which a gap should be looked at before its values are used."""
@@ -42,6 +41,7 @@ def filling_figures(
     tested = [gap["expected_mm"] for gap in known if gap["method"] != STATIC]
     figures: dict[str, Any] = {
         "kinemark": __version__,
+        "schema_version": SCHEMA_VERSION,
         "source": source,
         "method": method,
         "limit_mm": limit_mm,
@@ -65,8 +65,9 @@ def filling_figures(
         "list": gaps,
     }
     figures = plain(figures)
-    figures["warnings"] = sorted(_remarks(figures), key=lambda remark: remark["severity"] == "info")
-    figures["verdict"] = _verdict(figures)
+    findings = gravest_first(list(_findings(figures)))
+    figures["findings"] = [found.as_dict() for found in findings]
+    figures["verdict"] = verdict_of(findings, _statements(figures)).as_dict()
     return figures
 
 
@@ -116,121 +117,49 @@ def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
     }
 
 
-def _remarks(figures: dict[str, Any]) -> Iterator[Remark]:
-    """What deserves a look."""
-    unsure = [gap for gap in figures["list"] if gap["method"] and worst_of(gap) > UNSURE_MM]
-    if figures["open"]:
-        yield {
-            "severity": "amber",
-            "what": f"{count(figures['open'], 'gap')} stayed open, for the reasons in the table.",
-            "do": "Raise the limit if a greater error does no harm, give a static trial, or do without these frames.",
-        }
-    if unsure:
-        yield {
-            "severity": "amber",
-            "what": f"{count(len(unsure), 'gap')} may be off by more than {UNSURE_MM:g} mm somewhere: that is their "
-            "expected error, or a standard deviation within them, the worst "
-            f"{millimetres(max(map(worst_of, unsure)))}.",
-            "do": "Look at their drawings; a lower limit leaves open those whose expected error is great.",
-        }
-    if figures["unknown"]:
-        yield {
-            "severity": "amber",
-            "what": f"{count(figures['unknown'], 'gap')} filled by a method that mostly had nothing to say in the "
-            "hidden tests, so that nobody knows how far off it is.",
-            "do": "Compare them with another method, or give a limit in mm.",
-        }
-    if figures["far_away"]:
-        yield {
-            "severity": "amber",
-            "what": f"{count(figures['far_away'], 'sample')} farther than a kilometre from the others: no "
-            "positions of markers. They are missing now, or filled.",
-            "do": "Look where they come from; the file given still has them.",
-        }
-    yield from _remarks_on_markers(figures)
-
-
 def worst_of(gap: dict[str, Any]) -> float:
     """Greatest of what is said of a gap's error, mm."""
     return max(gap["expected_mm"] or 0.0, gap["sd_worst_mm"] or 0.0)
 
 
-def _remarks_on_markers(figures: dict[str, Any]) -> Iterator[Remark]:
+def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
+    """What deserves a look."""
+    uncertain = [worst_of(gap) for gap in figures["list"] if gap["method"] and worst_of(gap) > UNSURE_MM]
+    if figures["open"]:
+        yield make_finding("gaps_open", severity=red_if(not figures["filled"]), gaps=figures["open"])
+    if uncertain:
+        yield make_finding("gaps_uncertain", gaps=len(uncertain), limit_mm=UNSURE_MM, worst_mm=max(uncertain))
+    if figures["unknown"]:
+        yield make_finding("gaps_untested", gaps=figures["unknown"])
+    if figures["far_away"]:
+        yield make_finding("samples_far_away", samples=figures["far_away"])
     if figures["replaced"]:
-        n = sum(bool(gap["trimmed"]) for gap in figures["list"])
-        yield {
-            "severity": "info",
-            "what": f"{count(figures['replaced'], 'sample')} measured beside {count(n, 'gap')} stood out from the "
-            "marker's own motion and were replaced (dots in the drawings).",
-            "do": "Where the motion was right as it was measured, fill again with --trim 0 (trim = 0 in a session).",
-        }
+        gaps = sum(bool(gap["trimmed"]) for gap in figures["list"])
+        yield make_finding("samples_replaced", samples=figures["replaced"], gaps=gaps)
     if figures["much_filled"]:
-        yield {
-            "severity": "info",
-            "what": f"{some('marker', figures['much_filled'])}: more than {percent(MUCH)} of the trial is filled.",
-            "do": "What is computed from them rests on their neighbours.",
-        }
+        yield make_finding("markers_mostly_filled", markers=figures["much_filled"], limit_share=MUCH)
     if figures["never_seen"]:
-        yield {
-            "severity": "amber",
-            "what": f"{some('marker', figures['never_seen'])} never seen in this trial.",
-            "do": "A static trial in which they are seen with three others of their segment can place them: --static.",
-        }
+        markers = figures["never_seen"]
+        yield make_finding("markers_absent", severity=red_if(_nothing_seen(figures)), markers=markers)
 
 
-def _verdict(figures: dict[str, Any]) -> dict[str, Any]:
-    """grade, headline and sentences."""
-    sentences = list(_sentences(figures))
+def _nothing_seen(figures: dict[str, Any]) -> bool:
+    """Whether there are markers and none of them is seen; those that were placed count as seen."""
+    return not figures["gaps"] and len(figures["never_seen"]) == figures["markers"] > 0
+
+
+def _statements(figures: dict[str, Any]) -> Iterator[Finding]:
+    """The headline, and what is expected of the filled samples."""
     if figures["gaps"]:
-        grade = "red" if not figures["filled"] else _grade(figures)
-        some_of = f"{number(figures['filled'])} of {count(figures['gaps'], 'gap')}"
-        filled = f"{some_of} {'is' if figures['filled'] == 1 else 'are'} filled"
-        return {
-            "grade": grade,
-            "headline": filled if figures["open"] else "All gaps are filled",
-            "sentences": sentences,
-        }
-    if figures["markers"] and len(figures["never_seen"]) == figures["markers"]:
-        return {"grade": "red", "headline": "No marker is seen in this trial", "sentences": sentences}
-    return {"grade": _grade(figures), "headline": "There was nothing to fill", "sentences": sentences}
-
-
-def _grade(figures: dict[str, Any]) -> str:
-    """Amber where anything but a note is said."""
-    return "amber" if any(remark["severity"] != "info" for remark in figures["warnings"]) else "green"
-
-
-def _sentences(figures: dict[str, Any]) -> Iterator[str]:
+        yield make_finding("gaps_filled", filled=figures["filled"], gaps=figures["gaps"])
+    else:
+        yield make_finding("no_marker_seen" if _nothing_seen(figures) else "nothing_to_fill")
     if figures["expected_median_mm"] is not None:
-        middle, worst = (_at_least(figures[f"expected_{which}_mm"]) for which in ("median", "worst"))
-        yield (
-            f"In the middle gap a filled sample is expected to be {middle} off, in the worst {worst}. That was "
-            "measured on this trial: known samples were hidden in gaps of the same length, filled in the same way, and "
-            "compared."
+        yield make_finding(
+            "expected_gap_error", median_mm=figures["expected_median_mm"], worst_mm=figures["expected_worst_mm"]
         )
     if n := figures["by_method"].get(STATIC, 0):
-        worst = _at_least(max(gap["expected_mm"] or 0.0 for gap in figures["list"] if gap["method"] == STATIC))
-        yield (
-            f"{count(n, 'marker')} that the trial never shows {'is' if n == 1 else 'are'} placed from the static "
-            f"trial, expected to be {worst} off at worst; that is told by how far neighbours move against each other."
-        )
+        worst = max(gap["expected_mm"] or 0.0 for gap in figures["list"] if gap["method"] == STATIC)
+        yield make_finding("markers_from_static", count=n, worst_mm=worst)
     if n := figures["beyond"]:
-        verb = "was" if n == 1 else "were"
-        yield f"{count(n, 'sample')} before a marker's first or after its last {verb} not to be filled (see --ends)."
-
-
-def _at_least(mm: float) -> str:
-    """A length, where it is too small to matter only a bound of it."""
-    return millimetres(mm) if mm >= 0.01 else "less than 0.01\u00a0mm"
-
-
-def filling_summary(figures: dict[str, Any]) -> str:
-    """The figures as a few lines of text, with what deserves a look and the gaps that stayed open."""
-    names = ", ".join(f"{name} {n}" for name, n in figures["by_method"].items())
-    lines = [f"{figures['verdict']['headline']}{': ' + names if names else ''}", *figures["verdict"]["sentences"]]
-    lines += [f"  {WORDS[remark['severity']]}: {remark['what']}" for remark in figures["warnings"]]
-    for gap in figures["list"]:
-        if not gap["method"]:
-            frames = f"frames {gap['first_frame']} to {gap['last_frame']}"
-            lines.append(f"  open: {gap['marker']}, {frames}: {gap['reason']}")
-    return "\n".join(lines)
+        yield make_finding("samples_beyond", samples=n)

@@ -10,6 +10,9 @@ import numpy as np
 
 from ..data.array_types import Bools, Floats
 
+SCHEMA_VERSION = 1
+"""Of all files of figures; it grows when a key is renamed, removed or comes to mean something else."""
+
 
 def plain(value: Any) -> Any:
     """`value` as dicts, lists, strings, booleans, finite numbers and None; what is not finite becomes None."""

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Cloud, Detections, Rig, Step, Tracks, Trajectories
+from ..data import Cloud, Detections, Finding, Rig, Step, Tracks, Trajectories
 from ..data.array_types import Floats
 from ..io.files import replacing
 from ..track.simultaneous import AmbiguousDecision
 from ..version import __version__
 from .cameras import camera_figures, residuals
 from .markers import marker_figures, positions, trajectory_figures
-from .plain import mean, plain, quantile, rms, share
-from .trial_advice import verdict, warnings
+from .plain import SCHEMA_VERSION, mean, plain, quantile, rms, share
+from .trial_findings import trial_findings, trial_verdict
 
 
 def quality(
@@ -29,9 +29,8 @@ def quality(
     tracks: Tracks,
     trajectories: Trajectories,
     steps: Sequence[Step],
-    notes: Sequence[str] = (),
     ambiguous_decisions: Sequence[AmbiguousDecision] = (),
-    diagnostics: Sequence[str] = (),
+    findings: Sequence[Finding] = (),
     judged: Mapping[str, Any] | None = None,
     filling: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
@@ -44,9 +43,8 @@ def quality(
         tracks: all reconstructed points.
         trajectories: the markers as they leave the last stage.
         steps: how the trial was made.
-        notes: sentences to pass on to the reader.
         ambiguous_decisions: decisions of the tracker that were close.
-        diagnostics: sentences on what the tracker found odd about its input.
+        findings: what the stages found themselves, as what the tracking says of its input.
         judged: how good the calibration is, from `calibration.calibration_figures`; None where nobody judged it.
         filling: what became of the gaps, from `filling.filling_figures`; None where none was to be filled.
 
@@ -59,13 +57,14 @@ def quality(
     figures: dict[str, Any] = plain(
         {
             "kinemark": __version__,
+            "schema_version": SCHEMA_VERSION,
             "session": session,
             "trial": trial,
             "recording": _recording(detections),
             "calibration": {
                 "method": rig.method,
                 "cameras_not_used": [n for n in rig.names if n not in rig_used.names],
-                **({key: judged[key] for key in ("verdict", "warnings", "precision")} if judged else {}),
+                **({key: judged[key] for key in ("verdict", "findings", "precision")} if judged else {}),
             },
             "volume": _volume(rig, trajectories),
             "cameras": camera_figures(rig_used, detections, cloud, offsets),
@@ -74,14 +73,13 @@ def quality(
             "trajectories": trajectory_figures(trajectories, marker_figures(trajectories)),
             "timing": _timing(steps, detections.n_frames),
             "steps": [_step(step) for step in steps],
-            "notes": list(notes),
-            "diagnostics": list(diagnostics),
             "ambiguous_decisions": [_decision(row, detections.rate) for row in ambiguous_decisions],
             "filling": filling,
         }
     )
-    figures["warnings"] = warnings(figures)
-    figures["verdict"] = verdict(figures)
+    found = trial_findings(figures, findings)
+    figures["findings"] = [one.as_dict() for one in found]
+    figures["verdict"] = trial_verdict(figures, found).as_dict()
     return figures
 
 
@@ -160,6 +158,7 @@ def _decision(row: AmbiguousDecision, rate: float) -> dict[str, Any]:
         "time_s": row.first / rate,
         "trajectories": [f"*{track + 1}" for track in row.tracks if track >= 0],
         "reason": row.reason,
+        "values": dict(row.values),
     }
 
 

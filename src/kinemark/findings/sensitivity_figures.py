@@ -1,4 +1,4 @@
-"""What limits the accuracy of a recording, as plain numbers and sentences.
+"""What limits the accuracy of a recording, as plain numbers, and the verdict.
 
 How large an error of an angle may be: McGinley et al. (2009), reviewing the reliability of gait measurements, hold 2°
 or less to be acceptable in most clinical situations, 2° to 5° reasonable if it is kept in mind, and more misleading.
@@ -7,26 +7,23 @@ or less to be acceptable in most clinical situations, 2° to 5° reasonable if i
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
+from ..data import Finding, Severity, make_finding
 from ..data.array_types import Floats
-from ..report.formatting import measure, millimetres, number, percent, some
 from ..sensitivity import ErrorSource, LostCamera, Ranking, typical
 from ..sensitivity.ranked_sources import Unit
 from ..version import __version__
-from .plain import plain, quantile, share
+from .plain import SCHEMA_VERSION, plain, quantile, share
+from .verdict import Verdict, verdict_of
 
 ACCEPTABLE_DEG, REASONABLE_DEG = 2.0, 5.0
 CYCLES = (1, 2, 3, 4, 6, 8, 10, 15, 20)
 MANY_GONE = 0.05
 
-ADVICE = {
-    "disturbed images": "Find the camera from which limb or clothes hide the marker; add one there, or move it.",
-    "centroid noise": "Average over more cycles, or filter. Larger markers and longer lenses make larger images.",
-    "lens model": "Linearise the cameras with a grid, or allow more lens terms; the maps show which camera.",
-    "calibration": "Calibrate again, waving the wand through the whole volume, and before every session.",
-    "marker placement": "Palpate twice, one examiner a subject, joint centres found from motion. Cameras cannot help.",
-}
+PLACEMENT = "marker placement"
+"""The name of the source that is no camera's."""
 
 
 def sensitivity_figures(ranking: Ranking, *, session: str, trial: str) -> dict[str, Any]:
@@ -35,6 +32,7 @@ def sensitivity_figures(ranking: Ranking, *, session: str, trial: str) -> dict[s
     lost = [_lost(ranking, camera) for camera in ranking.lost]
     figures = {
         "kinemark": __version__,
+        "schema_version": SCHEMA_VERSION,
         "session": session,
         "trial": trial,
         "ranked_by": ranking.unit,
@@ -48,8 +46,8 @@ def sensitivity_figures(ranking: Ranking, *, session: str, trial: str) -> dict[s
             "deg": _deg(ranking, ranking.total("deg")),
             "mean_mm": typical(ranking.total("mm", cycles=ranking.method.cycles)),
             "mean_deg": _deg(ranking, ranking.total("deg", cycles=ranking.method.cycles)),
-            "cameras_mm": typical(ranking.total("mm", without="marker placement")),
-            "cameras_deg": _deg(ranking, ranking.total("deg", without="marker placement")),
+            "cameras_mm": typical(ranking.total("mm", without=PLACEMENT)),
+            "cameras_deg": _deg(ranking, ranking.total("deg", without=PLACEMENT)),
         },
         "lost": lost,
         "by_cycles": [_mean_of(ranking, n) for n in CYCLES],
@@ -60,7 +58,9 @@ def sensitivity_figures(ranking: Ranking, *, session: str, trial: str) -> dict[s
         "degrees_of_freedom": ranking.evidence.freedom,
     }
     figures = plain(figures)
-    figures["verdict"] = _verdict(figures)
+    findings, verdict = _verdict(figures)
+    figures["findings"] = [found.as_dict() for found in findings]
+    figures["verdict"] = verdict.as_dict()
     return figures
 
 
@@ -82,7 +82,6 @@ def _source(ranking: Ranking, source: ErrorSource) -> dict[str, Any]:
         "without_it": typical(ranking.total(unit, without=source.name)),
         "averages": source.averages,
         "origin": source.origin,
-        "advice": ADVICE[source.name],
     }
 
 
@@ -91,7 +90,7 @@ def _mean_of(ranking: Ranking, n: int) -> dict[str, Any]:
     units: tuple[Unit, ...] = ("mm", "deg") if ranking.angles else ("mm",)
     for unit in units:
         row[unit] = typical(ranking.total(unit, cycles=n))
-        row[f"cameras_{unit}"] = typical(ranking.total(unit, without="marker placement", cycles=n))
+        row[f"cameras_{unit}"] = typical(ranking.total(unit, without=PLACEMENT, cycles=n))
     return row
 
 
@@ -135,83 +134,52 @@ def _by_angle(ranking: Ranking) -> list[dict[str, Any]]:
     ]
 
 
-def _verdict(figures: dict[str, Any]) -> dict[str, Any]:
-    unit, total = figures["ranked_by"], figures["total"]
-    first = figures["ranking"][0]
-    value = degrees if unit == "deg" else millimetres
-    word = {
-        "centroid noise": "the noise of the centroids",
-        "disturbed images": "images that are disturbed",
-        "marker placement": "where the markers are put on",
-    }
-    name = word.get(first["source"], f"the {first['source']}")
-    sentences = [
-        f"{'An angle' if unit == 'deg' else 'A position'} is uncertain by {value(total[unit])} in a single "
-        f"frame, one standard deviation, and by {value(total['mean_' + unit])} in a mean over "
-        f"{number(figures['cycles'])} cycles. {percent(first['variance_share'])} of the variance is {name}."
-    ]
-    sentences.append(
-        f"What the cameras do amounts to {millimetres(total['cameras_mm'])} for a marker along each axis"
-        + (f" and {value(total['cameras_deg'])} for an angle." if unit == "deg" else ".")
+def _verdict(figures: dict[str, Any]) -> tuple[list[Finding], Verdict]:
+    """What limits the recording, and how much it is; the size of the error makes the grade."""
+    headline = make_finding("error_limited_by", severity=_severity(figures), source=figures["ranking"][0]["source"])
+    findings = [headline, *_errors(figures), *_losses(figures["lost"])]
+    return findings, verdict_of(findings, findings)
+
+
+def _severity(figures: dict[str, Any]) -> Severity:
+    mean = figures["total"]["mean_deg"]
+    if figures["ranked_by"] == "deg" and mean is not None:
+        return "info" if mean <= ACCEPTABLE_DEG else "amber" if mean <= REASONABLE_DEG else "red"
+    return "info" if figures["ranking"][0]["source"] == PLACEMENT else "amber"
+
+
+def _errors(figures: dict[str, Any]) -> Iterator[Finding]:
+    unit, total, first = figures["ranked_by"], figures["total"], figures["ranking"][0]
+    kind = "error_of_angle" if unit == "deg" else "error_of_position"
+    yield make_finding(
+        kind,
+        **{f"frame_{unit}": total[unit], f"mean_{unit}": total[f"mean_{unit}"]},
+        cycles=figures["cycles"],
+        source=first["source"],
+        variance_share=first["variance_share"],
     )
-    if first["source"] == "marker placement":
-        second = figures["ranking"][1]["source"]
-        sentences.append(
-            f"Placement is an assumption, {millimetres(figures['placement_mm'])} along each axis; say what yours is. "
-            f"Of what the trial itself shows, {second} is the first."
+    angle = total["cameras_deg"] if unit == "deg" else None
+    yield make_finding("error_of_cameras", position_mm=total["cameras_mm"], angle_deg=angle)
+    if first["source"] == PLACEMENT:
+        yield make_finding(
+            "placement_assumed",
+            placement_mm=figures["placement_mm"],
+            next_source=figures["ranking"][1]["source"],
         )
-    sentences.append(_lost_words(figures["lost"]))
-    if unit == "deg" and total["mean_deg"] is not None:
-        grade = _grade(total["mean_deg"])
-    else:
-        grade = "green" if first["source"] == "marker placement" else "amber"
-    return {"grade": grade, "headline": f"What limits this recording is {name}.", "sentences": sentences}
 
 
-def _grade(deg: float) -> str:
-    return "green" if deg <= ACCEPTABLE_DEG else "amber" if deg <= REASONABLE_DEG else "red"
-
-
-def _lost_words(lost: list[dict[str, Any]]) -> str:
+def _losses(lost: list[dict[str, Any]]) -> Iterator[Finding]:
     if not lost:
-        return "With two cameras nothing is measured when one is lost."
-    words = [f"Without {lost[0]['camera']}, the camera most missed, "]
-    if lost[0]["mm"] is None:
-        return words[0] + "no point would be left."
-    words.append(
-        f"the cameras' part would be {millimetres(lost[0]['mm'])} instead of {millimetres(lost[0]['all_mm'])}"
-        f" where something is left, and {percent(lost[0]['gone_share'])} of the points would be gone."
+        yield make_finding("two_cameras_no_loss")
+        return
+    worst = lost[0]
+    yield make_finding(
+        "camera_most_missed",
+        cameras=[worst["camera"]],
+        without_mm=worst["mm"],
+        with_mm=worst["all_mm"],
+        lost_share=worst["gone_share"],
     )
     holes = [row["camera"] for row in lost if row["gone_share"] > MANY_GONE]
-    if holes:
-        words.append(f" Losing {some('camera', holes)} takes more than {percent(MANY_GONE)} of the points.")
-    return "".join(words)
-
-
-def sensitivity_summary(figures: dict[str, Any]) -> str:
-    """Verdict and ranked table for the terminal."""
-    n = figures["cycles"]
-    lines = [f"{figures['session']} / {figures['trial']}: {figures['verdict']['headline']}"]
-    lines += [f"  {sentence}" for sentence in figures["verdict"]["sentences"]]
-    lines += ["", f"  {'source':18s}   px      mm   angle   mean of {n}   variance   how it is known"]
-    for row in figures["ranking"]:
-        lines.append(
-            f"  {row['source']:18s} {number(row['px'], 3):>6s} {number(row['mm'], 2):>6s} {degrees(row['deg']):>7s} "
-            f"{degrees(row['mean_deg']):>11s} {percent(row['variance_share']):>10s}   {row['origin']}"
-        )
-    total = figures["total"]
-    lines.append(
-        f"  {'all together':18s} {'':6s} {number(total['mm'], 2):>6s} {degrees(total['deg']):>7s} "
-        f"{degrees(total['mean_deg']):>11s}"
-    )
-    lines += [
-        f"  {'without ' + row['camera']:18s} {'':6s} {number(row['mm'], 2):>6s} {degrees(row['deg']):>7s}"
-        f"   of the cameras' part alone, {percent(row['gone_share'])} of points gone"
-        for row in figures["lost"][:3]
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def degrees(value: float | None, decimals: int = 2) -> str:
-    """An angle with its sign, or a dash."""
-    return measure(value, decimals, "°").replace("\u00a0°", "°")
+    if holes and worst["mm"] is not None:
+        yield make_finding("cameras_losing_points", cameras=holes, limit_share=MANY_GONE)

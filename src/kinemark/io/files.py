@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..data import KinemarkError
+
+ADVICE = {
+    errno.ENOSPC: "The disk is full: make room and do it again. What was finished before is kept.",
+    errno.EDQUOT: "Your share of the disk is used up: make room and do it again. What was finished before is kept.",
+    errno.EROFS: "The folder is read-only: choose one that you may write to.",
+}
+OTHERWISE = "Choose a folder that you may write to."
+"""What to do when a file cannot be written."""
 
 
 @contextmanager
@@ -24,7 +33,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
         yield beside
         beside.replace(path)
     except OSError as error:
-        raise KinemarkError(f"{path} cannot be written: {error}. Choose a folder that you may write to.") from error
+        raise KinemarkError(f"{path} cannot be written: {error}. {ADVICE.get(error.errno or 0, OTHERWISE)}") from error
     finally:
         with suppress(OSError):  # such as a parent that is a file, which the error above has told already
             beside.unlink(missing_ok=True)

@@ -7,12 +7,16 @@ from .cycles import Cycles, cycles, resampled, spans_of
 from .marker_noise import estimated_sd, with_marker_sd
 from .normal import Named, named, outside
 from .pose import ClusterTemplate, Pose, Template, body_pose, rotation_covariance
-from .sequences import InverseCosines, Method, SignedAngles, inverse_cosines, principal, turned
+from .sequences import AngleMethod, InverseCosines, SignedAngles, inverse_cosines, principal, turned
 from .smooth import Butterworth, WoltringSpline, residual_cutoff, smooth
+from .stage import ANGLES, SMOOTH
 from .velocity import angular_velocity
 
 __all__ = [
+    "ANGLES",
     "LABORATORY",
+    "SMOOTH",
+    "AngleMethod",
     "Axis",
     "Butterworth",
     "Centre",
@@ -23,7 +27,6 @@ __all__ = [
     "Joint",
     "JointCentre",
     "JointMotion",
-    "Method",
     "Model",
     "Named",
     "Pose",

@@ -31,7 +31,7 @@ from ..data.array_types import Floats
 from ..data.models import LABORATORY, Axis, Joint, Model, Segment
 from ..geometry import near_middle
 from .pose import Template, carry
-from .sequences import Method, SignedAngles, principal, read_angles
+from .sequences import AngleMethod, SignedAngles, principal, read_angles
 
 Points = Mapping[str, Floats]
 
@@ -45,7 +45,7 @@ def joint_angles(
     trajectories: Trajectories,
     *,
     model: Model,
-    method: Method | None = None,
+    method: AngleMethod | None = None,
     template: Template | None = None,
 ) -> Angles:
     """The angles of all joints of a model, with their covariance and the frames in gimbal lock.

@@ -34,46 +34,37 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data.array_types import Bools, Floats
+from ..data.method import Method, parameter
 from ..data.models import Joint, check_sequence
+from .stage import ANGLES
 
 
 @dataclass(frozen=True, slots=True)
-class SignedAngles:
-    """Angles with their sign.
+class SignedAngles(Method):
+    """Angles with their sign, by inverse tangents."""
 
-    Attributes:
-        continuous: of the two triples (4), and of whole turns, take what is nearest to the frame before, so that
-            curves do not jump; else each frame's principal values.
-        lock_deg: how near to gimbal lock the middle angle may come before a frame is flagged.
-    """
-
-    continuous: bool = True
-    lock_deg: float = 10.0
-
-    def __post_init__(self) -> None:
-        _check_lock(self.lock_deg)
+    continuous: bool = parameter(
+        True,
+        meaning="of the two triples (4), and of whole turns, take what is nearest to the frame before, so that "
+        "curves do not jump; else each frame's principal values",
+    )
+    lock_deg: float = parameter(
+        10.0, unit="deg", low=0, below=90,
+        meaning="how near to gimbal lock the middle angle may come before a frame is flagged",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
-class InverseCosines:
-    """Angles as UM²AS A.29–A.36 takes them, without the sign of the first and the third.
+class InverseCosines(Method):
+    """Angles by inverse cosines, as UM²AS takes them, without the sign of the first and the third."""
 
-    Attributes:
-        lock_deg: how near to gimbal lock the middle angle may come before a frame is flagged.
-    """
-
-    lock_deg: float = 10.0
-
-    def __post_init__(self) -> None:
-        _check_lock(self.lock_deg)
+    lock_deg: float = parameter(
+        10.0, unit="deg", low=0, below=90,
+        meaning="how near to gimbal lock the middle angle may come before a frame is flagged",
+    )  # fmt: skip
 
 
-Method = SignedAngles | InverseCosines
-
-
-def _check_lock(lock_deg: float) -> None:
-    if not 0 <= lock_deg < 90:
-        raise ValueError(f"lock_deg is {lock_deg}, wanted 0 up to 90")
+AngleMethod = SignedAngles | InverseCosines
 
 
 def turned(deg: Floats, sequence: str) -> Floats:
@@ -127,14 +118,24 @@ def lock_distance(R: Floats, sequence: str) -> Floats:
     return 90 - np.abs(b) if sequence[0] != sequence[2] else 90 - np.abs(np.abs(b) - 90)
 
 
-def read_angles(R: Floats, joint: Joint, method: Method) -> tuple[Floats, Bools]:
+def read_angles(R: Floats, joint: Joint, method: AngleMethod) -> tuple[Floats, Bools]:
     """Angles (F, 3) deg of a joint and whether they are in gimbal lock (F), from rotations R (F, 3, 3)."""
-    deg = principal(R, joint.sequence, negative_middle=joint.middle == "negative")
     with np.errstate(invalid="ignore"):
         locked = lock_distance(R, joint.sequence) < method.lock_deg
-    if isinstance(method, InverseCosines):
-        return inverse_cosines(R, joint.sequence), locked
-    return (followed(deg, locked, joint.sequence) if method.continuous else deg), locked
+    return ANGLES.function(method)(R, joint, locked, method=method), locked
+
+
+@ANGLES.method("signed", SignedAngles)
+def signed_angles(R: Floats, joint: Joint, locked: Bools, *, method: SignedAngles) -> Floats:
+    """(2) or (3) for R (F, 3, 3) of a joint, deg; frames that are locked (F) are not followed."""
+    deg = principal(R, joint.sequence, negative_middle=joint.middle == "negative")
+    return followed(deg, locked, joint.sequence) if method.continuous else deg
+
+
+@ANGLES.method("inverse_cosines", InverseCosines, source="UM²AS, A.29 to A.36")
+def unsigned_angles(R: Floats, joint: Joint, locked: Bools, *, method: InverseCosines) -> Floats:
+    """(5) for R (F, 3, 3) of a joint, deg."""
+    return inverse_cosines(R, joint.sequence)
 
 
 def inverse_cosines(R: Floats, sequence: str) -> Floats:

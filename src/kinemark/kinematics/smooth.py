@@ -13,54 +13,42 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import MarkerTrajectory, Trajectories
-from ..data.arrays import check_positive
+from ..data.method import ONE, Method, parameter
 from ..signal.filters import butterworth, butterworth_gain, fewest, residual_analysis
 from ..signal.woltring import woltring
+from .stage import SMOOTH
 
 
 @dataclass(frozen=True, slots=True)
-class Butterworth:
-    """A Butterworth filter run forwards and backwards.
+class Butterworth(Method):
+    """A Butterworth low-pass filter run forwards and backwards, without lag."""
 
-    Attributes:
-        cutoff_hz: where both passes together fall to 1/√2; None: by residual analysis, marker by marker.
-        order: of one pass.
-    """
-
-    cutoff_hz: float | None = None
-    order: int = 2
-
-    def __post_init__(self) -> None:
-        check_positive(cutoff_hz=self.cutoff_hz, order=self.order)
+    cutoff_hz: float | None = parameter(
+        None, unit="Hz", above=0,
+        meaning="cut-off, where both passes together fall to 1/√2; None: by residual analysis, marker by marker",
+    )  # fmt: skip
+    order: int = parameter(2, unit=ONE, low=1, meaning="of one pass")
 
 
 @dataclass(frozen=True, slots=True)
-class WoltringSpline:
-    """A natural smoothing spline.
+class WoltringSpline(Method):
+    """A natural smoothing spline, quintic unless said otherwise."""
 
-    Attributes:
-        cutoff_hz: where it falls to 1/√2; None: by generalised cross-validation, marker by marker.
-        half_order: 3 is quintic, 2 cubic.
-    """
-
-    cutoff_hz: float | None = None
-    half_order: int = 3
-
-    def __post_init__(self) -> None:
-        check_positive(cutoff_hz=self.cutoff_hz, half_order=self.half_order)
+    cutoff_hz: float | None = parameter(
+        None, unit="Hz", above=0,
+        meaning="cut-off, where it falls to 1/√2; None: by generalised cross-validation, marker by marker",
+    )  # fmt: skip
+    half_order: int = parameter(3, unit=ONE, low=1, meaning="3 is quintic, 2 cubic")
 
 
-Smoothing = Butterworth | WoltringSpline
-
-
-def smooth(trajectories: Trajectories, *, method: Smoothing) -> Trajectories:
+def smooth(trajectories: Trajectories, *, method: Method) -> Trajectories:
     """Smoothed markers, with what is left of their covariance (1); runs too short to smooth are kept as they are.
 
     Raises:
-        ValueError: the cut-off is not below half the rate.
+        ValueError: the method is none of `SMOOTH`, or the cut-off is not below half the rate.
     """
-    one = _butterworth if isinstance(method, Butterworth) else _woltring
-    return replace(trajectories, paths=tuple(one(path, trajectories.rate, method) for path in trajectories))
+    one = SMOOTH.function(method)
+    return replace(trajectories, paths=tuple(one(path, trajectories.rate, method=method) for path in trajectories))
 
 
 def residual_cutoff(path: MarkerTrajectory, *, rate: float, order: int = 2) -> float | None:
@@ -78,9 +66,10 @@ def _runs(path: MarkerTrajectory) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
-def _butterworth(path: MarkerTrajectory, rate: float, method: Smoothing) -> MarkerTrajectory:
-    assert isinstance(method, Butterworth)
-    order = int(method.order)
+@SMOOTH.method("butterworth", Butterworth, source="Winter 2009")
+def smooth_butterworth(path: MarkerTrajectory, rate: float, *, method: Butterworth) -> MarkerTrajectory:
+    """A marker, each run of seen frames filtered by itself; runs that are too short stay as they are."""
+    order = method.order
     cutoff = method.cutoff_hz or residual_cutoff(path, rate=rate, order=order)
     if cutoff is None:
         return path
@@ -93,11 +82,12 @@ def _butterworth(path: MarkerTrajectory, rate: float, method: Smoothing) -> Mark
     return replace(path, xyz=xyz, cov=cov)
 
 
-def _woltring(path: MarkerTrajectory, rate: float, method: Smoothing) -> MarkerTrajectory:
-    assert isinstance(method, WoltringSpline)
+@SMOOTH.method("woltring", WoltringSpline, source="Woltring 1986")
+def smooth_woltring(path: MarkerTrajectory, rate: float, *, method: WoltringSpline) -> MarkerTrajectory:
+    """A marker under one spline through all frames in which it is seen; gaps stay open."""
     seen = np.asarray(np.isfinite(path.xyz).all(1))
     if seen.sum() <= 2 * method.half_order:
         return path
     cutoff = None if method.cutoff_hz is None else method.cutoff_hz / rate
-    found = woltring(path.xyz, half_order=int(method.half_order), cutoff=cutoff)
+    found = woltring(path.xyz, half_order=method.half_order, cutoff=cutoff)
     return replace(path, xyz=np.where(seen[:, None], found.values, np.nan), cov=path.cov * found.gain)  # (1)

@@ -3,7 +3,8 @@
 from ..geometry.ideal_pixels import check_cameras
 from .epipolar_triplets import EpipolarTriplets
 from .kiss_triplets import KissTriplets
-from .methods import MATCHERS, MatchMethod, match
+from .methods import match
 from .nearest_epipolar import NearestEpipolar
+from .stage import MATCH
 
-__all__ = ["MATCHERS", "EpipolarTriplets", "KissTriplets", "MatchMethod", "NearestEpipolar", "check_cameras", "match"]
+__all__ = ["MATCH", "EpipolarTriplets", "KissTriplets", "NearestEpipolar", "check_cameras", "match"]

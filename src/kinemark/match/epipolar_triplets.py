@@ -32,40 +32,34 @@ from numpy.typing import NDArray
 
 from ..data import Detections, Matches, Rig
 from ..data.array_types import Floats, Ints
-from ..data.arrays import check_positive
+from ..data.method import Method, parameter
+from ..data.progress import tell
 from ..geometry import fundamental, triangulate
 from ..geometry.ideal_pixels import ideal_pixels
+from .stage import MATCH
 
 BLOCK = 512  # frames matched together, enough to share numpy's overhead
 CELLS = 1 << 24  # pairs of images in a block, at most: bounds the memory
 
 
 @dataclass(frozen=True, slots=True)
-class EpipolarTriplets:
-    """Parameters of the method.
+class EpipolarTriplets(Method):
+    """Triplets of images that confirm each other by epipolar lines, grown to all cameras; then pairs."""
 
-    Attributes:
-        search_band: half width about an epipolar line, px.
-        search_radius: about an intersection of epipolar lines, px; ρ of (1).
-        candidates: images considered for an image in each other camera, the nearest to its epipolar line.
-        pairs: what becomes of images that only two cameras share: "none"; "best", the nearest to their epipolar
-            lines first, each image once; or "all", every combination, which leaves the choice to the tracking.
-        pair_band: half width about an epipolar line for these, px.
-    """
-
-    search_band: float = 2.0
-    search_radius: float = 2.0
-    candidates: int = 5
-    pairs: Literal["none", "best", "all"] = "all"
-    pair_band: float = 1.0
-
-    def __post_init__(self) -> None:
-        check_positive(
-            search_band=self.search_band,
-            search_radius=self.search_radius,
-            candidates=self.candidates,
-            pair_band=self.pair_band,
-        )
+    search_band: float = parameter(2.0, unit="px", above=0, meaning="half width of the band about an epipolar line")
+    search_radius: float = parameter(
+        2.0, unit="px", above=0, meaning="radius about an intersection of epipolar lines; ρ of (1)"
+    )
+    candidates: int = parameter(
+        5, unit="images", low=1,
+        meaning="images considered for an image in each other camera, the nearest to its epipolar line",
+    )  # fmt: skip
+    pairs: Literal["none", "best", "all"] = parameter(
+        "all",
+        meaning="what becomes of images that only two cameras share: none; best, the nearest to their epipolar "
+        "lines first, each image once; or all, every combination, which leaves the choice to the tracking",
+    )
+    pair_band: float = parameter(1.0, unit="px", above=0, meaning="half width about an epipolar line for such pairs")
 
 
 class FrameImages(NamedTuple):
@@ -85,6 +79,7 @@ class TripletEdges(NamedTuple):
     distance: Floats
 
 
+@MATCH.method("epipolar_triplets", EpipolarTriplets)
 def match_epipolar(detections: Detections, rig: Rig, *, method: EpipolarTriplets) -> Matches:
     """Groups of detections that are one marker; called through `match`."""
     blocks = blocks_of(detections, rig)
@@ -105,6 +100,7 @@ def blocks_of(detections: Detections, rig: Rig) -> Iterator[FrameImages]:
     uv = ideal_pixels(detections, rig)
     block = min(BLOCK, max(CELLS // max(int(detections.counts.max(initial=1)), 1) ** 2, 1))
     for first in range(0, detections.n_frames, block):
+        tell(first, detections.n_frames)
         cut = detections.start[:, first : first + block + 1]
         yield FrameImages(uv, [_padded(rows) for rows in cut])
 

@@ -41,40 +41,44 @@ from numpy.typing import NDArray
 
 from ..data import Detections, Matches, Rig
 from ..data.array_types import Floats, Ints
-from ..data.arrays import check_positive
+from ..data.method import Method, parameter
+from ..data.progress import tell
 from ..geometry import fundamental
 from ..geometry.ideal_pixels import ideal_pixels
 from .epipolar_triplets import collected, costs
+from .stage import MATCH
 
 Line = list[float]
 """a, b, c of (1)."""
 
 
 @dataclass(frozen=True, slots=True)
-class KissTriplets:
-    """Parameters of the method; the paper states neither band nor circle, which were found by trials in its laboratory.
+class KissTriplets(Method):
+    """Triplets by intersections of epipolar lines, each verified by a third camera: the method of the Kiss system.
 
-    Attributes:
-        search_band: half width about an epipolar line, px.
-        search_radius: of the circle about an intersection of epipolar lines, px; wider than the band, as two lines are
-            off and they cross at a slant.
-        candidates: images considered for an image in each other camera, the nearest to its epipolar line.
-        priority: which candidate cameras are tried first: "distance", those with an image nearest to the epipolar line,
-            as the paper has it; or "angle", those whose lines of sight cross the base camera's most squarely in the
-            middle of the volume.
-        all_duals: make every pair of an image and its candidates a marker where no triplet can be verified, (6).
+    The paper states neither band nor circle, which were found by trials in its laboratory.
     """
 
-    search_band: float = 2.0
-    search_radius: float = 4.0
-    candidates: int = 5
-    priority: Literal["distance", "angle"] = "distance"
-    all_duals: bool = False
-
-    def __post_init__(self) -> None:
-        check_positive(search_band=self.search_band, search_radius=self.search_radius, candidates=self.candidates)
-        if self.priority not in ("distance", "angle"):
-            raise ValueError(f"priority is {self.priority!r}, wanted 'distance' or 'angle'")
+    search_band: float = parameter(2.0, unit="px", above=0, meaning="half width of the band about an epipolar line")
+    search_radius: float = parameter(
+        4.0, unit="px", above=0,
+        meaning="radius of the circle about an intersection of epipolar lines; wider than the band, as two lines "
+        "are off and they cross at a slant",
+    )  # fmt: skip
+    candidates: int = parameter(
+        5, unit="images", low=1,
+        meaning="images considered for an image in each other camera, the nearest to its epipolar line",
+    )  # fmt: skip
+    priority: Literal["distance", "angle"] = parameter(
+        "distance",
+        meaning="which candidate cameras are tried first: distance, those with an image nearest to the epipolar "
+        "line, as the paper has it; or angle, those whose lines of sight cross the base camera's most "
+        "squarely in the middle of the volume",
+    )
+    all_duals: bool = parameter(
+        False,
+        meaning="make every pair of an image and its candidates a marker where no triplet can be verified; (6)",
+    )
 
 
 class TripletFrame(NamedTuple):
@@ -95,6 +99,7 @@ Ranked = list[tuple[int, list[int]]]
 """Candidate cameras in order of priority, and in each the candidates, the best first."""
 
 
+@MATCH.method("kiss_triplets", KissTriplets, source="Shafiq, Tümer and Güler 2001, 4.1")
 def match_kiss(detections: Detections, rig: Rig, *, method: KissTriplets) -> Matches:
     """Groups of detections that are one marker, ghosts among them; called through `match`."""
     uv, P = ideal_pixels(detections, rig), rig.P
@@ -103,6 +108,7 @@ def match_kiss(detections: Detections, rig: Rig, *, method: KissTriplets) -> Mat
     steep = crossings(rig).tolist()
     views = [np.full((0, n), -1)]
     for f in range(detections.n_frames):
+        tell(f, detections.n_frames)
         row = np.concatenate([np.arange(*detections.rows(c, f).indices(len(uv))) for c in range(n)])
         frame = _frame(row[np.isfinite(uv[row, 0])], uv, detections, F, method.search_band)
         groups = list(_markers(frame, steep, method))

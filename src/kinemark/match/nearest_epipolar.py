@@ -26,30 +26,34 @@ import numpy as np
 
 from ..data import Detections, KinemarkError, Matches, Rig
 from ..data.array_types import Floats, Ints
-from ..data.arrays import check_positive
+from ..data.method import Method, parameter
 from ..geometry import epipolar_lines, fundamental
 from ..geometry.ideal_pixels import check_cameras, ideal_pixels
 from .epipolar_triplets import costs
+from .stage import MATCH
 
 
 @dataclass(frozen=True, slots=True)
-class NearestEpipolar:
-    """Parameters of the method.
+class NearestEpipolar(Method):
+    """Of two cameras, the image nearest to the epipolar line of each image of the base camera."""
 
-    Attributes:
-        cameras: names of the base camera and of the other one; empty where the rig has just two, the first is the base.
-        band: images farther than this from the line are no match, px; None: no limit, as in the document.
-    """
+    cameras: tuple[str, ...] = parameter(
+        (),
+        meaning="names of the base camera and of the other one; empty where the rig has just two, the first is the "
+        "base",
+    )
+    band: float | None = parameter(
+        None, unit="px", above=0,
+        meaning="images farther than this from the line are no match; None: no limit, as in the document",
+    )  # fmt: skip
 
-    cameras: tuple[str, ...] = ()
-    band: float | None = None
-
-    def __post_init__(self) -> None:
-        check_positive(band=self.band)
+    def check_together(self) -> None:
+        """Refuse any other number of cameras than two."""
         if len(self.cameras) not in (0, 2) or len(set(self.cameras)) != len(self.cameras):
             raise ValueError(f"cameras are {list(self.cameras)}, wanted two different names, or none")
 
 
+@MATCH.method("nearest_epipolar", NearestEpipolar, source="Swamidas 1997, 3.1.3 to 3.1.5")
 def match_nearest(detections: Detections, rig: Rig, *, method: NearestEpipolar = NearestEpipolar()) -> Matches:
     """Pairs of detections of two cameras, frame by frame; all other cameras go unused.
 

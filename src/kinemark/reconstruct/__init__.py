@@ -2,13 +2,13 @@
 
 from .camera_pairs import CameraPairs
 from .least_squares import LeastSquares, located, wanted
-from .methods import RECONSTRUCTORS, ReconstructMethod, reconstruct
+from .methods import reconstruct
+from .stage import RECONSTRUCT
 
 __all__ = [
-    "RECONSTRUCTORS",
+    "RECONSTRUCT",
     "CameraPairs",
     "LeastSquares",
-    "ReconstructMethod",
     "located",
     "reconstruct",
     "wanted",

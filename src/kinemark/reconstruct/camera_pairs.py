@@ -53,42 +53,37 @@ from scipy.special import gammaincinv
 
 from ..data import Cloud, Detections, Matches, Rig
 from ..data.array_types import Bools, Floats
-from ..data.arrays import check_positive
+from ..data.method import ONE, Method, parameter
 from ..geometry import inverse3, parameter_jacobian, point_jacobian, project, to_camera, triangulate, undistort
 from .hidden import hidden_variance
 from .least_squares import LeastSquares, centroid_cov, wanted
+from .stage import RECONSTRUCT
 
 BLOCK = 100_000  # distances between solutions worked on at once, so that they stay in the cache
 
 
 @dataclass(frozen=True, slots=True)
-class CameraPairs:
-    """Parameters of the method.
+class CameraPairs(Method):
+    """Each point as the mean of the solutions of camera pairs that agree: the method of UM²AS."""
 
-    Attributes:
-        excess: a solution this many times as far from the others as they are from each other is left out, or one that
-            is farther (5); UM²AS: 2.
-        centroid_sd: standard deviation of a centroid that states none, px; None: estimated from the data.
-        model_sd: what the camera model leaves out, px; added to every image's standard deviation.
-        within_volume: drop points outside the rig's control volume, where it has one.
-        volume_margin: how far outside a point may lie, mm.
-    """
-
-    excess: float = 2.0
-    centroid_sd: float | None = None
-    model_sd: float = 0.01
-    within_volume: bool = True
-    volume_margin: float = 100.0
-
-    def __post_init__(self) -> None:
-        if not 1 <= self.excess < np.inf:
-            raise ValueError(f"excess is {self.excess}, wanted 1 or more")
-        check_positive(centroid_sd=self.centroid_sd)
-        for name in ("model_sd", "volume_margin"):
-            if not 0 <= getattr(self, name) < np.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, wanted 0 or more")
+    excess: float = parameter(
+        2.0, unit=ONE, low=1,
+        meaning="a solution this many times as far from the others as they are from each other, or farther, is left "
+        "out (5); UM²AS: 2",
+    )  # fmt: skip
+    centroid_sd: float | None = parameter(
+        None, unit="px", above=0,
+        meaning="standard deviation of a centroid that states none; None: estimated from the data",
+    )  # fmt: skip
+    model_sd: float = parameter(
+        0.01, unit="px", low=0,
+        meaning="what the camera model leaves out, a standard deviation that is added to every image's",
+    )  # fmt: skip
+    within_volume: bool = parameter(True, meaning="drop points outside the rig's control volume, where it has one")
+    volume_margin: float = parameter(100.0, unit="mm", low=0, meaning="how far outside the volume a point may lie")
 
 
+@RECONSTRUCT.method("camera_pairs", CameraPairs, source="UM²AS, 2.4")
 def reconstruct_pairs(matches: Matches, detections: Detections, rig: Rig, *, method: CameraPairs) -> Cloud:
     """The points of all matches, in the order of their frames; called through `reconstruct`."""
     seen: Bools = matches.view >= 0

@@ -36,41 +36,40 @@ from scipy.special import gammaincinv
 
 from ..data import Cloud, Detections, Matches, Rig
 from ..data.array_types import Floats
-from ..data.arrays import check_positive
+from ..data.method import Method, parameter
 from ..geometry import Triangulated, refine, sphere_offset, triangulate, undistort
 from .hidden import hidden_variance
+from .stage import RECONSTRUCT
 
 FALLBACK_SD = 0.2  # px; a usual centroid's, for recordings in which no point is seen by three cameras
 REWEIGHTINGS = 6
 
 
 @dataclass(frozen=True, slots=True)
-class LeastSquares:
-    """Parameters of the method.
+class LeastSquares(Method):
+    """Each point from all its images by weighted least squares of their residuals, with heavy tails."""
 
-    Attributes:
-        centroid_sd: standard deviation of a centroid that states none, px; None: estimated from the data by (1).
-        model_sd: what the camera model leaves out, px; added to every image.
-        tails: ν of (2); small means that wild images are expected; 0 for plain least squares.
-        within_volume: drop points outside the rig's control volume, where it has one.
-        volume_margin: how far outside a point may lie, mm.
-        marker_diameter: of the marker spheres, mm, for (3); None: not corrected.
-    """
-
-    centroid_sd: float | None = None
-    model_sd: float = 0.01
-    tails: float = 4.0
-    within_volume: bool = True
-    volume_margin: float = 100.0
-    marker_diameter: float | None = None
-
-    def __post_init__(self) -> None:
-        check_positive(centroid_sd=self.centroid_sd, marker_diameter=self.marker_diameter)
-        for name in ("model_sd", "tails", "volume_margin"):
-            if not 0 <= getattr(self, name) < np.inf:
-                raise ValueError(f"{name} is {getattr(self, name)}, wanted 0 or more")
+    centroid_sd: float | None = parameter(
+        None, unit="px", above=0,
+        meaning="standard deviation of a centroid that states none; None: estimated from the data by (1)",
+    )  # fmt: skip
+    model_sd: float = parameter(
+        0.01, unit="px", low=0,
+        meaning="what the camera model leaves out, a standard deviation that is added to every image's",
+    )  # fmt: skip
+    tails: float = parameter(
+        4.0, unit="degrees of freedom", low=0,
+        meaning="ν of (2), of Student's t; small means that outliers are expected; 0 for plain least squares",
+    )  # fmt: skip
+    within_volume: bool = parameter(True, meaning="drop points outside the rig's control volume, where it has one")
+    volume_margin: float = parameter(100.0, unit="mm", low=0, meaning="how far outside the volume a point may lie")
+    marker_diameter: float | None = parameter(
+        None, unit="mm", above=0,
+        meaning="diameter of the marker spheres, for (3); None: not corrected for perspective",
+    )  # fmt: skip
 
 
+@RECONSTRUCT.method("least_squares", LeastSquares, source="Shafiq, Tümer and Güler 2001, 4.2")
 def reconstruct_least_squares(matches: Matches, detections: Detections, rig: Rig, *, method: LeastSquares) -> Cloud:
     """The points of all matches, in the order of their frames; residuals in px, covariances in mm²."""
     cloud = located(matches, detections, rig, method=method)

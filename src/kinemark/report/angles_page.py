@@ -14,9 +14,10 @@ from ..kinematics import Cycles, Model
 from ..kinematics.chain import Points
 from .figures_angles import cycle_figure, joint_figure
 from .formatting import number, percent
-from .html_tables import paragraphs, table, warning_list
+from .html_tables import finding_list, paragraphs, table
 from .page import figure_html, framed
 from .stick import stick_html
+from .words import headline_of, sentences_of
 
 NAV = {"verdict": "Verdict", "limb": "The limb", "angles": "Angles", "cycles": "Cycles", "terms": "Terms"}
 """Sections of the page, in their order."""
@@ -53,9 +54,9 @@ def angles_page(
     first = figures["first_frame"]
     main = Template(files(__package__).joinpath("angles.html").read_text(encoding="utf-8")).substitute(
         grade=figures["verdict"]["grade"],
-        headline=escape(figures["verdict"]["headline"]),
-        sentences=paragraphs(figures["verdict"]["sentences"]),
-        warnings=warning_list(figures["warnings"]),
+        headline=escape(headline_of(figures["verdict"])),
+        sentences=paragraphs(sentences_of(figures["verdict"])),
+        warnings=finding_list(figures["findings"]),
         directions=escape(f"forward {model.forward}, up {model.up}"),
         stick=stick_html(points, angles, model, first_frame=first),
         joints="".join(_joint_card(angles, model, j, first) for j in range(len(model.joints))),

@@ -14,6 +14,7 @@ import plotly.graph_objects as go
 from ..calibrate.quality import Evidence
 from ..data import Rig
 from ..data.array_types import Floats
+from ..findings.cameras import upwards
 from ..io.files import replacing
 from .calibration_tables import (
     calibration_tiles,
@@ -36,9 +37,9 @@ from .figures_calibration import (
 )
 from .figures_images import images_figure
 from .formatting import measure, number
-from .html_tables import paragraphs, warning_list
+from .html_tables import finding_list, paragraphs
 from .page import figure_html, framed, of_session
-from .scene3d import upwards
+from .words import headline_of, sentences_of
 
 NAV = {
     "verdict": "Verdict",
@@ -83,10 +84,10 @@ def calibration_page(*, figures: dict[str, Any], rig: Rig, evidence: Evidence) -
     main = template.substitute(
         {f"figure_{name}": html for name, html in drawn.items()},
         grade=figures["verdict"]["grade"],
-        headline=escape(figures["verdict"]["headline"]),
-        sentences=paragraphs(figures["verdict"]["sentences"]),
+        headline=escape(headline_of(figures["verdict"])),
+        sentences=paragraphs(sentences_of(figures["verdict"])),
         tiles=calibration_tiles(figures),
-        warnings=warning_list(figures["warnings"]),
+        warnings=finding_list(figures["findings"]),
         fit_table=fit_table(figures["cameras"]),
         loss_table=loss_table(figures),
         wand_card=_card("The wand by place", WAND, drawn["wand"], place_table(figures["wand"])),

@@ -5,14 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 from .formatting import number, percent
+from .terminal_summary import finding_lines
+from .words import headline_of, sentences_of
 
 
 def calibration_summary(figures: dict[str, Any]) -> str:
     """Verdict, what was measured, a line a camera, what to do, and how it differs from the calibration before."""
-    lines = [f"{figures['session']}: {figures['verdict']['headline']}"]
-    lines += [f"  {sentence}" for sentence in figures["verdict"]["sentences"]]
+    lines = [f"{figures['session']}: {headline_of(figures['verdict'])}"]
+    lines += [f"  {sentence}" for sentence in sentences_of(figures["verdict"])]
     lines += ["", *_cameras(figures["cameras"]), ""]
-    lines += [f"  {w['severity'].upper():5s} {w['what']} {w['do']}".rstrip() for w in figures["warnings"]]
+    lines += finding_lines(figures["findings"])
     return "\n".join(lines + _change(figures["change"])).rstrip() + "\n"
 
 

@@ -11,8 +11,9 @@ from plotly.subplots import make_subplots
 
 from ..data import Rig
 from ..data.array_types import Floats
+from ..findings.cameras import upwards
 from .formatting import number
-from .scene3d import draw_box, draw_camera, draw_floor, extent_of, upwards, viewpoint
+from .scene3d import draw_box, draw_camera, draw_floor, extent_of, viewpoint
 from .theme import FAINT, HUES, axis_style, empty, figure, hue, label
 from .thin import short
 

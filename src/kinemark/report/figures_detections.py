@@ -18,7 +18,7 @@ from ..data import Detections, Validity
 from .formatting import number
 from .theme import INK, axis_style, empty, figure, label
 
-Picture = NDArray[np.uint8] | NDArray[np.uint16]
+Picture = NDArray[np.uint8 | np.uint16]
 
 LOOKED_AT = 100
 COLUMNS = 3

@@ -13,8 +13,9 @@ from ..findings.gaps import worst_of
 from ..io.files import replacing
 from .figures_gaps import gap_figure
 from .formatting import count, measure, millimetres, number
-from .html_tables import paragraphs, table, warning_list
+from .html_tables import finding_list, paragraphs, table
 from .page import framed
+from .words import headline_of, sentences_of
 
 NAV = {"verdict": "Verdict", "gaps": "Every gap", "drawings": "Drawings", "terms": "Terms"}
 MOST_DRAWN = 300
@@ -51,10 +52,10 @@ def filling_page(*, figures: dict[str, Any], trajectories: Trajectories, before:
     template = Template(files(__package__).joinpath("filling.html").read_text(encoding="utf-8"))
     main = template.substitute(
         grade=verdict["grade"],
-        headline=escape(verdict["headline"]),
-        sentences=paragraphs(verdict["sentences"]),
+        headline=escape(headline_of(verdict)),
+        sentences=paragraphs(sentences_of(verdict)),
         tiles=_tiles(figures),
-        warnings=warning_list(figures["warnings"]),
+        warnings=finding_list(figures["findings"]),
         gap_table=gap_table(gaps),
         drawn=which if len(drawn) == len(gaps) else f"The {len(drawn)} least certain of {len(gaps)} gaps",
         drawings="".join(_drawing(gap, trajectories, before) for gap in drawn) or "<p>None.</p>",

@@ -46,3 +46,8 @@ def some(kind: str, names: Sequence[str], most: int = 6) -> str:
     """`marker a`, `markers a, b and 3 more`."""
     listed = ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
     return f"{kind if len(names) == 1 else kind + 's'} {listed}"
+
+
+def degrees(value: float | None, decimals: int = 2) -> str:
+    """An angle with its sign, or a dash."""
+    return "–" if value is None else f"{number(value, decimals)}°"

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
 from .formatting import count, measure, number, percent
+from .words import advice_of, text_of
 
-WORDS = {"green": "good", "amber": "look", "red": "stop", "info": "note"}
+TAGS = {"green": "good", "amber": "look", "red": "stop", "info": "note"}
+"""What stands beside a finding, by its severity."""
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, marked: Sequence[bool] = ()) -> str:
@@ -166,12 +168,12 @@ def _recording_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
     ]
 
 
-def warning_list(warnings: list[dict[str, str]]) -> str:
+def finding_list(findings: Sequence[Mapping[str, Any]]) -> str:
     """What deserves a look, and what to do."""
     items = "".join(
-        f'<li class="{w["severity"]}"><span class="tag">{WORDS[w["severity"]]}</span>'
-        f"<div><b>{escape(w['what'])}</b><br>{escape(w['do'])}</div></li>"
-        for w in warnings
+        f'<li class="{found["severity"]}"><span class="tag">{TAGS[found["severity"]]}</span>'
+        f"<div><b>{escape(text_of(found))}</b><br>{escape(advice_of(found))}</div></li>"
+        for found in findings
     )
     return f'<ul class="warnings">{items}</ul>' if items else "<p>Nothing asks for attention.</p>"
 

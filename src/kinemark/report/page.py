@@ -13,7 +13,8 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
 from ..data import Detections, Rig, Tracks, Trajectories
-from ..findings.trial_advice import LONG_GAP_S, worst_cameras
+from ..findings.cameras import upwards
+from ..findings.trial_findings import LONG_GAP_S, worst_cameras
 from ..io.files import replacing
 from ..track.simultaneous import Simultaneous
 from .ambiguous_table import ambiguous_table
@@ -26,15 +27,16 @@ from .formatting import number
 from .html_tables import (
     calibration_table,
     camera_table,
+    finding_list,
     marker_table,
     paragraphs,
     spots_table,
     step_table,
     tiles,
-    warning_list,
 )
-from .scene3d import scene, upwards
+from .scene3d import scene
 from .theme import empty
+from .words import headline_of, sentences_of
 
 NAV = {
     "verdict": "Verdict",
@@ -104,10 +106,10 @@ def page(
         {f"figure_{name}": figure_html(name, fig) for name, fig in drawn.items()},
         version=escape(quality["kinemark"]),
         grade=quality["verdict"]["grade"],
-        headline=escape(quality["verdict"]["headline"]),
-        sentences=paragraphs(quality["verdict"]["sentences"]),
+        headline=escape(headline_of(quality["verdict"])),
+        sentences=paragraphs(sentences_of(quality["verdict"])),
         tiles=tiles(quality),
-        warnings=warning_list(quality["warnings"]),
+        warnings=finding_list(quality["findings"]),
         calibration=escape(quality["calibration"]["method"] or "not stated"),
         volume=escape(_volume(quality["volume"])),
         calibration_verdict=_verdict(judged),
@@ -168,20 +170,21 @@ def _tells(steps: list[dict[str, Any]]) -> bool:
 
 
 def _verdict(judged: Mapping[str, Any] | None) -> str:
-    """The calibration's headline and sentences, with its warnings, and where the rest stands."""
+    """The calibration's headline and sentences, with its findings, and where the rest stands."""
     if judged is None:
         return ""
     verdict = judged["verdict"]
-    words = f"<p><b>{escape(verdict['headline'])}</b></p>{paragraphs(verdict['sentences'])}"
+    words = f"<p><b>{escape(headline_of(verdict))}</b></p>{paragraphs(sentences_of(verdict))}"
     link = '<p>The whole judgement: <a href="../calibration.html">calibration.html</a></p>'
-    return f"{words}{warning_list(judged['warnings']) if judged['warnings'] else ''}{link}"
+    return f"{words}{finding_list(judged['findings']) if judged['findings'] else ''}{link}"
 
 
 def _filling(filling: dict[str, Any] | None) -> str:
     """What became of the gaps, and where every one of them is drawn."""
     if filling is None:
         return ""
-    words = f"<p><b>{escape(filling['verdict']['headline'])}.</b></p>{paragraphs(filling['verdict']['sentences'])}"
+    verdict = filling["verdict"]
+    words = f"<p><b>{escape(headline_of(verdict))}.</b></p>{paragraphs(sentences_of(verdict))}"
     return f'<div class="card"><h3>Gaps</h3>{words}<p>Every gap: <a href="gaps.html">gaps.html</a></p></div>'
 
 

@@ -14,6 +14,7 @@ import plotly.graph_objects as go
 
 from ..data import Camera, Rig, Tracks, Trajectories
 from ..data.array_types import Floats
+from ..findings.cameras import upwards
 from ..findings.markers import in_view, positions, present
 from .theme import FAINT, INK, figure, hue, label
 from .thin import short
@@ -73,14 +74,6 @@ def extent_of(*places: Floats) -> Floats:
     beside = np.maximum(np.maximum(extent[0], -extent[1]), 0.0)  # from the box to the origin
     near = np.linalg.norm(beside) <= AFAR * np.linalg.norm(extent[1] - extent[0])
     return np.array([np.minimum(extent[0], 0.0), np.maximum(extent[1], 0.0)]) if near else extent
-
-
-def upwards(rig: Rig) -> int:
-    """The world's axis that points up: that of the cameras' own upward sides on average; z where they do not agree."""
-    if not len(rig):
-        return 2
-    mean = np.mean([-np.sign(camera.K[1, 1]) * camera.R[1] for camera in rig], axis=0)
-    return int(mean.argmax()) if mean.max() > 0.3 else 2
 
 
 def viewpoint(extent: Floats, up: int) -> dict[str, float]:

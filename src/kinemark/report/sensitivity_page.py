@@ -9,7 +9,6 @@ from string import Template
 from typing import Any
 
 from ..data import Rig
-from ..findings.sensitivity_figures import degrees
 from ..io.files import replacing
 from ..sensitivity import Ranking
 from .figures_sensitivity import (
@@ -20,9 +19,10 @@ from .figures_sensitivity import (
     marker_figure,
     ranked_figure,
 )
-from .formatting import millimetres, number, percent
+from .formatting import degrees, millimetres, number, percent
 from .html_tables import paragraphs, table
 from .page import figure_html, framed, of_session
+from .words import SOURCE_ADVICE, headline_of, sentences_of
 
 NAV = {
     "verdict": "Verdict",
@@ -65,8 +65,8 @@ def sensitivity_page(*, figures: dict[str, Any], ranking: Ranking, rig: Rig) -> 
     main = template.substitute(
         {f"figure_{name}": figure_html(name, fig) for name, fig in drawn.items()},
         grade=figures["verdict"]["grade"],
-        headline=escape(figures["verdict"]["headline"]),
-        sentences=paragraphs(figures["verdict"]["sentences"]),
+        headline=escape(headline_of(figures["verdict"])),
+        sentences=paragraphs(sentences_of(figures["verdict"])),
         tiles=_tiles(figures),
         angles=escape(figures["angles"]),
         model="" if ranking.by_model else BY_SEGMENTS,
@@ -120,7 +120,7 @@ def _advice(rows: list[dict[str, Any]]) -> str:
     """For each source how it is known, and what helps."""
     items = (
         f"<dt>{escape(row['source'].capitalize())}</dt>"
-        f"<dd>Known by: {escape(row['origin'])}. {escape(row['advice'])}</dd>"
+        f"<dd>Known by: {escape(row['origin'])}. {escape(SOURCE_ADVICE[row['source']])}</dd>"
         for row in rows
     )
     return f"<dl>{''.join(items)}</dl>"

@@ -32,6 +32,7 @@ import numpy as np
 from ..calibrate.quality import apart_from_frame, block_diagonal
 from ..data import KinemarkError, Rig
 from ..data.array_types import Bools, Floats
+from ..data.method import Method, parameter
 from .observed_errors import Gains, Shown, gains, shown
 from .propagation import Kinematics, angle_jacobian
 from .sample_frames import SampledFrames
@@ -47,28 +48,20 @@ EVERY = 7
 
 
 @dataclass(frozen=True, slots=True)
-class ErrorBudget:
-    """What is asked.
+class ErrorBudget(Method):
+    """What limits the accuracy of a trial, source by source."""
 
-    Attributes:
-        placement_mm: standard deviation, along each axis, of where a marker sits against its landmark.
-        cycles: over how many a mean is taken.
-        centroid_sd: px; None: as the residuals show it.
-        frames: at most so many of the recording are looked at, evenly spaced.
-    """
-
-    placement_mm: float = 5.0
-    cycles: int = 6
-    centroid_sd: float | None = None
-    frames: int = 400
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.placement_mm < np.inf:
-            raise ValueError(f"placement_mm is {self.placement_mm}, wanted 0 or more")
-        if self.cycles < 1 or self.frames < 2:
-            raise ValueError(f"cycles is {self.cycles} and frames {self.frames}, wanted at least 1 and 2")
-        if self.centroid_sd is not None and not 0 < self.centroid_sd < np.inf:
-            raise ValueError(f"centroid_sd is {self.centroid_sd} px, wanted more than 0")
+    placement_mm: float = parameter(
+        5.0, unit="mm", low=0,
+        meaning="standard deviation, along each axis, of where a marker sits against its landmark",
+    )  # fmt: skip
+    cycles: int = parameter(6, unit="cycles", low=1, meaning="over how many a mean is taken")
+    centroid_sd: float | None = parameter(
+        None, unit="px", above=0, meaning="standard deviation of a centroid; None: as the residuals show it"
+    )
+    frames: int = parameter(
+        400, unit="frames", low=2, meaning="at most so many of the recording are looked at, evenly spaced"
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

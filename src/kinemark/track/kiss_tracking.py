@@ -26,35 +26,43 @@ import numpy as np
 
 from ..data import Cloud, Tracks
 from ..data.array_types import Floats, Ints
-from ..data.arrays import check_positive
+from ..data.method import Method, parameter
+from ..data.progress import tell
 from ..signal import PAST, assign_nearest, extrapolate
 from .editing import blend, inside_volume, without_short
+from .stage import CLOUD, TRACK
 
 Volume = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
 @dataclass(frozen=True, slots=True)
-class KissTracking:
-    """Parameters of the method; of the paper's values only the two fields (of 50 Hz) of blending are known.
+class KissTracking(Method):
+    """Extrapolation, a search sphere and blending of track pieces: the tracking of the Kiss system.
 
-    Attributes:
-        search_radius: of the search sphere about a prediction, mm; (1).
-        distance_limit: of the nearest neighbour of a track of one point, mm; (2).
-        blend_within: longest time from the end of a track to the start of one that continues it, s; (4). 0: none.
-        shortest: tracks of fewer points than this lose their identity; (5).
-        volume: least and greatest corner of the control volume, mm; points outside are dropped first. None: all stay.
+    Of the paper's values only the two fields (of 50 Hz) of blending are known.
     """
 
-    search_radius: float = 40.0
-    distance_limit: float = 100.0
-    blend_within: float = 0.04
-    shortest: int = 10
-    volume: Volume | None = None
+    search_radius: float = parameter(
+        40.0, unit="mm", above=0, meaning="radius of the search sphere (gate) about a prediction; (1)"
+    )
+    distance_limit: float = parameter(
+        100.0, unit="mm", above=0, meaning="farthest nearest neighbour of a track of one point; (2)"
+    )
+    blend_within: float = parameter(
+        0.04, unit="s", low=0, high=60,
+        meaning="longest time from the end of a track to the start of one that continues it (stitching); (4); 0: "
+        "none",
+    )  # fmt: skip
+    shortest: int = parameter(
+        10, unit="points", low=1, meaning="tracks of fewer points than this lose their identity; (5)"
+    )
+    volume: Volume | None = parameter(
+        None, unit="mm",
+        meaning="least and greatest corner of the control volume; points outside are dropped first; None: all stay",
+    )  # fmt: skip
 
-    def __post_init__(self) -> None:
-        check_positive(search_radius=self.search_radius, distance_limit=self.distance_limit, shortest=self.shortest)
-        if not 0 <= self.blend_within <= 60:
-            raise ValueError(f"blend_within is {self.blend_within}, wanted 0 to 60 s")
+    def check_together(self) -> None:
+        """Refuse a volume whose corners are exchanged."""
         if self.volume is not None and not all(a < b for a, b in zip(*self.volume, strict=True)):
             raise ValueError(f"volume is {self.volume}, wanted its least corner and then its greatest")
 
@@ -67,6 +75,7 @@ class ActiveKissTrack(NamedTuple):
     past: Floats
 
 
+@TRACK.method("kiss_tracking", KissTracking, source="Shafiq, Tümer and Güler 2001, 4.3", takes=CLOUD)
 def track_kiss(cloud: Cloud, *, method: KissTracking) -> Tracks:
     """The cloud's points within the volume, with identities; called through `track`."""
     if method.volume is not None:
@@ -82,6 +91,7 @@ def link(cloud: Cloud, *, method: KissTracking) -> Tracks:
     active = ActiveKissTrack(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, PAST, 3)))
     n_tracks = 0
     for f in range(cloud.n_frames):
+        tell(f, cloud.n_frames)
         points, own = cloud[f], identity[cloud.rows(f)]
         predicted = extrapolate(active.past, active.known)
         off = np.linalg.norm(points - predicted[:, None], axis=-1)

@@ -31,37 +31,34 @@ from numpy.typing import NDArray
 
 from ..data import Cloud, Tracks
 from ..data.array_types import Floats, Ints
-from ..data.arrays import check_positive
+from ..data.method import Method, parameter
+from ..data.progress import tell
 from ..geometry import solve3
 from ..signal import PAST, assign, extrapolate, gain
+from .stage import CLOUD, TRACK
 
 
 @dataclass(frozen=True, slots=True)
-class ExtrapolationLadder:
-    """Parameters of the method.
+class ExtrapolationLadder(Method):
+    """Extrapolation by polynomials of rising order, and the nearest point within what their errors allow."""
 
-    Attributes:
-        reach: half size of the search region, standard deviations; of (3).
-        speed: greatest speed of a marker of which one point is known, mm/s; v.
-        acceleration: usual acceleration that the fit does not foresee, mm/s²; a of (1).
-        scatter: of the points about their paths beyond their covariance, mm; of (1).
-        patience: how long a track without points goes on, s; KISS's two fields of 50 Hz are 0.04 s.
-        shortest: tracks of fewer points than this lose their identity.
-    """
-
-    reach: float = 5.0
-    speed: float = 5000.0
-    acceleration: float = 10_000.0
-    scatter: float = 3.0
-    patience: float = 0.04
-    shortest: int = 10
-
-    def __post_init__(self) -> None:
-        check_positive(reach=self.reach, speed=self.speed, scatter=self.scatter, shortest=self.shortest)
-        if not 0 <= self.acceleration < np.inf or not 0 <= self.patience <= 60:
-            raise ValueError(
-                f"acceleration is {self.acceleration} and patience {self.patience}, wanted 0 or more, and at most 60 s"
-            )
+    reach: float = parameter(
+        5.0, unit="standard deviations", above=0, meaning="half size of the search region (gate); of (3)"
+    )
+    speed: float = parameter(
+        5000.0, unit="mm/s", above=0, meaning="greatest speed of a marker of which one point is known; v"
+    )
+    acceleration: float = parameter(
+        10_000.0, unit="mm/s²", low=0, meaning="usual acceleration that the fit does not foresee; a of (1)"
+    )
+    scatter: float = parameter(
+        3.0, unit="mm", above=0, meaning="scatter of the points about their paths beyond their covariance; of (1)"
+    )
+    patience: float = parameter(
+        0.04, unit="s", low=0, high=60,
+        meaning="coasting: how long a track without points goes on; KISS's two fields of 50 Hz are 0.04 s",
+    )  # fmt: skip
+    shortest: int = parameter(10, unit="points", low=1, meaning="tracks of fewer points than this lose their identity")
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +77,7 @@ class ActiveLadderTrack:
     cov: Floats
 
 
+@TRACK.method("extrapolation_ladder", ExtrapolationLadder, source="Shafiq, Tümer and Güler 2001, 4.3", takes=CLOUD)
 def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
     """The cloud with identities, numbered in the order in which the tracks begin."""
     identity = np.full(len(cloud), -1)
@@ -87,6 +85,7 @@ def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
     patience = round(method.patience * cloud.rate)
     n_tracks = 0
     for f in range(cloud.n_frames):
+        tell(f, cloud.n_frames)
         rows = cloud.rows(f)
         points, cov, view = cloud.xyz[rows], cloud.cov[rows], cloud.view[rows]
         predicted = extrapolate(active.past, active.known)

@@ -1,27 +1,19 @@
-"""Tracking by whichever method."""
+"""Tracking of points by whichever method."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from ..data import Cloud, Tracks
-from .kiss_tracking import KissTracking, track_kiss
-from .ladder import ExtrapolationLadder, track_ladder
-from .swamidas import DistanceOnly, Swamidas, track_distance, track_swamidas
-
-TrackMethod = ExtrapolationLadder | KissTracking | Swamidas | DistanceOnly
-
-TRACKERS: dict[type, Callable[..., Tracks]] = {
-    ExtrapolationLadder: track_ladder,
-    KissTracking: track_kiss,
-    Swamidas: track_swamidas,
-    DistanceOnly: track_distance,
-}
-"""What does each method: called with the cloud and method=…"""
+from ..data.method import Method
+from .ladder import ExtrapolationLadder
+from .stage import CLOUD, TRACK
 
 DEFAULT = ExtrapolationLadder()
 
 
-def track(cloud: Cloud, *, method: TrackMethod = DEFAULT) -> Tracks:
-    """The cloud with identities, numbered in the order in which the tracks begin."""
-    return TRACKERS[type(method)](cloud, method=method)
+def track(cloud: Cloud, *, method: Method = DEFAULT) -> Tracks:
+    """The cloud with identities, numbered in the order in which the tracks begin.
+
+    Raises:
+        ValueError: the method is none of `TRACK`, or takes detections (`track_detections`).
+    """
+    return TRACK.function(method, takes=CLOUD)(cloud, method=method)

@@ -9,7 +9,7 @@ from kinemark.calibrate import (
     calibrate_control_points,
     control_point_quality,
 )
-from kinemark.calibrate.control_points.mistaken import exchanged, exchanged_words
+from kinemark.calibrate.control_points.mistaken import exchanged, mistaken_points
 from kinemark.data import KinemarkError
 from kinemark.geometry import project, project_all
 from kinemark.synth import ring
@@ -97,11 +97,13 @@ def test_two_exchanged_points_are_named_even_where_no_camera_fits(pair):
     uv[1, list(pair)] = uv[1, list(pair[::-1])]
     swap = exchanged(BOX, uv[1])
     assert [int(i) for i in np.flatnonzero(swap.image_of != np.arange(8))] == sorted(pair) and swap.after < 1
-    assert exchanged(BOX, uv[0]) is None and exchanged_words(BOX, uv[0], "12345678") == ""
-    said = rf"with {pair[1] + 1}: the other way round the residual falls"
-    with pytest.raises(KinemarkError, match=said) as error:
+    assert exchanged(BOX, uv[0]) is None and mistaken_points(BOX, uv[0], "12345678", camera="cam1") is None
+    names = tuple(str(i + 1) for i in pair)
+    with pytest.raises(KinemarkError, match=f"Camera cam2.*control points {names[0]}, {names[1]}") as error:
         control_point_quality(rig.names, [(0, 0)] * 3, BOX, uv)
-    assert "amera cam2" in str(error.value)
+    (said,) = (one for one in error.value.findings if one.kind == "control_points_swapped")
+    assert (said.cameras, said.values["points_list"], said.values["image_of_list"]) == (("cam2",), names, names[::-1])
+    assert said.values["after_px"] < 1 < said.values["before_px"]
 
 
 @pytest.mark.parametrize("what", ["sizes", "xyz", "uv", "cov"])

@@ -24,6 +24,7 @@ from support.calibrations import (
     points_csv,
     session,
 )
+from support.findings import found, kinds
 
 
 @pytest.mark.parametrize(
@@ -67,7 +68,7 @@ def test_wand_lengths_in_metres_are_called_absurd(tmp_path):
         session(tmp_path / "s", f"{metres}\n{L_FRAME}").calibrate()
     made = session(tmp_path / "s", metres, HEAD.replace("volume_mm", "# volume_mm")).calibrate()
     assert made.figures["verdict"]["grade"] == "red"
-    assert any("apart" in w["what"] and "mm" in w["do"] for w in made.figures["warnings"])
+    assert "cameras_distance_implausible" in kinds(made.figures, "red")
 
 
 def test_one_cameras_images_given_for_another_are_revealed(tmp_path):
@@ -77,7 +78,7 @@ def test_one_cameras_images_given_for_another_are_revealed(tmp_path):
     points_csv(tmp_path, uv=uv + 0.05 * np.random.default_rng(0).normal(size=uv.shape))
     made = session(tmp_path, BY_POINTS).calibrate()
     assert made.figures["verdict"]["grade"] == "red"
-    assert any("cam1 and cam2 stand at the same place" in w["what"] for w in made.figures["warnings"])
+    assert [one.cameras for one in found(made.figures, "cameras_at_one_place")] == [("cam1", "cam2")]
 
 
 CROWD = np.random.default_rng(4).uniform([300, 200, 100], [2100, 1200, 1700], (12, 1, 3)) + np.zeros((1, 30, 1))
@@ -93,12 +94,14 @@ def test_cameras_exchanged_in_a_trial_are_named(tmp_path, pair):
     found = detected(CROWD, Rig(tuple(SMALL[c] for c in order)))
     write_detections_csv(one.root / "one.csv", replace(found, cameras=SMALL.names))
     quality = one.run()["one"].quality
-    said = " ".join(w["what"] for w in quality["warnings"])
+    swapped = found(quality, "cameras_swapped")
     if pair is None:
-        assert "exchanged" not in said and quality["notes"] == []
+        assert swapped == []
     else:
-        assert "seem to be exchanged" in said and f"of {SMALL.names[pair[0]]} and {SMALL.names[pair[1]]}" in said
-        assert (", or of " in said) == (pair == (1, 3))  # turned by half a turn, a ring of four is the same again
+        cameras = swapped[0].cameras
+        assert (SMALL.names[pair[0]], SMALL.names[pair[1]]) in zip(cameras[::2], cameras[1::2], strict=True)
+        assert (len(cameras) > 2) == (pair == (1, 3))  # turned by half a turn, a ring of four is the same again
+        assert swapped[0].values["swapped_share"] > 0.7 > swapped[0].values["as_is_share"]
         assert quality["verdict"]["grade"] != "green"
 
 

@@ -13,15 +13,12 @@ import pytest
 from kinemark.apps.cli import methods
 from kinemark.data import KinemarkError, same
 from kinemark.engine.session import Session
-from kinemark.engine.settings import METHODS, methods_text, parameters
-from kinemark.io.records import save
-from kinemark.io.rig_toml import write_rig_toml
-from kinemark.match import MATCHERS, match
-from kinemark.reconstruct import RECONSTRUCTORS, reconstruct
-from kinemark.track import TRACKERS, track
-from kinemark.track.simultaneous import DETECTION_TRACKERS, track_detections
-from support.laboratory import observe, ring
-from support.motions import swarm
+from kinemark.engine.settings import STAGES, methods_figures, methods_text
+from kinemark.match import match
+from kinemark.reconstruct import reconstruct
+from kinemark.track import matches_itself, track
+from kinemark.track.simultaneous import track_detections
+from support.sessions import folder_of
 
 NAMED = {
     "match": {
@@ -41,45 +38,31 @@ NAMED = {
 }
 """What the documents name, of each method in a session file."""
 
-CLASSES = {"match": MATCHERS, "reconstruct": RECONSTRUCTORS, "track": TRACKERS | DETECTION_TRACKERS}
-
-POINTS = swarm(n=5, frames=20)
-
-
-def folder_of(path, n_cameras=3, more=""):
-    """A session of one trial, with more in its file."""
-    rig = ring(n_cameras)
-    detections, _ = observe(rig, POINTS, noise=0.1)
-    save(path / "one.h5", detections)
-    write_rig_toml(path / "rig.toml", rig)
-    head = 'name = "choice"\n[calibration]\nfile = "rig.toml"\n[[trials]]\nname = "one"\ndetections = "one.h5"\n'
-    (path / "session.toml").write_text(head + more)
-    return path, rig, detections
-
 
 def test_every_method_has_a_name_in_session_files_and_its_parameters_are_the_documents():
     for stage, kinds in NAMED.items():
-        assert set(METHODS[stage].values()) == set(CLASSES[stage])
-        assert set(METHODS[stage]) == set(kinds)
+        assert set(STAGES[stage]) == set(kinds)
         for name, wanted in kinds.items():
-            assert set(wanted) <= {field.name for field in fields(METHODS[stage][name])}
+            assert set(wanted) <= {field.name for field in fields(STAGES[stage][name].kind)}
 
 
 def test_the_list_of_methods_says_what_the_dataclasses_say():
-    for stage, kinds in parameters().items():
-        for name, defaults in kinds.items():
-            method = METHODS[stage][name]()
-            records = {"static", "model", "limbs", "learned"}  # of filling: no text says these
+    for stage, figures in methods_figures().items():
+        for name, told in figures["methods"].items():
+            method = STAGES[stage].make(name, **({"markers": ("A",)} if stage == "digitise" else {}))
+            records = {"static", "model", "limbs", "learned", "hyper"}  # of filling: no text says these
             plain = [field.name for field in fields(method) if stage != "fill" or field.name not in records]
-            assert defaults == {name: getattr(method, name) for name in plain}
-    assert "search_radius      40.0" in methods_text(parameters("track"))
+            defaults = {name: p["default"] for name, p in told["parameters"].items() if not p.get("required")}
+            assert list(told["parameters"]) == plain
+            assert defaults == {name: getattr(method, name) for name in plain if name in defaults}
+    assert "search_radius   40.0   mm      above 0" in methods_text("track")
     with pytest.raises(KinemarkError, match="did you mean 'track'"):
-        parameters("trak")
+        methods_text("trak")
 
 
 def by_hand(detections, rig, settings):
     """The tracks as a caller of the library makes them."""
-    if type(settings.track) in DETECTION_TRACKERS:
+    if matches_itself(settings.track):
         return track_detections(detections, rig, method=settings.track)
     matches = match(detections, rig, method=settings.match)
     return track(reconstruct(matches, detections, rig, method=settings.reconstruct), method=settings.track)
@@ -108,8 +91,8 @@ def test_python_toml_and_command_line_are_one(tmp_path, stage):
         key, value = parameter.split(" = ")
         given = Session.open(folder, overrides=[f"{stage}.method={name}", f"{stage}.{key}={value.strip(chr(34))}"])
         assert given.settings == written.settings
-        assert type(getattr(given.settings, stage)) is METHODS[stage][name]
-        assert getattr(getattr(given.settings, stage), key) != getattr(METHODS[stage][name](), key)
+        assert type(getattr(given.settings, stage)) is STAGES[stage][name].kind
+        assert getattr(getattr(given.settings, stage), key) != getattr(STAGES[stage].make(name), key)
     from_session = given.run()["one"].tracks
     assert same(from_session, by_hand(detections, rig, given.settings))
 
@@ -117,7 +100,7 @@ def test_python_toml_and_command_line_are_one(tmp_path, stage):
 def test_a_method_given_leaves_the_files_parameters_of_another_aside(tmp_path):
     folder, *_ = folder_of(tmp_path, more='[track]\nmethod = "kiss_tracking"\nsearch_radius = 25.0\nshortest = 4\n')
     opened = lambda *given: Session.open(folder, overrides=given).settings.track  # noqa: E731
-    assert opened("track.method=swamidas") == METHODS["track"]["swamidas"]()
+    assert opened("track.method=swamidas") == STAGES["track"].make("swamidas")
     assert opened("track.shortest=6") == replace(opened(), shortest=6)
     assert opened("track.method=kiss_tracking", "track.shortest=6") == replace(opened(), shortest=6)
     assert opened("track.method=swamidas", "track.links=[[0, 1]]").links == ((0, 1),)
@@ -165,6 +148,6 @@ def test_methods_are_chosen_by_command(tmp_path):
 
 def test_the_methods_are_listed_by_command(capsys):
     methods("match", json=True)
-    assert set(json.loads(capsys.readouterr().out)["match"]) == set(NAMED["match"])
+    assert set(json.loads(capsys.readouterr().out)["match"]["methods"]) == set(NAMED["match"])
     methods()
     assert 'method = "kiss_tracking"' in capsys.readouterr().out

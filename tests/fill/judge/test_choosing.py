@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from kinemark.fill import Body, Gap, Kalman, LimbAngles, Linear, MarkerArray, Prediction, fill
-from kinemark.fill.fill import FillAnswer, _mean_of_close, _told, ask, choose
+from kinemark.fill.fill import FillAnswer, _mean_of_close, _told, affordable, ask, choose, within_time
 from kinemark.fill.judge.combine import close_ones, mean_prediction, mean_tests, together, weights
 from kinemark.fill.judge.expected_error import LEAST, ErrorCalibration, MeasuredErrors, as_hard
 from kinemark.fill.judge.hold_out import Candidate, HoldOutGap, plan
 from kinemark.fill.methods.angles import fit_model, learned_of
 from kinemark.fill.methods.kriging import Hyper
-from kinemark.fill.methods.table import FILLERS, affordable, within_time
+from kinemark.fill.methods.stage import filler_of
 from kinemark.synth import dressed, walking
 from support.filling import segment, trial_of
 
@@ -99,7 +99,7 @@ def test_what_is_learnt_once_for_many_gaps_is_learnt_without_what_the_tests_hide
     assert len(answer.tried) >= 40 and isinstance(answer.method, type(method)) and answer.method != method
     for test in (tried.test for tried in answer.tried):
         assert np.isnan(learnt_from.xyz[test.window.marker, test.window.start : test.window.stop]).all()
-    again = FILLERS[type(method)](motion, gaps, method=answer.method)
+    again = filler_of(method)(motion, gaps, method=answer.method)
     assert all(np.array_equal(a.xyz, b.xyz, equal_nan=True) for a, b in zip(again, answer.said, strict=True))
 
 

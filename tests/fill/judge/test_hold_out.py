@@ -8,7 +8,7 @@ import pytest
 from kinemark.fill import Body, Gap, Linear, MarkerArray, Prediction
 from kinemark.fill.judge.expected_error import ErrorCalibration, MeasuredErrors, weigh
 from kinemark.fill.judge.hold_out import Candidate, HoldOutGap, plan, run
-from kinemark.fill.methods.table import FILLERS
+from kinemark.fill.methods.stage import filler_of
 from support.filling import moving
 
 
@@ -72,14 +72,14 @@ class TestHiding:
         motion, gap = moving(300), Gap(0, 260, 300)
         planned = plan(motion.hidden([gap]), [gap], per_gap=3, seed=0)
         assert all(t.window.stop == 300 and t.keep[1] - t.keep[0] == 40 for t in planned.tests)
-        tried = run(motion.hidden([gap]), planned, FILLERS[Body], Body())
+        tried = run(motion.hidden([gap]), planned, filler_of(Body()), Body())
         assert all(t.error.shape == (40, 3) for t in tried)
 
     def test_errors_are_those_of_the_filler(self):
         motion, gap = moving(300), Gap(0, 100, 110)
         hidden = motion.hidden([gap])
         planned = plan(hidden, [gap], per_gap=2, seed=0)
-        for tried in run(hidden, planned, FILLERS[Linear], Linear()):
+        for tried in run(hidden, planned, filler_of(Linear()), Linear()):
             window = tried.test.window
             ends = motion.xyz[0, [window.start - 1, window.stop]]
             chord = ends[0] + (ends[1] - ends[0]) * np.arange(1, 11)[:, None] / 11

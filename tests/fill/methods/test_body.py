@@ -9,7 +9,7 @@ from kinemark.fill import Body, Gap, GapEdges, LocalRegression, MarkerArray, fil
 from kinemark.fill.jumping_markers import JumpingMarkers
 from kinemark.fill.methods.body import _best, _look, _trial, common_hyper
 from kinemark.fill.methods.kriging import FramePairs, Hyper, covariance, fit, left_out, matern, predict
-from kinemark.fill.methods.table import FILLERS
+from kinemark.fill.methods.stage import filler_of
 from kinemark.fill.methods.training_frames import scene_of, view_of
 from kinemark.fill.mirrored_markers import partners
 from kinemark.fill.reference_ranking import Ranks
@@ -77,7 +77,7 @@ def test_a_marker_that_moves_smoothly_by_itself_is_met_in_a_short_gap(noise, mos
     errors = []
     for start in range(40, 240, 20):
         gap = Gap(2, start, start + 15)
-        (said,) = FILLERS[Body](motion.hidden([gap]), [gap], method=Body())
+        (said,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body())
         errors.append(off(said, motion, gap).mean())
     assert np.median(errors) < most
 
@@ -89,7 +89,7 @@ def test_several_frames_and_bends_do_better_than_one():
     for marker in range(0, 24, 2):
         gap = Gap(marker, 60, 200)
         one, many = (
-            off(FILLERS[Body](motion.hidden([gap]), [gap], method=method)[0], motion, gap).mean()
+            off(filler_of(Body())(motion.hidden([gap]), [gap], method=method)[0], motion, gap).mean()
             for method in (Body(bases=1, kept=1), Body())
         )
         ratio.append(many / one)
@@ -118,7 +118,7 @@ def test_the_other_side_teaches_where_little_of_the_stride_is_left():
         motion = mirrored(200, seed=seed)
         for marker in range(7):
             gap = Gap(marker, 10, 185)
-            (said,) = FILLERS[Body](motion.hidden([gap]), [gap], method=Body())
+            (said,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body())
             errors.append(off(said, motion, gap).mean())
     assert np.median(errors) < 2  # 4.7 mm with the mean of what is left
 
@@ -128,7 +128,7 @@ class TestTrust:
     def test_a_donor_that_jumps_within_the_gap_hardly_matters(self, method):
         motion, gap = moving(400, soft=3.0, noise=0.2), Gap(2, 150, 230)
         hidden = motion.hidden([gap])
-        filler = FILLERS[type(method)]
+        filler = filler_of(method)
         (whole,) = filler(hidden, [gap], method=method)
         for donor in whole.donors[:3]:
             bad = hidden.xyz.copy()
@@ -170,7 +170,7 @@ class TestTrust:
         truth, gaps = (read(folder / f"kinematics_tennis_serve{end}.c3d").trajectories for end in ("", "_nan"))
         motion = MarkerArray.of(gaps)
         worst = next(gap for gap in find_gaps(motion) if gap.start == 192)
-        (said,) = FILLERS[Body](motion, [worst], method=Body())
+        (said,) = filler_of(Body())(motion, [worst], method=Body())
         assert off(said, MarkerArray.of(truth), worst).mean() < 10  # of 45 mm with the upper arm as a donor
 
 

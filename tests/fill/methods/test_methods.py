@@ -22,19 +22,14 @@ from kinemark.fill import (
     StaticShape,
     find_gaps,
 )
-from kinemark.fill.methods.low_rank_kalman import solve
-from kinemark.fill.methods.polynomials import lagrange
-from kinemark.fill.methods.table import (
-    fill_cubic,
-    fill_cyclic,
-    fill_linear,
-    fill_low_rank_kalman,
-    fill_pattern,
-    fill_pca,
-    fill_quintic,
-    fill_relational,
-    fill_rigid_body,
-)
+from kinemark.fill.methods.cyclic import fill_cyclic
+from kinemark.fill.methods.low_rank_kalman import fill_low_rank_kalman, solve
+from kinemark.fill.methods.pattern import fill_pattern
+from kinemark.fill.methods.pca import fill_pca
+from kinemark.fill.methods.polynomials import fill_cubic, fill_linear, lagrange
+from kinemark.fill.methods.quintic import fill_quintic
+from kinemark.fill.methods.relational import fill_relational
+from kinemark.fill.methods.rigid_body import fill_rigid_body
 from kinemark.geometry import nearest_rotations
 from kinemark.io.c3d.to_trial import markers, read_c3d
 from kinemark.signal import smoothing_spline

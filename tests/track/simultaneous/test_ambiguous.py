@@ -1,4 +1,4 @@
-"""Each kind of doubt, each sentence on the input, and what decides which tracks there are: one law at a time."""
+"""Each kind of doubt, each finding on the input, and what decides which tracks there are: one law at a time."""
 
 from dataclasses import replace
 
@@ -11,7 +11,16 @@ from kinemark.reconstruct import reconstruct
 from kinemark.synth.score import score
 from kinemark.track import track
 from kinemark.track.simultaneous import Simultaneous, diagnose, diagnose_tracks, track_detections, track_simultaneously
-from kinemark.track.simultaneous.ambiguous import SURE_INDEED, _found_again, _joins, _jumps, _merged, _near, _weak
+from kinemark.track.simultaneous.ambiguous import (
+    SURE_INDEED,
+    AmbiguousDecision,
+    _found_again,
+    _joins,
+    _jumps,
+    _merged,
+    _near,
+    _weak,
+)
 from kinemark.track.simultaneous.candidate_points import CandidatePoints
 from kinemark.track.simultaneous.initiate import _triples
 from kinemark.track.simultaneous.likelihood import WEAK, evidence
@@ -121,18 +130,19 @@ def test_joins_are_doubted_at_their_gap():
 
 
 @pytest.mark.parametrize(
-    ("margin", "sd", "words"),
+    ("margin", "sd", "reason"),
     [
-        (1.5 * CLEAR, 1.0, "joined over a gap, but another join was nearly as likely"),
-        (3 * CLEAR, 0.6 * METHOD.worst, "joined over a gap, but its motion alone leaves 6 mm open"),
-        (0.5 * CLEAR, 1.0, "may be one marker with a gap, but another join was nearly as likely"),
+        (1.5 * CLEAR, 1.0, "joined_with_rival"),
+        (3 * CLEAR, 0.6 * METHOD.worst, "joined_over_wide_gap"),
+        (0.5 * CLEAR, 1.0, "not_joined_with_rival"),
         (3 * CLEAR, 0.4 * METHOD.worst, None),
     ],
 )
-def test_joins_with_a_rival_or_over_a_wide_gap_are_doubts(result, margin, sd, words):
+def test_joins_with_a_rival_or_over_a_wide_gap_are_doubts(result, margin, sd, reason):
     doubts = _joins(result._replace(joins=[Stitch(0, 1, 2 * margin, margin, sd, 10, 15)]), METHOD)
-    assert [doubt.reason for doubt in doubts] == ([] if words is None else [doubts[0].reason])
-    assert words is None or words in doubts[0].reason
+    assert [doubt.reason for doubt in doubts] == ([] if reason is None else [reason])
+    assert all(doubt.values == {"margin": margin, "sd_mm": sd} for doubt in doubts)
+    assert [AmbiguousDecision.of(doubt.as_dict()) for doubt in doubts] == doubts
 
 
 # What is found of the input
@@ -152,12 +162,12 @@ def staged(detections, rig):
 def test_a_camera_that_starts_late_is_named(seen):
     rig, _, detections = seen
     late = detections.keep((detections.camera != 2) | (detections.frame >= 30))
-    for sentences in (
+    for findings in (
         diagnose(late, rig, track_simultaneously(late, rig, METHOD)),
         diagnose_tracks(late, rig, staged(late, rig)),
     ):
-        (sentence,) = sentences
-        assert "c2" in sentence and "before frame 30" in sentence
+        (found,) = findings
+        assert (found.kind, found.cameras, found.frames) == ("camera_started_late", ("c2",), ((0, 29),))
 
 
 def test_a_camera_whose_view_the_markers_enter_late_did_not_start_late():
@@ -169,8 +179,8 @@ def test_a_camera_whose_view_the_markers_enter_late_did_not_start_late():
     looks_away = replace(rig, cameras=tuple(turned if c == 2 else rig[c] for c in range(6)))
     for own in (detections.frame >= 30, detections.frame < 50):
         some = detections.keep((detections.camera != 2) | own)
-        sentences = diagnose(some, looks_away, track_simultaneously(some, looks_away, METHOD))
-        assert not any("start late" in one or "stop" in one for one in sentences)
+        findings = diagnose(some, looks_away, track_simultaneously(some, looks_away, METHOD))
+        assert not {one.kind for one in findings} & {"camera_started_late", "camera_stopped"}
 
 
 def test_speeds_that_nobody_has_name_the_rate(seen):
@@ -178,8 +188,9 @@ def test_speeds_that_nobody_has_name_the_rate(seen):
     tracks = staged(detections, rig)
     assert diagnose_tracks(detections, rig, tracks) == []
     fast = Tracks(replace(tracks.cloud, rate=2000.0), tracks.id)
-    (sentence,) = diagnose_tracks(replace(detections, rate=2000.0), rig, fast)
-    assert "frame rate of 2000 Hz" in sentence and "m/s" in sentence
+    (found,) = diagnose_tracks(replace(detections, rate=2000.0), rig, fast)
+    assert (found.kind, found.values["rate_hz"]) == ("speeds_impossible", 2000.0)
+    assert found.values["speed_m_s"] > 15
 
 
 def test_what_is_noticed_does_not_depend_on_who_made_the_tracks(seen):
@@ -187,7 +198,11 @@ def test_what_is_noticed_does_not_depend_on_who_made_the_tracks(seen):
     beside = replace(detections, uv=detections.uv + (detections.camera == 3)[:, None] * [2.0, 0.0])
     ours = diagnose(beside, rig, track_simultaneously(beside, rig, METHOD))
     theirs = diagnose_tracks(beside, rig, staged(beside, rig))
-    assert ours == theirs and "(+2.0, " in ours[0]
+    (found,) = ours
+    assert (found.kind, found.cameras, found.frames) == ("camera_shifted", ("c3",), ())
+    assert found.values["offset_u_px"] == pytest.approx(2.0, abs=0.05)
+    assert [(one.kind, one.cameras, one.frames) for one in theirs] == [(found.kind, found.cameras, found.frames)]
+    assert theirs[0].values == pytest.approx(dict(found.values), abs=0.05)
 
 
 def test_a_shift_is_said_to_be_since_when_it_was(seen):
@@ -195,8 +210,9 @@ def test_a_shift_is_said_to_be_since_when_it_was(seen):
     for since in (0, 40):
         those = (detections.camera == 3) & (detections.frame >= since)
         beside = replace(detections, uv=detections.uv + those[:, None] * [3.0, 1.0])
-        (sentence,) = diagnose(beside, rig, track_simultaneously(beside, rig, METHOD))
-        assert "(+3.0, +1.0) px" in sentence and ("from frame 40 on" in sentence) == (since > 0)
+        (found,) = diagnose(beside, rig, track_simultaneously(beside, rig, METHOD))
+        offset = found.values["offset_u_px"], found.values["offset_v_px"]
+        assert offset == pytest.approx((3.0, 1.0), abs=0.05) and found.frames == (((since, 79),) if since else ())
 
 
 def test_only_our_own_method_says_that_a_camera_was_left_out(seen):
@@ -206,7 +222,7 @@ def test_only_our_own_method_says_that_a_camera_was_left_out(seen):
     ours = diagnose(detections, wrong, track_simultaneously(detections, wrong, METHOD))
     theirs = diagnose_tracks(detections, wrong, staged(detections, wrong))
     assert len(ours) == len(theirs) == 2
-    assert all("left out" in one for one in ours) and not any("left out" in one for one in theirs)
+    assert all(one.values["left_out"] for one in ours) and not any(one.values["left_out"] for one in theirs)
 
 
 def test_points_without_an_identity_say_nothing_of_speed(seen):

@@ -69,7 +69,7 @@ def ball():
 
 
 def said(detections, rig, xyz, least=0.99):
-    """The sentences about a run that found the truth."""
+    """The findings about a run that found the truth."""
     result = track_simultaneously(detections, rig, METHOD)
     found = score(result.tracks, xyz)
     assert found.recall >= least and found.swaps == 0
@@ -105,36 +105,39 @@ def test_a_camera_that_is_noisier_than_it_says(ball):
 def test_a_camera_two_pixels_off_is_named(ball):
     rig, xyz, detections = ball
     uv = detections.uv + (detections.camera == 3)[:, None] * [2.0, 0.0]
-    (sentence,) = said(replace(detections, uv=uv), rig, xyz)
-    assert rig.names[3] in sentence and "beside" in sentence
+    (found,) = said(replace(detections, uv=uv), rig, xyz)
+    assert (found.kind, found.cameras) == ("camera_shifted", (rig.names[3],))
+    assert found.values["offset_u_px"] == pytest.approx(2.0, abs=0.1)
 
 
 def test_cameras_in_the_wrong_order_are_named(ball):
     rig, xyz, detections = ball
     order = [0, 4, 2, 3, 1, 5]
     wrong = Rig(tuple(replace(rig[k], name=name) for k, name in zip(order, rig.names, strict=True)))
-    sentences = said(detections, wrong, xyz, least=0.9)
-    assert len(sentences) == 2 and all("wrong order" in one for one in sentences)
+    findings = said(detections, wrong, xyz, least=0.9)
+    assert [one.kind for one in findings] == ["camera_takes_place_of_other"] * 2
+    assert {one.cameras for one in findings} == {(rig.names[1], rig.names[4]), (rig.names[4], rig.names[1])}
 
 
 def test_a_camera_that_stops_is_named(ball):
     rig, xyz, detections = ball
-    (sentence,) = said(detections.keep((detections.camera != 1) | (detections.frame < 40)), rig, xyz)
-    assert rig.names[1] in sentence and "after frame 39" in sentence
+    (found,) = said(detections.keep((detections.camera != 1) | (detections.frame < 40)), rig, xyz)
+    assert (found.kind, found.cameras, found.frames) == ("camera_stopped", (rig.names[1],), ((40, 79),))
 
 
 def test_a_camera_that_was_moved_is_named(ball):
     rig, xyz, detections = ball
     moved = (detections.camera == 5) & (detections.frame >= 40)
     uv = detections.uv + moved[:, None] * [15.0, 6.0]
-    (sentence,) = said(replace(detections, uv=uv), rig, xyz)
-    assert rig.names[5] in sentence and "frame 40" in sentence
+    (found,) = said(replace(detections, uv=uv), rig, xyz)
+    assert (found.kind, found.cameras, found.frames) == ("camera_moved", (rig.names[5],), ((40, 79),))
 
 
 def test_an_impossible_rate_is_named(ball):
     rig, _, detections = ball
     fast = replace(detections, rate=5000.0)
-    assert any("frame rate" in one for one in diagnose(fast, rig, track_simultaneously(fast, rig, METHOD)))
+    found = diagnose(fast, rig, track_simultaneously(fast, rig, METHOD))
+    assert any(one.kind in ("speeds_impossible", "nothing_goes_on") for one in found)
 
 
 def crossing(frames=40, apart=6.0):

@@ -44,7 +44,7 @@ def straight(frames, *lines):
 def test_markers_that_both_cameras_see_are_followed_whole():
     rig, points = two_cameras(), swarm(n=15, frames=60)
     detections, _ = observe(rig, points, noise=0.1)
-    tracks = track_two_cameras(detections, rig, METHOD)
+    tracks = track_two_cameras(detections, rig, method=METHOD)
     result = score(tracks, points)
     assert (len(tracks), result.recall, result.swaps, result.extra_per_frame) == (15, 1.0, 0, 0.0)
     assert (result.pieces == 1).all()
@@ -57,8 +57,8 @@ def test_the_order_of_the_two_cameras_does_not_matter():
     detections, _ = observe(rig, points, noise=0.1)
     turned = rig.select(["c1", "c0"])
     one, other = (
-        track_two_cameras(detections, rig, METHOD),
-        track_two_cameras(detections.select(turned.names), turned, METHOD),
+        track_two_cameras(detections, rig, method=METHOD),
+        track_two_cameras(detections.select(turned.names), turned, method=METHOD),
     )
     lines = [sorted(map(tuple, np.round(t.cloud.xyz[t.id == i], 3))) for t in (one, other) for i in range(12)]
     for a, b in zip(sorted(lines[:12]), sorted(lines[12:]), strict=True):
@@ -70,10 +70,10 @@ def test_it_takes_two_cameras_and_says_what_to_do_otherwise(names):
     rig = ring(6).select(names)
     detections, _ = observe(rig, swarm(n=3, frames=4))
     with pytest.raises(KinemarkError, match=rf"two cameras, found {len(names)} .*Choose two"):
-        track_two_cameras(detections, rig, METHOD)
+        track_two_cameras(detections, rig, method=METHOD)
     if len(names) == 3:
         with pytest.raises(KinemarkError, match="Choose two"):
-            track_two_cameras(detections, rig.select(names[:2]), METHOD)
+            track_two_cameras(detections, rig.select(names[:2]), method=METHOD)
 
 
 def test_it_starts_where_all_markers_are_seen_and_move_least():
@@ -94,8 +94,8 @@ def test_a_camera_that_never_shows_all_markers_is_refused():
     points[1, 1::2] = np.nan
     detections, _ = observe(rig, points)
     with pytest.raises(KinemarkError, match=r"Camera c0 shows at most 2 of 3 markers.*another camera"):
-        track_two_cameras(detections, rig, FormerTwoCameras(markers=3))
-    assert len(track_two_cameras(detections, rig, FormerTwoCameras(shortest=5))) <= 2  # so many are followed
+        track_two_cameras(detections, rig, method=FormerTwoCameras(markers=3))
+    assert len(track_two_cameras(detections, rig, method=FormerTwoCameras(shortest=5))) <= 2  # so many are followed
 
 
 def test_paths_go_forward_and_backward_and_do_not_depend_on_the_order_of_images():
@@ -152,7 +152,7 @@ def test_gaps_are_filled_by_prediction_and_the_points_say_so():
     detections, truth = observe(rig, points, noise=0.1)
     frame = detections.frame
     hidden = (detections.camera == 1) & (truth == 2) & (frame >= 30) & (frame < 34)
-    filled = track_two_cameras(detections.keep(~hidden), rig, METHOD)
+    filled = track_two_cameras(detections.keep(~hidden), rig, method=METHOD)
     assert score(filled, points).recall == 1.0
     assert (score(filled, points).pieces == 1).all()
     guessed = (filled.cloud.view < 0).any(1)
@@ -166,7 +166,7 @@ def test_where_both_cameras_lose_a_marker_there_is_no_point():
     rig, points = two_cameras(), swarm(n=6, frames=60)
     detections, truth = observe(rig, points, noise=0.05)
     hidden = (truth == 2) & (detections.frame == 30)
-    tracks = track_two_cameras(detections.keep(~hidden), rig, METHOD)
+    tracks = track_two_cameras(detections.keep(~hidden), rig, method=METHOD)
     assert len(tracks.cloud) == 6 * 60 - 1
     assert (score(tracks, points).pieces == 1).all()
 
@@ -244,7 +244,7 @@ def test_crossing_markers_come_out_whole():
     rig = two_cameras()
     points, _ = crossing(rig, 0)
     detections, _ = observe(rig, points, noise=0.05)
-    result = score(track_two_cameras(detections, rig, METHOD), points)
+    result = score(track_two_cameras(detections, rig, method=METHOD), points)
     assert (result.swaps, result.pieces.tolist()) == (0, [1, 1])
 
 
@@ -272,18 +272,18 @@ def test_a_path_has_one_partner_at_a_time_the_best_first():
 def test_each_image_is_in_one_track_at_most():
     rig, points = two_cameras(), swarm(n=30, frames=30)
     detections, _ = observe(rig, points, noise=0.8)
-    tracks = track_two_cameras(detections, rig, METHOD)
+    tracks = track_two_cameras(detections, rig, method=METHOD)
     used = tracks.cloud.view[tracks.cloud.view >= 0]
     assert len(np.unique(used)) == len(used) > 1000
     assert (tracks.lengths >= 10).all()
-    assert same(track_two_cameras(detections, rig, METHOD), tracks)
+    assert same(track_two_cameras(detections, rig, method=METHOD), tracks)
 
 
 @pytest.mark.parametrize("frames", [0, 1, 3])
 def test_nothing_seen_is_no_error(frames):
     rig = two_cameras()
     nothing = Detections.build(rig.names, 100.0, np.zeros((2, frames), int), np.zeros((0, 2)))
-    tracks = track_two_cameras(nothing, rig, METHOD)
+    tracks = track_two_cameras(nothing, rig, method=METHOD)
     assert (len(tracks), len(tracks.cloud), tracks.cloud.n_frames) == (0, 0, frames)
 
 

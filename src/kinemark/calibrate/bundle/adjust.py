@@ -6,6 +6,7 @@ Wrong points are held at bay and then left out (`robust`), by Levenberg and Marq
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -14,6 +15,7 @@ import numpy as np
 
 from ...data import KinemarkError, Rig
 from ...data.array_types import Bools, Floats
+from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, near_middle, rig_about
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
@@ -26,30 +28,21 @@ ABSURD = 0.01  # of the image's diagonal
 
 
 @dataclass(frozen=True, slots=True)
-class Bundle:
-    """What a bundle adjustment fits.
+class Bundle(Method):
+    """All cameras, and all places of what they saw, at once: bundle adjustment."""
 
-    Attributes:
-        radial: at most so many of k1, k2, k3.
-        tangential: whether p1 and p2 are fitted.
-        centre: whether the principal point is fitted; else it stays at the image's centre.
-        square: pixels keep their shape, fy / fx, which is 1 unless a start says otherwise; else both are fitted.
-        reject: how many standard deviations off a point may be before it is left out.
-        seed: of the samples that the start draws.
-    """
-
-    radial: int = 2
-    tangential: bool = False
-    centre: bool = True
-    square: bool = True
-    reject: float = 5.0
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        if self.radial not in (0, 1, 2, 3):
-            raise ValueError(f"radial is {self.radial}, wanted 0 to 3 lens terms")
-        if not self.reject >= 3:
-            raise ValueError(f"reject is {self.reject}, wanted at least 3 standard deviations")
+    radial: int = parameter(
+        2, unit="lens terms", low=0, high=3, meaning="at most so many radial lens terms are fitted: k1, k2, k3"
+    )
+    tangential: bool = parameter(False, meaning="p1 and p2 are fitted as well")
+    centre: bool = parameter(True, meaning="the principal point is fitted; else it stays at the image's centre")
+    square: bool = parameter(
+        True, meaning="pixels keep their shape, fy / fx, which is 1 unless a start says otherwise; else both are fitted"
+    )
+    reject: float = parameter(
+        5.0, unit="standard deviations", low=3, high=math.inf, meaning="outliers: points so far off are left out"
+    )
+    seed: int = parameter(0, unit=ONE, meaning="of the random samples that the start draws")
 
     @property
     def freedom(self) -> Freedom:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from ...data import Camera, KinemarkError, Rig
 from ...data.array_types import Floats
+from ..stage import CALIBRATE
 from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
 from .initial import TargetViews, start
 from .initial.unknown_optics import UnknownOptics, unknown_optics
@@ -65,6 +66,7 @@ def calibrate_sticks(
     return _calibrated(names, sizes, flat, along, flat_cov, method or Bundle(), lenses)
 
 
+@CALIBRATE.method("bundle", Bundle, source="Triggs et al. 2000", ways=("single_marker",))
 def calibrate_points(
     names: Sequence[str],
     sizes: ArrayLike,

@@ -37,7 +37,7 @@ from ..control_points import (
     control_point_quality,
     free_parameters,
 )
-from ..control_points.fit_camera import Method
+from ..control_points.fit_camera import CameraMethod
 from ..resection import resect
 from .spacing import Reading, fewest_markers, readings
 
@@ -61,7 +61,7 @@ def calibrate_control_frame(
     sizes: ArrayLike,
     frame: int = 0,
     tolerance: float = TOLERANCE,
-    method: Method | None = None,
+    method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
 ) -> Rig:
@@ -102,7 +102,7 @@ def control_frame_quality(
     sizes: ArrayLike,
     frame: int = 0,
     tolerance: float = TOLERANCE,
-    method: Method | None = None,
+    method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
 ) -> ControlFit:

@@ -18,18 +18,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...data import Camera, KinemarkError, Rig
+from ...data import Camera, Finding, KinemarkError, Rig
 from ...geometry import about, near_middle, project, sphere_offset
 from .checks import check_extent, check_points, labels
-from .fit_camera import ControlPoints, Dlt, FittedCamera, Method, fit_camera, free_parameters
+from .fit_camera import CameraMethod, ControlPoints, Dlt, FittedCamera, fit_camera, free_parameters
 from .left_out import leave_one_out
-from .mistaken import exchanged_words
+from .mistaken import mistaken_points
 
 __all__ = [
+    "CameraMethod",
     "ControlFit",
     "ControlPoints",
     "Dlt",
-    "Method",
     "calibrate_control_points",
     "control_point_quality",
     "fit_camera",
@@ -73,7 +73,7 @@ class ControlFit(NamedTuple):
     left_out_xyz: NDArray[np.float64]
     left_out_cov: NDArray[np.float64]
     freedom: NDArray[np.int64]
-    method: Method
+    method: CameraMethod
     lenses: tuple[Camera, ...] | None
 
 
@@ -84,7 +84,7 @@ def calibrate_control_points(
     uv: NDArray[np.float64],
     *,
     cov: NDArray[np.float64] | None = None,
-    method: Method | None = None,
+    method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
     points: Sequence[str] | None = None,
@@ -123,7 +123,7 @@ def control_point_quality(
     uv: NDArray[np.float64],
     *,
     cov: NDArray[np.float64] | None = None,
-    method: Method | None = None,
+    method: CameraMethod | None = None,
     lenses: Sequence[Camera] | None = None,
     diameter: float | None = None,
     points: Sequence[str] | None = None,
@@ -153,7 +153,7 @@ def _examined(
     uv: NDArray[np.float64],
     cov: NDArray[np.float64],
     stated: NDArray[np.bool_],
-    method: Method,
+    method: CameraMethod,
     lenses: tuple[Camera, ...] | None,
 ) -> ControlFit:
     local = xyz - near_middle(xyz)
@@ -182,7 +182,7 @@ def _fits(
     xyz: NDArray[np.float64],
     uv: NDArray[np.float64],
     cov: NDArray[np.float64] | None,
-    method: Method | None,
+    method: CameraMethod | None,
     lenses: Sequence[Camera] | None,
     diameter: float | None,
     points: tuple[str, ...],
@@ -213,12 +213,23 @@ def _fits(
                 name, sizes[c], local[seen], centres[c, seen], spread[c, seen], method, lens, diameter
             )
         except KinemarkError as error:
-            swap = exchanged_words(xyz[seen], centres[c, seen], here)
-            raise KinemarkError(f"Camera {name}: {error}{swap}") from None
+            mistaken = mistaken_points(xyz[seen], centres[c, seen], here, camera=name)
+            raise _unfitted(name, error, mistaken) from None
         kept = seen.copy()
         kept[seen] = fitted.kept
         fits.append(fitted._replace(kept=kept))
     return fits, centres, spread
+
+
+def _unfitted(name: str, error: KinemarkError, mistaken: Finding | None) -> KinemarkError:
+    """The error of a camera that does not fit, with the points that may be to blame."""
+    if mistaken is None:
+        return KinemarkError(f"Camera {name}: {error}")
+    points = mistaken.values.get("points_list") or (mistaken.values["point"],)
+    assert isinstance(points, tuple)
+    return KinemarkError(
+        f"Camera {name}: {error} Check control points {', '.join(map(str, points))}.", findings=[mistaken]
+    )
 
 
 def _corrected_fit(
@@ -227,7 +238,7 @@ def _corrected_fit(
     xyz: NDArray[np.float64],
     uv: NDArray[np.float64],
     cov: NDArray[np.float64],
-    method: Method,
+    method: CameraMethod,
     lens: Camera | None,
     diameter: float | None,
 ) -> tuple[FittedCamera, NDArray[np.float64]]:

@@ -25,6 +25,7 @@ camera. Over n points the fitted projections have variances that add up to 11 σ
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -32,8 +33,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Camera, KinemarkError
+from ...data.method import Method, parameter
 from ...geometry import about, decompose, fit_dlt, from_dlt, near_middle, parameter_jacobian, project, undistort
 from ..resection import ResectionFit, lens_covariance, resect, scaled_inverse
+from ..stage import CALIBRATE
 
 RADIAL = (4, 5, 8)
 TANGENTIAL = (6, 7)
@@ -41,44 +44,46 @@ ABSURD = 0.1
 POSE_AND_FOCUS = (0, 1, 2, 3, 9, 10, 11, 12, 13, 14)
 ZOOM_AND_POSE = (0, 1, 9, 10, 11, 12, 13, 14)
 
-
-@dataclass(frozen=True, slots=True)
-class ControlPoints:
-    """The DLT of Abdel-Aziz and Karara (1971), refined over the camera's own parameters.
-
-    Attributes:
-        radial: at most so many radial lens terms, 0 … 3: k1, k2, k3.
-        tangential: whether p1 and p2 are fitted as well.
-        reject: points this many standard deviations off are left out; infinite keeps them all.
-    """
-
-    radial: int = 1
-    tangential: bool = False
-    reject: float = 5.0
-
-    def __post_init__(self) -> None:
-        if self.radial not in (0, 1, 2, 3):
-            raise ValueError(f"radial is {self.radial}, wanted 0, 1, 2 or 3 lens terms")
-        _check_reject(self.reject)
+SURVEYED = ("control_points", "control_frame")
+"""The ways of calibrating that have points at known places."""
 
 
 @dataclass(frozen=True, slots=True)
-class Dlt:
-    """The eleven parameters by linear least squares and nothing else, as UM²AS has them (eq. 2.4).
+class ControlPoints(Method):
+    """The DLT of Abdel-Aziz and Karara (1971), refined over the camera's own parameters and its lens."""
 
-    All points count alike; the lens is taken for ideal, and pixel axes may be at any angle.
+    radial: int = parameter(
+        1, unit="lens terms", low=0, high=3, meaning="at most so many radial lens terms are fitted: k1, k2, k3"
+    )
+    tangential: bool = parameter(False, meaning="p1 and p2 are fitted as well")
+    reject: float = parameter(
+        5.0, unit="standard deviations", low=3, high=math.inf,
+        meaning="outliers: points so far off are left out; infinite keeps them all",
+    )  # fmt: skip
 
-    Attributes:
-        reject: points this many standard deviations off are left out; infinite keeps them all.
+
+@dataclass(frozen=True, slots=True)
+class Dlt(Method):
+    """The eleven parameters by linear least squares and nothing else.
+
+    Source: UM²AS eq. 2.4. All points count alike; the lens is taken for ideal, and pixel axes may be at any angle.
     """
 
-    reject: float = 5.0
+    reject: float = parameter(
+        5.0, unit="standard deviations", low=3, high=math.inf,
+        meaning="outliers: points so far off are left out; infinite keeps them all",
+    )  # fmt: skip
 
-    def __post_init__(self) -> None:
-        _check_reject(self.reject)
+
+CameraMethod = ControlPoints | Dlt
 
 
-Method = ControlPoints | Dlt
+class CameraSolution(NamedTuple):
+    """What a method makes of one camera's points: the fit, which of `data.PARAMETERS` (15) were free, and how many."""
+
+    fit: ResectionFit
+    free: NDArray[np.bool_]
+    parameters: int
 
 
 class FittedCamera(NamedTuple):
@@ -103,7 +108,7 @@ def fit_camera(
     uv: NDArray[np.float64],
     cov: NDArray[np.float64],
     *,
-    method: Method,
+    method: CameraMethod,
     lens: Camera | None = None,
 ) -> FittedCamera:
     """One camera from points (N, 3) mm that it sees at (N, 2) px with covariance (N, 2, 2), its lens known or not.
@@ -146,7 +151,7 @@ def fit_all(
     uv: NDArray[np.float64],
     cov: NDArray[np.float64],
     kept: NDArray[np.bool_],
-    method: Method,
+    method: CameraMethod,
     lens: Camera | None,
 ) -> tuple[FittedCamera, ResectionFit]:
     """The camera of the kept points, none left out, with their residuals (2).
@@ -157,21 +162,46 @@ def fit_all(
     x, u, Q = xyz[kept], uv[kept], cov[kept]
     ideal = u if lens is None else undistort(lens, u)
     K, R, t = decompose(from_dlt(fit_dlt(x, ideal)), front=x.mean(0) if len(x) else (0.0, 0.0, 0.0))
-    start, tied = Camera(name, size, K, R, t), lens is not None
-    if isinstance(method, Dlt):
-        fit, free, p = _with_covariance(start, x, u), np.zeros(15, np.bool_), 11
-    else:
-        start = _straight(start) if lens is None else _through(lens, start)
-        free = free_parameters(len(x), method)
-        if tied:
-            free[:] = np.isin(np.arange(15), ZOOM_AND_POSE)
-        fit, p = resect(start, x, u, Q, free=free, tied=tied), int(free.sum()) - tied
+    start = Camera(name, size, K, R, t)
+    fit, free, p = CALIBRATE.function(method)(start, x, u, Q, lens=lens, method=method)
     if not np.isfinite(fit.residual).all():
         raise KinemarkError(
             "No camera has all control points before it and sees them where they were seen. "
             "Check the order of the points and their places."
         )
-    return FittedCamera(fit.camera, kept.copy(), free, tied, p), fit
+    return FittedCamera(fit.camera, kept.copy(), free, lens is not None, p), fit
+
+
+@CALIBRATE.method("control_points", ControlPoints, source="Abdel-Aziz and Karara 1971", ways=SURVEYED)
+def refined_camera(
+    start: Camera,
+    xyz: NDArray[np.float64],
+    uv: NDArray[np.float64],
+    cov: NDArray[np.float64],
+    *,
+    method: ControlPoints,
+    lens: Camera | None,
+) -> CameraSolution:
+    """A camera's own parameters by least squares, from that of the DLT; the lens' are kept where it is known."""
+    begin, tied = _straight(start) if lens is None else _through(lens, start), lens is not None
+    free = free_parameters(len(xyz), method)
+    if tied:
+        free[:] = np.isin(np.arange(15), ZOOM_AND_POSE)
+    return CameraSolution(resect(begin, xyz, uv, cov, free=free, tied=tied), free, int(free.sum()) - tied)
+
+
+@CALIBRATE.method("dlt", Dlt, source="UM²AS, eq. 2.4", ways=SURVEYED)
+def linear_camera(
+    start: Camera,
+    xyz: NDArray[np.float64],
+    uv: NDArray[np.float64],
+    cov: NDArray[np.float64],
+    *,
+    method: Dlt,
+    lens: Camera | None,
+) -> CameraSolution:
+    """The camera of the DLT as it is, with its covariance (3); the images' own covariances do not count."""
+    return CameraSolution(_with_covariance(start, xyz, uv), np.zeros(15, np.bool_), 11)
 
 
 def _straight(camera: Camera) -> Camera:
@@ -228,8 +258,3 @@ def _outlier(fit: ResectionFit, p: int, base: int, reject: float) -> int | None:
     s = np.sqrt(np.median(fit.normalised**2) / (2 * np.log(2)) * 2 * n / (2 * n - p))  # (2)
     worst = int(fit.normalised.argmax())
     return worst if fit.normalised[worst] > reject * s + 1e-6 else None
-
-
-def _check_reject(reject: float) -> None:
-    if not reject >= 3:
-        raise ValueError(f"reject is {reject}, wanted at least 3 standard deviations")

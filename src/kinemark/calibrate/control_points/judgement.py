@@ -22,15 +22,17 @@ No grade is better than usable where something contradicts itself:
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc, chdtri, fdtrc  # scipy.stats has the same and takes a second to import
 
+from ...data import Finding, Severity, make_finding
+from ...data.finding import gravest_first
 from ...geometry import project
 from .fit import ControlFit
-from .mistaken import exchanged_words
+from .mistaken import mistaken_points
 from .survey import Displaced, displaced_points, refused_everywhere, suspicious
 
 GRADES = ("good", "usable", "bad")
@@ -45,33 +47,35 @@ FEW = 10
 ALIKE = 0.3
 MUCH_LESS = 0.7
 EXACT = 1e-3  # px
-MOST_NAMED = 6
+WEIGHT: tuple[Severity, ...] = ("info", "amber", "red")
+"""Of a reason that allows each of `GRADES` at best."""
+LIMIT = (None, GOOD, BAD)
+"""1 part in how many each grade is told to have missed."""
 
 
 class Judgement(NamedTuple):
-    """A grade, "good", "usable" or "bad"; the reasons, the weightiest first; and the best grade that each allows."""
+    """A grade, "good", "usable" or "bad", and the reasons, the weightiest first.
+
+    A reason of severity "info" allows the grade "good", "amber" allows "usable" at best, "red" only "bad".
+    """
 
     grade: str
-    sentences: tuple[str, ...]
-    allowed: tuple[str, ...]
-
-
-class Finding(NamedTuple):
-    """A reason, and the best grade that it allows: its index in `GRADES`."""
-
-    grade: int
-    sentence: str
+    findings: tuple[Finding, ...]
 
 
 def judge_control_points(fit: ControlFit) -> Judgement:
     """Whether a calibration from control points is good, and why not."""
     findings = [_accuracy(fit), *_cameras(fit), *_noise(fit), *_images(fit), *_loose(fit), *_unseen(fit)]
-    worst = max(f.grade for f in findings)
+    worst = max(map(_grade, findings))
     if suspicious(fit) or worst > 0:
         findings[1:1] = _survey(fit, displaced_points(fit), worst)
-    findings = sorted(findings, key=lambda f: -f.grade)
-    allowed = tuple(GRADES[f.grade] for f in findings)
-    return Judgement(allowed[0], tuple(f.sentence for f in findings), allowed)
+    findings = gravest_first(findings)
+    return Judgement(GRADES[_grade(findings[0])], tuple(findings))
+
+
+def _grade(found: Finding) -> int:
+    """The best grade that a reason allows, as an index in `GRADES`."""
+    return WEIGHT.index(found.severity)
 
 
 def limits(e: float, nu: int) -> tuple[float, float]:
@@ -103,34 +107,36 @@ def _accuracy(fit: ControlFit) -> Finding:
     rms = float(np.sqrt((off**2).mean()))
     size = float(np.linalg.norm(np.ptp(fit.xyz[np.isfinite(fit.xyz).all(1)], axis=0)))
     low, high = limits(rms / size, min(nu, 3 * len(off)))
-    worst = np.flatnonzero(trusted)[off.argmax()]
-    words = (
-        f"Control points that took no part come back {rms:.2g} mm from where they were surveyed (RMS; worst "
-        f"{fit.points[worst]}, {off.max():.2g} mm), 1 part in {_parts(rms / size)} of the volume's diagonal of "
-        f"{size / 1000:.2g} m."
+    grade = grade_of(low, high)
+    return make_finding(
+        "control_points_return",
+        severity=WEIGHT[grade],
+        rms_mm=rms,
+        worst_point=fit.points[np.flatnonzero(trusted)[off.argmax()]],
+        worst_mm=off.max(),
+        parts=size / max(rms, 1e-9),
+        diagonal_m=size / 1000,
+        limit_parts=LIMIT[grade],
     )
-    return _graded(low, high, words)
 
 
 def _by_residual(fit: ControlFit) -> Finding:
     s, nu = scatter(fit, list(range(len(fit.rig))))
     ratio = max(_image_ratio(fit, c, s) for c in range(len(fit.rig)))
     if nu < 1:
-        return Finding(1, "As many equations as parameters: the residuals say nothing. Use eight points or more.")
+        return make_finding("no_equations_left")
     low, high = limits(ratio, nu)
-    alone = len(fit.rig) < 2
-    why = "One camera alone places no points" if alone else "The points are too few to leave one out as a test"
-    words = (
-        f"{why}. By the residuals, with {nu} equations left over, points are {np.sqrt(2) * s:.2g} px off, 1 part in "
-        f"{_parts(high)} to {_parts(low)} of the images' extent."
-    )
-    return _graded(low, high, words)
-
-
-def _graded(low: float, high: float, words: str) -> Finding:
     grade = grade_of(low, high)
-    limit = ("", f" A good calibration has 1 part in {GOOD} or less for certain.", f" More than 1 in {BAD} is bad.")
-    return Finding(grade, words + limit[grade])
+    return make_finding(
+        "control_points_by_residual",
+        severity=WEIGHT[grade],
+        alone=len(fit.rig) < 2,
+        equations=nu,
+        error_px=np.sqrt(2) * s,
+        parts_least=1 / max(high, 1e-9),
+        parts_most=1 / max(low, 1e-9),
+        limit_parts=LIMIT[grade],
+    )
 
 
 def _image_ratio(fit: ControlFit, c: int, s: float) -> float:
@@ -153,9 +159,9 @@ def _cameras(fit: ControlFit) -> list[Finding]:
             worse.append(c)
     findings = []
     if bad:
-        findings.append(Finding(2, f"{_missing(fit, bad)} RMS, more than 1 part in {BAD} of the images' extent."))
+        findings.append(make_finding("cameras_miss_control_points", limit_parts=BAD, **_missed(fit, bad)))
     if worse:
-        findings.append(Finding(1, f"{_missing(fit, worse)} RMS, at least {TOO_NOISY:g} times as far as the others."))
+        findings.append(make_finding("cameras_worse_than_others", limit_ratio=TOO_NOISY, **_missed(fit, worse)))
     return findings
 
 
@@ -164,12 +170,12 @@ def _beyond(ratio: float, nu: int, nu_others: int, tried: int) -> bool:
     return bool(fdtrc(nu, nu_others, ratio**2) < CHANCE / tried)
 
 
-def _missing(fit: ControlFit, cameras: list[int]) -> str:
-    """How far these cameras miss their points."""
-    names = ", ".join(fit.rig.names[c] for c in cameras)
-    off = ", ".join(f"{fit.rig[c].residual:.2g}" for c in cameras)
-    one = len(cameras) == 1
-    return f"Camera{'' if one else 's'} {names} miss{'es its' if one else ' their'} control points by {off} px"
+def _missed(fit: ControlFit, cameras: list[int]) -> dict[str, Any]:
+    """By how much these cameras miss their points."""
+    return {
+        "cameras": [fit.rig.names[c] for c in cameras],
+        "residual_px_list": [fit.rig[c].residual for c in cameras],
+    }
 
 
 def _noise(fit: ControlFit) -> list[Finding]:
@@ -186,13 +192,7 @@ def _noise(fit: ControlFit) -> list[Finding]:
     if ratio < TOO_NOISY or chdtrc(nu, total) > CHANCE:
         return []
     s, _ = scatter(fit, [int(c) for c in stated])
-    return [
-        Finding(
-            1,
-            f"Residuals of {s:.2g} px are {ratio:.0f} times what the noise of the centroids explains. Lens terms, the "
-            "survey or the points themselves are wrong by the rest.",
-        )
-    ]
+    return [make_finding("residuals_above_noise", residual_px=s, ratio=ratio)]
 
 
 def _images(fit: ControlFit) -> list[Finding]:
@@ -202,56 +202,56 @@ def _images(fit: ControlFit) -> list[Finding]:
     for c, name in enumerate(fit.rig.names):
         rows = np.flatnonzero(mistaken[c])
         if len(rows):
-            findings.append(Finding(int(4 * len(rows) > fit.kept[c].sum()), _left_out_words(fit, c, rows)))
+            findings.append(_left_out(fit, c, rows))
         elif fit.kept[c].sum() <= FEW and _image_ratio(fit, c, scatter(fit, [c])[0]) > 1 / GOOD:
             here = np.flatnonzero(fit.kept[c])
-            words = exchanged_words(fit.xyz[here], fit.uv[c, here], [fit.points[i] for i in here])
-            if words:
-                findings.append(Finding(2, f"Camera {name}:{words}"))
+            found = mistaken_points(fit.xyz[here], fit.uv[c, here], [fit.points[i] for i in here], camera=name)
+            findings += [found] if found else []
     return findings
 
 
-def _left_out_words(fit: ControlFit, c: int, rows: NDArray[np.int64]) -> str:
+def _left_out(fit: ControlFit, c: int, rows: NDArray[np.int64]) -> Finding:
     """Which images a camera left out, how far off they are, and where they seem to belong."""
     expected = project(fit.rig[c], fit.xyz)
     s, _ = scatter(fit, [c])
-    listed = []
-    for i in rows[:MOST_NAMED]:
+    far, places = [], []
+    for i in rows:
         off = np.linalg.norm(expected - fit.uv[c, i], axis=1)
         j = int(np.where(np.isfinite(off) & (np.arange(len(off)) != i), off, np.inf).argmin())
         like = off[j] < min(max(NEAR * np.sqrt(2) * s, EXACT), off[i] / 2)
-        listed.append(f"{fit.points[i]} ({off[i]:.1f} px off{f', where {fit.points[j]} belongs' if like else ''})")
-    return f"Camera {fit.rig.names[c]} left out {len(rows)} of its points: {_and_more(listed, len(rows))}."
+        far.append(off[i])
+        places.append(fit.points[j] if like else None)
+    return make_finding(
+        "control_points_left_out",
+        severity=WEIGHT[int(4 * len(rows) > fit.kept[c].sum())],
+        cameras=[fit.rig.names[c]],
+        points_list=[fit.points[i] for i in rows],
+        off_px_list=far,
+        place_of_list=places,
+    )
 
 
 def _loose(fit: ControlFit) -> list[Finding]:
     """(7)."""
-    findings = []
-    for camera in fit.rig:
-        share = float(np.sqrt(max(camera.cov[0, 0], camera.cov[1, 1])) / abs(camera.K[0, 0]))
-        if share > 1 / LOOSE:
-            findings.append(
-                Finding(
-                    1,
-                    f"Camera {camera.name}: its points leave the focal length uncertain by {100 * share:.0f} %. They "
-                    "are few, nearly in a plane, or fill only a part of the image.",
-                )
-            )
-    return findings
+    shares = [float(np.sqrt(max(c.cov[0, 0], c.cov[1, 1])) / abs(c.K[0, 0])) for c in fit.rig]
+    return [
+        make_finding("focal_length_uncertain", cameras=[name], sd_share=share)
+        for name, share in zip(fit.rig.names, shares, strict=True)
+        if share > 1 / LOOSE
+    ]
 
 
 def _unseen(fit: ControlFit) -> list[Finding]:
     """Points with a surveyed place that no camera has, or less than half of them."""
     seen = np.isfinite(fit.uv[..., 0]).sum(0)
-    known, findings = np.isfinite(fit.xyz).all(1), []
-    for rows, who in (
-        (np.flatnonzero(known & (seen == 0)), "No camera sees"),
-        (np.flatnonzero(known & (seen > 0) & (2 * seen < len(fit.rig))), "Less than half of the cameras see"),
-    ):
-        if len(rows):
-            names = _and_more([fit.points[i] for i in rows], len(rows))
-            findings.append(Finding(0, f"{who} {names}: hidden, or not where the description says."))
-    return findings
+    known = np.isfinite(fit.xyz).all(1)
+    few = known & (seen > 0) & (2 * seen < len(fit.rig))
+    kinds = (("control_points_unseen", known & (seen == 0)), ("control_points_seen_by_few", few))
+    return [
+        make_finding(kind, points_list=[fit.points[i] for i in np.flatnonzero(those)])
+        for kind, those in kinds
+        if those.any()
+    ]
 
 
 def _survey(fit: ControlFit, wrong: Displaced | None, worst: int) -> list[Finding]:
@@ -265,33 +265,27 @@ def _survey(fit: ControlFit, wrong: Displaced | None, worst: int) -> list[Findin
         return []
     far = np.linalg.norm(wrong.offset, axis=1)
     most = far > far.max() / 2
-    effect = "No camera used them." if harmless else f"Without them residuals fall from {before:.2g} to {after:.2g} px."
-    words = f"By the word of all cameras, {_elsewhere(fit, wrong.rows[most], wrong.offset[most])}. "
-    less = [f"{fit.points[i]} ({d:.2g} mm)" for i, d in zip(wrong.rows[~most], far[~most], strict=True)]
-    words += f"Less far off: {_and_more(less, len(less))}. " if less else ""
-    return [Finding(worst if harmless else max(worst, 1), f"{words}Measure again, or leave out. {effect}")]
+    return [
+        make_finding(
+            "control_points_displaced",
+            severity=WEIGHT[worst if harmless else max(worst, 1)],
+            where=_elsewhere(fit, wrong.rows[most], wrong.offset[most]),
+            points_list=[fit.points[i] for i in wrong.rows[most]],
+            shift_mm_list=wrong.offset[most].mean(0),
+            least_mm=far[most].min(),
+            greatest_mm=far[most].max(),
+            less_points_list=[fit.points[i] for i in wrong.rows[~most]],
+            less_mm_list=far[~most],
+            before_px=None if harmless else before,
+            after_px=None if harmless else after,
+        )
+    ]
 
 
 def _elsewhere(fit: ControlFit, rows: NDArray[np.int64], offset: NDArray[np.float64]) -> str:
-    """Where points are instead: at each other's places, all shifted alike, or here and there."""
-    names = _and_more([fit.points[i] for i in rows], len(rows))
-    points, are = ("control points", "are") if len(rows) > 1 else ("control point", "is")
-    who = f"{points} {names} {are} not at the surveyed place"
+    """Where points are instead: "other", at each other's places, all shifted "alike", or here and there, "apart"."""
     found, far = fit.xyz[rows] + offset, np.linalg.norm(offset, axis=1)
     if len(rows) == 2 and np.linalg.norm(found - fit.xyz[rows[::-1]], axis=1).max() < ALIKE * far.min():
-        return f"{who} but each at that of the other"
+        return "other"
     mean = offset.mean(0)
-    if np.linalg.norm(offset - mean, axis=1).max() < ALIKE * np.linalg.norm(mean):
-        alike = " alike" if len(rows) > 1 else ""
-        by = ", ".join(f"{x:.1f}" for x in mean)
-        return f"{who} but {np.linalg.norm(mean):.3g} mm away,{alike} by ({by}) mm"
-    return f"{who} but {far.min():.3g} to {far.max():.3g} mm away"
-
-
-def _and_more(names: list[str], n: int) -> str:
-    return ", ".join(names[:MOST_NAMED]) + (f" and {n - MOST_NAMED} more" if n > MOST_NAMED else "")
-
-
-def _parts(ratio: float) -> str:
-    """1 part in so many, to two digits."""
-    return f"{float(f'{1 / max(ratio, 1e-9):.2g}'):.0f}"
+    return "alike" if np.linalg.norm(offset - mean, axis=1).max() < ALIKE * np.linalg.norm(mean) else "apart"

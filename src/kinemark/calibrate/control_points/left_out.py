@@ -34,7 +34,7 @@ from ...geometry import parameter_jacobian, project, refine, triangulate, undist
 from ...geometry.dlt import equations
 from ..resection import directions, moved, resect, scaled_inverse
 from .checks import FEWEST
-from .fit_camera import POSE_AND_FOCUS, Dlt, FittedCamera, Method
+from .fit_camera import POSE_AND_FOCUS, CameraMethod, Dlt, FittedCamera
 
 LEVERAGE = 0.5
 STEPS = 8
@@ -59,7 +59,7 @@ def leave_one_out(
     uv: NDArray[np.float64],
     cov: NDArray[np.float64],
     *,
-    method: Method,
+    method: CameraMethod,
 ) -> LeftOutPoints:
     """Each of N points by C cameras fitted without it; NaN where unseen, or where the others determine no camera.
 
@@ -87,7 +87,12 @@ def leave_one_out(
 
 
 def errors_without(
-    fitted: FittedCamera, xyz: NDArray[np.float64], uv: NDArray[np.float64], cov: NDArray[np.float64], *, method: Method
+    fitted: FittedCamera,
+    xyz: NDArray[np.float64],
+    uv: NDArray[np.float64],
+    cov: NDArray[np.float64],
+    *,
+    method: CameraMethod,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Of points (n, 3) mm that a camera sees at (n, 2) px: errors (n, 2) px and covariances (n, 2, 2) px², (2), (3)."""
     kept, camera, linear = fitted.kept, fitted.camera, isinstance(method, Dlt)

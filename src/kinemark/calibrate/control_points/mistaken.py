@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import fdtrc
 
-from ...data import KinemarkError
+from ...data import Finding, KinemarkError, make_finding
 from ...geometry.dlt import equations
 from .checks import FEWEST
 from .fit_camera import ControlPoints, fit_all
@@ -77,36 +77,28 @@ def misplaced(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> tuple[int, f
     return i, float(np.sqrt(start / n)), float(np.sqrt(without[i] / (n - 1)))
 
 
-def exchanged_words(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequence[str]) -> str:
-    """What one camera's points and images say of an exchange, as a sentence behind another; empty if nothing."""
+def mistaken_points(
+    xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequence[str], *, camera: str
+) -> Finding | None:
+    """What one camera's images (N, 2) px of points (N, 3) mm say of points taken for one another; None if nothing."""
     if len(xyz) <= FEWEST:
-        return ""
+        return None
     if (swap := exchanged(xyz, uv)) is not None:
-        return f" {exchange_sentence(swap, names)}"
+        moved = np.flatnonzero(swap.image_of != np.arange(len(xyz)))
+        return make_finding(
+            "control_points_swapped",
+            cameras=[camera],
+            points_list=[names[int(i)] for i in moved],
+            image_of_list=[names[int(i)] for i in swap.image_of[moved]],
+            before_px=swap.before,
+            after_px=swap.after,
+        )
     if (single := misplaced(xyz, uv)) is not None:
         i, before, after = single
-        return (
-            f" Control point {names[i]} seems to be misplaced or taken for another: without it the residual falls from "
-            f"{before:.1f} to {after:.1f} px."
+        return make_finding(
+            "control_point_misplaced", cameras=[camera], point=names[i], before_px=before, after_px=after
         )
-    return ""
-
-
-def exchange_sentence(swap: SwappedPoints, names: Sequence[str]) -> str:
-    """Which points were taken for which."""
-    image_of = [int(j) for j in swap.image_of]
-    moved = [i for i, j in enumerate(image_of) if i != j]
-    pairs = [(i, image_of[i]) for i in moved if image_of[image_of[i]] == i < image_of[i]]
-    if 2 * len(pairs) == len(moved):
-        which = " and ".join(f"{names[i]} with {names[j]}" for i, j in pairs)
-        what = f"Control points seem to be exchanged, {which}"
-    else:
-        listed = ", ".join(f"{names[i]} is where {names[image_of[i]]} was said to be" for i in moved)
-        what = f"Control points seem to be mistaken for one another: {listed}"
-    return (
-        f"{what}: the other way round the residual falls from {swap.before:.1f} to {swap.after:.1f} px. Correct their "
-        "order."
-    )
+    return None
 
 
 def sum_of_squares(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> float:

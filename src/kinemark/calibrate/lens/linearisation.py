@@ -19,6 +19,7 @@ in the picture as it is and in the picture as an ideal lens would draw it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -30,6 +31,7 @@ from scipy.spatial import ConvexHull, Delaunay
 
 from ...data import Camera, KinemarkError
 from ...data.array_types import Bools, Floats
+from ...data.method import Method, parameter
 from ...geometry import undistort
 from ...geometry.sphere_offset import sphere_offset
 from .lens_choice import LensScore, lens_terms, score_lenses, simplest
@@ -61,24 +63,20 @@ START_STEPS = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Linearisation:
-    """A lens of Brown's model fitted to planes (Zhang 2000), its terms chosen by cross-validation.
+class Linearisation(Method):
+    """A lens of Brown's model fitted to planes (Zhang 2000), its terms chosen by cross-validation."""
 
-    Attributes:
-        radial: how many of k1, k2, k3; None: as many as predict points left out best.
-        tangential: whether p1 and p2 are fitted; None: if they predict points left out better.
-        reject: points this many standard deviations off are left out; infinite keeps them all.
-    """
-
-    radial: int | None = None
-    tangential: bool | None = None
-    reject: float = 5.0
-
-    def __post_init__(self) -> None:
-        if self.radial not in (None, 0, 1, 2, 3):
-            raise ValueError(f"radial is {self.radial}, wanted 0, 1, 2 or 3 lens terms, or None")
-        if not self.reject >= 3:
-            raise ValueError(f"reject is {self.reject}, wanted at least 3 standard deviations")
+    radial: int | None = parameter(
+        None, unit="lens terms", low=0, high=3,
+        meaning="how many of k1, k2, k3 are fitted; None: as many as predict points left out best",
+    )  # fmt: skip
+    tangential: bool | None = parameter(
+        None, meaning="p1 and p2 are fitted; None: if they predict points left out better"
+    )
+    reject: float = parameter(
+        5.0, unit="standard deviations", low=3, high=math.inf,
+        meaning="outliers: points so far off are left out; infinite keeps them all",
+    )  # fmt: skip
 
 
 class GridView(NamedTuple):

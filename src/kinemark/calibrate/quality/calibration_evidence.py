@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...data import Rig
+from ...data import Finding, Rig
 from ...data.array_types import Floats
 from ..control_points.judgement import Judgement
 
@@ -49,7 +49,7 @@ class Evidence:
         freedom: equations more than parameters, over all cameras; 0 where unknown.
         straight: name, and px RMS by which rows of the linearisation grid are bent before and after, of each camera.
         judged: whether it is good and why not, where the way has a judgement of its own.
-        doubts: what contradicts itself, in sentences.
+        findings: what contradicted itself while it was made.
         surveyed: whether the points were measured in the laboratory, or came out of the calibration.
     """
 
@@ -69,7 +69,7 @@ class Evidence:
     freedom: int = 0
     straight: tuple[tuple[str, float, float], ...] = ()
     judged: Judgement | None = None
-    doubts: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
     surveyed: bool = True
 
 

@@ -16,6 +16,7 @@ where n counts the points of chosen poses in the same cell of the same image.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -24,12 +25,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...data import PARAMETERS, Camera, Detections, KinemarkError, Rig
 from ...data.array_types import Floats
-from ...data.arrays import check_positive
+from ...data.method import ONE, Method, parameter
 from ...geometry.sphere_offset import sphere_offset
 from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, sticks_through
 from ..bundle.adjust import check_calibration
 from ..bundle.parts import complete
 from ..bundle.solver import placed
+from ..stage import CALIBRATE
 from .completion import completed
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
 
@@ -40,39 +42,30 @@ AGREEING = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Wand:
-    """Calibration with a wand.
+class Wand(Method):
+    """All cameras from a wand waved through the volume, by bundle adjustment."""
 
-    Attributes:
-        radial: at most so many radial lens terms, 0 … 3: k1, k2, k3.
-        tangential: whether p1 and p2 are fitted as well.
-        centre: whether the principal point is fitted; else it stays in the image's centre, or the lens's.
-        square: whether pixels are square, fx = fy.
-        reject: points this many standard deviations off are left out.
-        tolerance: px; how near to its place a marker is looked for once there is a first rig.
-        most_poses: at most so many, spread over the images.
-        marker_diameter: of the spheres, mm; None leaves centroids as they are.
-        seed: of the samples that the bundle's start draws.
-    """
-
-    radial: int = 2
-    tangential: bool = False
-    centre: bool = True
-    square: bool = True
-    reject: float = 5.0
-    tolerance: float = 3.0
-    most_poses: int = 1500
-    marker_diameter: float | None = None
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        if self.radial not in (0, 1, 2, 3):
-            raise ValueError(f"radial is {self.radial}, wanted 0, 1, 2 or 3 lens terms")
-        if not self.reject >= 3:
-            raise ValueError(f"reject is {self.reject}, wanted at least 3 standard deviations")
-        if self.most_poses < FEWEST:
-            raise ValueError(f"most_poses is {self.most_poses}, wanted at least {FEWEST}")
-        check_positive(tolerance=self.tolerance, marker_diameter=self.marker_diameter)
+    radial: int = parameter(
+        2, unit="lens terms", low=0, high=3, meaning="at most so many radial lens terms are fitted: k1, k2, k3"
+    )
+    tangential: bool = parameter(False, meaning="p1 and p2 are fitted as well")
+    centre: bool = parameter(
+        True, meaning="the principal point is fitted; else it stays in the image's centre, or the lens's"
+    )
+    square: bool = parameter(True, meaning="pixels are square, fx = fy")
+    reject: float = parameter(
+        5.0, unit="standard deviations", low=3, high=math.inf, meaning="outliers: points so far off are left out"
+    )
+    tolerance: float = parameter(
+        3.0, unit="px", above=0, meaning="how near to its place a marker is looked for once there is a first rig"
+    )
+    most_poses: int = parameter(
+        1500, unit="poses", low=FEWEST, meaning="at most so many poses are used, spread over the images"
+    )
+    marker_diameter: float | None = parameter(
+        None, unit="mm", above=0, meaning="diameter of the spheres; None leaves centroids as they are"
+    )
+    seed: int = parameter(0, unit=ONE, meaning="of the random samples that the bundle's start draws")
 
     @property
     def bundle(self) -> Bundle:
@@ -80,6 +73,7 @@ class Wand:
         return Bundle(self.radial, self.tangential, self.centre, self.square, self.reject, self.seed)
 
 
+@CALIBRATE.method("wand", Wand, ways=("wand",))
 def calibrate_wand(
     detections: Detections,
     *,

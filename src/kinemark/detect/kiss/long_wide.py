@@ -26,7 +26,9 @@ def split_long_and_wide(groups: KissGroups, *, min_ratio: float, max_ratio: floa
     beyond = np.flatnonzero(is_long | ((ratio < min_ratio) & ~groups.separated))
     middle = np.sqrt(min_ratio * max_ratio)
     q = np.maximum(ratio[beyond] / middle, middle / ratio[beyond])
-    number = np.maximum(np.ceil(np.sqrt(q * q + 0.25) - 0.5), 2).astype(np.int64)  # (A): k (k + 1) ≥ q²
+    most = np.where(is_long, brect.height, brect.width)[beyond]  # a part has a pixel at least
+    number = np.minimum(np.ceil(np.sqrt(q * q + 0.25) - 0.5), most)  # (A): k (k + 1) ≥ q²
+    number = np.maximum(number, 2).astype(np.int64)
     parent, n = np.repeat(beyond, number), np.repeat(number, number)
     k = np.arange(len(n)) - np.repeat(np.cumsum(number) - number, number)
     left, right, top, bottom = (side[parent] for side in brect)

@@ -9,6 +9,7 @@ from ...data import KinemarkError, Validity
 from ..blobs import Blobs, joined
 from ..centroids_method import grey_scale
 from ..runs import Runs
+from ..stage import DETECT
 from .kiss_methods import KissNearest, KissScanning
 from .long_wide import split_long_and_wide
 from .neighbour_grouping import adaptive_limits, neighbour_groups, split_harshly
@@ -27,7 +28,8 @@ MOST_GROUPS = 10_000
 MOST_PIXELS = 1 << 20  # white, of a batch; above that its frames are done in smaller batches, for memory's sake
 
 
-def detect_scanning(images: Images, first: int, method: KissScanning) -> Blobs:
+@DETECT.method("kiss_scanning", KissScanning, source="Shafiq, Tümer and Güler 2001, 2.1 to 2.3")
+def detect_scanning(images: Images, first: int, *, method: KissScanning) -> Blobs:
     """Markers in consecutive frames (n, H, W), of which the first has this number, by the present method of KISS.
 
     Raises:
@@ -38,7 +40,10 @@ def detect_scanning(images: Images, first: int, method: KissScanning) -> Blobs:
     if _too_many(runs) and n > 1:
         half = n // 2
         return joined(
-            [detect_scanning(images[:half], first, method), detect_scanning(images[half:], first + half, method)]
+            [
+                detect_scanning(images[:half], first, method=method),
+                detect_scanning(images[half:], first + half, method=method),
+            ]
         )
     groups = preliminary_groups(runs, near_x=method.near_x, near_y=method.near_y, height=height, width=width)
     _check_number(groups, first, n, method.threshold)
@@ -64,7 +69,8 @@ def advanced_analysis(groups: KissGroups, method: KissScanning, *, height: int) 
     return groups
 
 
-def detect_nearest(images: Images, first: int, method: KissNearest) -> Blobs:
+@DETECT.method("kiss_nearest", KissNearest, source="Shafiq, Tümer and Güler 2001, section 2")
+def detect_nearest(images: Images, first: int, *, method: KissNearest) -> Blobs:
     """Markers in consecutive frames (n, H, W), of which the first has this number, by the former method of KISS.
 
     Raises:
@@ -75,7 +81,10 @@ def detect_nearest(images: Images, first: int, method: KissNearest) -> Blobs:
     if _too_many(runs) and n > 1:
         half = n // 2
         return joined(
-            [detect_nearest(images[:half], first, method), detect_nearest(images[half:], first + half, method)]
+            [
+                detect_nearest(images[:half], first, method=method),
+                detect_nearest(images[half:], first + half, method=method),
+            ]
         )
     y, x = pixels_of(*runs)
     groups = neighbour_groups(y, x, neighbourhood=method.neighbourhood, height=height, width=width)

@@ -152,7 +152,7 @@ def _of_control_points(fit: ControlFit, way: str, lenses: Lenses) -> Made:
             left_out_mm=np.linalg.norm(fit.left_out_xyz, axis=-1),
             freedom=int(fit.freedom.sum()),
             straight=lenses.straight,
-            doubts=lenses.doubts,
+            findings=lenses.findings,
             judged=judge_control_points(fit),
         ),
     )

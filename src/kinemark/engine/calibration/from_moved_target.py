@@ -14,6 +14,7 @@ from ...calibrate.quality.wand import LeftOutPoses, image_errors, judge_poses, s
 from ...calibrate.wand import calibrate_wand
 from ...data import Detections, KinemarkError
 from ...data.array_types import Floats
+from ...data.progress import tell
 from .lens_grids import Lenses, lenses_of
 from .task import Made, Task
 from .world_placement import placed_in_world
@@ -40,13 +41,13 @@ def from_wand(task: Task) -> Made:
     method: Any = task.settings.calibrate
     if way.marker_diameter_mm is not None:
         method = replace(method, marker_diameter=way.marker_diameter_mm)
-    task.progress("calibrate", 0, 1)
+    tell(0, 1)
     fit = calibrate_wand(
         seen.detections, lengths=way.lengths_mm, sizes=seen.sizes, method=method, lenses=lenses.cameras
     )
     along = np.concatenate([[0.0], np.cumsum(way.lengths_mm)])
     judged = judge_poses(fit, along, method=method.bundle, lens_held=lenses.cameras is not None)
-    task.progress("calibrate", 1, 1)
+    tell(1, 1)
     gaps = " + ".join(f"{mm:g}" for mm in way.lengths_mm)
     made = _placed(task, FittedRig(fit, along, judged, lenses), f"a wand of {gaps} mm")
     return made._replace(evidence=replace(made.evidence, known=np.diff(along), lengths=judged.lengths))
@@ -59,12 +60,12 @@ def from_single_marker(task: Task) -> Made:
     seen, lenses = task.look(way, "marker"), lenses_of(task)
     _check_sizes(seen.sizes)
     uv, cov = _single(seen.detections)
-    task.progress("calibrate", 0, 1)
+    tell(0, 1)
     method: Any = task.settings.calibrate
     known = cov if np.isfinite(cov[np.isfinite(uv[..., 0])]).all() else None
     fit = calibrate_points(task.names, seen.sizes, uv, cov=known, method=method, lenses=lenses.cameras)
     judged = judge_poses(fit, np.zeros(1), method=method, lens_held=lenses.cameras is not None)
-    task.progress("calibrate", 1, 1)
+    tell(1, 1)
     return _placed(task, FittedRig(fit, np.zeros(1), judged, lenses), "a single marker")
 
 
@@ -114,7 +115,7 @@ def _placed(task: Task, fitted: FittedRig, way: str) -> Made:
         joint=fit.joint,
         freedom=fit.freedom,
         straight=fitted.lenses.straight,
-        doubts=(*fitted.lenses.doubts, *placed.doubts),
+        findings=(*fitted.lenses.findings, *placed.findings),
         surveyed=False,
     )
     return Made(replace(fit.rig, volume=nowhere), evidence)

@@ -9,8 +9,9 @@ import numpy as np
 from ...calibrate.lens.chessboard import find_corners
 from ...calibrate.lens.dot_grid import order_grid, part_of_grid
 from ...calibrate.lens.linearisation import GridView, LensFit, Linearisation, linearise
-from ...data import Camera, Detections, KinemarkError
+from ...data import Camera, Detections, Finding, KinemarkError, make_finding
 from ...data.array_types import Floats
+from ...data.progress import tell
 from ...io.images import ImageSource
 from ..recordings import open_cameras
 from ..settings import LinearisationGrid, TargetRecording
@@ -21,11 +22,11 @@ FEWEST_DOTS = 25
 
 
 class Lenses(NamedTuple):
-    """The linearised cameras (C), or None; how straight rows of the grid are, name, before, after px; and doubts."""
+    """The linearised cameras (C), or None; how straight rows of the grid are, name, before, after px; and findings."""
 
     cameras: tuple[Camera, ...] | None = None
     straight: tuple[tuple[str, float, float], ...] = ()
-    doubts: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
 
 def lenses_of(task: Task) -> Lenses:
@@ -38,16 +39,16 @@ def lenses_of(task: Task) -> Lenses:
     if way is None:
         return Lenses()
     sources = open_cameras(task.root, task.settings, way.images, task.names)
-    fits, doubts = [], []
+    fits, findings = [], []
     found = _dots(task, way) if way.pattern == "dots" else None
     for c, (name, source) in enumerate(sources.items()):
         views, failed = _views(way, source, found, c)
         if not views:
-            raise KinemarkError(f"Camera {name}: the grid is in none of its images. {failed[0]}")
-        doubts += [f"Camera {name}: {words}" for words in failed]
+            raise KinemarkError(f"Camera {name}: the grid is in none of its images. {failed[0][1]}")
+        findings += [make_finding(kind, cameras=[name], reason=reason) for kind, reason in failed]
         fits.append(linearise(name, source.size, views, method=Linearisation(way.radial, way.tangential)))
-        task.progress("linearise", c + 1, len(sources))
-    return Lenses(tuple(f.camera for f in fits), tuple(map(_straight, fits)), tuple(doubts))
+        tell(c + 1, len(sources))
+    return Lenses(tuple(f.camera for f in fits), tuple(map(_straight, fits)), tuple(findings))
 
 
 def _straight(fit: LensFit) -> tuple[str, float, float]:
@@ -70,8 +71,8 @@ def _dots(task: Task, way: LinearisationGrid) -> list[Detections]:
 
 def _views(
     way: LinearisationGrid, source: ImageSource, dots: list[Detections] | None, c: int
-) -> tuple[list[GridView], list[str]]:
-    """The images of one camera in which the grid is found, and why it is not in the others."""
+) -> tuple[list[GridView], list[tuple[str, str]]]:
+    """The images of one camera in which the grid is found, and the kind of finding and reason of the others."""
     columns, rows = way.grid
     row, column = np.mgrid[:rows, :columns].astype(np.float64)
     xy = way.pitch_mm * np.stack([column, row], -1).reshape(-1, 2)
@@ -86,8 +87,7 @@ def _views(
         except KinemarkError as error:
             part = None if dots is None else _part(dots[c], f, way.pitch_mm)
             views += [part] if part else []
-            what = "only a part of the grid in an image was used" if part else "an image was not used"
-            failed.append(f"{what}. {error}")
+            failed.append(("grid_partly_used" if part else "grid_image_unused", str(error)))
     return views, failed
 
 

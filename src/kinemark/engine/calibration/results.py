@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -18,22 +18,27 @@ from typing import Any
 import numpy as np
 
 from ...calibrate.quality import Change, Evidence, compare, points_of, volume_grid
-from ...data import KinemarkError, Rig, Step
+from ...data import KinemarkError, Rig
+from ...data.progress import listening
 from ...findings.calibration_quality import calibration_figures, headline_figures, judged_volume
 from ...findings.quality import write_quality
 from ...io.files import replacing
 from ...io.rig_toml import read_rig_toml, write_rig_toml
 from ...io.um2as import siblings
 from ...report.calibration_page import write_calibration_page
-from ..pipeline import Progress, rig_key, silent
+from ...report.words import with_words
+from ..keys import code_key, digest, file_key, rig_key
+from ..progress import SILENT, Watch, check_threads, one_blas_thread
 from ..recordings import files_of, masks_key
 from ..settings import Settings
-from ..store import Store, digest, file_key
+from ..store import Store
+from .calibrated import Calibrated
 from .from_known_points import from_control_frame, from_control_points, from_file, is_cp
 from .from_moved_target import from_single_marker, from_wand
 from .task import Made, Task
 
 RIG, FIGURES, PAGE, FORMER = "rig.toml", "calibration.json", "calibration.html", "calibrations"
+LOCK = ".calibration.lock"
 
 WAYS: dict[str, Callable[[Task], Made]] = {
     "file": from_file,
@@ -45,43 +50,39 @@ WAYS: dict[str, Callable[[Task], Made]] = {
 """What does each way of `settings.WAYS`."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Calibrated:
-    """A session's calibration.
-
-    Attributes:
-        rig: the cameras.
-        figures: how good they are; what calibration.json holds.
-        steps: how they were made.
-        computed: whether this had to be computed; else it was unchanged.
-        folder: where it is on disk.
-    """
-
-    rig: Rig
-    figures: dict[str, Any]
-    steps: tuple[Step, ...]
-    computed: bool
-    folder: Path
-
-
-def calibrate(root: Path, results: Path, settings: Settings, *, progress: Progress = silent) -> Calibrated:
+def calibrate(
+    root: Path, results: Path, settings: Settings, *, watch: Watch = SILENT, threads: int | None = None
+) -> Calibrated:
     """The calibration of a session in the folder `root`, read where it is unchanged, else made, judged and written.
+
+    Args:
+        root: the session's folder.
+        results: where what is computed goes.
+        settings: what its session.toml says.
+        watch: who is told what is being done, and who may stop it.
+        threads: how many detection may use; all processors where None.
 
     Raises:
         KinemarkError: what the calibration needs is absent or unusable, or it has fewer than two cameras.
+        Cancelled: the watch says so.
     """
-    task = Task(root, settings, progress)
-    ledger = Store.open(results)
-    (rig, figures), _ = ledger.do(
-        "calibrate",
-        None if settings.calibration.file else settings.calibrate,
-        calibration_key(task),
-        file=RIG,
-        make=lambda: _made(task, results),
-        save=_save,
-        load=_load,
-    )
-    return Calibrated(rig, figures, tuple(ledger.steps), "calibrate" in ledger.computed, results)
+    check_threads(threads)
+    task = Task(root, settings, watch, threads)
+    with (
+        one_blas_thread(),
+        Store.open(results, results / LOCK, watch.of("wait")) as store,
+        listening(watch.of("calibrate")),
+    ):
+        rig, figures = store.do(
+            "calibrate",
+            None if settings.calibration.file else settings.calibrate,
+            calibration_key(task),
+            files=(RIG, FIGURES, PAGE),
+            make=lambda: _made(task, results),
+            save=_save,
+            load=_load,
+        )
+        return Calibrated(rig, figures, tuple(store.steps), bool(store.computed), results)
 
 
 def calibration_key(task: Task) -> str:
@@ -97,10 +98,10 @@ def calibration_key(task: Task) -> str:
     distance = c.single_marker.distance if c.single_marker else None
     for seen in (c.wand, c.single_marker, distance, c.l_frame):
         paths += files_of(root, s, seen, s.cameras.names)
-    detected = str(s.detect) if len(paths) > known else ""
+    detected = [s.detect] if len(paths) > known else []
     masks = masks_key(root, s, s.cameras.names) if detected else []
-    said = [s.name, s.cameras.model_dump(), c.model_dump(mode="json"), s.volume_mm, detected]
-    return digest(file_key(*paths), said, *masks)
+    said = [s.name, s.cameras, c, s.calibrate, s.volume_mm, detected]
+    return digest(code_key(), file_key(*paths), said, masks)
 
 
 def _made(task: Task, results: Path) -> tuple[Rig, dict[str, Any]]:
@@ -113,7 +114,7 @@ def _made(task: Task, results: Path) -> tuple[Rig, dict[str, Any]]:
             f"The calibration has {len(rig)} camera, and a point in space needs two. Calibrate another camera."
         )
     since, change = _put_aside(results, rig, evidence)
-    figures = calibration_figures(rig, evidence, session=task.settings.name, change=change, since=since)
+    figures = with_words(calibration_figures(rig, evidence, session=task.settings.name, change=change, since=since))
     write_calibration_page(results / PAGE, figures=figures, rig=rig, evidence=evidence)
     write_quality(results / FIGURES, figures)
     return rig, figures
@@ -121,7 +122,7 @@ def _made(task: Task, results: Path) -> tuple[Rig, dict[str, Any]]:
 
 def _save(path: Path, record: tuple[Rig, dict[str, Any]]) -> None:
     rig, figures = record
-    write_rig_toml(path, rig, metadata=headline_figures(figures))
+    write_rig_toml(path, rig, metadata={**headline_figures(figures), "headline": figures["verdict"]["headline"]})
 
 
 def _load(path: Path) -> tuple[Rig, dict[str, Any]]:

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from ...calibrate.quality import Evidence
 from ...data import KinemarkError, Rig
-from ..pipeline import Progress
+from ...data.progress import listening
+from ..progress import Watch
 from ..recordings import Recorded, recorded
 from ..settings import Settings, TargetRecording
 
@@ -20,11 +21,12 @@ class Made(NamedTuple):
 
 
 class Task(NamedTuple):
-    """The session's folder and settings, and whom to tell of progress."""
+    """The session's folder and settings, and who is told of progress and may stop the work, and how many threads."""
 
     root: Path
     settings: Settings
-    progress: Progress
+    watch: Watch
+    threads: int | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -39,4 +41,5 @@ class Task(NamedTuple):
 
     def look(self, seen: TargetRecording, what: str, *, masked: bool = True) -> Recorded:
         """What the cameras saw of something, called `what` where progress is told; the session's masks count or not."""
-        return recorded(self.root, self.settings, seen, self.names, progress=self.progress, what=what, masked=masked)
+        with listening(self.watch.of(what)):
+            return recorded(self.root, self.settings, seen, self.names, masked=masked, threads=self.threads)

@@ -9,7 +9,7 @@ import numpy as np
 from ...calibrate.bundle import BundleFit
 from ...calibrate.quality import Check
 from ...calibrate.world_frame import fit_moved_to, fit_scaled, l_frame
-from ...data import Detections, KinemarkError, Rig
+from ...data import Detections, Finding, KinemarkError, Rig, make_finding
 from ...data.array_types import Floats
 from ...geometry import triangulate, undistort
 from ...match import EpipolarTriplets, match
@@ -20,18 +20,14 @@ from .task import Task
 
 TOLERANCE = 0.05
 """How far an L-frame's distances may be from what they should be, as a share of the longest; smaller ones are said."""
-NO_WORLD = (
-    "The world is that of the first camera: nothing says where the floor is. Give l_frame or world_points in "
-    "[calibration]."
-)
 
 
 class PlacedRig(NamedTuple):
-    """A fit in the world that was wanted; checks of lengths that took no part; and doubts."""
+    """A fit in the world that was wanted; checks of lengths that took no part; and findings."""
 
     fit: BundleFit
     checks: tuple[Check, ...] = ()
-    doubts: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
 
 def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> PlacedRig:
@@ -55,7 +51,7 @@ def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> PlacedRig:
             "[calibration], or remove volume_mm."
         )
     else:
-        return PlacedRig(fit, doubts=(NO_WORLD,))
+        return PlacedRig(fit, findings=(make_finding("world_of_first_camera"),))
     checks = () if unscaled else _checks(what, seen, known)
     return PlacedRig(fit_moved_to(fit, seen, known, scale=unscaled), checks)
 

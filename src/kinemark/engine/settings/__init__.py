@@ -1,15 +1,16 @@
 """`session.toml`: what a user says about a recording, checked, with errors that name the key and what it may be."""
 
 from .calibration_table import CalibrationTable, DigitisedPoints, Distance, LFrame, LinearisationGrid, TargetRecording
-from .listing import methods_text, parameters
-from .method_tables import METHODS, METHODS_OF_WAY, calibrate_method, method_of
+from .listing import methods_figures, methods_table_markdown, methods_text
+from .method_tables import SETTABLE, STAGES, calibrate_method, method_of
 from .read import ADVICE, read_settings
+from .schema import session_schema
 from .session_file import Cameras, MaskTable, Settings, TrialEntry, is_da
 
 __all__ = [
     "ADVICE",
-    "METHODS",
-    "METHODS_OF_WAY",
+    "SETTABLE",
+    "STAGES",
     "CalibrationTable",
     "Cameras",
     "DigitisedPoints",
@@ -23,7 +24,9 @@ __all__ = [
     "calibrate_method",
     "is_da",
     "method_of",
+    "methods_figures",
+    "methods_table_markdown",
     "methods_text",
-    "parameters",
     "read_settings",
+    "session_schema",
 ]

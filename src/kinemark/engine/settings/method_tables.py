@@ -1,57 +1,37 @@
-"""The methods of each stage by their names, and their parameters from a table of the file."""
+"""The methods of each stage by their names, and their parameters from a table of the file.
+
+All that there is to say of a method is declared beside its function (`data.method`); nothing is listed here.
+"""
 
 from __future__ import annotations
 
-from dataclasses import MISSING, Field, fields, replace
-from typing import Any, get_type_hints
+from dataclasses import replace
+from typing import Any
 
 from pydantic import TypeAdapter
-from pydantic.errors import PydanticSchemaGenerationError
 from typing_extensions import TypedDict
 
-from ...calibrate import ControlPoints
-from ...calibrate.bundle import Bundle
-from ...calibrate.control_points import Dlt
-from ...calibrate.wand import Wand
-from ...detect import Centroids, KissNearest, KissScanning
-from ...fill import METHODS as FILLING
-from ...fill import Filling
-from ...match import EpipolarTriplets, KissTriplets, NearestEpipolar
-from ...reconstruct import CameraPairs, LeastSquares
-from ...track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas
-from ...track.simultaneous import FormerTwoCameras, Simultaneous
+from ...calibrate import CALIBRATE
+from ...data.method import Declaration, Parameter, Stage, parameters_of
+from ...detect import DETECT
+from ...digitise import DIGITISE
+from ...fill import FILL, Filling
+from ...kinematics import ANGLES, SMOOTH
+from ...match import MATCH
+from ...reconstruct import RECONSTRUCT
+from ...track import TRACK
 from .suggestions import are, guess
 
-METHODS: dict[str, dict[str, type]] = {
-    "calibrate": {"control_points": ControlPoints, "dlt": Dlt, "wand": Wand, "bundle": Bundle},
-    "detect": {"centroids": Centroids, "kiss_scanning": KissScanning, "kiss_nearest": KissNearest},
-    "match": {
-        "epipolar_triplets": EpipolarTriplets,
-        "kiss_triplets": KissTriplets,
-        "nearest_epipolar": NearestEpipolar,
-    },
-    "reconstruct": {"least_squares": LeastSquares, "camera_pairs": CameraPairs},
-    "track": {
-        "simultaneous": Simultaneous,
-        "former_two_cameras": FormerTwoCameras,
-        "extrapolation_ladder": ExtrapolationLadder,
-        "kiss_tracking": KissTracking,
-        "swamidas": Swamidas,
-        "distance_only": DistanceOnly,
-    },
-    "fill": FILLING,
+STAGES: dict[str, Stage] = {
+    stage.name: stage for stage in (CALIBRATE, DETECT, MATCH, RECONSTRUCT, TRACK, FILL, DIGITISE, ANGLES, SMOOTH)
 }
-"""The methods of each stage under their names in a session file; the first is the default, but for `calibrate`, where
-the way of calibrating decides (`METHODS_OF_WAY`)."""
+"""The stages in their order."""
 
-METHODS_OF_WAY = {
-    "file": (),
-    "control_points": ("control_points", "dlt"),
-    "control_frame": ("control_points", "dlt"),
-    "wand": ("wand",),
-    "single_marker": ("bundle",),
-}
-"""What `[calibrate]` may say for each way; the first is the default."""
+SETTABLE: dict[str, Stage] = {name: stage for name, stage in STAGES.items() if stage not in (ANGLES, SMOOTH)}
+"""Those that have a table in a session file; the others are chosen by the options of `kinemark angles`."""
+
+COMMON: dict[str, tuple[Parameter, ...]] = {"fill": parameters_of(Filling)}
+"""Parameters that a stage has besides those of its methods."""
 
 
 def filling_of(table: dict[str, Any]) -> Filling:
@@ -60,11 +40,15 @@ def filling_of(table: dict[str, Any]) -> Filling:
     Raises:
         ValueError: as `method_of`.
     """
-    own = {f.name for f in fields(Filling)} - {"method", "name"}
-    whole = {key: value for key, value in table.items() if key in own}
-    method = method_of("fill", {key: value for key, value in table.items() if key not in own})
-    settled = TypeAdapter(Filling).validate_python(whole)
-    return replace(settled, method=method, name=method_name("fill", method))
+    common = {p.name: p for p in COMMON["fill"]}
+    method = method_of("fill", {key: value for key, value in table.items() if key not in common})
+    settled = _validated("fill", common, {key: value for key, value in table.items() if key in common})
+    return replace(Filling(**settled), method=method, name=method_name("fill", method))
+
+
+def methods_of_way(way: str) -> list[str]:
+    """What `[calibrate]` may name for a way of `[calibration]`, the default first."""
+    return [name for name, declared in CALIBRATE.items() if way in declared.ways]
 
 
 def calibrate_method(way: str, table: Any) -> Any:
@@ -73,12 +57,12 @@ def calibrate_method(way: str, table: Any) -> Any:
     Raises:
         ValueError: as `method_of`, or the method is for another way.
     """
-    fitting = METHODS_OF_WAY[way] or tuple(METHODS["calibrate"])
+    fitting = methods_of_way(way) or list(CALIBRATE)
     if not isinstance(table, dict):
         return table
     name = table.get("method", fitting[0])
-    if name in METHODS["calibrate"] and name not in fitting:
-        raise ValueError(f"method {name!r} is not for a calibration by {way}; there {are(list(fitting))}")
+    if name in CALIBRATE and name not in fitting:
+        raise ValueError(f"method {name!r} is not for a calibration by {way}; there {are(fitting)}")
     return method_of("calibrate", {"method": name} | table)
 
 
@@ -86,56 +70,37 @@ def method_of(stage: str, table: dict[str, Any]) -> Any:
     """A stage's method from its table.
 
     Raises:
-        ValueError: the method or one of its parameters is not known, or a value is of the wrong kind.
+        ValueError: the method or one of its parameters is not known, or a value is of the wrong kind or out of range.
     """
-    table = dict(table)
-    known = METHODS[stage]
-    name = table.pop("method", default_name(stage))
-    if name not in known:
+    table, known = dict(table), STAGES[stage]
+    name = table.pop("method", known.default)
+    if not isinstance(name, str) or name not in known:
         raise ValueError(f"method {name!r} is not known{guess(str(name), list(known))}; there {are(list(known))}")
-    return parameters_of(known[name], name, table)
+    return _made(known[name], table)
 
 
-def parameters_of(kind: type, name: str, table: dict[str, Any]) -> Any:
-    """A method with the parameters of a table.
-
-    Raises:
-        ValueError: one of them is not known, or a value is of the wrong kind.
-    """
-    parameters = plain_parameters(kind)
+def _made(declared: Declaration, table: dict[str, Any]) -> Any:
+    """A method with the parameters of a table."""
+    parameters = {p.name: p for p in declared.stateable}
     for key in table:
         if key not in parameters:
-            there = list(parameters)
-            raise ValueError(f"{key!r} is not a parameter of {name}{guess(key, there)}; there {are(there)}")
-    if absent := [f.name for f in fields(kind) if _required(f) and f.name not in table]:
-        raise ValueError(f"{name} wants {' and '.join(absent)}")
-    wanted = TypedDict(name, {key: parameters[key] for key in table})  # type: ignore[misc]  # known only now
-    return kind(**TypeAdapter(wanted).validate_python(table))
+            there = f"there {are(list(parameters))}" if parameters else "it has none"
+            raise ValueError(f"{key!r} is not a parameter of {declared.name}{guess(key, list(parameters))}; {there}")
+    if absent := [p.name for p in declared.parameters if p.required and p.name not in table]:
+        raise ValueError(f"{declared.name} wants {' and '.join(absent)}")
+    return declared.kind(**_validated(declared.name, parameters, table))
 
 
-def _required(field: Field[Any]) -> bool:
-    """Whether a parameter has no default."""
-    return field.default is MISSING and field.default_factory is MISSING
-
-
-def plain_parameters(kind: type) -> dict[str, Any]:
-    """The parameters of a method that a file can state, and their types; some take records that only Python has."""
-    hints = get_type_hints(kind)
-    plain = {}
-    for field in fields(kind):
-        try:
-            TypeAdapter(hints[field.name])
-        except PydanticSchemaGenerationError:
-            continue
-        plain[field.name] = hints[field.name]
-    return plain
-
-
-def default_name(stage: str) -> str:
-    """What a session file calls the method of a stage that it does not name."""
-    return next(iter(METHODS[stage]))
+def _validated(name: str, parameters: dict[str, Parameter], table: dict[str, Any]) -> dict[str, Any]:
+    """The values of a table as Python has them, as tuples for lists; their ranges are checked by the method itself."""
+    wanted = TypedDict(name, {key: parameters[key].type for key in table})  # type: ignore[misc]  # known only now
+    return dict(TypeAdapter(wanted).validate_python(table))
 
 
 def method_name(stage: str, method: object) -> str:
-    """What a session file calls a method."""
-    return next(name for name, kind in METHODS[stage].items() if kind is type(method))
+    """What a session file calls a method.
+
+    Raises:
+        ValueError: it is none of the stage's.
+    """
+    return STAGES[stage].of(method).name

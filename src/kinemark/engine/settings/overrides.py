@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Iterable
 from typing import Any
 
-from .method_tables import METHODS, default_name
+from .method_tables import SETTABLE
 from .suggestions import are, guess
 
 
@@ -26,9 +26,9 @@ def overridden(table: dict[str, Any], overrides: Iterable[str]) -> dict[str, Any
         stage, dot, key = name.strip().partition(".")
         if not (equals and dot and key and value.strip()):
             raise ValueError(f"{text!r} is not understood, wanted stage.parameter=value, as track.method=kiss_tracking")
-        if stage not in METHODS:
+        if stage not in SETTABLE:
             raise ValueError(
-                f"{stage!r} of {text!r} is no stage{guess(stage, list(METHODS))}; there {are(list(METHODS))}"
+                f"{stage!r} of {text!r} is no stage{guess(stage, list(SETTABLE))}; there {are(list(SETTABLE))}"
             )
         given.setdefault(stage, {})[key] = _value(value.strip())
     return table | {stage: _merged(stage, table.get(stage), new) for stage, new in given.items()}
@@ -39,7 +39,7 @@ def _merged(stage: str, old: Any, new: dict[str, Any]) -> dict[str, Any]:
     old = old if isinstance(old, dict) else {}
     if stage == "calibrate" and "method" not in old:  # its default is not known here: it follows from [calibration]
         return old | new
-    usual = old.get("method", default_name(stage))
+    usual = old.get("method", SETTABLE[stage].default)
     return old | new if new.get("method", usual) == usual else new
 
 

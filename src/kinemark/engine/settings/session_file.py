@@ -5,36 +5,42 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, SkipValidation, field_validator, model_validator
+from pydantic import ConfigDict, Field, InstanceOf, WithJsonSchema, field_validator, model_validator
 
-from ...calibrate import ControlPoints
-from ...calibrate.bundle import Bundle
-from ...calibrate.control_points import Dlt
-from ...calibrate.wand import Wand
-from ...detect import Centroids, KissNearest, KissScanning
+from ...data.method import Method
+from ...detect import DETECT, Centroids
 from ...digitise import SemiAutomatic
 from ...fill import Filling
-from ...match import EpipolarTriplets, KissTriplets, NearestEpipolar
-from ...reconstruct import CameraPairs, LeastSquares
-from ...track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas
-from ...track.simultaneous import DETECTION_TRACKERS, FormerTwoCameras, Simultaneous
-from .calibration_table import CalibrationTable, Places
-from .method_tables import METHODS, calibrate_method, filling_of, method_name, method_of, parameters_of
+from ...match import MATCH
+from ...reconstruct import RECONSTRUCT, LeastSquares
+from ...track import TRACK, matches_itself
+from ...track.simultaneous import Simultaneous
+from ...track.stage import CLOUD
+from .calibration_table import CalibrationTable, Places, one_of
+from .method_tables import calibrate_method, filling_of, method_name, method_of
 from .table import Strict
+
+A_METHOD = WithJsonSchema({"type": "object"})
+"""Stands in the model's schema for what `schema.stage_schema` says of a stage."""
 
 RESERVED = (".", "..", "rig.toml", "steps.json", "calibration.json", "calibration.html", "calibrations")
 """What a trial cannot be called, since results are kept by these names."""
 
 
 class Cameras(Strict):
-    """`[cameras]`: names in their order; interlaced: "top" or "bottom" (true means "top") where fields are frames.
+    """`[cameras]`: what all recordings of the session have in common."""
 
-    size_px: width and height of all images, where a calibration from detections cannot know them otherwise.
-    """
-
-    names: tuple[str, ...] = ()
-    size_px: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]] | None = None
-    interlaced: bool | Literal["top", "bottom"] = False
+    names: tuple[str, ...] = Field(
+        default=(), description="the cameras' names in their order; as the calibration has them where empty"
+    )
+    size_px: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]] | None = Field(
+        default=None,
+        description="width and height of all images, px, where a calibration from detections does not know them",
+    )
+    interlaced: bool | Literal["top", "bottom"] = Field(
+        default=False,
+        description="which field of an interlaced image was taken first, where fields are frames; true means top",
+    )
 
     @field_validator("names")
     @classmethod
@@ -53,9 +59,15 @@ class Cameras(Strict):
 class MaskTable(Strict):
     """`[masks]`: parts of the images to leave out, drawn in a file, or learned from a recording of the empty volume."""
 
-    file: Path | None = None
-    empty: str | None = None
-    grow_px: float | None = Field(None, ge=0)
+    model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": ["file"]}, {"required": ["empty"]}]})
+
+    file: Path | None = Field(default=None, description="TOML file of polygons")
+    empty: str | None = Field(
+        default=None, description="pattern of images of the empty volume, from which masks are learned"
+    )
+    grow_px: float | None = Field(
+        default=None, ge=0, description="how far learned masks reach beyond what was seen, px"
+    )
 
     @model_validator(mode="after")
     def something(self) -> MaskTable:
@@ -71,17 +83,27 @@ def is_da(path: Path) -> bool:
 
 
 class TrialEntry(Strict):
-    """`[[trials]]`: images or detections.
+    """`[[trials]]`: images or detections."""
 
-    reference_marker: where the fixed marks of `[calibration]` are now; found among the detections where absent.
-    answers: a file of each camera with what an operator answers, who digitises the images by `[digitise]`.
-    """
+    model_config = ConfigDict(json_schema_extra=one_of("images", "detections"))
 
-    name: str
-    images: str | None = None
-    detections: Path | None = None
-    reference_marker: Places | None = None
-    answers: str | None = None
+    name: str = Field(max_length=100, description="of the trial, and of the folder of its results")
+    images: str | None = Field(
+        default=None, description="pattern of the images or videos, with {camera} for a camera's name"
+    )
+    detections: Path | None = Field(default=None, description="file of detections: HDF5, CSV, TDF or UM²AS's .da1")
+    reference_marker: Places | None = Field(
+        default=None,
+        description="where the fixed marks of [calibration] are now, px; found among the detections where absent",
+    )
+    answers: str | None = Field(
+        default=None,
+        description="pattern of a file of each camera with what an operator answers, who digitises the images by "
+        "[digitise]",
+    )
+    frames: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]] | None = Field(
+        default=None, description="first and last frame of the stretch to process, counted from 1; all where absent"
+    )
 
     @field_validator("name")
     @classmethod
@@ -96,6 +118,10 @@ class TrialEntry(Strict):
         """Exactly one source must be given."""
         if (self.images is None) == (self.detections is None):
             raise ValueError(f"trial {self.name!r} wants either images or detections")
+        if self.frames is not None and self.frames[0] > self.frames[1]:
+            raise ValueError(f"trial {self.name!r} has frames = {list(self.frames)}: give the first, then the last")
+        if self.frames is not None and self.answers is not None:
+            raise ValueError(f"trial {self.name!r} is digitised from its first frame on: leave out frames")
         if self.answers is not None and self.images is None:
             raise ValueError(f"trial {self.name!r} has answers, which are of images, and has none")
         return self
@@ -109,24 +135,30 @@ class TrialEntry(Strict):
 class Settings(Strict):
     """The whole file."""
 
-    name: str
-    rate_hz: float | None = Field(None, gt=0, le=1e6)
-    volume_mm: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
-    cameras: Cameras = Cameras()
-    calibration: CalibrationTable
-    trials: tuple[TrialEntry, ...] = Field(min_length=1)
-    masks: MaskTable | None = None
-    calibrate: ControlPoints | Dlt | Wand | Bundle = Field(None, validate_default=True)
-    detect: Centroids | KissScanning | KissNearest = Centroids()
-    match: EpipolarTriplets | KissTriplets | NearestEpipolar = EpipolarTriplets()
-    reconstruct: LeastSquares | CameraPairs = LeastSquares()
-    track: Simultaneous | FormerTwoCameras | ExtrapolationLadder | KissTracking | Swamidas | DistanceOnly = (
-        Simultaneous()
+    name: str = Field(description="of the session")
+    rate_hz: float | None = Field(
+        default=None,
+        gt=0,
+        le=1e6,
+        description="frames a second, Hz (fields where interlaced); as the recordings say where absent",
     )
-    digitise: SemiAutomatic | None = None
-    fill: Annotated[Filling, SkipValidation] | None = None
+    volume_mm: tuple[tuple[float, float, float], tuple[float, float, float]] | None = Field(
+        default=None,
+        description="least and greatest corner of the control volume, mm; that of the calibration where absent",
+    )
+    cameras: Cameras = Field(default=Cameras(), description="what all recordings have in common")
+    calibration: CalibrationTable = Field(description="what the cameras are calibrated with")
+    trials: tuple[TrialEntry, ...] = Field(min_length=1, description="the recordings")
+    masks: MaskTable | None = Field(default=None, description="parts of the images to leave out")
+    calibrate: Annotated[InstanceOf[Method], A_METHOD] = Field(default=None, validate_default=True)
+    detect: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=DETECT.make)
+    match: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=MATCH.make)
+    reconstruct: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=RECONSTRUCT.make)
+    track: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=TRACK.make)
+    digitise: Annotated[InstanceOf[SemiAutomatic], A_METHOD] | None = None
+    fill: Annotated[InstanceOf[Filling], A_METHOD] | None = None
 
-    @field_validator("calibrate", "detect", "match", "reconstruct", "track", "fill", mode="before")
+    @field_validator("calibrate", "detect", "match", "reconstruct", "track", "fill", "digitise", mode="before")
     @classmethod
     def chosen(cls, table: Any, info: Any) -> Any:
         """The method that a stage's table names, with its parameters."""
@@ -135,12 +167,6 @@ class Settings(Strict):
         if info.field_name == "calibrate" and "calibration" in info.data:
             return calibrate_method(info.data["calibration"].way, {} if table is None else table)
         return method_of(info.field_name, table) if isinstance(table, dict) else table
-
-    @field_validator("digitise", mode="before")
-    @classmethod
-    def operator(cls, table: Any) -> Any:
-        """How an operator digitises."""
-        return parameters_of(SemiAutomatic, "digitise", table) if isinstance(table, dict) else table
 
     @model_validator(mode="after")
     def stages_used(self) -> Settings:
@@ -151,12 +177,12 @@ class Settings(Strict):
             )
         if all(trial.operated for trial in self.trials):
             return self  # nothing is matched or tracked, and all points are placed by [reconstruct]
-        idle = {"match", "reconstruct"} & self.model_fields_set if type(self.track) in DETECTION_TRACKERS else set()
+        idle = {"match", "reconstruct"} & self.model_fields_set if matches_itself(self.track) else set()
         if isinstance(self.track, Simultaneous) and isinstance(self.reconstruct, LeastSquares):
             idle -= {"reconstruct"}  # its points are placed so
         if idle:
             own = method_name("track", self.track)
-            staged = ", ".join(name for name, kind in METHODS["track"].items() if kind not in DETECTION_TRACKERS)
+            staged = ", ".join(name for name, declared in TRACK.items() if declared.takes == CLOUD)
             raise ValueError(
                 f"track by {own!r} matches by itself, so [{'] and ['.join(sorted(idle))}] would do nothing: "
                 f"leave it out, or give [track] one of the methods {staged}"

@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Floats
+from ...data.progress import tell
 from ..marker_array import Gap, MarkerArray, Prediction
 
 Filler = Callable[..., list[Prediction]]
@@ -113,6 +114,7 @@ def run(motion: MarkerArray, planned: HoldOutPlan, filler: Filler, method: Any) 
     """All tests of one method, copy by copy."""
     found: list[Candidate] = []
     for number, hide in enumerate(planned.copies):
+        tell(number, len(planned.copies))
         tests = [test for test in planned.tests if test.copy == number]
         copy = motion.hidden(hide)
         filled = filler(copy, [test.window for test in tests], method=method)

@@ -33,7 +33,9 @@ A donor that is not seen throughout the gap is not used, nor one that jumps in i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import combinations
 from typing import NamedTuple
@@ -42,11 +44,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Floats, Ints
+from ...data.method import parameter
 from ..jumping_markers import JumpingMarkers
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..mirrored_markers import partners
 from ..reference_ranking import Ranks
 from .kriging import ORDERS, FramePairs, Hyper, fit, left_out, predict
+from .stage import FILL, FillMethod
 from .training_frames import FEWEST, TrainingFrames, View, pairs_of, scene_of, view_of
 
 FIRSTS = 4
@@ -69,36 +73,37 @@ BENDS = ((1.0, 3.0), (2.0, 0.5), (8.0, 3.0))
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
-    """Kriging on the pose of the donors, in local frames, with the mirrored side as a second source.
+class Body(FillMethod):
+    """Kriging on the pose of reference markers, in local frames, with the mirrored side as a second source."""
 
-    Attributes:
-        donors: at most so many.
-        bases: triples of the first donors that are tried as carriers of the local frame.
-        kept: how many of the best predictions are averaged.
-        frames: to learn from at most; half of them beside the gap, half all over the trial.
-        hz: how densely frames are taken.
-        mirror: learn from the other side of the body too.
-        hyper: λ, ℓ, ν … of the trial (`common_hyper`), with which there is one prediction, in the first base; each
-            marker's own are found when None.
-    """
+    donors: int = parameter(16, unit="markers", low=3, meaning="at most so many reference markers")
+    bases: int = parameter(
+        5, unit="triples", low=1, meaning="triples of the first donors that are tried as carriers of the local frame"
+    )
+    kept: int = parameter(5, unit="predictions", low=1, meaning="how many of the best predictions are averaged")
+    frames: int = parameter(
+        150, unit="frames", low=FEWEST,
+        meaning="training frames at most; half of them beside the gap, half all over the trial",
+    )  # fmt: skip
+    hz: float = parameter(30.0, unit="Hz", above=0, high=math.inf, meaning="how densely training frames are taken")
+    mirror: bool = parameter(True, meaning="learn from the other side of the body too")
+    hyper: Hyper | None = parameter(
+        None,
+        meaning="λ, ℓ, ν … of the trial (`common_hyper`), with which there is one prediction, in the first base; "
+        "None: each marker's own are found",
+    )
 
-    donors: int = 16
-    bases: int = 5
-    kept: int = 5
-    frames: int = 150
-    hz: float = 30.0
-    mirror: bool = True
-    hyper: Hyper | None = None
-
-    def __post_init__(self) -> None:
-        for name, least in (("donors", 3), ("bases", 1), ("kept", 1), ("frames", FEWEST)):
-            if getattr(self, name) < least:
-                raise ValueError(f"{name} is {getattr(self, name)}, wanted at least {least}")
-        if not self.hz > 0:
-            raise ValueError(f"hz is {self.hz}, wanted above 0")
+    def check_together(self) -> None:
+        """Refuse an order of the drift that there is not."""
         if self.hyper and self.hyper.order not in ORDERS:
             raise ValueError(f"the order of the drift is {self.hyper.order}, wanted one of {ORDERS}")
+
+    def for_many_gaps(self, gaps: Sequence[Gap], source: MarkerArray | None) -> Body:
+        """Fewer donors and frames, one base, and one set of λ, ℓ, ν … for all gaps, learned from the source."""
+        quick = replace(self, donors=min(self.donors, 12), bases=1, frames=min(self.frames, 75))
+        if self.hyper or source is None:
+            return quick
+        return replace(quick, hyper=common_hyper(source, list(gaps), method=quick))
 
 
 class _Trial(NamedTuple):
@@ -116,6 +121,7 @@ class _Look(NamedTuple):
     views: list[View]
 
 
+@FILL.method("body", Body, rank=14, source="Hengl et al. 2007")
 def fill_body(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> list[Prediction]:
     """Each gap by (4); gaps of one marker with the same donors share λ, ℓ, ν …"""
     trial = _trial(motion, method)

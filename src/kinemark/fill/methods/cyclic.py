@@ -26,10 +26,11 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
 from ...data.array_types import Floats, Ints
-from ...data.arrays import check_positive
+from ...data.method import ONE, parameter
 from ..known_samples import KnownSamples, Span
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
+from .stage import FILL, FillMethod
 
 FINE = 1500
 """Frames to which a trial is thinned to find its cycle."""
@@ -39,31 +40,20 @@ INSTANTS = 16
 
 
 @dataclass(frozen=True, slots=True)
-class Cyclic:
-    """Parameters of the method.
+class Cyclic(FillMethod):
+    """The same part of other cycles of a motion that comes again, fitted to the gap's edges."""
 
-    Attributes:
-        period: of the cycle, s; None: found from the trial.
-        shortest: cycle that is looked for, s.
-        alike: least ρ at the peak, below which the motion does not count as cyclic.
-        repeats: most repeats averaged, the most alike.
-        vary: by how much of itself a cycle may be longer or shorter than the mean one.
-        margin: seconds before and after the gap that are compared.
-    """
-
-    period: float | None = None
-    shortest: float = 0.3
-    alike: float = 0.4
-    repeats: int = 4
-    vary: float = 0.12
-    margin: float = 0.2
-
-    def __post_init__(self) -> None:
-        check_positive(period=self.period, shortest=self.shortest, vary=self.vary, margin=self.margin)
-        if self.repeats < 1:
-            raise ValueError(f"repeats is {self.repeats}, wanted at least 1")
-        if not -1 <= self.alike <= 1:
-            raise ValueError(f"alike is {self.alike}, wanted from −1 to 1")
+    period: float | None = parameter(None, unit="s", above=0, meaning="of the cycle; None: found from the trial")
+    shortest: float = parameter(0.3, unit="s", above=0, meaning="shortest cycle that is looked for")
+    alike: float = parameter(
+        0.4, unit=ONE, low=-1, high=1,
+        meaning="least correlation ρ at the peak, below which the motion does not count as cyclic",
+    )  # fmt: skip
+    repeats: int = parameter(4, unit="cycles", low=1, meaning="most repeats averaged, the most alike")
+    vary: float = parameter(
+        0.12, unit=ONE, above=0, meaning="share of itself by which a cycle may be longer or shorter than the mean one"
+    )
+    margin: float = parameter(0.2, unit="s", above=0, meaning="how much before and after the gap is compared")
 
 
 class _LearntCycle(NamedTuple):
@@ -74,6 +64,7 @@ class _LearntCycle(NamedTuple):
     distances: Distances
 
 
+@FILL.method("cyclic", Cyclic, rank=6)
 def fill_cyclic(motion: MarkerArray, gaps: list[Gap], *, method: Cyclic = Cyclic()) -> list[Prediction]:
     """Each gap from other cycles of its own marker."""
     known = KnownSamples.of(motion)

@@ -24,17 +24,18 @@ acceleration of the two sides agree (3); with exact samples it is the quintic sp
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Floats
-from ...data.arrays import check_positive
+from ...data.method import parameter
 from ...signal.kalman import KalmanState, predict, start, update
 from ...signal.smoother import Inside, jump_of, noise_of, predict_gaps, smooth_gaps
 from ..marker_array import Gap, MarkerArray, Prediction
+from .stage import FILL, FillMethod
 
 FEWEST = 3
 """Samples that a state of position, velocity and acceleration needs."""
@@ -46,29 +47,34 @@ Mode = Literal["forward", "forward_backward", "smoother"]
 
 
 @dataclass(frozen=True, slots=True)
-class Kalman:
-    """Parameters.
+class Kalman(FillMethod):
+    """Kalman prediction of position, velocity and acceleration, from one side or both, or smoothed."""
 
-    Attributes:
-        mode: "forward", "forward_backward" or "smoother".
-        sd: of a measured coordinate, mm; None: found from the marker's samples.
-        jerk: by which acceleration changes in a frame's time, as a rate, mm/s³; U is jerk · T³; None: found.
-        history: of samples on each side of a gap that count, s.
-        differences: "forward" as in the thesis, velocity and acceleration by differences counted as measured.
-    """
+    mode: Mode = parameter(
+        "smoother", meaning="prediction from before the gap, from before and after it, or the Kalman smoother"
+    )
+    sd: float | None = parameter(
+        None, unit="mm", above=0, meaning="standard deviation of a measured coordinate; None: found from the samples"
+    )
+    jerk: float | None = parameter(
+        None, unit="mm/s³", above=0,
+        meaning="process noise: by which acceleration changes in a frame's time, as a rate; U is jerk · T³; None: "
+        "found",
+    )  # fmt: skip
+    history: float = parameter(1.0, unit="s", above=0, meaning="samples on each side of a gap that count")
+    differences: bool = parameter(
+        False,
+        meaning="as in the thesis, velocity and acceleration by differences counted as measured; not of the smoother",
+    )
 
-    mode: Mode = "smoother"
-    sd: float | None = None
-    jerk: float | None = None
-    history: float = 1.0
-    differences: bool = False
-
-    def __post_init__(self) -> None:
-        if self.mode not in ("forward", "forward_backward", "smoother"):
-            raise ValueError(f"mode is {self.mode!r}, wanted forward, forward_backward or smoother")
-        check_positive(sd=self.sd, jerk=self.jerk, history=self.history)
+    def check_together(self) -> None:
+        """Refuse differences for the smoother."""
         if self.differences and self.mode == "smoother":
             raise ValueError("differences is of the predictor; with it mode must be forward or forward_backward")
+
+    def for_many_gaps(self, gaps: Sequence[Gap], source: MarkerArray | None) -> Kalman:
+        """The same from a quarter of a second on each side."""
+        return replace(self, history=min(self.history, 0.25))
 
 
 class _Windows(NamedTuple):
@@ -84,6 +90,7 @@ class _Windows(NamedTuple):
     jump: Floats
 
 
+@FILL.method("kalman", Kalman, rank=10, source="Swamidas 1997, 3.3 and 5.2")
 def fill_kalman(motion: MarkerArray, gaps: Sequence[Gap], *, method: Kalman = Kalman()) -> list[Prediction]:
     """What the predictor, forwards, from both sides or smoothed, says of each gap.
 

@@ -15,6 +15,7 @@ them (4).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -22,34 +23,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Floats
+from ...data.method import parameter
 from ..jumping_markers import JumpingMarkers
 from ..local_frames import local, triad
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_ranking import FEWEST, Ranks
+from .stage import FILL, FillMethod
 
 MOST = 400
 """Frames to learn from, evenly spread; neighbours in time say the same."""
 
 
 @dataclass(frozen=True, slots=True)
-class LocalRegression:
-    """Ridge regression on several donors in a local frame.
+class LocalRegression(FillMethod):
+    """Ridge regression on several reference markers in a local frame."""
 
-    Attributes:
-        donors: numbers of donors that are tried.
-        ridges: λ that are tried, mm².
-        blocks: in which the frames are cut to measure skill.
-    """
+    donors: tuple[int, ...] = parameter(
+        (6, 12), unit="markers", low=1, meaning="numbers of reference markers that are tried"
+    )
+    ridges: tuple[float, ...] = parameter(
+        (0.3, 3.0, 30.0), unit="mm²", above=0, high=math.inf, meaning="λ, weights of the ridge, that are tried"
+    )
+    blocks: int = parameter(4, unit="blocks", low=2, meaning="in which the frames are cut to measure skill")
 
-    donors: tuple[int, ...] = (6, 12)
-    ridges: tuple[float, ...] = (0.3, 3.0, 30.0)
-    blocks: int = 4
-
-    def __post_init__(self) -> None:
-        if not self.donors or min(self.donors) < 1 or not self.ridges or min(self.ridges) <= 0:
-            raise ValueError(f"donors {self.donors} and ridges {self.ridges} must not be empty and all be above 0")
-        if self.blocks < 2:
-            raise ValueError(f"blocks is {self.blocks}, wanted at least 2")
+    def check_together(self) -> None:
+        """Refuse empty lists."""
+        if not self.donors or not self.ridges:
+            raise ValueError(f"donors {self.donors} and ridges {self.ridges} must not be empty")
 
 
 class RegressionFit(NamedTuple):
@@ -62,6 +62,7 @@ class RegressionFit(NamedTuple):
     B: Floats
 
 
+@FILL.method("local_regression", LocalRegression, rank=13, source="Hoerl and Kennard 1970")
 def fill_local_regression(motion: MarkerArray, gaps: list[Gap], *, method: LocalRegression) -> list[Prediction]:
     """Each gap from the donors that are seen throughout it; gaps of one marker with the same donors share one fit."""
     fits: dict[tuple[int, bytes], RegressionFit | str] = {}

@@ -33,33 +33,27 @@ import numpy as np
 from scipy.fft import dst
 
 from ...data.array_types import Bools, Floats, Ints
-from ...data.arrays import check_positive
+from ...data.method import ONE, parameter
 from ..known_samples import KnownSamples, Span
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 from .neighbourhood import Neighbourhood, columns, neighbourhood
+from .stage import FILL, FillMethod
 
 
 @dataclass(frozen=True, slots=True)
-class LowRankKalman:
-    """Parameters of the method.
+class LowRankKalman(FillMethod):
+    """Kalman smoothing of the principal components of the markers that are near."""
 
-    Attributes:
-        tolerance: share of the sum of singular values that the components may leave out (the paper: 0.0025).
-        noise: standard deviation of the measurements, √r, mm; None: what the components leave over.
-        markers: nearest markers used at most.
-    """
-
-    tolerance: float = 0.01
-    noise: float | None = None
-    markers: int = 12
-
-    def __post_init__(self) -> None:
-        check_positive(tolerance=self.tolerance, noise=self.noise)
-        if self.tolerance >= 1:
-            raise ValueError(f"tolerance is {self.tolerance}, wanted above 0, below 1")
-        if self.markers < 2:
-            raise ValueError(f"markers is {self.markers}, wanted at least 2")
+    tolerance: float = parameter(
+        0.01, unit=ONE, above=0, below=1,
+        meaning="share of the sum of singular values that the components may leave out (the paper: 0.0025)",
+    )  # fmt: skip
+    noise: float | None = parameter(
+        None, unit="mm", above=0,
+        meaning="standard deviation of the measurements, √r; None: what the components leave over",
+    )  # fmt: skip
+    markers: int = parameter(12, unit="markers", low=2, meaning="nearest markers used at most")
 
 
 class Walk(NamedTuple):
@@ -93,6 +87,7 @@ class _LearntDynamics(NamedTuple):
     walks: dict[tuple[int, bytes], Walk | None]
 
 
+@FILL.method("low_rank_kalman", LowRankKalman, rank=12, source="Burke and Lasenby 2016")
 def fill_low_rank_kalman(
     motion: MarkerArray, gaps: list[Gap], *, method: LowRankKalman = LowRankKalman()
 ) -> list[Prediction]:

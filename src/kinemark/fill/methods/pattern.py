@@ -17,22 +17,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...data.array_types import Floats
+from ...data.method import parameter
 from ..known_samples import KnownSamples, Span
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import bowed, covariance, mean_square, rounded, triples
+from .stage import FILL, FillMethod
 
 
 @dataclass(frozen=True, slots=True)
-class Pattern:
-    """Parameters of the method.
+class Pattern(FillMethod):
+    """The motion of one reference marker that moves alike, carried over between the gap's edges."""
 
-    Attributes:
-        donors: names to choose from; empty: all markers.
-    """
-
-    donors: tuple[str, ...] = ()
+    donors: tuple[str, ...] = parameter((), meaning="names of reference markers to choose from; empty: all markers")
 
 
+@FILL.method("pattern", Pattern, rank=4)
 def fill_pattern(motion: MarkerArray, gaps: list[Gap], *, method: Pattern = Pattern()) -> list[Prediction]:
     """Each gap from its best donor, which must be seen throughout the gap and beside it.
 

@@ -30,42 +30,32 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
-from ...data.arrays import check_positive
+from ...data.method import ONE, parameter
 from ..known_samples import KnownSamples, Span, pieces
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 from ..residual_bridge import Leftover, bridge
 from .neighbourhood import Neighbourhood, columns, neighbourhood
+from .stage import FILL, FillMethod
 
 
 @dataclass(frozen=True, slots=True)
-class PCA:
-    """Parameters of the method.
+class PCA(FillMethod):
+    """Principal components of the markers that are near, with weights."""
 
-    Attributes:
-        strategy: "R1" or "R2".
-        scale: ς of (1), mm.
-        missing_weight: g₀ of (1).
-        kept: share of the sum of singular values that the components hold.
-        markers: nearest markers used at most; farther ones weigh next to nothing.
-        bridged: whether what is left over beside the gap is carried into it.
-    """
-
-    strategy: Literal["R1", "R2"] = "R2"
-    scale: float = 200.0
-    missing_weight: float = 0.02
-    kept: float = 0.99
-    markers: int = 12
-    bridged: bool = True
-
-    def __post_init__(self) -> None:
-        check_positive(scale=self.scale, missing_weight=self.missing_weight, kept=self.kept)
-        if self.strategy not in ("R1", "R2"):
-            raise ValueError(f"strategy is {self.strategy!r}, wanted 'R1' or 'R2'")
-        if self.kept > 1:
-            raise ValueError(f"kept is {self.kept}, wanted above 0, up to 1")
-        if self.markers < 2:
-            raise ValueError(f"markers is {self.markers}, wanted at least 2")
+    strategy: Literal["R1", "R2"] = parameter(
+        "R2",
+        meaning="of the paper: R1 reconstructs all markers that are missing in the gap at once, R2 the marker alone",
+    )
+    scale: float = parameter(200.0, unit="mm", above=0, meaning="ς of (1), the distance over which markers count")
+    missing_weight: float = parameter(0.02, unit=ONE, above=0, meaning="g₀ of (1), weight of the missing marker itself")
+    kept: float = parameter(
+        0.99, unit=ONE, above=0, high=1, meaning="share of the sum of singular values that the components hold"
+    )
+    markers: int = parameter(
+        12, unit="markers", low=2, meaning="nearest markers used at most; farther ones weigh next to nothing"
+    )
+    bridged: bool = parameter(True, meaning="what is left over beside the gap is carried into it")
 
 
 BLOCKS = 5
@@ -101,6 +91,7 @@ class _LearntComponents(NamedTuple):
     maps: dict[tuple[int, bytes], Map | None]
 
 
+@FILL.method("pca", PCA, rank=11, source="Federolf 2013; Gløersen and Federolf 2016")
 def fill_pca(motion: MarkerArray, gaps: list[Gap], *, method: PCA = PCA()) -> list[Prediction]:
     """Each gap from the markers seen in it, or piece by piece where markers come and go."""
     known = KnownSamples.of(motion)

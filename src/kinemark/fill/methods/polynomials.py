@@ -11,41 +11,40 @@ with its square as (4 a (1 − a))², a from 0 to 1 through the gap (2).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...data.array_types import Floats, Ints
+from ...data.method import parameter
 from ..known_samples import KnownSamples, Span
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import INSTANTS, covariance, rounded
+from .stage import FILL, FillMethod
 
 
 @dataclass(frozen=True, slots=True)
-class Linear:
+class Linear(FillMethod):
     """A straight line from the last sample before the gap to the first after it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Cubic:
-    """The cubic through two samples on each side.
+class Cubic(FillMethod):
+    """The cubic through two samples on each side."""
 
-    Attributes:
-        within: both samples of a side must lie within so many seconds of the gap.
-    """
-
-    within: float = 0.1
-
-    def __post_init__(self) -> None:
-        if not self.within > 0:
-            raise ValueError(f"within is {self.within} s, wanted more than 0")
+    within: float = parameter(
+        0.1, unit="s", above=0, high=math.inf, meaning="both samples of a side must lie so near to the gap"
+    )
 
 
+@FILL.method("linear", Linear, rank=1)
 def fill_linear(motion: MarkerArray, gaps: list[Gap], *, method: Linear = Linear()) -> list[Prediction]:
     """Straight lines; a gap at an end of the marker's path has none."""
     return _fill(KnownSamples.of(motion), gaps, samples=1, within=np.inf)
 
 
+@FILL.method("cubic", Cubic, rank=2)
 def fill_cubic(motion: MarkerArray, gaps: list[Gap], *, method: Cubic = Cubic()) -> list[Prediction]:
     """Cubics; a gap needs two samples near each side."""
     return _fill(KnownSamples.of(motion), gaps, samples=2, within=method.within)

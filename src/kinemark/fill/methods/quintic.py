@@ -11,32 +11,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...data.arrays import check_positive
+from ...data.method import parameter
 from ...signal import smoothing_spline
 from ..known_samples import KnownSamples, Span
 from ..marker_array import Gap, MarkerArray, Prediction
 from .polynomials import beside
+from .stage import FILL, FillMethod
 
 MOST = 60
 """Samples of one side; a side of more would cost time and change nothing."""
 
 
 @dataclass(frozen=True, slots=True)
-class Quintic:
-    """Parameters of the spline.
+class Quintic(FillMethod):
+    """A quintic smoothing spline through the samples on both sides."""
 
-    Attributes:
-        margin: seconds on each side from which samples are used.
-        smoothing: p of the spline in mm² s⁵; None: by generalised cross-validation.
-    """
-
-    margin: float = 0.3
-    smoothing: float | None = None
-
-    def __post_init__(self) -> None:
-        check_positive(margin=self.margin, smoothing=self.smoothing)
+    margin: float = parameter(0.3, unit="s", above=0, meaning="how much on each side samples are used from")
+    smoothing: float | None = parameter(
+        None, unit="mm² s⁵", above=0, meaning="p of the spline; None: by generalised cross-validation"
+    )
 
 
+@FILL.method("quintic", Quintic, rank=3, source="Woltring 1986")
 def fill_quintic(motion: MarkerArray, gaps: list[Gap], *, method: Quintic = Quintic()) -> list[Prediction]:
     """Splines through up to `margin` of samples on each side, at least six in all."""
     known = KnownSamples.of(motion)

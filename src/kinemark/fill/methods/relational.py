@@ -19,9 +19,11 @@ from itertools import combinations
 import numpy as np
 
 from ...data.array_types import Floats, Ints
+from ...data.method import parameter
 from ..known_samples import KnownSamples, Span
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, bowed, covariance, distances, mean_square, nearest, rounded, triples
+from .stage import FILL, FillMethod
 
 POOL = 5
 """The most rigid markers, of which every three are tried."""
@@ -32,16 +34,17 @@ LINE = 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class Relational:
-    """Parameters of the method.
+class Relational(FillMethod):
+    """The place in the frame of three reference markers, interpolated over the gap."""
 
-    Attributes:
-        markers: names of the origin O, of A on the first axis and of P in the plane; empty: chosen by measured skill.
-    """
+    markers: tuple[str, ...] = parameter(
+        (),
+        meaning="reference markers: the origin O, A on the first axis and P in the plane; empty: chosen by measured "
+        "skill",
+    )
 
-    markers: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
+    def check_together(self) -> None:
+        """Refuse any other number of markers than three."""
         if len(self.markers) not in (0, 3) or len(set(self.markers)) != len(self.markers):
             raise ValueError(f"markers are {list(self.markers)}, wanted three different ones, or none")
 
@@ -49,6 +52,7 @@ class Relational:
 Chosen = dict[tuple[int, int, bytes], tuple[Ints, Floats]]
 
 
+@FILL.method("relational", Relational, rank=7)
 def fill_relational(motion: MarkerArray, gaps: list[Gap], *, method: Relational = Relational()) -> list[Prediction]:
     """Each gap in the frame of three markers, which must be seen throughout the gap and beside it.
 

@@ -23,12 +23,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
+from ...data.method import ONE, parameter
 from ...geometry import nearest_rotations, rigid_poses
 from ..known_samples import KnownSamples, Span, pieces
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 from ..residual_bridge import Leftover, bridge
 from ..static_shape import StaticShape
+from .stage import FILL, FillMethod
 
 LEARN = 160
 """Frames from which a body is learnt."""
@@ -37,28 +39,26 @@ JUDGE = 40
 
 
 @dataclass(frozen=True, slots=True)
-class RigidBody:
-    """Parameters of the method.
+class RigidBody(FillMethod):
+    """The place on a rigid body of three or more reference markers."""
 
-    Attributes:
-        donors: names of markers on the same body, at least three; empty: chosen by measured skill.
-        at_most: of donors, when they are chosen.
-        flat: a set of donors counts as lying on a line below this ratio of its breadth to its length.
-        static: shape of the body in a static trial, used where the trial itself does not show it.
-    """
+    donors: tuple[str, ...] = parameter(
+        (),
+        meaning="reference markers: at least three markers on the same body; empty: chosen by measured skill",
+    )
+    at_most: int = parameter(5, unit="markers", low=3, meaning="most donors, when they are chosen")
+    flat: float = parameter(
+        0.1, unit=ONE, low=0, below=1,
+        meaning="a set of donors counts as lying on a line below this ratio of its breadth to its length",
+    )  # fmt: skip
+    static: StaticShape | None = parameter(
+        None, meaning="shape of the body in a static trial, used where the trial itself does not show it"
+    )
 
-    donors: tuple[str, ...] = ()
-    at_most: int = 5
-    flat: float = 0.1
-    static: StaticShape | None = None
-
-    def __post_init__(self) -> None:
+    def check_together(self) -> None:
+        """Refuse fewer than three donors."""
         if self.donors and len(set(self.donors)) < 3:
             raise ValueError(f"donors are {list(self.donors)}, wanted at least three different ones, or none")
-        if self.at_most < 3:
-            raise ValueError(f"at_most is {self.at_most}, wanted at least 3")
-        if not 0 <= self.flat < 1:
-            raise ValueError(f"flat is {self.flat}, wanted 0 or more, below 1")
 
 
 class BodyShape(NamedTuple):
@@ -93,6 +93,7 @@ class _LearntBody(NamedTuple):
     bodies: dict[tuple[int, bytes], BodyShape | str]
 
 
+@FILL.method("rigid_body", RigidBody, rank=5, source="Söderkvist and Wedin 1993")
 def fill_rigid_body(motion: MarkerArray, gaps: list[Gap], *, method: RigidBody = RigidBody()) -> list[Prediction]:
     """Each gap from its own donors, or piece by piece where donors come and go.
 

@@ -4,12 +4,11 @@ from ..two_cameras.former_two_cameras import FormerTwoCameras
 from .ambiguous import AmbiguousDecision, ambiguous_decisions, track_with_decisions
 from .diagnostics import diagnose
 from .diagnostics_of_tracks import diagnose_tracks
-from .methods import DETECTION_TRACKERS, track_detections
+from .methods import track_detections
 from .simultaneous_method import Simultaneous
 from .tracker import TrackingResult, track_simultaneously
 
 __all__ = [
-    "DETECTION_TRACKERS",
     "AmbiguousDecision",
     "FormerTwoCameras",
     "Simultaneous",

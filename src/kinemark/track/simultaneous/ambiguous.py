@@ -16,12 +16,15 @@ are certain.
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import numpy as np
 
 from ...data import Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
+from ...data.finding import plain_value
 from .passes import Associations
 from .simultaneous_method import DEFAULT, Simultaneous
 from .stitch import CLEAR
@@ -34,14 +37,60 @@ CLOSE = 3
 """Frames apart that two ambiguous decisions of the same tracks may lie to be one."""
 
 
-class AmbiguousDecision(NamedTuple):
-    """A decision that was close: kind; first and last frame; the tracks that it is about; the reason in words."""
+DecisionKind = Literal["swap", "merge", "ghost", "join"]
+DecisionReason = Literal[
+    "came_near",
+    "found_again",
+    "jumped",
+    "shared_images",
+    "little_evidence",
+    "joined_with_rival",
+    "joined_over_wide_gap",
+    "not_joined_with_rival",
+    "not_joined_over_wide_gap",
+]
+"""Why a decision was close; `report.words` says it in words."""
 
-    kind: Literal["swap", "merge", "ghost", "join"]
+
+@dataclass(frozen=True, slots=True)
+class AmbiguousDecision:
+    """A decision that was close.
+
+    Attributes:
+        kind: what may have happened.
+        first, last: frames, both included.
+        tracks: that it is about.
+        reason: why it was close.
+        values: the numbers of the reason: distance_mm, sd_mm or jump_mm, the median over the frames; likelihood_ratio
+            of a marker to a chance meeting of images; margin, how much more likely (logarithm) than the next best join.
+    """
+
+    kind: DecisionKind
     first: int
     last: int
     tracks: tuple[int, ...]
-    reason: str
+    reason: DecisionReason
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """As plain data for JSON."""
+        return {
+            "kind": self.kind,
+            "first": self.first,
+            "last": self.last,
+            "tracks": list(self.tracks),
+            "reason": self.reason,
+            "values": {name: plain_value(value) for name, value in self.values.items()},
+        }
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> AmbiguousDecision:
+        """The decision that `as_dict` wrote.
+
+        Raises:
+            TypeError: parts are missing, or there are others.
+        """
+        return cls(**{**data, "tracks": tuple(data["tracks"])})
 
 
 def track_with_decisions(
@@ -83,10 +132,8 @@ def _near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     who = np.sort(seen.id[rows], axis=0)
     other = who[0] != who[1]
     return [
-        AmbiguousDecision(
-            "swap", a, b, who, f"came within {least:.0f} mm of each other, nearer than their places were certain"
-        )
-        for who, a, b, least in _spells(who.T[other], seen.frame[rows[0]][other], far[other])
+        AmbiguousDecision("swap", a, b, who, "came_near", {"distance_mm": apart})
+        for who, a, b, apart in _spells(who.T[other], seen.frame[rows[0]][other], far[other])
     ]
 
 
@@ -94,8 +141,8 @@ def _found_again(seen: Associations, method: Simultaneous) -> list[AmbiguousDeci
     """Tracks that were lost, and then had two images where their place was hardly known."""
     again = np.flatnonzero((seen.before > method.worst) & ((seen.row >= 0).sum(0) >= 2))
     return [
-        AmbiguousDecision("swap", a, b, who, f"lost, and found again where its place was known to {most:.0f} mm only")
-        for who, a, b, most in _spells(seen.id[again][:, None], seen.frame[again], seen.before[again])
+        AmbiguousDecision("swap", a, b, who, "found_again", {"sd_mm": sd})
+        for who, a, b, sd in _spells(seen.id[again][:, None], seen.frame[again], seen.before[again])
     ]
 
 
@@ -112,8 +159,8 @@ def _jumps(tracks: Tracks, method: Simultaneous) -> list[AmbiguousDecision]:
     sure = sd[c] + sd[b] * (1 + ratio) + sd[a] * ratio
     far = np.flatnonzero(same & (off > method.gate * (usual + sure)))
     return [
-        AmbiguousDecision("swap", a, b, who, f"jumped by {most:.0f} mm")
-        for who, a, b, most in _spells(tracks.id[c[far]][:, None], frame[c[far]], off[far])
+        AmbiguousDecision("swap", a, b, who, "jumped", {"jump_mm": jump})
+        for who, a, b, jump in _spells(tracks.id[c[far]][:, None], frame[c[far]], off[far])
     ]
 
 
@@ -123,7 +170,7 @@ def _merged(seen: Associations, merged: Bools) -> list[AmbiguousDecision]:
     own = (has & ~seen.shared & ~merged[seen.row]).sum(0)
     rows = np.flatnonzero((own < 2) & (has & seen.shared).any(0) & (has.sum(0) >= 2))
     return [
-        AmbiguousDecision("merge", a, b, who, "lived on images in which markers run together")
+        AmbiguousDecision("merge", a, b, who, "shared_images")
         for who, a, b, _ in _spells(seen.id[rows][:, None], seen.frame[rows], np.zeros(len(rows)))
     ]
 
@@ -140,7 +187,8 @@ def _weak(result: TrackingResult) -> list[AmbiguousDecision]:
             int(cloud.frame[ids == i].min()),
             int(cloud.frame[ids == i].max()),
             (int(i),),
-            f"a marker is only {np.exp(total[i]):.0f} times likelier than a chance meeting of images",
+            "little_evidence",
+            {"likelihood_ratio": float(np.exp(total[i]))},
         )
         for i in np.flatnonzero(total < SURE_INDEED)
     ]
@@ -154,10 +202,17 @@ def _joins(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecisi
         if not rival and not wide:
             continue
         tracks = tuple(dict.fromkeys(int(result.id[i]) for i in (join.before, join.after)))
-        what = "were joined over a gap" if join.margin > CLEAR else "may be one marker with a gap"
-        why = "another join was nearly as likely" if rival else f"its motion alone leaves {join.sd:.0f} mm open"
-        found.append(AmbiguousDecision("join", join.last, join.first, tracks, f"{what}, but {why}"))
+        reason = _join_reason(join.margin > CLEAR, rival)
+        values = {"margin": float(join.margin), "sd_mm": float(join.sd)}
+        found.append(AmbiguousDecision("join", join.last, join.first, tracks, reason, values))
     return found
+
+
+def _join_reason(joined: bool, rival: bool) -> DecisionReason:
+    """Two tracks were joined or not, and another join was nearly as likely, or the gap was wide."""
+    if rival:
+        return "joined_with_rival" if joined else "not_joined_with_rival"
+    return "joined_over_wide_gap" if joined else "not_joined_over_wide_gap"
 
 
 def _spells(who: Ints, frame: Ints, size: Floats) -> list[tuple[tuple[int, ...], int, int, float]]:

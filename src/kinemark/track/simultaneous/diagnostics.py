@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data import Detections, Rig
+from ...data import Detections, Finding, Rig, make_finding
 from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
 from .detection_index import Images
@@ -40,41 +40,44 @@ FEW = 30
 """Points from which a median is taken."""
 
 
-def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[str]:
-    """Sentences on what is odd about the input; none where nothing is."""
-    said, late = [], _not_synchronous(detections, rig, time_offsets(result))
+def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[Finding]:
+    """What is odd about the input; nothing where nothing is."""
+    found, late = [], _not_synchronous(detections, rig, time_offsets(result))
     for c, name in enumerate(rig.names):
-        said += _silent(detections, result, c) or late.get(c) or _beside(result, c, name)
-    said += [_misfit(result, rig, c) for c in result.noise.deaf.tolist()]
-    return said + _too_fast(result, detections.rate)
+        found += _silent(detections, result, c) or late.get(c) or _beside(result, c, name)
+    found += [_misfit(result, rig, c) for c in result.noise.deaf.tolist()]
+    return found + _too_fast(result, detections.rate)
 
 
-def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> dict[int, list[str]]:
+def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> dict[int, list[Finding]]:
     """About cameras that see at other times than the others, under their numbers."""
     there = (np.abs(found.delay) > CERTAIN * found.error) & (found.shift > BESIDE)
-    said = {}
-    for c in np.flatnonzero(there).tolist():
-        delay, late = abs(found.delay[c]), "later" if found.delay[c] > 0 else "earlier"
-        said[c] = [
-            f"Camera {rig.names[c]} sees everything {delay / detections.rate * 1000:.1f} ms {late} than the others, "
-            f"{delay:.2f} of a frame, which moves its images by up to {found.shift[c]:.1f} px: "
-            "are all cameras triggered together?"
+    return {
+        c: [
+            make_finding(
+                "camera_out_of_sync",
+                cameras=[rig.names[c]],
+                delay_ms=found.delay[c] / detections.rate * 1000,
+                delay_frames=found.delay[c],
+                shift_px=found.shift[c],
+            )
         ]
-    return said
+        for c in np.flatnonzero(there).tolist()
+    }
 
 
-def _silent(detections: Detections, result: TrackingResult, c: int) -> list[str]:
+def _silent(detections: Detections, result: TrackingResult, c: int) -> list[Finding]:
     """About a camera without images at the end, or the beginning, of the recording, though markers were in its view."""
-    n, some, name = detections.n_frames, np.flatnonzero(detections.counts[c]), detections.cameras[c]
+    n, some, name = detections.n_frames, np.flatnonzero(detections.counts[c]), [detections.cameras[c]]
     if not n or not len(some):
-        return [f"Camera {name} has no images at all."] if n else []
+        return [make_finding("camera_without_images", cameras=name)] if n else []
     should = result.tracks.cloud.frame[_in_view(result, c, _expected(result, c), min(2, len(detections.cameras) - 1))]
-    said = []
+    found = []
     if n - some[-1] > n / PARTS and (should > some[-1]).sum() >= FEW:
-        said.append(f"Camera {name} has no images after frame {some[-1]} of {n}: did it stop?")
+        found.append(make_finding("camera_stopped", cameras=name, frames=[(some[-1] + 1, n - 1)], recorded_frames=n))
     if some[0] > n / PARTS and (should < some[0]).sum() >= FEW:
-        said.append(f"Camera {name} has no images before frame {some[0]} of {n}: did it start late?")
-    return said
+        found.append(make_finding("camera_started_late", cameras=name, frames=[(0, some[0] - 1)], recorded_frames=n))
+    return found
 
 
 class Parts(NamedTuple):
@@ -86,27 +89,24 @@ class Parts(NamedTuple):
     first: Ints
 
 
-def _beside(result: TrackingResult, c: int, name: str) -> list[str]:
+def _beside(result: TrackingResult, c: int, name: str) -> list[Finding]:
     """About a camera whose images lie beside the others', or fit no longer."""
     if c in result.noise.deaf:
         return []
-    parts = _parts(result, c)
+    parts, end = _parts(result, c), result.tracks.cloud.n_frames - 1
     usual = np.nanmax(parts.share, initial=0.0)
     lost = parts.share < 0.1 * usual
     if usual > DEAF and lost[-1]:  # (2)
         last = len(lost) - int(np.argmin(lost[::-1]))
-        return [f"The images of camera {name} fit no track from frame {parts.first[last]} on: was it moved?"]
+        return [make_finding("camera_moved", cameras=[name], frames=[(parts.first[last], end)])]
     far = np.linalg.norm(parts.off, axis=1)
     wrong = np.flatnonzero(far > BESIDE)  # (1)
     if not len(wrong):
         return []
     whole = len(wrong) >= np.isfinite(far).sum() - 1
-    since = "" if whole else f" from frame {parts.first[wrong[0]]} on"
-    dx, dy = np.nanmedian(parts.off[wrong], axis=0)
-    return [
-        f"The images of camera {name} lie ({dx:+.1f}, {dy:+.1f}) px beside where the other cameras expect them{since}: "
-        "was it touched after the calibration?"
-    ]
+    since = [] if whole else [(parts.first[wrong[0]], end)]
+    u, v = np.nanmedian(parts.off[wrong], axis=0)
+    return [make_finding("camera_shifted", cameras=[name], frames=since, offset_u_px=u, offset_v_px=v)]
 
 
 def _parts(result: TrackingResult, c: int) -> Parts:
@@ -157,7 +157,7 @@ def _nearest(images: Images, frame: Ints, c: int, uv: Floats) -> Ints:
     return out
 
 
-def _misfit(result: TrackingResult, rig: Rig, c: int) -> str:
+def _misfit(result: TrackingResult, rig: Rig, c: int) -> Finding:
     """About a camera whose images fit nothing: which other one it might be (3)."""
     cloud, images = result.tracks.cloud, result.images
     found = np.zeros(len(rig))
@@ -168,17 +168,11 @@ def _misfit(result: TrackingResult, rig: Rig, c: int) -> str:
             found[other] = (_nearest(images, cloud.frame[inside], c, uv[inside]) >= 0).mean()
     best = int(found.argmax())
     if best != c and found[best] > 2 * DEAF:
-        return (
-            f"Camera {rig.names[c]} sees what camera {rig.names[best]} should see: are the cameras in the wrong order? "
-            "It was left out."
-        )
-    return (
-        f"The images of camera {rig.names[c]} fit nothing that the others see: its calibration is of another place. "
-        "It was left out."
-    )
+        return make_finding("camera_takes_place_of_other", cameras=[rig.names[c], rig.names[best]], left_out=True)
+    return make_finding("camera_fits_nothing", cameras=[rig.names[c]], left_out=True)
 
 
-def _too_fast(result: TrackingResult, rate: float) -> list[str]:
+def _too_fast(result: TrackingResult, rate: float) -> list[Finding]:
     """About speeds that nobody has (4)."""
     cloud, ids = result.tracks.cloud, result.tracks.id
     order = np.lexsort([cloud.frame, ids])
@@ -186,13 +180,7 @@ def _too_fast(result: TrackingResult, rate: float) -> list[str]:
     next_one = (np.diff(ids) == 0) & (np.diff(frame) == 1)
     speed = np.linalg.norm(np.diff(xyz, axis=0)[next_one], axis=1) * rate
     if not len(cloud) and (result.noise.found > DEAF).any():
-        return [
-            "The cameras agree in single frames, but nothing goes on from one frame to the next: is the frame rate of "
-            f"{rate:g} Hz that of the recording?"
-        ]
+        return [make_finding("nothing_goes_on", rate_hz=rate)]
     if len(speed) < FEW or np.percentile(speed, 99) < FASTEST:
         return []
-    return [
-        f"Markers move at {np.percentile(speed, 99) / 1000:.0f} m/s: is the frame rate of {rate:g} Hz that of the "
-        "recording?"
-    ]
+    return [make_finding("speeds_impossible", speed_m_s=np.percentile(speed, 99) / 1000, rate_hz=rate)]

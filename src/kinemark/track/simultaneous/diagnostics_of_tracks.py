@@ -1,10 +1,12 @@
-"""What tracks of any method show of their input, in the sentences of `diagnose`."""
+"""What tracks of any method show of their input, as the findings of `diagnose`."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from ...data import Detections, Rig, Tracks
+from ...data import Detections, Finding, Rig, Tracks
 from .candidate_points import fundamentals
 from .detection_index import read_images
 from .diagnostics import diagnose
@@ -13,12 +15,9 @@ from .passes import Associations
 from .simultaneous_method import DEFAULT
 from .tracker import TrackingResult
 
-LEFT_OUT = " It was left out."
-"""True of `Simultaneous` only: the other methods match whatever they are given."""
 
-
-def diagnose_tracks(detections: Detections, rig: Rig, tracks: Tracks) -> list[str]:
-    """Sentences on what is odd about the input of a method that says nothing of it itself; none where nothing is.
+def diagnose_tracks(detections: Detections, rig: Rig, tracks: Tracks) -> list[Finding]:
+    """What is odd about the input of a method that says nothing of it itself; nothing where nothing is.
 
     Args:
         detections: what the cameras saw.
@@ -30,7 +29,14 @@ def diagnose_tracks(detections: Detections, rig: Rig, tracks: Tracks) -> list[st
     own = tracks.id >= 0
     tracks = Tracks(tracks.cloud.keep(own), tracks.id[own])
     result = TrackingResult(tracks, _not_known(len(rig)), np.zeros(0, np.int64), np.zeros(0), [], images, noise)
-    return [sentence.removesuffix(LEFT_OUT) for sentence in diagnose(detections, rig, result)]
+    return [_nobody_left_out(found) for found in diagnose(detections, rig, result)]
+
+
+def _nobody_left_out(found: Finding) -> Finding:
+    """The same of methods other than `Simultaneous`, which match whatever they are given."""
+    if "left_out" not in found.values:
+        return found
+    return replace(found, values={**found.values, "left_out": False})
 
 
 def _not_known(C: int) -> Associations:

@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 from ...data import Detections, Rig, Tracks
+from ...data.method import Method
 from ...match import check_cameras
-from ..two_cameras.former_two_cameras import FormerTwoCameras, track_two_cameras
-from .simultaneous_method import DEFAULT, Simultaneous
-from .tracker import simultaneous_tracks
-
-DETECTION_TRACKERS: dict[type, Callable[[Detections, Rig, Any], Tracks]] = {
-    Simultaneous: simultaneous_tracks,
-    FormerTwoCameras: track_two_cameras,
-}
-"""What does each method: called with detections, rig, and the method."""
+from ..stage import DETECTIONS, TRACK
+from .simultaneous_method import DEFAULT
 
 
-def track_detections(detections: Detections, rig: Rig, *, method: Simultaneous | FormerTwoCameras = DEFAULT) -> Tracks:
+def track_detections(detections: Detections, rig: Rig, *, method: Method = DEFAULT) -> Tracks:
     """Tracks of all markers, straight from what the cameras saw.
 
     Raises:
+        ValueError: the method is none of `TRACK`, or takes points (`track`).
         KinemarkError: fewer than two cameras, or detections and rig name other cameras.
     """
     check_cameras(detections, rig)
-    return DETECTION_TRACKERS[type(method)](detections, rig, method)
+    return TRACK.function(method, takes=DETECTIONS)(detections, rig, method=method)

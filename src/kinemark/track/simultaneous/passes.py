@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
+from ...data.progress import tell
 from .associate import Association, PredictedImages, associate, information, predict_images, share
 from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
@@ -113,12 +114,14 @@ class Run:
         length = int(np.diff(first).max())
         active = self.nobody()
         for k in range(length):
+            tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)
             active = self.step(active.take(active.frame < self.images.n_frames))
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first[:-1] if f + k < self.images.n_frames]))
         active = self.born
         while len(active.id):
+            tell(length, 2 * length)
             active = active._replace(frame=active.frame - 1)
             active = self.step(active.take(active.frame >= 0))
         if not self.seen:

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Ints
+from ...data.progress import tell
 from .associate import associate, information, predict_images
 from .candidate_points import placed
 from .detection_index import Images
@@ -69,6 +70,7 @@ def second_pass(points: TrackPoints, row: Ints, images: Images, T: float, method
         doubtful = doubtful.take(inside | np.isin(doubtful.id, points.id[sound]))
         free, claimed = _free(images, view), np.empty((len(row), len(doubtful.id)), np.int64)
         for part in _parts(doubtful.frame):
+            tell(1, 2)
             expected = _expected(known, doubtful.take(part), T, method)
             claimed[:, part] = _claimed(images, free, doubtful.frame[part], expected, method)
         place = placed(images, claimed)

@@ -22,6 +22,7 @@ import numpy as np
 from ...data import Cloud, Detections, Matches, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from ...reconstruct import LeastSquares, located, wanted
+from ..stage import DETECTIONS, TRACK
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
 from .likelihood import SURE, evidence, says
@@ -63,8 +64,9 @@ class TrackingResult(NamedTuple):
     noise: Noise
 
 
-def simultaneous_tracks(detections: Detections, rig: Rig, method: Simultaneous) -> Tracks:
-    """Tracks of all markers; called through `follow`."""
+@TRACK.method("simultaneous", Simultaneous, takes=DETECTIONS)
+def simultaneous_tracks(detections: Detections, rig: Rig, *, method: Simultaneous) -> Tracks:
+    """Tracks of all markers; called through `track_detections`."""
     return track_simultaneously(detections, rig, method).tracks
 
 

@@ -14,26 +14,29 @@ import numpy as np
 
 from ...data import Cloud, Tracks
 from ...data.array_types import Floats, Ints
-from ...data.arrays import check_positive
+from ...data.method import Method, parameter
+from ...data.progress import tell
+from ..stage import CLOUD, TRACK
 
 
 @dataclass(frozen=True, slots=True)
-class DistanceOnly:
-    """Parameters of the method; the document has none.
+class DistanceOnly(Method):
+    """The nearest distance alone, shortest first, without prediction.
 
-    Attributes:
-        begin: which points begin tracks: "first", those of the first frame that has any, or "any", those that no track
-            takes.
-        patience: how long a track without points waits, s; None: for ever.
+    The document's method has no parameters; these are ours.
     """
 
-    begin: Literal["first", "any"] = "first"
-    patience: float | None = None
+    begin: Literal["first", "any"] = parameter(
+        "first",
+        meaning="which points begin tracks: first, those of the first frame that has any, or any, those that no "
+        "track takes",
+    )
+    patience: float | None = parameter(
+        None, unit="s", above=0, meaning="coasting: how long a track without points waits; None: for ever"
+    )
 
-    def __post_init__(self) -> None:
-        check_positive(patience=self.patience)
 
-
+@TRACK.method("distance_only", DistanceOnly, source="Swamidas 1997, 4.2.4", takes=CLOUD)
 def track_distance(cloud: Cloud, *, method: DistanceOnly = DistanceOnly()) -> Tracks:
     """The cloud with identities, numbered as the tracks begin; within a frame in the order of its points."""
     identity = np.full(len(cloud), -1)
@@ -41,6 +44,7 @@ def track_distance(cloud: Cloud, *, method: DistanceOnly = DistanceOnly()) -> Tr
     own, last, missed = np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, np.int64)
     n_tracks = 0
     for f in range(cloud.n_frames):
+        tell(f, cloud.n_frames)
         rows = cloud.rows(f)
         points = cloud.xyz[rows]
         track, point = shortest_first(np.linalg.norm(points - last[:, None], axis=-1))

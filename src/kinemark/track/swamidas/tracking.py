@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from ...data import Cloud, Tracks
 from ...data.array_types import Floats, Ints
+from ...data.progress import tell
+from ..stage import CLOUD, TRACK
 from .active import ActiveSwamidasTracks, advance, begin, expect, none
 from .constraints import Constraint, PredictedPoints, match_points
 from .learning import Knowledge, before_learning
@@ -50,6 +52,7 @@ class SwamidasResult(NamedTuple):
         return xyz
 
 
+@TRACK.method("swamidas", Swamidas, source="Swamidas 1997, 3.3 and 3.4", takes=CLOUD)
 def track_swamidas(cloud: Cloud, *, method: Swamidas = DEFAULT) -> Tracks:
     """The cloud with identities, numbered in the order in which the tracks begin; within a frame, that of its points.
 
@@ -66,6 +69,7 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
     lesson = max(round(method.learning * cloud.rate), BEGINNING)
     known, active, frames, with_points = before_learning(cloud, method), none(), [], 0
     for f in range(cloud.n_frames):
+        tell(f, cloud.n_frames)
         rows = cloud.rows(f)
         points, mine, why = cloud.xyz[rows], identity[rows], by[rows]
         expected = expect(active, known.error, method.velocity_share)

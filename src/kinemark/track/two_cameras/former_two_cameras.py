@@ -13,38 +13,43 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...data import Cloud, Detections, KinemarkError, Rig, Tracks
-from ...data.arrays import check_positive
+from ...data.method import Method, parameter
 from ...geometry import distort, refine, triangulate, undistort
 from ...reconstruct.least_squares import FALLBACK_SD
+from ..stage import DETECTIONS, TRACK
 from .image_paths import Paths, paths_of
 from .paired_paths import Paired, paired, residuals, unbranched
 
 
 @dataclass(frozen=True, slots=True)
-class FormerTwoCameras:
-    """Parameters of the method; the paper names the window and the residual, but no values.
+class FormerTwoCameras(Method):
+    """Markers followed in each of two images, the paths then paired in space: KISS's former two-camera method.
 
-    Attributes:
-        window: half width of the association window about a prediction, px.
-        markers: how many there are; following starts in fields that show so many. None: the most that a camera shows
-            in two successive fields.
-        residual_limit: of the fourth DLT equation, px, in a field in which two paths are one marker.
-        shortest: fields in which two paths must be one marker to become a track.
+    The paper names the window and the residual, but no values.
     """
 
-    window: float = 10.0
-    markers: int | None = None
-    residual_limit: float = 2.0
-    shortest: int = 10
+    window: float = parameter(
+        10.0, unit="px", above=0, meaning="half width of the association window (gate) about a prediction"
+    )
+    markers: int | None = parameter(
+        None, unit="markers", low=1,
+        meaning="how many there are; following starts in fields that show so many; None: the most that a camera "
+        "shows in two successive fields",
+    )  # fmt: skip
+    residual_limit: float = parameter(
+        2.0, unit="px", above=0,
+        meaning="greatest residual of the fourth DLT equation in a field in which two paths are one marker",
+    )  # fmt: skip
+    shortest: int = parameter(
+        10, unit="fields", low=1, meaning="in how many fields two paths must be one marker to become a track"
+    )
 
-    def __post_init__(self) -> None:
-        check_positive(
-            window=self.window, markers=self.markers, residual_limit=self.residual_limit, shortest=self.shortest
-        )
 
-
-def track_two_cameras(detections: Detections, rig: Rig, method: FormerTwoCameras) -> Tracks:
-    """Tracks of all markers that both cameras show at the start of the following; called through `follow`.
+@TRACK.method(
+    "former_two_cameras", FormerTwoCameras, source="Shafiq, Tümer and Güler 2001, section 4", takes=DETECTIONS
+)
+def track_two_cameras(detections: Detections, rig: Rig, *, method: FormerTwoCameras) -> Tracks:
+    """Tracks of all markers that both cameras show at the start of the following; called through `track_detections`.
 
     A point whose image in one camera was filled by prediction has no row there (−1), and its covariance says that the
     image is anywhere in the association window. Where both were filled there is no point.

@@ -42,19 +42,20 @@ corrected each time.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Literal, NamedTuple, get_args
+from dataclasses import dataclass
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from ....data import AngleModel, KinemarkError
 from ....data.array_types import Bools, Floats
-from ....data.arrays import check_positive
+from ....data.method import ONE, parameter
 from ....signal.kalman import KalmanState, predict, start, update, update_position
 from ....signal.smoother import jump_of, noise_of
 from ...marker_array import Gap, MarkerArray, Prediction
 from ..kalman_predictor import STRIDE
+from ..stage import FILL, FillMethod
 from .connect import component_angles
 from .learn import template_of
 from .limb_angles import LimbAngles, fit_model
@@ -67,34 +68,34 @@ Feedback = Literal["position", "path", "measured", "none"]
 
 
 @dataclass(frozen=True, slots=True)
-class KalmanAngles:
-    """Parameters.
+class KalmanAngles(FillMethod):
+    """Kalman prediction that a model of limb angles over the cycle corrects."""
 
-    Attributes:
-        feedback: how a correction enters the predictor, see above; "position" is the thesis'.
-        tolerance: of (1), share of the cycle.
-        stretch: share by which a segment may be longer or shorter than it is before it fails; None: only angles are
-            checked, as in the thesis, so that a marker that strays along its segment is not noticed.
-        sd: of a measured coordinate, mm; None: found (the thesis' sensors have 2.54).
-        jerk: of the predictor, mm/s³; None: found, the mean of all markers.
-        history: samples before a gap that count, s.
-        limbs: the model and how it is made; its `edges` play no part.
-    """
+    together: ClassVar[bool] = True
+    automatic: ClassVar[bool] = False  # limb_angles does all that the thesis' own algorithm does, and better
 
-    feedback: Feedback = "position"
-    tolerance: float = 0.05
-    stretch: float | None = None
-    sd: float | None = None
-    jerk: float | None = None
-    history: float = 1.0
-    limbs: LimbAngles = field(default_factory=LimbAngles)
-
-    def __post_init__(self) -> None:
-        if self.feedback not in get_args(Feedback):
-            raise ValueError(f"feedback is {self.feedback!r}, wanted {', '.join(get_args(Feedback))}")
-        check_positive(stretch=self.stretch, sd=self.sd, jerk=self.jerk, history=self.history)
-        if not 0 <= self.tolerance < 0.5:
-            raise ValueError(f"tolerance is {self.tolerance}, wanted a share of the cycle from 0 to below 0.5")
+    feedback: Feedback = parameter(
+        "position", meaning="how a correction enters the predictor, see the module; position is the thesis'"
+    )
+    tolerance: float = parameter(
+        0.05, unit="cycles", low=0, below=0.5,
+        meaning="of (1): an angle passes that the model has within this of the present phase",
+    )  # fmt: skip
+    stretch: float | None = parameter(
+        None, unit=ONE, above=0,
+        meaning="share by which a segment may be longer or shorter than it is before it fails; None: only angles "
+        "are checked, as in the thesis, so that a marker that strays along its segment is not noticed",
+    )  # fmt: skip
+    sd: float | None = parameter(
+        None, unit="mm", above=0,
+        meaning="standard deviation of a measured coordinate; None: found (the thesis' sensors have 2.54)",
+    )  # fmt: skip
+    jerk: float | None = parameter(
+        None, unit="mm/s³", above=0,
+        meaning="process noise of the predictor; None: found, the mean of all markers",
+    )  # fmt: skip
+    history: float = parameter(1.0, unit="s", above=0, meaning="samples before a gap that count")
+    limbs: LimbAngles = parameter(factory=LimbAngles, meaning="the model and how it is made; its edges play no part")
 
 
 class PredictedPath(NamedTuple):
@@ -106,6 +107,7 @@ class PredictedPath(NamedTuple):
     corrected: Bools
 
 
+@FILL.method("kalman_angles", KalmanAngles, rank=9, source="Swamidas 1997, 3.5.2")
 def fill_kalman_angles(
     motion: MarkerArray, gaps: Sequence[Gap], *, method: KalmanAngles = KalmanAngles()
 ) -> list[Prediction]:

@@ -21,16 +21,18 @@ of these added (5): one seen marker suffices for all that hang together with it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....data import AngleModel, KinemarkError
 from ....data.array_types import Floats, Ints
-from ....data.arrays import check_positive
+from ....data.method import parameter
 from ....signal.phase import CyclePhase, find_phase
 from ...marker_array import Gap, MarkerArray, Prediction
+from ..stage import FILL, FillMethod
 from .connect import connect, directions
 from .learn import Learned, learn_model, template_of
 from .place import Placer, Placings, correlation
@@ -45,37 +47,49 @@ HEADINGS = 12
 
 
 @dataclass(frozen=True, slots=True)
-class LimbAngles:
-    """Parameters.
+class LimbAngles(FillMethod):
+    """Markers placed along segments whose directions follow a model over the cycle of the motion."""
 
-    Attributes:
-        model: of another trial or from a file; None: made of the trial itself.
-        links: pairs of markers that are segments (CONNECT); banks: groups of markers on one body; both empty: found.
-        period: of a cycle, s; None: found.
-        shortest, longest: of cycles looked for, s.
-        edges: samples on each side of a gap from which the error is carried over; 0: the bare model, as in the thesis.
-        turn: whether another trial's model may be turned about the vertical to fit, as for a subject who walks back.
-        learned: of this trial (`learned_of`), to be used in several fills of it; None: made of the trial in each.
-    """
+    together: ClassVar[bool] = True
+    slow: ClassVar[bool] = True
 
-    model: AngleModel | None = None
-    links: tuple[tuple[str, str], ...] = ()
-    banks: tuple[tuple[str, ...], ...] = ()
-    period: float | None = None
-    shortest: float = 0.3
-    longest: float = 6.0
-    edges: int = 5
-    turn: bool = True
-    learned: Learned | None = None
+    model: AngleModel | None = parameter(
+        None, meaning="of another trial or from a file; None: made of the trial itself"
+    )
+    links: tuple[tuple[str, str], ...] = parameter(
+        (), meaning="pairs of markers that are segments (CONNECT); where banks are empty too: found"
+    )
+    banks: tuple[tuple[str, ...], ...] = parameter(
+        (), meaning="groups of markers on one rigid body; where links are empty too: found"
+    )
+    period: float | None = parameter(None, unit="s", above=0, meaning="of a cycle; None: found")
+    shortest: float = parameter(0.3, unit="s", above=0, meaning="shortest cycle that is looked for")
+    longest: float = parameter(6.0, unit="s", above=0, meaning="longest cycle that is looked for")
+    edges: int = parameter(
+        5, unit="samples", low=0,
+        meaning="on each side of a gap from which the error is carried over; 0: the bare model, as in the thesis",
+    )  # fmt: skip
+    turn: bool = parameter(
+        True,
+        meaning="another trial's model may be turned about the vertical to fit, as for a subject who walks back",
+    )
+    learned: Learned | None = parameter(
+        None, meaning="of this trial, to be used in several fills of it; None: made of the trial in each"
+    )
 
-    def __post_init__(self) -> None:
-        check_positive(period=self.period, shortest=self.shortest, longest=self.longest)
+    def check_together(self) -> None:
+        """Refuse a shortest cycle that is not below the longest."""
         if self.shortest >= self.longest:
             raise ValueError(f"shortest is {self.shortest} and longest {self.longest}, wanted shortest below longest")
-        if self.edges < 0:
-            raise ValueError(f"edges is {self.edges}, wanted 0 or more")
+
+    def for_many_gaps(self, gaps: Sequence[Gap], source: MarkerArray | None) -> LimbAngles:
+        """The same with what it learns from the source."""
+        if source is None or self.model or self.learned:
+            return self
+        return replace(self, learned=learned_of(source, method=self))
 
 
+@FILL.method("limb_angles", LimbAngles, rank=8, source="Swamidas 1997, 3.5")
 def fill_limb_angles(
     motion: MarkerArray, gaps: Sequence[Gap], *, method: LimbAngles = LimbAngles()
 ) -> list[Prediction]:

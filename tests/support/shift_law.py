@@ -6,12 +6,12 @@ from functools import partial, singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
-from kinemark.calibrate.world import carried
 
 from kinemark.calibrate.bundle import Sticks
-from kinemark.data import Camera, Cloud, Path, Rig, Rods, Tracks, Trajectories
-from kinemark.fill import Motion, Rays, StaticShape
-from kinemark.sensitivity import Linear, Seen
+from kinemark.calibrate.world_frame import carried
+from kinemark.data import Camera, Cloud, MarkerTrajectory, Rig, Rods, Tracks, Trajectories
+from kinemark.fill import MarkerArray, Rays, StaticShape
+from kinemark.sensitivity import SampledFrames
 from kinemark.synth import Capsules, Subject
 
 FAR = np.array([1e7, -1e7, 1e7])
@@ -80,7 +80,7 @@ def _(rig: Rig, by):
     return Rig(tuple(moved(camera, by) for camera in rig), rig.method, rig.volume + by)
 
 
-@moved.register(Path)
+@moved.register(MarkerTrajectory)
 @moved.register(Cloud)
 @moved.register(Rods)
 def _(record, by):
@@ -92,9 +92,9 @@ def _(trial: Trajectories, by):
     return replace(trial, paths=tuple(moved(path, by) for path in trial))
 
 
-@moved.register(Motion)
+@moved.register(MarkerArray)
 @moved.register(StaticShape)
-@moved.register(Seen)
+@moved.register(SampledFrames)
 def _(record, by):
     return record._replace(xyz=record.xyz + by)
 
@@ -123,11 +123,6 @@ def _(limbs: Capsules, by):
 @moved.register
 def _(sticks: Sticks, by):
     return replace(sticks, middle=sticks.middle + by)
-
-
-@moved.register
-def _(cameras: Linear, by):
-    return Linear(cameras.names, cameras.points + by, cameras.uv)
 
 
 def leaves(value, name="answer"):

@@ -1,8 +1,9 @@
 """The origin of the world is arbitrary: a trial 10 km away gives the same answer, 10 km away.
 
-Each public function that takes positions has a case in the modules `shifted_*`: what it gives in a world moved by `by`.
-Places must move along, and all else must stay: distances, angles, covariances, pixels, names, choices. Inputs lie on a
-grid that such a move does not round, so that what is left is the rounding of the computation; 10 km has ulp 1.9e-9 mm.
+Each public function that takes positions has a case in the modules `support.shift_*`: what it gives in a world moved
+by `by`. Places must move along, and all else must stay: distances, angles, covariances, pixels, names, choices. Inputs
+lie on a grid that such a move does not round, so that what is left is the rounding of the computation; 10 km has ulp
+1.9e-9 mm.
 """
 
 import importlib
@@ -14,13 +15,12 @@ import numpy as np
 import pytest
 
 import kinemark
-import shifted_files  # noqa: F401  its cases
-import shifted_motion  # noqa: F401
-import shifted_scene
-import shifted_space  # noqa: F401
-import shifted_tracks  # noqa: F401
 from kinemark.fill import Linear, fill
-from shifted import CASES, FAR, differences, moved
+from support import shift_files, shift_motion, shift_scene, shift_space, shift_tracks
+from support.shift_law import CASES, FAR, differences, moved
+
+MODULES = shift_motion, shift_space, shift_tracks, shift_files
+"""Of cases."""
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -45,7 +45,7 @@ NO_POSITIONS = {
         digitise.advance digitise.answer_text digitise.begin digitise.drive digitise.given digitise.parse_answer
         digitise.question_of digitise.result digitise.row_of digitise.words""",
     "which detection is which": """
-        digitise.identified_matches digitise.identified_tracks match.check_cameras signal.assign
+        digitise.identified_matches digitise.identified_tracks geometry.check_cameras signal.assign
         signal.assign_nearest signal.cheapest_first""",
     "directions, rotations, angles, phases and their files": """
         fill.component_angles fill.cycle_events fill.intervals fill.model_events geometry.nearest_rotations
@@ -56,12 +56,13 @@ NO_POSITIONS = {
         calibrate.centroid_deviation calibrate.free_parameters calibrate.marker_places data.same geometry.inverse3
         geometry.solve3 io.camera_number io.load_model io.siblings io.with_parameters kinematics.named
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
-        settings.calibrate_method settings.is_da settings.method_of settings.methods_text settings.parameters
-        settings.read_settings signal.gain signal.weights synth.focal_pixels""",
+        engine.calibrate_method engine.is_da engine.method_of engine.methods_text engine.methods_figures
+        engine.methods_table_markdown engine.session_schema track.matches_itself
+        engine.read_settings signal.gain signal.weights synth.focal_pixels""",
     "motions at places of their own": """
         synth.circle_over_cylinder synth.elbow_flexion synth.tilted_rectangle""",
     "files of what others give: of `quality` and `scene`, of `film` and `truth`; of BTS, which is only read": """
-        report.write_quality report.write_report synth.write_calibration synth.write_session io.read_tdf""",
+        findings.write_quality report.write_report synth.write_calibration synth.write_session io.read_tdf""",
 }
 """By what they take instead, functions without a case."""
 
@@ -93,7 +94,7 @@ def test_every_function_that_takes_positions_has_a_case():
 
 def test_a_sample_a_kilometre_from_the_others_is_none_wherever_the_origin_lies():
     """Walks 2 km from the origin were filled by `body` and refused by `linear`."""
-    trial = shifted_scene.trial()
+    trial = shift_scene.trial()
     wild = trial.xyz
     wild[4, 12] += [0.0, 0.0, 1.1e6]
     paths = [replace(path, xyz=xyz) for path, xyz in zip(trial, wild, strict=True)]

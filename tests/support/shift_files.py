@@ -6,23 +6,23 @@ from dataclasses import replace
 from pathlib import Path as Folder
 
 import numpy as np
-from calibrations import BY_POINTS, HEAD, points_csv, session
-from kinemark.calibration import calibrate, rig_of_dlt
-from kinemark.report.filling import filling_figures
-from kinemark.report.scene import scene
 
 import kinemark
 from kinemark import geometry, synth
 from kinemark.data import Trial
+from kinemark.engine.calibration import calibrate, rig_of_dlt
 from kinemark.fill import Linear
+from kinemark.findings.gaps import filling_figures
 from kinemark.io import c3d, um2as
 from kinemark.io.control_points import read_control_points
 from kinemark.io.rods_toml import read_rods
 from kinemark.report import quality, summary
 from kinemark.report.figures import trajectories_figure
+from kinemark.report.scene3d import scene
 from kinemark.synth import rods_toml
-from shifted import OPEN, Answer, law, moved
-from shifted_scene import POINTS, frame, observed, rig, tracks, trial, walk
+from support.calibrations import BY_POINTS, HEAD, points_csv, session
+from support.shift_law import OPEN, Answer, law, moved
+from support.shift_scene import POINTS, frame, observed, rig, tracks, trial, walk
 
 VOLUME = np.array([[0.0, 0.0, 0.0], [2400.0, 1400.0, 2000.0]])
 

@@ -6,15 +6,14 @@ import numpy as np
 
 import kinemark
 from kinemark import geometry, kinematics, signal
-from kinemark.data import Path, Trajectories
+from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.fill import (
-    METHODS,
+    FILL,
     Filling,
     LimbAngles,
-    Motion,
+    MarkerArray,
     Rays,
     StaticShape,
-    angles,
     fill,
     fill_recording,
     find_gaps,
@@ -22,19 +21,20 @@ from kinemark.fill import (
     place_absent,
     trim_edges,
 )
+from kinemark.fill.methods import angles
 from kinemark.kinematics import Butterworth, WoltringSpline
 from kinemark.signal.filters import butterworth, residual_analysis
 from kinemark.signal.kalman import predict, start, update_position
 from kinemark.signal.periodic import find_harmonics
 from kinemark.signal.smoother import smooth_positions
 from kinemark.signal.woltring import woltring
-from shifted import Answer, law, moved, on_grid
-from shifted_scene import found_gaps, motion, observed, rig, tracks, trial, walk
+from support.shift_law import Answer, law, moved, on_grid
+from support.shift_scene import found_gaps, motion, observed, rig, tracks, trial, walk
 
 
-@law(fill, each=METHODS, mm=1e-6, share=1e-7)
+@law(fill, each=FILL, mm=1e-6, share=1e-7)
 def _(by, parameter):
-    filled, gaps = fill(moved(trial(), by), method=parameter(), ends=True, limit_mm=np.inf)
+    filled, gaps = fill(moved(trial(), by), method=parameter.kind(), ends=True, limit_mm=np.inf)
     return Answer(filled.xyz, ([p.cov for p in filled], [p.origin for p in filled], gaps))
 
 
@@ -53,15 +53,16 @@ def _(by):
 def _(by):
     xyz = motion().xyz.copy()
     xyz[3] = np.nan
-    static = StaticShape.of(Motion(motion(False).xyz[:, :20] + by, 50.0, motion().names))
-    placed = place_absent(Motion(xyz + by, 50.0, motion().names), static)
+    static = StaticShape.of(MarkerArray(motion(False).xyz[:, :20] + by, 50.0, motion().names))
+    placed = place_absent(MarkerArray(xyz + by, 50.0, motion().names), static)
     return Answer(([p.xyz for p in placed], static.xyz), ([p._replace(xyz=None) for p in placed], static.sd))
 
 
 @law(fill_recording, mm=1e-6, share=1e-7)
 def _(by):
     rays = Rays.left_by(moved(tracks(), by), observed().detections, moved(rig(), by))
-    short = replace(trial(), paths=tuple(Path.measured(p.name, p.xyz[:60], cov=p.cov[:60]) for p in trial()))
+    paths = tuple(MarkerTrajectory.measured(p.name, p.xyz[:60], cov=p.cov[:60]) for p in trial())
+    short = replace(trial(), paths=paths)
     filled, gaps = fill_recording(moved(short, by), rays, method=Filling(limit_mm=1e9))
     return Answer(filled.xyz, ([p.cov for p in filled], [p.cameras for p in filled], gaps))
 
@@ -96,7 +97,8 @@ def bodies(model):
 
 def paths(names, xyz, sd=1.0):
     cov = np.broadcast_to(sd**2 * np.eye(3), (xyz.shape[1], 3, 3))
-    return Trajectories(tuple(Path.measured(n, at, cov=cov) for n, at in zip(names, xyz, strict=True)), 50.0)
+    made = (MarkerTrajectory.measured(name, at, cov=cov) for name, at in zip(names, xyz, strict=True))
+    return Trajectories(tuple(made), 50.0)
 
 
 @law(
@@ -152,7 +154,7 @@ def _(by):
     methods = (Butterworth(), Butterworth(cutoff_hz=6.0), WoltringSpline(), WoltringSpline(cutoff_hz=6.0))
     smoothed = [kinematics.smooth(there, method=method) for method in methods]
     cutoff = [kinematics.residual_cutoff(path, rate=50.0) for path in there]
-    bare = replace(there, paths=tuple(Path.measured(path.name, path.xyz) for path in there))
+    bare = replace(there, paths=tuple(MarkerTrajectory.measured(path.name, path.xyz) for path in there))
     sd = kinematics.with_marker_sd(bare)
     return Answer(
         [s.xyz for s in smoothed],

@@ -4,14 +4,14 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from kinemark.follow import Simultaneous
 
 import kinemark
 from kinemark import calibrate, geometry, synth
-from kinemark.data import Path, Trajectories
-from kinemark.fill import Motion, find_gaps
+from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.fill import MarkerArray, find_gaps
 from kinemark.track import track
-from shifted import on_grid
+from kinemark.track.simultaneous import Simultaneous
+from support.shift_law import on_grid
 
 
 @cache
@@ -29,7 +29,7 @@ def trial(gaps=True):
     if gaps:
         xyz[1, 30:40] = np.nan
     cov = np.broadcast_to(0.09 * np.eye(3), (xyz.shape[1], 3, 3))
-    paths = [Path.measured(name, at, cov=cov) for name, at in zip(walk().names, xyz, strict=True)]
+    paths = [MarkerTrajectory.measured(name, at, cov=cov) for name, at in zip(walk().names, xyz, strict=True)]
     return Trajectories(tuple(paths), walk().rate)
 
 
@@ -83,11 +83,11 @@ def tracks():
 
 @cache
 def followed():
-    return kinemark.followed(observed().detections, rig(), Simultaneous())
+    return kinemark.track_simultaneously(observed().detections, rig(), Simultaneous())
 
 
 def motion(gaps=True):
-    return Motion.of(trial(gaps))
+    return MarkerArray.of(trial(gaps))
 
 
 def found_gaps():

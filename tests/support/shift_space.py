@@ -7,11 +7,11 @@ import numpy as np
 
 import kinemark
 from kinemark import calibrate, geometry, sensitivity, synth
-from kinemark.calibrate import bundle, control_frame, control_points, quality, world
-from kinemark.data import Path, Rig, Trajectories
+from kinemark.calibrate import bundle, control_frame, control_points, quality, world_frame
+from kinemark.data import MarkerTrajectory, Rig, Trajectories
 from kinemark.sensitivity import joints
-from shifted import OPEN, Answer, law, moved, on_grid
-from shifted_scene import POINTS, calibrated, frame, observed, rig, tracks, walk
+from support.shift_law import OPEN, Answer, law, moved, on_grid
+from support.shift_scene import POINTS, calibrated, frame, observed, rig, tracks, walk
 
 
 def seen_points(by=0.0):
@@ -247,11 +247,11 @@ def _(by):
     return Answer(rest=(spread, alone, said.information, said.noise, quality.visible(cameras, xyz)))
 
 
-@law(quality.compare, quality.cover_image, mm=1e-6, share=OPEN)
+@law(quality.compare, quality.image_coverage, mm=1e-6, share=OPEN)
 def _(by):
     other = true_rig_of_five()
     change = quality.compare(moved(other, by), moved(rig(), by), POINTS + by)
-    cover = quality.cover_image(moved(rig()[0], by), 1.01 * geometry.project(rig()[0], POINTS[::2]), POINTS + by)
+    cover = quality.image_coverage(moved(rig()[0], by), 1.01 * geometry.project(rig()[0], POINTS[::2]), POINTS + by)
     return Answer(rest=(change, cover))
 
 
@@ -259,13 +259,13 @@ def true_rig_of_five():
     return synth.ring(5, distortion=(-0.1, 0.02, 0.0, 0.0, 0.0), sweep_deg=300.0, radius=4100.0)
 
 
-@law(world.moved_to, world.l_frame, world.fit_moved_to, mm=1e-6, share=OPEN)
+@law(world_frame.moved_to, world_frame.l_frame, world_frame.fit_moved_to, mm=1e-6, share=OPEN)
 def _(by):
     """A rig found in a world 10 km away is moved here, and one found here is moved there."""
     corner = np.array([[0, 0, 12.5], [800, 0, 12.5], [0, 600, 12.5]])
-    known = world.l_frame(moved(rig(), by), corner[[2, 0, 1]] + by, long=800.0, short=600.0, height=12.5)
-    here = world.moved_to(moved(rig(), by), corner[[2, 0, 1]] + by, known)
-    there = world.moved_to(rig(), corner, corner + by)
+    known = world_frame.l_frame(moved(rig(), by), corner[[2, 0, 1]] + by, long=800.0, short=600.0, height=12.5)
+    here = world_frame.moved_to(moved(rig(), by), corner[[2, 0, 1]] + by, known)
+    there = world_frame.moved_to(rig(), corner, corner + by)
     return Answer(in_the_world(there, by)[0][0], (known, in_the_world(here, 0.0), in_the_world(there, by)[1]))
 
 
@@ -284,12 +284,11 @@ def _(by):
 )
 def _(by):
     cameras, there = moved(rig(), by), sensitivity.gather(moved(tracks(), by), observed().detections, frames=40)
-    paths = tuple(Path.measured(name, xyz[:60] + by) for name, xyz in zip(walk().names, walk().xyz, strict=True))
-    named = sensitivity.gather_named(
-        Trajectories(paths, walk().rate), moved(tracks(), by), observed().detections, frames=40
-    )
+    paths = (MarkerTrajectory.measured(n, xyz[:60] + by) for n, xyz in zip(walk().names, walk().xyz, strict=True))
+    names = Trajectories(tuple(paths), walk().rate)
+    named = sensitivity.gather_named(names, moved(tracks(), by), observed().detections, frames=40)
     pairs = sensitivity.segments(there)
-    ranking = sensitivity.rank(cameras, there, method=sensitivity.Limits(frames=40))
+    ranking = sensitivity.rank(cameras, there, method=sensitivity.ErrorBudget(frames=40))
     points = sensitivity.rig_points(cameras, there.xyz, centroid_sd=0.1)
     seen = sensitivity.shown(cameras, there.xyz[0], there.uv[0], there.time_s)
     rest = named._replace(xyz=None), pairs, sensitivity.segment_jacobian(there.xyz, pairs), ranking, points.cov, seen

@@ -3,26 +3,16 @@
 from dataclasses import replace
 
 import numpy as np
-from kinemark.follow import FormerTwoCameras, Simultaneous, follow_with_doubts
 
 import kinemark
 from kinemark import digitise, geometry
 from kinemark.digitise import OtherViews, propose
-from kinemark.match import EpipolarTriplets, KissTriplets, NearestEpipolar
-from kinemark.reconstruct import CameraPairs, LeastSquares, located, wanted
-from kinemark.track import (
-    DistanceOnly,
-    ExtrapolationLadder,
-    KissTracking,
-    Swamidas,
-    blend,
-    swamidas,
-    track,
-    within_volume,
-    without_short,
-)
-from shifted import OPEN, Answer, law, moved
-from shifted_scene import cloud, matches, observed, rig, tracks, walk
+from kinemark.match import MATCH, NearestEpipolar
+from kinemark.reconstruct import RECONSTRUCT, LeastSquares, located, wanted
+from kinemark.track import TRACK, Swamidas, blend, swamidas, track, within_volume, without_short
+from kinemark.track.simultaneous import FormerTwoCameras, Simultaneous, track_with_decisions
+from support.shift_law import OPEN, Answer, law, moved
+from support.shift_scene import cloud, matches, observed, rig, tracks, walk
 
 
 def first_cameras(n):
@@ -30,13 +20,14 @@ def first_cameras(n):
     return seen.select(seen.cameras[:n])
 
 
-@law(kinemark.match, share=1e-8, each={"n": EpipolarTriplets(), "kiss": KissTriplets(), "nearest": NearestEpipolar()})
+@law(kinemark.match, share=1e-8, each={name: declared.kind() for name, declared in MATCH.items()})
 def _(by, parameter):
     seen = first_cameras(2) if isinstance(parameter, NearestEpipolar) else observed().detections
     return Answer(rest=kinemark.match(seen, moved(rig().select(seen.cameras), by), method=parameter))
 
 
-RECONSTRUCTORS = {"squares": LeastSquares(), "spheres": LeastSquares(marker_diameter=25.0), "pairs": CameraPairs()}
+RECONSTRUCTORS = {name: declared.kind() for name, declared in RECONSTRUCT.items()}
+RECONSTRUCTORS["spheres"] = LeastSquares(marker_diameter=25.0)
 
 
 @law(kinemark.reconstruct, each=RECONSTRUCTORS, mm=1e-6, share=OPEN)
@@ -53,33 +44,37 @@ def _(by):
     return Answer(found.xyz, (found.cov, found.residual, wanted(found, cameras)))
 
 
-FOLLOWERS = {"simultaneous": Simultaneous(), "former": FormerTwoCameras()}
+OF_DETECTIONS = {"simultaneous": Simultaneous(), "former_two_cameras": FormerTwoCameras()}
 
 
-@law(kinemark.follow, each=FOLLOWERS, mm=1e-6, share=OPEN)
+@law(kinemark.track_detections, each=OF_DETECTIONS, mm=1e-6, share=OPEN)
 def _(by, parameter):
     seen = first_cameras(2) if isinstance(parameter, FormerTwoCameras) else observed().detections
-    found = kinemark.follow(seen, moved(rig().select(seen.cameras), by), method=parameter)
+    found = kinemark.track_detections(seen, moved(rig().select(seen.cameras), by), method=parameter)
     return Answer(found.cloud.xyz, (found.id, found.cloud.cov, found.cloud.residual, found.cloud.view))
 
 
-@law(kinemark.followed, kinemark.doubts, kinemark.noticed, kinemark.noticed_of, follow_with_doubts, mm=1e-6, share=OPEN)
+@law(
+    kinemark.track_simultaneously,
+    kinemark.ambiguous_decisions,
+    kinemark.diagnose,
+    kinemark.diagnose_tracks,
+    track_with_decisions,
+    mm=1e-6,
+    share=OPEN,
+)
 def _(by):
     seen, cameras = observed().detections, moved(rig(), by)
-    found = kinemark.followed(seen, cameras, Simultaneous())
-    tracks, doubts = follow_with_doubts(seen, cameras)
-    words = kinemark.noticed(seen, cameras, found), kinemark.noticed_of(seen, cameras, tracks)
-    rest = found.id, found.evidence, found.joins, found.noise, kinemark.doubts(found, Simultaneous()), doubts, words
+    found = kinemark.track_simultaneously(seen, cameras, Simultaneous())
+    tracks, decisions = track_with_decisions(seen, cameras)
+    words = kinemark.diagnose(seen, cameras, found), kinemark.diagnose_tracks(seen, cameras, tracks)
+    again = kinemark.ambiguous_decisions(found, Simultaneous())
+    rest = found.id, found.evidence, found.joins, found.noise, decisions, again, words
     return Answer((found.tracks.cloud.xyz, tracks.cloud.xyz), rest)
 
 
-TRACKERS = {
-    "ladder": ExtrapolationLadder(),
-    "kiss": KissTracking(),
-    "distance": DistanceOnly(),
-    "swamidas": Swamidas(),
-    "segments": Swamidas(segment_tolerance=0.05),
-}
+TRACKERS = {name: declared.kind() for name, declared in TRACK.items() if name not in OF_DETECTIONS}
+TRACKERS["segments"] = Swamidas(segment_tolerance=0.05)
 
 
 @law(track, each=TRACKERS)

@@ -1,0 +1,107 @@
+"""What may be found of a calibration, and what its verdict says."""
+
+from __future__ import annotations
+
+from .finding import FindingKind as Kind
+
+CALIBRATION_KINDS = (
+    # Control points judge themselves: severity info is good, amber usable, red bad
+    Kind("control_points_return", "calibrate", "info", "How far control points that took no part come back from where "
+         "they were surveyed, and 1 part of the volume's diagonal in how many; limit_parts is the one that it missed.",
+         {"rms_mm": "mm", "worst_point": "text", "worst_mm": "mm", "parts": "parts", "diagonal_m": "m",
+          "limit_parts": "parts"}),
+    Kind("control_points_by_residual", "calibrate", "info", "Points are too few to leave one out (or one camera is "
+         "alone), so residuals judge: 1 part of the images' extent in between least and most parts.",
+         {"alone": "flag", "equations": "count", "error_px": "px", "parts_least": "parts", "parts_most": "parts",
+          "limit_parts": "parts"}),
+    Kind("no_equations_left", "calibrate", "amber", "As many equations as parameters: residuals say nothing."),
+    Kind("cameras_miss_control_points", "calibrate", "red", "Residuals of these cameras are bad by themselves.",
+         {"residual_px_list": "px", "limit_parts": "parts"}),
+    Kind("cameras_worse_than_others", "calibrate", "amber", "Residuals of these cameras are larger than the others' "
+         "beyond chance.", {"residual_px_list": "px", "limit_ratio": "ratio"}),
+    Kind("residuals_above_noise", "calibrate", "amber", "Residuals are larger than the centroids' noise explains.",
+         {"residual_px": "px", "ratio": "ratio"}),
+    Kind("control_points_left_out", "calibrate", "info", "Images that a camera left out: how far off each is, and the "
+         "point where it seems to belong. Amber where they are many.",
+         {"points_list": "text", "off_px_list": "px", "place_of_list": "text"}),
+    Kind("control_points_swapped", "calibrate", "red", "Control points are taken for one another in a camera's image: "
+         "each point, the point whose image it has, and the residual before and after.",
+         {"points_list": "text", "image_of_list": "text", "before_px": "px", "after_px": "px"}),
+    Kind("control_point_misplaced", "calibrate", "red", "Without one control point a camera sees the others much "
+         "better.", {"point": "text", "before_px": "px", "after_px": "px"}),
+    Kind("control_points_displaced", "calibrate", "amber", "All cameras see these control points elsewhere than "
+         "surveyed. where: other (each at the place of the other), alike (all shifted alike) or apart; the mean shift, "
+         "the least and greatest distance; less far off ones; residuals with and without them, None where unused.",
+         {"where": "text", "points_list": "text", "shift_mm_list": "mm", "least_mm": "mm", "greatest_mm": "mm",
+          "less_points_list": "text", "less_mm_list": "mm", "before_px": "px", "after_px": "px"}),
+    Kind("focal_length_uncertain", "calibrate", "amber", "A camera's points determine its focal length poorly.",
+         {"sd_share": "share"}),
+    Kind("control_points_unseen", "calibrate", "info", "No camera sees these control points.", {"points_list": "text"}),
+    Kind("control_points_seen_by_few", "calibrate", "info", "Less than half of the cameras see these control points.",
+         {"points_list": "text"}),
+    # Any calibration
+    Kind("cameras_miss_points", "calibrate", "amber", "RMS residuals of these cameras are high; red above 3 px.",
+         {"worst_px": "px"}),
+    Kind("camera_fits_worse", "calibrate", "amber", "A camera's residual is far above the median of the others.",
+         {"residual_px": "px", "others_px": "px"}),
+    Kind("left_out_errors_large", "calibrate", "amber", "Points that took no part are missed by much more than the "
+         "residual; the ratio is the worst.", {"ratio": "ratio"}),
+    Kind("control_points_disagree", "calibrate", "amber", "The other points do not agree with these.",
+         {"points_list": "text", "worst_px": "px"}),
+    Kind("images_left_out", "calibrate", "amber", "Many images of points were left out as wrong.",
+         {"images_share": "share"}),
+    Kind("volume_unseen", "calibrate", "amber", "Fewer than two cameras see this share of the volume; red above 30 %.",
+         {"volume_share": "share", "volume_given": "flag"}),
+    Kind("volume_seen_by_two", "calibrate", "amber", "Only two cameras see this share of the volume.",
+         {"volume_share": "share", "volume_given": "flag"}),
+    Kind("two_cameras_only", "calibrate", "info", "With two cameras nothing is measured when one is lost."),
+    Kind("camera_indispensable", "calibrate", "info", "Without this camera the error is so many times as large, and "
+         "that share of the volume is no longer measured (None where it is small).",
+         {"ratio": "ratio", "unseen_share": "share"}),
+    Kind("points_cover_part", "calibrate", "info", "Calibration points cover only part of the volume in these cameras' "
+         "images; amber where it is very little.", {"least_share": "share"}),
+    Kind("lens_uncertain", "calibrate", "amber", "The lens is hardly determined in parts of these cameras' images.",
+         {"worst_px": "px"}),
+    Kind("scale_doubtful", "calibrate", "amber", "A length that took no part comes out wrong; red above 2 %.",
+         {"length": "text", "known_mm": "mm", "found_mm": "mm", "error_share": "share"}),
+    Kind("cameras_distance_implausible", "calibrate", "red", "The median distance between cameras is not that of a "
+         "laboratory.", {"apart_mm": "mm"}),
+    Kind("cameras_at_one_place", "calibrate", "red", "Two cameras stand within each other."),
+    Kind("wand_length_wrong", "calibrate", "amber", "The wand's length in poses that took no part; red above 2 %.",
+         {"rms_mm": "mm"}),
+    Kind("wand_length_wrong_here", "calibrate", "amber", "The wand's length is wrong about one place.",
+         {"place_mm_list": "mm", "error_mm": "mm"}),
+    Kind("precision_low", "calibrate", "amber", "Standard deviation of a position per axis in 95 % of the volume; red "
+         "above 10 mm.", {"sd_mm": "mm"}),
+    Kind("rays_nearly_parallel", "calibrate", "amber", "In that share of the volume all rays meet at a small angle.",
+         {"volume_share": "share", "limit_deg": "deg"}),
+    Kind("no_uncertainty_stated", "calibrate", "info", "The calibration states no uncertainty."),
+    Kind("no_lens_correction", "calibrate", "info", "These cameras have no lens correction."),
+    Kind("grid_rows_bent", "calibrate", "amber", "Rows of the linearisation grid stay bent in these cameras."),
+    Kind("cameras_moved_since", "calibrate", "info", "These cameras moved against the others since the former "
+         "calibration."),
+    Kind("world_of_first_camera", "calibrate", "amber", "Nothing says where the laboratory's frame is."),
+    Kind("grid_partly_used", "calibrate", "amber", "Only a part of the linearisation grid in an image was used; reason "
+         "is the message of the search.", {"reason": "text"}),
+    Kind("grid_image_unused", "calibrate", "amber", "An image of the linearisation grid was not used; reason is the "
+         "message of the search.", {"reason": "text"}),
+    # What the verdict says
+    Kind("calibration_good", "calibrate", "info", "The verdict: good for this standard deviation in that share of the "
+         "volume.", {"sd_mm": "mm", "volume_share": "share"}),
+    Kind("calibration_usable", "calibrate", "info", "The verdict: usable with care.",
+         {"sd_mm": "mm", "volume_share": "share"}),
+    Kind("calibration_unusable", "calibrate", "info", "The verdict: not to be used."),
+    Kind("calibrated_by", "calibrate", "info", "How it was made and how well it fits.",
+         {"way": "text", "camera_count": "count", "residual_px": "px", "images": "count", "points": "count",
+          "left_out_px": "px"}),
+    Kind("wand_lengths", "calibrate", "info", "The wand's lengths in poses that took no part.",
+         {"poses": "count", "known_mm_list": "mm", "error_abs_mm": "mm", "error_mean_mm": "mm", "error_sd_mm": "mm"}),
+    Kind("length_check", "calibrate", "info", "A length that took no part.",
+         {"length": "text", "known_mm": "mm", "found_mm": "mm"}),
+    Kind("predicted_deviation", "calibrate", "info", "Standard deviation of a position in 95 % of the volume, along an "
+         "axis and in its worst direction, for centroids of that noise.",
+         {"centroid_sd_px": "px", "calibration_known": "flag", "sd_mm": "mm", "worst_direction_mm": "mm"}),
+    Kind("volume_seen", "calibrate", "info", "Shares of the volume that two and three cameras see, and how many times "
+         "as large the error is without the camera that matters most.",
+         {"two_share": "share", "three_share": "share", "ratio": "ratio"}),
+)  # fmt: skip

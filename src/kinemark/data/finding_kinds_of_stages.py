@@ -1,0 +1,87 @@
+"""What may be found by filling, joint angles, the error budget and the proposal of detection, with their verdicts."""
+
+from __future__ import annotations
+
+from .finding import FindingKind as Kind
+
+FILLING = (
+    Kind("gaps_open", "fill", "amber", "Gaps that stayed open; red where none was filled.", {"gaps": "count"}),
+    Kind("gaps_uncertain", "fill", "amber", "Gaps whose expected error or standard deviation is above the limit.",
+         {"gaps": "count", "limit_mm": "mm", "worst_mm": "mm"}),
+    Kind("gaps_untested", "fill", "amber", "Gaps filled without an expected error.", {"gaps": "count"}),
+    Kind("samples_far_away", "fill", "amber", "Samples farther than a kilometre from the others.",
+         {"samples": "count"}),
+    Kind("samples_replaced", "fill", "info", "Measured samples beside gaps that were replaced.",
+         {"samples": "count", "gaps": "count"}),
+    Kind("markers_mostly_filled", "fill", "info", "More than the limit of these markers is filled.",
+         {"limit_share": "share"}),
+    Kind("markers_absent", "fill", "amber", "Markers that this trial never shows; red where it shows none."),
+    Kind("gaps_filled", "fill", "info", "The verdict: so many of the gaps are filled.",
+         {"filled": "count", "gaps": "count"}),
+    Kind("nothing_to_fill", "fill", "info", "The verdict: there are no gaps."),
+    Kind("no_marker_seen", "fill", "info", "The verdict: no marker is seen."),
+    Kind("expected_gap_error", "fill", "info", "Expected error of a filled sample, of the median and the worst gap, by "
+         "hold-out gaps.", {"median_mm": "mm", "worst_mm": "mm"}),
+    Kind("markers_from_static", "fill", "info", "Markers placed from the static trial, and their worst expected error.",
+         {"count": "count", "worst_mm": "mm"}),
+    Kind("samples_beyond", "fill", "info", "Samples before a marker's first or after its last that were not to be "
+         "filled.", {"samples": "count"}),
+)  # fmt: skip
+
+KINEMATICS = (
+    Kind("joints_without_angles", "kinematics", "red", "No frame has angles of these joints.", {"joints_list": "text"}),
+    Kind("frames_without_angles", "kinematics", "info", "So many frames have no angles of these joints.",
+         {"count": "count", "joints_list": "text"}),
+    Kind("gimbal_lock", "kinematics", "amber", "A joint is in gimbal lock in these frames.", {"joint": "text"}),
+    Kind("angle_beyond_normal", "kinematics", "amber", "An angle is beyond its normal range.",
+         {"joint": "text", "angle": "text", "frames_share": "share", "most_deg": "deg"}),
+    Kind("markers_smoothed_before", "kinematics", "amber", "The markers' noise is so small that they were smoothed "
+         "before, and the deviations of the angles are too small.", {"sd_mm": "mm"}),
+    Kind("marker_errors_not_stated", "kinematics", "info", "The file states no errors; how is estimated or assumed.",
+         {"how": "text"}),
+    Kind("angles_good", "kinematics", "info", "The verdict: nothing was found."),
+    Kind("angles_usable", "kinematics", "info", "The verdict: the angles deserve a look."),
+    Kind("angles_missing", "kinematics", "info", "The verdict: a joint has no angles."),
+    Kind("angles_computed", "kinematics", "info", "Model, side and frames.",
+         {"model": "text", "side": "text", "frame_count": "count"}),
+    Kind("angle_deviations", "kinematics", "info", "Least and greatest of the median standard deviations.",
+         {"least_deg": "deg", "least_joint": "text", "least_angle": "text", "greatest_deg": "deg",
+          "greatest_joint": "text", "greatest_angle": "text"}),
+    Kind("cycles_averaged", "kinematics", "info", "Cycles that were averaged.", {"cycles": "count"}),
+)  # fmt: skip
+
+SENSITIVITY = (
+    Kind("error_limited_by", "sensitivity", "info", "The verdict: the source that limits the recording. Angles: amber "
+         "above 2°, red above 5° in a mean of cycles; positions: amber unless it is the placement of markers.",
+         {"source": "text"}),
+    Kind("error_of_angle", "sensitivity", "info", "Standard uncertainty of an angle, in a frame and in a mean of "
+         "cycles, and the source with that share of the variance.",
+         {"frame_deg": "deg", "mean_deg": "deg", "cycles": "count", "source": "text", "variance_share": "share"}),
+    Kind("error_of_position", "sensitivity", "info", "The same of a marker's position.",
+         {"frame_mm": "mm", "mean_mm": "mm", "cycles": "count", "source": "text", "variance_share": "share"}),
+    Kind("error_of_cameras", "sensitivity", "info", "What all but the placement of markers makes of it.",
+         {"position_mm": "mm", "angle_deg": "deg"}),
+    Kind("placement_assumed", "sensitivity", "info", "Placement of markers is assumed; next is the greatest source "
+         "that the trial itself shows.", {"placement_mm": "mm", "next_source": "text"}),
+    Kind("camera_most_missed", "sensitivity", "info", "Standard uncertainty of a position by the cameras, without this "
+         "camera (None: no point is left) and with it, and share of the points lost.",
+         {"without_mm": "mm", "with_mm": "mm", "lost_share": "share"}),
+    Kind("cameras_losing_points", "sensitivity", "info", "Losing one of these takes more points than the limit.",
+         {"limit_share": "share"}),
+    Kind("two_cameras_no_loss", "sensitivity", "info", "With two cameras nothing is measured when one is lost."),
+)  # fmt: skip
+
+PROPOSAL = (
+    Kind("images_white", "detect", "amber", "Most pixels have the brightest level.", {"white_share": "share"}),
+    Kind("nothing_stands_out", "detect", "amber", "No markers stand out from the background.",
+         {"brightest": "level", "white": "level", "background": "level", "noise": "level"}),
+    Kind("markers_dark", "detect", "info", "Markers are dark on a bright ground."),
+    Kind("no_clear_gap", "detect", "amber", "Noise and markers are hardly apart in brightness.",
+         {"low": "level", "high": "level", "white": "level"}),
+    Kind("bright_without_markers", "detect", "amber", "Many bright pixels belong to no marker.",
+         {"pixels_share": "share"}),
+    Kind("light_clipped", "detect", "amber", "Many markers reach the brightest level.", {"groups_share": "share"}),
+    Kind("few_bits_used", "detect", "info", "Images of 16 bits use no level above this.", {"white": "level"}),
+)  # fmt: skip
+
+STAGE_KINDS = (*FILLING, *KINEMATICS, *SENSITIVITY, *PROPOSAL)

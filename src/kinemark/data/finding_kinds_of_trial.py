@@ -1,0 +1,86 @@
+"""What may be found of a trial: of the recording, its cameras, its points and its tracks; and what its verdict says."""
+
+from __future__ import annotations
+
+from .finding import FindingKind as Kind
+
+TRIAL_KINDS = (
+    # Nothing there
+    Kind("no_frames", "record", "red", "The recording has no frames."),
+    Kind("no_detections", "detect", "red", "No camera has any detection."),
+    Kind("no_points", "reconstruct", "red", "There are detections but no points; diagnosed: whether the tracking "
+         "found something odd about its input.", {"diagnosed": "flag"}),
+    Kind("no_trajectories", "track", "red", "There are points but no trajectory."),
+    # Cameras
+    Kind("camera_sees_nothing", "detect", "amber", "A camera has no detection, while others have some."),
+    Kind("camera_disagrees", "reconstruct", "amber", "The median residual of a camera is far above the median of the "
+         "others, by this ratio (None where theirs is 0); the offset is the median of detection less reprojection.",
+         {"residual_px": "px", "ratio": "ratio", "offset_u_px": "px", "offset_v_px": "px"}),
+    Kind("cameras_agree_poorly", "reconstruct", "amber", "The median residual of all views is high; red above 3 px.",
+         {"residual_px": "px"}),
+    Kind("calibration_residual_high", "calibrate", "amber", "The calibration states a residual above the limit, and "
+         "nobody judged it.", {"limit_px": "px"}),
+    Kind("calibration_verdict", "calibrate", "info", "The calibration's own verdict is not green; red where it is. "
+         "sd_mm: standard deviation per axis in that share of the volume.",
+         {"grade": "text", "sd_mm": "mm", "volume_share": "share"}),
+    Kind("detections_unused", "reconstruct", "amber", "Few of a camera's valid detections belong to a point; "
+         "used_share is the least of these cameras.", {"used_share": "share"}),
+    Kind("two_camera_points", "reconstruct", "amber", "Many points rest on only two cameras.",
+         {"points_share": "share"}),
+    Kind("pixels_not_square", "calibrate", "amber", "Focal lengths along u and v differ, and not as in fields."),
+    Kind("frame_rate_contradicted", "record", "amber", "Videos state another frame rate than the session; one stated "
+         "rate a camera.", {"rate_hz": "Hz", "stated_hz_list": "Hz"}),
+    Kind("cameras_swapped", "match", "amber", "Two cameras have each other's images; several pairs where they do as "
+         "well, cameras two by two. Shares of their detections confirmed by two more cameras, swapped and as it is.",
+         {"swapped_share": "share", "as_is_share": "share"}),
+    # What tracks show of their input
+    Kind("camera_out_of_sync", "track", "amber", "A camera sees everything later (or earlier, below 0) than the "
+         "others; shift_px is how far that moves its images.",
+         {"delay_ms": "ms", "delay_frames": "frames", "shift_px": "px"}),
+    Kind("camera_without_images", "track", "amber", "A camera has no images at all."),
+    Kind("camera_stopped", "track", "amber", "A camera has no images in the last frames, though markers were in view.",
+         {"recorded_frames": "count"}),
+    Kind("camera_started_late", "track", "amber", "A camera has no images in the first frames, though markers were in "
+         "view.", {"recorded_frames": "count"}),
+    Kind("camera_moved", "track", "amber", "A camera's images fit no track any more from a frame on."),
+    Kind("camera_shifted", "track", "amber", "A camera's images lie beside where the others expect them; with frames "
+         "where that began within the recording.", {"offset_u_px": "px", "offset_v_px": "px"}),
+    Kind("camera_takes_place_of_other", "track", "amber", "The first camera sees what the second should see.",
+         {"left_out": "flag"}),
+    Kind("camera_fits_nothing", "track", "amber", "A camera's images fit nothing that the others see.",
+         {"left_out": "flag"}),
+    Kind("nothing_goes_on", "track", "amber", "Cameras agree in single frames, but no marker goes on to the next: the "
+         "frame rate may be wrong.", {"rate_hz": "Hz"}),
+    Kind("speeds_impossible", "track", "amber", "Markers move faster than people can: the frame rate may be wrong.",
+         {"speed_m_s": "m/s", "rate_hz": "Hz"}),
+    # Markers and tracks
+    Kind("markers_never_seen", "track", "amber", "Markers without any sample."),
+    Kind("incomplete", "track", "amber", "Few of the markers' positions are there while the subject is in view; the "
+         "least complete markers come first.", {"complete_share": "share"}),
+    Kind("tracks_broken", "track", "amber", "More unlabelled tracks than markers.",
+         {"tracks": "count", "markers_worn": "count"}),
+    Kind("long_gaps", "track", "amber", "Gaps above the limit are left.", {"limit_s": "s"}),
+    Kind("much_filled", "fill", "amber", "Much of these markers is filled, not measured.", {"limit_share": "share"}),
+    Kind("markers_uncertain", "reconstruct", "amber", "The mean standard deviation is above the limit.",
+         {"limit_mm": "mm"}),
+    Kind("outside_volume", "reconstruct", "amber", "Samples lie outside the given control volume.",
+         {"samples_share": "share"}),
+    Kind("unnamed_trajectories", "track", "info", "Trajectories without a marker's name.",
+         {"unnamed": "count", "trajectories": "count"}),
+    Kind("points_in_no_track", "track", "amber", "Points that belong to no track.", {"points_share": "share"}),
+    Kind("close_decisions", "track", "info", "How many decisions of the tracking were close, of each kind.",
+         {"swap": "count", "merge": "count", "ghost": "count", "join": "count"}),
+    # What the verdict says
+    Kind("trial_good", "track", "info", "The verdict: nothing was found."),
+    Kind("trial_usable", "track", "info", "The verdict: usable with care."),
+    Kind("trial_unusable", "track", "info", "The verdict: not to be used."),
+    Kind("recorded", "record", "info", "What was recorded; track_count is None where trajectories have names.",
+         {"camera_count": "count", "marker_count": "count", "track_count": "count", "duration_s": "s",
+          "frame_count": "count", "rate_hz": "Hz"}),
+    Kind("completeness", "track", "info", "How complete the markers are while the subject is in view.",
+         {"complete_share": "share", "filled_share": "share", "gaps": "count", "longest_s": "s"}),
+    Kind("agreement", "reconstruct", "info", "The median residual, and what it is at the subject.",
+         {"residual_px": "px", "at_subject_mm": "mm"}),
+    Kind("position_deviation", "reconstruct", "info", "Mean standard deviation of a position, per axis.",
+         {"sd_mm": "mm"}),
+)  # fmt: skip

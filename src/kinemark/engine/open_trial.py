@@ -1,0 +1,177 @@
+"""A trial as an open document: settings, what the operator said, and the records that follow from both.
+
+Everything but settings and answers is derived, kept under keys of content, and can be thrown away. A trial holds no
+arrays itself: its records are read from the folder of results when they are asked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ..data import Detections, KinemarkError, Rig, Step, Tracks, Trajectories
+from .calibration.calibrated import Calibrated
+from .graph import Graph
+from .progress import Cancel, Progress, Watch, check_threads, one_blas_thread, silent
+from .settings import TrialEntry
+from .sources import Frames, Recording, TrialSource, source_of
+from .store import Store
+from .trial_graph import TrialInputs, filled_of, trial_graph
+from .workspace import Workspace
+
+PREVIEW = "preview"
+"""Folder, in that of a trial, of what was computed of a stretch of its frames."""
+
+
+@dataclass(frozen=True, slots=True)
+class OpenTrial:
+    """One trial of a session.
+
+    Attributes:
+        workspace: the session that it belongs to.
+        entry: its table in session.toml.
+        frames: first and last frame of the stretch that is looked at, counted from 1; None for all.
+        steps: the stages that were run, in their order, each with its key.
+        computed: those of them that had to be computed in the last run; the others were unchanged.
+    """
+
+    workspace: Workspace
+    entry: TrialEntry
+    frames: Frames = None
+    steps: tuple[Step, ...] = ()
+    computed: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Of the trial."""
+        return self.entry.name
+
+    @property
+    def folder(self) -> Path:
+        """Where its results are."""
+        whole = self.workspace.results / self.name
+        return whole if self.frames == self.entry.frames else whole / PREVIEW
+
+    @property
+    def _lock(self) -> Path:
+        """Whoever has this file works on the trial."""
+        return self.workspace.results / f".{self.name}.lock"
+
+    @property
+    def stages(self) -> tuple[str, ...]:
+        """The names of its stages, in order."""
+        return self._graph(self.workspace.calibrate()).names
+
+    def preview(self, first: int, last: int) -> OpenTrial:
+        """The same trial, of frames first … last only, counted from 1; its results are kept apart.
+
+        Raises:
+            KinemarkError: that is no stretch of frames.
+        """
+        if not 1 <= first <= last:
+            raise KinemarkError(
+                f"frames {first} to {last} are no stretch: give the first, counted from 1, then the last."
+            )
+        return replace(self, frames=(first, last), steps=(), computed=())
+
+    def run(
+        self,
+        to: str = "write",
+        *,
+        progress: Progress = silent,
+        cancel: Cancel | None = None,
+        threads: int | None = None,
+    ) -> OpenTrial:
+        """The trial with a stage done and all that it needs; what is unchanged is read instead of computed.
+
+        Args:
+            to: the stage.
+            progress: told what is being done.
+            cancel: stops the run as soon as it is set; what was finished is kept, and the next run goes on there.
+            threads: how many detection may use; all processors where None.
+
+        Raises:
+            KinemarkError: the input cannot be used; the message says what to do.
+            Cancelled: `cancel` was set.
+        """
+        check_threads(threads)
+        watch = Watch(progress, cancel)
+        calibrated = self.workspace.calibrate(progress=progress, cancel=cancel, threads=threads)
+        source, graph = self.source(calibrated.rig), self._graph(calibrated)
+        with one_blas_thread(), Store.open(self.folder, self._lock, watch.of("wait")) as store:
+            inputs = TrialInputs(self.name, self.folder, self.workspace.settings, source, calibrated, store, threads)
+            graph.run(to, inputs, store, watch)
+            return replace(self, steps=tuple(store.steps), computed=tuple(store.computed))
+
+    def state(self) -> dict[str, bool]:
+        """Each stage, and whether its record is there and up to date."""
+        graph = self._graph(self.workspace.calibrate())
+        store, keys = Store.read(self.folder), graph.keys(graph.names[-1])
+        return {stage.name: store.holds(stage.name, keys[stage.name], stage.files) for stage in graph.stages}
+
+    def done(self, stage: str) -> bool:
+        """Whether the last run came as far as this stage."""
+        return any(step.stage == stage for step in self.steps)
+
+    def told(self) -> dict[str, Any]:
+        """What a machine is told of the last run: every figure, or where it stopped before, its stages."""
+        return self.quality if self.done("quality") else {"trial": self.name, "stages": [s.stage for s in self.steps]}
+
+    def record(self, stage: str) -> Any:
+        """The record of a stage that was run.
+
+        Raises:
+            KinemarkError: it was not run, or its file was changed or deleted since.
+        """
+        return self._records(stage)[stage]
+
+    @property
+    def rig(self) -> Rig:
+        """The calibrated cameras."""
+        return self.workspace.calibrate().rig
+
+    @property
+    def detections(self) -> Detections:
+        """What the cameras saw."""
+        return self.record("detect")
+
+    @property
+    def tracks(self) -> Tracks:
+        """Points with an identity."""
+        return self.record("track").tracks
+
+    @property
+    def trajectories(self) -> Trajectories:
+        """The markers, filled where `[fill]` says how."""
+        calibrated = self.workspace.calibrate()
+        last = "fill" if self.done("fill") else "track"
+        store = Store.read(self.folder)
+        source = self.source(calibrated.rig)
+        inputs = TrialInputs(self.name, self.folder, self.workspace.settings, source, calibrated, store)
+        return filled_of(inputs, self._records(last)).trajectories
+
+    @property
+    def quality(self) -> dict[str, Any]:
+        """Every figure of the report."""
+        return self.record("quality")
+
+    def source(self, rig: Rig) -> TrialSource:
+        """Where its detections come from."""
+        s = self.workspace
+        return source_of(Recording(s.root, s.settings, self.entry, rig, self.frames, self.folder))
+
+    def _graph(self, calibrated: Calibrated) -> Graph[TrialInputs]:
+        return trial_graph(self.name, self.workspace.settings, self.source(calibrated.rig), calibrated)
+
+    def _records(self, stage: str) -> dict[str, Any]:
+        """The records of a stage and of all that it needs, as the last run left them."""
+        keys = {step.stage: step.input for step in self.steps}
+        store, found = Store.read(self.folder), {}
+        for needed in self._graph(self.workspace.calibrate()).to(stage):
+            if needed.name not in keys:
+                raise KinemarkError(f"Trial {self.name!r} has no {needed.name} yet: run it to {stage!r} first.")
+            if not store.holds(needed.name, keys[needed.name], needed.files):
+                raise KinemarkError(f"{self.folder / needed.files[0]} was changed since trial {self.name!r} was run.")
+            found[needed.name] = needed.load(self.folder / needed.files[0])
+        return found

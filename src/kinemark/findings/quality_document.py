@@ -1,0 +1,341 @@
+"""What quality.json holds, declared as types: the JSON schema that is shipped, and the reference, follow from these.
+
+Keys carry their units: `_px`, `_mm`, `_s`, `_hz`, `_frames`; a `_share` is from 0 to 1. What is not known is null.
+Lengths without an axis in their name are `[x, y, z]`, images `[u, v]`.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, NotRequired
+
+from pydantic import ConfigDict, Field
+from pydantic.config import with_config
+from typing_extensions import TypedDict
+
+from ..data.finding import FindingStage, Grade, Severity
+from ..track.simultaneous.ambiguous import DecisionKind, DecisionReason
+
+Share = Annotated[float, Field(ge=0, le=1)] | None
+Count = Annotated[int, Field(ge=0)]
+Number = float | None
+Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
+Point = Annotated[list[Number], Field(min_length=3, max_length=3)]
+Box = Annotated[list[Point], Field(min_length=2, max_length=2)]
+
+documented = with_config(ConfigDict(use_attribute_docstrings=True, extra="forbid"))
+"""The docstrings below become the descriptions of the schema, and other keys are errors."""
+
+
+@documented
+class FindingData(TypedDict):
+    """What was found, as values; `text` and `advice` are words for people and nothing reads them."""
+
+    kind: str
+    """Of the kinds in the reference; each has its own values."""
+    severity: Severity
+    stage: FindingStage
+    """Where it arises."""
+    cameras: list[str]
+    markers: list[str]
+    frames: list[Annotated[list[int], Field(min_length=2, max_length=2)]]
+    """First and last frame, both included, of each stretch."""
+    values: dict[str, Any]
+    """Numbers by name; their units are declared with the kind."""
+    text: NotRequired[str]
+    advice: NotRequired[str]
+
+
+@documented
+class VerdictData(TypedDict):
+    """The grade, the kinds of the findings that made it, and statements, the headline first."""
+
+    grade: Grade
+    findings: list[str]
+    statements: list[FindingData]
+    headline: NotRequired[str]
+    """The first statement in words."""
+    sentences: NotRequired[list[str]]
+    """The other statements in words."""
+
+
+@documented
+class DecisionData(TypedDict):
+    """A decision of the tracking that was close."""
+
+    kind: DecisionKind
+    first_frame: int
+    last_frame: int
+    time_s: float
+    trajectories: list[str]
+    reason: DecisionReason
+    values: dict[str, Number]
+    text: NotRequired[str]
+
+
+@documented
+class RecordingData(TypedDict):
+    """What was recorded."""
+
+    frames: Count
+    rate_hz: float
+    duration_s: Number
+
+
+@documented
+class CalibrationData(TypedDict):
+    """The calibration, and how it was judged where it was."""
+
+    method: str
+    cameras_not_used: list[str]
+    verdict: NotRequired[VerdictData]
+    findings: NotRequired[list[FindingData]]
+    precision: NotRequired[dict[str, float | bool | None]]
+
+
+@documented
+class VolumeData(TypedDict):
+    """The control volume as given, and the box that the markers spanned."""
+
+    given_mm: Box | None
+    spanned_mm: Box | None
+    samples_outside_given_share: Share
+
+
+@documented
+class DetectionsPerFrame(TypedDict):
+    """Of one camera."""
+
+    mean: Number
+    min: Count | None
+    max: Count | None
+
+
+@documented
+class CameraData(TypedDict):
+    """One camera: what it is, what it saw, and how well it agrees with the others."""
+
+    name: str
+    size_px: Annotated[list[int], Field(min_length=2, max_length=2)] | None
+    position_mm: Point
+    focal_px: Pair
+    calibration_residual_px: Number
+    detections: Count
+    detections_per_frame: DetectionsPerFrame
+    frames_without_detection_share: Share
+    used_share: Share
+    """Distinct detections that a point refers to, over all."""
+    used_of_valid_share: Share
+    """The same over the valid ones."""
+    invalid: dict[str, Count]
+    """Detections by the reason why they are not valid."""
+    invalid_share: dict[str, Share]
+    separated: Count
+    """Detections that were separated from others they touched."""
+    residual_median_px: Number
+    residual_rms_px: Number
+    residual_95_px: Number
+    residual_quantiles_px: list[Number]
+    """5, 25, 50, 75 and 95 %."""
+    offset_px: Pair
+    """Median of detection less reprojection."""
+    pixel_at_subject_mm: Number
+    """What one pixel spans at the median depth of the camera's points."""
+
+
+@documented
+class PointsData(TypedDict):
+    """Reconstructed points."""
+
+    count: Count
+    per_frame_mean: Number
+    cameras_per_point: dict[str, Count]
+    fewer_than_3_cameras_share: Share
+    in_a_track_share: Share
+    residual_median_px: Number
+    residual_rms_px: Number
+    residual_95_px: Number
+
+
+@documented
+class TracksData(TypedDict):
+    """Tracks."""
+
+    count: Count
+    length_mean_frames: Number
+    length_median_frames: Number
+    lengths_frames: list[Count]
+
+
+@documented
+class MarkerData(TypedDict):
+    """One marker."""
+
+    name: str
+    samples: Count
+    missing_samples: Count
+    filled_samples: Count
+    edited_samples: Count
+    completeness_share: Share
+    completeness_in_view_share: Share
+    first_seen_s: Number
+    last_seen_s: Number
+    gaps: Count
+    longest_gap_frames: Count
+    longest_gap_s: float
+    longest_fill_frames: Count
+    sd_per_axis_mean_mm: Number
+    sd_per_axis_95_mm: Number
+    jitter_mm: Number
+    """Noise of one axis as third differences show it."""
+    residual_mean_mm: Number
+    cameras_mean: Number
+
+
+@documented
+class TrajectoriesData(TypedDict):
+    """All markers together, and each."""
+
+    count: Count
+    unlabelled: bool
+    """Whether most are tracks without a marker's name."""
+    markers_worn: Count
+    samples: Count
+    missing_samples: Count
+    filled_samples: Count
+    edited_samples: Count
+    completeness_share: Share
+    in_view_frames: Annotated[list[int], Field(min_length=2, max_length=2)]
+    """First frame in which the subject is in view, and the one after the last."""
+    completeness_in_view_share: Share
+    gaps: Count
+    longest_gap_frames: Count
+    longest_gap_s: float
+    sd_per_axis_mean_mm: Number
+    jitter_median_mm: Number
+    markers: list[MarkerData]
+
+
+@documented
+class StageTime(TypedDict):
+    """Time of one stage."""
+
+    stage: str
+    time_s: float
+    frames_per_s: Number
+
+
+@documented
+class TimingData(TypedDict):
+    """Time of computing."""
+
+    total_s: float
+    frames_per_s: Number
+    stages: list[StageTime]
+
+
+@documented
+class StepData(TypedDict):
+    """How one stage was made."""
+
+    stage: str
+    method: str
+    parameters: dict[str, Any]
+    version: str
+    input: str
+    time_s: float
+
+
+@documented
+class GapData(TypedDict):
+    """One gap, and what became of it."""
+
+    marker: str
+    first_frame: int
+    last_frame: int
+    first_s: float
+    length_s: float
+    frames: Count
+    method: str
+    """Empty where it stayed open."""
+    expected_mm: Number
+    sd_worst_mm: Number
+    """Greatest standard deviation of an axis within it."""
+    candidates_mm: dict[str, Number]
+    """Expected error of each method."""
+    tests: Count
+    donors: list[str]
+    """Markers that it was filled from."""
+    trimmed: list[int]
+    """Measured frames that were replaced."""
+    reason: str
+    """Why it stayed open, in words."""
+
+
+@documented
+class FillingData(TypedDict):
+    """What became of the gaps."""
+
+    kinemark: str
+    schema_version: int
+    source: str
+    method: str
+    limit_mm: Number
+    rate_hz: float
+    frames: Count
+    markers: Count
+    gaps: Count
+    filled: Count
+    open: Count
+    missing_samples: Count
+    missing_after: Count
+    beyond: Count
+    """Samples before a marker's first and after its last."""
+    replaced: Count
+    expected_median_mm: Number
+    expected_worst_mm: Number
+    unknown: Count
+    """Filled gaps without an expected error."""
+    by_method: dict[str, Count]
+    never_seen: list[str]
+    much_filled: list[str]
+    far_away: Count
+    """Samples farther than a kilometre from the others."""
+    list: list[GapData]
+    findings: list[FindingData]
+    verdict: VerdictData
+
+
+@documented
+class DigitisingData(TypedDict):
+    """What an operator was asked and answered."""
+
+    questions: Count
+    cameras: dict[str, dict[str, Any]]
+
+
+@documented
+class Quality(TypedDict):
+    """How good a trial is: every figure of its report, in values and words."""
+
+    kinemark: str
+    """The version that wrote the file."""
+    schema_version: Literal[1]
+    session: str
+    trial: str
+    recording: RecordingData
+    calibration: CalibrationData
+    volume: VolumeData
+    cameras: list[CameraData]
+    points: PointsData
+    tracks: TracksData
+    trajectories: TrajectoriesData
+    timing: TimingData
+    steps: list[StepData]
+    ambiguous_decisions: list[DecisionData]
+    filling: FillingData | None
+    """None where no gaps were to be filled."""
+    digitising: NotRequired[DigitisingData]
+    """Of trials that an operator digitised."""
+    findings: list[FindingData]
+    """What deserves a look, the gravest first."""
+    verdict: VerdictData

@@ -1,0 +1,280 @@
+"""What deserves a look in a trial, from its figures, and the verdict over the whole."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Iterator, Sequence
+from itertools import chain
+from typing import Any
+
+from ..data import Finding, Severity, make_finding
+from ..data.finding import gravest_first, red_if
+from .verdict import Verdict, verdict_of
+
+RESIDUAL_RATIO = 3.0
+"""A camera stands out when its median residual is above this many times the median of the other cameras …"""
+RESIDUAL_FLOOR_PX = 0.25
+"""… and above this: below it, no camera stands out."""
+RESIDUAL_AMBER_PX, RESIDUAL_RED_PX = 1.0, 3.0
+"""Median residual over all cameras."""
+CALIBRATION_AMBER_PX = 1.0
+"""RMS residual of one camera's calibration."""
+USED_SHARE = 0.6
+"""Share of a camera's valid detections that should belong to a point."""
+COMPLETE_AMBER, COMPLETE_RED = 0.97, 0.8
+"""Share of samples that are present while the subject is in view."""
+STRETCH = 0.06
+"""How far the focal lengths along u and v may differ, or differ from 2:1 in fields of interlaced video."""
+PIECES = 1.3
+"""Tracks a marker above which they count as broken."""
+LONG_GAP_S = 0.2
+"""A gap that interpolation should not bridge unseen: a fifth of a gait cycle."""
+FILLED_SHARE = 0.1
+"""Share of a marker's samples that may be filled."""
+SD_AMBER_MM = 2.0
+"""Standard deviation of one axis: about a degree over a segment of 100 mm."""
+OUTSIDE_SHARE = 0.02
+"""Share of samples that may lie outside the control volume."""
+
+NO_TRACK = 0.1
+"""Share of the points that may belong to no track."""
+TWO_CAMERAS = 0.5
+"""Share of the points that may rest on fewer than three cameras."""
+
+Figures = dict[str, Any]
+Found = Iterator[Finding]
+
+
+def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Finding]:
+    """What deserves a look, the gravest first.
+
+    Args:
+        figures: of `quality`.
+        noted: what the stages found themselves; it is among the result.
+    """
+    diagnosed = [found for found in noted if found.stage == "track"]
+    named = {name for found in diagnosed for name in found.cameras}
+    found = chain(
+        _nothing(figures, diagnosed=bool(diagnosed)),
+        *(check(figures) for check in CAMERA_CHECKS),
+        _unused(figures, named),
+        *(check(figures) for check in MARKER_CHECKS),
+        noted,
+        _close_decisions(figures),
+        _not_square(figures),
+    )
+    return gravest_first(list(found))
+
+
+def trial_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:
+    """The grade that the findings make, and statements on what was measured and how well."""
+    verdict = verdict_of(findings, ())
+    headline = {"green": "trial_good", "amber": "trial_usable", "red": "trial_unusable"}[verdict.grade]
+    return verdict_of(findings, (make_finding(headline), *_statements(figures)))
+
+
+def _statements(figures: Figures) -> Found:
+    recording, markers = figures["recording"], figures["trajectories"]
+    pieces = markers["unlabelled"] and markers["count"] != markers["markers_worn"]
+    yield make_finding(
+        "recorded",
+        camera_count=len(figures["cameras"]),
+        marker_count=markers["markers_worn"] if pieces else markers["count"],
+        track_count=markers["count"] if pieces else None,
+        duration_s=recording["duration_s"],
+        frame_count=recording["frames"],
+        rate_hz=recording["rate_hz"],
+    )
+    if markers["samples"]:
+        first, stop = markers["in_view_frames"]
+        yield make_finding(
+            "completeness",
+            frames=[(first, stop - 1)],
+            complete_share=markers["completeness_in_view_share"],
+            filled_share=markers["filled_samples"] / markers["samples"],
+            gaps=markers["gaps"],
+            longest_s=markers["longest_gap_s"],
+        )
+    if (median := figures["points"]["residual_median_px"]) is not None:
+        pixels = [c["pixel_at_subject_mm"] for c in figures["cameras"] if c["pixel_at_subject_mm"] is not None]
+        at_subject = median * statistics.median(pixels) if pixels else None
+        yield make_finding("agreement", residual_px=median, at_subject_mm=at_subject)
+    if markers["sd_per_axis_mean_mm"] is not None:
+        yield make_finding("position_deviation", sd_mm=markers["sd_per_axis_mean_mm"])
+
+
+def _nothing(figures: Figures, *, diagnosed: bool) -> Found:
+    if not figures["recording"]["frames"]:
+        yield make_finding("no_frames")
+    elif not any(camera["detections"] for camera in figures["cameras"]):
+        yield make_finding("no_detections")
+    elif not figures["points"]["count"]:
+        yield make_finding("no_points", diagnosed=diagnosed)
+    elif not figures["trajectories"]["samples"]:
+        yield make_finding("no_trajectories")
+
+
+def _blind(figures: Figures) -> Found:
+    if any(camera["detections"] for camera in figures["cameras"]):
+        for camera in figures["cameras"]:
+            if not camera["detections"]:
+                yield make_finding("camera_sees_nothing", cameras=[camera["name"]])
+
+
+def _unlike_others(figures: Figures) -> Found:
+    for camera in _outliers(figures):
+        median, others = camera["residual_median_px"], _others(figures, camera)
+        u, v = camera["offset_px"]
+        yield make_finding(
+            "camera_disagrees",
+            cameras=[camera["name"]],
+            residual_px=median,
+            ratio=median / others if others else None,
+            offset_u_px=u,
+            offset_v_px=v,
+        )
+
+
+def _outliers(figures: Figures) -> list[Figures]:
+    """Cameras whose median residual is far above that of the others."""
+    return [
+        camera
+        for camera in figures["cameras"]
+        if (camera["residual_median_px"] or 0) > max(RESIDUAL_FLOOR_PX, RESIDUAL_RATIO * _others(figures, camera))
+    ]
+
+
+def _others(figures: Figures, camera: Figures) -> float:
+    """Median of the median residuals of the other cameras, px; infinite where there is none."""
+    medians = [c["residual_median_px"] for c in figures["cameras"] if c is not camera]
+    known = [median for median in medians if median is not None]
+    return statistics.median(known) if known else math.inf
+
+
+def _residual(figures: Figures) -> Found:
+    median = figures["points"]["residual_median_px"] or 0
+    if median > RESIDUAL_AMBER_PX:
+        yield make_finding("cameras_agree_poorly", severity=red_if(median > RESIDUAL_RED_PX), residual_px=median)
+
+
+def _calibration(figures: Figures) -> Found:
+    poor = [c["name"] for c in figures["cameras"] if (c["calibration_residual_px"] or 0) > CALIBRATION_AMBER_PX]
+    if poor and not figures["calibration"].get("verdict"):
+        yield make_finding("calibration_residual_high", cameras=poor, limit_px=CALIBRATION_AMBER_PX)
+
+
+def _judged(figures: Figures) -> Found:
+    verdict = figures["calibration"].get("verdict")
+    if verdict and verdict["grade"] != "green":
+        severity: Severity = "red" if verdict["grade"] == "red" else "info"
+        good_for = {"sd_mm": None, "volume_share": None} | verdict["statements"][0]["values"]
+        yield make_finding("calibration_verdict", severity=severity, grade=verdict["grade"], **good_for)
+
+
+def _unused(figures: Figures, named: set[str]) -> Found:
+    """Cameras little of whose detections is used, but for those that were named for another reason."""
+    used = {c["name"]: c["used_of_valid_share"] for c in figures["cameras"]}
+    little = {name: part for name, part in used.items() if part is not None and part < USED_SHARE and name not in named}
+    if figures["points"]["count"] and little:
+        yield make_finding("detections_unused", cameras=little, used_share=min(little.values()))
+
+
+def _few_views(figures: Figures) -> Found:
+    few = figures["points"]["fewer_than_3_cameras_share"] or 0
+    if few > TWO_CAMERAS:
+        yield make_finding("two_camera_points", points_share=few)
+
+
+def _absent(figures: Figures) -> Found:
+    absent = [m["name"] for m in figures["trajectories"]["markers"] if not m["samples"]]
+    if absent and figures["trajectories"]["samples"]:
+        yield make_finding("markers_never_seen", markers=absent)
+
+
+def _incomplete(figures: Figures) -> Found:
+    trajectories = figures["trajectories"]
+    complete = trajectories["completeness_in_view_share"]
+    if not trajectories["samples"] or complete >= COMPLETE_AMBER:
+        return
+    markers = [m for m in trajectories["markers"] if m["completeness_in_view_share"] < COMPLETE_AMBER]
+    worst = [m["name"] for m in sorted(markers, key=lambda m: float(m["completeness_in_view_share"]))]
+    yield make_finding(
+        "incomplete",
+        severity=red_if(complete < COMPLETE_RED),
+        markers=() if trajectories["unlabelled"] else worst,
+        complete_share=complete,
+    )
+
+
+def _pieces(figures: Figures) -> Found:
+    tracks, worn = figures["trajectories"]["count"], figures["trajectories"]["markers_worn"]
+    if figures["trajectories"]["unlabelled"] and tracks > PIECES * max(worn, 1):
+        yield make_finding("tracks_broken", tracks=tracks, markers_worn=worn)
+
+
+def _long_gaps(figures: Figures) -> Found:
+    long = [m["name"] for m in figures["trajectories"]["markers"] if m["longest_gap_s"] > LONG_GAP_S]
+    if long:
+        yield make_finding("long_gaps", markers=long, limit_s=LONG_GAP_S)
+
+
+def _filled(figures: Figures) -> Found:
+    markers = [m for m in figures["trajectories"]["markers"] if m["samples"]]
+    much = [m["name"] for m in markers if m["filled_samples"] > FILLED_SHARE * m["samples"]]
+    if much:
+        yield make_finding("much_filled", markers=much, limit_share=FILLED_SHARE)
+
+
+def _uncertain(figures: Figures) -> Found:
+    vague = [m["name"] for m in figures["trajectories"]["markers"] if (m["sd_per_axis_mean_mm"] or 0) > SD_AMBER_MM]
+    if vague:
+        yield make_finding("markers_uncertain", markers=vague, limit_mm=SD_AMBER_MM)
+
+
+def _outside(figures: Figures) -> Found:
+    outside = figures["volume"]["samples_outside_given_share"] or 0
+    if outside > OUTSIDE_SHARE:
+        yield make_finding("outside_volume", samples_share=outside)
+
+
+def _unnamed(figures: Figures) -> Found:
+    names = [m["name"] for m in figures["trajectories"]["markers"]]
+    unnamed = sum(name.startswith("*") for name in names)
+    if unnamed:
+        yield make_finding("unnamed_trajectories", unnamed=unnamed, trajectories=len(names))
+
+
+def _left_over(figures: Figures) -> Found:
+    inside = figures["points"]["in_a_track_share"]
+    if inside is not None and inside < 1 - NO_TRACK:
+        yield make_finding("points_in_no_track", points_share=1 - inside)
+
+
+def _close_decisions(figures: Figures) -> Found:
+    kinds = [row["kind"] for row in figures["ambiguous_decisions"]]
+    if kinds:
+        numbers: dict[str, Any] = {kind: kinds.count(kind) for kind in ("swap", "merge", "ghost", "join")}
+        yield make_finding("close_decisions", **numbers)
+
+
+def _not_square(figures: Figures) -> Found:
+    if odd := not_square(figures["cameras"]):
+        yield make_finding("pixels_not_square", cameras=odd)
+
+
+def not_square(cameras: Sequence[Figures]) -> list[str]:
+    """Names of the cameras whose pixels would not be square; those of fields are half as high."""
+    ratios = {c["name"]: c["focal_px"][0] / c["focal_px"][1] for c in cameras}
+    return [name for name, ratio in ratios.items() if min(abs(ratio - 1), abs(ratio - 2)) > STRETCH]
+
+
+def worst_cameras(figures: Figures) -> list[str]:
+    """Names of the cameras that disagree with the others, for marking them in tables."""
+    return [camera["name"] for camera in _outliers(figures)]
+
+
+CAMERA_CHECKS = (_blind, _unlike_others, _residual, _calibration, _judged)
+MARKER_CHECKS = (
+    *(_few_views, _absent, _incomplete, _pieces, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
+)

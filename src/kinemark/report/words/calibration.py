@@ -1,0 +1,126 @@
+"""What findings about a calibration say."""
+
+from __future__ import annotations
+
+from ...data import Finding
+from .template import Words, fill, shown
+
+
+def _volume(found: Finding) -> str:
+    return "control volume" if found.values["volume_given"] else "volume (assumed; volume_mm says it)"
+
+
+def _unseen(found: Finding) -> str:
+    return fill(
+        f"{{volume_share}} of the {_volume(found)} is seen by fewer than two cameras: nothing is measured there.", found
+    )
+
+
+def _seen_by_two(found: Finding) -> str:
+    return fill(
+        f"{{volume_share}} of the {_volume(found)} is seen by two cameras only, which cannot check each other.", found
+    )
+
+
+def _indispensable(found: Finding) -> str:
+    unseen = found.values["unseen_share"] is not None
+    lost = " and {unseen_share} of the volume is no longer measured" if unseen else ""
+    return fill(f"Much rests on {{cameras}}: without it the error is {{ratio}} times as large{lost}.", found)
+
+
+def _one_place(found: Finding) -> str:
+    return f"Cameras {' and '.join(found.cameras)} stand at the same place."
+
+
+def _wrong_here(found: Finding) -> str:
+    error = found.values["error_mm"]
+    size = abs(error) if isinstance(error, float | int) else None
+    length = "short" if isinstance(error, float | int) and error < 0 else "long"
+    return fill("About ({place_mm_list:0}) the wand is ", found) + f"{shown(size, 'mm')} too {length}."
+
+
+CALIBRATION_WORDS = {
+    "cameras_miss_points": Words(
+        "{Cameras} {cameras:misses|miss} the calibration points by up to {worst_px:1} RMS.",
+        "Check that {cameras:its images are its|their images are their} own and not another camera's, and the places "
+        "of the points; then repeat.",
+    ),
+    "camera_fits_worse": Words(
+        "{Cameras} fits worse than the others: {residual_px} against {others_px}.",
+        "It may have moved while calibrating, be out of focus or out of time, or have another camera's images.",
+    ),
+    "left_out_errors_large": Words(
+        "In {cameras} points that took no part are missed by up to {ratio} times the residual: the few points that "
+        "there are decide too much.",
+        "Use more points, spread over the whole image, or fewer lens terms.",
+    ),
+    "control_points_disagree": Words(
+        "The other points do not agree with control {points_list:point|points} {points_list}: off by up to "
+        "{worst_px:1} when left out.",
+        "Measure {points_list:its place|their places} again, or check that {points_list:it was not mistaken for "
+        "another|they were not mistaken for others}.",
+    ),
+    "images_left_out": Words(
+        "{images_share} of all images of points fitted so badly that they were left out.",
+        "Look for reflections, wrong matches and cameras out of time.",
+    ),
+    "volume_unseen": Words(_unseen, "Turn or move cameras, see the map; or set volume_mm to what is used."),
+    "volume_seen_by_two": Words(_seen_by_two, "Turn or add cameras so that three see every place."),
+    "two_cameras_only": Words("There are two cameras: when one is lost or a marker hidden, so is the measurement."),
+    "camera_indispensable": Words(
+        _indispensable, "Check this camera first when something is wrong; another near it would help."
+    ),
+    "points_cover_part": Words(
+        "In {cameras} the calibration points cover only part of the volume (least: {least_share}).",
+        "Bring points or the wand to the corners of the images: beyond the points the lens is a guess.",
+    ),
+    "lens_uncertain": Words(
+        "In parts of the images of {cameras} the lens is hardly determined: places of the volume are uncertain by up "
+        "to {worst_px:1} there.",
+        "Use more points near the corners, or fewer lens terms.",
+    ),
+    "scale_doubtful": Words(
+        "The scale is doubtful: {length} is {known_mm} and comes out as {found_mm} ({error_share} off).",
+        "Measure both lengths again, centre to centre of the markers.",
+    ),
+    "cameras_distance_implausible": Words(
+        "By this calibration the cameras stand {apart_mm} apart.",
+        "Lengths are wanted in mm: were they given in m or cm? Check lengths_mm, the rods or the points.",
+    ),
+    "cameras_at_one_place": Words(_one_place, "Were one camera's images given for both? Correct the file names."),
+    "wand_length_wrong": Words(
+        "The wand's length comes out wrong by {rms_mm} RMS in poses that took no part.",
+        "Wave it through the whole volume again, slowly; check synchronisation and lengths_mm.",
+    ),
+    "wand_length_wrong_here": Words(_wrong_here, "Use more poses there, or a better lens correction."),
+    "precision_low": Words(
+        "The standard deviation of a position reaches {sd_mm} per axis within 95\u00a0% of the volume.",
+        "Set cameras wider apart or nearer, and use more calibration points.",
+    ),
+    "rays_nearly_parallel": Words(
+        "In {volume_share} of the volume all rays meet at less than {limit_deg:0}, so depth is poorly known.",
+        "Set the cameras wider apart.",
+    ),
+    "no_uncertainty_stated": Words(
+        "The calibration states no uncertainty, so the map shows what the centroids alone would leave.",
+        "Calibrate from images in this session to know more.",
+    ),
+    "no_lens_correction": Words(
+        "{Cameras} {cameras:has|have} no lens correction.",
+        "With eleven points or more, or a linearisation grid, the lens is measured too.",
+    ),
+    "grid_rows_bent": Words(
+        "Rows of the linearisation grid stay bent in {cameras}.",
+        "Allow more lens terms, or check that the grid is flat.",
+    ),
+    "cameras_moved_since": Words(
+        "Since the calibration before, {cameras} moved against the others.",
+        "Trials recorded in between may need either calibration: the former one is kept.",
+    ),
+    "world_of_first_camera": Words(
+        "The world is that of the first camera: nothing says where the floor is.",
+        "Give l_frame or world_points in [calibration].",
+    ),
+    "grid_partly_used": Words("{Cameras}: only a part of the grid in an image was used. {reason}"),
+    "grid_image_unused": Words("{Cameras}: an image of the grid was not used. {reason}"),
+}

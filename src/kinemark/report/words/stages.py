@@ -1,0 +1,109 @@
+"""What findings of filling, of joint angles and of the proposal of detection say, and advice on sources of error."""
+
+from __future__ import annotations
+
+from ...data import Finding
+from .template import Words, fill
+
+FILLING_WORDS = {
+    "gaps_open": Words(
+        "{gaps} {gaps:gap|gaps} stayed open, for the {gaps:reason|reasons} in the table.",
+        "Raise the limit if a greater error does no harm, give a static trial, or do without these frames.",
+    ),
+    "gaps_uncertain": Words(
+        "{gaps} {gaps:gap|gaps} may be off by more than {limit_mm:.3g} somewhere: that is {gaps:its|their} expected "
+        "error, or a standard deviation within {gaps:it|them}, the worst {worst_mm}.",
+        "Look at {gaps:its drawing|their drawings}; a lower limit leaves open gaps whose expected error is great.",
+    ),
+    "gaps_untested": Words(
+        "{gaps} {gaps:gap|gaps} filled by a method that mostly had nothing to say in the hold-out gaps, so that the "
+        "error is not known.",
+        "Compare {gaps:it|them} with another method, or give a limit in mm.",
+    ),
+    "samples_far_away": Words(
+        "{samples} {samples:sample|samples} farther than a kilometre from the others: no {samples:position of a "
+        "marker|positions of markers}. {samples:It is|They are} missing now, or filled.",
+        "Look where {samples:it comes|they come} from; the file given still has {samples:it|them}.",
+    ),
+    "samples_replaced": Words(
+        "{samples} {samples:sample|samples} measured beside {gaps} {gaps:gap|gaps} stood out from the marker's own "
+        "motion and {samples:was|were} replaced ({samples:a dot|dots} in the drawings).",
+        "Where the motion was right as it was measured, fill again with --trim 0 (trim = 0 in a session).",
+    ),
+    "markers_mostly_filled": Words(
+        "{Markers}: more than {limit_share} of the trial is filled.",
+        "What is computed from {markers:it|them} rests on {markers:its|their} neighbours.",
+    ),
+    "markers_absent": Words(
+        "{Markers} never seen in this trial.",
+        "A static trial in which {markers:it is|they are} seen with three others of {markers:its|their} segment can "
+        "place {markers:it|them}: --static.",
+    ),
+}
+
+FILL_THE_GAPS = "Fill the gaps, or use a model with clusters and a static trial."
+
+
+def _beyond_normal(found: Finding) -> str:
+    joint = str(found.values["joint"]).capitalize()
+    return f"{joint} " + fill(
+        "{angle} is beyond its normal range in {frames_share} of the frames, by up to {most_deg:1}.", found
+    )
+
+
+ANGLE_WORDS = {
+    "joints_without_angles": Words("No frame has angles of: {joints_list}. Markers are missing.", FILL_THE_GAPS),
+    "frames_without_angles": Words(
+        "{count} {count:frame|frames} without angles of: {joints_list}. Markers are missing there.", FILL_THE_GAPS
+    ),
+    "gimbal_lock": Words(
+        "The {joint} is in gimbal lock: {frames}.",
+        "Its first and third angle are not told apart there; another sequence may fit better.",
+    ),
+    "angle_beyond_normal": Words(_beyond_normal, "Check that no marker is swapped or misplaced; the angles are kept."),
+    "markers_smoothed_before": Words(
+        "The markers hardly tremble ({sd_mm:4}): they were smoothed before, so that the standard deviations of the "
+        "angles are far too small.",
+        "State what the laboratory knows: --marker-sd-mm.",
+    ),
+    "marker_errors_not_stated": Words(
+        "The file states no errors of its markers; their standard deviation is {how}.",
+        "State it with --marker-sd-mm, if it is known better.",
+    ),
+}
+
+PROPOSAL_WORDS = {
+    "images_white": Words(
+        "The images are white: {white_share} of the pixels have the brightest level.", "Shorten the exposure."
+    ),
+    "nothing_stands_out": Words(
+        "Nothing stands out: the brightest pixel has {brightest} of {white}, the background {background} with a noise "
+        "of {noise:.2g}.",
+        "Is the light on, are markers in view?",
+    ),
+    "markers_dark": Words("The markers are dark on a bright ground.", "`inverted = true` is part of the proposal."),
+    "no_clear_gap": Words(
+        "There is no clear gap between noise and markers: only from {low} to {high} of {white} the number of groups is "
+        "steady.",
+        "Look at the detections before you trust them.",
+    ),
+    "bright_without_markers": Words(
+        "{pixels_share} of the pixels stand out and are no markers: windows, lamps, a bright floor?",
+        "Mask them or raise the threshold; KISS's long/wide test would break them to pieces.",
+    ),
+    "light_clipped": Words(
+        "The light is clipped: {groups_share} of the groups reach the brightest level.", "Shorten the exposure."
+    ),
+    "few_bits_used": Words(
+        "The images have 16 bits, but no level above {white} is used: hence the low numbers of the thresholds."
+    ),
+}
+
+SOURCE_ADVICE = {
+    "disturbed images": "Find the camera from which limb or clothes hide the marker; add one there, or move it.",
+    "centroid noise": "Average over more cycles, or filter. Larger markers and longer lenses make larger images.",
+    "lens model": "Linearise the cameras with a grid, or allow more lens terms; the maps show which camera.",
+    "calibration": "Calibrate again, waving the wand through the whole volume, and before every session.",
+    "marker placement": "Palpate twice, one examiner a subject, joint centres found from motion. Cameras cannot help.",
+}
+"""What helps against each source of error."""

@@ -1,0 +1,222 @@
+"""What findings about a trial say: its recording, cameras, points, markers and tracks."""
+
+from __future__ import annotations
+
+from ...data import Finding
+from .template import Words, fill, shown
+from .verdicts import calibration_headline
+
+FAR_ABOVE = 100
+"""Times as large as the others', above which the number says no more."""
+
+
+def _no_points(found: Finding) -> str:
+    if found.values["diagnosed"]:
+        return "See the diagnostics below."
+    return "Check that the calibration belongs to this camera set-up and that the cameras are synchronised."
+
+
+def _disagrees(found: Finding) -> str:
+    ratio = found.values["ratio"]
+    times = fill("{ratio} times", found) if isinstance(ratio, float | int) and ratio < FAR_ABOVE else "far above"
+    u, v = (shown(found.values[f"offset_{axis}_px"], "ratio", "2") for axis in "uv")
+    start = fill("{Cameras} disagrees with the others: its median residual is {residual_px}, ", found)
+    return f"{start}{times} theirs; its image is offset by ({u}, {v})\u00a0px."
+
+
+def _calibration_verdict(found: Finding) -> str:
+    return f"On the calibration: {calibration_headline(found)}"
+
+
+def _incomplete(found: Finding) -> str:
+    least = "; the least complete: {markers}" if found.markers else ""
+    return fill(
+        f"Only {{complete_share}} of the marker positions are there while the subject is in view{least}.", found
+    )
+
+
+def _contradicted(found: Finding) -> str:
+    stated = found.values["stated_hz_list"]
+    assert isinstance(stated, tuple)
+    said = ", ".join(f"{name} {shown(rate, 'Hz')}" for name, rate in zip(found.cameras, stated, strict=False))
+    return fill("The session says {rate_hz} and the videos say otherwise: ", found) + f"{said}."
+
+
+def _swapped(found: Finding) -> str:
+    pairs = [f"{a} and {b}" for a, b in zip(found.cameras[::2], found.cameras[1::2], strict=False)]
+    return f"The images of {', or of '.join(pairs)} seem to be swapped" + fill(
+        ": with each taken for the other {swapped_share} of what they saw agrees with two more cameras, and "
+        "{as_is_share} or less as it is.",
+        found,
+    )
+
+
+def _out_of_sync(found: Finding) -> str:
+    delay, frames = (_number(found, f"delay_{unit}") for unit in ("ms", "frames"))
+    later = "earlier" if delay < 0 else "later"
+    return fill(
+        f"{{Cameras}} sees everything {shown(abs(delay), 'ms')} {later} than the others, "
+        f"{shown(abs(frames), 'frames')} of a frame, which moves its images by up to {{shift_px:1}}.",
+        found,
+    )
+
+
+def _number(found: Finding, name: str) -> float:
+    value = found.values[name]
+    return value if isinstance(value, float | int) else float("nan")
+
+
+def _stopped(found: Finding) -> str:
+    last = found.frames[0][0] - 1 if found.frames else "–"
+    return fill(f"{{Cameras}} has no images after frame {last} of {{recorded_frames}}.", found)
+
+
+def _started_late(found: Finding) -> str:
+    first = found.frames[-1][1] + 1 if found.frames else "–"
+    return fill(f"{{Cameras}} has no images before frame {first} of {{recorded_frames}}.", found)
+
+
+def _shifted(found: Finding) -> str:
+    since = " from frame {first_frame} on" if found.frames else ""
+    offset = ", ".join(shown(found.values[f"offset_{axis}_px"], "ratio", "+.1f") for axis in "uv")
+    return fill(
+        f"The images of {{cameras}} lie ({offset})\u00a0px beside where the other cameras expect them{since}.", found
+    )
+
+
+def _other(found: Finding) -> str:
+    first, second = (*found.cameras, "–", "–")[:2]
+    return f"Camera {first} sees what camera {second} should see.{_left_out(found)}"
+
+
+def _left_out(found: Finding) -> str:
+    return " It was left out." if found.values["left_out"] else ""
+
+
+def _fits_nothing(found: Finding) -> str:
+    return fill("The images of {cameras} fit nothing that the others see.", found) + _left_out(found)
+
+
+def _close(found: Finding) -> str:
+    numbers = {kind: n for kind, n in found.values.items() if isinstance(n, int) and n}
+    kinds = ", ".join(f"{n} possible {kind}{'' if n == 1 else 's'}" for kind, n in numbers.items())
+    total = sum(numbers.values())
+    return (
+        f"{total} {'decision' if total == 1 else 'decisions'} of the tracking {'was' if total == 1 else 'were'} close"
+        + (f": {kinds}." if kinds else ".")
+    )
+
+
+LOOK_AT_CAMERA = "Look at that camera in a second trial: calibrate again if it was moved, or leave it out."
+RATE = "Correct rate_hz, or the rate in the file: every speed and every limit of [track] depends on it."
+
+TRIAL_WORDS = {
+    "no_frames": Words("The recording has no frames.", "Check that the trial names the right images or detections."),
+    "no_detections": Words(
+        "No camera saw any marker.", "Lower the threshold in [detect], or check exposure and lights."
+    ),
+    "no_points": Words("The cameras saw markers, but no marker was found in space.", _no_points),
+    "no_trajectories": Words(
+        "3D points were reconstructed, but no trajectory came of them.",
+        "Check the parameters of [track]: shortest, and speed; and rate_hz.",
+    ),
+    "camera_sees_nothing": Words(
+        "{Cameras} saw nothing in the whole trial.",
+        "Check its cable, lens cap, lights and threshold; then record again or leave it out.",
+    ),
+    "camera_disagrees": Words(
+        _disagrees,
+        "When the offset explains the residual, the camera was moved: calibrate again. Otherwise check its focus and "
+        "its synchronisation.",
+    ),
+    "cameras_agree_poorly": Words(
+        "The cameras agree poorly: half of all image points are {residual_px} or more off.",
+        "Calibrate again, lens distortion included, before trusting distances.",
+    ),
+    "calibration_residual_high": Words(
+        "The calibration itself is poor (residual above {limit_px:0}) in {cameras}.",
+        "Look for misread control points and calibrate again.",
+    ),
+    "calibration_verdict": Words(_calibration_verdict, "See under Calibration, or calibration.html."),
+    "detections_unused": Words(
+        "Much of what {cameras} saw became no part of a 3D point (used: {used_share} or more).",
+        "Mask reflections and lamps in view; if there are none, suspect calibration or synchronisation.",
+    ),
+    "two_camera_points": Words(
+        "{points_share} of the points rest on only two cameras, which cannot check one another.",
+        "Add cameras or turn them so that at least three see every marker.",
+    ),
+    "pixels_not_square": Words(
+        "The pixels of {cameras} would not be square by this calibration.",
+        "Check the coordinates of the control points, unless the sensor has such pixels.",
+    ),
+    "frame_rate_contradicted": Words(
+        _contradicted,
+        "Correct the one that is wrong: times and speeds are as right as rate_hz. High-speed cameras often store a "
+        "slower rate, and a field of interlaced video is a frame.",
+    ),
+    "cameras_swapped": Words(_swapped, "Exchange the files, in the trial or in the calibration."),
+    "camera_out_of_sync": Words(_out_of_sync, "Check that all cameras are triggered together."),
+    "camera_without_images": Words("{Cameras} has no images at all.", LOOK_AT_CAMERA),
+    "camera_stopped": Words(_stopped, "Check whether the camera stopped recording; else leave it out."),
+    "camera_started_late": Words(_started_late, "Check whether the camera started late; else leave it out."),
+    "camera_moved": Words(
+        "The images of {cameras} fit no track from frame {first_frame} on: the camera was probably moved.",
+        LOOK_AT_CAMERA,
+    ),
+    "camera_shifted": Words(
+        _shifted,
+        "The camera was probably touched after the calibration. Look at it in a second trial: calibrate again, or "
+        "leave it out.",
+    ),
+    "camera_takes_place_of_other": Words(_other, "Check whether the cameras are in the wrong order."),
+    "camera_fits_nothing": Words(
+        _fits_nothing, "Its calibration is of another place or camera: calibrate it again, or leave it out."
+    ),
+    "nothing_goes_on": Words(
+        "The cameras agree in single frames, but nothing goes on from one frame to the next: {rate_hz} is probably not "
+        "the frame rate of the recording.",
+        RATE,
+    ),
+    "speeds_impossible": Words(
+        "Markers move at {speed_m_s}: {rate_hz} is probably not the frame rate of the recording.", RATE
+    ),
+    "markers_never_seen": Words(
+        "Never seen: {markers}.",
+        "Check that {markers:it was|they were} worn and labelled, or take {markers:it|them} out of the marker set.",
+    ),
+    "incomplete": Words(
+        _incomplete, "See under Markers where they are missing; add or turn cameras to cover those places."
+    ),
+    "tracks_broken": Words(
+        "{tracks} {tracks:track|tracks} for about {markers_worn} {markers_worn:marker|markers}: a marker that was "
+        "hidden for long begins a new one.",
+        "Give the pieces of a marker one name, and fill what is missing between them.",
+    ),
+    "long_gaps": Words(
+        "Gaps longer than {limit_s:.3g} in {markers}.",
+        "Fill them from neighbouring markers on the same segment, or leave these stretches out.",
+    ),
+    "much_filled": Words(
+        "More than {limit_share} of the samples are filled, not measured, in {markers}.",
+        "Compare {markers:it|them} with a repeated trial before reading fine detail from {markers:it|them}.",
+    ),
+    "markers_uncertain": Words(
+        "A standard deviation above {limit_mm:.3g} per axis in {markers}.",
+        "Have more cameras see {markers:it|them} from wider apart; do not read angles of small segments from "
+        "{markers:it|them}.",
+    ),
+    "outside_volume": Words(
+        "{samples_share} of the samples lie outside the control volume, where the calibration was not checked.",
+        "Trust them less, or calibrate a larger volume.",
+    ),
+    "unnamed_trajectories": Words(
+        "{unnamed} of {trajectories} {trajectories:trajectory|trajectories} {unnamed:has|have} no marker name.",
+        "Label {unnamed:it|them} before computing angles.",
+    ),
+    "points_in_no_track": Words(
+        "{points_share} of the 3D points belong to no track: ghosts, or markers that were lost.",
+        "Click them in the scene: if they follow the subject, check rate_hz and the parameters of [track].",
+    ),
+    "close_decisions": Words(_close, "They are listed with their times and reasons below."),
+}

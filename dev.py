@@ -52,7 +52,9 @@ def run(*command: str | Path) -> None:
 
 def wanted(extras: str) -> str:
     """A key of what should be installed, so that it is only done again when that changes."""
-    content = b"".join((ROOT / name).read_bytes() for name in ("pyproject.toml", "requirements.lock"))
+    sources = sorted((ROOT / "src" / "kinemark" / "native").glob("*.[ch]"))  # to be compiled again
+    files = [*(ROOT / name for name in ("pyproject.toml", "setup.py", "requirements.lock")), *sources]
+    content = b"".join(path.read_bytes() for path in files)
     return hashlib.sha256(content + extras.encode() + sys.version.encode()).hexdigest()
 
 

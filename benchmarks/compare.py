@@ -24,6 +24,7 @@ import bundle
 import detection
 import gaps
 import recording
+import tomlkit
 import tracking
 from metrics import Metric, is_worse
 
@@ -47,15 +48,13 @@ def baseline() -> Entries:
 
 def as_toml(entries: Entries) -> str:
     """A table a metric."""
-    lines = [
-        "# Written by `python benchmarks/compare.py --update`; see metrics.py for what the fields mean.",
-        f"# {made()}",
-        "",
-    ]
-    for name, metrics in entries.items():
-        for metric, fields in metrics.items():
-            lines += [f'["{name}"."{metric}"]', *(f"{key} = {json.dumps(value)}" for key, value in fields.items()), ""]
-    return "\n".join(lines)
+    document = tomlkit.document()
+    document.add(
+        tomlkit.comment("Written by `python benchmarks/compare.py --update`; metrics.py says what fields mean.")
+    )
+    document.add(tomlkit.comment(made()))
+    document.update(entries)
+    return tomlkit.dumps(document)
 
 
 def made() -> str:

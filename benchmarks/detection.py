@@ -27,9 +27,9 @@ import numpy as np
 from metrics import Metric
 from numpy.typing import NDArray
 
-from kinemark.compiled import PLAIN
 from kinemark.data.array_types import Floats
-from kinemark.detect import compiled, detect_frames
+from kinemark.detect import detect_frames
+from kinemark.native import PLAIN, library
 
 Images = NDArray[np.uint8]
 H, W, MARKERS = 1024, 1280, 39
@@ -79,7 +79,7 @@ def kinemark_plain(images: Images, diameter: float) -> list[Floats]:
 
 @contextmanager
 def plain() -> Iterator[None]:
-    """Without the compiled kernel."""
+    """Without the compiled library."""
     before = os.environ.get(PLAIN, "")
     os.environ[PLAIN] = "1"
     try:
@@ -207,7 +207,7 @@ RIVALS = {
 def installed() -> dict[str, Rival]:
     """The rivals that can run here."""
     found = {name: rival for name, rival in RIVALS.items() if find_spec(rival.needs)}
-    if compiled.library() is None:
+    if library() is None:
         del found["kinemark, compiled"]
     return found
 

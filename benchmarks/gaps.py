@@ -29,11 +29,11 @@ from metrics import Metric
 
 from kinemark.data import MarkerTrajectory as Path3D
 from kinemark.data import Origin, Trajectories
-from kinemark.engine.formats import read
 from kinemark.fill import FILL, Auto, Gap, MarkerArray, fill, find_gaps
 from kinemark.fill.fill import FillAnswer, ask, choose
 from kinemark.fill.judge.hold_out import distances
 from kinemark.fill.reference_ranking import ranked
+from kinemark.io.trial import read_trial
 from kinemark.synth import dressed, observe, ring, walking
 
 ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data")) / "mocap3d"
@@ -86,7 +86,7 @@ def trial(name: str) -> MarkerArray:
     file, wanted = TRIALS[name]
     if not (ROOT / file).exists():
         raise FileNotFoundError(f"{ROOT / file} is absent")
-    trajectories: Trajectories = read(ROOT / file).trajectories
+    trajectories: Trajectories = read_trial(ROOT / file).trajectories
     motion = MarkerArray.of(trajectories)
     rows = [k for k, label in enumerate(motion.names) if wanted(k, label) and motion.seen[k].all()]
     return MarkerArray(motion.xyz[rows], motion.rate, tuple(motion.names[k] for k in rows))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from kinemark.data import Validity
 from kinemark.detect import Blobs
+from kinemark.numerics.runs import true_runs_of_rows
 
 Images = NDArray[np.uint8]
 
@@ -46,9 +47,7 @@ def panels(white: NDArray[np.bool_], results: Sequence[tuple[str, Blobs | None]]
 
 def _runs(white: NDArray[np.bool_]) -> str:
     """The white pixels as the path of an SVG, a rectangle a run."""
-    edges = np.diff(np.pad(white, ((0, 0), (1, 1))).astype(np.int8), axis=1)
-    (y, first), (_, end) = np.nonzero(edges == 1), np.nonzero(edges == -1)
-    return "".join(f"M{a} {v}h{b - a}v1h{a - b}z" for v, a, b in zip(y, first, end, strict=True))
+    return "".join(f"M{a} {v}h{b - a}v1h{a - b}z" for v, a, b in true_runs_of_rows(white))
 
 
 def _frames(blobs: Blobs) -> list[str]:

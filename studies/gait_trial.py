@@ -48,6 +48,7 @@ from kinemark.data.method import Method
 from kinemark.geometry import normalised, triangulate, undistort
 from kinemark.io.tdf import read_tdf
 from kinemark.match import EpipolarTriplets, KissTriplets, match
+from kinemark.numerics.runs import true_runs
 from kinemark.reconstruct import CameraPairs, LeastSquares, reconstruct
 from kinemark.signal import assign
 from kinemark.synth.score import Score, changes, score
@@ -107,8 +108,7 @@ def continuous_pieces(xyz: Floats) -> Floats:
         bad |= np.roll(bend > JUMP, shift, axis=1)
     pieces = []
     for m in range(len(xyz)):
-        edges = np.flatnonzero(np.diff(np.concatenate([[True], bad[m], [True]]).astype(int)))
-        for first, stop in zip(edges[::2], edges[1::2], strict=True):
+        for first, stop in true_runs(~bad[m]):
             piece = np.full(xyz.shape[1:], np.nan)
             piece[first:stop] = xyz[m, first:stop]
             pieces.append(piece)

@@ -24,12 +24,12 @@ from typing import NamedTuple
 import numpy as np
 
 from kinemark.data import Cloud, Detections, KinemarkError, Rig, Tracks
+from kinemark.geometry.weighted_points import inside_volume
 from kinemark.match import EpipolarTriplets, KissTriplets, match
 from kinemark.reconstruct import LeastSquares, reconstruct
 from kinemark.synth import Subject, observe, ring, walking
 from kinemark.synth.score import score
 from kinemark.track import ExtrapolationLadder, KissTracking, blend, track, without_short
-from kinemark.track.editing import inside_volume
 from kinemark.track.kiss_tracking import link
 from kinemark.track.simultaneous import FormerTwoCameras, Simultaneous, track_detections
 

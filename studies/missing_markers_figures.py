@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinemark.data.array_types import Floats
+from kinemark.numerics.runs import true_runs
 
 WIDTH, HEIGHT, LEFT, TOP, DEEP = 460, 240, 52, 24, 190
 
@@ -113,8 +114,7 @@ def _words(frame: _Frame, axis: int) -> list[str]:
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > 1]
+    return [(int(a), int(b)) for a, b in true_runs(mask) if b - a > 1]
 
 
 def _points(pairs: list[tuple[float, float]]) -> str:

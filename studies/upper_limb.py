@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 from kinemark.data import Angles, Trajectories
 from kinemark.data import MarkerTrajectory as MarkerPath
 from kinemark.data.array_types import Floats
-from kinemark.io.c3d import markers, read_c3d
+from kinemark.io.c3d import read_c3d
 from kinemark.io.mat5 import read_mat5
 from kinemark.io.model_toml import load_model
 from kinemark.kinematics import (
@@ -79,7 +79,7 @@ def main() -> None:
 
 def ulema(folder: Path) -> None:
     """Our angles against ULEMA's."""
-    trial, static, circling = (markers(read_c3d(folder / f"{n}.c3d")) for n in ("HTH1", "calMARKERS", "GHr"))
+    trial, static, circling = (read_c3d(folder / f"{n}.c3d").trajectories for n in ("HTH1", "calMARKERS", "GHr"))
     theirs = ulema_angles(folder / "HTH1.csv")
     ours = {n: joint_angles(trial, model=load_model(n, side="left")) for n in ("isb_upper_limb", "isb_shoulder")}
     whole = load_model("isb_upper_limb", side="left")
@@ -273,7 +273,7 @@ BODIES = (
 
 def box_lift(path: Path) -> None:
     """Angles through real gaps, bare and carried by clusters, and how far the two are from each other."""
-    trial = markers(read_c3d(path))
+    trial = read_c3d(path).trajectories
     model = replace(load_model("isb_upper_limb"), aliases={name: (other,) for name, other in LIFT.items()})
     trial = with_marker_sd(trial)
     bare = joint_angles(trial, model=model)

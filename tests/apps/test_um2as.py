@@ -14,7 +14,7 @@ from kinemark.engine.digitising import Reel, digitise_camera
 from kinemark.engine.session import Session
 from kinemark.geometry import project_all
 from kinemark.io.answers_csv import read_answers
-from kinemark.io.c3d import markers, read_c3d
+from kinemark.io.c3d import read_c3d
 from kinemark.io.images import open_images, write_png
 from kinemark.io.um2as import read_angles, read_cp, read_rf, read_tdc, write_cp, write_da, write_msr
 from kinemark.io.video import write_video
@@ -250,7 +250,7 @@ def test_a_session_takes_digitised_files(recorded, monkeypatch, tmp_path):
     (tmp_path / "session.toml").write_text(text.replace("'REF'", "'POST'").replace('"REF"', '"POST"'))
     again = Session.open(tmp_path).run()["feeding"]
     assert again.trajectories.names[-1] == "POST"
-    assert markers(read_c3d(again.folder / "feeding.c3d")).names[-1] == "POST"
+    assert read_c3d(again.folder / "feeding.c3d").trajectories.names[-1] == "POST"
     (tmp_path / "feed.da3").unlink()
     with pytest.raises(KinemarkError, match="a set of 2 cameras, and the calibration has cam1, cam2, cam3"):
         session_of(folder, tmp_path, 'detections = "feed.da1"').run()

@@ -42,19 +42,19 @@ NO_POSITIONS = {
     "cameras found from images alone, in a world of their own": """
         calibrate.calibrate_points calibrate.calibrate_sticks calibrate.calibrate_wand calibrate.start""",
     "the operator's questions and answers": """
-        digitise.advance digitise.answer_text digitise.begin digitise.drive digitise.given digitise.parse_answer
-        digitise.question_of digitise.result digitise.row_of digitise.words""",
+        data.answer_text data.parse_answer digitise.advance digitise.begin digitise.drive digitise.given
+        digitise.question_of digitise.result digitise.words""",
     "which detection is which": """
-        digitise.identified_matches digitise.identified_tracks geometry.check_cameras signal.assign
-        signal.assign_nearest signal.cheapest_first""",
+        data.images_of data.matches_of digitise.identified_matches digitise.identified_tracks geometry.check_cameras
+        signal.assign signal.assign_nearest signal.cheapest_first""",
     "directions, rotations, angles, phases and their files": """
         fill.component_angles fill.cycle_events fill.intervals fill.model_events geometry.nearest_rotations
-        geometry.polar_rotations io.read_angles io.with_angles io.write_angles kinematics.cycles
-        kinematics.inverse_cosines kinematics.outside kinematics.principal kinematics.resampled kinematics.spans_of
+        geometry.polar_rotations io.read_angles io.write_angles kinematics.cycles
+        data.outside kinematics.inverse_cosines kinematics.principal kinematics.resampled kinematics.spans_of
         kinematics.turned sensitivity.cycle_weights""",
     "numbers, matrices, settings, models, names": """
         calibrate.centroid_deviation calibrate.free_parameters calibrate.marker_places data.same geometry.inverse3
-        geometry.solve3 io.camera_number io.load_model io.siblings io.with_parameters kinematics.named
+        geometry.solve3 io.camera_number io.load_model io.on_frames io.siblings io.with_parameters data.named
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
         engine.calibrate_method engine.is_da engine.method_of engine.methods_text engine.methods_figures
         engine.methods_table_markdown engine.session_schema track.matches_itself

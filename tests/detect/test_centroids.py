@@ -8,7 +8,8 @@ from kinemark.data import KinemarkError, Validity, same
 from kinemark.detect import Centroids, detect, detect_frames
 from kinemark.detect.background_noise import background
 from kinemark.detect.grouping import group_runs
-from kinemark.detect.runs import bright_cells, white_runs
+from kinemark.detect.runs import Runs
+from kinemark.native.pixel_runs import bright_cells, white_runs
 from support.discs import SIDE, blotches, disc, discs
 
 
@@ -17,7 +18,7 @@ def test_groups_are_scipys_connected_components(seed, shape):
     images = blotches(seed, shape)
     n, height, width = shape
     tall = images.reshape(n * height, width)
-    groups = group_runs(white_runs(tall, bright_cells(tall, 90), 90), height=height, width=width)
+    groups = group_runs(Runs(*white_runs(tall, bright_cells(tall, 90), 90)), height=height, width=width)
     found = {}
     for f, area, *box in zip(
         groups.frame, groups.area, groups.left, groups.right, groups.top, groups.bottom, strict=True

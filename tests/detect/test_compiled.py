@@ -1,11 +1,7 @@
 """The compiled kernel of detection against NumPy, bit by bit, and what it refuses."""
 
-import _ctypes
-import ctypes
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,15 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from kinemark.compiled import PLAIN
-from kinemark.detect import Centroids, centroids, compiled, detect_frames, grouping, runs, sums
+from kinemark import native
+from kinemark.detect import Centroids, centroids, detect_frames, sums
 from kinemark.detect.blobs import Blobs
 from kinemark.detect.grouping import group_runs
 from kinemark.detect.runs import Runs, find_runs
 from kinemark.detect.sums import pixel_sums
+from kinemark.native import PLAIN, pixel_runs
 from support.examples import examples
 
-needs_kernel = pytest.mark.skipif(compiled.library() is None, reason="detection was installed without a compiler")
+needs_kernel = pytest.mark.skipif(native.library() is None, reason="detection was installed without a compiler")
 SINGLE = Centroids(most_discs=1, hidden=False)  # what is done with overlapping markers knows nothing of the kernel
 some = settings(max_examples=examples(60), deadline=None)
 
@@ -30,7 +27,7 @@ def plainly(function, *args, **parameters):
     """What NumPy alone gives."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(PLAIN, "1")
-        assert compiled.library() is None
+        assert native.library() is None
         return function(*args, **parameters)
 
 
@@ -90,9 +87,9 @@ def test_bright_images_take_no_more_memory_at_a_time(monkeypatch):
     comb[:, 2:4] = comb[:, 4:38, 2:62:2] = 200
     whole, many = plainly(detect_frames, comb, method=SINGLE), find_runs(tall(comb), 60)
     assert len(many.y) > 5 * 30 * 30 and list(whole.counts) == [1] * 5
-    monkeypatch.setattr(compiled, "FEW", 7)
+    monkeypatch.setattr(pixel_runs, "FEW", 7)
     np.testing.assert_array_equal(find_runs(tall(comb), 60), many)
-    monkeypatch.setattr(runs, "MOST_CELLS", 9)
+    monkeypatch.setattr(pixel_runs, "MOST_CELLS", 9)
     np.testing.assert_array_equal(plainly(find_runs, tall(comb), 60), many)
     monkeypatch.setattr(centroids, "MOST_RUNS", 1500)
     assert_alike(detect_frames(comb, method=SINGLE), whole)
@@ -162,7 +159,7 @@ IMAGE = np.zeros((2, 10, 20), np.uint8)
 ONE = {"start": [0, 2], "y": [12, 13], "first": [3, 3], "last": [5, 6]}
 
 
-@needs_kernel
+@pytest.mark.parametrize("plain", ["", "1"])
 @pytest.mark.parametrize(
     "wrong",
     [
@@ -170,71 +167,62 @@ ONE = {"start": [0, 2], "y": [12, 13], "first": [3, 3], "last": [5, 6]}
         {"start": [1, 1]},
         {"start": [-1, 1]},
         {"start": [0, 1 << 62]},
+        {"start": [0, 1]},
         {"y": [-1, 0]},
         {"y": [9, 10]},
         {"y": [19, 20]},
         {"y": [13, 12]},
         {"y": [1 << 61, 13]},
+        {"y": [12, 12]},
         {"first": [-1, 3]},
         {"first": [3, 8]},
         {"last": [5, 20]},
         {"last": [5, -(1 << 61)]},
     ],
 )
-def test_groups_of_other_images_are_refused_and_not_read(wrong):
+def test_groups_of_other_images_are_refused_and_not_read(monkeypatch, plain, wrong):
+    monkeypatch.setenv(PLAIN, plain)
+
     def summed(columns):
         arrays = {name: np.array(values, np.int64) for name, values in columns.items()}
-        return compiled.library().sums(IMAGE, *arrays.values())
+        return native.sum_pixels(IMAGE, *arrays.values())
 
     assert summed(ONE)[0, 0] == 5 + 6 + 6 + 6
     with pytest.raises(ValueError, match="group 0 of 1 does not lie in one of the 2 frames of 20 × 10 px"):
         summed(ONE | wrong)
 
 
-@needs_kernel
 def test_columns_of_unequal_length_and_frames_without_lines_are_refused():
     y, x = np.zeros(3, np.int64), np.zeros(2, np.int64)
-    with pytest.raises(ValueError, match="3, 2 and 2 rows"):
+    with pytest.raises(ValueError, match=r"first has shape \(2,\), wanted \(R,\), R = 3"):
         group_runs(Runs(y, x, x), height=4, width=4)
-    with pytest.raises(ValueError, match="0 px high"):
+    with pytest.raises(ValueError, match="4 × 0 px"):
         group_runs(Runs(x, x, x), height=0, width=4)
 
 
-@needs_kernel
-def test_runs_in_no_order_do_no_harm():
-    """Groups of such runs mean nothing, but every index stays within its array."""
-    rng = np.random.default_rng(1)
-    y, first, last = rng.integers(-50, 50, (3, 400))
-    found = compiled.library().groups(y, first, last, 7)
-    assert found[1][-1] == 400 and sorted(map(tuple, found[0].T)) == sorted(zip(y, first, last, strict=True))
+@pytest.mark.parametrize("plain", ["", "1"])
+@pytest.mark.parametrize(
+    ("run", "value"),
+    [
+        (0, (-1, 3, 4)),
+        (1, (12, -1, 2)),
+        (1, (13, 5, 4)),
+        (2, (14, 7, 20)),
+        (1, (11, 3, 4)),
+        (2, (13, 6, 9)),
+        (0, (1 << 62, 1, 1)),
+    ],
+)
+def test_runs_out_of_order_or_beyond_the_frames_are_refused(monkeypatch, plain, run, value):
+    monkeypatch.setenv(PLAIN, plain)
+    columns = np.array([(12, 3, 5), (13, 3, 6), (14, 3, 6)])
+    assert len(group_runs(Runs(*columns.T), height=10, width=20).area) == 1
+    columns[run] = value
+    with pytest.raises(ValueError, match="out of order or not in frames 20 px wide"):
+        group_runs(Runs(*columns.T), height=10, width=20)
 
 
-def test_a_library_of_another_version_or_kind_is_not_used(monkeypatch):
-    with pytest.raises(OSError, match="version"):
-        compiled.Library(Path(_ctypes.__file__ if hasattr(_ctypes, "__file__") else ctypes.__file__))
-    monkeypatch.setattr(compiled, "VERSION", -1)
-    compiled._loaded.cache_clear()
-    try:
-        assert compiled.library() is None
-        assert detect_frames(IMAGE).counts.sum() == 0
-    finally:
-        monkeypatch.undo()
-        compiled._loaded.cache_clear()
-
-
-def test_constants_of_both_languages_agree():
-    source = (Path(compiled.__file__).parent / "kernel.c").read_text()
-    assert f"VERSION = {compiled.VERSION} " in source and f"MARGIN = {compiled.MARGIN} " in source
-    assert sums.MARGIN == compiled.MARGIN
-    assert f"1 << {sums.EMPTY.bit_length() - 1})" in source
-    assert 2 * len(sums.Sums._fields) + len(sums.PixelSums._fields) - 2 == compiled.SUMS
-
-
-def test_the_environment_decides_at_any_time(monkeypatch):
-    monkeypatch.delenv(PLAIN, raising=False)
-    before = compiled.library()
-    monkeypatch.setenv(PLAIN, "1")
-    assert compiled.library() is None
-    monkeypatch.setenv(PLAIN, "")
-    assert compiled.library() is before
-    assert os.environ[PLAIN] == "" and grouping.library is compiled.library
+def test_rows_of_the_sums_are_the_fields_of_the_record():
+    none = np.zeros(0, np.int64)
+    rows = native.sum_pixels(IMAGE, np.zeros(1, np.int64), none, none, none)
+    assert len(rows) == 2 * len(sums.Sums._fields) + len(sums.PixelSums._fields) - 2

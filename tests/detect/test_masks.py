@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from kinemark.data import KinemarkError, Validity
+from kinemark.data.masks import rasterised
 from kinemark.detect import Centroids, Masks, combined_masks, detect, detect_frames, learn_masks
-from kinemark.detect.masks import masked, rasterised, rectangles
+from kinemark.detect.masks import masked, rectangles
 from kinemark.io.masks_toml import read_masks, write_masks
 from support.examples import examples
 

@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinemark.data import Analog, ForcePlate, KinemarkError, Trial
-from kinemark.detect import detect
-from kinemark.engine.alongside import alongside, together
+from kinemark.data import KinemarkError
+from kinemark.detect import detect, learn_masks
 from kinemark.engine.session import Session
 from kinemark.engine.settings import SETTABLE, read_settings
 from kinemark.geometry import project_all, to_dlt
@@ -257,6 +256,32 @@ def filmed(tmp_path):
     return tmp_path, path
 
 
+def test_masks_are_learned_once_for_all_trials(filmed, monkeypatch):
+    folder, _ = filmed
+    text = (folder / "session.toml").read_text()
+    second = '[[trials]]\nname = "two"\nimages = "one/{camera}.mkv"\n'
+    (folder / "session.toml").write_text(f'{text}{second}[masks]\nempty = "empty/{{camera}}.mkv"\n')
+    learned = []
+
+    def counted(*given, **options):
+        learned.append(learn_masks(*given, **options))
+        return learned[-1]
+
+    monkeypatch.setattr("kinemark.engine.recordings.learn_masks", counted)
+
+    def record(frames):
+        (folder / "empty").mkdir(exist_ok=True)
+        for name in ("c0", "c1", "c2"):
+            write_video(folder / "empty" / f"{name}.mkv", [dots([8, 8])] * frames, 50.0)
+
+    record(5)
+    assert set(Session.open(folder).run()) == {"one", "two"} and len(learned) == 1
+    assert learned[0].pixels("c0")[8, 8] and not learned[0].pixels("c0")[40, 40]
+    record(7)  # another recording of the empty volume
+    done = Session.open(folder).run()
+    assert len(learned) == 2 and all("detect" in result.computed for result in done.values())
+
+
 def test_videos_are_processed(filmed):
     folder, path = filmed
     result = score(run(folder, "track").tracks, path[None], within=20.0)  # a pixel is 30 mm, and the spots are no discs
@@ -317,18 +342,6 @@ def test_digitised_control_points_snap_to_markers(tmp_path):
     (tmp_path / "points.csv").write_text("name,x_mm,y_mm\na,0,0\n")
     with pytest.raises(KinemarkError, match="lacks the columns z_mm, c0_u_px"):
         read_control_points(tmp_path / "points.csv", ["c0"])
-
-
-def test_analog_channels_fit_the_frames_of_a_c3d_file():
-    fast = Analog(("a",), ("V",), 1000.0, np.arange(45.0)[None])
-    slow = Analog(("b",), ("N",), 500.0, np.arange(10.0)[None])
-    odd, late = replace(fast, rate=333.0), replace(fast, start=0.5)
-    (both,) = alongside((fast, slow, odd, late), 250.0, 10)
-    assert (both.names, both.units, both.rate) == (("a", "b"), ("V", "N"), 1000.0)
-    assert np.array_equal(both["a"], np.arange(40.0))
-    assert np.array_equal(both["b"][:20], np.repeat(np.arange(10.0), 2))
-    assert np.isnan(both["b"][20:]).all()
-    assert alongside((odd,), 250.0, 10) == ()
 
 
 def test_a_bts_file_is_a_whole_session(tmp_path):
@@ -400,11 +413,3 @@ def test_a_rate_that_the_videos_contradict_is_a_doubt(filmed):
     (one,) = found(figures, "frame_rate_contradicted")
     assert one.cameras[0] == "c0" and one.values["rate_hz"] == 500 and set(one.values["stated_hz_list"]) == {50.0}
     assert figures["verdict"]["grade"] != "green"
-
-
-def test_plates_go_with_their_channels(folder):
-    plate = ForcePlate(2, np.zeros((4, 3)), np.zeros(3), ("late",))
-    late = Analog(("late",), ("N",), 1000.0, np.zeros((1, 400)), start=0.5)
-    result = run(folder, "track")
-    whole = together(Trial("t", result.trajectories, (late,), (plate,)), result.trajectories)
-    assert (whole.analog, whole.plates) == ((), ())

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from kinemark.apps import cli
-from kinemark.data import Angles, Cloud, Events, KinemarkError, MarkerTrajectory, Tracks, Trajectories, Trial
-from kinemark.engine.formats import read_trial
-from kinemark.engine.trial_angles import AngleSettings, angles_of_file, trial_angles
-from kinemark.io.c3d import markers, read_c3d, with_angles, write_c3d
+from kinemark.data import Angles, Cloud, Events, KinemarkError, MarkerTrajectory, Tracks, Trajectories, Trial, same
+from kinemark.engine.trial_angles import AngleSettings, angles_of_file, trial_angles, with_angles
+from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.io.model_toml import load_model
 from kinemark.io.records import save
+from kinemark.io.trial import read_trial
 from kinemark.kinematics import joint_angles, with_marker_sd
 from kinemark.kinematics.chain import points_of
 from kinemark.report.angles_page import angles_page
@@ -79,8 +79,7 @@ def test_csv_has_angles_with_their_sd_and_marks(written):
 def test_c3d_keeps_the_trial_and_gains_angles(written):
     result, _ = written
     before, after = (read_c3d(p) for p in (result.folder.parent / "eating.c3d", result.folder / "eating_angles.c3d"))
-    assert markers(after).names == markers(before).names and after.events.label == before.events.label
-    assert np.array_equal(markers(after).xyz, markers(before).xyz, equal_nan=True)
+    assert same(after.trajectories, before.trajectories) and after.events.label == before.events.label
     assert after.source.texts("POINT", "ANGLES") == (
         "shoulder",
         "elbow",
@@ -90,18 +89,21 @@ def test_c3d_keeps_the_trial_and_gains_angles(written):
         "wrist SD",
     )
     for j, joint in enumerate(result.angles.joints):
-        assert np.allclose(after.trajectories[joint].xyz, result.angles.deg[j], atol=1e-4, equal_nan=True)
-        assert np.allclose(after.trajectories[joint + " SD"].xyz, result.angles.sd[j], atol=1e-4, equal_nan=True)
-    again = with_angles(after, result.angles)  # replaced, not doubled
-    assert again.trajectories.names == after.trajectories.names
+        signal = after.signals[joint]
+        assert (signal.kind, signal.unit, signal.rate) == ("angle", "deg", 50.0)
+        assert np.allclose(signal.values, result.angles.deg[j], atol=1e-4, equal_nan=True)
+        assert np.allclose(signal.sd, result.angles.sd[j], atol=1e-4, equal_nan=True)
+    assert after.signals["shoulder"].axes == ("flexion", "adduction", "internal rotation")
+    again = with_angles(after, result.angles, result.model)  # replaced, not doubled
+    assert again.signals.names == after.signals.names == ("shoulder", "elbow", "wrist")
     with pytest.raises(KinemarkError, match="frames"):
-        with_angles(eating(duration_s=1.0)[0], result.angles)
+        with_angles(eating(duration_s=1.0)[0], result.angles, result.model)
     named = replace(
         before,
         trajectories=replace(before.trajectories, paths=(MarkerTrajectory.measured("elbow", np.ones((300, 3))),)),
     )
     with pytest.raises(KinemarkError, match="a marker called elbow"):
-        with_angles(named, result.angles)
+        with_angles(named, result.angles, result.model)
 
 
 def test_angles_keep_their_lock_in_records(tmp_path):
@@ -312,8 +314,8 @@ def test_real_left_arm_from_the_command_line(tmp_path, capsys):
     flexion = next(row for row in figures["angles"] if row["joint"] == "elbow" and row["positive"] == "flexion")
     assert flexion["frames"] == 993 and 88 < flexion["range_deg"] < 90 and 0.05 < flexion["sd_median_deg"] < 1
     after = read_c3d(tmp_path / "out" / "HTH1_angles.c3d")
-    assert "LElbowFlExt" in after.source.texts("POINT", "ANGLES") and "elbow" in after.trajectories.names
-    assert set(points_of(markers(after))) == set(points_of(markers(read_c3d(folder / "HTH1.c3d"))))
+    assert "LElbowFlExt" in after.source.texts("POINT", "ANGLES") and "elbow" in after.signals.names
+    assert set(points_of(after.trajectories)) == set(points_of(read_c3d(folder / "HTH1.c3d").trajectories))
 
 
 def test_clusters_static_and_functional_trials_from_the_command_line(tmp_path, capsys):

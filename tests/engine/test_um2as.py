@@ -19,7 +19,7 @@ from kinemark.engine.um2as import (
 )
 from kinemark.geometry import from_dlt, project_all, to_dlt, triangulate
 from kinemark.io.answers_csv import append_answer, read_answers, write_answers
-from kinemark.io.c3d import markers, read_c3d
+from kinemark.io.c3d import read_c3d
 from kinemark.io.um2as import read_angles, read_cp, read_tdc, trajectories_of_tdc, write_da, write_msr, write_tdc
 from kinemark.reconstruct import LeastSquares
 from kinemark.reconstruct.camera_pairs import agreeing
@@ -216,7 +216,7 @@ def test_places_become_a_c3d_file(tmp_path):
     xyz = np.random.default_rng(0).normal(0, 500, (3, 5, 3)).round(1)
     write_tdc(tmp_path / "feed.tdc", xyz)
     convert(tmp_path / "feed.tdc", tmp_path / "feed.c3d", rate_hz=60.0)
-    back = markers(read_c3d(tmp_path / "feed.c3d"))
+    back = read_c3d(tmp_path / "feed.c3d").trajectories
     np.testing.assert_allclose(back.xyz, xyz, atol=1e-3)
     assert back.rate == 60.0 and back.names == ("1", "2", "3")
     assert describe(tmp_path / "feed.tdc")["rate"] == "30 Hz"

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from kinemark.fill import Gap, MarkerArray, StaticShape
 from kinemark.fill.edges import GapEdges, trim_edges
 from kinemark.fill.static import FromStatic, place_absent
-from kinemark.io.c3d.to_trial import markers, read_c3d
+from kinemark.io.c3d.to_trial import read_c3d
 from support.filling import swaying
 from support.shared import shared_data
 
@@ -16,7 +16,7 @@ STATIC = "mocap3d/qualisys_gait/Static - CGM2 1.c3d"
 
 
 def read(path):
-    return MarkerArray.of(markers(read_c3d(shared_data(path))))
+    return MarkerArray.of(read_c3d(shared_data(path)).trajectories)
 
 
 def with_bad_edge(motion, gap, n, size, side, rng):

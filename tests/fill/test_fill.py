@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import spearmanr
 
 from kinemark.data import Origin, Trajectories
-from kinemark.engine.formats import read
 from kinemark.fill import (
     FILL,
     Auto,
@@ -28,6 +27,7 @@ from kinemark.fill.marker_array import Prediction
 from kinemark.fill.methods.local_regression import fill_local_regression
 from kinemark.fill.methods.stage import filler_of
 from kinemark.fill.mirrored_markers import REFLECTED, partners
+from kinemark.io.trial import read_trial
 from kinemark.synth import dressed, walking
 from support.filling import moving, off, trial
 from support.shared import shared_data
@@ -304,7 +304,7 @@ class TestOddInput:
 
 
 def test_a_real_walk_is_filled_to_millimetres_and_says_so():
-    trajectories = read(shared_data("mocap3d/pig_gait_3plates_emg/PiG_Motion3_FF.c3d")).trajectories
+    trajectories = read_trial(shared_data("mocap3d/pig_gait_3plates_emg/PiG_Motion3_FF.c3d")).trajectories
     motion = MarkerArray.of(trajectories)
     motion = MarkerArray(motion.xyz[:16], motion.rate, motion.names[:16])
     error, inside = [], []

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinemark.geometry.hidden_images import hidden_variance
 from kinemark.match import match
 from kinemark.reconstruct import LeastSquares, reconstruct
 from kinemark.reconstruct.camera_pairs import agreeing
-from kinemark.reconstruct.hidden import hidden_variance
 from support.laboratory import observe, ring
 from support.motions import swarm
 

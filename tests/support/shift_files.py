@@ -44,12 +44,12 @@ def _(by):
     return Answer((csv.xyz, trc.xyz), (csv.names, trc.names, csv.rate, trc.rate))
 
 
-@law(kinemark.write_c3d, kinemark.read_c3d, c3d.document_of, c3d.trial_of, c3d.markers, mm=0.501)
+@law(kinemark.write_c3d, kinemark.read_c3d, c3d.document_of, c3d.stored, c3d.trial_of, mm=0.501)
 def _(by):
     """C3D has single precision: a coordinate of 10 km is kept to half a millimetre."""
     before = Trial("walk", moved(trial(), by))
     after = written(kinemark.write_c3d, kinemark.read_c3d, "a.c3d", before)
-    again = c3d.markers(c3d.trial_of(c3d.document_of(before), name="walk"))
+    again = c3d.trial_of(c3d.document_of(before), name="walk").trajectories
     paths = [(path.name, path.origin) for path in after.trajectories]
     return Answer((after.trajectories.xyz, again.xyz), paths)
 
@@ -114,7 +114,7 @@ def _(by):
 
     points = written(write_points, lambda path: read_control_points(path, ["a"]), "points.csv", POINTS + by)
     hung = moved(replace(frame(), xyz=np.round(frame().xyz)), by)
-    rods = written(lambda path, rods: path.write_text("\n".join(rods_toml(rods))), read_rods, "rods.toml", hung)
+    rods = written(lambda path, rods: path.write_text(rods_toml(rods)), read_rods, "rods.toml", hung)
     return Answer((points.xyz, rods.xyz), (points.uv, rods.along))
 
 

@@ -7,8 +7,9 @@ import numpy as np
 import kinemark
 from kinemark import digitise, geometry
 from kinemark.digitise import OtherViews, propose
+from kinemark.geometry.weighted_points import usable_points, weighted_points
 from kinemark.match import MATCH, NearestEpipolar
-from kinemark.reconstruct import RECONSTRUCT, LeastSquares, located, wanted
+from kinemark.reconstruct import RECONSTRUCT, LeastSquares
 from kinemark.track import TRACK, Swamidas, blend, swamidas, track, within_volume, without_short
 from kinemark.track.simultaneous import FormerTwoCameras, Simultaneous, track_with_decisions
 from support.shift_law import OPEN, Answer, law, moved
@@ -36,12 +37,12 @@ def _(by, parameter):
     return Answer(found.xyz, replace(found, xyz=0 * found.xyz))
 
 
-@law(located, wanted, mm=1e-6, share=OPEN)
+@law(weighted_points, usable_points, mm=1e-6, share=OPEN)
 def _(by):
     cameras = moved(rig(), by)
-    guess = located(matches(), observed().detections, rig()).xyz + by
-    found = located(matches(), observed().detections, cameras, guess=guess)
-    return Answer(found.xyz, (found.cov, found.residual, wanted(found, cameras)))
+    guess = weighted_points(matches(), observed().detections, rig()).xyz + by
+    found = weighted_points(matches(), observed().detections, cameras, guess=guess)
+    return Answer(found.xyz, (found.cov, found.residual, usable_points(found, cameras)))
 
 
 OF_DETECTIONS = {"simultaneous": Simultaneous(), "former_two_cameras": FormerTwoCameras()}

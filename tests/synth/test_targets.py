@@ -51,7 +51,7 @@ def test_no_camera_of_a_ring_sees_two_markers_of_the_frame_as_one(n):
 
 def test_rods_as_toml_are_the_rods():
     rods = control_frame(marker_diameter=19.0)
-    read = tomllib.loads("\n".join(rods_toml(rods)))
+    read = tomllib.loads(rods_toml(rods))
     assert read["units"] == "mm" and read["marker_diameter"] == 19.0
     assert np.array_equal([rod["markers"] for rod in read["rod"]], rods.xyz)
 

@@ -26,6 +26,8 @@ from ..engine.session import Session
 from ..engine.settings import methods_figures, methods_text, session_schema
 from ..engine.simulate import Scene
 from ..engine.simulate import simulate as simulate_session
+from ..engine.system import absence_notice
+from ..engine.system import system as describe_system
 from ..engine.trial_angles import AngleSettings, angles_of_file
 from ..fill import LIMIT, GapEdges
 from ..report.angles_text import angle_summary
@@ -46,6 +48,7 @@ app.command(digitise)
 app.command(um2as)
 errors = Console(stderr=True)
 
+LengthUnit = Literal["mm", "cm", "m", "in"] | None
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the results for a machine.")]
 
 
@@ -238,14 +241,15 @@ def fill(
     static: Path | None = None,
     report: bool = False,
     rate_hz: float | None = None,
+    length_unit: LengthUnit = None,
     json: Json = False,
 ) -> None:
     """Fill the gaps of a trial's markers, each with an expected error; all else in the file stays as it was.
 
     Args:
-        source: C3D, TRC, CSV or BTS file.
+        source: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC.
         sources: and others, which go into a folder under their names.
-        output: the file to write, C3D, TRC or CSV, or a folder; an existing file is not replaced.
+        output: the file to write, C3D, TRC, CSV, HDF5 or TDC, or a folder; an existing file is not replaced.
         method: auto finds out for every gap which method is best; `kinemark methods fill` lists them.
         set: PARAMETER=VALUE of the method; may be repeated.
         model: an angle model (CSV) or another trial of the same motion, for limb_angles, kalman_angles and auto.
@@ -254,7 +258,8 @@ def fill(
         trim: so many bad samples may be replaced on each side of a gap; 0 keeps all that was measured.
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
-        rate_hz: of a CSV file that does not say it.
+        rate_hz: of a CSV or TDC file that does not say it.
+        length_unit: of a C3D file that does not say it.
         json: print what became of every gap for a machine.
     """
     chosen = fill_method(method, set or (), model=model)
@@ -262,6 +267,7 @@ def fill(
         done = fill_files(
             (source, *sources), output, report=report, told=lambda n: tell("fill", n, 1 + len(sources)), method=chosen,
             name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
+            length_unit=length_unit,
         )  # fmt: skip
     _print(filled_figures(done) if json else filled_text(done))
     if any(isinstance(found, KinemarkError) for found in done.values()):
@@ -269,16 +275,21 @@ def fill(
 
 
 @app.command
-def info(file: Path, *files: Path, json: Json = False) -> None:
+def info(*files: Path, system: Annotated[bool, Parameter(negative="")] = False, json: Json = False) -> None:
     """Say what is in files: C3D, TDF, TRC, CSV, rig TOML, DLT, HDF5, video, images or a session.
 
     Args:
-        file: one file or folder.
-        files: and others.
+        files: files or folders.
+        system: say instead what Kinemark runs on: versions, threads, and whether its compiled library is used.
         json: print it for a machine.
     """
+    if system == bool(files):
+        raise KinemarkError("Say what is wanted: files, or --system.")
+    if system:
+        _print(describe_system().figures() if json else describe_system().text())
+        return
     found: dict[str, dict[str, object]] = {}
-    for one in (file, *files):
+    for one in files:
         try:
             found[str(one)] = describe(one)
         except KinemarkError as error:  # one bad file keeps nobody from seeing the others
@@ -298,19 +309,20 @@ def convert(
     target: Path,
     *,
     what: Literal["trajectories", "detections", "rig"] | None = None,
-    length_unit: Literal["mm", "cm", "m", "in"] | None = None,
+    length_unit: LengthUnit = None,
     rate_hz: float | None = None,
 ) -> None:
-    """Convert between formats: trajectories (C3D, TRC, CSV), rigs (TOML, DLT CSV), detections (HDF5, CSV), from TDF.
+    """Convert between formats: trajectories (C3D, TRC, CSV, HDF5, TDC), rigs (TOML, DLT), detections (HDF5, CSV).
 
     Args:
         source: the file to read.
         target: the file to write; an existing one is not replaced.
         what: which part, where the names do not tell.
-        length_unit: of a rig file that does not say it.
-        rate_hz: of detections or trajectories in a CSV file, which does not say it.
+        length_unit: of a rig or C3D file that does not say it.
+        rate_hz: of detections or trajectories in a CSV or TDC file, which does not say it.
     """
-    convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz)
+    for note in convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz):
+        _print(f"note: {note}")
     _print(f"{target} is written. What it holds: kinemark info {target}")
 
 
@@ -341,7 +353,7 @@ def angles(
     """Joint angles of a trial with their standard deviation: CSV, C3D, a page with curves and a moving stick figure.
 
     Args:
-        trial: C3D, TDF, TRC, CSV or HDF5 file with markers.
+        trial: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC.
         model: um2as, isb_upper_limb, isb_shoulder, or a TOML file that describes one.
         output: folder of the results; beside the trial, its name and _angles, where none is given.
         static: trial that shows the points which clusters of markers carry.
@@ -366,6 +378,8 @@ def sensitivity(
     centroid_px: float | None = None,
     model: str | None = None,
     markers: Path | None = None,
+    rate_hz: float | None = None,
+    length_unit: LengthUnit = None,
     json: Json = False,
 ) -> None:
     """Say what limits the accuracy of a trial: noise, lenses, calibration, marker placement, or a camera that is lost.
@@ -377,7 +391,10 @@ def sensitivity(
         cycles: how many cycles a mean is taken over.
         centroid_px: standard deviation of a centroid, px; as the trial's residuals show it where none is given.
         model: rank the joint angles of this model (its name, or a TOML file); else the directions of segments.
-        markers: a C3D, TRC, CSV or TDF file of the same recording with the names that the model wants.
+        markers: a file of trajectories (C3D, TDF, TRC, CSV, HDF5 or TDC) of the same recording with the names that the
+            model wants.
+        rate_hz: of the markers' file, where it does not say it.
+        length_unit: of the markers' file, where it does not say it.
         json: print the figures for a machine.
     """
     try:
@@ -385,7 +402,10 @@ def sensitivity(
     except ValueError as error:
         raise KinemarkError(f"{error}.") from error
     with progress() as tell:
-        found = error_budget(session, trial=trial, method=asked, model=model, markers=markers, progress=tell)
+        found = error_budget(
+            session, trial=trial, method=asked, model=model, markers=markers, rate_hz=rate_hz,
+            length_unit=length_unit, progress=tell,
+        )  # fmt: skip
     _print(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")
 
 
@@ -397,6 +417,8 @@ def _print(value: object) -> None:
 
 def main() -> None:
     """The command `kinemark`."""
+    if notice := absence_notice():
+        errors.print(f"kinemark: {notice}", markup=False, highlight=False, soft_wrap=True)
     try:
         app()
     except KinemarkError as error:

@@ -1,9 +1,9 @@
 """One camera from points with known places: least squares over the camera's own parameters.
 
 With r_i the residual of point i (px), Q_i its covariance and J_i the derivative of its projection by the p
-free ones of `data.PARAMETERS`, Levenberg and Marquardt's step
+free ones of `data.PARAMETERS`, Levenberg–Marquardt (`numerics.levenberg_marquardt`) with
 
-    (A + λ diag A) δ = g,    A = Σ J_iᵀ Q_i⁻¹ J_i,    g = Σ J_iᵀ Q_i⁻¹ r_i    (1)
+    A = Σ J_iᵀ Q_i⁻¹ J_i,    g = Σ J_iᵀ Q_i⁻¹ r_i                         (1)
 
 lowers χ² = Σ r_iᵀ Q_i⁻¹ r_i (2) until it no longer falls. The parameters' covariance is
 
@@ -25,17 +25,20 @@ the lens bends pixels as before, since x ← x / m on the normalised plane. Then
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..data import Camera
+from ..data.array_types import Bools, Floats
 from ..geometry import parameter_jacobian, project
+from ..numerics.levenberg_marquardt import damped_step, minimise
+from ..numerics.scaled import scaled_inverse
 
 STEPS = 100
+SETTLED = 1e-13
 FOCAL_POWERS = np.array([1.0, 1, 0, 0, 2, 4, 1, 1, 6, 0, 0, 0, 0, 0, 0])  # of m in each of `data.PARAMETERS`, (4)
 
 
@@ -43,17 +46,17 @@ class ResectionFit(NamedTuple):
     """A fitted camera, its residuals r (N, 2) px, and d (N), their lengths in units of their standard deviation."""
 
     camera: Camera
-    residual: NDArray[np.float64]
-    normalised: NDArray[np.float64]
+    residual: Floats
+    normalised: Floats
 
 
 def resect(
     start: Camera,
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    cov: NDArray[np.float64],
+    xyz: Floats,
+    uv: Floats,
+    cov: Floats,
     *,
-    free: NDArray[np.bool_],
+    free: Bools,
     tied: bool = False,
     steps: int = STEPS,
 ) -> ResectionFit:
@@ -64,22 +67,9 @@ def resect(
     has points behind it, it is returned as it is, with residuals of NaN.
     """
     whiten = np.linalg.inv(np.linalg.cholesky(cov))  # whiten · r has unit covariance
-    camera, chi2, damping = start, _chi2(start, xyz, uv, whiten), 1e-3
-    for _ in range(steps if np.isfinite(chi2) else 0):
-        A, g = _normal(camera, xyz, uv, whiten, free, tied)
-        step = np.asarray(np.linalg.lstsq(A + damping * np.diag(np.diag(A)), g)[0], np.float64)  # (1)
-        tried = moved(camera, free, step, tied=tied)
-        lower = _chi2(tried, xyz, uv, whiten)
-        if lower < chi2:
-            settled = chi2 - lower <= 1e-13 * chi2
-            camera, chi2, damping = tried, lower, damping / 10
-            if settled:
-                break
-        elif damping > 1e8:
-            break
-        else:
-            damping *= 10
-    residual = uv - project(camera, xyz)
+    problem = _Resection(xyz, uv, whiten, free, tied)
+    camera = minimise(problem, start, steps=steps, relative=SETTLED)
+    residual, chi2 = uv - project(camera, xyz), problem.cost(camera)
     if not np.isfinite(chi2):
         return ResectionFit(camera, residual, np.full(len(xyz), np.nan))
     camera = replace(
@@ -90,7 +80,7 @@ def resect(
     return ResectionFit(camera, residual, np.linalg.norm(np.einsum("nij,nj->ni", whiten, residual), axis=1))
 
 
-def directions(camera: Camera, free: NDArray[np.bool_], tied: bool) -> NDArray[np.float64]:
+def directions(camera: Camera, free: Bools, tied: bool) -> Floats:
     """B (15, p): how `data.PARAMETERS` change with the free ones, or with ln m and the rest of them."""
     if not tied:
         return np.eye(15)[:, free]
@@ -100,7 +90,7 @@ def directions(camera: Camera, free: NDArray[np.bool_], tied: bool) -> NDArray[n
     return np.column_stack([FOCAL_POWERS * values, np.eye(15)[:, rest]])
 
 
-def moved(camera: Camera, free: NDArray[np.bool_], step: NDArray[np.float64], *, tied: bool = False) -> Camera:
+def moved(camera: Camera, free: Bools, step: Floats, *, tied: bool = False) -> Camera:
     """The camera with `step` added to its free parameters; where `tied`, the first is ln m."""
     p, K, distortion = np.zeros(15), camera.K.copy(), camera.distortion
     if tied:
@@ -116,36 +106,44 @@ def moved(camera: Camera, free: NDArray[np.bool_], step: NDArray[np.float64], *,
     return replace(camera, K=K, distortion=distortion + p[4:9], R=R, t=camera.t + p[12:])
 
 
-def _chi2(camera: Camera, xyz: NDArray[np.float64], uv: NDArray[np.float64], whiten: NDArray[np.float64]) -> float:
-    """(2); infinite where a point lies behind the camera."""
-    d = np.einsum("nij,nj->ni", whiten, uv - project(camera, xyz))
-    total = float((d**2).sum())
-    return total if np.isfinite(total) else float("inf")
+@dataclass(frozen=True, slots=True)
+class _Resection:
+    """The problem of `resect` for `minimise`."""
 
+    xyz: Floats
+    uv: Floats
+    whiten: Floats
+    free: Bools
+    tied: bool
 
-def _normal(
-    camera: Camera,
-    xyz: NDArray[np.float64],
-    uv: NDArray[np.float64],
-    whiten: NDArray[np.float64],
-    free: NDArray[np.bool_],
-    tied: bool,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A (p, p) and g (p) of (1)."""
-    J = (whiten @ parameter_jacobian(camera, xyz) @ directions(camera, free, tied)).reshape(2 * len(xyz), -1)
-    r = np.einsum("nij,nj->ni", whiten, uv - project(camera, xyz)).ravel()
-    return J.T @ J, J.T @ r
+    def cost(self, camera: Camera) -> float:
+        """(2); infinite where a point lies behind the camera."""
+        d = np.einsum("nij,nj->ni", self.whiten, self.uv - project(camera, self.xyz))
+        total = float((d**2).sum())
+        return total if np.isfinite(total) else float("inf")
+
+    def equations(self, camera: Camera) -> tuple[Floats, Floats]:
+        """A (p, p) and g (p) of (1)."""
+        B = directions(camera, self.free, self.tied)
+        J = (self.whiten @ parameter_jacobian(camera, self.xyz) @ B).reshape(2 * len(self.xyz), -1)
+        r = np.einsum("nij,nj->ni", self.whiten, self.uv - project(camera, self.xyz)).ravel()
+        return J.T @ J, J.T @ r
+
+    def step(self, camera: Camera, equations: tuple[Floats, Floats], damping: float) -> tuple[Camera, float]:
+        """The camera after the step δ."""
+        step, promised = damped_step(*equations, damping)
+        return moved(camera, self.free, step, tied=self.tied), promised
 
 
 def _covariance(
     camera: Camera,
     start: Camera,
-    xyz: NDArray[np.float64],
-    whiten: NDArray[np.float64],
+    xyz: Floats,
+    whiten: Floats,
     chi2: float,
-    free: NDArray[np.bool_],
+    free: Bools,
     tied: bool,
-) -> NDArray[np.float64]:
+) -> Floats:
     """(15, 15) with zero rows for what is held and known."""
     J = (whiten @ parameter_jacobian(camera, xyz)).reshape(-1, 15)
     B = directions(camera, free, tied)
@@ -158,14 +156,7 @@ def _covariance(
     return np.asarray(cov)
 
 
-def scaled_inverse(A: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Inverse of a normal matrix (p, p) whose parameters differ by 10⁸ in size; of the null space, zero."""
-    scale = 1 / np.sqrt(np.maximum(np.diag(A), 1e-300))
-    inverse = np.linalg.pinv(A * scale * scale[:, None], hermitian=True)
-    return np.asarray(scale[:, None] * inverse * scale)
-
-
-def lens_covariance(lens: Camera, camera: Camera) -> NDArray[np.float64]:
+def lens_covariance(lens: Camera, camera: Camera) -> Floats:
     """(15, 15) of the held parameters of `camera`, as its linearised `lens` left them open; that of ln m is taken out.
 
     An error of the lens's own focal length, d ln f, does not move its pixels if the terms follow by (4), so that only

@@ -18,6 +18,8 @@ from .marker_set import MarkerSet
 from .matches import Matches
 from .rig import PARAMETERS, Camera, Rig
 from .rods import Rods
+from .sample_images import SampleImages, images_of, matches_of
+from .signals import Signal, Signals
 from .trajectories import MarkerTrajectory, Origin, Trajectories
 from .trial import Step, Trial
 
@@ -44,12 +46,17 @@ __all__ = [
     "Origin",
     "Rig",
     "Rods",
+    "SampleImages",
     "Severity",
+    "Signal",
+    "Signals",
     "Step",
     "Tracks",
     "Trajectories",
     "Trial",
     "Validity",
+    "images_of",
     "make_finding",
+    "matches_of",
     "same",
 ]

@@ -1,13 +1,18 @@
-"""Joint angles through time."""
+"""Joint angles through time, as kinematics finds them: all joints together, with their sequences and gimbal lock.
+
+A trial holds them as `signals`, a quantity a joint.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import column, set_columns
+from .signals import Signal, Signals
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,3 +64,13 @@ class Angles:
         if joint not in self.joints:
             raise KeyError(f"no joint {joint!r}; there are {', '.join(self.joints)}")
         return self.deg[self.joints.index(joint)]
+
+    def signals(self, axes: Sequence[Sequence[str]] = ()) -> Signals:
+        """Each joint as a quantity.
+
+        Args:
+            axes: (J) three names each of the angles; the letters of the sequence where not given.
+        """
+        named = axes or self.sequence
+        rows = zip(self.joints, named, self.deg, self.cov, strict=True)
+        return Signals(tuple(Signal(n, "angle", "deg", tuple(a), self.rate, v, c) for n, a, v, c in rows))

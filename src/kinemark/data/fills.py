@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import column, set_columns
-from .trajectories import Origin, Trajectories
+from .trajectories import MarkerTrajectory, Origin, Trajectories
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -18,7 +18,7 @@ class Fills:
     Attributes:
         marker, frame: (N) which, both from 0.
         xyz: (N, 3) mm; cov: (N, 3, 3) mm².
-        cameras: (N) bit c is set when camera c, which saw it alone, told of it.
+        view: (N, C) row in `Detections` of the image by which a camera, which saw it alone, told of it; −1 for none.
         told: of each gap, filled or not, what is to be said, as JSON.
     """
 
@@ -26,7 +26,7 @@ class Fills:
     frame: NDArray[np.int64]
     xyz: NDArray[np.float64]
     cov: NDArray[np.float64]
-    cameras: NDArray[np.uint32]
+    view: NDArray[np.int64]
     told: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -37,7 +37,7 @@ class Fills:
             frame=column("frame", self.frame, np.int64, n),
             xyz=column("xyz", self.xyz, np.float64, n, 3),
             cov=column("cov", self.cov, np.float64, n, 3, 3),
-            cameras=column("cameras", self.cameras, np.uint32, n),
+            view=column("view", self.view, np.int64, n, None),
             told=tuple(self.told),
         )
 
@@ -47,12 +47,16 @@ class Fills:
         pairs = zip(before, after, strict=True)
         new = np.array([(a.origin == Origin.FILLED) & (b.origin != Origin.FILLED) for b, a in pairs])
         marker, frame = np.nonzero(new.reshape(len(after), after.n_frames))
+        at = list(zip(marker.tolist(), frame.tolist(), strict=True))
+        view = np.full((len(at), max((path.view.shape[1] for path in after), default=0)), -1, np.int64)
+        for row, (m, f) in zip(view, at, strict=True):
+            row[: after.paths[m].view.shape[1]] = after.paths[m].view[f]
         return cls(
             marker,
             frame,
-            np.array([after.paths[m].xyz[f] for m, f in zip(marker, frame, strict=True)]).reshape(-1, 3),
-            np.array([after.paths[m].cov[f] for m, f in zip(marker, frame, strict=True)]).reshape(-1, 3, 3),
-            np.array([after.paths[m].cameras[f] for m, f in zip(marker, frame, strict=True)], np.uint32),
+            np.array([after.paths[m].xyz[f] for m, f in at]).reshape(-1, 3),
+            np.array([after.paths[m].cov[f] for m, f in at]).reshape(-1, 3, 3),
+            view,
             told,
         )
 
@@ -67,13 +71,27 @@ class Fills:
         paths = list(trajectories.paths)
         for m in np.unique(self.marker).tolist():
             own = self.marker == m
-            columns = {name: getattr(paths[m], name).copy() for name in ("xyz", "cov", "origin", "residual", "cameras")}
-            at = self.frame[own]
-            columns["xyz"][at], columns["cov"][at], columns["cameras"][at] = (
-                self.xyz[own],
-                self.cov[own],
-                self.cameras[own],
-            )
-            columns["origin"][at], columns["residual"][at] = Origin.FILLED, np.nan
-            paths[m] = replace(paths[m], **columns)
+            paths[m] = _filled(paths[m], self.frame[own], self.xyz[own], self.cov[own], self.view[own])
         return replace(trajectories, paths=tuple(paths))
+
+
+def _filled(
+    path: MarkerTrajectory,
+    frame: NDArray[np.int64],
+    xyz: NDArray[np.float64],
+    cov: NDArray[np.float64],
+    view: NDArray[np.int64],
+) -> MarkerTrajectory:
+    """One marker with its samples."""
+    names = ("xyz", "cov", "origin", "residual", "cameras")
+    columns = {name: getattr(path, name).copy() for name in names} | {"view": view_of(path, view.shape[1])}
+    columns["xyz"][frame], columns["cov"][frame], columns["cameras"][frame] = xyz, cov, 0
+    columns["origin"][frame], columns["residual"][frame] = Origin.FILLED, np.nan
+    columns["view"][frame, : view.shape[1]] = view
+    return replace(path, **columns)
+
+
+def view_of(path: MarkerTrajectory, cameras: int) -> NDArray[np.int64]:
+    """A copy (F, C) of a marker's images with columns for so many cameras, where it knows none."""
+    known = path.view.shape[1]
+    return path.view.copy() if known else np.full((len(path), cameras), -1, np.int64)

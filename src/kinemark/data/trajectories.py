@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from itertools import pairwise
 
@@ -32,7 +32,9 @@ class MarkerTrajectory:
         cov: (F, 3, 3) mm², NaN where unknown.
         origin: (F) an `Origin` each.
         residual: (F) how far the rays of its cameras pass from it, RMS, mm; as a C3D file states it; NaN where unknown.
-        cameras: (F) bit c is set when camera c saw the marker; 0 where unknown.
+        cameras: (F) bit c is set when camera c saw the marker; 0 where unknown. From `view` where that is known.
+        view: (F, C) row in `Detections` of each camera's image, −1 where it has none of this sample; (F, 0) where the
+            images are not known, as in files of other systems.
     """
 
     name: str
@@ -41,16 +43,19 @@ class MarkerTrajectory:
     origin: NDArray[np.uint8]
     residual: NDArray[np.float64]
     cameras: NDArray[np.uint32]
+    view: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 0), np.int64))
 
     def __post_init__(self) -> None:
         n = len(self.xyz)
+        known = np.ndim(self.view) != 2 or np.shape(self.view)[1] > 0
+        set_columns(self, view=column("view", self.view if known else np.zeros((n, 0)), np.int64, n, None))
         set_columns(
             self,
             xyz=column("xyz", self.xyz, np.float64, n, 3),
             cov=column("cov", self.cov, np.float64, n, 3, 3),
             origin=column("origin", self.origin, np.uint8, n),
             residual=column("residual", self.residual, np.float64, n),
-            cameras=column("cameras", self.cameras, np.uint32, n),
+            cameras=column("cameras", camera_bits(self.view) if known else self.cameras, np.uint32, n),
         )
         missing = np.isnan(self.xyz).any(1)
         if (missing != (self.origin == Origin.MISSING)).any():
@@ -69,6 +74,7 @@ class MarkerTrajectory:
             origin=np.where(missing, Origin.MISSING, Origin.MEASURED).astype(np.uint8),
             residual=np.asarray(columns.get("residual", np.full(len(xyz), np.nan)), np.float64),
             cameras=np.asarray(columns.get("cameras", np.zeros(len(xyz))), np.uint32),
+            view=np.asarray(columns.get("view", np.zeros((len(xyz), 0))), np.int64),
         )
 
     def __len__(self) -> int:
@@ -79,6 +85,17 @@ class MarkerTrajectory:
         """First and last-plus-one frame of each run of missing samples between two seen ones."""
         seen = np.flatnonzero(self.origin != Origin.MISSING)
         return [(int(a) + 1, int(b)) for a, b in pairwise(seen) if b - a > 1]
+
+    def frames(self, first: int, stop: int) -> MarkerTrajectory:
+        """Frames first … stop − 1, counted from 0; their images are still rows of the same detections."""
+        names = ("xyz", "cov", "origin", "residual", "cameras", "view")
+        return replace(self, **{name: getattr(self, name)[first:stop] for name in names})
+
+
+def camera_bits(view: NDArray[np.int64]) -> NDArray[np.uint32]:
+    """(F) bit c is set where camera c of the first 32 has an image in `view` (F, C)."""
+    bits = np.left_shift(np.uint32(1), np.arange(min(view.shape[1], 32), dtype=np.uint32))
+    return np.asarray(((view[:, :32] >= 0) * bits).sum(1), np.uint32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,3 +148,20 @@ class Trajectories:
     def time(self) -> NDArray[np.float64]:
         """(F) seconds from the first frame."""
         return np.arange(self.n_frames) / self.rate
+
+    def frames(self, first: int, stop: int) -> Trajectories:
+        """Frames first … stop − 1, counted from 0."""
+        first, stop, _ = slice(first, stop).indices(self.n_frames)
+        return replace(
+            self,
+            paths=tuple(path.frames(first, max(first, stop)) for path in self.paths),
+            first_frame=self.first_frame + first,
+        )
+
+    def select(self, names: Sequence[str]) -> Trajectories:
+        """Only the markers of these names, in this order.
+
+        Raises:
+            KeyError: a name is none of a marker.
+        """
+        return replace(self, paths=tuple(self[name] for name in names))

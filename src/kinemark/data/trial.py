@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from .analog import Analog, ForcePlate
 from .arrays import set_columns
 from .events import Events
+from .signals import Signals
 from .trajectories import Trajectories
 
 
@@ -38,10 +39,12 @@ class Trial:
 
     Attributes:
         name: of the trial.
-        trajectories: the markers.
-        analog: channels, one record a rate; plates: force plates; events.
+        trajectories: the markers, and nothing else.
+        analog: channels as they were recorded, each record at its own rate and from its own start.
+        plates: force plates; events.
         source: what the file held besides, in that file format's own record, so that writing gives it back.
         steps: how the trial was made.
+        signals: angles, moments, powers, forces and other quantities that were computed.
     """
 
     name: str
@@ -51,6 +54,18 @@ class Trial:
     events: Events = field(default_factory=Events)
     source: Any = None
     steps: tuple[Step, ...] = ()
+    signals: Signals = field(default_factory=Signals)
 
     def __post_init__(self) -> None:
         set_columns(self, analog=tuple(self.analog), plates=tuple(self.plates), steps=tuple(self.steps))
+
+    def frames(self, first: int, stop: int) -> Trial:
+        """Frames first … stop − 1, counted from 0; channels and signals stay whole and start so much earlier."""
+        first, stop, _ = slice(first, stop).indices(self.trajectories.n_frames)
+        earlier = first / self.trajectories.rate
+        return replace(
+            self,
+            trajectories=self.trajectories.frames(first, stop),
+            analog=tuple(replace(a, start=a.start - earlier) for a in self.analog),
+            signals=Signals(tuple(replace(s, start=s.start - earlier) for s in self.signals)),
+        )

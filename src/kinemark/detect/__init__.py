@@ -1,11 +1,12 @@
 """From images to marker centroids."""
 
+from ..data.masks import Masks
 from .blobs import Blobs
 from .centroids_method import Centroids
 from .detect_frames import detect_frames
 from .detect_recording import detect
 from .kiss import KissNearest, KissScanning
-from .masks import Masks, combined_masks, learn_masks
+from .masks import combined_masks, learn_masks
 from .proposal import DetectionProposal, propose
 from .source import FrameSource
 from .stage import DETECT

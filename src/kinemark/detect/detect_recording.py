@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
+from ..data.masks import Masks
 from ..data.method import Method
 from .blobs import Blobs, joined
 from .centroids_method import Centroids
 from .detect_frames import detect_frames
 from .levels import levelled
-from .masks import Masks, masked
+from .masks import masked
 from .source import FrameSource, ahead
 from .stage import DETECT
 

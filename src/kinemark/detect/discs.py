@@ -20,9 +20,9 @@ outlines that are nearest or deepest there (3).
     motion    a disc that moves by v while the shutter is open: the mean of (1) over c + t v, −½ ≤ t ≤ ½   (6)
     cut       a disc and the half plane x cos θ + y sin θ < h, by (2)                      (7)
 
-The shape, w, A and b are found together by Levenberg and Marquardt's method on Σ (grey − I)² weighted by 1 / variance
-of the pixel. Where the sensor is at its white, the model is held at white as well and such a pixel says nothing unless
-the model disagrees (8).
+The shape, w, A and b are found together by Levenberg–Marquardt (`numerics.levenberg_marquardt`, many patches at once)
+on Σ (grey − I)² weighted by 1 / variance of the pixel. Where the sensor is at its white, the model is held at white as
+well and such a pixel says nothing unless the model disagrees (8).
 
 A marker brighter on one side has the light A (1 + a x + b y) U (9), found from the fit without a and b by one linear
 step for all parameters.
@@ -31,6 +31,7 @@ step for all parameters.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +39,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from ..data.array_types import Floats
+from ..numerics.levenberg_marquardt import Tries, minimise_many
 
 STEPS = 10
 SMALL_STEP = 1e-3  # px; a tenth of what any noise leaves
@@ -103,33 +105,42 @@ def fit(
 
     A fit that is above the χ² `wanted` (n) and hardly gets better is given up; one below `enough` (n) is good enough.
     """
-    p = start.copy()
-    model, J = _image(shape, p, patches)
-    chi2 = _chi2(model, patches)
-    wanted = np.full(len(p), np.inf) if wanted is None else wanted
-    enough = np.broadcast_to(enough, chi2.shape)
+    wanted = np.full(len(start), np.inf) if wanted is None else wanted
     used = np.maximum((patches.weight > 0).sum(1), 1)
-    damping, busy = np.full(len(p), 1e-3), np.arange(len(p))
-    for _ in range(STEPS):
-        if not len(busy):
-            break
-        part = patches if len(busy) == len(p) else patches.take(busy)
-        step = _step(J[busy], model[busy], part, damping[busy])
-        tried = _held(p[busy] + step)
-        new_model, new_J = _image(shape, tried, part)
-        new_chi2 = _chi2(new_model, part)
-        gain = chi2[busy] - new_chi2
-        better = gain >= 0
-        good = busy[better]
-        p[good], model[good], J[good], chi2[good] = tried[better], new_model[better], new_J[better], new_chi2[better]
-        damping[busy] = np.where(better, damping[busy] * 0.2, damping[busy] * 10.0)
-        small = np.where(
-            new_chi2 > wanted[busy], HOPELESS * new_chi2, SMALL_GAIN * np.maximum(1.0, new_chi2 / used[busy])
-        )
-        still = (np.abs(step[:, :-2]).max(1) < SMALL_STEP) | (gain < small)
-        done = (better & (still | (new_chi2 < enough[busy]))) | (damping[busy] > 1e6)
-        busy = busy[~done]
-    return DiscFit(p, _covariance(J, patches, chi2 <= wanted), chi2, model)
+    problems = _Shapes(shape, patches, wanted, np.broadcast_to(enough, len(start)), used)
+    found = minimise_many(problems, problems.at(start.copy(), patches), steps=STEPS)
+    model, J = found.equations
+    return DiscFit(found.parameters, _covariance(J, patches, found.cost <= wanted), found.cost, model)
+
+
+@dataclass(frozen=True, slots=True)
+class _Shapes:
+    """The problems of `fit` for `minimise_many`; `used` (n) pixels have weight."""
+
+    shape: Shape
+    patches: Patches
+    wanted: Floats
+    enough: Floats
+    used: NDArray[np.int64]
+
+    def at(self, p: Floats, patches: Patches) -> Tries:
+        """Parameters with the patches' models and derivatives."""
+        model, J = _image(self.shape, p, patches)
+        return Tries(p, _chi2(model, patches), (model, J))
+
+    def step(self, which: NDArray[np.int64], now: Tries, damping: Floats) -> tuple[Tries, Floats]:
+        """After the step, w within its bounds and A above 1."""
+        part = self.patches if len(which) == len(self.patches.x) else self.patches.take(which)
+        model, J = now.equations
+        step, promised = _step(J, model, part, damping)
+        return self.at(_held(now.parameters + step), part), promised
+
+    def settled(self, which: NDArray[np.int64], now: Tries, tried: Tries) -> NDArray[np.bool_]:
+        """Whether the step was small, or brought little, or the fit is good enough."""
+        chi2, wanted = tried.cost, self.wanted[which]
+        small = np.where(chi2 > wanted, HOPELESS * chi2, SMALL_GAIN * np.maximum(1.0, chi2 / self.used[which]))
+        moved = np.abs(tried.parameters - now.parameters)[:, :-2].max(1)
+        return np.asarray((moved < SMALL_STEP) | (now.cost - chi2 < small) | (chi2 < self.enough[which]))
 
 
 def _covariance(J: Floats, patches: Patches, some: NDArray[np.bool_]) -> Floats:
@@ -149,7 +160,7 @@ def lit_from_a_side(shape: Shape, found: DiscFit, patches: Patches) -> DiscFit:
     bright = model - found.parameters[:, -1, None]
     rising = [bright * (at - at.mean(1, keepdims=True)) for at in (patches.x, patches.y)]
     J = np.concatenate([J, np.stack(rising, 1)], 1)
-    change = np.einsum("np,npk->nk", _step(J, model, patches, np.zeros(len(J))), J)
+    change = np.einsum("np,npk->nk", _step(J, model, patches, np.zeros(len(J)))[0], J)
     better = _chi2(model + change, patches) < found.chi2
     model = model + np.where(better[:, None], change, 0.0)
     return DiscFit(found.parameters, np.full_like(found.cov, np.nan), _chi2(model, patches), model)
@@ -290,12 +301,14 @@ def _scaled(H: Floats) -> tuple[Floats, Floats]:
     return H / (d[:, :, None] * d[:, None]), d
 
 
-def _step(J: Floats, model: Floats, patches: Patches, damping: Floats) -> Floats:
-    """Levenberg and Marquardt's step (n, p + 3)."""
+def _step(J: Floats, model: Floats, patches: Patches, damping: Floats) -> tuple[Floats, Floats]:
+    """Levenberg–Marquardt's step (n, p + 3), and by how much (n) it promises to lower χ²."""
     H, d = _scaled(_normal(J, patches))
     pull = np.einsum("npk,nk->np", J, patches.weight * (patches.grey - model)) / d
     H = H + (damping[:, None, None] + 1e-9) * np.eye(H.shape[1])
-    return np.asarray(np.clip(np.linalg.solve(H, pull[..., None])[..., 0] / d, -50, 50))
+    step = np.linalg.solve(H, pull[..., None])[..., 0]
+    promised = np.einsum("np,np->n", step, pull + damping[:, None] * step)
+    return np.asarray(np.clip(step / d, -50, 50)), promised
 
 
 def _held(p: Floats) -> Floats:

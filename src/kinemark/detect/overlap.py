@@ -38,6 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats
+from ..numerics.robust import SD_PER_MEDIAN
 from . import discs
 from .discs import DiscFit, Patches
 from .edge import discs_at_edge
@@ -156,7 +157,7 @@ def _texture(fit: DiscFit, patches: Patches) -> Floats:
     enough = (~np.isnan(off)).sum(1) >= MANY
     off = off[enough]
     scatter = np.zeros(len(enough))
-    scatter[enough] = 1.4826 * np.nanmedian(np.abs(off - np.nanmedian(off, 1, keepdims=True)), 1)
+    scatter[enough] = SD_PER_MEDIAN * np.nanmedian(np.abs(off - np.nanmedian(off, 1, keepdims=True)), 1)
     return scatter
 
 

@@ -23,6 +23,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.runs import equal_runs
 from .blobs import Blobs
 from .grouping import PixelGroups
 
@@ -66,13 +67,14 @@ def _maybe(
     peak: NDArray[np.float64], frame: NDArray[np.int64], dtype: np.dtype[np.uint8 | np.uint16]
 ) -> NDArray[np.bool_]:
     """(G) whether a group's peak may be white."""
-    first = np.flatnonzero(np.diff(frame, prepend=-1))  # of each frame that has groups, which are sorted by frame
+    ends = equal_runs(frame)  # of each frame that has groups, which are sorted by frame
+    first, number = ends[:-1], np.diff(ends)
     if not len(first):
         return np.zeros(0, np.bool_)
     highest = np.fmax.reduceat(peak, first)
-    top = peak == np.repeat(highest, np.diff(first, append=len(frame)))
+    top = peak == np.repeat(highest, number)
     shared = np.add.reduceat(top, first, dtype=np.int64) >= SHARED
-    return np.asarray((peak == np.iinfo(dtype).max) | (top & np.repeat(shared, np.diff(first, append=len(frame)))))
+    return np.asarray((peak == np.iinfo(dtype).max) | (top & np.repeat(shared, number)))
 
 
 def _white_pixels(

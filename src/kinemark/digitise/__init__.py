@@ -4,34 +4,31 @@
 values; `question_of` says what a state asks, `drive` answers with whoever is there: a terminal, a file, a test.
 """
 
+from ..data.answers import (
+    Absent,
+    Accept,
+    Answer,
+    ByHand,
+    Given,
+    No,
+    Point,
+    Revisit,
+    Undo,
+    Verify,
+    Yes,
+    answer_text,
+    parse_answer,
+)
 from .drive import DigitisedImages, DigitisingStopped, Operator, drive, result
 from .identity import Identified, called, identified, identified_matches, identified_tracks
 from .looks import Look, clicked, look_at, nearest_free
 from .machine import advance, begin, question_of
 from .other_views import OtherViews, propose
-from .question_text import answer_text, parse_answer, words
-from .replay import Given, Replay, given, row_of
+from .question_text import words
+from .replay import Replay, given
 from .semi_automatic import SemiAutomatic
 from .stage import DIGITISE
-from .state import (
-    Absent,
-    Accept,
-    Answer,
-    Asked,
-    ByHand,
-    DigitisedFrame,
-    DigitisingPhase,
-    DigitisingState,
-    Found,
-    No,
-    PlaceProposal,
-    Point,
-    Question,
-    Revisit,
-    Undo,
-    Verify,
-    Yes,
-)
+from .state import Asked, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
 
 __all__ = [
     "DIGITISE",
@@ -77,6 +74,5 @@ __all__ = [
     "propose",
     "question_of",
     "result",
-    "row_of",
     "words",
 ]

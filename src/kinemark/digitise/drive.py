@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError
+from ..data.answers import Answer
 from ..data.array_types import Floats
 from .machine import Looks, Proposer, advance, begin, question_of
 from .semi_automatic import SemiAutomatic
 from .stage import DIGITISE
-from .state import Answer, DigitisingPhase, DigitisingState, Found, Question
+from .state import DigitisingPhase, DigitisingState, Found, Question
 
 Operator = Callable[[Question, DigitisingState], Answer]
 """Answers a question; the state is there to be drawn."""

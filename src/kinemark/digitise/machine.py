@@ -42,28 +42,11 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.answers import Absent, Accept, Answer, ByHand, No, Point, Revisit, Undo, Verify, Yes
 from ..data.array_types import Floats
 from .looks import Look, clicked, nearest_free
 from .semi_automatic import FIRST, SemiAutomatic
-from .state import (
-    Absent,
-    Accept,
-    Answer,
-    Asked,
-    ByHand,
-    DigitisedFrame,
-    DigitisingPhase,
-    DigitisingState,
-    Found,
-    No,
-    PlaceProposal,
-    Point,
-    Question,
-    Revisit,
-    Undo,
-    Verify,
-    Yes,
-)
+from .state import Asked, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
 
 Looks = Callable[[int], Look]
 """Gives the image of a frame, counted from 0."""

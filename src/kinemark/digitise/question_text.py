@@ -1,62 +1,10 @@
-"""Questions in the operator's words, and answers as he types them.
-
-312 204      a pixel of the marker              y  n      yes, no; y also takes what is proposed
--            the marker is not present          save      accept the frame; nothing is saved before
-verify       go through the frame               hand      digitise the whole frame by hand
-frame 12     look again at a saved frame        undo      take the last answer back
-"""
+"""Questions in the operator's words; `data.answers` has the answers as they type them."""
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 
-from .state import Absent, Accept, Answer, ByHand, DigitisingPhase, No, Point, Question, Revisit, Undo, Verify, Yes
-
-FIXED: dict[str, Answer] = {
-    "-": Absent(),
-    "absent": Absent(),
-    "y": Yes(),
-    "yes": Yes(),
-    "n": No(),
-    "no": No(),
-    "save": Accept(),
-    "verify": Verify(),
-    "hand": ByHand(),
-    "undo": Undo(),
-}
-NUMBER = r"([-+]?\d+(?:\.\d*)?)"
-POINT = re.compile(rf"{NUMBER}[\s,;]+{NUMBER}")
-FRAME = re.compile(r"frame\s+(\d+)")
-
-
-def parse_answer(text: str) -> Answer:
-    """An answer as it is typed; frames count from 1.
-
-    Raises:
-        ValueError: it is none; the message says what there is.
-    """
-    text = text.strip().lower()
-    if text in FIXED:
-        return FIXED[text]
-    if found := POINT.fullmatch(text):
-        return Point(float(found[1]), float(found[2]))
-    if found := FRAME.fullmatch(text):
-        return Revisit(int(found[1]) - 1)
-    raise ValueError(
-        f"{text!r} is not understood; wanted a pixel as '312 204', '-' for not present, y, n, save, verify, hand, "
-        "'frame 12' or undo"
-    )
-
-
-def answer_text(answer: Answer) -> str:
-    """An answer as `parse_answer` reads it."""
-    if isinstance(answer, Point):
-        return f"{float(answer.u)!r} {float(answer.v)!r}"
-    if isinstance(answer, Revisit):
-        return f"frame {answer.frame + 1}"
-    return next(text for text, known in FIXED.items() if known == answer)
+from .state import DigitisingPhase, Question
 
 
 def words(question: Question) -> str:

@@ -9,20 +9,12 @@ from __future__ import annotations
 
 from collections import defaultdict, deque
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from ..data import KinemarkError
+from ..data.answers import Accept, Answer, Given
 from .drive import Operator
-from .question_text import answer_text, words
-from .state import Accept, Answer, DigitisingPhase, DigitisingState, Question
-
-
-class Given(NamedTuple):
-    """An answer: to which frame, counted from 0, and marker, empty where it is of the whole frame."""
-
-    frame: int
-    marker: str
-    answer: Answer
+from .question_text import words
+from .state import DigitisingPhase, DigitisingState, Question
 
 
 class Replay:
@@ -64,8 +56,3 @@ class Replay:
 def given(question: Question, answer: Answer) -> Given:
     """An answer as it is kept."""
     return Given(question.frame, question.name, answer)
-
-
-def row_of(one: Given) -> tuple[str, str, str]:
-    """An answer as a row of text: frame from 1, marker, answer."""
-    return str(one.frame + 1), one.marker, answer_text(one.answer)

@@ -117,59 +117,6 @@ class Question(NamedTuple):
     in_doubt: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Point:
-    """A pixel: any of the marker's, or, where a place is corrected, the very place."""
-
-    u: float
-    v: float
-
-
-@dataclass(frozen=True, slots=True)
-class Absent:
-    """The marker is not present."""
-
-
-@dataclass(frozen=True, slots=True)
-class Yes:
-    """It is right; or, what is proposed is."""
-
-
-@dataclass(frozen=True, slots=True)
-class No:
-    """It is not right."""
-
-
-@dataclass(frozen=True, slots=True)
-class Accept:
-    """Save the frame and go on."""
-
-
-@dataclass(frozen=True, slots=True)
-class Verify:
-    """Go through the frame marker by marker."""
-
-
-@dataclass(frozen=True, slots=True)
-class ByHand:
-    """Digitise the whole frame by hand."""
-
-
-@dataclass(frozen=True, slots=True)
-class Revisit:
-    """Look again at a saved frame, counted from 0; what was not saved of the present one is dropped."""
-
-    frame: int
-
-
-@dataclass(frozen=True, slots=True)
-class Undo:
-    """Take the last answer back."""
-
-
-Answer = Point | Absent | Yes | No | Accept | Verify | ByHand | Revisit | Undo
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class DigitisingState:
     """Digitising of one camera's F frames at one moment.

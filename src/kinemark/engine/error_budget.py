@@ -9,16 +9,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..data import KinemarkError, Trajectories, Trial
+from ..data import KinemarkError, Trajectories
 from ..findings.quality import write_quality
 from ..findings.sensitivity_figures import sensitivity_figures
 from ..io.model_toml import load_model
-from ..io.tdf import Tdf
+from ..io.trial import read_trial
 from ..report.sensitivity_page import write_sensitivity_page
 from ..report.words import with_words
 from ..sensitivity import ErrorBudget, SampledFrames, gather, gather_named, rank
 from ..sensitivity.joints import kinematics_of
-from .formats import read
 from .open_trial import OpenTrial
 from .progress import Progress, silent
 from .session import Session
@@ -38,6 +37,8 @@ def error_budget(
     method: ErrorBudget = ErrorBudget(),  # noqa: B008  frozen
     model: str | None = None,
     markers: Path | None = None,
+    rate_hz: float | None = None,
+    length_unit: str | None = None,
     progress: Progress = silent,
 ) -> ErrorBudgetResult:
     """What limits the accuracy of a trial, ranked; runs the session as far as it was not run before.
@@ -47,7 +48,8 @@ def error_budget(
         trial: its name; the first where None.
         method: what is asked.
         model: of `kinemark.io.model_toml`, its name or file, for joint angles; directions of segments without.
-        markers: a file of the same recording whose markers have names, as a model wants them.
+        markers: a file of the same recording whose markers have names, as a model wants them; any of trajectories.
+        rate_hz, length_unit: of that file, where it does not say it.
         progress: told what is being done.
 
     Raises:
@@ -56,7 +58,8 @@ def error_budget(
     opened = Session.open(session)
     name = trial or opened.settings.trials[0].name
     results = opened.run([name], progress=progress)[name]
-    there = _there(results, markers, method.frames)
+    named = None if markers is None else _named(markers, rate_hz, length_unit)
+    there = _there(results, named, method.frames)
     angles = kinematics_of(load_model(model), there.names) if model else None
     rig = results.rig.select(results.detections.cameras)
     ranking = rank(rig, there, method=method, angles=angles)
@@ -66,16 +69,16 @@ def error_budget(
     return ErrorBudgetResult(figures, results.folder / "sensitivity.html")
 
 
-def _there(results: OpenTrial, markers: Path | None, frames: int) -> SampledFrames:
+def _there(results: OpenTrial, named: Trajectories | None, frames: int) -> SampledFrames:
     """Markers and their images."""
-    if markers is None:
+    if named is None:
         return gather(results.tracks, results.detections, frames=frames)
-    return gather_named(_named(markers), results.tracks, results.detections, frames=frames)
+    return gather_named(named, results.tracks, results.detections, frames=frames)
 
 
-def _named(path: Path) -> Trajectories:
+def _named(path: Path, rate_hz: float | None, length_unit: str | None) -> Trajectories:
     """The markers of a file."""
-    found = read(path, what="trajectories" if path.suffix.lower() == ".csv" else None)
-    if isinstance(found, (Trial, Tdf)) and found.trajectories is not None and len(found.trajectories):
-        return found.trajectories
-    raise KinemarkError(f"{path} has no named markers. Name a C3D, TRC, CSV or TDF file of the same recording.")
+    found = read_trial(path, rate_hz=rate_hz, length_unit=length_unit).trajectories
+    if not len(found):
+        raise KinemarkError(f"{path} has no named markers. Name a file of the same recording that has.")
+    return found

@@ -2,36 +2,42 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from ..data import AngleModel, KinemarkError, Trajectories, Trial
+from ..data import AngleModel, KinemarkError, Trial
 from ..fill import LIMIT, Auto, Filled, GapEdges, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
 from ..findings.gaps import filling_figures
 from ..io.angle_model_csv import FIRST, read_angle_model
-from ..io.c3d import markers
+from ..io.formats import endings
+from ..io.notes import FileNote
 from ..io.number_text import read_text
-from ..io.tdf import Tdf
+from ..io.trial import read_trial, write_trial
 from ..report.filling_page import write_filling_page
 from ..report.filling_text import filling_summary
 from ..report.words import with_words
-from .formats import WRITERS, read, write_trial
 from .settings.method_tables import method_of
 from .settings.overrides import overridden
 
 
 class FilledFile(NamedTuple):
-    """What was done: the trial with its gaps filled, what became of each, the figures of the page, and the files."""
+    """What was done.
+
+    Attributes:
+        trial: with its gaps filled. filled: what became of each. figures: of the page.
+        written: the files. notes: what the target could not hold.
+    """
 
     trial: Trial
     filled: Filled
     figures: dict[str, Any]
     written: tuple[Path, ...]
+    notes: tuple[FileNote, ...] = ()
 
 
 def fill_file(
@@ -46,41 +52,42 @@ def fill_file(
     static: Path | None = None,
     report: Path | None = None,
     rate_hz: float | None = None,
+    length_unit: str | None = None,
 ) -> FilledFile:
     """Fill the gaps of a trial's markers and write it; channels, events, angles and parameters stay as they were.
 
     Args:
-        source: a C3D, TRC or CSV file of trajectories, or a BTS one that has some.
-        target: the file to write, of any of the first three kinds; an existing one is not replaced.
+        source: any file of trajectories, as `io.trial` reads them.
+        target: the file to write, as `io.trial` writes them; an existing one is not replaced.
         method: one of `fill.FILL`, with its parameters; `Auto()` where None. name: what the report calls it.
         limit_mm: gaps whose expected mean error is greater stay open.
         ends: also fill before a marker's first sample and after its last.
         trim: so many bad samples may be replaced on each side of a gap; 0: none.
         static: a trial in which the markers are seen that are not seen in this one.
         report: a page to write on every gap; an existing one is replaced.
-        rate_hz: of a CSV file that does not say it.
+        rate_hz, length_unit: of a file that does not say it.
 
     Raises:
         KinemarkError: a file is absent, damaged or holds no trajectories, the target exists, or a number is not one
             that it can be.
     """
-    edges = _checked(limit_mm, trim, rate_hz)
+    edges, reader = _checked(limit_mm, trim), partial(read_trial, rate_hz=rate_hz, length_unit=length_unit)
     if target.exists():
         raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
-    if target.suffix.lower() not in WRITERS["trajectories"]:
-        raise KinemarkError(f"{target} wants one of the endings {', '.join(WRITERS['trajectories'])}.")
-    trial = _trial(source, rate_hz)
-    positions = markers(trial)
+    if target.suffix.lower() not in endings("trajectories"):
+        raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
+    trial = reader(source)
+    positions = trial.trajectories
     if not len(positions):
         raise KinemarkError(f"{source} has no markers, so there is nothing to fill.")
-    still = markers(_trial(static, rate_hz)) if static else None
+    still = reader(static).trajectories if static else None
     filled = fill(positions, method=method, limit_mm=limit_mm, ends=ends, edges=edges, static=still)
     figures = with_words(filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm))
-    whole = with_markers(trial, filled.trajectories)
-    write_trial(target, whole)
+    whole = replace(trial, trajectories=filled.trajectories)
+    notes = write_trial(whole, target)
     if report:
         write_filling_page(report, figures=figures, trajectories=filled.trajectories, before=positions)
-    return FilledFile(whole, filled, figures, (target, report) if report else (target,))
+    return FilledFile(whole, filled, figures, (target, report) if report else (target,), notes)
 
 
 def fill_files(
@@ -124,7 +131,7 @@ def fill_files(
 
 def _own_name(source: Path) -> str:
     """What the result of a file is called in a folder."""
-    return source.name if source.suffix.lower() in WRITERS["trajectories"] else f"{source.stem}.c3d"
+    return source.name if source.suffix.lower() in endings("trajectories") else f"{source.stem}.c3d"
 
 
 def filled_figures(done: Mapping[Path, FilledFile | KinemarkError]) -> dict[str, Any]:
@@ -146,6 +153,7 @@ def filled_text(done: Mapping[Path, FilledFile | KinemarkError]) -> str:
             else [
                 *([f"{source}"] if len(done) > 1 else []),
                 filling_summary(found.figures),
+                *(f"note:     {note}" for note in found.notes),
                 f"results:  {', '.join(map(str, found.written))}",
             ]
         )
@@ -184,7 +192,7 @@ def angle_model(path: Path) -> AngleModel:
     if path.suffix.lower() == ".csv" and read_text(path).startswith(",".join(FIRST)):
         return read_angle_model(path)
     try:
-        return fit_model(MarkerArray.of(markers(_trial(path, None)))).model
+        return fit_model(MarkerArray.of(read_trial(path).trajectories)).model
     except KinemarkError as error:
         raise KinemarkError(f"No model can be made of {path}. {error}") from error
 
@@ -201,7 +209,7 @@ def _with_model(method: Any, name: str, model: AngleModel) -> Any:
     raise KinemarkError(f"{name} takes no model. Those that do are limb_angles, kalman_angles and auto.")
 
 
-def _checked(limit_mm: float, trim: int, rate_hz: float | None) -> GapEdges:
+def _checked(limit_mm: float, trim: int) -> GapEdges:
     """How edges are trimmed.
 
     Raises:
@@ -211,25 +219,4 @@ def _checked(limit_mm: float, trim: int, rate_hz: float | None) -> GapEdges:
         raise KinemarkError(f"The limit is {limit_mm} mm. Wanted is one above 0; inf fills all that can be filled.")
     if trim < 0:
         raise KinemarkError(f"trim is {trim}. Wanted is a number of samples, 0 for none.")
-    if rate_hz is not None and not 0 < rate_hz < math.inf:
-        raise KinemarkError(f"The rate is {rate_hz} Hz. Wanted is one above 0.")
     return GapEdges(most=trim)
-
-
-def with_markers(trial: Trial, changed: Trajectories) -> Trial:
-    """The trial with these markers in the place of those of their names; the others, and all else, stay."""
-    new = {path.name: path for path in changed}
-    paths = [new.pop(path.name, path) for path in trial.trajectories]
-    return replace(trial, trajectories=replace(trial.trajectories, paths=(*paths, *new.values())))
-
-
-def _trial(path: Path, rate_hz: float | None) -> Trial:
-    """The trial in a file."""
-    found = read(path, what="trajectories" if path.suffix.lower() == ".csv" else None, rate_hz=rate_hz)
-    if isinstance(found, Tdf) and found.trajectories is not None:
-        found = Trial(path.stem, found.trajectories, found.analog, found.plates, found.events)
-    if not isinstance(found, Trial):
-        raise KinemarkError(f"{path} holds no trajectories. Wanted are those of a C3D, TRC, CSV or BTS file.")
-    if not 0 < found.trajectories.rate < math.inf:
-        raise KinemarkError(f"{path} states a rate of {found.trajectories.rate:g} Hz. Give it one above 0.")
-    return found

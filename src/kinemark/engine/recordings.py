@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Detections, KinemarkError
+from ..data.masks import Masks as StaticMasks
 from ..data.progress import tell
-from ..detect import Masks as StaticMasks
 from ..detect import combined_masks, detect, learn_masks
 from ..io.detections_csv import read_detections_csv
 from ..io.images import ImageSource, open_images
@@ -34,13 +35,17 @@ def open_cameras(root: Path, settings: Settings, pattern: str, names: Sequence[s
     Raises:
         KinemarkError: the pattern means one file for all cameras, or a camera has no usable images.
     """
+    return _opened(root, settings.cameras.first_field, pattern, names)
+
+
+def _opened(root: Path, first_field: Any, pattern: str, names: Sequence[str]) -> dict[str, ImageSource]:
     if "{camera}" not in pattern and len(names) > 1:
         raise KinemarkError(f"images = {pattern!r} has no {{camera}} in it: all cameras would be one. Put it in.")
     images = {}
     for name in names:
         try:
             path = root / pattern.replace("{camera}", name)
-            images[name] = open_images(path, interlaced=settings.cameras.first_field)
+            images[name] = open_images(path, interlaced=first_field)
         except KinemarkError as error:
             raise KinemarkError(f"Camera {name!r} of [cameras] has no usable images: {error}") from error
     return images
@@ -93,14 +98,27 @@ def masks_of(root: Path, settings: Settings, names: Sequence[str]) -> StaticMask
     drawn = read_masks(root / way.file) if way.file else None
     if way.empty is None:
         return drawn
-    method: Any = settings.detect
-    grow = {} if way.grow_px is None else {"grow": way.grow_px}
-    sources = list(open_cameras(root, settings, way.empty, names).values())
+    key = file_key(*files_of(root, settings, way.empty, names))
+    field = settings.cameras.first_field
+    learned = _learned(root, way.empty, tuple(names), key, method=settings.detect, first_field=field, grow=way.grow_px)
+    return learned if drawn is None else combined_masks(drawn, learned)
+
+
+@lru_cache(maxsize=8)
+def _learned(
+    root: Path, pattern: str, names: tuple[str, ...], key: str, *, method: Any, first_field: Any, grow: float | None
+) -> StaticMasks:
+    """The masks of an empty recording, learned once for all trials of a run; `key` changes when its files do.
+
+    Raises:
+        KinemarkError: the recording cannot be used.
+    """
+    sources = list(_opened(root, first_field, pattern, names).values())
+    grown = {} if grow is None else {"grow": grow}
     try:
-        learned = learn_masks(sources, cameras=tuple(names), method=method, **grow)
+        return learn_masks(sources, cameras=names, method=method, **grown)
     except ValueError as error:
         raise KinemarkError(f"[masks] cannot be learned from the empty volume: {error}.") from error
-    return learned if drawn is None else combined_masks(drawn, learned)
 
 
 def masks_key(root: Path, settings: Settings, names: Sequence[str]) -> list[str]:

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..data import KinemarkError, MarkerTrajectory, Rig, Trajectories
-from ..io.c3d import markers, read_c3d
+from ..io.c3d import read_c3d
 from ..io.images import write_png
 from ..io.video import write_video
 from ..synth import (
@@ -91,7 +91,7 @@ class Scene:
             KinemarkError: the C3D file has no markers.
         """
         if self.c3d is not None:
-            trajectories = markers(read_c3d(self.c3d))
+            trajectories = read_c3d(self.c3d).trajectories
             if not len(trajectories):
                 raise KinemarkError(f"{self.c3d} has no markers. Name a file that has.")
             return from_trajectories(_first_seconds(trajectories, self.seconds))

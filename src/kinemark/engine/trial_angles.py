@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from ..data import Angles, KinemarkError, Trajectories, Trial
+from ..data.models import JointMotion
 from ..findings.angles import angle_figures
 from ..io.angles_csv import write_angles_csv, write_cycles_csv
-from ..io.c3d import markers, with_angles, write_c3d
+from ..io.c3d import write_c3d
 from ..io.files import replacing
 from ..io.model_toml import load_model
+from ..io.trial import read_trial
 from ..kinematics import (
     SMOOTH,
     Cycles,
@@ -32,7 +34,6 @@ from ..kinematics import (
 from ..kinematics.chain import Points, chosen, complete, points_of
 from ..report.angles_page import write_angles_page
 from ..report.words import with_words
-from .formats import read_trial
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +51,7 @@ class AngleSettings:
         cycle: beginning and end of each cycle, s, as "0-2.5".
         cycle_event: events from one of which to the next a cycle goes, such as "Foot Strike".
         cycle_side: of these events.
-        rate_hz: of a CSV file that does not say it.
+        rate_hz, length_unit: of a file that does not say it.
 
     Raises:
         KinemarkError: a number is out of range, or two settings do not go together.
@@ -66,6 +67,7 @@ class AngleSettings:
     cycle_event: str | None = None
     cycle_side: str | None = None
     rate_hz: float | None = None
+    length_unit: Literal["mm", "cm", "m", "in"] | None = None
 
     def __post_init__(self) -> None:
         if self.smoothing != "none" and self.smoothing not in SMOOTH:
@@ -108,7 +110,7 @@ def trial_angles(
             is not below half its rate.
     """
     settings = settings or AngleSettings()
-    raw = markers(trial)
+    raw = trial.trajectories
     if not raw.n_frames:
         raise KinemarkError(f"The trial {trial.name!r} has no frames. Check the file.")
     used = chosen(raw, model, template)
@@ -123,6 +125,26 @@ def trial_angles(
     return TrialAngles(angles, model, points, found, figures)
 
 
+def with_angles(trial: Trial, angles: Angles, model: Model) -> Trial:
+    """The trial with the angles among its signals, those of the same names replaced, their axes named by the model.
+
+    Raises:
+        KinemarkError: the angles have another number of frames than the trial, or a marker has the name of a joint.
+    """
+    trajectories = trial.trajectories
+    if angles.deg.shape[1] != trajectories.n_frames:
+        raise KinemarkError(f"The angles have {angles.deg.shape[1]} frames and the trial {trajectories.n_frames}.")
+    if taken := [name for name in angles.joints if name in trajectories.names]:
+        raise KinemarkError(f"The trial has a marker called {', '.join(taken)}, as a joint is. Rename the joint.")
+    axes = [[_axis(k, motion) for k, motion in enumerate(joint.motions)] for joint in model.joints]
+    return replace(trial, signals=trial.signals.updated(angles.signals(axes)))
+
+
+def _axis(k: int, motion: JointMotion | None) -> str:
+    """What a joint does where its k-th angle is above zero; its number where the model gives it no name."""
+    return f"angle {k + 1}" if motion is None else motion.positive
+
+
 def write_trial_angles(trial: Trial, result: TrialAngles, folder: Path) -> TrialAngles:
     """Write angles.csv, angles.html, angles.json, the trial with its angles as C3D, and cycles.csv if there are some.
 
@@ -131,7 +153,7 @@ def write_trial_angles(trial: Trial, result: TrialAngles, folder: Path) -> Trial
     """
     angles, model, first = result.angles, result.model, trial.trajectories.first_frame
     write_angles_csv(folder / "angles.csv", angles, model, first_frame=first)
-    write_c3d(folder / f"{trial.name}_angles.c3d", with_angles(trial, angles))
+    write_c3d(folder / f"{trial.name}_angles.c3d", with_angles(trial, angles, model))
     if result.cycles is not None:
         write_cycles_csv(folder / "cycles.csv", result.cycles, model)
     with replacing(folder / "angles.json") as beside:
@@ -170,12 +192,16 @@ def angles_of_file(
     """
     settings = settings or AngleSettings()
     chain = load_model(model, side=settings.side)
-    trial, still = read_trial(path, rate_hz=settings.rate_hz), None
+
+    def read(file: Path) -> Trial:
+        return read_trial(file, rate_hz=settings.rate_hz, length_unit=settings.length_unit)
+
+    trial, still = read(path), None
     if functional is not None and static is None:
         raise KinemarkError("A functional trial needs the static one as well. Give --static.")
     if static is not None:
-        moving = None if functional is None else markers(read_trial(functional, rate_hz=settings.rate_hz))
-        still = static_template(markers(read_trial(static, rate_hz=settings.rate_hz)), chain, functional=moving)
+        moving = None if functional is None else read(functional).trajectories
+        still = static_template(read(static).trajectories, chain, functional=moving)
     result = trial_angles(trial, model=chain, template=still, settings=settings)
     return write_trial_angles(trial, result, folder or path.with_name(f"{path.stem}_angles"))
 

@@ -23,7 +23,7 @@ from ..io.c3d import write_c3d
 from ..io.files import replacing
 from ..io.records import load, save
 from ..match import match
-from ..reconstruct import LeastSquares, reconstruct
+from ..reconstruct import LeastSquares, image_errors, reconstruct
 from ..report.figures_detections import telling_frames
 from ..report.filling_page import write_filling_page
 from ..report.page import write_report
@@ -38,7 +38,6 @@ from ..track.simultaneous import (
     track_detections,
     track_simultaneously,
 )
-from .alongside import together
 from .calibration.calibrated import Calibrated
 from .graph import Graph, Records, Stage
 from .keys import rig_key
@@ -181,7 +180,7 @@ def _from_detections(inputs: TrialInputs, records: Records) -> Tracked:
     if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
         tracks = track_detections(detections, rig, method=method)
         return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
-    result = track_simultaneously(detections, rig, method, place=place)
+    result = track_simultaneously(detections, rig, method, errors=image_errors(place))
     return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), tuple(diagnose(detections, rig, result)))
 
 
@@ -237,7 +236,7 @@ def _write(inputs: TrialInputs, records: Records) -> None:
     trajectories, figures = filled_of(inputs, records).trajectories, records["quality"]
     folder, name, steps = inputs.folder, inputs.name, tuple(inputs.store.steps)
     beside = inputs.source.beside() or Trial("", trajectories)
-    write_c3d(folder / f"{name}.c3d", replace(together(beside, trajectories), name=name, steps=_own(steps)))
+    write_c3d(folder / f"{name}.c3d", replace(beside, trajectories=trajectories, name=name, steps=_own(steps)))
     write_report(
         folder / REPORT,
         quality=figures,

@@ -361,7 +361,7 @@ class _Columns:
 
     def of(self, marker: int) -> dict[str, Any]:
         """The columns of a marker, copied when they are first asked for."""
-        names = ("xyz", "cov", "origin", "residual", "cameras")
+        names = ("xyz", "cov", "origin", "residual", "cameras", "view")
         path = self.source.paths[marker]
         return self.changed.setdefault(marker, {name: getattr(path, name).copy() for name in names})
 
@@ -372,13 +372,14 @@ class _Columns:
             if wild.any():
                 into = self.of(marker)
                 into["xyz"][wild] = into["cov"][wild] = into["residual"][wild] = np.nan
-                into["origin"][wild], into["cameras"][wild] = Origin.MISSING, 0
+                into["origin"][wild], into["cameras"][wild], into["view"][wild] = Origin.MISSING, 0, -1
 
     def put(self, gap: Gap, xyz: Floats, cov: Floats) -> None:
         """Fill a gap."""
         into, at = self.of(gap.marker), slice(gap.start, gap.stop)
         into["xyz"][at], into["cov"][at] = xyz, cov
-        into["origin"][at], into["residual"][at], into["cameras"][at] = Origin.FILLED, np.nan, 0
+        into["origin"][at], into["residual"][at] = Origin.FILLED, np.nan
+        into["cameras"][at], into["view"][at] = 0, -1
 
     def trajectories(self) -> Trajectories:
         """The trial with all that was put."""

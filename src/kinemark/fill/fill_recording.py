@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..data import MarkerTrajectory, Origin, Trajectories
+from ..data.fills import view_of
 from ..data.method import Method, parameter
 from .edges import GapEdges
 from .fill import LIMIT, Filled, FilledGap, fill
@@ -56,9 +57,10 @@ def _told(path: MarkerTrajectory, gap: FilledGap, rays: Rays) -> MarkerTrajector
     """A marker with what single cameras say of one gap."""
     at = slice(gap.start, gap.stop)
     found = sharpened(path.xyz[at], path.cov[at], gap.start, rays)
-    if not found.cameras.any():
+    seen = (found.view >= 0).any(1)
+    if not seen.any():
         return path
-    own = (path.origin[at] == Origin.FILLED) & (found.cameras > 0)
-    xyz, cov, cameras = np.array(path.xyz), np.array(path.cov), np.array(path.cameras)
-    xyz[at][own], cov[at][own], cameras[at][own] = found.xyz[own], found.cov[own], found.cameras[own]
-    return replace(path, xyz=xyz, cov=cov, cameras=cameras)
+    own = (path.origin[at] == Origin.FILLED) & seen
+    xyz, cov, view = np.array(path.xyz), np.array(path.cov), view_of(path, found.view.shape[1])
+    xyz[at][own], cov[at][own], view[at][own] = found.xyz[own], found.cov[own], found.view[own]
+    return replace(path, xyz=xyz, cov=cov, view=view)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
+from ..numerics.runs import equal_runs
 from .marker_array import Gap, MarkerArray
 
 FAR = 1e6
@@ -175,7 +176,7 @@ def pieces(known: KnownSamples, span: Span, *, least: int, most: int = 12) -> li
     whole = seen.all(1).sum()
     if span.length < 2 or (whole >= least and whole >= 0.7 * seen.sum(0).mean()):
         return [(span.start, span.stop)]
-    cuts = np.flatnonzero((seen[:, 1:] != seen[:, :-1]).any(0)) + 1
+    cuts = equal_runs(*seen)[1:-1]
     if len(cuts) >= most:
         cuts = np.unique(np.linspace(0, span.length, most + 1).astype(int))[1:-1]
     ends = [span.start, *(span.start + int(c) for c in cuts), span.stop]

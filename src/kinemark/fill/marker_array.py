@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..data import Trajectories
 from ..data.array_types import Floats
+from ..numerics.runs import true_runs
 
 
 class Gap(NamedTuple):
@@ -92,10 +93,7 @@ def find_gaps(motion: MarkerArray, *, ends: bool = False) -> list[Gap]:
     """
     gaps = []
     for marker, seen in enumerate(motion.seen):
-        frames = np.flatnonzero(seen)
-        if not len(frames):
-            continue
-        edges = np.concatenate(([-1], frames, [len(seen)])) if ends else frames
-        before = np.flatnonzero(np.diff(edges) > 1)
-        gaps += [Gap(marker, int(edges[k]) + 1, int(edges[k + 1])) for k in before]
+        if seen.any():
+            missing = true_runs(~seen).tolist()
+            gaps += [Gap(marker, a, b) for a, b in missing if ends or (a > 0 and b < len(seen))]
     return gaps

@@ -24,7 +24,9 @@ from numpy.typing import NDArray
 
 from ..data import Camera, Detections, Rig, Tracks
 from ..data.array_types import Floats
+from ..data.trajectories import camera_bits
 from ..geometry import point_jacobian, project
+from ..numerics.runs import true_runs
 
 GATE = 9.21
 """99 % of χ² with two degrees of freedom."""
@@ -51,11 +53,16 @@ class Rays(NamedTuple):
 
 
 class Sharpened(NamedTuple):
-    """Positions (L, 3) mm, covariances (L, 3, 3) mm², and which cameras (L) told of each, as bits."""
+    """Positions (L, 3) mm, covariances (L, 3, 3) mm², and the image (L, C) by which a camera told of each, −1: none."""
 
     xyz: Floats
     cov: Floats
-    cameras: NDArray[np.uint32]
+    view: NDArray[np.int64]
+
+    @property
+    def cameras(self) -> NDArray[np.uint32]:
+        """(L) which cameras told of each, as bits."""
+        return camera_bits(self.view)
 
 
 class _RayImages(NamedTuple):
@@ -76,7 +83,7 @@ def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> Sharpened:
         rays: what the cameras saw.
     """
     xyz, cov = xyz.copy(), cov.copy()
-    cameras = np.zeros(len(xyz), np.uint32)
+    view = np.full((len(xyz), len(rays.rig)), -1, np.int64)
     for c, camera in enumerate(rays.rig):
         found = _fitting(camera, c, xyz, cov, start, rays)
         rows = np.flatnonzero(found.row >= 0)
@@ -87,8 +94,8 @@ def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> Sharpened:
         xyz[rows] += (gain @ found.off[rows, :, None])[..., 0]  # (3)
         P = P - gain @ J @ P
         cov[rows] = (P + P.transpose(0, 2, 1)) / 2
-        cameras[rows] |= np.uint32(1 << c) if c < 32 else np.uint32(0)
-    return Sharpened(xyz, cov, cameras)
+        view[rows, c] = found.row[rows]
+    return Sharpened(xyz, cov, view)
 
 
 def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays: Rays) -> _RayImages:
@@ -121,8 +128,7 @@ def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays:
 
 def _lasting(found: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Which (L) lie in runs of LEAST and more (4); a gap shorter than that has all of its frames for a run."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], found, [False]]).astype(np.int8))).reshape(-1, 2)
     out = np.zeros(len(found), bool)
-    for first, stop in edges:
+    for first, stop in true_runs(found):
         out[first:stop] = stop - first >= min(LEAST, len(found))
     return out

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Bools, Floats
+from ..numerics.robust import SD_PER_MEDIAN
 from .plain import mean, quantile, runs, share
 
 IN_VIEW = 0.75
@@ -43,7 +44,7 @@ def sample_deviation(path: MarkerTrajectory) -> Floats:
 
 def jitter(xyz: Floats) -> float:
     """Noise of one axis of a path (F, 3), mm; NaN with fewer than four samples in a row."""
-    return 1.4826 * quantile(np.abs(np.diff(xyz, n=3, axis=0)), 0.5) / math.sqrt(20)  # (2)
+    return SD_PER_MEDIAN * quantile(np.abs(np.diff(xyz, n=3, axis=0)), 0.5) / math.sqrt(20)  # (2)
 
 
 def positions(trajectories: Trajectories) -> Floats:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..data.array_types import Bools, Floats
+from ..numerics.runs import true_runs
 
 SCHEMA_VERSION = 1
 """Of all files of figures; it grows when a key is renamed, removed or comes to mean something else."""
@@ -55,5 +56,4 @@ def share(part: float, whole: float) -> float:
 
 def runs(mask: Bools) -> list[tuple[int, int]]:
     """First and last-plus-one index of each run of true values in `mask` (F)."""
-    edges = np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8))
-    return [(int(a), int(b)) for a, b in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True)]
+    return [(int(a), int(b)) for a, b in true_runs(mask)]

@@ -16,7 +16,7 @@ from .dlt import camera_from_dlt, cameras_from_dlt, decompose, fit_dlt, from_dlt
 from .epipolar import epipolar_constants, epipolar_lines, fundamental, line_distance
 from .origin import about, joint_about, near_middle, parameters_about, rig_about
 from .sphere_offset import sphere_offset
-from .triangulate import Triangulated, inverse3, refine, solve3, triangulate
+from .triangulate import Triangulated, refine, triangulate
 
 __all__ = [
     "Triangulated",
@@ -30,7 +30,6 @@ __all__ = [
     "fit_dlt",
     "from_dlt",
     "fundamental",
-    "inverse3",
     "joint_about",
     "line_distance",
     "near_middle",
@@ -47,7 +46,6 @@ __all__ = [
     "rig_about",
     "rigid_align",
     "rigid_poses",
-    "solve3",
     "sphere_offset",
     "to_camera",
     "to_dlt",

@@ -15,6 +15,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.small_matrices import solve2
+
 NEWTON_STEPS = 12
 
 
@@ -68,9 +70,3 @@ def undistort(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.flo
         folded = np.linalg.det(np.nan_to_num(jacobian(ideal, k))) <= 0
         wrong = ~(np.abs(distort(ideal, k) - xy).max(-1) < 1e-9) | folded
     return np.where(wrong[..., None], np.nan, ideal)
-
-
-def solve2(A: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """x of A x = b for many 2 × 2 systems, (…, 2, 2) and (…, 2); faster than LAPACK on so small ones."""
-    a, c, d, e = A[..., 0, 0], A[..., 0, 1], A[..., 1, 0], A[..., 1, 1]
-    return np.stack([e * b[..., 0] - c * b[..., 1], a * b[..., 1] - d * b[..., 0]], -1) / (a * e - c * d)[..., None]

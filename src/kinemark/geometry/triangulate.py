@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from ..data import Camera, Rig
 from ..data.array_types import Floats
+from ..numerics.small_matrices import inverse3, solve3
 from .camera import linearised, open_variance
 
 
@@ -103,21 +104,3 @@ def _normal_equations(views: list[_View], xyz: Floats) -> tuple[Floats, Floats, 
         normal[..., point] += np.einsum("ain,ajn->ijn", WJ, J)
         pull[:, point] += np.einsum("ain,an->in", WJ, off)
     return normal.transpose(2, 0, 1), pull.T, each
-
-
-def inverse3(A: Floats) -> Floats:
-    """Inverses of many symmetric 3 × 3 matrices (…, 3, 3) by cofactors; NaN where singular."""
-    a, b, c, d, e, f = (A[..., i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
-    out = np.empty_like(A)
-    out[..., 0, 0], out[..., 1, 1], out[..., 2, 2] = d * f - e * e, a * f - c * c, a * d - b * b
-    out[..., 0, 1] = out[..., 1, 0] = c * e - b * f
-    out[..., 0, 2] = out[..., 2, 0] = b * e - c * d
-    out[..., 1, 2] = out[..., 2, 1] = b * c - a * e
-    det = a * out[..., 0, 0] + b * out[..., 0, 1] + c * out[..., 0, 2]
-    det = np.where(np.abs(det) > 1e-13 * (np.abs(a * d * f) + 1e-300), det, np.nan)
-    return np.asarray(out / det[..., None, None])
-
-
-def solve3(A: Floats, b: Floats) -> Floats:
-    """x (…, 3) of A x = b for many symmetric 3 × 3 systems; NaN where singular."""
-    return (inverse3(A) @ b[..., None])[..., 0]

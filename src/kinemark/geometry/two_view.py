@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
+from ..numerics.robust import SD_PER_MEDIAN
 
 FEWEST = 8
 TRIALS = 150
@@ -80,7 +81,7 @@ def robust_fundamental(
     best, inliers = F[cost.argmin()], np.zeros(len(uv1), np.bool_)
     for _ in range(5):
         d = np.abs(sampson_distance(best, uv1[both], uv2[both]))
-        near = d <= (tolerance or max(SPREAD * 1.4826 * float(np.median(d)), 1e-9))
+        near = d <= (tolerance or max(SPREAD * SD_PER_MEDIAN * float(np.median(d)), 1e-9))
         if near.sum() < FEWEST or (near == inliers[both]).all():
             break
         inliers[both] = near

@@ -18,7 +18,9 @@ from pathlib import Path
 import numpy as np
 
 from ..data import Angles
-from ..kinematics import Cycles, Model, Named, named, outside
+from ..data.cycles import Cycles
+from ..data.models import Model
+from ..data.normal_ranges import Named, named, outside
 from .files import replacing
 from .number_text import plain
 

@@ -1,6 +1,6 @@
 """What an operator answered while digitising: `frame, marker, answer`, a row an answer, in the order of answering.
 
-Frames count from 1; the marker is empty where the answer is of the whole frame; `digitise.words` has the answers.
+Frames count from 1; the marker is empty where the answer is of the whole frame; `data.answers` says what they are.
 
     frame,marker,answer
     1,ELB4,312 204
@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..data import KinemarkError
-from ..digitise import Given, parse_answer, row_of
+from ..data.answers import Given, answer_text, parse_answer
 from .files import replacing
 from .number_text import bad_line, read_text
 
@@ -52,6 +52,10 @@ def _given(path: Path | str, line: int, row: list[str]) -> Given:
         raise bad_line(path, line, str(error)) from None
 
 
+def _row(one: Given) -> tuple[str, str, str]:
+    return str(one.frame + 1), one.marker, answer_text(one.answer)
+
+
 def write_answers(path: Path | str, answers: Sequence[Given]) -> None:
     """Write answers, all or nothing.
 
@@ -61,7 +65,7 @@ def write_answers(path: Path | str, answers: Sequence[Given]) -> None:
     with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(HEADING)
-        writer.writerows(map(row_of, answers))
+        writer.writerows(map(_row, answers))
 
 
 def append_answer(path: Path | str, answer: Given) -> None:
@@ -75,6 +79,6 @@ def append_answer(path: Path | str, answer: Given) -> None:
         write_answers(path, [])
     try:
         with path.open("a", encoding="utf-8", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerow(row_of(answer))
+            csv.writer(file, lineterminator="\n").writerow(_row(answer))
     except OSError as error:
         raise KinemarkError(f"{path} cannot be written: {error}. Choose a folder that you may write to.") from error

@@ -6,17 +6,17 @@ Masks of interlaced video are in the lines of a field.
 
 from __future__ import annotations
 
-import json
 import tomllib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tomlkit
 
 from ..data import KinemarkError
-from ..detect import Masks
+from ..data.masks import Masks
 from .files import replacing
-from .number_text import plain, read_text
+from .number_text import read_text
 
 
 def write_masks(path: Path | str, masks: Masks) -> None:
@@ -25,12 +25,15 @@ def write_masks(path: Path | str, masks: Masks) -> None:
     Raises:
         KinemarkError: the file cannot be written.
     """
-    lines = ["# What is masked in the images of each camera, px; see docs/detect.md.", ""]
-    for name, (width, height), polygons in zip(masks.cameras, masks.sizes, masks.polygons, strict=True):
-        lines += ["[[camera]]", f"name = {json.dumps(name, ensure_ascii=False)}", f"size = [{width}, {height}]"]
-        lines += ["polygons = [", *(f"    {_corners(polygon.tolist())}," for polygon in polygons), "]", ""]
+    document = tomlkit.document()
+    document.add(tomlkit.comment("What is masked in the images of each camera, px; see docs/detect.md."))
+    document["camera"] = tables = tomlkit.aot()
+    for name, size, polygons in zip(masks.cameras, masks.sizes, masks.polygons, strict=True):
+        lines = tomlkit.array().multiline(True)
+        lines.extend(polygon.tolist() for polygon in polygons)
+        tables.append(tomlkit.item({"name": name, "size": size.tolist(), "polygons": lines}))
     with replacing(path) as beside:
-        beside.write_text("\n".join(lines), encoding="utf-8")
+        beside.write_text(tomlkit.dumps(document), encoding="utf-8")
 
 
 def read_masks(path: Path | str) -> Masks:
@@ -78,7 +81,3 @@ def _is_polygon(value: Any) -> bool:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e6
-
-
-def _corners(polygon: list[list[float]]) -> str:
-    return "[" + ", ".join(f"[{plain(x)}, {plain(y)}]" for x, y in polygon) + "]"

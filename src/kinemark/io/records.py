@@ -1,7 +1,9 @@
-"""What passes between stages, as HDF5: one file a record, flat columns and offsets, units in the attributes.
+"""Records as HDF5: one file a record, flat columns and offsets, units in the attributes.
 
-The root has the attributes `format` = "kinemark", `version` and `record`; a column is a dataset with its `unit`;
-names, rates and counts are attributes; the cloud of `Tracks` is a group. Reading gives back the same record.
+The root has the attributes `format` = "kinemark", `version` and `record`. What a field is follows from its type in the
+record: an array is a dataset with its `unit`; texts and numbers are attributes; a record within is a group, and several
+are groups 0, 1, … in one that says their `count`. Reading gives back the same record; only what a trial's file held
+besides (`Trial.source`) is not kept.
 
 The HDF5 library can crash or hang on a damaged file. So the first 512 bytes, HDF5's user block, hold a checksum of all
 the rest, and nothing but a file whose checksum is right is given to the library. Other programs skip the user block.
@@ -10,36 +12,51 @@ the rest, and nothing but a file whose checksum is right is given to the library
 from __future__ import annotations
 
 import hashlib
-from dataclasses import fields
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import is_dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any
+from types import NoneType, UnionType
+from typing import Any, get_args, get_origin, get_type_hints
 
 import h5py
 import numpy as np
 
-from ..data import Cloud, Detections, Fills, KinemarkError, Matches, Tracks
+from ..data import (
+    Analog,
+    Cloud,
+    Detections,
+    Fills,
+    ForcePlate,
+    KinemarkError,
+    MarkerTrajectory,
+    Matches,
+    Signal,
+    Signals,
+    Tracks,
+    Trajectories,
+    Trial,
+)
 from .files import replacing
 
 FORMAT, VERSION = "kinemark", 1
 SEAL, SEAL_SIZE = b"kinemark record, sha256 ", 512
-Record = Detections | Matches | Cloud | Tracks | Fills
-RECORDS: dict[str, type[Record]] = {kind.__name__: kind for kind in (Detections, Matches, Cloud, Tracks, Fills)}
-TYPES: dict[type[Record], dict[str, str]] = {
-    Detections: {"start": "i8", "validity": "u1", "merged": "b1"},
-    Matches: {"frame": "i8", "view": "i8"},
-    Cloud: {"start": "i8", "view": "i8"},
-    Tracks: {"id": "i8"},
-    Fills: {"marker": "i8", "frame": "i8", "cameras": "u4"},
-}
-UNITS: dict[type[Record], dict[str, str]] = {
+Record = Detections | Matches | Cloud | Tracks | Fills | Trajectories | Signals | Trial
+RECORDS: dict[str, type[Record]] = {kind.__name__: kind for kind in get_args(Record)}
+UNITS: dict[type, dict[str, str]] = {
     Detections: {"uv": "px", "cov": "px2", "area": "px2", "width": "px", "height": "px", "rate": "Hz"},
     Matches: {"cost": "px"},
     Cloud: {"xyz": "mm", "cov": "mm2", "residual": "px", "rate": "Hz"},
-    Tracks: {},
     Fills: {"xyz": "mm", "cov": "mm2"},
+    Trajectories: {"rate": "Hz"},
+    MarkerTrajectory: {"xyz": "mm", "cov": "mm2", "residual": "mm"},
+    Signal: {"rate": "Hz", "start": "s"},
+    Analog: {"rate": "Hz", "start": "s"},
+    ForcePlate: {"corners": "mm", "origin": "mm"},
 }
-TEXTS = {(Detections, "cameras"), (Fills, "told")}
-REALS, INTEGERS = ("rate",), ("n_frames",)
+"""Units of fields; the others have none, or say it beside them."""
+NOT_STORED = {(Trial, "source")}
 
 
 def save(path: Path | str, record: Record) -> None:
@@ -49,7 +66,7 @@ def save(path: Path | str, record: Record) -> None:
         ValueError: it is none of `RECORDS`.
         KinemarkError: the file cannot be written.
     """
-    if type(record) not in TYPES:
+    if type(record).__name__ not in RECORDS:
         raise ValueError(f"record is a {type(record).__name__}, wanted one of {', '.join(RECORDS)}")
     with replacing(path) as beside:
         with h5py.File(beside, "w", userblock_size=SEAL_SIZE) as file:
@@ -85,19 +102,42 @@ def sealed(path: Path) -> bool:
     return start[len(SEAL) :].rstrip(b"\n\0") == checksum(path)
 
 
-def put(group: h5py.Group, record: Record) -> None:
+@cache
+def fields_of(kind: Any) -> Mapping[str, Any]:
+    """The fields of a record that are stored, with their types."""
+    return {name: hint for name, hint in get_type_hints(kind).items() if (kind, name) not in NOT_STORED}
+
+
+def named(kind: type, name: str) -> tuple[str, str]:
+    """How an attribute is called, with its unit, and the unit of a dataset, "1" for none."""
+    unit = UNITS.get(kind, {}).get(name)
+    return (name, "1") if unit is None else (f"{name}_{unit}", unit)
+
+
+def put(group: h5py.Group, record: object) -> None:
     """The fields of a record, into a group."""
-    for name in (f.name for f in fields(record)):
+    kind: Any = type(record)
+    for name in fields_of(kind):
         value = getattr(record, name)
-        unit = UNITS[type(record)].get(name)
-        if isinstance(value, Cloud):
+        attribute, unit = named(kind, name)
+        if is_dataclass(value):
             put(group.create_group(name), value)
+        elif isinstance(value, np.ndarray):
+            group.create_dataset(name, data=value).attrs["unit"] = unit
+        elif isinstance(value, tuple) and value and is_dataclass(value[0]):
+            inner = group.create_group(name)
+            inner.attrs["count"] = len(value)
+            for i, one in enumerate(value):
+                put(inner.create_group(str(i)), one)
         elif isinstance(value, tuple):
             group.attrs[name] = np.array(value, dtype=h5py.string_dtype())
-        elif name in REALS + INTEGERS:
-            group.attrs[name if unit is None else f"{name}_{unit}"] = value
-        else:
-            group.create_dataset(name, data=value).attrs["unit"] = unit or "1"
+        elif value is not None:
+            group.attrs[attribute] = json.dumps(dict(value), default=plain) if isinstance(value, Mapping) else value
+
+
+def plain(value: object) -> Any:
+    """An array or record among a method's parameters, as JSON can hold it."""
+    return value.tolist() if isinstance(value, np.ndarray) else repr(value)
 
 
 def load(path: Path | str) -> Record:
@@ -130,28 +170,41 @@ def whole_record(path: Path, file: h5py.File) -> Record:
     return get(file, RECORDS[str(kind)])
 
 
-def get(group: h5py.Group, kind: type[Record]) -> Record:
+def get(group: h5py.Group, kind: type) -> Any:
     """A record of this kind from a group."""
-    values: dict[str, Any] = {}
-    for name in (f.name for f in fields(kind)):
-        unit = UNITS[kind].get(name)
-        if name == "cloud":
-            values[name] = get(inside(group, name, h5py.Group), Cloud)
-        elif (kind, name) in TEXTS:
-            values[name] = tuple(str(text) for text in group.attrs[name])
-        elif name in REALS:
-            values[name] = float(group.attrs[f"{name}_{unit}"])
-        elif name in INTEGERS:
-            values[name] = int(group.attrs[name])
-        else:
-            values[name] = column(group, name, TYPES[kind].get(name, "f8"))
-    return kind(**values)
+    return kind(**{name: field(group, kind, name, hint) for name, hint in fields_of(kind).items()})
 
 
-def column(group: h5py.Group, name: str, dtype: str) -> np.ndarray[Any, Any]:
+def field(group: h5py.Group, kind: type, name: str, hint: Any) -> Any:
+    """One field, as its type says."""
+    attribute, _ = named(kind, name)
+    options = [option for option in get_args(hint) if option is not NoneType]
+    if get_origin(hint) is UnionType:
+        return field(group, kind, name, options[0]) if name in group else None
+    if get_origin(hint) is np.ndarray:
+        return column(group, name, np.dtype(get_args(options[1])[0]))
+    if get_origin(hint) is tuple:
+        return tuple(rows(group, name, options[0]))
+    if get_origin(hint) in (dict, Mapping):
+        return json.loads(group.attrs[attribute])
+    if fields_of(hint):
+        return get(inside(group, name, h5py.Group), hint)
+    return hint(group.attrs[attribute])
+
+
+def rows(group: h5py.Group, name: str, kind: type) -> Iterator[Any]:
+    """The texts or records of a field that has several."""
+    if not is_dataclass(kind):
+        yield from (str(text) for text in group.attrs[name])
+    elif name in group:
+        inner = inside(group, name, h5py.Group)
+        yield from (get(inside(inner, str(i), h5py.Group), kind) for i in range(int(inner.attrs["count"])))
+
+
+def column(group: h5py.Group, name: str, dtype: np.dtype[Any]) -> np.ndarray[Any, Any]:
     """One dataset that lies in this file as a whole, so that a small file cannot unfold to a large array."""
     data = inside(group, name, h5py.Dataset)
-    if data.dtype != np.dtype(dtype) or data.is_virtual or data.external or data.compression or data.chunks:
+    if data.dtype != dtype or data.is_virtual or data.external or data.compression or data.chunks:
         raise ValueError(f"{name} is stored in another way than Kinemark stores it")
     if data.id.get_storage_size() != data.size * data.dtype.itemsize:
         raise ValueError(f"{name} is not complete")

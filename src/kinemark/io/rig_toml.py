@@ -7,21 +7,21 @@ has no place for (the rotation's last digits, covariance, volume) stands below `
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import tomlkit
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..data import Camera, KinemarkError, Rig
 from .files import replacing
 from .number_text import read_text
+from .units import CALLERS, USUAL, mm_per
 
-TO_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 NOT_CAMERAS = ("metadata", "kinemark")
 SAME_TURN = 1e-9
 LARGEST = 1e100  # what may be squared without overflow
@@ -33,49 +33,50 @@ def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:
 
     Args:
         path: the file.
-        length_unit: "mm", "cm" or "m", for a file whose `[metadata]` does not say `units`.
+        length_unit: "mm", "cm", "m" or "in", for a file whose `[metadata]` does not say `units`.
 
     Raises:
         ValueError: `length_unit` is another word.
         KinemarkError: the file is no TOML, has no cameras, no unit, or a camera that the model cannot express.
     """
-    if length_unit is not None and length_unit not in TO_MM:
-        raise ValueError(f"length_unit is {length_unit!r}, wanted one of {', '.join(TO_MM)}")
+    if length_unit is not None and length_unit not in CALLERS:
+        raise ValueError(f"length_unit is {length_unit!r}, wanted {USUAL}")
     try:
         document = tomllib.loads(read_text(path))
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise KinemarkError(f"{path} is not valid TOML: {error}. Correct that line.") from error
-    metadata, own = (table if isinstance(table := document.get(k, {}), dict) else {} for k in NOT_CAMERAS)
+    metadata, ours = (table if isinstance(table := document.get(k, {}), dict) else {} for k in NOT_CAMERAS)
     tables = {k: v for k, v in document.items() if isinstance(v, dict) and k not in NOT_CAMERAS and "matrix" in v}
     if not 0 < len(tables) <= MOST_CAMERAS:
         raise KinemarkError(
             f"{path} has {len(tables)} cameras, wanted tables with `matrix`, `rotation`, `translation`."
         )
-    scale = TO_MM[unit_of(path, metadata, length_unit)]
+    scale = unit_of(path, metadata, length_unit)
     try:
-        cameras = tuple(camera(f"{path}, [{k}]", k, v, table_of(own, k), scale) for k, v in tables.items())
+        cameras = tuple(camera(f"{path}, [{k}]", k, v, table_of(ours, k), scale) for k, v in tables.items())
         volume = (
-            array(f"{path}, [kinemark]", own, "volume_mm", (2, 3)) if "volume_mm" in own else np.full((2, 3), np.nan)
+            array(f"{path}, [kinemark]", ours, "volume_mm", (2, 3)) if "volume_mm" in ours else np.full((2, 3), np.nan)
         )
         return Rig(cameras, str(metadata.get("method", "")), volume)
     except ValueError as error:
         raise KinemarkError(f"{path}: {error}. Correct the file or calibrate again.") from error
 
 
-def unit_of(path: Path | str, metadata: Mapping[str, Any], length_unit: str | None) -> str:
-    """The unit that the file or the caller states; not two different ones."""
+def unit_of(path: Path | str, metadata: Mapping[str, Any], length_unit: str | None) -> float:
+    """mm in the unit that the file or the caller states; not two different ones."""
     stated = metadata.get("units")
     unit = stated if stated is not None else length_unit
     if unit is None:
         raise KinemarkError(
-            f"{path} does not say the unit of its translations. Set `length_unit` in [calibration] to mm, cm or m."
+            f"{path} does not say the unit of its translations. Set `length_unit` in [calibration] to {USUAL}."
         )
-    if unit not in TO_MM or (length_unit is not None and length_unit != unit):
+    mm = mm_per(unit)
+    if mm is None or (length_unit is not None and mm_per(length_unit) != mm):
         raise KinemarkError(
-            f"{path} states units = {stated!r}, wanted {length_unit or ', '.join(TO_MM)}. "
+            f"{path} states units = {stated!r}, wanted {length_unit or USUAL}. "
             "Correct the file, or `length_unit` in [calibration]."
         )
-    return str(unit)
+    return mm
 
 
 def table_of(own: Mapping[str, Any], key: str) -> Mapping[str, Any]:
@@ -142,45 +143,34 @@ def write_rig_toml(path: Path | str, rig: Rig, *, metadata: Mapping[str, Any] | 
     Raises:
         KinemarkError: the file cannot be written.
     """
-    parts = [camera_text(f"cam_{c}", camera) for c, camera in enumerate(rig)]
     residuals = [camera.residual for camera in rig]
-    parts.append(table_text("metadata", units="mm", method=rig.method, residuals_px=residuals, **(metadata or {})))
-    parts.append(table_text("kinemark", volume_mm=rig.volume))
-    parts += [own_text(f"kinemark.cam_{c}", camera) for c, camera in enumerate(rig)]
+    about = {"units": "mm", "method": rig.method, "residuals_px": residuals, **(metadata or {})}
+    document = {f"cam_{c}": shared(camera) for c, camera in enumerate(rig)} | {"metadata": about}
+    document["kinemark"] = {"volume_mm": rig.volume} | {f"cam_{c}": own(camera) for c, camera in enumerate(rig)}
     with replacing(path) as beside:
-        beside.write_text("\n".join(parts), encoding="utf-8", newline="\n")
+        beside.write_text(tomlkit.dumps(plain(document)), encoding="utf-8", newline="\n")
 
 
-def camera_text(key: str, camera: Camera) -> str:
+def shared(camera: Camera) -> dict[str, Any]:
     """The table that all programs share."""
-    return table_text(
-        key,
-        name=camera.name,
-        size=camera.size,
-        matrix=camera.K,
-        distortions=camera.distortion,
-        rotation=Rotation.from_matrix(camera.R).as_rotvec(),
-        translation=camera.t,
-        fisheye=False,
-    )
+    return {
+        "name": camera.name,
+        "size": camera.size,
+        "matrix": camera.K,
+        "distortions": camera.distortion,
+        "rotation": Rotation.from_matrix(camera.R).as_rotvec(),
+        "translation": camera.t,
+        "fisheye": False,
+    }
 
 
-def own_text(key: str, camera: Camera) -> str:
+def own(camera: Camera) -> dict[str, Any]:
     """The table that only Kinemark reads."""
-    return table_text(key, rotation_matrix=camera.R, residual_px=camera.residual, covariance=camera.cov)
+    return {"rotation_matrix": camera.R, "residual_px": camera.residual, "covariance": camera.cov}
 
 
-def table_text(key: str, **values: str | bool | float | ArrayLike) -> str:
-    """One TOML table; floats with every digit."""
-    return f"[{key}]\n" + "".join(f"{name} = {toml(value)}\n" for name, value in values.items())
-
-
-def toml(value: Any) -> str:
-    """A value as TOML text."""
-    if isinstance(value, str):
-        # JSON's strings are TOML's, but for DEL, which TOML wants escaped
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    plain = value.tolist() if isinstance(value, np.ndarray) else value
-    return f"[{', '.join(map(toml, plain))}]" if isinstance(plain, list) else repr(plain)
+def plain(value: Any) -> Any:
+    """Arrays, in tables or alone, as lists, with every digit."""
+    if isinstance(value, Mapping):
+        return {key: plain(one) for key, one in value.items()}
+    return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value

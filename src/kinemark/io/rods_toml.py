@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError, Rods
 from .number_text import read_text
+from .units import USUAL, mm_per
 
-UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 MOST_RODS = 16
 MOST_MARKERS = 12
 BEND = 0.02
@@ -43,8 +43,8 @@ def rods_from_toml(text: str) -> Rods:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise KinemarkError(f"The description of the rods is no TOML: {error}.") from None
     units = table.get("units", "mm")
-    if not isinstance(units, str) or units not in UNITS:
-        raise KinemarkError(f"The rods' units are {units!r}, wanted one of {', '.join(UNITS)}.")
+    if (mm := mm_per(units)) is None:
+        raise KinemarkError(f"The rods' units are {units!r}, wanted {USUAL}.")
     entries = table.get("rod")
     if not isinstance(entries, list) or not 2 <= len(entries) <= MOST_RODS:
         raise KinemarkError(f"The description must have 2 to {MOST_RODS} tables [[rod]] with a name and markers.")
@@ -53,8 +53,8 @@ def rods_from_toml(text: str) -> Rods:
     padded = [np.pad(xyz, ((0, longest - len(xyz)), (0, 0)), constant_values=np.nan) for _, xyz in parts]
     rods = Rods(
         tuple(name for name, _ in parts),
-        np.array(padded) * UNITS[units],
-        _diameter(table.get("marker_diameter")) * UNITS[units],
+        np.array(padded) * mm,
+        _diameter(table.get("marker_diameter")) * mm,
     )
     _check_straight(rods)
     if (size := float(np.ptp(rods.xyz[rods.present], axis=0).max()) / 1000) > LARGEST:

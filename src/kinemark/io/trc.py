@@ -18,8 +18,8 @@ from ..data import KinemarkError, Trajectories
 from ..data import MarkerTrajectory as MarkerPath
 from .files import replacing
 from .number_text import bad_line, numbers, plain, read_text, whole
+from .units import USUAL, mm_per
 
-TO_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 HEADINGS = ("DataRate", "CameraRate", "NumFrames", "NumMarkers", "Units")
 ORIGINAL = ("OrigDataRate", "OrigDataStartFrame", "OrigNumFrames")
 
@@ -58,15 +58,15 @@ def header(path: Path | str, lines: list[str]) -> tuple[float, int, int, float]:
     values = dict(zip(lines[1].split("\t"), (cell.strip() for cell in lines[2].split("\t")), strict=False))
     if missing := [name for name in HEADINGS if not values.get(name)]:
         raise bad_line(path, 3, f"does not say {', '.join(missing)}")
-    if (unit := values["Units"].lower()) not in TO_MM:
-        raise bad_line(path, 3, f"Units is {values['Units']!r}, wanted one of {', '.join(TO_MM)}")
+    if (mm := mm_per(values["Units"])) is None:
+        raise bad_line(path, 3, f"Units is {values['Units']!r}, wanted {USUAL}")
     try:
         rate, n_frames, n_markers = float(values["DataRate"]), int(values["NumFrames"]), int(values["NumMarkers"])
     except ValueError as error:
         raise bad_line(path, 3, f"{error}") from error
     if not 0 < rate < math.inf:
         raise bad_line(path, 3, f"DataRate is {rate}, wanted a positive number")
-    return rate, n_frames, n_markers, TO_MM[unit]
+    return rate, n_frames, n_markers, mm
 
 
 def write_trc(path: Path | str, trajectories: Trajectories) -> None:

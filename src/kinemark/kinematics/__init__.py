@@ -1,11 +1,12 @@
 """Markers → joint angles: segment chains, angles with their covariance, poses, centres, velocities, cycles."""
 
+from ..data.cycles import Cycles
 from ..data.models import LABORATORY, Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
+from ..data.normal_ranges import Named, named, outside
 from .centres import JointCentre, joint_centre, static_template
 from .chain import joint_angles, joint_matrices, segment_axes
-from .cycles import Cycles, cycles, resampled, spans_of
+from .cycles import cycles, resampled, spans_of
 from .marker_noise import estimated_sd, with_marker_sd
-from .normal import Named, named, outside
 from .pose import ClusterTemplate, Pose, Template, body_pose, rotation_covariance
 from .sequences import AngleMethod, InverseCosines, SignedAngles, inverse_cosines, principal, turned
 from .smooth import Butterworth, WoltringSpline, residual_cutoff, smooth

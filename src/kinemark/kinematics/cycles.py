@@ -13,32 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
 from ..data import Angles, Events, KinemarkError
 from ..data.array_types import Floats
+from ..data.cycles import Cycles
 
 POINTS = 101
-
-
-class Cycles(NamedTuple):
-    """The angles of J joints over N cycles.
-
-    Attributes:
-        deg: (N, J, 101, 3) deg; sd: (N, J, 101, 3) deg, propagated from the markers.
-        mean: (J, 101, 3) deg over the cycles; spread: (J, 101, 3) deg (2), NaN with one cycle; noise: (J, 101, 3) deg
-            (4), of the mean by the measurement.
-        spans: (N, 2) s where each begins and ends.
-    """
-
-    deg: Floats
-    sd: Floats
-    mean: Floats
-    spread: Floats
-    noise: Floats
-    spans: Floats
 
 
 def resampled(values: Floats, *, rate: float, span: tuple[float, float], points: int = POINTS) -> Floats:

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import MarkerTrajectory, Trajectories
+from ..numerics.robust import MEDIAN_OF_NORMAL
 
 DIFFERENCES = 4
 GAIN = 70.0
-MEDIAN = 0.6745
 FEWEST = 20
 
 
@@ -30,7 +30,7 @@ def estimated_sd(xyz: NDArray[np.float64]) -> float:
     known = change[np.isfinite(change).all(1)]
     if len(known) < FEWEST:
         return float("nan")
-    return float(np.sqrt(np.mean((np.median(np.abs(known), axis=0) / MEDIAN) ** 2) / GAIN))  # (1)
+    return float(np.sqrt(np.mean((np.median(np.abs(known), axis=0) / MEDIAN_OF_NORMAL) ** 2) / GAIN))  # (1)
 
 
 def with_marker_sd(trajectories: Trajectories, sd_mm: float | None = None) -> Trajectories:

@@ -13,7 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import MarkerTrajectory, Trajectories
+from ..data.array_types import Bools
 from ..data.method import ONE, Method, parameter
+from ..numerics.runs import true_runs
 from ..signal.filters import butterworth, butterworth_gain, fewest, residual_analysis
 from ..signal.woltring import woltring
 from .stage import SMOOTH
@@ -53,17 +55,16 @@ def smooth(trajectories: Trajectories, *, method: Method) -> Trajectories:
 
 def residual_cutoff(path: MarkerTrajectory, *, rate: float, order: int = 2) -> float | None:
     """The cut-off, Hz, that residual analysis gives a marker from its longest run; None from fewer than 30 frames."""
-    runs = _runs(path)
+    runs = true_runs(_seen(path)).tolist()
     first, stop = max(runs, key=lambda run: run[1] - run[0], default=(0, 0))
     if stop - first < 30:
         return None
     return residual_analysis(path.xyz[first:stop], rate=rate, order=order)[0]
 
 
-def _runs(path: MarkerTrajectory) -> list[tuple[int, int]]:
-    seen = np.isfinite(path.xyz).all(1)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+def _seen(path: MarkerTrajectory) -> Bools:
+    """(F) frames that have a sample."""
+    return np.asarray(np.isfinite(path.xyz).all(1))
 
 
 @SMOOTH.method("butterworth", Butterworth, source="Winter 2009")
@@ -75,7 +76,7 @@ def smooth_butterworth(path: MarkerTrajectory, rate: float, *, method: Butterwor
         return path
     xyz, cov = path.xyz.copy(), path.cov.copy()
     gain = butterworth_gain(rate=rate, cutoff_hz=cutoff, order=order)
-    for first, stop in _runs(path):
+    for first, stop in true_runs(_seen(path)):
         if stop - first > fewest(order):
             xyz[first:stop] = butterworth(path.xyz[first:stop], rate=rate, cutoff_hz=cutoff, order=order)
             cov[first:stop] *= gain  # (1)
@@ -85,7 +86,7 @@ def smooth_butterworth(path: MarkerTrajectory, rate: float, *, method: Butterwor
 @SMOOTH.method("woltring", WoltringSpline, source="Woltring 1986")
 def smooth_woltring(path: MarkerTrajectory, rate: float, *, method: WoltringSpline) -> MarkerTrajectory:
     """A marker under one spline through all frames in which it is seen; gaps stay open."""
-    seen = np.asarray(np.isfinite(path.xyz).all(1))
+    seen = _seen(path)
     if seen.sum() <= 2 * method.half_order:
         return path
     cutoff = None if method.cutoff_hz is None else method.cutoff_hz / rate

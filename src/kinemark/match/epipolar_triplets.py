@@ -36,6 +36,7 @@ from ..data.method import Method, parameter
 from ..data.progress import tell
 from ..geometry import fundamental, triangulate
 from ..geometry.ideal_pixels import ideal_pixels
+from ..numerics.runs import equal_runs
 from .stage import MATCH
 
 BLOCK = 512  # frames matched together, enough to share numpy's overhead
@@ -159,9 +160,9 @@ def _near_lines(seen: FrameImages, r: int, s: int, F: Floats, band: float) -> tu
 def _rank(key: Ints, value: Floats) -> Ints:
     """Place of each entry among those with its key, by rising value."""
     order = np.lexsort([value, key])
-    first = np.flatnonzero(np.diff(key[order], prepend=-1))
+    ends = equal_runs(key[order])
     rank = np.empty(len(key), np.int64)
-    rank[order] = np.arange(len(key)) - np.repeat(first, np.diff(first, append=len(key)))
+    rank[order] = np.arange(len(key)) - np.repeat(ends[:-1], np.diff(ends))
     return rank
 
 

@@ -1,7 +1,7 @@
 """From matched images to points in space, each with its covariance: one file a method."""
 
 from .camera_pairs import CameraPairs
-from .least_squares import LeastSquares, located, wanted
+from .least_squares import LeastSquares, image_errors
 from .methods import reconstruct
 from .stage import RECONSTRUCT
 
@@ -9,7 +9,6 @@ __all__ = [
     "RECONSTRUCT",
     "CameraPairs",
     "LeastSquares",
-    "located",
+    "image_errors",
     "reconstruct",
-    "wanted",
 ]

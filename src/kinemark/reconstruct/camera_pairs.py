@@ -54,9 +54,10 @@ from scipy.special import gammaincinv
 from ..data import Cloud, Detections, Matches, Rig
 from ..data.array_types import Bools, Floats
 from ..data.method import ONE, Method, parameter
-from ..geometry import inverse3, parameter_jacobian, point_jacobian, project, to_camera, triangulate, undistort
-from .hidden import hidden_variance
-from .least_squares import LeastSquares, centroid_cov, wanted
+from ..geometry import parameter_jacobian, point_jacobian, project, to_camera, triangulate, undistort
+from ..geometry.hidden_images import hidden_variance
+from ..geometry.weighted_points import centroid_cov, usable_points
+from ..numerics.small_matrices import inverse3
 from .stage import RECONSTRUCT
 
 BLOCK = 100_000  # distances between solutions worked on at once, so that they stay in the cache
@@ -92,13 +93,7 @@ def reconstruct_pairs(matches: Matches, detections: Detections, rig: Rig, *, met
     kept = agreeing(each, seen.sum(1), excess=method.excess)
     xyz = _mean(each, kept)
     area = np.where(seen, detections.area[matches.view], np.nan)
-    common = LeastSquares(
-        centroid_sd=method.centroid_sd,
-        model_sd=method.model_sd,
-        within_volume=method.within_volume,
-        volume_margin=method.volume_margin,
-    )
-    cov = centroid_cov(detections.cov[matches.view], rig, xyz, uv, common)
+    cov = centroid_cov(detections.cov[matches.view], rig, xyz, uv, method.centroid_sd)
     cov = cov + (hidden_variance(rig, xyz, area) + method.model_sd**2)[..., None, None] * np.eye(2)
     off = uv - np.stack([project(camera, xyz) for camera in rig], 1)
     cloud = Cloud(
@@ -109,7 +104,8 @@ def reconstruct_pairs(matches: Matches, detections: Detections, rig: Rig, *, met
         residual=np.sqrt(np.nansum(off**2, axis=(1, 2)) / np.maximum(seen.sum(1), 1)),
         view=matches.view,
     )
-    return cloud.keep(wanted(cloud, rig, method=common) & np.isfinite(cloud.cov).all((1, 2)))
+    margin = method.volume_margin if method.within_volume else None
+    return cloud.keep(usable_points(cloud, rig, margin=margin) & np.isfinite(cloud.cov).all((1, 2)))
 
 
 def solutions(rig: Rig, uv: Floats) -> Floats:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Floats
+from ..numerics.runs import true_runs
 from .formatting import number
 from .theme import FAINT, GRID, INK, STATES
 
@@ -118,8 +119,7 @@ def _offset(other: Floats, value: Floats) -> float:
 
 def _runs(mask: NDArray[np.bool_], known: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
     """Each run of the mask, with one more on either side where it is known: there the band begins and ends."""
-    edges = np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
-    runs = [np.arange(max(a - 1, 0), min(b + 1, len(mask))) for a, b in edges]
+    runs = [np.arange(max(a - 1, 0), min(b + 1, len(mask))) for a, b in true_runs(mask)]
     return [run[known[run]] for run in runs]
 
 

@@ -40,9 +40,11 @@ import numpy as np
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
-from ..geometry import inverse3
+from ..numerics.small_matrices import inverse3, solve3_entries
 
 FEWEST = 6
+SINGULAR = 1e-14
+"""Of the product of the diagonal, below which a determinant is rounding; conventional: some ten roundings."""
 SYMMETRIC = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
@@ -60,23 +62,10 @@ def fit_parameters(xyz: Floats, uv: Floats) -> Floats:
     M = np.concatenate([(by_image @ each).reshape(3, -1, each.shape[1]) for each in (u, v)], 1)
     d = -np.concatenate([Q.T @ each for each in (u, v)])
     normal = [(M[i] * M[j]).sum(0) for i, j in SYMMETRIC]
-    c = _solved(normal, [(M[i] * d).sum(0) for i in range(3)])  # (4)
+    c = solve3_entries(normal, [(M[i] * d).sum(0) for i in range(3)], singular=SINGULAR)  # (4)
     w = 1 + xyz @ c
     back = np.linalg.pinv(full)
     return np.concatenate([back @ (u * w), back @ (v * w), c]).T.reshape(*uv.shape[:-2], 11)  # (3)
-
-
-def _solved(A: list[Floats], b: list[Floats]) -> Floats:
-    """x (3, …) of many symmetric systems A x = b, entries as in `SYMMETRIC`, by cofactors; NaN if singular."""
-    xx, xy, xz, yy, yz, zz = A
-    first, second, third = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
-    det = xx * first + xy * second + xz * third
-    det = np.where(np.abs(det) > 1e-14 * np.abs(xx * yy * zz), det, np.nan)
-    cross = xy * xz - xx * yz
-    x = first * b[0] + second * b[1] + third * b[2]
-    y = second * b[0] + (xx * zz - xz * xz) * b[1] + cross * b[2]
-    z = third * b[0] + cross * b[1] + (xx * yy - xy * xy) * b[2]
-    return np.asarray(np.stack([x, y, z]) / det)
 
 
 def check_points(xyz: Floats) -> None:
@@ -135,7 +124,8 @@ def pair_points(L: Floats, uv: Floats) -> Floats:
     pull = [B[0][i] * D[0] + B[1][i] * D[1] for i in range(3)]
     pairs = list(combinations(range(len(u)), 2))
     a, b = (np.array([pair[k] for pair in pairs], np.int64) for k in (0, 1))
-    return _solved([n[a] + n[b] for n in normal], [p[a] + p[b] for p in pull]).transpose(2, 1, 0)  # (6)
+    right = [p[a] + p[b] for p in pull]
+    return solve3_entries([n[a] + n[b] for n in normal], right, singular=SINGULAR).transpose(2, 1, 0)  # (6)
 
 
 def _equations(L: Floats, uv: Floats) -> tuple[Floats, Floats]:

@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 from ..data import PARAMETERS, Rig
 from ..data.array_types import Bools, Floats
 from ..geometry import near_middle, parameter_jacobian, point_jacobian, refine, rig_about
-from ..geometry.triangulate import inverse3
+from ..numerics.small_matrices import inverse3
 
 FREE = (0, 1, 2, 3, 9, 10, 11, 12, 13, 14)
 """Of `data.PARAMETERS`: focal lengths, principal point, turn, place."""

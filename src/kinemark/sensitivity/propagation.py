@@ -41,7 +41,7 @@ import numpy as np
 from ..calibrate.quality import block_diagonal, views
 from ..data import Rig
 from ..data.array_types import Floats
-from ..geometry import inverse3
+from ..numerics.small_matrices import inverse3
 from .dlt_samples import parameter_gain, point_gains
 from .um2as_experiment import LinearisedErrors
 

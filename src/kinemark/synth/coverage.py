@@ -23,6 +23,7 @@ import numpy as np
 from ..data import Camera
 from ..data.array_types import Floats
 from ..geometry import lens, normalised, to_camera
+from ..numerics.small_matrices import inverse2
 from .occlusion import line_distance
 
 Box = tuple[int, int, int, int]
@@ -56,17 +57,10 @@ def sight_lines(camera: Camera, uv: Floats, n: int) -> tuple[Floats, Floats]:
     """Lines of sight (N, n·n, 2) as points of the ideal normalised plane, and d(x, y)/d(u, v) (N, 2, 2) there."""
     drawn = normalised(camera, uv)
     ideal = lens.undistort(drawn, camera.distortion)
-    turn = _inverse(camera.K[:2, :2] @ lens.jacobian(ideal, camera.distortion))
+    turn = inverse2(camera.K[:2, :2] @ lens.jacobian(ideal, camera.distortion))
     step = (np.arange(n) + 0.5) / n - 0.5
     cell = np.stack(np.meshgrid(step, step), -1).reshape(-1, 2)
     return ideal[:, None] + cell @ turn.transpose(0, 2, 1), turn
-
-
-def _inverse(A: Floats) -> Floats:
-    """Of many 2 × 2 matrices (…, 2, 2)."""
-    a, b, c, d = A[..., 0, 0], A[..., 0, 1], A[..., 1, 0], A[..., 1, 1]
-    adjugate = np.stack([np.stack([d, -b], -1), np.stack([-c, a], -1)], -2)
-    return adjugate / (a * d - b * c)[..., None, None]
 
 
 def disc(camera: Camera, ball: Ball, xy: Floats, turn: Floats, n: int) -> tuple[Floats, Floats]:

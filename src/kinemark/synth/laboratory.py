@@ -15,11 +15,12 @@ Images are written by functions that the caller hands in, so that this package d
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import tomlkit
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -121,9 +122,9 @@ def write_session(
     _write_truth(folder / "truth.npz", rig, subject)
     way = _wand_way(suffix) if by_wand else _target_way(target)
     if grid:
-        way += "\n" + write_grids(folder, rig, write_image=write_image, optics=optics, seed=seed)
-    lines = _session_lines(subject, rig, name, trial, way, interlaced, suffix)
-    _write_text(folder / "session.toml", lines)
+        way |= write_grids(folder, rig, write_image=write_image, optics=optics, seed=seed)
+    trials = {trial: f"{trial}/{{camera}}{suffix}"}
+    _write_text(folder / "session.toml", _session_toml(subject, rig, name, trials, way, interlaced))
     return folder / "session.toml"
 
 
@@ -141,7 +142,7 @@ def write_calibration(
     if isinstance(target, Rods):
         _write_text(folder / "rods.toml", rods_toml(target))
     else:
-        _write_text(folder / "points.csv", points_csv(target, rig))
+        _write_text(folder / "points.csv", "\n".join(points_csv(target, rig)) + "\n")
     balls = hung(target) if isinstance(target, Rods) else target
     rng = np.random.default_rng(seed)
     for c, camera in enumerate(rig):
@@ -183,8 +184,8 @@ def write_grids(
     write_image: WriteImage,
     optics: Optics = Optics(),  # noqa: B008  frozen
     seed: int = 0,
-) -> str:
-    """`grid/{camera}/1.png` … in an existing folder; returns the line of `[calibration]`.
+) -> dict[str, Any]:
+    """`grid/{camera}/1.png` … in an existing folder; returns what `[calibration]` says of it.
 
     All cameras have the same grid, of as many dots as the smallest image can show apart. It hangs before each camera,
     so near that it takes up most of the image: square to it, and turned by `GRID_TURN_DEG` about two axes, as one view
@@ -204,15 +205,20 @@ def write_grids(
             xyz = camera.centre + here @ camera.R
             image = render(camera, xyz, np.full(len(xyz), DOT_MM / 2), optics=optics, rng=rng)
             write_image(folder / "grid" / camera.name / f"{n}.png", image)
-    return f'linearisation = {{ grid = [{columns}, {rows}], pitch_mm = {GRID_MM}, images = "grid/{{camera}}/*.png" }}'
+    return {"linearisation": {"grid": [columns, rows], "pitch_mm": GRID_MM, "images": "grid/{camera}/*.png"}}
 
 
-def rods_toml(rods: Rods) -> Iterator[str]:
-    """Lines of `rods.toml`: units, marker_diameter and one [[rod]] a rod."""
-    yield 'units = "mm"'
-    yield f"marker_diameter = {float(rods.marker_diameter)!r}"
+def rods_toml(rods: Rods) -> str:
+    """Text of `rods.toml`: units, marker_diameter and one [[rod]] a rod, a marker a line."""
+    document = tomlkit.document()
+    document.update({"units": "mm", "marker_diameter": float(rods.marker_diameter)})
+    document.add(tomlkit.nl())
+    document["rod"] = tables = tomlkit.aot()
     for name, xyz in zip(rods.names, rods.xyz.tolist(), strict=True):
-        yield from ("", "[[rod]]", f"name = {_quoted(name)}", "markers = [", *(f"  {marker}," for marker in xyz), "]")
+        markers = tomlkit.array().multiline(True)
+        markers.extend(xyz)
+        tables.append(tomlkit.item({"name": name, "markers": markers}))
+    return tomlkit.dumps(document)
 
 
 def points_csv(target: Subject, rig: Rig) -> Iterator[str]:
@@ -228,38 +234,43 @@ def points_csv(target: Subject, rig: Rig) -> Iterator[str]:
         yield ",".join([name, *(repr(x) for x in target.xyz[m, 0].tolist()), *pointed])
 
 
-def _session_lines(
-    subject: Subject, rig: Rig, name: str, trial: str, way: str, interlaced: bool, suffix: str
-) -> Iterator[str]:
-    yield f"name = {_quoted(name)}"
-    yield f"rate_hz = {float(subject.rate)!r}"
+def _session_toml(
+    subject: Subject, rig: Rig, name: str, trials: Mapping[str, str], way: Mapping[str, Any], interlaced: bool
+) -> str:
+    """Text of `session.toml`, with the images of each trial and `way` as what `[calibration]` says."""
+    document = tomlkit.document()
+    document.update({"name": name, "rate_hz": float(subject.rate)})
     if np.isfinite(rig.volume).all():
-        yield f"volume_mm = {rig.volume.tolist()}"
-    yield from ("", "[cameras]", f"names = [{', '.join(_quoted(n) for n in rig.names)}]")
-    yield f"interlaced = {str(interlaced).lower()}"
-    yield from ("", "[calibration]", way)
-    yield from ("", "[[trials]]", f"name = {_quoted(trial)}", f"images = {_quoted(trial + '/{camera}' + suffix)}")
+        document["volume_mm"] = rig.volume.tolist()
+    document.add(tomlkit.nl())
+    document["cameras"] = {"names": list(rig.names), "interlaced": interlaced}
+    document.add(tomlkit.nl())
+    document["calibration"] = calibration = tomlkit.table()
+    for key, said in way.items():
+        calibration[key] = tomlkit.inline_table()
+        calibration[key].update(said)
+    document.add(tomlkit.nl())
+    document["trials"] = tables = tomlkit.aot()
+    for trial, images in trials.items():
+        tables.append(tomlkit.item({"name": trial, "images": images}))
+    return tomlkit.dumps(document)
 
 
-def _target_way(target: Rods | Subject) -> str:
-    """The line of `[calibration]` for rods, whose file says how large the markers are, or control points."""
+def _target_way(target: Rods | Subject) -> dict[str, Any]:
+    """What `[calibration]` says of rods, whose file says how large the markers are, or of control points."""
     if isinstance(target, Rods):
-        return 'control_frame = { rods = "rods.toml", images = "calib/{camera}.png" }'
-    across = f"marker_diameter_mm = {2 * float(np.mean(target.radius_mm))!r}"
-    return f'control_points = {{ points = "points.csv", images = "calib/{{camera}}.png", {across} }}'
+        return {"control_frame": {"rods": "rods.toml", "images": "calib/{camera}.png"}}
+    across = 2 * float(np.mean(target.radius_mm))
+    return {"control_points": {"points": "points.csv", "images": "calib/{camera}.png", "marker_diameter_mm": across}}
 
 
-def _wand_way(suffix: str) -> str:
-    """The lines of `[calibration]` for a wand and an L-frame."""
-    return (
-        f'wand = {{ lengths_mm = [{WAND_MM}], images = "wand/{{camera}}{suffix}", marker_diameter_mm = {BALL_MM} }}\n'
-        f'l_frame = {{ arms_mm = {list(ARMS_MM)}, height_mm = {BALL_MM / 2}, images = "lframe/{{camera}}.png" }}'
-    )
-
-
-def _quoted(text: str) -> str:
-    """A TOML basic string, which JSON's strings are."""
-    return json.dumps(text, ensure_ascii=False)
+def _wand_way(suffix: str) -> dict[str, Any]:
+    """What `[calibration]` says of a wand and an L-frame."""
+    wand_images, arms = f"wand/{{camera}}{suffix}", list(ARMS_MM)
+    return {
+        "wand": {"lengths_mm": [WAND_MM], "images": wand_images, "marker_diameter_mm": BALL_MM},
+        "l_frame": {"arms_mm": arms, "height_mm": BALL_MM / 2, "images": "lframe/{camera}.png"},
+    }
 
 
 def _lights(rig: Rig, c: int, strobes: bool) -> NDArray[np.float64] | None:
@@ -302,9 +313,9 @@ def _make_empty(folder: Path, parts: tuple[str, ...]) -> None:
         raise KinemarkError(f"{folder} cannot be made: {error}. Choose a place that you may write to.") from error
 
 
-def _write_text(path: Path, lines: Iterable[str]) -> None:
+def _write_text(path: Path, text: str) -> None:
     """All or nothing."""
-    _beside(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    _beside(path).write_text(text, encoding="utf-8")
     _beside(path).replace(path)
 
 

@@ -20,6 +20,7 @@ from scipy.sparse.csgraph import connected_components
 from ..data import Camera, Detections, Rig
 from ..data.array_types import Floats
 from ..geometry import project, to_camera
+from ..numerics.runs import equal_runs
 from .occlusion import visible_fraction
 from .render import one_to_one
 from .sphere_image import sphere_ellipse
@@ -154,7 +155,7 @@ def _merge(rows: TruthRows, depth: Floats, merge_px: float) -> TruthRows:
 def _near_pairs(rows: TruthRows, merge_px: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Indices of rows of one frame whose centres are nearer than merge_px; rows are in order of frame."""
     found: list[NDArray[np.int64]] = [np.zeros((2, 0), np.int64)]
-    for part in np.split(np.arange(len(rows.frame)), np.flatnonzero(np.diff(rows.frame)) + 1):
+    for part in np.split(np.arange(len(rows.frame)), equal_runs(rows.frame)[1:-1]):
         if merge_px > 0 and len(part) > 1:
             apart = np.linalg.norm(rows.uv[part, None] - rows.uv[part], axis=-1)
             found.append(part[np.array(np.nonzero(np.triu(apart < merge_px, 1)))])

@@ -17,10 +17,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..data import Tracks
 from ..data.array_types import Floats, Ints
+from ..geometry.weighted_points import inside_volume
+from ..numerics.runs import equal_runs
 from ..signal import LADDER, PAST, cheapest_first
 
 
@@ -78,18 +80,11 @@ def within_volume(tracks: Tracks, volume: ArrayLike, *, margin: float = 0.0) -> 
     return Tracks(tracks.cloud, _in_order(np.where(inside, tracks.id, -1)))
 
 
-def inside_volume(xyz: Floats, volume: ArrayLike, *, margin: float = 0.0) -> NDArray[np.bool_]:
-    """(…) whether points (…, 3) mm lie in a volume (2, 3) mm."""
-    low, high = np.asarray(volume, np.float64)
-    return np.asarray(((xyz >= low - margin) & (xyz <= high + margin)).all(-1))
-
-
 def _rows(tracks: Tracks) -> list[Ints]:
     """The points of each track that has any, in the order of their frames."""
     order = np.argsort(tracks.id, kind="stable")
     order = order[tracks.id[order] >= 0]
-    edges = np.flatnonzero(np.diff(tracks.id[order])) + 1
-    return np.split(order, edges) if len(order) else []
+    return np.split(order, equal_runs(tracks.id[order])[1:-1]) if len(order) else []
 
 
 def _end(tracks: Tracks, rows: Ints) -> End:

@@ -28,8 +28,9 @@ from ..data import Cloud, Tracks
 from ..data.array_types import Floats, Ints
 from ..data.method import Method, parameter
 from ..data.progress import tell
+from ..geometry.weighted_points import inside_volume
 from ..signal import PAST, assign_nearest, extrapolate
-from .editing import blend, inside_volume, without_short
+from .editing import blend, without_short
 from .stage import CLOUD, TRACK
 
 Volume = tuple[tuple[float, float, float], tuple[float, float, float]]

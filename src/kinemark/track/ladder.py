@@ -33,7 +33,7 @@ from ..data import Cloud, Tracks
 from ..data.array_types import Floats, Ints
 from ..data.method import Method, parameter
 from ..data.progress import tell
-from ..geometry import solve3
+from ..numerics.small_matrices import solve3
 from ..signal import PAST, assign, extrapolate, gain
 from .stage import CLOUD, TRACK
 

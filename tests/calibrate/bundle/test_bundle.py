@@ -11,10 +11,11 @@ from kinemark.calibrate.bundle import Bundle, Freedom, FreePoints, Held, Sticks,
 from kinemark.calibrate.bundle.adjust import observed
 from kinemark.calibrate.bundle.parts import all_points, slices
 from kinemark.calibrate.bundle.robust_points import robust_points
-from kinemark.calibrate.bundle.solver import BundleState, cost, normal_equations, piece_inverses, reduced, solve
+from kinemark.calibrate.bundle.solver import BundleState, cost, normal_equations, solve
 from kinemark.calibrate.world_frame import fit_moved_to
 from kinemark.data import Rig
 from kinemark.geometry import project, project_all
+from kinemark.numerics.schur import block_inverses, schur_complement
 from kinemark.synth import ring
 from support.waved import ALONG, MIDDLE, benchmark, waved
 
@@ -86,8 +87,8 @@ def test_the_derivatives_are_those_of_differences(soft):
 def test_the_schur_complement_solves_the_whole_system():
     state, seen = small_state()
     normal = normal_equations(state, seen, FREEDOMS)
-    inverses = [piece_inverses(V, 1e-3) for V in normal.V]
-    S, b = reduced(normal, inverses, 1e-3)
+    inverses = [block_inverses(V, 1e-3) for V in normal.V]
+    S, b = schur_complement(normal, inverses, 1e-3)
     q = len(normal.g)
     n = q + sum(h.size for h in normal.h)
     A, right, at = np.zeros((n, n)), np.zeros(n), q

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.special import gamma, kv
 
-from kinemark.engine.formats import read
 from kinemark.fill import Body, Gap, GapEdges, LocalRegression, MarkerArray, fill, find_gaps
 from kinemark.fill.jumping_markers import JumpingMarkers
 from kinemark.fill.methods.body import _best, _look, _trial, common_hyper
@@ -13,6 +12,7 @@ from kinemark.fill.methods.stage import filler_of
 from kinemark.fill.methods.training_frames import scene_of, view_of
 from kinemark.fill.mirrored_markers import partners
 from kinemark.fill.reference_ranking import Ranks
+from kinemark.io.trial import read_trial
 from kinemark.synth import dressed, walking
 from support.filling import moving, off, trial
 from support.shared import shared_data
@@ -167,7 +167,7 @@ class TestTrust:
 
     def test_in_a_serve_the_arm_that_jumps_does_not_take_the_shoulder_along(self):
         folder = shared_data("mocap3d/tennis_serve_gap_pair")
-        truth, gaps = (read(folder / f"kinematics_tennis_serve{end}.c3d").trajectories for end in ("", "_nan"))
+        truth, gaps = (read_trial(folder / f"kinematics_tennis_serve{end}.c3d").trajectories for end in ("", "_nan"))
         motion = MarkerArray.of(gaps)
         worst = next(gap for gap in find_gaps(motion) if gap.start == 192)
         (said,) = filler_of(Body())(motion, [worst], method=Body())

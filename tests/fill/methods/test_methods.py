@@ -31,7 +31,7 @@ from kinemark.fill.methods.quintic import fill_quintic
 from kinemark.fill.methods.relational import fill_relational
 from kinemark.fill.methods.rigid_body import fill_rigid_body
 from kinemark.geometry import nearest_rotations
-from kinemark.io.c3d.to_trial import markers, read_c3d
+from kinemark.io.c3d.to_trial import read_c3d
 from kinemark.signal import smoothing_spline
 from support.shared import shared_data
 
@@ -384,7 +384,7 @@ def test_the_closed_form_is_the_kalman_smoother(sides):
 
 def test_a_real_walk_is_filled_to_a_few_millimetres():
     """Hidden gaps of 1 s, raw data with measured residuals; the bounds are the field's best known figures."""
-    trial = markers(read_c3d(shared_data("mocap3d/qualisys_gait/Gait - CGM2 1.c3d")))
+    trial = read_c3d(shared_data("mocap3d/qualisys_gait/Gait - CGM2 1.c3d")).trajectories
     motion = MarkerArray.of(getattr(trial, "trajectories", trial))
     rng = np.random.default_rng(1)
     whole = np.flatnonzero(motion.seen.all(1))
@@ -398,7 +398,7 @@ def test_a_real_walk_is_filled_to_a_few_millimetres():
 
 
 def test_all_gaps_of_a_trial_with_gaps_are_answered():
-    motion = MarkerArray.of(markers(read_c3d(shared_data("mocap3d/arm_box_lift_gaps/Vicon.c3d"))))
+    motion = MarkerArray.of(read_c3d(shared_data("mocap3d/arm_box_lift_gaps/Vicon.c3d")).trajectories)
     gaps = find_gaps(motion)
     for name in FILLERS:
         assert all(p.reason or not np.isnan(p.xyz).any() for p in fill(name, motion, gaps))

@@ -136,6 +136,14 @@ def test_a_real_trial_comes_back_in_every_format(path, order, floats):
     away = np.abs(a - b)[np.abs(a).max(-1) > back.source.scale]  # what is nearer to 0 is moved off it
     assert np.nanmax(away) <= (np.spacing(np.float32(np.nanmax(np.abs(a)))) if floats else 0.501 * back.source.scale)
     assert same((back.plates, back.events), (trial.plates, trial.events))
+    for old, new in zip(trial.signals, back.signals, strict=True):
+        assert (new.name, new.kind, new.unit, new.axes, new.description) == (
+            old.name, old.kind, old.unit, old.axes, old.description
+        )  # fmt: skip
+        assert np.array_equal(np.isnan(old.values), np.isnan(new.values))
+        away = np.abs(old.values - new.values)[np.abs(old.values).max(-1) > back.source.scale]
+        most = np.abs(np.nan_to_num(old.values)).max(initial=0)
+        assert away.max(initial=0) <= (np.spacing(np.float32(most)) if floats else 0.501 * back.source.scale)
     for old, new in zip(trial.analog, back.analog, strict=True):
         error = np.abs(old.values - new.values).max(1)
         assert (error <= (1e-6 if floats else 0.51 / 32000) * np.abs(old.values).max(1)).all()

@@ -1,13 +1,12 @@
 """The compiled kernel of the tracker against NumPy, and what it does with rows that are none."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinemark.compiled import PLAIN
+from kinemark import native
+from kinemark.native import PLAIN
 from kinemark.synth import dressed, observe, ring, walking
 from kinemark.track.simultaneous import (
     associate as claims,
@@ -16,16 +15,15 @@ from kinemark.track.simultaneous import (
     candidate_points as groups,
 )
 from kinemark.track.simultaneous import (
-    compiled,
-    track_detections,
+    kalman_states as motion,
 )
 from kinemark.track.simultaneous import (
-    kalman_states as motion,
+    track_detections,
 )
 from kinemark.track.simultaneous.detection_index import Images, read_images
 from support.examples import examples
 
-needs_kernel = pytest.mark.skipif(compiled.library() is None, reason="the tracker was installed without a compiler")
+needs_kernel = pytest.mark.skipif(native.library() is None, reason="the tracker was installed without a compiler")
 some = settings(max_examples=examples(40), deadline=None)
 RIG = ring(5, focal_px=1100.0)
 WALK = dressed(walking(duration_s=0.3, rate=100.0, seed=5, speed_mm_s=1000.0), 15, seed=5)
@@ -37,7 +35,7 @@ def plainly(function, *args, **parameters):
     """What NumPy alone gives."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(PLAIN, "1")
-        assert compiled.library() is None
+        assert native.library() is None
         return function(*args, **parameters)
 
 
@@ -63,14 +61,14 @@ def points(draw):
 @needs_kernel
 @some
 @given(points(), st.floats(0.002, 0.3))
-def test_motion_ahead_and_told(made, T):
+def test_points_predicted_and_updated(made, T):
     state, rng = made
     n = state.x.shape[-1]
-    both(motion.ahead, state, T, 5000.0)
-    both(motion.ahead, state, rng.uniform(0.001, 0.3, n), 5000.0)
+    both(motion.predict, state, T, 5000.0)
+    both(motion.predict, state, rng.uniform(0.001, 0.3, n), 5000.0)
     J = rng.normal(0, 1, (n, int(rng.integers(1, 5)), 3))  # of one row only: the information is singular
     N = np.einsum("nai,naj->ijn", J, J)
-    both(motion.told, state, N, rng.normal(0, 1, (3, n)), relative=1e-6)
+    both(motion.update, state, N, rng.normal(0, 1, (3, n)), relative=1e-6)
 
 
 @needs_kernel
@@ -101,7 +99,7 @@ def test_all_candidates_are_found_however_many():
     state.x[:3, 0] = np.nanmean(WALK.xyz, axis=(0, 1))
     expected = claims.predict_images(crowd.P, state)
     pairs = claims.TrackImagePairs(*both(claims.candidates, crowd, crowd.usable, np.array([3]), expected, 4.0))
-    assert len(pairs.own) == (crowd.frame[crowd.order] == 3).sum() > 4 * len(RIG) + 64
+    assert len(pairs.own) == (crowd.frame[crowd.by_cell.order] == 3).sum() > 4 * len(RIG) + 64
 
 
 @needs_kernel
@@ -125,23 +123,31 @@ def test_where_views_meet(seed):
     view = np.array([rng.choice(rows, 12) for rows in own])
     view[rng.random(view.shape) < 0.3] = -1
     view = view[:, (view >= 0).sum(0) >= 2]
-    close = groups.placed(IMAGES, view).squared.max(0, initial=0) < 1e6  # others are far from being any point
-    both(groups.placed, IMAGES, view[:, close], relative=1e-4)
+    close = groups.intersect(IMAGES, view).squared.max(0, initial=0) < 1e6  # others are far from being any point
+    both(groups.intersect, IMAGES, view[:, close], relative=1e-4)
     pair = np.array([rng.choice(own[1], 12), rng.choice(own[3], 12)])
-    both(groups.placed, IMAGES, pair, np.array([[1], [3]]), relative=1e-4)
+    both(groups.intersect, IMAGES, pair, np.array([[1], [3]]), relative=1e-4)
 
 
-@needs_kernel
-def test_rows_that_are_none_and_rays_that_are_parallel():
-    """One image alone has no place, and numbers of images or cameras that there are not count as no image."""
-    kernel, wild = compiled.library(), np.array([[10**9, 5], [-7, -1]])
-    xyz, _, squared = kernel.placed(IMAGES.P, IMAGES.uv, IMAGES.variance, wild, np.array([[0], [10**6]]))
+@pytest.mark.parametrize("plain", ["", "1"])
+def test_rows_that_are_none_and_rays_that_are_parallel(monkeypatch, plain):
+    """One image alone has no place; −1 counts as no image, and other numbers that are none are refused."""
+    monkeypatch.setenv(PLAIN, plain)
+    view, camera = np.array([[-1, 5], [-1, -1]]), np.array([[0, 0], [1, 1]])
+    xyz, _, squared = native.intersect(IMAGES.P, IMAGES.uv, IMAGES.variance, view, camera)
     assert np.isnan(xyz).all() and (squared[:, 0] == -1).all() and squared[0, 1] == np.inf
-    N, g = kernel.information(np.zeros((2, 2, 2)), np.ones((2, 2, 3, 2)), wild, np.ones((2, 2)), IMAGES.uv)
+    N, g = native.information(np.zeros((2, 2, 2)), np.ones((2, 2, 3, 2)), view, np.ones((2, 2)), IMAGES.uv)
     assert (N[..., 0] == 0).all() and (g[:, 0] == 0).all() and np.allclose(N[..., 1], 2)
-    cell = np.array([-3, 10**9])
-    found = kernel.candidates(IMAGES, IMAGES.usable, cell, np.zeros((2, 2)), np.ones((3, 2)), np.full(2, 1e4), 1e9)
-    assert not any(len(column) for column in found)
+    for wild in (np.where(view > 0, 10**9, view), np.where(view > 0, -7, view)):
+        with pytest.raises(ValueError, match=r"view has the index (10{9}|-7), wanted -1 … "):
+            native.intersect(IMAGES.P, IMAGES.uv, IMAGES.variance, wild, camera)
+        with pytest.raises(ValueError, match=r"row has the index"):
+            native.information(np.zeros((2, 2, 2)), np.ones((2, 2, 3, 2)), wild, np.ones((2, 2)), IMAGES.uv)
+    with pytest.raises(ValueError, match="camera has the index 1000000, wanted 0 … 4"):
+        native.intersect(IMAGES.P, IMAGES.uv, IMAGES.variance, view, camera * 10**6)
+    with pytest.raises(ValueError, match="cell has the index -3, wanted 0 … "):
+        places = np.array([-3, 10**9]), np.zeros((2, 2)), np.ones((3, 2)), np.full(2, 1e4)
+        native.candidates(IMAGES.by_cell, IMAGES.variance, IMAGES.usable, *places, gate=1e9)
 
 
 @needs_kernel
@@ -154,15 +160,3 @@ def test_tracks_are_the_same():
 
 def test_without_a_kernel_numpy_tracks():
     assert len(plainly(track_detections, SEEN.detections, RIG)) >= 15
-
-
-def test_constants_of_both_languages_agree(monkeypatch):
-    source = (Path(compiled.__file__).parent / "kernel.c").read_text()
-    assert f"VERSION = {compiled.VERSION} " in source
-    monkeypatch.setattr(compiled, "VERSION", -1)
-    compiled._loaded.cache_clear()
-    try:
-        assert compiled.library() is None
-    finally:
-        monkeypatch.undo()
-        compiled._loaded.cache_clear()

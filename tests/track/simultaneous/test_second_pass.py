@@ -10,7 +10,7 @@ from kinemark.track.simultaneous import second_pass as second
 from kinemark.track.simultaneous import stitch as joins
 from kinemark.track.simultaneous.associate import Association, information, predict_images
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.kalman_states import KalmanStates, told
+from kinemark.track.simultaneous.kalman_states import KalmanStates, update
 from kinemark.track.simultaneous.likelihood import FAIR, SURE, evidence
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
 from kinemark.track.simultaneous.passes import Associations, _without_itself, without_loose
@@ -32,13 +32,13 @@ def test_an_image_is_judged_by_what_all_the_others_say():
     before = KalmanStates(np.concatenate([points.xyz.T + rng.normal(0, 0.5, (3, 3)), np.zeros((6, 3))]), V)
     expected = predict_images(images.P, before)
     claims = Association(row, images.variance[row], np.zeros(row.shape), row < 0)
-    after = told(before, *information(images, expected, claims))
+    after = update(before, *information(images, expected, claims))
     off = images.uv[row].swapaxes(1, 2) - expected.uv - (expected.J * (after.position - before.position)).sum(2)
     found = _without_itself(off, claims.variance, predict_images(images.P, after).S)
     for c, t in np.ndindex(row.shape):
         out = np.arange(5)[:, None] == c
         others = claims._replace(row=np.where(out, -1, row), variance=np.where(out, np.inf, claims.variance))
-        without = told(before, *information(images, expected, others))
+        without = update(before, *information(images, expected, others))
         J = expected.J[c, :, :, t]
         left = images.uv[row[c, t]] - expected.uv[c, :, t] - J @ (without.position - before.position)[:, t]
         cov = J @ without.cov[..., t] @ J.T + np.eye(2) * claims.variance[c, t]
@@ -231,7 +231,7 @@ def test_the_wrong_image_of_four_is_given_back():
         before = KalmanStates(np.append(points.xyz[0] + rng.normal(0, 10, 3), np.zeros(6))[:, None], V)
         expected = predict_images(images.P, before)
         claims = Association(row, images.variance[row], np.ones(row.shape), row < 0)
-        after = told(before, *information(images, expected, claims))
+        after = update(before, *information(images, expected, claims))
         kept = without_loose(images, METHOD.gate, before, expected, claims, after).claims.row[:, 0] >= 0
         right += (kept == (np.arange(4) != wrong)).all()
     assert right >= 38

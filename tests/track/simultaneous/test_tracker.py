@@ -8,15 +8,16 @@ import pytest
 
 from kinemark.data import Detections, KinemarkError, Rig
 from kinemark.geometry import project
+from kinemark.native import inverse
 from kinemark.synth import dressed, walking
 from kinemark.synth import observe as seen_by
 from kinemark.synth import ring as synth_ring
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import Simultaneous, track_detections
 from kinemark.track.simultaneous.associate import associate, predict_images
-from kinemark.track.simultaneous.candidate_points import _near_lines, _together, fundamentals, placed
+from kinemark.track.simultaneous.candidate_points import _near_lines, _together, fundamentals, intersect
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.kalman_states import KalmanStates, ahead, at_rest, back, inverse, reversed_time, told
+from kinemark.track.simultaneous.kalman_states import KalmanStates, at_rest, back, predict, reversed_time, update
 from kinemark.track.simultaneous.neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of, smoothed
 from support.laboratory import observe, ring
 from support.motions import dance
@@ -189,9 +190,9 @@ def test_the_filter_is_the_textbooks():
     for _ in range(4):
         z, M = rng.normal(size=(n, 3)) * 100, rng.normal(size=(n, 3, 3))
         R = M @ M.swapaxes(1, 2) + np.eye(3)
-        motion = ahead(motion, T, q)
+        motion = predict(motion, T, q)
         N = inverse(R.transpose(1, 2, 0))
-        motion = told(motion, N, np.einsum("ijt,jt->it", N, z.T - motion.position))
+        motion = update(motion, N, np.einsum("ijt,jt->it", N, z.T - motion.position))
         plain = [textbook(x, V, T, q, z[t], R[t]) for t, (x, V) in enumerate(plain)]
     for t, (x, V) in enumerate(plain):
         np.testing.assert_allclose(motion.x[:, t], x, rtol=1e-6, atol=1e-6)
@@ -226,7 +227,7 @@ def test_forth_and_back_in_time_is_the_same_place():
     rng = np.random.default_rng(1)
     motion = at_rest(rng.normal(size=(3, 4)), np.eye(3)[..., None] * np.ones(4), speed=1000.0, acceleration=1e4)
     motion = KalmanStates(motion.x + rng.normal(size=(9, 4)), motion.V)
-    again = back(ahead(motion, 0.02, 1e4), 0.02, 1e4)
+    again = back(predict(motion, 0.02, 1e4), 0.02, 1e4)
     np.testing.assert_allclose(again.x, motion.x, atol=1e-9)
     np.testing.assert_allclose(reversed_time(reversed_time(motion)).V, motion.V)
 
@@ -287,7 +288,7 @@ def test_pairs_near_lines_are_those_of_a_loop_over_all_pairs(at_once, monkeypatc
 
 
 def test_points_of_pairs_are_those_of_views():
-    """`placed` by the two images that there are and by a line for every camera is the same."""
+    """`intersect` by the two images that there are and by a line for every camera is the same."""
     rig = ring(5)
     detections, truth = observe(rig, dance(8, 3), noise=0.1)
     images = read_images(detections, rig)
@@ -295,7 +296,7 @@ def test_points_of_pairs_are_those_of_views():
     pair = pair[:, (truth[pair[0]] == truth[pair[1]]) & (images.frame[pair[0]] == images.frame[pair[1]])]
     view = np.full((5, pair.shape[1]), -1)
     view[images.camera[pair], np.arange(pair.shape[1])] = pair
-    one, other = placed(images, pair, images.camera[pair]), placed(images, view)
+    one, other = intersect(images, pair, images.camera[pair]), intersect(images, view)
     assert np.abs(one.xyz - other.xyz).max() < 1e-6 and np.allclose(one.cov, other.cov, rtol=1e-6)
     assert np.allclose(one.squared, other.squared.T[view.T >= 0].reshape(-1, 2).T, atol=1e-6)
 

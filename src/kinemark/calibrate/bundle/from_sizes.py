@@ -19,6 +19,7 @@ from ..stage import CALIBRATE
 from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
 from .initial import TargetViews, start
 from .initial.unknown_optics import UnknownOptics, unknown_optics
+from .parts import complete
 from .robust_points import robust_points
 from .solver import BundleState, Freedom, placed
 
@@ -26,6 +27,7 @@ BASE = 1000.0
 WORSE = 3.0  # right calibrations, of real files too, have at most 1.5 times the residual of two cameras alone
 FINE = 0.3  # px
 FAR_OFF = 0.01  # of the image's diagonal; what a first guess, by wrong lengths too, is off at most
+OTHER_ORDER = 0.5  # of the images; a projection keeps the order, but for wrong points and sticks seen end on
 WRONG_GAP = 0.002  # of the stick's length
 FEWEST = 12  # sticks of which all markers are seen, to judge the gaps by
 
@@ -116,6 +118,8 @@ def _calibrated(
             f"{'three' if along is None else 'two'} are needed to calibrate from image sizes alone. "
             "Use more cameras, or control points."
         )
+    if along is not None and len(along) > 2:
+        _check_order(uv, along)
     first, noise = start(TargetViews(optics, uv, along), seed=method.seed, focal_known=held)
     if along is not None and len(along) > 2:
         _check_gaps(first.cameras, uv, along)
@@ -164,6 +168,19 @@ def _in_place(state: BundleState, unscaled: bool) -> BundleState:
     cameras = [placed(camera, R, scale * t, scale) for camera in state.cameras]
     cameras[0] = replace(cameras[0], R=np.eye(3), t=np.zeros(3))
     return BundleState(tuple(cameras), tuple(part.placed(R, scale * t, scale) for part in state.parts))
+
+
+def _check_order(uv: Floats, along: Floats) -> None:
+    """Most images (C, N, 2) show the stick's markers in their order, from one end or the other."""
+    views = uv.reshape(-1, len(along), 2)[:, np.argsort(along)]
+    views = views[complete(views).all(1)]
+    place = ((views - views[:, :1]) * (views[:, -1:] - views[:, :1])).sum(-1)
+    other = 1 - (np.diff(place, axis=1) > 0).all(1).mean() if len(views) else 0.0
+    if other > OTHER_ORDER:
+        raise KinemarkError(
+            f"In {other:.0%} of its images the stick's markers do not lie in the order of their places, "
+            f"{', '.join(f'{mm:g}' for mm in along)} mm. Check which marker is which, and give them in order."
+        )
 
 
 def _check_gaps(cameras: Sequence[Camera], uv: Floats, along: Floats) -> None:

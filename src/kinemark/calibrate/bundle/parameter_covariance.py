@@ -1,6 +1,6 @@
 """The covariance of all cameras' parameters after a bundle adjustment.
 
-S = U − W V⁻¹ Wᵀ of `solver` (2) is the normal matrix of the cameras' parameters alone, so that their
+S = U − W V⁻¹ Wᵀ of `numerics.schur` (2) is the normal matrix of the cameras' parameters alone, so that their
 covariance is S⁻¹ times the variance factor
 
     χ² / ν · ν / (ν − 2),   ν = equations − unknowns + g                 (1)
@@ -26,18 +26,19 @@ from __future__ import annotations
 import numpy as np
 
 from ...data.array_types import Bools, Floats
+from ...numerics.schur import BlockEquations, block_inverses, schur_complement
 from .parts import Sticks, slices
-from .solver import BundleState, Freedom, Normal, piece_inverses, reduced
+from .solver import BundleState, Freedom
 
 
 def joint_covariance(
-    state: BundleState, normal: Normal, freedoms: tuple[Freedom, ...], used: Bools
+    state: BundleState, normal: BlockEquations, freedoms: tuple[Freedom, ...], used: Bools
 ) -> tuple[Floats, int]:
     """(15 C, 15 C) before the factor (1), and g; `used` (N) are the points that a camera sees."""
     T = _block_columns(state, freedoms)
     motions = allowed_motions(state, freedoms, used)
-    inverses = [piece_inverses(V) for V in normal.V]
-    S, _ = reduced(normal, inverses)
+    inverses = [block_inverses(V) for V in normal.V]
+    S, _ = schur_complement(normal, inverses)
     G = _camera_motions(state, _middle(state, used)) @ motions
     scale = 1 / np.sqrt(np.maximum(np.diag(normal.U), 1e-300))  # the parameters differ by 10⁸ in size
     null = np.linalg.qr(np.linalg.pinv(T) @ G / scale[:, None])[0]
@@ -98,7 +99,7 @@ def _point_motions(xyz: Floats, middle: Floats) -> Floats:
 
 
 def _points_follow(
-    state: BundleState, normal: Normal, inverses: list[Floats], motions: Floats, used: Bools
+    state: BundleState, normal: BlockEquations, inverses: list[Floats], motions: Floats, used: Bools
 ) -> tuple[Floats, Floats, Floats]:
     """d H / d δ (g, Q), the covariance of H that does not come from δ (g, g), and BᵀB (g, g)."""
     middle, g = _middle(state, used), motions.shape[1]

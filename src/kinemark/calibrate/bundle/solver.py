@@ -1,29 +1,22 @@
-"""Least squares over all cameras and all points at once: Levenberg and Marquardt's method with the Schur complement.
+"""Least squares over all cameras and all points at once, by Levenberg–Marquardt with the Schur complement.
 
 With r the residual of one image point (px, divided by its standard deviation), A its derivative by the q free
-parameters of the camera and B by the D of the piece it belongs to, the normal equations are
+parameters of the camera and B by the D of the piece it belongs to, the normal equations are those of `numerics.schur`:
+δ are the parameters of all cameras, and each piece is a block. Minimised is
 
-    [U  W ] [δ]   [g]      U = Σ AᵀA,  V = Σ BᵀB,  W = Σ AᵀB
-    [Wᵀ V ] [ε] = [h]      g = Σ Aᵀr,  h = Σ Bᵀr                          (1)
+    Σ ρ(|r|²),   ρ = |r|²,  or  c² ln(1 + |r|²/c²)                       (1)
 
-V has one D × D block a piece, so that ε leaves (1) at little cost (Brown 1958; Triggs et al. 2000, section 6.1):
+the second (Cauchy's, `numerics.robust`) for as long as points may be wrong; there each r, A and B is multiplied by
+√ρ' (2).
 
-    (U − W V⁻¹ Wᵀ) δ = g − W V⁻¹ h,   ε = V⁻¹ (h − Wᵀ δ)                 (2)
-
-with U and V enlarged by λ times their diagonals. A step is taken where it lowers
-
-    Σ ρ(|r|²),   ρ = |r|²,  or  c² ln(1 + |r|²/c²)                       (3)
-
-the second (Cauchy's) for as long as points may be wrong; there each r, A and B is multiplied by √ρ' (4).
-
-A camera's free parameters act through a matrix T, d parameters = T δ: a unit vector each (5), but where pixels keep
-their shape fy follows fx (6), and where the lens is held in pixels its terms follow the focal length, k_n ∝ f²ⁿ and
-p ∝ f (7), since x = px / f.
+A camera's free parameters act through a matrix T, d parameters = T δ: a unit vector each (3), but where pixels keep
+their shape fy follows fx (4), and where the lens is held in pixels its terms follow the focal length, k_n ∝ f²ⁿ and
+p ∝ f (5), since x = px / f.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +24,9 @@ import numpy as np
 from ...data import Camera
 from ...data.array_types import Bools, Floats
 from ...geometry import parameter_jacobian, project
+from ...numerics.levenberg_marquardt import minimise
+from ...numerics.robust import cauchy_loss, cauchy_weight
+from ...numerics.schur import BlockEquations, block_step
 from ..resection import moved
 from .parts import Part, all_points, complete, slices
 
@@ -42,7 +38,7 @@ EVERYTHING = np.ones(15, np.bool_)
 
 
 class Freedom(NamedTuple):
-    """What may change in a camera: free (15) of `data.PARAMETERS`; fy with fx (6); the lens with the focus (7)."""
+    """What may change in a camera: free (15) of `data.PARAMETERS`; fy with fx (4); the lens with the focus (5)."""
 
     free: Bools
     square: bool = True
@@ -50,18 +46,18 @@ class Freedom(NamedTuple):
 
     def columns(self, camera: Camera) -> Floats:
         """T (15, q)."""
-        T = np.diag(self.free.astype(np.float64))  # (5)
+        T = np.diag(self.free.astype(np.float64))  # (3)
         if self.square and self.free[0]:
-            T[1, 0], T[1, 1] = camera.K[1, 1] / camera.K[0, 0], 0.0  # (6)
+            T[1, 0], T[1, 1] = camera.K[1, 1] / camera.K[0, 0], 0.0  # (4)
         if self.lens_in_pixels and self.free[0]:
-            T[4:9, 0] = POWERS * camera.distortion / camera.K[0, 0]  # (7)
+            T[4:9, 0] = POWERS * camera.distortion / camera.K[0, 0]  # (5)
         return T[:, np.abs(T).any(0)]
 
     def moved(self, camera: Camera, step: Floats) -> Camera:
         """The camera after a step (q)."""
         p = self.columns(camera) @ step
         if self.lens_in_pixels and self.free[0]:
-            p[4:9] = camera.distortion * ((1 + p[0] / camera.K[0, 0]) ** POWERS - 1)  # (7) to all orders
+            p[4:9] = camera.distortion * ((1 + p[0] / camera.K[0, 0]) ** POWERS - 1)  # (5) to all orders
         return moved(camera, EVERYTHING, p)
 
 
@@ -80,16 +76,6 @@ class ImageObservations(NamedTuple):
     used: Bools
 
 
-class Normal(NamedTuple):
-    """(1): U (Q, Q), g (Q); for each part V (n, D, D), W (n, D, Q), transposed, and h (n, D)."""
-
-    U: Floats
-    g: Floats
-    V: list[Floats]
-    W: list[Floats]
-    h: list[Floats]
-
-
 def solve(
     state: BundleState,
     seen: ImageObservations,
@@ -99,27 +85,11 @@ def solve(
     steps: int = STEPS,
     settled: float = SETTLED,
 ) -> BundleState:
-    """The state near `state` with the least (3), once two steps in turn lower it by less than the share `settled`.
+    """The state near `state` with the least (1), to the share `settled` of it.
 
     `soft` is c; None means ρ = |r|².
     """
-    best, damping, small, failed = cost(state, seen, soft), 1e-4, 0, False
-    normal: Normal | None = None
-    for _ in range(steps if np.isfinite(best) else 0):
-        normal = normal or normal_equations(state, seen, freedoms, soft=soft)
-        tried = _stepped(state, freedoms, normal, damping)
-        lower = cost(tried, seen, soft)
-        if lower < best:
-            small = small + 1 if best - lower <= settled * best else 0
-            damping = damping if failed else max(damping / 10, 1e-12)  # else every other step would fail in a valley
-            state, best, normal, failed = tried, lower, None, False
-        elif damping > 1e8 or (damping > 1e-2 and small):
-            break
-        else:
-            damping, failed = 10 * damping, True
-        if small >= 2:
-            break
-    return state
+    return minimise(_Adjustment(seen, freedoms, soft), state, steps=steps, relative=settled)
 
 
 def residuals(state: BundleState, uv: Floats) -> Floats:
@@ -139,7 +109,7 @@ def normalised_residuals(state: BundleState, seen: ImageObservations) -> Floats:
 
 
 def cost(state: BundleState, seen: ImageObservations, soft: float | None = None) -> float:
-    """(3) with what is known beforehand; infinite where a used point is behind its camera."""
+    """(1) with what is known beforehand; infinite where a used point is behind its camera."""
     if not all(_believable(camera) for camera in state.cameras):
         return float("inf")
     with np.errstate(all="ignore"):
@@ -148,7 +118,7 @@ def cost(state: BundleState, seen: ImageObservations, soft: float | None = None)
         for camera, uv, whiten, used in zip(state.cameras, *seen, strict=True):
             r = (whiten[used] @ (uv[used] - project(camera, xyz[used]))[..., None])[..., 0]
             d2 = (r**2).sum(1)
-            total += float((d2 if soft is None else soft**2 * np.log1p(d2 / soft**2)).sum())
+            total += float((d2 if soft is None else cauchy_loss(d2, soft)).sum())
     return total if np.isfinite(total) else float("inf")
 
 
@@ -159,8 +129,8 @@ def _believable(camera: Camera) -> bool:
 
 def normal_equations(
     state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, soft: float | None = None
-) -> Normal:
-    """(1), all of a camera's points of one kind and place in their pieces at a time."""
+) -> BlockEquations:
+    """(1) of `numerics.schur`, all of a camera's points of one kind and place in their pieces at a time."""
     T = [freedom.columns(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True)]
     at = np.cumsum([0] + [t.shape[1] for t in T])
     U, g = np.zeros((at[-1], at[-1])), np.zeros(at[-1])
@@ -188,70 +158,48 @@ def normal_equations(
         V.append(V_part)
         W.append(W_part)
         h.append(h_part)
-    return Normal(U, g, V, W, h)
+    return BlockEquations(U, g, V, W, h)
 
 
 def _linear(
     camera: Camera, xyz: Floats, uv: Floats, whiten: Floats, soft: float | None
 ) -> tuple[Floats, Floats, Floats]:
-    """r (i, 2), its derivatives by the camera's parameters (i, 2, 15) and by the point (i, 2, 3), with (4)."""
+    """r (i, 2), its derivatives by the camera's parameters (i, 2, 15) and by the point (i, 2, 3), with (2)."""
     J = parameter_jacobian(camera, xyz)
     r = (whiten @ (uv - project(camera, xyz))[..., None])[..., 0]
     if soft is not None:
-        root = 1 / np.sqrt(1 + (r**2).sum(1) / soft**2)  # (4)
+        root = np.sqrt(cauchy_weight((r**2).sum(1), soft))  # (2)
         whiten, r = whiten * root[:, None, None], r * root[:, None]
     J = whiten @ J
     return r, J, J[..., 12:15] @ camera.R
 
 
-def _stepped(state: BundleState, freedoms: tuple[Freedom, ...], normal: Normal, damping: float) -> BundleState:
-    """The state after the step of (2)."""
-    inverses = [piece_inverses(V, damping) for V in normal.V]
-    S, b = reduced(normal, inverses, damping)
-    scale = 1 / np.sqrt(np.maximum(np.diag(S), 1e-300))
-    delta = scale * np.linalg.lstsq(S * scale * scale[:, None], b * scale, rcond=1e-15)[0] if len(b) else b
-    parts = tuple(
-        part.moved((inverse @ (h - W @ delta)[..., None])[..., 0])
-        for part, inverse, W, h in zip(state.parts, inverses, normal.W, normal.h, strict=True)
-    )
-    ends = np.cumsum([f.columns(c).shape[1] for f, c in zip(freedoms, state.cameras, strict=True)])[:-1]
-    cameras = tuple(
-        freedom.moved(camera, step) if len(step) else camera
-        for freedom, camera, step in zip(freedoms, state.cameras, np.split(delta, ends), strict=True)
-    )
-    return BundleState(cameras, parts)
+@dataclass(frozen=True, slots=True)
+class _Adjustment:
+    """The problem of `solve` for `minimise`."""
 
+    seen: ImageObservations
+    freedoms: tuple[Freedom, ...]
+    soft: float | None
 
-def reduced(normal: Normal, inverses: list[Floats], damping: float = 0.0) -> tuple[Floats, Floats]:
-    """The matrix and the right side of (2) for the cameras."""
-    S, b = normal.U + damping * np.diag(np.diag(normal.U)), normal.g.copy()
-    for inverse, W, h in zip(inverses, normal.W, normal.h, strict=True):
-        if W.size:
-            flat = W.reshape(-1, W.shape[2])
-            half = (_roots(inverse) @ W).reshape(flat.shape)
-            S -= half.T @ half
-            b -= flat.T @ (inverse @ h[..., None]).ravel()
-    return S, b
+    def cost(self, state: BundleState) -> float:
+        """(1)."""
+        return cost(state, self.seen, self.soft)
 
+    def equations(self, state: BundleState) -> BlockEquations:
+        """One block a piece."""
+        return normal_equations(state, self.seen, self.freedoms, soft=self.soft)
 
-def _roots(inverse: Floats) -> Floats:
-    """L with LᵀL = V⁻¹ (n, D, D): half the work of a product, as BLAS knows that it is symmetric."""
-    lost = np.diagonal(inverse, axis1=-2, axis2=-1).min(-1) <= 0
-    safe = np.where(lost[:, None, None], np.eye(inverse.shape[-1]), inverse)
-    roots = np.linalg.cholesky(safe).transpose(0, 2, 1)
-    return np.where(lost[:, None, None], 0.0, roots)
-
-
-def piece_inverses(V: Floats, damping: float = 0.0) -> Floats:
-    """(V + λ diag V)⁻¹ (n, D, D); zero for pieces that nobody sees."""
-    diagonal = np.diagonal(V, axis1=-2, axis2=-1)
-    scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    eye = np.eye(V.shape[-1])
-    scaled = V * scale[:, None] * scale[..., None] + damping * eye
-    seen = np.asarray((diagonal > 0).all(-1) if V.shape[-1] else np.zeros(len(V), np.bool_))
-    scaled = np.where(seen[:, None, None], scaled + 1e-14 * eye, eye)
-    inverse = np.linalg.inv(scaled) * scale[:, None] * scale[..., None]
-    return np.where(seen[:, None, None], inverse, 0.0)
+    def step(self, state: BundleState, equations: BlockEquations, damping: float) -> tuple[BundleState, float]:
+        """Cameras and pieces after the step."""
+        delta, epsilon, promised = block_step(equations, damping)
+        parts = tuple(part.moved(step) for part, step in zip(state.parts, epsilon, strict=True))
+        ends = np.cumsum([f.columns(c).shape[1] for f, c in zip(self.freedoms, state.cameras, strict=True)])[:-1]
+        cameras = tuple(
+            freedom.moved(camera, step) if len(step) else camera
+            for freedom, camera, step in zip(self.freedoms, state.cameras, np.split(delta, ends), strict=True)
+        )
+        return BundleState(cameras, parts), promised
 
 
 def placed(camera: Camera, R: Floats, t: Floats, scale: float = 1.0) -> Camera:

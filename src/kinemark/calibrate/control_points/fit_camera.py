@@ -35,7 +35,8 @@ from numpy.typing import NDArray
 from ...data import Camera, KinemarkError
 from ...data.method import Method, parameter
 from ...geometry import about, decompose, fit_dlt, from_dlt, near_middle, parameter_jacobian, project, undistort
-from ..resection import ResectionFit, lens_covariance, resect, scaled_inverse
+from ...numerics.scaled import scaled_inverse
+from ..resection import ResectionFit, lens_covariance, resect
 from ..stage import CALIBRATE
 
 RADIAL = (4, 5, 8)

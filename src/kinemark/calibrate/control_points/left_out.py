@@ -32,7 +32,8 @@ from numpy.typing import NDArray
 from ...data import Rig
 from ...geometry import parameter_jacobian, project, refine, triangulate, undistort
 from ...geometry.dlt import equations
-from ..resection import directions, moved, resect, scaled_inverse
+from ...numerics.scaled import scaled_inverse
+from ..resection import directions, moved, resect
 from .checks import FEWEST
 from .fit_camera import POSE_AND_FOCUS, CameraMethod, Dlt, FittedCamera
 

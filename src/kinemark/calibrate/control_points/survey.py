@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from ...data import KinemarkError
 from ...geometry import about, near_middle, parameter_jacobian, project_all
-from ..resection import scaled_inverse
+from ...numerics.scaled import scaled_inverse
 from .fit import ControlFit, refitted
 
 FAR = 5.0

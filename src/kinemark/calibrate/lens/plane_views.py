@@ -12,8 +12,8 @@ the lens, as a map of pixels, can. For the fit not to care, it moves along the f
     fx, fy, t_z ← e^ε (fx, fy, t_z),   k1 ← e^2ε k1,   p1, p2 ← e^ε (p1, p2),   k2 ← e^4ε k2,   k3 ← e^6ε k3        (2)
 
 under which the picture of a plane that faces the camera, lens and all, stays as it is. The parameters are ε, the ratio
-ln(fy/fx), the centre, the lens terms, and six for each pose; with whitened residuals r and their Jacobian J, Levenberg
-and Marquardt's steps lower
+ln(fy/fx), the centre, the lens terms, and six for each pose; with whitened residuals r and their Jacobian J,
+Levenberg–Marquardt (`numerics.levenberg_marquardt`) lowers
 
     χ² = Σ |r|² + s² Σ ((θ − θ0) / τ)²                                    (3)
 
@@ -27,7 +27,7 @@ found (4), so where the points say anything at all, this part has no weight. The
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -38,6 +38,8 @@ from scipy.spatial.transform import Rotation
 from ...data import Camera
 from ...data.array_types import Bools, Floats
 from ...geometry import parameter_jacobian, project
+from ...numerics.levenberg_marquardt import damped_step, minimise
+from ...numerics.scaled import scaled_inverse
 
 SHARED = 9
 POSE = 6
@@ -161,9 +163,9 @@ def fit_planes(
     free = _free(lens, len(start.t))
     nu = max(2 * len(points.uv) - int(free.sum()), 1)
     planes = start._replace(camera=replace(start.camera, distortion=np.where(lens, start.camera.distortion, 0.0)))
-    for s2 in (START_NOISE, None) if noise is None else (noise,):
-        found = _chi2(planes, points) / nu + 1e-16
-        planes = _settled(planes, points, free, known, found if s2 is None else s2, steps)
+    for given in (START_NOISE, None) if noise is None else (noise,):
+        s2 = _chi2(planes, points) / nu + 1e-16 if given is None else given
+        planes = minimise(_PlaneProblem(points, free, known, s2), planes, steps=steps, absolute=SETTLED * s2)
     chi2 = _chi2(planes, points)
     return PlaneFit(planes, lens, nu, chi2 if np.isfinite(chi2) else float("inf"))
 
@@ -173,7 +175,7 @@ def shared_covariance(fit: PlaneFit, points: PlanePoints, known: KnownOptics) ->
     free = _free(fit.lens, len(fit.planes.t))
     A, _ = _normal(fit.planes, points, free, known, fit.noise)
     cov = np.zeros((len(free), len(free)))
-    cov[np.ix_(free, free)] = _inverse(A) * fit.noise * max(fit.nu, 3) / (max(fit.nu, 3) - 2)  # (5)
+    cov[np.ix_(free, free)] = scaled_inverse(A) * fit.noise * max(fit.nu, 3) / (max(fit.nu, 3) - 2)  # (5)
     return cov[:SHARED, :SHARED]
 
 
@@ -235,29 +237,30 @@ def _before_camera(planes: Planes, points: PlanePoints) -> Floats:
     return (planes.R[points.view] @ points.xyz[..., None])[..., 0] + planes.t[points.view]
 
 
-def _settled(planes: Planes, points: PlanePoints, free: Bools, known: KnownOptics, noise: float, steps: int) -> Planes:
-    cost, damping, grow = _cost(planes, points, known, noise), 1e-3, 2.0
-    for _ in range(steps if np.isfinite(cost) else 0):
-        A, g = _normal(planes, points, free, known, noise)
-        step = np.zeros(len(free))
-        step[free] = np.linalg.lstsq(A + damping * np.diag(np.diag(A)), g)[0]
-        tried, lower = planes, np.inf
-        if np.abs(step[:2]).max() < FURTHEST:
-            tried = moved(planes, step)
-            lower = _cost(tried, points, known, noise)
-        if lower < cost:
-            promised = float(step[free] @ (2 * g - A @ step[free]))
-            kept = (cost - lower) / max(promised, 1e-300)
-            done = promised <= SETTLED * noise
-            planes, cost, grow = tried, lower, 2.0
-            damping *= float(np.clip(1 - (2 * kept - 1) ** 3, 1e-2, 2.0))  # Nielsen 1999
-            if done:
-                break
-        elif damping > 1e8:
-            break
-        else:
-            damping, grow = damping * grow, 2 * grow
-    return planes
+@dataclass(frozen=True, slots=True)
+class _PlaneProblem:
+    """The problem of `fit_planes` for `minimise`, with s² = `noise`."""
+
+    points: PlanePoints
+    free: Bools
+    known: KnownOptics
+    noise: float
+
+    def cost(self, planes: Planes) -> float:
+        """(3); infinite where a point lies behind the camera."""
+        prior = float(((_from_known(planes.camera, self.known) / self.known.tau) ** 2).sum())
+        total = _chi2(planes, self.points) + self.noise * prior
+        return total if np.isfinite(total) else float("inf")
+
+    def equations(self, planes: Planes) -> tuple[Floats, Floats]:
+        """JᵀJ and Jᵀr of (3), of the free parameters."""
+        return _normal(planes, self.points, self.free, self.known, self.noise)
+
+    def step(self, planes: Planes, equations: tuple[Floats, Floats], damping: float) -> tuple[Planes | None, float]:
+        """The planes after the step, None where it goes too far."""
+        step = np.zeros(len(self.free))
+        step[self.free], promised = damped_step(*equations, damping)
+        return moved(planes, step) if np.abs(step[:2]).max() < FURTHEST else None, promised
 
 
 def _normal(
@@ -287,19 +290,8 @@ def _from_known(camera: Camera, known: KnownOptics) -> Floats:
     )
 
 
-def _cost(planes: Planes, points: PlanePoints, known: KnownOptics, noise: float) -> float:
-    """(3); infinite where a point lies behind the camera."""
-    total = _chi2(planes, points) + noise * float(((_from_known(planes.camera, known) / known.tau) ** 2).sum())
-    return total if np.isfinite(total) else float("inf")
-
-
 def _chi2(planes: Planes, points: PlanePoints) -> float:
     return float((normalised_residuals(planes, points) ** 2).sum())
-
-
-def _inverse(A: Floats) -> Floats:
-    scale = 1 / np.sqrt(np.maximum(np.diag(A), 1e-300))
-    return np.asarray(scale[:, None] * np.linalg.pinv(A * scale * scale[:, None], hermitian=True) * scale)
 
 
 def _pose(H: Floats, focal: float) -> tuple[Floats, Floats]:

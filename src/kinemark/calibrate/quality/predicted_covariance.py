@@ -35,7 +35,7 @@ import numpy as np
 from ...data import PARAMETERS, Camera, Rig
 from ...data.array_types import Bools, Floats
 from ...geometry import joint_about, near_middle, parameter_jacobian, point_jacobian, project, rig_about, undistort
-from ...geometry.triangulate import inverse3
+from ...numerics.small_matrices import inverse3
 
 FOLDED = 1e-3  # px; further than this from its own image, a point is on the far side of a lens term's fold
 

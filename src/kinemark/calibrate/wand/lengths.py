@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...data import Rig
 from ...data.array_types import Floats
 from ...geometry import parameter_jacobian, point_jacobian, refine, triangulate, undistort
-from ...geometry.triangulate import inverse3
+from ...numerics.small_matrices import inverse3
 from ..quality import block_diagonal
 
 GUESS = 0.1

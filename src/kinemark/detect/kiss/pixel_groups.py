@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Ints
+from ...numerics.runs import begins
 
 
 class KissGroups(NamedTuple):
@@ -134,7 +135,7 @@ def separated(groups: KissGroups, parent: Ints, parts: Rectangles) -> KissGroups
     label = np.concatenate([np.full(whole.sum(), -1), part[kept]])
     order = np.lexsort((label, place))  # stable: runs stay in order of line and column
     place, label = place[order], label[order]
-    new = np.concatenate([[True], (np.diff(place) != 0) | (np.diff(label) != 0)])
+    new = begins(place, label)
     return KissGroups(
         np.concatenate([groups.y[whole], y[kept]])[order],
         np.concatenate([groups.first[whole], first[kept]])[order],

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Ints
+from ...numerics.runs import equal_runs
 from ..runs import Runs
 from .pixel_groups import KissGroups, numbered
 
@@ -62,7 +63,7 @@ def _least_number(earlier: Ints, later: Ints, n: int) -> NDArray[np.int64]:
     number = np.arange(n)
     if len(later) == 0:
         return number
-    head = np.flatnonzero(np.diff(later, prepend=-1))
+    head = equal_runs(later)[:-1]
     joined = later[head]
     while True:
         new = number.copy()

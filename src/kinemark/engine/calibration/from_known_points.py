@@ -21,12 +21,11 @@ from ...io.rig_toml import read_rig_toml
 from ...io.rods_toml import read_rods
 from ...io.tdf import read_tdf
 from ...io.um2as import read_cp_set, siblings
+from ...io.units import MM
 from ..recordings import size_of_cameras
 from ..settings import DigitisedPoints, TargetRecording
 from .lens_grids import Lenses, lenses_of
 from .task import Made, Task
-
-MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 
 
 def from_file(task: Task) -> Made:
@@ -62,7 +61,7 @@ def rig_of_dlt(file: Path, names: Sequence[str], unit: str | None) -> Rig:
     names = names or tuple(f"cam{c + 1}" for c in range(len(L)))
     if len(names) != len(L):
         raise KinemarkError(f"{file} has {len(L)} columns and [cameras] {len(names)} names. Name one a column.")
-    mm = MILLIMETRES[unit]
+    mm = MM[unit]
     scaled = L / np.array([mm, mm, mm, 1, mm, mm, mm, 1, mm, mm, mm])
     return Rig(cameras_from_dlt(names, scaled), f"DLT of {file.name}")
 

@@ -21,7 +21,6 @@ The idea of testing a filler on data that it has hidden itself is that of cross-
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,6 +28,7 @@ from numpy.typing import NDArray
 
 from ...data.array_types import Floats
 from ...data.progress import tell
+from ...numerics.runs import true_runs
 from ..marker_array import Gap, MarkerArray, Prediction
 
 Filler = Callable[..., list[Prediction]]
@@ -236,9 +236,9 @@ def _state(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, window: Gap) 
     alike = _alike(motion, gap.marker, window.marker, others) if window.marker != gap.marker and len(others) else {}
     out = []
     for marker in others:
-        steps = np.flatnonzero(np.diff(missing[marker], prepend=False, append=False))
+        runs = true_runs(missing[marker]).tolist()
         for hidden in {int(marker), alike.get(int(marker), int(marker))}:
-            out += [Gap(hidden, window.start + int(a), window.start + int(b)) for a, b in list(pairwise(steps))[::2]]
+            out += [Gap(hidden, window.start + a, window.start + b) for a, b in runs]
     return out
 
 

@@ -1,13 +1,13 @@
 """C3D, the format in which laboratories exchange recordings: see `docs/files-c3d.md`."""
 
-from .angle_points import with_angles
+from .analog_rates import on_frames
 from .document import C3D, with_parameters
 from .header import HeaderEvent
 from .numbers import ByteOrder
 from .parameters import Group, Parameter
 from .reading import decode_document, read_document
-from .storing import document_of, write_c3d
-from .to_trial import markers, read_c3d, trial_of
+from .storing import document_of, stored, write_c3d
+from .to_trial import read_c3d, trial_of
 from .writing import encode_document, write_document
 
 __all__ = [
@@ -19,11 +19,11 @@ __all__ = [
     "decode_document",
     "document_of",
     "encode_document",
-    "markers",
+    "on_frames",
     "read_c3d",
     "read_document",
+    "stored",
     "trial_of",
-    "with_angles",
     "with_parameters",
     "write_c3d",
     "write_document",

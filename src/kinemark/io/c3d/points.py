@@ -21,27 +21,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError, Origin
+from ..units import USUAL, mm_per
 from .document import C3D
 from .provenance import told_filled
 
 OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 LENGTH = "LENGTH"
 FARTHEST = 1e9
-MM = {
-    "": 1.0,
-    **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetre", "millimetres"), 1.0),
-    **dict.fromkeys(("cm", "centimeter", "centimeters", "centimetre", "centimetres"), 10.0),
-    **dict.fromkeys(("dm", "decimeter", "decimeters", "decimetre", "decimetres"), 100.0),
-    **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1000.0),
-    **dict.fromkeys(("um", "µm", "micrometer", "micrometers", "micrometre", "micrometres"), 0.001),
-    **dict.fromkeys(("in", "inch", "inches"), 25.4),
-    **dict.fromkeys(("ft", "foot", "feet"), 304.8),
-}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
-    """Points as a `Path` holds them, of M markers and F frames.
+    """Points, markers and others alike, of M points and F frames.
 
     Attributes:
         xyz: (M, F, 3) mm, or the file's unit for what is no length; NaN where missing.
@@ -85,12 +76,12 @@ def mm_per_unit(doc: C3D) -> float:
     """Length of the file's unit; mm is assumed where POINT:UNITS is absent or blank.
 
     Raises:
-        KinemarkError: the unit is none of `MM`.
+        KinemarkError: the unit is not known.
     """
-    unit = next(iter(doc.texts("POINT", "UNITS")), "").casefold()
-    if unit not in MM:
-        raise KinemarkError(f"POINT:UNITS is {unit!r}, wanted mm, cm, m or in. State the true one: units='mm'.")
-    return MM[unit]
+    unit = next(iter(doc.texts("POINT", "UNITS")), "") or "mm"
+    if (mm := mm_per(unit)) is None:
+        raise KinemarkError(f"POINT:UNITS is {unit!r}, wanted {USUAL}. State the true one: units='mm'.")
+    return mm
 
 
 def samples_of(doc: C3D) -> Samples:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Origin, Trajectories
+from ...numerics.runs import true_runs
 from .document import C3D
 from .tables import with_numbers, with_text
 
@@ -45,9 +46,9 @@ def with_filled(doc: C3D, trajectories: Trajectories, shown: NDArray[np.uint8]) 
         return doc
     names, frames = [], []
     for path, own in zip(trajectories, filled, strict=True):
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], own, [False]]).astype(np.int8))).reshape(-1, 2)
-        names += [path.name] * len(edges)
-        frames += (edges - LAST + doc.first_frame).tolist()
+        runs = true_runs(own)
+        names += [path.name] * len(runs)
+        frames += (runs - LAST + doc.first_frame).tolist()
     had = doc.texts(GROUP, POINTS)
     doc = with_text(doc, GROUP, POINTS, names, [-1] * len(names), had)
     return with_numbers(doc, GROUP, FRAMES, np.array(frames).reshape(-1, 2))

@@ -14,6 +14,8 @@ import numpy as np
 
 from ...data import Trial
 from ...version import __version__
+from ..notes import FileNote
+from .analog_rates import on_frames
 from .document import C3D, with_parameters
 from .numbers import ByteOrder
 from .parameters import Parameter
@@ -24,11 +26,14 @@ from .to_trial import events_of
 from .writing import with_counts, write_document
 
 
-def write_c3d(path: Path | str, trial: Trial, *, order: ByteOrder | None = None, floats: bool | None = None) -> None:
-    """Write a trial as a C3D file.
+def write_c3d(
+    path: Path | str, trial: Trial, *, order: ByteOrder | None = None, floats: bool | None = None
+) -> tuple[FileNote, ...]:
+    """Write a trial as a C3D file; returns what the file could not hold as it was.
 
     Filled samples have the residual 0 and no camera, as C3D wants it; a group KINEMARK names them where that does not
-    tell. What C3D has no place for is not written: covariances, the steps, and cameras beyond the seventh.
+    tell. Signals become points (`signal_points`), channels go on one clock (`analog_rates`). What C3D has no place for
+    is not written: covariances of markers, the steps, the images behind samples, and cameras beyond the seventh.
 
     Args:
         path: the file.
@@ -37,10 +42,12 @@ def write_c3d(path: Path | str, trial: Trial, *, order: ByteOrder | None = None,
         floats: floats or 16-bit integers; as the source, or floats.
 
     Raises:
-        ValueError: the trial holds what C3D cannot, such as channels of several rates.
-        KinemarkError: the file cannot be written.
+        ValueError: the trial holds what C3D cannot, such as missing samples of channels among integers.
+        KinemarkError: the file cannot be written, or a marker and a signal have one name.
     """
-    write_document(path, document_of(trial, order=order, floats=floats))
+    doc, notes = stored(trial, order=order, floats=floats)
+    write_document(path, doc)
+    return notes
 
 
 def document_of(trial: Trial, *, order: ByteOrder | None = None, floats: bool | None = None) -> C3D:
@@ -48,16 +55,26 @@ def document_of(trial: Trial, *, order: ByteOrder | None = None, floats: bool | 
 
     Raises:
         ValueError: as `write_c3d`.
+        KinemarkError: a marker and a signal have one name.
     """
+    return stored(trial, order=order, floats=floats)[0]
+
+
+def stored(
+    trial: Trial, *, order: ByteOrder | None = None, floats: bool | None = None
+) -> tuple[C3D, tuple[FileNote, ...]]:
+    """The document of a trial, and what it could not hold as it was."""
     own = isinstance(trial.source, C3D)
     source: C3D = trial.source if own else blank_document()
     floats = source.floats if floats is None else floats
-    doc = replace(source, order=source.order if order is None else order, rate=trial.trajectories.rate)
-    doc = with_points(doc, source, trial, floats=floats)
-    doc = with_analog(doc, source, trial, floats=floats)
+    rate, first = trial.trajectories.rate, trial.trajectories.first_frame
+    doc = replace(source, order=source.order if order is None else order, rate=rate)
+    doc, about_signals = with_points(doc, source, trial, floats=floats)
+    analog, about_analog = on_frames(trial.analog, rate, len(doc.points))
+    doc = with_analog(doc, source, analog, shift=first - source.first_frame, floats=floats)
     doc = with_events(with_plates(doc, trial.plates), trial)
     changed = doc.points.shape != source.points.shape or doc.analog.shape != source.analog.shape
-    return with_counts(doc) if changed or not own else doc
+    return with_counts(doc) if changed or not own else doc, (*about_signals, *about_analog)
 
 
 def with_events(doc: C3D, trial: Trial) -> C3D:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...data import Analog, ForcePlate, Trial, same
+from ...data import Analog, ForcePlate, same
 from .document import C3D, has_unsigned_analog, with_parameters
 from .parameters import Parameter
 from .points import mm_per_unit
@@ -17,21 +17,25 @@ from .tables import matched, rows_from, with_descriptions, with_numbers, with_te
 from .to_trial import analog_names, analog_of, analog_scaling, plates_of
 
 
-def with_analog(doc: C3D, source: C3D, trial: Trial, *, floats: bool) -> C3D:
-    """The document with the trial's channels; `source` gives the raw numbers and scales that still hold.
+def with_analog(doc: C3D, source: C3D, analog: Analog | None, *, shift: int, floats: bool) -> C3D:
+    """The document with channels; `source` gives the raw numbers and scales that still hold.
+
+    Args:
+        doc: the document, with its points. source: where the channels may come from.
+        analog: all channels from the first frame to the last, as `analog_rates.on_frames` gives them; None for none.
+        shift: the document's first frame, counted from the source's.
+        floats: or integers.
 
     Raises:
-        ValueError: several rates, a rate that is no multiple of the frames', other times than the frames', or missing
-            samples where the file is to hold integers.
+        ValueError: samples are missing where the file is to hold integers.
     """
-    if not trial.analog:
+    if analog is None:
         unused = not source.samples or not len(source.analog)
         return replace(doc, analog=source.analog) if unused else replace(doc, samples=0)
-    analog = _together(trial, len(doc.points))
     samples, had = analog.values.shape[1] // max(1, len(doc.points)), analog_names(source)
     rows = matched(analog.names, had)
     factor, offset = (rows_from(a, rows, x) for a, x in zip(analog_scaling(source), (1.0, 0.0), strict=True))
-    raw, kept = _kept(analog, source, rows, trial.trajectories.first_frame - source.first_frame, samples)
+    raw, kept = _kept(analog, source, rows, shift, samples)
     factor[(factor == 0) & ~kept.all(1)] = 1.0
     with np.errstate(invalid="ignore", divide="ignore"):
         raw = np.where(kept, raw, analog.values / factor[:, None] + offset[:, None])
@@ -45,25 +49,6 @@ def with_analog(doc: C3D, source: C3D, trial: Trial, *, floats: bool) -> C3D:
     doc = with_text(doc, "ANALOG", "UNITS", analog.units, rows, units)
     doc = with_descriptions(doc, "ANALOG", rows, len(had))
     return _with_scaling(doc, rows, factor, offset)
-
-
-def _together(trial: Trial, n_frames: int) -> Analog:
-    """All channels as one record that begins and ends with the frames."""
-    first, rate = trial.analog[0], trial.trajectories.rate
-    samples = max(1, round(first.rate / rate))
-    wanted = n_frames * samples
-    for analog in trial.analog:
-        if abs(analog.rate - samples * rate) > 1e-3 * analog.rate or abs(analog.start * analog.rate) > 0.5:
-            raise ValueError(
-                f"analog at {analog.rate} Hz from {analog.start} s does not fit frames at {rate} Hz: C3D holds one "
-                "rate, a multiple of the frames', from the first frame on; resample it or leave it out"
-            )
-        if analog.values.shape[1] > wanted:
-            raise ValueError(f"analog has {analog.values.shape[1]} samples, {n_frames} frames hold {wanted}; cut it")
-    values = [np.pad(a.values, ((0, 0), (0, wanted - a.values.shape[1])), constant_values=np.nan) for a in trial.analog]
-    names = tuple(name for analog in trial.analog for name in analog.names)
-    units = tuple(unit for analog in trial.analog for unit in analog.units)
-    return Analog(names, units, first.rate, np.concatenate(values))
 
 
 def _kept(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from ...data import Analog, Events, ForcePlate, KinemarkError, MarkerTrajectory, Trajectories, Trial
 from .document import C3D, has_unsigned_analog, with_parameters
 from .parameters import Parameter
-from .points import LENGTH, distinct, kinds_of, mm_per_unit, point_names, samples_of
+from .points import LENGTH, Samples, distinct, kinds_of, mm_per_unit, point_names, samples_of
 from .reading import read_document
+from .signal_points import signals_of
 
 N_CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6}
 """Channels of each type of force plate; others have as many as the file lists."""
@@ -41,39 +42,33 @@ def read_c3d(path: Path | str, *, units: str | None = None, partial: bool = Fals
 
 
 def trial_of(doc: C3D, *, name: str) -> Trial:
-    """The trial that a document holds.
+    """The trial that a document holds: its positions as trajectories, its angles, forces and the like as signals.
 
     Raises:
         KinemarkError: its unit is unknown or its rate is.
     """
     if doc.rate <= 0:
         raise KinemarkError("the file states no frame rate. Set POINT:RATE and write it again.")
-    analog = analog_of(doc)
+    analog, names, samples = analog_of(doc), point_names(doc), samples_of(doc)
+    kinds = kinds_of(doc, names)
     return Trial(
         name=name,
-        trajectories=Trajectories(_paths(doc), doc.rate, doc.first_frame),
+        trajectories=Trajectories(_markers(doc, names, kinds, samples), doc.rate, doc.first_frame),
         analog=() if analog is None else (analog,),
         plates=plates_of(doc),
         events=events_of(doc),
         source=doc,
+        signals=signals_of(doc, names, kinds, samples.xyz),
     )
 
 
-def markers(trial: Trial) -> Trajectories:
-    """The trajectories that are positions, without the angles, forces, moments, powers and scalars of the source."""
-    all_paths = trial.trajectories
-    if not isinstance(trial.source, C3D):
-        return all_paths
-    kinds = kinds_of(trial.source, all_paths.names)
-    return replace(all_paths, paths=tuple(p for p, kind in zip(all_paths, kinds, strict=True) if kind == LENGTH))
-
-
-def _paths(doc: C3D) -> tuple[MarkerTrajectory, ...]:
-    samples = samples_of(doc)
+def _markers(doc: C3D, names: Sequence[str], kinds: Sequence[str], samples: Samples) -> tuple[MarkerTrajectory, ...]:
+    """The points that are positions."""
     unknown = np.broadcast_to(np.nan, (doc.points.shape[0], 3, 3))
     return tuple(
         MarkerTrajectory(name, samples.xyz[i], unknown, samples.origin[i], samples.residual[i], samples.cameras[i])
-        for i, name in enumerate(point_names(doc))
+        for i, (name, kind) in enumerate(zip(names, kinds, strict=True))
+        if kind == LENGTH
     )
 
 

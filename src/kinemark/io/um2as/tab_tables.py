@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from ...data import KinemarkError
 from ..files import replacing
 from ..number_text import bad_line, read_text
+from ..units import MM as UNITS_MM
 
-MM = 10.0
+MM = UNITS_MM["cm"]
 """mm in a unit of the files, cm."""
 
 ABSENT = 999.0

@@ -25,6 +25,7 @@ import numpy as np
 from ...data import Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from ...data.finding import plain_value
+from ...numerics.runs import equal_runs
 from .passes import Associations
 from .simultaneous_method import DEFAULT, Simultaneous
 from .stitch import CLEAR
@@ -219,9 +220,8 @@ def _spells(who: Ints, frame: Ints, size: Floats) -> list[tuple[tuple[int, ...],
     """Runs of frames in which the same tracks `who` (n, k) are in doubt: they, first, last, the median of `size`."""
     order = np.lexsort([frame, *who.T[::-1]])
     who, frame, size = who[order], frame[order], size[order]
-    new = np.ones(len(order), bool)
-    new[1:] = (who[1:] != who[:-1]).any(1) | (np.diff(frame) > CLOSE)
-    cuts = np.append(np.flatnonzero(new), len(order))
+    spell = np.cumsum(np.diff(frame, prepend=frame[:1]) > CLOSE)
+    cuts = equal_runs(*who.T, spell)
     return [
         (tuple(int(i) for i in who[a]), int(frame[a]), int(frame[b - 1]), float(np.median(size[a:b])))
         for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True)

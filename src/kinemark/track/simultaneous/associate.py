@@ -20,7 +20,7 @@ expected. The outermost of n equal discs that touch in a row lies (n − 1)/√n
 its middle: 0.71 r for two, 1.15 r for three, which is as far as is looked. The image then says of either only that it
 is somewhere in the blob, and for two discs in a row that is r²/2 along the row (4).
 
-As in `motion`, the T tracks stand along the last axis.
+As in `kalman_states`, the T tracks stand along the last axis.
 """
 
 from __future__ import annotations
@@ -30,8 +30,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from ... import native
 from ...data.array_types import Bools, Floats, Ints
-from .compiled import library
+from ...numerics.runs import equal_runs
 from .detection_index import Images
 from .kalman_states import KalmanStates
 
@@ -69,15 +70,7 @@ class TrackImagePairs(NamedTuple):
 
 def predict_images(P: Floats, motion: KalmanStates) -> PredictedImages:
     """Where the cameras P (C, 3, 4) are expected to see the tracks."""
-    if kernel := library():
-        return PredictedImages(*kernel.expect(P, motion.position, motion.cov))
-    h = (P[:, :, :3].reshape(-1, 3) @ motion.position + P[:, :, 3].reshape(-1, 1)).reshape(len(P), 3, -1)
-    z = np.where(h[:, 2:] > 0, h[:, 2:], np.nan)
-    uv = h[:, :2] / z
-    J = (P[:, :2, :3, None] - uv[:, :, None] * P[:, 2:, :3, None]) * (1 / z)[:, None]
-    JV = np.einsum("cait,ijt->cajt", J, motion.cov)
-    S = np.einsum("cait,cait->cat", JV[:, [0, 0, 1]], J[:, [0, 1, 1]])
-    return PredictedImages(uv, J, S)
+    return PredictedImages(*native.project(P, motion.position, motion.cov))
 
 
 def candidates(images: Images, free: Bools, frame: Ints, expected: PredictedImages, gate: float) -> TrackImagePairs:
@@ -87,18 +80,10 @@ def candidates(images: Images, free: Bools, frame: Ints, expected: PredictedImag
     C = len(expected.uv)
     cell = (frame * C + np.arange(C)[:, None]).ravel()
     reach = gate * np.sqrt(a + images.widest[cell])
-    if kernel := library():
-        own, row, squared, det = kernel.candidates(
-            images, free, cell, np.stack([u, v]), np.stack([a, b, d]), reach, gate**2
-        )
-        return TrackImagePairs(own, row, squared, np.log(det))
-    own, row = images.part(np.unique(frame), free).near(cell, u, reach)
-    x, y, noise = images.uv[row, 0] - u[own], images.uv[row, 1] - v[own], images.variance[row]
-    a, b, d = a[own] + noise, b[own], d[own] + noise
-    det = a * d - b * b  # |S|
-    squared = (d * x * x - 2 * b * x * y + a * y * y) / det  # (2)
-    within = np.flatnonzero(squared < gate**2)
-    return TrackImagePairs(own[within], row[within], squared[within], np.log(det[within]))
+    own, row, squared, det = native.candidates(
+        images.by_cell, images.variance, free, cell, np.stack([u, v]), np.stack([a, b, d]), reach, gate=gate**2
+    )
+    return TrackImagePairs(own, row, squared, np.log(det))
 
 
 def associate(images: Images, free: Bools, frame: Ints, expected: PredictedImages, gate: float) -> Association:
@@ -127,7 +112,7 @@ def _best(own: Ints, image: Ints, worth: Floats, cell: Ints) -> Ints:
         rest = rest[left]
         if not simple.any():
             rest = rest[np.argsort(cell[rest], kind="stable")]
-            cuts = np.flatnonzero(np.diff(cell[rest])) + 1
+            cuts = equal_runs(cell[rest])[1:-1]
             won += [_assigned(own[part], image[part], worth[part], part) for part in np.split(rest, cuts)]
             break
     return np.concatenate([np.zeros(0, np.int64), *won])
@@ -192,11 +177,5 @@ def _shared(images: Images, claims: Association, c: Ints, t: Ints, holder: Ints,
 
 
 def information(images: Images, expected: PredictedImages, claims: Association) -> tuple[Floats, Floats]:
-    """What the claimed images say of the positions: N (3, 3, T) 1/mm² and g (3, T) 1/mm of `motion.told`."""
-    if kernel := library():
-        return kernel.information(expected.uv, expected.J, claims.row, claims.variance, images.uv)
-    has = claims.row >= 0
-    off = np.where(has[:, None], images.uv[claims.row].swapaxes(1, 2) - expected.uv, 0.0)
-    J = np.where(has[:, None, None], expected.J, 0.0)
-    JW = J * (1 / claims.variance)[:, None, None]
-    return np.einsum("cait,cajt->ijt", JW, J), np.einsum("cait,cat->it", JW, off)
+    """What the claimed images say of the positions: N (3, 3, T) 1/mm² and g (3, T) 1/mm of `kalman_states.update`."""
+    return native.information(expected.uv, expected.J, claims.row, claims.variance, images.uv)

@@ -16,12 +16,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ... import native
 from ...data.array_types import Bools, Floats, Ints
-from ...geometry import fundamental, solve3
+from ...geometry import fundamental
+from ...numerics.runs import begins
 from .associate import candidates, predict_images
-from .compiled import library
 from .detection_index import Images
-from .kalman_states import KalmanStates, inverse
+from .kalman_states import KalmanStates
 
 AT_ONCE = 4000
 """Images of all frames that are paired in one go: fewer waste time on overhead, more take memory."""
@@ -137,7 +138,7 @@ def _near_lines(images: Images, rows: Ints, F: Floats, gate: float) -> Ints:
 def _completed(images: Images, free: Bools, pair: Ints, gate: float) -> Ints:
     """The views (C, H) of pairs (2, H), with the likeliest images where their points are expected elsewhere."""
     camera, n = images.camera[pair], np.arange(pair.shape[1])
-    point = placed(images, pair, camera)
+    point = intersect(images, pair, camera)
     expected = predict_images(images.P, KalmanStates(point.xyz, point.cov))
     expected.uv[camera, :, n] = np.nan
     pairs = candidates(images, free, images.frame[pair[0]], expected, gate)
@@ -151,9 +152,7 @@ def _completed(images: Images, free: Bools, pair: Ints, gate: float) -> Ints:
 def _distinct(view: Ints) -> Ints:
     """The different views."""
     order = np.lexsort(view)
-    new = np.ones(len(order), bool)
-    new[1:] = (view[:, order[1:]] != view[:, order[:-1]]).any(0)
-    return view[:, np.sort(order[new])]
+    return view[:, np.sort(order[begins(*view[:, order])])]
 
 
 def _chosen(images: Images, free: Bools, view: Ints, gate: float, leasts: tuple[int, ...]) -> list[CandidatePoints]:
@@ -185,13 +184,13 @@ def _award(groups: CandidatePoints, free: Bools, least: int) -> tuple[Ints, Ints
 
 def _weighed(images: Images, view: Ints, gate: float) -> CandidatePoints:
     """Points of views (C, H), without images that are too far off, and their merit."""
-    point = placed(images, view)
+    point = intersect(images, view)
     while (bad := point.squared.max(0, initial=0.0) > gate**2).any():
         which = np.flatnonzero(bad)
         view = view.copy()
         view[point.squared[:, which].argmax(0), which] = -1
         view = view[:, (view >= 0).sum(0) >= 2]
-        point = placed(images, view)
+        point = intersect(images, view)
     has = view >= 0
     worth = images.prior[:, None] - 2 * np.log(images.variance[view])
     squared = np.where(has, point.squared, 0.0).sum(0)
@@ -200,38 +199,13 @@ def _weighed(images: Images, view: Ints, gate: float) -> CandidatePoints:
     return CandidatePoints(images.frame[view.max(0, initial=0)], point.xyz, point.cov, view, squared, merit).take(sure)
 
 
-def placed(images: Images, view: Ints, camera: Ints | None = None) -> PlacedPoints:
-    """Where views meet: the linear solution of `geometry.triangulate`, then one step of least squares by the noise.
+def intersect(images: Images, view: Ints, camera: Ints | None = None) -> PlacedPoints:
+    """Where the rays of views meet.
 
     Args:
         view: (k, H) rows of images, −1 for none.
         camera: (k, H) that they are of; None: k = C, one line for each camera.
     """
     camera = np.arange(len(view))[:, None] if camera is None else camera
-    if kernel := library():
-        return PlacedPoints(*kernel.placed(images.P, images.uv, images.variance, view, camera))
-    P = images.P.transpose(1, 2, 0)[:, :, camera]
-    seen, uv = view >= 0, images.uv.T[:, view]
-    rows = np.where(seen, P[:2] - uv[:, None] * P[2], 0.0)  # (2, 4, k, H)
-    guess = solve3(_squares(rows[:, :3], rows[:, :3]).transpose(2, 0, 1), -_sums(rows[:, :3], rows[:, 3]).T).T
-    h = np.einsum("ijkh,jh->ikh", P[:, :3], guess) + P[:, 3]
-    z = np.where(h[2] > 0, h[2], np.nan)
-    off = np.where(seen, uv - h[:2] / z, 0.0)
-    J = np.where(seen, (P[:2, :3] - (h[:2] / z)[:, None] * P[2, :3]) / z, 0.0)
-    variance = images.variance[view]
-    with np.errstate(divide="ignore", invalid="ignore"):  # rays that are parallel
-        cov = inverse(_squares(J / variance, J))
-    moved = np.einsum("ijh,jh->ih", cov, _sums(J / variance, off))
-    off -= np.einsum("ijkh,jh->ikh", J, moved)
-    squared = np.where(seen, (off * off).sum(0) / variance, -1.0)
-    return PlacedPoints(guess + moved, cov, np.nan_to_num(squared, nan=np.inf, posinf=np.inf))
-
-
-def _squares(A: Floats, B: Floats) -> Floats:
-    """Σ A Bᵀ (3, 3, H) over the coordinates and cameras of (2, 3, k, H)."""
-    return np.einsum("aikh,ajkh->ijh", A, B)
-
-
-def _sums(A: Floats, b: Floats) -> Floats:
-    """Σ A b (3, H) over the coordinates and cameras of (2, 3, k, H) and (2, k, H)."""
-    return np.einsum("aikh,akh->ih", A, b)
+    camera = np.broadcast_to(camera, view.shape)
+    return PlacedPoints(*native.intersect(images.P, images.uv, images.variance, view, camera))

@@ -23,6 +23,7 @@ import numpy as np
 from ...data import Camera, Detections, Rig
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry import parameter_jacobian, undistort
+from ...native import ImageIndex, index_images
 
 USUAL_SD = 0.2
 """px, of centroids of which nobody knows the noise."""
@@ -55,9 +56,7 @@ class Images(NamedTuple):
         stated: whether any source says how noisy its images are; usual: px², of those of which none does.
         size: (C, 2) of the images, px.
         n_frames: F.
-        order: (N) the usable rows by frame, camera and u; key: (N) their places, frame C + camera + a share of 1 for u.
-        first: (F C + 1) of these, the first of each frame and camera.
-        across: the least u and the width of all images together, px.
+        by_cell: the usable rows by frame, camera and u; a cell is frame C + camera.
     """
 
     P: Floats
@@ -76,48 +75,28 @@ class Images(NamedTuple):
     usual: float
     size: Floats
     n_frames: int
-    order: Ints
-    key: Floats
-    first: Ints
-    across: tuple[float, float]
+    by_cell: ImageIndex
 
     def near(self, cell: Ints, u: Floats, reach: Floats) -> tuple[Ints, Ints]:
         """Images whose u lies within reach (N) px of u (N), in cells frame C + camera (N): (places in N, rows)."""
-        low, width = self.across
-        least, most = (u - reach - low) / width, (u + reach - low) / width
-        first = np.searchsorted(self.key, cell + np.maximum(least, 0.0))
-        count = np.searchsorted(self.key, cell + np.minimum(most, 1.0)) - first
-        np.maximum(count, 0, out=count)
-        return np.repeat(np.arange(len(cell)), count), self.order[_ranges(first, count)]
-
-    def part(self, frames: Ints, free: Bools) -> Images:
-        """The same with only the free (D) ones of some frames, different ones, in `order` and `key`."""
-        first, stop = np.searchsorted(self.key, np.stack([frames, frames + 1]) * len(self.P))
-        some = _ranges(first, stop - first)
-        some = some[free[self.order[some]]]
-        return self._replace(order=self.order[some], key=self.key[some])  # `first` is of no use to `near`
+        return self.by_cell.near(cell, u, reach)
 
     def noisier(self, added: Floats) -> Images:
         """The same with more variance (C) px² in the images of each camera."""
         variance = np.maximum(self.variance + added[self.camera], LEAST_SD**2)
-        return self._replace(variance=variance, widest=_widest(variance, self.order, self.key, len(self.widest)))
+        return self._replace(variance=variance, widest=_widest(variance, self.by_cell))
 
     def without(self, cameras: Ints) -> Images:
         """The same without the images of some cameras."""
         if not len(cameras):
             return self
-        keep = ~np.isin(self.camera[self.order], cameras)
         usable = self.usable & ~np.isin(self.camera, cameras)
-        first = np.concatenate([[0], np.cumsum(keep)])[self.first]
-        return self._replace(usable=usable, order=self.order[keep], key=self.key[keep], first=first)
+        return self._replace(usable=usable, by_cell=self.by_cell.keep(usable))
 
     def in_frames(self, frames: list[int]) -> list[Ints]:
         """Usable rows of each frame, camera by camera."""
-        f = np.array(frames, int) * len(self.P)
-        cuts = zip(
-            np.searchsorted(self.key, f).tolist(), np.searchsorted(self.key, f + len(self.P)).tolist(), strict=True
-        )
-        return [self.order[first:stop] for first, stop in cuts]
+        order, first, C = self.by_cell.order, self.by_cell.first, len(self.P)
+        return [order[first[f * C] : first[(f + 1) * C]] for f in frames]
 
 
 def read_images(detections: Detections, rig: Rig) -> Images:
@@ -139,7 +118,8 @@ def read_images(detections: Detections, rig: Rig) -> Images:
     margin = np.maximum(LEAST_SD**2 - noise, 0.0) + np.where(np.isfinite(detections.area), (HIDDEN * radius) ** 2, 0.0)
     variance = noise + margin + calibration[detections.camera]  # (1)
     variance = variance + np.where(detections.merged, radius**2 / 4, 0.0)  # (2)
-    ordered = _sorted(detections, uv, usable)
+    cell = detections.frame * len(rig) + detections.camera
+    index = index_images(uv, cell, usable, n_cells=len(rig) * detections.n_frames)
     return Images(
         P=rig.P / np.linalg.norm(rig.P[:, 2, :3], axis=1)[:, None, None],
         uv=uv,
@@ -152,46 +132,20 @@ def read_images(detections: Detections, rig: Rig) -> Images:
         prior=2 * np.log(SEEN / ((1 - SEEN) * 2 * np.pi * clutter)),
         calibration=calibration,
         margin=margin,
-        widest=_widest(variance, ordered.order, ordered.key, len(rig) * detections.n_frames),
+        widest=_widest(variance, index),
         stated=bool(known.any()),
         usual=usual,
         size=size,
         n_frames=detections.n_frames,
-        **ordered._asdict(),
+        by_cell=index,
     )
 
 
-class Sorted(NamedTuple):
-    """`order`, `key`, `first` and `across` of `Images`."""
-
-    order: Ints
-    key: Floats
-    first: Ints
-    across: tuple[float, float]
-
-
-def _sorted(detections: Detections, uv: Floats, usable: Bools) -> Sorted:
-    """The usable rows by frame, camera and u."""
-    rows = np.flatnonzero(usable)
-    u = uv[rows, 0]
-    low = float(u.min(initial=0.0)) - 1
-    width = float(u.max(initial=0.0)) + 1 - low
-    key = (detections.frame * len(detections.cameras) + detections.camera)[rows] + (u - low) / width
-    order = np.argsort(key, kind="stable")
-    key = key[order]
-    first = np.searchsorted(key, np.arange(detections.n_frames * len(detections.cameras) + 1))
-    return Sorted(rows[order], key, first, (low, width))
-
-
-def _ranges(first: Ints, count: Ints) -> Ints:
-    """first, first + 1, … of each, `count` of them, one after the other."""
-    return np.arange(int(count.sum())) + np.repeat(first - np.cumsum(count) + count, count)
-
-
-def _widest(variance: Floats, order: Ints, key: Floats, cells: int) -> Floats:
+def _widest(variance: Floats, index: ImageIndex) -> Floats:
     """`Images.widest`."""
-    widest = np.zeros(cells)
-    np.maximum.at(widest, key.astype(np.int64), variance[order])
+    widest = np.zeros(index.n_cells)
+    cell = np.repeat(np.arange(index.n_cells), np.diff(index.first))
+    np.maximum.at(widest, cell, variance[index.order])
     return widest
 
 

@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
+from ...native import inverse
 from .candidate_points import CandidatePoints, groups_of
 from .detection_index import Images
-from .kalman_states import inverse
 from .simultaneous_method import Simultaneous
 
 

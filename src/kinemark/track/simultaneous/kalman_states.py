@@ -1,21 +1,6 @@
-"""Many points in motion at once: their Kalman filter.
+"""Many points in motion at once: their Kalman filter, the arithmetic of which is in `native.point_motion`.
 
-A point of position p, velocity v and acceleration a, whose acceleration wanders as white noise of density q² drives it
-(Bar-Shalom, Li & Kirubarajan 2001, "Estimation with Applications to Tracking and Navigation", 6.2.3), goes on in T by
-
-    (p, v, a) ← A (p, v, a),   A = [1  T  T²/2; 0  1  T; 0  0  1]                        (1)
-    V ← A V Aᵀ + q² G,   G = [T⁵/20  T⁴/8  T³/6; T⁴/8  T³/3  T²/2; T³/6  T²/2  T]        (2)
-
-the same in each of the three axes. What is measured of p has the information N and pulls it by g = N (measured − p); N
-is singular where only one camera sees the point, and what it says across its ray is used all the same. With V₀ the
-covariance of p and V_p that of the whole state with p,
-
-    P = (V₀⁻¹ + N)⁻¹,   R = V₀⁻¹ − V₀⁻¹ P V₀⁻¹                                           (3)
-    state ← state + V_p V₀⁻¹ P g,   V ← V − V_p R V_pᵀ                                   (4)
-
-Against time the same holds for (p, −v, a).
-
-The points stand along the last axis of every array, so that NumPy's innermost loop runs over them: with forty points of
+The points are along the last axis of every array, so that NumPy's innermost loop runs over them: with forty points of
 nine numbers this is twice as fast as the other way round.
 """
 
@@ -25,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ... import native
 from ...data.array_types import Bools, Floats, Ints
-from .compiled import library
 
 
 class KalmanStates(NamedTuple):
@@ -62,32 +47,15 @@ def at_rest(xyz: Floats, cov: Floats, *, speed: float, acceleration: float) -> K
     return KalmanStates(x, V)
 
 
-def ahead(motion: KalmanStates, T: float | Floats, q: float) -> KalmanStates:
-    """The points a time T in s later, one for all or (T) one of each, by (1) and (2); q in mm/s^2.5."""
-    n = motion.x.shape[-1]
-    T = np.full(n, T) if np.ndim(T) == 0 else np.asarray(T)
-    if kernel := library():
-        return KalmanStates(*kernel.ahead(motion.x, motion.V, T, q))
-    x, half = _gone_on(motion.x.reshape(3, 3, n), T), _gone_on(motion.V.reshape(3, 27, n), T)
-    V = _gone_on(half.reshape(9, 3, 3, n).swapaxes(0, 1), T).swapaxes(0, 1).reshape(9, 9, n)
-    V += q * q * np.kron(_wandered(T).T, np.eye(3)).T
-    return KalmanStates(x.reshape(9, n), V)
-
-
-def _gone_on(state: Floats, T: Floats) -> Floats:
-    """A of (1) times (3, …, T)."""
-    p, v, a = state
-    return np.array([p + T * v + T * T / 2 * a, v + T * a, a])
-
-
-def _wandered(T: Floats) -> Floats:
-    """(3, 3, T) G of (2)."""
-    return np.array([[T**5 / 20, T**4 / 8, T**3 / 6], [T**4 / 8, T**3 / 3, T**2 / 2], [T**3 / 6, T**2 / 2, T]])
+def predict(motion: KalmanStates, T: float | Floats, q: float) -> KalmanStates:
+    """The points a time T in s later, one for all or (T) one of each; q in mm/s^2.5."""
+    T = np.full(motion.x.shape[-1], T) if np.ndim(T) == 0 else np.asarray(T)
+    return KalmanStates(*native.predict(motion.x, motion.V, T, q=q))
 
 
 def back(motion: KalmanStates, T: float, q: float) -> KalmanStates:
     """The points a time T in s earlier."""
-    turned = ahead(reversed_time(motion), T, q)
+    turned = predict(reversed_time(motion), T, q)
     return reversed_time(turned)
 
 
@@ -97,28 +65,6 @@ def reversed_time(motion: KalmanStates) -> KalmanStates:
     return KalmanStates(motion.x * sign[:, None], motion.V * np.outer(sign, sign)[..., None])
 
 
-def told(motion: KalmanStates, N: Floats, g: Floats) -> KalmanStates:
-    """The points after a measurement with information N (3, 3, T) 1/mm² and pull g (3, T) 1/mm, by (3) and (4)."""
-    if kernel := library():
-        return KalmanStates(*kernel.told(motion.x, motion.V, N, g))
-    with_p = motion.V[:, :3]
-    before = inverse(motion.cov)
-    gain = np.einsum("ijt,jkt->ikt", before, inverse(before + N))  # V₀⁻¹ P
-    R = before - np.einsum("ijt,jkt->ikt", gain, before)  # (3)
-    R = (R + R.swapaxes(0, 1)) / 2  # rounding would make it lopsided, more and more
-    x = motion.x + np.einsum("ijt,jt->it", with_p, np.einsum("ijt,jt->it", gain, g))  # (4)
-    V = motion.V - np.einsum("ijt,kjt->ikt", np.einsum("ijt,jkt->ikt", with_p, R), with_p)
-    return KalmanStates(x, V)
-
-
-def inverse(A: Floats) -> Floats:
-    """Inverses of symmetric matrices (3, 3, T) by cofactors; not finite where singular."""
-    a, b, c, d, e, f = A[0, 0], A[0, 1], A[0, 2], A[1, 1], A[1, 2], A[2, 2]
-    aa, bb, cc = d * f - e * e, c * e - b * f, b * e - c * d
-    scale = 1 / (a * aa + b * bb + c * cc)
-    out = np.empty_like(A)
-    out[0, 0], out[0, 1], out[0, 2] = aa, bb, cc
-    out[1, 0], out[1, 1], out[1, 2] = bb, a * f - c * c, b * c - a * e
-    out[2, 0], out[2, 1], out[2, 2] = cc, out[1, 2], a * d - b * b
-    out *= scale
-    return out
+def update(motion: KalmanStates, N: Floats, g: Floats) -> KalmanStates:
+    """The points after a measurement with information N (3, 3, T) 1/mm² and pull g (3, T) 1/mm."""
+    return KalmanStates(*native.update(motion.x, motion.V, N, g))

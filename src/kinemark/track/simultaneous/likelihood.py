@@ -20,6 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...data.array_types import Bools, Floats
+from ...numerics.robust import student_log_likelihood
 from .passes import Associations
 
 TAILS = 4.0
@@ -39,7 +40,7 @@ def says(seen: Associations, own: Bools, gate: float) -> Floats:
     """(S) by (1) and (2) for each sighting, whose own images are `own` (C, S)."""
     n = own.sum(0)
     free = 2 * np.maximum(n, 1.5) - 3
-    said = free * _perfect(gate) - (TAILS + free) / 2 * np.log1p(seen.squared / TAILS)  # (1)
+    said = free * _perfect(gate) + student_log_likelihood(seen.squared, TAILS, free)  # (1)
     return np.where(n >= 2, np.maximum(said, np.log(WEAK)), 0.0)  # (2)
 
 

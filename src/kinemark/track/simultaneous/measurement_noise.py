@@ -23,7 +23,7 @@ import numpy as np
 
 from ...data.array_types import Floats, Ints
 from .associate import predict_images
-from .candidate_points import CandidatePoints, groups_of, placed
+from .candidate_points import CandidatePoints, groups_of, intersect
 from .detection_index import LEAST_SD, Images
 from .kalman_states import KalmanStates
 
@@ -84,7 +84,7 @@ def learned(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     C, n = len(images.P), images.n_frames
     if not n:
         return images, Noise(np.zeros(C), np.full(C, np.nan))
-    looks = int(np.clip(LOOKS * n // max(len(images.order), 1), 2, max(n // SPARED, 2)))
+    looks = int(np.clip(LOOKS * n // max(len(images.by_cell.order), 1), 2, max(n // SPARED, 2)))
     frames = np.unique(np.linspace(0, n - 1, looks + 2)[1:-1].astype(int)).tolist()
     stated = images if images.stated else images.noisier(np.full(C, LEAST_SD**2) - images.usual)
     loose = stated.noisier(np.full(C, LOOSE**2))
@@ -113,7 +113,7 @@ def _offsets(images: Images, groups: CandidatePoints, c: int, gate: float) -> Of
     view[c] = -1
     enough = (view >= 0).sum(0) >= 2
     view, frame = view[:, enough], groups.frame[enough]
-    point = placed(images, view)
+    point = intersect(images, view)
     expected = predict_images(images.P[c : c + 1], KalmanStates(point.xyz, point.cov))
     uv = expected.uv[0].T
     inside = np.isfinite(uv).all(1) & ((uv >= 0) & (uv < images.size[c])).all(1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...data import Detections, Rig, Tracks
 from ...data.method import Method
-from ...match import check_cameras
+from ...geometry.ideal_pixels import check_cameras
 from ..stage import DETECTIONS, TRACK
 from .simultaneous_method import DEFAULT
 

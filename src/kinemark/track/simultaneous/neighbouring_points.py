@@ -1,14 +1,14 @@
 """What the points of tracks say of the motion near one frame of them.
 
-From the points of the frames before it, told to the filter of `motion` one after the other, a track has a state there;
-from those after it, against time, another. Either alone tells where a path goes on (`joins`). Both together, with
-covariances V₋ and V₊ of the whole states x₋ and x₊, and what the images of the frame itself say of the position, N
-and p, give
+From the points of the frames before it, with which the filter of `kalman_states` is updated one after the other, a
+track has a state there; from those after it, against time, another. Either alone tells where a path goes on (`stitch`).
+Both together, with covariances V₋ and V₊ of the whole states x₋ and x₊, and what the images of the frame itself say
+of the position, N and p, give
 
     K = V₋ (V₋ + V₊)⁻¹,   x = x₋ + K (x₊ − x₋),   V = K V₊                               (1)
 
-told N (p − x) by (4) of `motion`: the smoothed position (Fraser & Potter 1969, "The optimum linear smoother as a
-combination of two optimum linear filters", IEEE Trans. Autom. Control 14, 387–390).
+updated with N (p − x) by (4) of `native.point_motion`: the smoothed position (Fraser & Potter 1969, "The optimum linear
+smoother as a combination of two optimum linear filters", IEEE Trans. Autom. Control 14, 387–390).
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
-from .kalman_states import KalmanStates, ahead, at_rest, inverse, reversed_time, told
+from ...native import inverse
+from .kalman_states import KalmanStates, at_rest, predict, reversed_time, update
 from .simultaneous_method import Simultaneous
 
 LOOK = 8
@@ -66,9 +67,9 @@ def motion_from(points: TrackPoints, near: Ints, around: Floats, T: float, metho
     wide = np.broadcast_to(np.eye(3)[..., None] * NOWHERE**2, (3, 3, n))
     motion = at_rest(around, wide, speed=method.speed, acceleration=method.acceleration)
     for k in range(LOOK - 1, -1, -1):
-        motion = motion if k == LOOK - 1 else ahead(motion, T, method.wander)
+        motion = motion if k == LOOK - 1 else predict(motion, T, method.wander)
         N = inverse(points.cov[near[k]].transpose(1, 2, 0)) * (near[k] >= 0)
-        motion = told(motion, N, np.einsum("ijt,jt->it", N, points.xyz[near[k]].T - motion.position))
+        motion = update(motion, N, np.einsum("ijt,jt->it", N, points.xyz[near[k]].T - motion.position))
     return motion
 
 
@@ -83,7 +84,7 @@ def smoothed(points: TrackPoints, which: Bools, sound: Bools, T: float, method: 
     before, after = (motion_from(points, one, around, T, method) for one in near)
     both = between(before, reversed_time(after))
     N = inverse(points.cov[row].transpose(1, 2, 0))
-    both = told(both, N, np.einsum("ijt,jt->it", N, around - both.position))
+    both = update(both, N, np.einsum("ijt,jt->it", N, around - both.position))
     return both.position.T, both.cov.transpose(2, 0, 1)
 
 

@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
 from ...data.progress import tell
+from ...native import inverse
 from .associate import Association, PredictedImages, associate, information, predict_images, share
 from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
 from .initiate import initiate
-from .kalman_states import KalmanStates, ahead, at_rest, inverse, told
+from .kalman_states import KalmanStates, at_rest, predict, update
 from .simultaneous_method import Simultaneous
 
 LANES = 8
@@ -161,9 +162,9 @@ class Run:
         first, *others = groups
         motion = at_rest(first.xyz, first.cov, speed=self.method.speed, acceleration=self.method.acceleration)
         for group in others:
-            motion = ahead(motion, self.T, self.method.wander)
+            motion = predict(motion, self.T, self.method.wander)
             N = inverse(group.cov)
-            motion = told(motion, N, np.einsum("ijt,jt->it", N, group.xyz - motion.position))
+            motion = update(motion, N, np.einsum("ijt,jt->it", N, group.xyz - motion.position))
         return ActiveTracks(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
 
     def step(self, active: ActiveTracks) -> ActiveTracks:
@@ -171,11 +172,11 @@ class Run:
         if not len(active.id):
             return active
         images, gate = self.images, self.method.gate
-        motion = ahead(active.motion, self.T, self.method.wander)
+        motion = predict(active.motion, self.T, self.method.wander)
         expected = predict_images(images.P, motion)
         claims = associate(images, self.free, active.frame, expected, gate)
         claims = share(images, active.frame, expected, claims, gate)
-        after = told(motion, *information(images, expected, claims))
+        after = update(motion, *information(images, expected, claims))
         claims, after, squared = without_loose(images, gate, motion, expected, claims, after)
         has = claims.row >= 0
         self.free[claims.row[has]] = False
@@ -213,7 +214,7 @@ def without_loose(
         wrong &= has & loose.any(0)
         row, variance = np.where(wrong, -1, claims.row), np.where(wrong, np.inf, claims.variance)
         claims = claims._replace(row=row, variance=variance, worth=np.where(row < 0, 0.0, claims.worth))
-        after = told(before, *information(images, expected, claims))
+        after = update(before, *information(images, expected, claims))
     not_own = claims.shared | images.merged[claims.row]
     return PassFit(claims, after, np.where(not_own, 0.0, squared).sum(0))
 

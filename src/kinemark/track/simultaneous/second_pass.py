@@ -21,10 +21,11 @@ import numpy as np
 
 from ...data.array_types import Bools, Ints
 from ...data.progress import tell
+from ...native import inverse
 from .associate import associate, information, predict_images
-from .candidate_points import placed
+from .candidate_points import intersect
 from .detection_index import Images
-from .kalman_states import KalmanStates, ahead, inverse, reversed_time, told
+from .kalman_states import KalmanStates, predict, reversed_time, update
 from .neighbouring_points import TrackPoints, between, motion_from, rows_near, rows_of
 from .passes import without_loose
 from .simultaneous_method import Simultaneous
@@ -73,7 +74,7 @@ def second_pass(points: TrackPoints, row: Ints, images: Images, T: float, method
             tell(1, 2)
             expected = _expected(known, doubtful.take(part), T, method)
             claimed[:, part] = _claimed(images, free, doubtful.frame[part], expected, method)
-        place = placed(images, claimed)
+        place = intersect(images, claimed)
         new = TrackPoints(doubtful.frame, doubtful.id, place.xyz.T, place.cov.transpose(2, 0, 1))
         good = ((claimed >= 0).sum(0) >= 2) & np.isfinite(new.xyz).all(1) & np.isfinite(new.cov).all((1, 2))  # (2)
         if not good.any():
@@ -141,7 +142,7 @@ def _expected(known: TrackPoints, doubtful: Doubtful, T: float, method: Simultan
         ends, which = np.unique(point, return_inverse=True)
         near = rows_near(rows, known.id[ends], known.frame[ends], way)
         motion = motion_from(known, near, known.xyz[ends].T, T, method).take(which)
-        sides.append(ahead(motion, np.abs(doubtful.frame - known.frame[point]) * T, method.wander))
+        sides.append(predict(motion, np.abs(doubtful.frame - known.frame[point]) * T, method.wander))
     before, after = sides[0], reversed_time(sides[1])
     both = between(before, after)
     one_sided = [doubtful.after < 0, doubtful.before < 0]
@@ -155,6 +156,6 @@ def _claimed(images: Images, free: Bools, frame: Ints, expected: KalmanStates, m
     expected = expected.take(near)
     seen = predict_images(images.P, expected)
     claims = associate(images, free, frame[near], seen, method.gate)
-    after = told(expected, *information(images, seen, claims))
+    after = update(expected, *information(images, seen, claims))
     row[:, near] = without_loose(images, method.gate, expected, seen, claims, after).claims.row
     return row

@@ -27,7 +27,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from ...data.array_types import Floats, Ints
-from .kalman_states import KalmanStates, ahead, reversed_time
+from .kalman_states import KalmanStates, predict, reversed_time
 from .neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of
 from .simultaneous_method import Simultaneous
 
@@ -166,8 +166,8 @@ def _by_motion(
     for first in range(0, len(a), AT_ONCE):
         part = slice(first, first + AT_ONCE)
         half = gap[part] * T / 2
-        one = ahead(ends.end.take(a[part]), half, method.wander)
-        other = reversed_time(ahead(ends.begin.take(b[part]), half, method.wander))
+        one = predict(ends.end.take(a[part]), half, method.wander)
+        other = reversed_time(predict(ends.begin.take(b[part]), half, method.wander))
         delta = (other.x[:6] - one.x[:6]).T
         S = (one.V[:6, :6] + other.V[:6, :6]).transpose(2, 0, 1)
         squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)

@@ -3,9 +3,9 @@
 The paper of the Kiss system (Shafiq, Tümer and Güler 2001) notes that no method had been reported that does both at the
 same time. Here the tracks, predicted with their covariance (`motion`), claim their images in all cameras (`claims`);
 what nobody claims gives birth to new tracks (`groups`, `births`); tracks go forwards and then backwards (`run`), and
-what their images say of each point is solved as by the other methods (`reconstruct.located`). A track is kept where
-there is evidence for it (`evidence`), and so is what it finds after it was lost; pieces of one marker's path become
-one track (`joins`), and what is missing or doubtful in it is looked for again (`second`).
+what their images say of each point is solved as by the other methods (`geometry.weighted_points`). A track is kept
+where there is evidence for it (`evidence`), and so is what it finds after it was lost; pieces of one marker's path
+become one track (`joins`), and what is missing or doubtful in it is looked for again (`second`).
 
 A point of which the images alone say little, as where two cameras look along almost one line or markers run together,
 is known better from its motion. Where the images leave more than VAGUE times as much open as they usually do, the
@@ -21,7 +21,8 @@ import numpy as np
 
 from ...data import Cloud, Detections, Matches, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
-from ...reconstruct import LeastSquares, located, wanted
+from ...geometry.weighted_points import USUAL, ImageErrors, usable_points, weighted_points
+from ...numerics.runs import begins
 from ..stage import DETECTIONS, TRACK
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
@@ -32,8 +33,6 @@ from .passes import Associations, run
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
 from .stitch import Stitch, stitched
-
-PLACE = LeastSquares()
 
 LEAST = 1e-6
 """px²"""
@@ -71,9 +70,9 @@ def simultaneous_tracks(detections: Detections, rig: Rig, *, method: Simultaneou
 
 
 def track_simultaneously(
-    detections: Detections, rig: Rig, method: Simultaneous, *, place: LeastSquares = PLACE
+    detections: Detections, rig: Rig, method: Simultaneous, *, errors: ImageErrors = USUAL
 ) -> TrackingResult:
-    """Tracks of all markers, their points as `place` says, and how they came about."""
+    """Tracks of all markers, their points by the `errors` of images, and how they came about."""
     T = 1 / detections.rate
     images, noise = learned(images := read_images(detections, rig), fundamentals(images.P), method.gate)
     least = max(method.shortest / T, 4)
@@ -83,11 +82,11 @@ def track_simultaneously(
     own = _own(seen, images)
     speaks = evidence(seen, own, method.gate)
     detections = replace(detections, cov=_variance(seen, images)[:, None, None] * np.eye(2))
-    cloud = _surest(_placed(seen.frame, seen.row, seen.xyz, detections, rig, place), seen, own.sum(0) >= 2, T, method)
-    good = wanted(cloud, rig) & _sure(cloud, own.sum(0), method) & (speaks > SURE)[seen.id]
+    cloud = _surest(_placed(seen.frame, seen.row, seen.xyz, detections, rig, errors), seen, own.sum(0) >= 2, T, method)
+    good = usable_points(cloud, rig) & _sure(cloud, own.sum(0), method) & (speaks > SURE)[seen.id]
     cloud, ids = cloud.keep(good), seen.id[good]
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
-    cloud, ids = _looked_again(cloud, whole.id[ids], images, detections, rig, method, place)
+    cloud, ids = _looked_again(cloud, whole.id[ids], images, detections, rig, method, errors)
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
@@ -95,15 +94,15 @@ def track_simultaneously(
 
 
 def _looked_again(
-    cloud: Cloud, ids: Ints, images: Images, detections: Detections, rig: Rig, method: Simultaneous, place: LeastSquares
+    cloud: Cloud, ids: Ints, images: Images, detections: Detections, rig: Rig, method: Simultaneous, errors: ImageErrors
 ) -> tuple[Cloud, Ints]:
     """The points and their tracks after a second look."""
     points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
     kept, found, row = second_pass(points, cloud.view.T, images, 1 / detections.rate, method)
     order = np.argsort(found.frame, kind="stable")
     row = row[:, order]
-    new = _placed(found.frame[order], row, found.xyz[order].T, detections, rig, place)
-    good = wanted(new, rig) & _sure(new, ((row >= 0) & ~images.merged[row]).sum(0), method)
+    new = _placed(found.frame[order], row, found.xyz[order].T, detections, rig, errors)
+    good = usable_points(new, rig) & _sure(new, ((row >= 0) & ~images.merged[row]).sum(0), method)
     both, ids = (cloud.keep(kept), new.keep(good)), np.concatenate([ids[kept], found.id[order][good]])
     frame = np.concatenate([one.frame for one in both])
     order = np.argsort(frame, kind="stable")
@@ -134,13 +133,12 @@ def _strayed(every: Associations, own: Bools, least: float, method: Simultaneous
     order = np.argsort(every.id, kind="stable")
     id, frame = every.id[order], every.frame[order]
     back = frame < frame[np.searchsorted(id, id)]
-    begins = np.ones(len(order), bool)
-    begins[1:] = (id[1:] != id[:-1]) | (back[1:] != back[:-1])
+    first = begins(id, back)
     anchored = own.sum(0)[order] >= 2
     lost = (every.before[order] > method.worst) & ~np.roll(anchored, 1)
-    spell = np.cumsum(begins | lost) - 1
+    spell = np.cumsum(first | lost) - 1
     said = np.bincount(spell, says(every, own, method.gate)[order])
-    sure = (np.bincount(spell, begins & ~lost) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
+    sure = (np.bincount(spell, first & ~lost) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
     out = np.zeros(len(order), bool)
     out[order] = ~sure[spell]
     return out
@@ -150,15 +148,15 @@ def _variance(seen: Associations, images: Images) -> Floats:
     """(D) px², of all images, those that tracks share being anywhere in their blobs."""
     shared = np.zeros(len(images.uv), bool)
     shared[seen.row[seen.shared & (seen.row >= 0)]] = True
-    variance = images.variance - images.margin - images.calibration[images.camera]  # which `located` adds itself
+    variance = images.variance - images.margin - images.calibration[images.camera]  # `weighted_points` adds them
     variance = np.maximum(variance, LEAST)
     return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
 
 
-def _placed(frame: Ints, row: Ints, guess: Floats, detections: Detections, rig: Rig, place: LeastSquares) -> Cloud:
+def _placed(frame: Ints, row: Ints, guess: Floats, detections: Detections, rig: Rig, errors: ImageErrors) -> Cloud:
     """The points of images row (C, P), one to one, that are thought to be at guess (3, P) mm."""
     matches = Matches(frame, row.T, np.zeros(len(frame)), detections.n_frames)
-    return located(matches, detections, rig, guess=np.ascontiguousarray(guess.T), method=place)
+    return weighted_points(matches, detections, rig, guess=np.ascontiguousarray(guess.T), errors=errors)
 
 
 def _surest(cloud: Cloud, seen: Associations, sound: Bools, T: float, method: Simultaneous) -> Cloud:

@@ -15,7 +15,7 @@ import numpy as np
 from ...data import Cloud, Detections, KinemarkError, Rig, Tracks
 from ...data.method import Method, parameter
 from ...geometry import distort, refine, triangulate, undistort
-from ...reconstruct.least_squares import FALLBACK_SD
+from ...geometry.weighted_points import FALLBACK_SD
 from ..stage import DETECTIONS, TRACK
 from .image_paths import Paths, paths_of
 from .paired_paths import Paired, paired, residuals, unbranched

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ....data import KinemarkError
 from ....data.array_types import Bools, Floats
 from ....geometry.two_view import homogeneous, robust_fundamental, sampson_distance
+from ....numerics.robust import SD_PER_MEDIAN
 from ..parts import complete
 from .unknown_optics import UnknownOptics, straightened
 
@@ -65,7 +66,7 @@ def find_pairs(optics: list[UnknownOptics], uv: Floats, *, seed: int) -> tuple[l
 def _pair(optics: list[UnknownOptics], uv: Floats, a: int, b: int, seed: int) -> Pair:
     x, y = optics[a].ideal(uv[a]), optics[b].ideal(uv[b])
     F, good = robust_fundamental(x, y, seed=seed)
-    return Pair(a, b, F, good, 1.4826 * float(np.median(np.abs(sampson_distance(F, x[good], y[good])))))
+    return Pair(a, b, F, good, SD_PER_MEDIAN * float(np.median(np.abs(sampson_distance(F, x[good], y[good])))))
 
 
 def flatness(x: Floats, y: Floats) -> float:

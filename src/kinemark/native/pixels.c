@@ -1,31 +1,16 @@
-/* The pixels of marker detection, at the speed of memory: white runs, the groups they form, and sums over the groups.
+/* The pixels of marker detection, at the speed of memory: white runs, the groups they form, and sums over the groups, as
+   pixel_runs.py, run_groups.py and pixel_sums.py. */
 
-   Plain C99 that knows nothing of Python: compiled.py loads it with ctypes. What is computed, and why, stands in
-   runs.py, grouping.py and sums.py, where NumPy does the same and which the tests hold against this file; the
-   equations numbered here are theirs.
-
-   Whoever calls gives all memory, and its size. Whatever the numbers in the arrays are, nothing outside of them is
-   read or written. Indices have 64 bits. */
-
-#include <stdint.h>
-
-#ifdef _WIN32
-#define API __declspec(dllexport)
-void *PyInit__kernel(void) { return 0; } /* the linker of a Python extension asks for this name; nobody calls it */
-#else
-#define API __attribute__((visibility("default")))
-#endif
-
-enum { VERSION = 1 }; /* as in compiled.py; a library left over from another version is not used */
+#include "native.h"
 
 enum {
     BIG = 256,  /* pixels whose maximum is taken at once, */
     SMALL = 32, /* and then where one of them is white */
     MARGIN = 2  /* one pixel for the rim of a group, one for its background */
 };
-#define EMPTY ((int64_t)1 << 40) /* beyond every column */
+#define EMPTY ((int64_t)1 << 40) /* beyond every line and column */
 
-/* Rows of `out` of sums_8 and sums_16, as in sums.py. */
+/* Rows of `out` of sum_pixels_8 and sum_pixels_16, as in pixel_sums.py. */
 enum {
     ONE, ONE_X, ONE_Y, ONE_XX, ONE_XY, ONE_YY,
     GREY, GREY_X, GREY_Y, GREY_XX, GREY_XY, GREY_YY,
@@ -35,8 +20,6 @@ enum {
 
 static inline int64_t least(int64_t a, int64_t b) { return a < b ? a : b; }
 static inline int64_t most(int64_t a, int64_t b) { return a > b ? a : b; }
-
-API int64_t kernel_version(void) { return VERSION; }
 
 /* ---- Groups: the components of the graph of touching runs, by union and find. ---- */
 
@@ -72,19 +55,34 @@ static void touch(int64_t n, const int64_t *y, const int64_t *first, const int64
     }
 }
 
-/* Runs (n) in scan order, of frames of this height, as groups in the order of their first runs; gives their number G.
+/* The first of n runs that is none of an image of this width, or does not come after the run before it; n if none. */
+static int64_t first_wrong(int64_t n, const int64_t *y, const int64_t *first, const int64_t *last, int64_t width)
+{
+    for (int64_t i = 0; i < n; i++) {
+        if (y[i] < 0 || y[i] >= EMPTY || first[i] < 0 || last[i] < first[i] || last[i] >= width)
+            return i;
+        if (i && (y[i] < y[i - 1] || (y[i] == y[i - 1] && first[i] <= last[i - 1])))
+            return i;
+    }
+    return n;
+}
+
+/* Runs (n) in scan order, of frames of this height and width, as groups in the order of their first runs. Returns their
+   number G, or −1 − i where i is the first run that is out of order or none of these frames.
 
    label: (n) working space.
    sorted: (3, n) y, first, last of the runs by group.
    start: (n + 1), of which G + 1 are set: the rows of `sorted` where each group starts.
    box: (6, n), of which G columns are set: frame, area, left, right, top, bottom of each group. */
-API int64_t groups(int64_t n, const int64_t *y, const int64_t *first, const int64_t *last, int64_t height,
-                   int64_t *label, int64_t *sorted, int64_t *start, int64_t *box)
+API int64_t group_runs(int64_t n, const int64_t *y, const int64_t *first, const int64_t *last, int64_t height,
+                       int64_t width, int64_t *label, int64_t *sorted, int64_t *start, int64_t *box)
 {
     int64_t *frame = box, *area = box + n, *left = box + 2 * n, *right = box + 3 * n;
     int64_t *top = box + 4 * n, *bottom = box + 5 * n;
-    int64_t count = 0;
+    int64_t count = 0, wrong = first_wrong(n, y, first, last, width);
 
+    if (height < 1 || wrong < n)
+        return -1 - wrong;
     touch(n, y, first, last, height, label);
     start[0] = 0;
     for (int64_t i = 0; i < n; i++) {
@@ -123,10 +121,11 @@ API int64_t groups(int64_t n, const int64_t *y, const int64_t *first, const int6
     return count;
 }
 
-/* ---- The reach of a group along each scan line, for sums_8 and sums_16. ---- */
+/* ---- The reach of a group along each scan line, for sum_pixels_8 and sum_pixels_16. ---- */
 
 /* Fill left and right (height + 4 MARGIN) with the reach of `n` runs from line `top` - 2 MARGIN to `bottom` + 2 MARGIN,
-   empty where there is none. Gives 0 where a run lies outside of these lines or of columns 0 to width - 1, else 1. */
+   empty where there is none. Returns 0 where a run lies outside of these lines or of columns 0 to width - 1, or does not
+   come after the run before it, else 1. */
 static int reach(int64_t n, const int64_t *y, const int64_t *first, const int64_t *last, int64_t top, int64_t bottom,
                  int64_t width, int64_t *left, int64_t *right)
 {
@@ -136,6 +135,8 @@ static int reach(int64_t n, const int64_t *y, const int64_t *first, const int64_
     }
     for (int64_t r = 0; r < n; r++) {
         if (y[r] < top || y[r] > bottom || first[r] < 0 || last[r] < first[r] || last[r] >= width)
+            return 0;
+        if (r && (y[r] < y[r - 1] || (y[r] == y[r - 1] && first[r] <= last[r - 1])))
             return 0;
         int64_t i = y[r] - top + 2 * MARGIN;
         left[i] = least(left[i], first[r]);
@@ -161,9 +162,9 @@ static void widened(const int64_t *left, const int64_t *right, int64_t i, int64_
 
 #define PIXEL uint8_t
 #define OF_TYPE(name) name##_8
-#include "kernel_pixels.h"
+#include "pixels_by_depth.h"
 #undef PIXEL
 #undef OF_TYPE
 #define PIXEL uint16_t
 #define OF_TYPE(name) name##_16
-#include "kernel_pixels.h"
+#include "pixels_by_depth.h"

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Angles
-from ..data.models import JointMotion, Model
+from .angles import Angles
+from .models import JointMotion, Model
 
 
 class Named(NamedTuple):

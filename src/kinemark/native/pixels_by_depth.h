@@ -1,4 +1,4 @@
-/* The part of kernel.c that reads pixels: included once for 8 and once for 16 bits, as PIXEL and OF_TYPE(name) say. */
+/* The part of pixels.c that reads pixels: included once for 8 and once for 16 bits, as PIXEL and OF_TYPE(name) say. */
 
 /* ---- White runs ---- */
 
@@ -26,11 +26,11 @@ static int64_t OF_TYPE(next_white)(const PIXEL *image, int64_t x, int64_t size, 
     return size;
 }
 
-/* The runs of pixels brighter than the threshold in `lines` scan lines, at most `room` of them; gives their number.
+/* The runs of pixels brighter than the threshold in `lines` scan lines, at most `room` of them; returns their number.
 
    y, first, last: (room) line, first and last column. */
-API int64_t OF_TYPE(runs)(const PIXEL *image, int64_t lines, int64_t width, int64_t threshold, int64_t room,
-                          int64_t *y, int64_t *first, int64_t *last)
+API int64_t OF_TYPE(find_runs)(const PIXEL *image, int64_t lines, int64_t width, int64_t threshold, int64_t room,
+                               int64_t *y, int64_t *first, int64_t *last)
 {
     int64_t n = 0, x = 0, size = lines * width;
 
@@ -96,7 +96,7 @@ static void OF_TYPE(add_ring)(const PIXEL *row, int64_t left, int64_t right, int
 }
 
 /* Sums (SUMS) of the group with these runs in lines top to bottom, of a frame with lines begin to end.
-   space: (2, end - begin + 1 + 4 MARGIN) working space. Gives 0 where the runs are none of this frame, else 1. */
+   space: (2, end - begin + 1 + 4 MARGIN) working space. Returns 0 where the runs are none of this frame, else 1. */
 static int OF_TYPE(sums_of_group)(const PIXEL *image, int64_t begin, int64_t end, int64_t width, int64_t n_runs,
                                   const int64_t *y, const int64_t *first, const int64_t *last, int64_t *space,
                                   double *sum)
@@ -129,18 +129,21 @@ static int OF_TYPE(sums_of_group)(const PIXEL *image, int64_t begin, int64_t end
 
 /* Sums over the pixels of groups in frames of this height and width, `lines` scan lines in all, a multiple of height.
 
-   start: (n_groups + 1) where each group's runs start among the n_runs of y, first, last, which are sorted by line.
+   start: (n_groups + 1) where each group's runs start among the n_runs of y, first, last, all of them, which are in scan
+      order within a group.
    space: (2, height + 4 MARGIN) working space.
    out: (SUMS, n_groups).
-   Gives n_groups, or the first group that is none of these frames. */
-API int64_t OF_TYPE(sums)(const PIXEL *image, int64_t lines, int64_t height, int64_t width, int64_t n_groups,
-                          int64_t n_runs, const int64_t *start, const int64_t *y, const int64_t *first,
-                          const int64_t *last, int64_t *space, double *out)
+   Returns n_groups, or the first group that is none of these frames. */
+API int64_t OF_TYPE(sum_pixels)(const PIXEL *image, int64_t lines, int64_t height, int64_t width, int64_t n_groups,
+                                int64_t n_runs, const int64_t *start, const int64_t *y, const int64_t *first,
+                                const int64_t *last, int64_t *space, double *out)
 {
     for (int64_t g = 0; g < n_groups; g++) {
         int64_t head = start[g], end = start[g + 1];
         double sum[SUMS];
         if (height < 1 || head < 0 || end <= head || end > n_runs || y[head] < 0 || y[head] >= lines)
+            return g;
+        if ((g == 0 && head > 0) || (g == n_groups - 1 && end < n_runs))
             return g;
         int64_t begin = y[head] / height * height;
         if (!OF_TYPE(sums_of_group)(image, begin, begin + height - 1, width, end - head, y + head, first + head,

@@ -1,0 +1,198 @@
+"""The one table of file formats: by its ending, and where that leaves it open by its content, what a file holds.
+
+Reading gives the record that fits; writing takes a trial, detections or a rig. A new format is one row here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from ..data import Cloud, Detections, Fills, KinemarkError, Matches, Rig, Rods, Signals, Tracks, Trajectories, Trial
+from ..geometry import to_dlt
+from .c3d import read_c3d, write_c3d
+from .detections_csv import read_detections_csv, write_detections_csv
+from .dlt_csv import read_dlt_csv, write_dlt_csv
+from .images import ImageSource, open_images
+from .notes import FileNote
+from .number_text import read_text
+from .records import load, save
+from .rig_toml import read_rig_toml, write_rig_toml
+from .rods_toml import read_rods
+from .tdf import Tdf, read_tdf
+from .trajectories_csv import read_trajectories_csv, write_trajectories_csv
+from .trc import read_trc, write_trc
+from .um2as import trajectories_of_tdc, write_tdc
+
+Content = Literal["trajectories", "detections", "rig"]
+"""What can be written."""
+
+VIDEO = 30.0
+"""Hz; stands where a .tdc file does not say its rate: UM²AS digitises video."""
+UNSAID = 1.0
+"""Hz; stands where a detections CSV does not say its rate."""
+IMAGES = (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".mkv", ".mp4", ".avi", ".mov", ".mpg", ".m4v")
+HOLDS: dict[type, str] = {
+    Trial: "a trial",
+    Trajectories: "trajectories",
+    Signals: "signals",
+    Tdf: "a BTS recording",
+    Rig: "a calibrated rig",
+    Rods: "hanging rods",
+    Detections: "2D points",
+    Matches: "matches",
+    Cloud: "points without names",
+    Tracks: "tracks",
+    Fills: "filled samples",
+    ImageSource: "images",
+}
+"""What a record is called; arrays are DLT parameters."""
+
+
+class Said(NamedTuple):
+    """What the caller says of a file that does not say it itself: Hz, unit of length, and which content a CSV has."""
+
+    rate_hz: float | None = None
+    length_unit: str | None = None
+    what: Content | None = None
+
+
+class Format(NamedTuple):
+    """One format.
+
+    Attributes:
+        read: gives the record of a file.
+        write: for each content that the format holds, writes it and returns what it could not hold.
+    """
+
+    read: Callable[[Path, Said], Any]
+    write: Mapping[Content, Callable[[Path, Any], tuple[FileNote, ...]]] = {}
+
+
+def _csv(path: Path, said: Said) -> Any:
+    """A CSV file: its heading tells detections and trajectories from DLT parameters, which have none."""
+    head = read_text(path).split("\n", 1)[0]
+    found = "detections" if "u_px" in head else "trajectories" if "_x_mm" in head else said.what
+    if found == "detections":
+        return read_detections_csv(path, rate=said.rate_hz or UNSAID)
+    if found == "trajectories" or head.startswith("frame"):
+        return Trial(path.stem, read_trajectories_csv(path, rate=said.rate_hz))
+    return read_dlt_csv(path)
+
+
+def _tdf(path: Path, said: Said) -> Tdf:
+    return read_tdf(path)
+
+
+def _toml(path: Path, said: Said) -> Rig | Rods:
+    return read_rods(path) if path.name == "rods.toml" else read_rig_toml(path, said.length_unit)
+
+
+def _save(path: Path, record: Any) -> tuple[FileNote, ...]:
+    save(path, record)
+    left = isinstance(record, Trial) and record.source is not None
+    return (FileNote("not_written", "what else the source file held"),) if left else ()
+
+
+def _markers_only(write: Callable[[Path, Trajectories], None]) -> Callable[[Path, Trial], tuple[FileNote, ...]]:
+    """Writes the markers of a trial, and says what else it has."""
+
+    def written(path: Path, trial: Trial) -> tuple[FileNote, ...]:
+        if not len(trial.trajectories):
+            raise KinemarkError(f"The source has no markers, and {path.suffix} holds nothing else. Convert to .c3d.")
+        write(path, trial.trajectories)
+        have = {
+            "signals": trial.signals.names,
+            "analog": tuple(name for a in trial.analog for name in a.names),
+            "force plates": tuple(str(i + 1) for i in range(len(trial.plates))),
+            "events": tuple(dict.fromkeys(trial.events.label)),
+        }
+        return tuple(FileNote("not_written", what, names) for what, names in have.items() if names)
+
+    return written
+
+
+def _write_tdc(path: Path, trial: Trial) -> tuple[FileNote, ...]:
+    """UM²AS's file holds places alone."""
+    left = _markers_only(lambda p, t: write_tdc(p, t.xyz))(path, trial)
+    return (*left, FileNote("not_written", "rate and names of markers"))
+
+
+def _write_dlt(path: Path, rig: Rig) -> None:
+    """Eleven parameters a camera, for mm; refused where a lens would be lost."""
+    if bent := [camera.name for camera in rig if camera.distortion.any()]:
+        raise KinemarkError(
+            f"Cameras {', '.join(bent)} have lens distortion, which DLT parameters do not hold. Write a .toml instead."
+        )
+    write_dlt_csv(path, to_dlt(rig.P))
+
+
+def _whole(write: Callable[[Path, Any], None]) -> Callable[[Path, Any], tuple[FileNote, ...]]:
+    """A writer that loses nothing."""
+
+    def written(path: Path, record: Any) -> tuple[FileNote, ...]:
+        write(path, record)
+        return ()
+
+    return written
+
+
+FORMATS: dict[str, Format] = {
+    ".c3d": Format(lambda p, said: read_c3d(p, units=said.length_unit), {"trajectories": write_c3d}),
+    ".tdf": Format(_tdf),
+    ".trc": Format(lambda p, said: Trial(p.stem, read_trc(p)), {"trajectories": _markers_only(write_trc)}),
+    ".csv": Format(
+        _csv,
+        {
+            "trajectories": _markers_only(write_trajectories_csv),
+            "detections": _whole(write_detections_csv),
+            "rig": _whole(_write_dlt),
+        },
+    ),
+    ".h5": Format(lambda p, said: load(p), {"trajectories": _save, "detections": _save}),
+    ".tdc": Format(
+        lambda p, said: Trial(p.stem, trajectories_of_tdc(p, rate=said.rate_hz or VIDEO)),
+        {"trajectories": _write_tdc},
+    ),
+    ".toml": Format(_toml, {"rig": _whole(write_rig_toml)}),
+}
+
+
+def endings(content: Content) -> tuple[str, ...]:
+    """The endings of the formats that hold this."""
+    return tuple(ending for ending, one in FORMATS.items() if content in one.write)
+
+
+def holds(found: Any) -> str:
+    """What a record is, in words."""
+    return HOLDS.get(type(found), "DLT parameters")
+
+
+def read_file(path: Path, said: Said = Said()) -> Any:  # noqa: B008  frozen
+    """What a file holds, as the record that fits: `Trial`, `Tdf`, `Rig`, `Detections`, …; an array for DLT parameters.
+
+    Raises:
+        KinemarkError: the kind of file is not known, or the file is absent or damaged.
+    """
+    ending = path.suffix.lower()
+    if ending in FORMATS:
+        return FORMATS[ending].read(path, said)
+    if ending in IMAGES:
+        return open_images(path)
+    raise KinemarkError(
+        f"{path} is of no known kind. Known are sessions, {', '.join(FORMATS)}, and images and videos as "
+        f"{', '.join(IMAGES)}."
+    )
+
+
+def write_file(path: Path, content: Content, record: Any) -> tuple[FileNote, ...]:
+    """Write a record in the format that the ending names; returns what the format could not hold.
+
+    Raises:
+        KinemarkError: no format of that ending holds such content, or the file cannot be written.
+    """
+    one = FORMATS.get(path.suffix.lower())
+    if one is None or content not in one.write:
+        raise KinemarkError(f"{path} wants one of the endings {', '.join(endings(content))}.")
+    return one.write[content](path, record)

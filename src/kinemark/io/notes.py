@@ -1,0 +1,37 @@
+"""What a file could not hold as it was: values that a face turns into words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+Kind = Literal["resampled", "cut", "not_written", "incomplete"]
+
+
+@dataclass(frozen=True, slots=True)
+class FileNote:
+    """One thing that changed or was left out on the way into a file.
+
+    Attributes:
+        kind: "resampled", to another rate; "cut", where it reaches beyond the frames; "not_written", as the format has
+            no place for it; "incomplete", where a sample that is known in part is missing in the file.
+        what: "analog", "signals", "force plates", "events", "covariance", …
+        names: the channels, signals or markers, in order; empty where it is all of them.
+        values: numbers that go with it: `rate_hz` and `stored_rate_hz` of what was resampled, `seconds` that were cut.
+    """
+
+    kind: Kind
+    what: str
+    names: tuple[str, ...] = ()
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        who = self.what + (f" {', '.join(self.names)}" if self.names else "")
+        if self.kind == "resampled":
+            return f"{who}: resampled from {self.values['rate_hz']:g} to {self.values['stored_rate_hz']:g} Hz."
+        if self.kind == "cut":
+            return f"{who}: {self.values['seconds']:.3g} s beyond the frames are not in the file."
+        if self.kind == "incomplete":
+            return f"{who}: samples of which only some components are known are missing in the file."
+        return f"{who}: not in the file, as its format has no place for it. HDF5 (.h5) keeps all."

@@ -1,0 +1,169 @@
+"""Levenberg–Marquardt: least squares by steps between those of Gauss and Newton and those of steepest descent.
+
+Let χ² = Σ r² of residuals r, and J = −∂r / ∂δ. Near a state χ² is χ² − 2 gᵀδ + δᵀA δ with
+
+    A = JᵀJ,   g = Jᵀr                                                    (1)
+
+and the step δ solves (Levenberg 1944; Marquardt 1963)
+
+    (A + λ D) δ = g,   D = diag A                                         (2)
+
+so that the unit of a parameter changes nothing. By this model χ² falls by
+
+    2 gᵀδ − δᵀA δ = gᵀδ + λ δᵀD δ                                         (3)
+
+With ϱ the decrease that was found, divided by the one that (3) promised, the damping λ goes on as (Nielsen 1999,
+"Damping parameter in Marquardt's method", IMM-REP-1999-05)
+
+    χ² did not rise:   λ ← λ max(1/10, 1 − (2ϱ − 1)³),   ν ← 2
+    χ² rose:           λ ← λ ν,                           ν ← 2 ν         (4)
+
+with 1/10 (Marquardt's) where Nielsen has 1/3. Where the model holds (ϱ near 1) λ soon vanishes, and the steps are Gauss
+and Newton's; where tries fail, λ grows faster and faster.
+
+`minimise` solves one problem, whatever its state is made of and in whatever way it solves (2); `minimise_many` many
+small problems of one kind at once. Both change λ by (4), and nothing else in the package does.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol, TypeVar
+
+import numpy as np
+
+from ..data.array_types import Bools, Floats, Ints
+from .scaled import scaled_solution
+
+START = 1e-4
+"""λ at first, without unit; of 10⁻³ and 10⁻⁴ the one with fewer tries to a minimum in `benchmarks/bundle.py start`."""
+
+LEAST_FACTOR = 0.1
+"""Of (4), without unit; Marquardt's. With 1/100 `benchmarks/bundle.py start` ends less exactly, in no fewer tries."""
+
+GIVEN_UP = 1e8
+"""λ above which no step is tried; chosen, not tuned: δ is then 10⁻⁸ of what it was, and only rounding is left."""
+
+State = TypeVar("State")
+Equations = TypeVar("Equations")
+
+
+class Damping(NamedTuple):
+    """λ and ν of (4), one each or (n) of many problems."""
+
+    value: Any = START
+    growth: Any = 2.0
+
+    def after(self, fell: Any, promised: Any) -> Damping:
+        """After tries that lowered χ² by `fell`, where (3) had promised `promised`."""
+        with np.errstate(invalid="ignore", over="ignore"):
+            ratio = np.clip(fell / np.maximum(promised, 1e-300), 0.0, 1.0)
+            factor = np.where(fell >= 0, np.maximum(LEAST_FACTOR, 1 - (2 * ratio - 1) ** 3), self.growth)
+        return Damping(self.value * factor, np.where(fell >= 0, 2.0, 2 * self.growth))  # (4)
+
+
+class Problem(Protocol[State, Equations]):
+    """Least squares over states of any kind."""
+
+    def cost(self, state: State) -> float:
+        """χ² of a state, infinite where it is impossible."""
+
+    def equations(self, state: State) -> Equations:
+        """(1) at a state, in whatever form `step` takes it."""
+
+    def step(self, state: State, equations: Equations, damping: float) -> tuple[State | None, float]:
+        """The state after the step (2), None where there is none, and what (3) promises of it."""
+
+
+def minimise(
+    problem: Problem[State, Equations], start: State, *, steps: int, relative: float = 0.0, absolute: float = 0.0
+) -> State:
+    """The state near `start` with the least cost; `start` itself where its cost is not finite.
+
+    It is found once two tries in turn neither promise nor bring a decrease of more than `relative` times the cost plus
+    `absolute`.
+
+    Args:
+        problem: what is minimised.
+        start: where to begin.
+        steps: at most so many tries.
+        relative: without unit.
+        absolute: in the unit of the cost.
+    """
+    state, cost, damping, small = start, problem.cost(start), Damping(), 0
+    equations: Equations | None = None
+    for _ in range(steps if np.isfinite(cost) else 0):
+        equations = problem.equations(state) if equations is None else equations
+        tried, promised = problem.step(state, equations, float(damping.value))
+        fell = cost - (lower := np.inf if tried is None else problem.cost(tried))
+        damping = damping.after(fell, promised)
+        small = small + 1 if max(fell, promised) <= relative * cost + absolute else 0
+        if tried is not None and fell >= 0:
+            state, cost, equations = tried, lower, None
+        if small >= 2 or damping.value > GIVEN_UP:
+            break
+    return state
+
+
+def damped_step(A: Floats, g: Floats, damping: float) -> tuple[Floats, float]:
+    """δ (p) of (2) and the promise (3), from A (p, p) and g (p)."""
+    D = np.diag(A)
+    step = scaled_solution(A + damping * np.diag(D), g)
+    return step, float(g @ step + damping * step @ (D * step))  # (3)
+
+
+class Tries(NamedTuple):
+    """States of n problems of p parameters, which may be tried ones.
+
+    Attributes:
+        parameters: (n, p).
+        cost: (n) χ².
+        equations: what (1) is worked out from, arrays (n, …).
+    """
+
+    parameters: Floats
+    cost: Floats
+    equations: tuple[Floats, ...]
+
+    def take(self, which: Ints) -> Tries:
+        """Those of some of the problems."""
+        return Tries(self.parameters[which], self.cost[which], tuple(part[which] for part in self.equations))
+
+    def put(self, which: Ints, tried: Tries, better: Bools) -> None:
+        """Write the `better` (b) of tries of problems `which` (b) here."""
+        good = which[better]
+        self.parameters[good], self.cost[good] = tried.parameters[better], tried.cost[better]
+        for part, new in zip(self.equations, tried.equations, strict=True):
+            part[good] = new[better]
+
+
+class Problems(Protocol):
+    """Many least squares problems with as many parameters each."""
+
+    def step(self, which: Ints, now: Tries, damping: Floats) -> tuple[Tries, Floats]:
+        """Problems `which` (b) after the step (2) from `now`, theirs alone, with λ (b); and what (3) promises (b)."""
+
+    def settled(self, which: Ints, now: Tries, tried: Tries) -> Bools:
+        """(b) whether what was found by the step is good enough; only asked where χ² did not rise."""
+
+
+def minimise_many(problems: Problems, start: Tries, *, steps: int) -> Tries:
+    """The states near `start` with the least cost, each changed until it is settled; `start` is written over.
+
+    Args:
+        problems: what is minimised.
+        start: where to begin.
+        steps: at most so many tries of each.
+    """
+    damping, busy = Damping(np.full(len(start.cost), START), np.full(len(start.cost), 2.0)), np.arange(len(start.cost))
+    for _ in range(steps):
+        if not len(busy):
+            break
+        now = start.take(busy)
+        tried, promised = problems.step(busy, now, damping.value)
+        fell = now.cost - tried.cost
+        better = fell >= 0
+        damping = damping.after(fell, promised)
+        done = (better & problems.settled(busy, now, tried)) | (damping.value > GIVEN_UP)
+        start.put(busy, tried, better)
+        busy, damping = busy[~done], Damping(damping.value[~done], damping.growth[~done])
+    return start

@@ -18,6 +18,7 @@ from kinemark.io.trc import read_trc
 from support.filling import GAP, segment, trial_of, with_gap
 from support.laboratory import observe, ring
 from support.motions import body
+from support.schema import check_quality
 from support.shared import shared_data
 from support.trials import made_trial
 
@@ -139,6 +140,7 @@ def test_a_session_fills_its_gaps_with_the_help_of_single_cameras(session):
     sd_along = np.sqrt(np.einsum("ni,nij,nj->n", ray, path.cov[filled], ray))
     assert (np.sqrt(np.trace(path.cov[filled], axis1=1, axis2=2)) < 2.5 * sd_along + 0.5).all()
     figures = json.loads((folder / "results/one/quality.json").read_text())
+    check_quality(figures)
     assert figures["filling"]["filled"] == 1 and "gaps.html" in (folder / "results/one/report.html").read_text()
     assert "<svg" in (folder / "results/one/gaps.html").read_text()
     assert (read_c3d(folder / "results/one/one.c3d").trajectories[path.name].origin[filled] == Origin.FILLED).all()

@@ -22,6 +22,7 @@ from kinemark.report.terminal_summary import summary
 from kinemark.synth import Optics, render
 from support.boxed import BALLS, MARKERS, files
 from support.eating import POST, Knowing, footage, looks_of
+from support.schema import check_quality
 
 FRAMES = 6
 
@@ -191,6 +192,7 @@ def test_a_session_digitises_by_answers_and_says_how_many_questions_there_were(r
     subject = footage(FRAMES / 30)[1]
     assert np.abs(done.trajectories.xyz - subject.xyz).max() < 1.0 and done.trajectories.names == MARKERS
     quality = json.loads((done.folder / "quality.json").read_text())
+    check_quality(quality)
     assert quality["digitising"]["questions"] == 48 and set(quality["digitising"]["cameras"]) == {
         "cam1",
         "cam2",

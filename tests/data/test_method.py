@@ -200,7 +200,7 @@ print(json.dumps({
     "steps": ran["one"].quality["steps"],
     "figures": methods_figures("match")["match"]["methods"],
     "text": methods_text("match"),
-    "schema": session_schema()["properties"]["match"]["anyOf"],
+    "schema": session_schema(),
     "refused": [refused("match.width=10"), refused("match.widht=1")],
 }))
 """
@@ -221,8 +221,8 @@ def test_one_new_file_is_a_new_method_everywhere(tmp_path):
     told = found["figures"]["nearest"]
     assert told["source"] == "Somebody 2000" and told["parameters"]["width"]["high"] == 9
     assert "half width of the band" in found["text"]
-    (mine,) = (one for one in found["schema"] if one["title"] == "nearest")
-    assert mine["properties"]["width"]["maximum"] == 9
+    assert {"$ref": "#/$defs/match.nearest"} in found["schema"]["properties"]["match"]["anyOf"]
+    assert found["schema"]["$defs"]["match.nearest"]["properties"]["width"]["maximum"] == 9
     assert "width is 10.0, wanted a number above 0 to 9 px" in found["refused"][0]
     assert "did you mean 'width'" in found["refused"][1]
 

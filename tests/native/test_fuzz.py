@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinemark import native
+from support.examples import examples
 from support.native_calls import CALLS, WRONGS, outcome, wrong
 
 seeds = st.integers(0, 2**32 - 1)
@@ -46,7 +47,7 @@ def test_every_function_is_fuzzed():
 
 
 @pytest.mark.parametrize("name", CALLS)
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(seeds, wrongs)
 def test_compiled_and_numpy_agree_whatever_they_are_given(name, seed, ways):
     rng = np.random.default_rng(seed)
@@ -55,7 +56,7 @@ def test_compiled_and_numpy_agree_whatever_they_are_given(name, seed, ways):
 
 
 @pytest.mark.parametrize("name", CALLS)
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 @given(seeds)
 def test_right_calls_are_not_refused(name, seed):
     """So that the law above is not true for want of anything that is computed."""

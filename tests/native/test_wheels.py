@@ -20,9 +20,11 @@ def has_build_tools():
         return False
 
 
-pytestmark = pytest.mark.skipif(
-    not (ROOT / "setup.py").is_file() or not has_build_tools(), reason="needs a checkout, and setuptools 77 or later"
-)
+READY = (ROOT / "setup.py").is_file() and has_build_tools()
+pytestmark = [
+    pytest.mark.nightly,
+    pytest.mark.skipif(not READY, reason="needs a checkout, and setuptools 77 or later"),
+]
 
 
 @pytest.fixture(scope="module")

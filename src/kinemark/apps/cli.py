@@ -16,6 +16,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 
 from ..data import KinemarkError
+from ..engine.bibliography import as_bibtex, as_text, chosen
 from ..engine.detection_proposals import learn_session_masks, propose_detection
 from ..engine.error_budget import error_budget
 from ..engine.fill_files import fill_files, fill_method, filled_figures, filled_text
@@ -175,6 +176,18 @@ def calibrate(session: Path, *, set: Set = None, json: Json = False) -> None:
     did = "the calibration" if result.computed else "nothing: all is unchanged"
     page = result.folder / "calibration.html"
     _print(f"{calibration_summary(result.figures)}\ncomputed: {did}\nresults:  {result.folder / 'rig.toml'}, {page}")
+
+
+@app.command
+def cite(*words: str, bibtex: bool = False) -> None:
+    """List the works that the methods come from, to be cited by whoever uses them.
+
+    Args:
+        words: only works whose authors, year or title hold all of these.
+        bibtex: write entries for LaTeX.
+    """
+    found = chosen(words)
+    _print(as_bibtex(found) if bibtex else as_text(found))
 
 
 @app.command

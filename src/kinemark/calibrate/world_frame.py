@@ -32,6 +32,7 @@ from numpy.typing import ArrayLike
 
 from ..data import Camera, KinemarkError, Rig
 from ..data.array_types import Floats
+from ..numerics.vectors import cross_matrix
 from .bundle import BundleFit
 
 MISFIT = 0.1
@@ -185,10 +186,10 @@ def _distances(points: Floats) -> Floats:
 def carried(camera: Camera, A: ArrayLike, b: ArrayLike, s: float) -> tuple[Camera, Floats]:
     """The camera after (1), and M (15, 15) of (3)."""
     R = camera.R @ np.asarray(A, np.float64).T
-    x, y, z = lever = R @ np.asarray(b, np.float64)
+    lever = R @ np.asarray(b, np.float64)
     M = np.eye(15)
     M[12:15, 12:15] *= s
-    M[12:15, 9:12] = [[0, -z, y], [z, 0, -x], [-y, x, 0]]  # (2)
+    M[12:15, 9:12] = cross_matrix(lever)  # (2)
     return replace(camera, R=R, t=s * camera.t - lever, cov=M @ camera.cov @ M.T), M
 
 

@@ -30,6 +30,11 @@ TRIAL_KINDS = (
     Kind("pixels_not_square", "calibrate", "amber", "Focal lengths along u and v differ, and not as in fields."),
     Kind("frame_rate_contradicted", "record", "amber", "Videos state another frame rate than the session; one stated "
          "rate a camera.", {"rate_hz": "Hz", "stated_hz_list": "Hz"}),
+    Kind("channels_resampled", "record", "info", "Channels whose rate or start does not fall on the one clock of a C3D "
+         "file, interpolated there; their source keeps them as they were.",
+         {"channels": "count", "channels_list": "text", "rate_hz": "Hz", "stored_rate_hz": "Hz"}),
+    Kind("channels_cut", "record", "info", "Channels that reach beyond the frames, of which a C3D file holds no more; "
+         "their source keeps the rest.", {"channels": "count", "channels_list": "text", "duration_s": "s"}),
     Kind("cameras_swapped", "match", "amber", "Two cameras have each other's images; several pairs where they do as "
          "well, cameras two by two. Shares of their detections confirmed by two more cameras, swapped and as it is.",
          {"swapped_share": "share", "as_is_share": "share"}),

@@ -8,18 +8,31 @@ detect → track → fill → quality → write                          an oper
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from ..data import Cloud, Detections, Fills, Finding, KinemarkError, Matches, Rig, Step, Tracks, Trajectories, Trial
+from ..data import (
+    Cloud,
+    Detections,
+    Fills,
+    Finding,
+    KinemarkError,
+    Matches,
+    Rig,
+    Step,
+    Tracks,
+    Trajectories,
+    Trial,
+    make_finding,
+)
 from ..digitise import called, identified_matches, identified_tracks
 from ..fill import Filled, FilledGap, Rays, fill_recording
 from ..findings.gaps import filling_figures
 from ..findings.quality import write_quality
 from ..geometry.ideal_pixels import check_cameras
-from ..io.c3d import write_c3d
+from ..io.c3d import on_frames, write_c3d
 from ..io.files import replacing
 from ..io.records import load, save
 from ..match import match
@@ -212,7 +225,12 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
         tracks=tracked.tracks,
         trajectories=filled.trajectories,
         steps=(*inputs.calibrated.steps, *inputs.store.steps),
-        findings=(*inputs.source.contradictions(), *exchanged, *tracked.diagnostics),
+        findings=(
+            *inputs.source.contradictions(),
+            *_channels(inputs, filled.trajectories),
+            *exchanged,
+            *tracked.diagnostics,
+        ),
         ambiguous_decisions=tracked.ambiguous_decisions,
         judged=inputs.calibrated.figures,
         filling=_gap_figures(inputs, filled, measured_of(inputs, records)),
@@ -221,6 +239,19 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     if operated is not None:
         figures["digitising"] = dict(operated.figures)
     return figures
+
+
+def _channels(inputs: TrialInputs, trajectories: Trajectories) -> Iterator[Finding]:
+    """What the C3D file cannot hold of the channels as they were recorded."""
+    beside = inputs.source.beside()
+    if beside is None or not len(trajectories):
+        return
+    for note in on_frames(beside.analog, trajectories.rate, trajectories.n_frames)[1]:
+        values: dict[str, Any] = {"channels": len(note.names), "channels_list": note.names}
+        if note.kind == "cut":
+            yield make_finding("channels_cut", **values, duration_s=note.values["seconds"])
+        else:
+            yield make_finding("channels_resampled", **values, **dict[str, Any](note.values))
 
 
 def _gap_figures(inputs: TrialInputs, filled: Filled, measured: Trajectories) -> dict[str, Any] | None:

@@ -18,19 +18,34 @@ from .marker_array import Gap, MarkerArray
 
 FAR = 1e6
 """mm from the median of all samples, beyond which a sample is no position of a marker."""
+RESOLVED = 2.0**42
+"""mm, 4.4 million km: farther from the origin, doubles are more than a thousandth of a millimetre apart."""
 ENOUGH = 600
 """Frames that are enough to learn from; longer trials are thinned evenly."""
 
 
 def possible(xyz: Floats) -> Bools:
-    """(M, F) which samples (M, F, 3) mm, NaN where missing, can be true: those within `FAR` of the median of all."""
-    flat = xyz.reshape(-1, 3)
-    low, high = np.fmin.reduce(flat, initial=np.nan), np.fmax.reduce(flat, initial=np.nan)
-    with np.errstate(invalid="ignore"):
-        if not np.linalg.norm(high - low) >= FAR:  # no two are that far apart; a median would take ten times as long
-            return np.asarray(np.isfinite(xyz).all(-1))
-        off = xyz - np.nanmedian(flat, axis=0)
-        return np.asarray(np.einsum("mfi,mfi->mf", off, off) < FAR**2)
+    """(M, F) which samples (M, F, 3) mm, NaN where missing, can be true: those within `FAR` of the median of all.
+
+    What lies beyond `RESOLVED` is none either, wherever the others lie.
+    """
+    missing = np.isnan(xyz[..., 0])
+    if missing.all():
+        return ~missing
+    one = xyz.reshape(-1, 3)[missing.argmin()]
+    if (np.abs(one) < RESOLVED).all():
+        near = _within(xyz, one, FAR / 2)
+        if (near | missing).all():  # so that no two are `FAR` apart: a median would take ten times as long
+            return near
+    resolved = np.asarray((np.abs(xyz) < RESOLVED).all(-1))
+    return resolved & _within(xyz, np.median(xyz[resolved], axis=0), FAR) if resolved.any() else resolved
+
+
+def _within(xyz: Floats, place: Floats, reach: float) -> Bools:
+    """(M, F) which samples lie within so many mm of a place (3,)."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        off = xyz - place
+        return np.asarray(np.einsum("mfi,mfi->mf", off, off) < reach**2)
 
 
 class Span(NamedTuple):

@@ -9,25 +9,20 @@ from __future__ import annotations
 import numpy as np
 
 from ..data.array_types import Floats
+from ..numerics.vectors import cross
 
 
 def triad(points: Floats) -> tuple[Floats, Floats]:
     """R (F, 3, 3) and c (F, 3) mm of three points (3, F, 3); NaN where one is missing or all stand on one line."""
     with np.errstate(invalid="ignore", divide="ignore"):
         x = points[1] - points[0]
-        z = _cross(x, points[2] - points[0])
+        z = cross(x, points[2] - points[0])
         x = x / np.linalg.norm(x, axis=1, keepdims=True)
         z = z / np.linalg.norm(z, axis=1, keepdims=True)
-    return np.stack([x, _cross(z, x), z], -1), points.mean(0)
+    return np.stack([x, cross(z, x), z], -1), points.mean(0)
 
 
 def local(R: Floats, c: Floats, xyz: Floats) -> Floats:
     """(…, F, 3) local coordinates of positions (…, F, 3) (1)."""
     apart = xyz - c
     return (apart.reshape(-1, len(R), 3).swapaxes(0, 1) @ R).swapaxes(0, 1).reshape(apart.shape)
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    """np.cross for (F, 3), without its overhead."""
-    (ax, ay, az), (bx, by, bz) = a.T, b.T
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], -1)

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Bools, Floats, Ints
+from ..geometry.rigid_pairs import distances_from
 from .known_samples import KnownSamples
 
 INSTANTS = 150
@@ -49,16 +50,10 @@ def distances(known: KnownSamples) -> Distances:
 
 
 def _apart(x: Floats, marker: int) -> Apart:
-    d = x - x[marker]
-    d = np.sqrt(np.einsum("mfi,mfi->mf", d, d))
-    both = ~np.isnan(d)
-    n = both.sum(1)
-    d = np.where(both, d, 0.0)
-    mean = np.divide(d.sum(1), n, out=np.full(len(d), np.inf), where=n > 0)
-    off = np.where(both, d - np.where(n > 0, mean, 0.0)[:, None], 0.0)
-    sd = np.sqrt(np.divide(np.einsum("mf,mf->m", off, off), n, out=np.full(len(d), np.inf), where=n > 1))
+    found = distances_from(x, marker)
+    mean, sd = np.where(found.frames > 0, found.mean, np.inf), np.where(found.frames > 1, found.spread, np.inf)
     mean[marker], sd[marker] = 0.0, 0.0
-    return Apart(mean, sd, n)
+    return Apart(mean, sd, found.frames)
 
 
 def nearest(distance: Floats, there: Bools, most: int) -> Ints:

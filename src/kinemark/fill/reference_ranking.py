@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats
+from ..geometry.rigid_pairs import distances_from
 from .marker_array import MarkerArray
 
 FEWEST = 12
@@ -33,12 +34,8 @@ def ranked(motion: MarkerArray, marker: int) -> NDArray[np.int64]:
 
 
 def _ranked(thin: Floats, marker: int) -> NDArray[np.int64]:
-    way = thin - thin[marker]
-    square = np.einsum("mfi,mfi->mf", way, way)
-    n = np.isfinite(square).sum(1)
-    square = np.where(np.isfinite(square), square, 0.0)
-    sum_, square = np.sqrt(square).sum(1), square.sum(1)
-    vary = np.sqrt(np.maximum(square / np.maximum(n, 1) - (sum_ / np.maximum(n, 1)) ** 2, 0.0))
+    found = distances_from(thin, marker)
+    vary, n = found.spread.copy(), found.frames
     vary[(n < FEWEST) | (n < 0.5 * n[marker])] = np.inf
     vary[marker] = np.inf
     order = np.argsort(vary, kind="stable")

@@ -37,6 +37,7 @@ import numpy as np
 from ..data.array_types import Floats, Ints
 from ..data.method import ONE, Method, parameter
 from ..geometry import rigid_poses
+from ..numerics.vectors import cross_matrix
 from .known_samples import KnownSamples
 from .marker_array import MarkerArray
 from .methods.rigid_body import on_line
@@ -209,20 +210,13 @@ def _carried(known: KnownSamples, static: StaticShape, lost: int, donors: Ints, 
     sigma2 = _sigma2(_errors(shape, x[there]))
     sigma2 = np.maximum(sigma2, sigma2.mean())
     inertia = (shape**2).sum() * np.eye(3) - shape.T @ shape
-    turn = _cross(q) @ (R @ np.linalg.inv(inertia) @ R.mT) @ _cross(q).mT
+    turn = cross_matrix(q) @ (R @ np.linalg.inv(inertia) @ R.mT) @ cross_matrix(q).mT
     own = np.maximum(sigma2, s2 / 3)[:, None, None]
     cov = own * np.eye(3) + sigma2[:, None, None] * (np.eye(3) / len(donors) + turn)  # (4)
     nowhere = _nowhere(known, static.names[lost], "")
     nowhere.xyz[there], nowhere.cov[there] = q + c, cov
     expected = float(_mean_length(cov).mean())
     return nowhere._replace(expected_mm=expected, donors=tuple(static.names[k] for k in donors))
-
-
-def _cross(q: Floats) -> Floats:
-    """[q]ₓ (F, 3, 3)."""
-    out = np.zeros((len(q), 3, 3))
-    out[:, 0, 1], out[:, 0, 2], out[:, 1, 2] = -q[:, 2], q[:, 1], -q[:, 0]
-    return out - out.mT
 
 
 def _mean_length(cov: Floats) -> Floats:

@@ -49,6 +49,11 @@ def quantile(values: Floats, share: float) -> float:
     return float(np.quantile(finite, share)) if finite.size else math.nan
 
 
+def over_volume(values: Floats, at: float) -> float:
+    """Quantile over all places, those that are not seen being infinitely wrong; NaN where it falls on one of them."""
+    return float(np.quantile(np.where(np.isnan(values), np.inf, values), at, method="higher"))
+
+
 def share(part: float, whole: float) -> float:
     """part / whole; NaN where the whole is nothing."""
     return part / whole if whole > 0 else math.nan

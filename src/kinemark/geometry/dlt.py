@@ -80,7 +80,7 @@ def equations(
 
     The vector that it takes to nearly nothing is P', and P = U⁻¹ P' T.
     """
-    T, U = _normalising(xyz), _normalising(uv)
+    T, U = normalising(xyz), normalising(uv)
     X = np.column_stack([xyz, np.ones(len(xyz))]) @ T.T
     x = np.column_stack([uv, np.ones(len(uv))]) @ U.T
     zero = np.zeros_like(X)
@@ -136,7 +136,7 @@ def camera_from_dlt(name: str, L: ArrayLike, *, front: ArrayLike = (0.0, 0.0, 0.
     return Camera(name, np.asarray(size, np.int64), K, R, t)
 
 
-def _normalising(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def normalising(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """The homogeneous transform that brings points (N, d) to zero mean and unit spread."""
     d = points.shape[1]
     scale = 1 / max(float(np.sqrt(points.var(0).mean())), 1e-300)

@@ -24,8 +24,11 @@ LOOSE = 9.0
 
 
 class Distances(NamedTuple):
-    """Of M markers: mean (M, M) mm and spread (M, M) mm of the distances, both NaN on the diagonal and where no frame
-    has both, and frames (M, M) the number of those that have."""
+    """Of M markers: mean (M, M) mm and spread (M, M) mm, a standard deviation, of the distances, both NaN on the
+    diagonal and where no frame has both, and frames (M, M) the number of those that have.
+
+    Of one marker from all, (M) each.
+    """
 
     mean: Floats
     spread: Floats
@@ -46,16 +49,30 @@ def distances(xyz: Floats, *, most_frames: int = MOST_FRAMES) -> Distances:
     mean, spread = np.full((2, n, n), np.nan)
     count = np.zeros((n, n), np.int64)
     for i in range(n):
-        x, y, z = axes[:, i:] - axes[:, i, None]
-        d = np.sqrt(x * x + y * y + z * z)
-        there = ~np.isnan(d)
-        count[i, i:] = count[i:, i] = there.sum(1)
-        both = np.where(count[i, i:] > 0, count[i, i:], np.nan)
-        both[0] = np.nan  # with itself
-        mean[i, i:] = mean[i:, i] = np.where(there, d, 0.0).sum(1) / both
-        off = np.where(there, d - mean[i, i:, None], 0.0)
-        spread[i, i:] = spread[i:, i] = np.sqrt((off * off).sum(1) / both)
+        m, s, k = _from_one(axes[:, i:], axes[:, i])
+        mean[i, i:], spread[i, i:], count[i, i:] = m, s, k
+        mean[i:, i], spread[i:, i], count[i:, i] = m, s, k
+    np.fill_diagonal(mean, np.nan)
+    np.fill_diagonal(spread, np.nan)
     return Distances(mean, spread, count)
+
+
+def distances_from(xyz: Floats, marker: int) -> Distances:
+    """(1) of one marker from all, itself too, of paths (M, F, 3) mm, NaN where missing."""
+    axes = np.moveaxis(xyz, -1, 0)
+    return Distances(*_from_one(axes, axes[:, marker]))
+
+
+def _from_one(axes: Floats, one: Floats) -> tuple[Floats, Floats, Ints]:
+    """Mean, spread and frames (M) of the distances of paths (3, M, F) from one (3, F)."""
+    x, y, z = axes - one[:, None]
+    d = np.sqrt(x * x + y * y + z * z)
+    there = ~np.isnan(d)
+    count = there.sum(1)
+    both = np.where(count > 0, count, np.nan)
+    mean = np.where(there, d, 0.0).sum(1) / both
+    off = np.where(there, d - mean[:, None], 0.0)
+    return mean, np.sqrt((off * off).sum(1) / both), count
 
 
 def spanning_links(share: Floats, *, most: float) -> Ints:

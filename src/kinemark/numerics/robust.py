@@ -17,7 +17,12 @@ and its log-likelihood is, but for what does not depend on d,
 
     −(ν + k)/2 ln(1 + d²/ν)                                               (3)
 
-The median |d| of normally distributed errors is 0.6745 standard deviations (4), a measure of their spread that half
+The median of d² is 2 ln 2 where errors of two dimensions are normally distributed, so that an unknown common scale s of
+all standard deviations is
+
+    s² = median(d²) / (2 ln 2)                                            (4)
+
+The median |d| of normally distributed errors is 0.6745 standard deviations (5), a measure of their spread that half
 of the errors may not spoil.
 """
 
@@ -28,10 +33,15 @@ import numpy as np
 from ..data.array_types import Floats
 
 MEDIAN_OF_NORMAL = 0.6745
-"""(4), in standard deviations; the normal distribution's, to the four digits that are usual."""
+"""(5), in standard deviations; the normal distribution's, to the four digits that are usual."""
 
 SD_PER_MEDIAN = 1.4826
 """Standard deviation of a normal distribution over its median |d|, without unit: 1 / 0.67449 (Rousseeuw 1984)."""
+
+
+def plane_scale(d: Floats) -> float:
+    """s of (4) from lengths d of residuals of two dimensions."""
+    return float(np.sqrt(np.median(d**2) / (2 * np.log(2))))
 
 
 def cauchy_loss(squared: Floats, c: float) -> Floats:

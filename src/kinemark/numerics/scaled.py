@@ -12,9 +12,6 @@ import numpy as np
 
 from ..data.array_types import Floats
 
-NOTHING = 1e-300
-"""Stands for zero on a diagonal, so that an unknown of which nothing is known divides by no zero; conventional."""
-
 RANK = 1e-15
 """Of the largest singular value of a scaled matrix, below which there is none; conventional: a few roundings."""
 
@@ -32,5 +29,6 @@ def scaled_inverse(A: Floats) -> Floats:
 
 
 def _scale(A: Floats) -> Floats:
-    """d (p) of (1)."""
-    return np.asarray(1 / np.sqrt(np.maximum(np.diag(A), NOTHING)))
+    """d (p) of (1); 1 where nothing is known of an unknown."""
+    diagonal = np.diag(A)
+    return np.asarray(1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)))

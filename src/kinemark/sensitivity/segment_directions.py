@@ -9,11 +9,12 @@ turns change with its ends by
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
 from ..data.array_types import Floats
+from ..geometry.rigid_pairs import distances
+from ..numerics.vectors import across
 from .sample_frames import SampledFrames
 
 
@@ -37,16 +38,13 @@ FEWEST = 10
 
 def segments(there: SampledFrames, method: Rigid = RIGID) -> list[tuple[int, int]]:
     """Pairs of markers that keep their distance: for each marker its steadiest partner, each pair once."""
+    known = distances(there.xyz, most_frames=there.xyz.shape[1])
     found: dict[tuple[int, int], float] = {}
-    for a, b in combinations(range(len(there.xyz)), 2):
-        length = np.linalg.norm(there.xyz[a] - there.xyz[b], axis=1)
-        length = length[np.isfinite(length)]
-        if len(length) < FEWEST:
-            continue
-        middle, spread = float(np.median(length)), float(length.std())
+    for a, b in np.argwhere(np.triu(known.frames >= FEWEST, 1)).tolist():
+        median = float(np.nanmedian(np.linalg.norm(there.xyz[a] - there.xyz[b], axis=1)))
         low, high = method.length_mm
-        if low <= middle <= high and spread <= max(method.spread_mm, method.spread_share * middle):
-            found[a, b] = spread
+        if low <= median <= high and known.spread[a, b] <= max(method.spread_mm, method.spread_share * median):
+            found[a, b] = float(known.spread[a, b])
     best = {m: min((p for p in found if m in p), key=lambda p: found[p], default=None) for m in range(len(there.xyz))}
     return sorted({pair for pair in best.values() if pair is not None})
 
@@ -59,10 +57,7 @@ def segment_jacobian(xyz: Floats, pairs: list[tuple[int, int]]) -> Floats:
         line = xyz[b] - xyz[a]
         length = np.linalg.norm(line, axis=1, keepdims=True)
         ahead = line / length
-        least = np.eye(3)[np.argmin(np.abs(np.nan_to_num(ahead)), axis=1)]
-        first = np.cross(ahead, least)
-        first /= np.linalg.norm(first, axis=1, keepdims=True)
-        for i, e in enumerate((first, np.cross(ahead, first))):
+        for i, e in enumerate(np.moveaxis(across(ahead), -1, 0)):
             J[:, 2 * k + i, b] = np.degrees(e / length)  # (1)
             J[:, 2 * k + i, a] = -J[:, 2 * k + i, b]
     return J

@@ -91,8 +91,8 @@ def test_cameras_exchanged_in_a_trial_are_named(tmp_path, pair):
     order = list(range(4))
     if pair:
         order[pair[0]], order[pair[1]] = pair[1], pair[0]
-    found = detected(CROWD, Rig(tuple(SMALL[c] for c in order)))
-    write_detections_csv(one.root / "one.csv", replace(found, cameras=SMALL.names))
+    seen = detected(CROWD, Rig(tuple(SMALL[c] for c in order)))
+    write_detections_csv(one.root / "one.csv", replace(seen, cameras=SMALL.names))
     quality = one.run(to="quality")["one"].quality
     swapped = found(quality, "cameras_swapped")
     if pair is None:

@@ -22,39 +22,34 @@ from kinemark.fill import (
     StaticShape,
     find_gaps,
 )
-from kinemark.fill.methods.cyclic import fill_cyclic
-from kinemark.fill.methods.low_rank_kalman import fill_low_rank_kalman, solve
-from kinemark.fill.methods.pattern import fill_pattern
-from kinemark.fill.methods.pca import fill_pca
-from kinemark.fill.methods.polynomials import fill_cubic, fill_linear, lagrange
-from kinemark.fill.methods.quintic import fill_quintic
-from kinemark.fill.methods.relational import fill_relational
-from kinemark.fill.methods.rigid_body import fill_rigid_body
+from kinemark.fill.methods.low_rank_kalman import solve
+from kinemark.fill.methods.polynomials import lagrange
+from kinemark.fill.methods.stage import filler_of
 from kinemark.geometry import nearest_rotations
 from kinemark.io.c3d.to_trial import read_c3d
 from kinemark.signal import smoothing_spline
 from support.shared import shared_data
 
-FILLERS = {
-    "linear": (fill_linear, Linear()),
-    "cubic": (fill_cubic, Cubic()),
-    "quintic": (fill_quintic, Quintic()),
-    "pattern": (fill_pattern, Pattern()),
-    "rigid body": (fill_rigid_body, RigidBody()),
-    "cyclic": (fill_cyclic, Cyclic()),
-    "relational": (fill_relational, Relational()),
-    "pca R1": (fill_pca, PCA(strategy="R1")),
-    "pca R2": (fill_pca, PCA()),
-    "pca alone": (fill_pca, PCA(bridged=False)),
-    "low rank": (fill_low_rank_kalman, LowRankKalman()),
+METHODS = {
+    "linear": Linear(),
+    "cubic": Cubic(),
+    "quintic": Quintic(),
+    "pattern": Pattern(),
+    "rigid body": RigidBody(),
+    "cyclic": Cyclic(),
+    "relational": Relational(),
+    "pca R1": PCA(strategy="R1"),
+    "pca R2": PCA(),
+    "pca alone": PCA(bridged=False),
+    "low rank": LowRankKalman(),
 }
 OF_OTHERS = ["pattern", "rigid body", "relational", "pca R1", "pca R2", "pca alone", "low rank"]
-every = pytest.mark.parametrize("name", FILLERS)
+every = pytest.mark.parametrize("name", METHODS)
 
 
 def fill(name, motion, gaps, **parameters):
-    filler, method = FILLERS[name]
-    return filler(motion, gaps, method=replace(method, **parameters))
+    method = replace(METHODS[name], **parameters)
+    return filler_of(method)(motion, gaps, method=method)
 
 
 def named(xyz, rate=100.0):
@@ -400,5 +395,5 @@ def test_a_real_walk_is_filled_to_a_few_millimetres():
 def test_all_gaps_of_a_trial_with_gaps_are_answered():
     motion = MarkerArray.of(read_c3d(shared_data("mocap3d/arm_box_lift_gaps/Vicon.c3d")).trajectories)
     gaps = find_gaps(motion)
-    for name in FILLERS:
+    for name in METHODS:
         assert all(p.reason or not np.isnan(p.xyz).any() for p in fill(name, motion, gaps))

@@ -27,6 +27,7 @@ import numpy as np
 
 from ...data.array_types import Bools, Floats
 from ...numerics.schur import BlockEquations, block_inverses, schur_complement
+from ...numerics.vectors import cross_matrix
 from .parts import Sticks, slices
 from .solver import BundleState, Freedom
 
@@ -85,7 +86,7 @@ def _camera_motions(state: BundleState, middle: Floats) -> Floats:
     for g, camera in zip(G, state.cameras, strict=True):
         at = camera.R @ middle[:3]
         g[9:12, :3] = -camera.R
-        g[12:15, :3] = -camera.R @ _cross(middle[:3])  # turning about the middle m: τ = −ω × m
+        g[12:15, :3] = -camera.R @ cross_matrix(middle[:3])  # turning about the middle m: τ = −ω × m
         g[12:15, 3:6] = -camera.R
         g[12:15, 6] = (camera.t + at) / middle[3]
     return G.reshape(-1, 7)
@@ -95,7 +96,7 @@ def _point_motions(xyz: Floats, middle: Floats) -> Floats:
     """(…, 3, 7) of points (…, 3)."""
     off = xyz - middle[:3]
     eye = np.broadcast_to(np.eye(3), (*xyz.shape, 3))
-    return np.concatenate([-_cross(off), eye, off[..., None] / middle[3]], -1)
+    return np.concatenate([-cross_matrix(off), eye, off[..., None] / middle[3]], -1)
 
 
 def _points_follow(
@@ -124,10 +125,3 @@ def _block_columns(state: BundleState, freedoms: tuple[Freedom, ...]) -> Floats:
         T[15 * c : 15 * c + 15, at : at + t.shape[1]] = t
         at += t.shape[1]
     return T
-
-
-def _cross(v: Floats) -> Floats:
-    """[v]×, (…, 3) → (…, 3, 3)."""
-    zero = np.zeros_like(v[..., 0])
-    x, y, z = v[..., 0], v[..., 1], v[..., 2]
-    return np.stack([np.stack([zero, -z, y], -1), np.stack([z, zero, -x], -1), np.stack([-y, x, zero], -1)], -2)

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats
+from ...numerics.vectors import across
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,15 +48,15 @@ class Sticks:
 
     def tangents(self) -> Floats:
         """(n, K, 3, 5) of (2)."""
-        across = _across(self.ahead)
+        turns = across(self.ahead)
         J = np.zeros((len(self.middle), len(self.along), 3, 5))
         J[..., :3] = np.eye(3)
-        J[..., 3:] = self.along[:, None, None] * across[:, None]
+        J[..., 3:] = self.along[:, None, None] * turns[:, None]
         return J
 
     def moved(self, step: Floats) -> Sticks:
         """After steps (n, 5)."""
-        ahead = self.ahead + np.einsum("nij,nj->ni", _across(self.ahead), step[:, 3:])
+        ahead = self.ahead + np.einsum("nij,nj->ni", across(self.ahead), step[:, 3:])
         ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
         return replace(self, middle=self.middle + step[:, :3], ahead=ahead)
 
@@ -217,14 +218,6 @@ def sticks_through(xyz: Floats, along: Floats) -> Sticks:
     length = np.linalg.norm(ahead, axis=1)
     ahead = ahead / np.where((there.sum(1) >= 2) & (length > 0), length, np.nan)[:, None]
     return Sticks(mean - s_mean[:, None] * ahead, ahead, np.asarray(along, np.float64))
-
-
-def _across(ahead: Floats) -> Floats:
-    """(n, 3, 2) e₁ and e₂ of (2)."""
-    least = np.eye(3)[np.abs(np.nan_to_num(ahead)).argmin(1)]
-    first = np.cross(ahead, least)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(ahead, first)], -1)
 
 
 def _nothing(n: int, degrees: int) -> tuple[Floats, Floats, float]:

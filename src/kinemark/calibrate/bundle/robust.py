@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...data.array_types import Bools, Floats
+from ...numerics.robust import plane_scale
 from .parts import Part, slices, supported
 from .solver import BundleState, Freedom, ImageObservations, normalised_residuals, solve
 
@@ -49,7 +50,7 @@ def noise_scale(d: Floats, state: BundleState, freedoms: tuple[Freedom, ...], us
     """(1) of normalised residuals d (C, N)."""
     m = equations(state, used)
     nu = max(m - unknowns(state, freedoms, used), 1)
-    return float(np.sqrt(np.median(d[used] ** 2) / (2 * np.log(2)) * m / nu)) + TINY
+    return plane_scale(d[used]) * float(np.sqrt(m / nu)) + TINY
 
 
 def solve_softly(

@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 from ...data import Camera, KinemarkError
 from ...data.method import Method, parameter
 from ...geometry import about, decompose, fit_dlt, from_dlt, near_middle, parameter_jacobian, project, undistort
+from ...numerics.robust import plane_scale
 from ...numerics.scaled import scaled_inverse
 from ..resection import ResectionFit, lens_covariance, resect
 from ..stage import CALIBRATE
@@ -256,6 +257,6 @@ def _outlier(fit: ResectionFit, p: int, base: int, reject: float) -> int | None:
     n = len(fit.normalised)
     if n <= base:
         return None
-    s = np.sqrt(np.median(fit.normalised**2) / (2 * np.log(2)) * 2 * n / (2 * n - p))  # (2)
+    s = plane_scale(fit.normalised) * np.sqrt(2 * n / (2 * n - p))  # (2)
     worst = int(fit.normalised.argmax())
     return worst if fit.normalised[worst] > reject * s + 1e-6 else None

@@ -34,6 +34,7 @@ from ...data.array_types import Bools, Floats
 from ...data.method import Method, parameter
 from ...geometry import undistort
 from ...geometry.sphere_offset import sphere_offset
+from ...numerics.robust import plane_scale
 from .lens_choice import LensScore, lens_terms, score_lenses, simplest
 from .plane_views import (
     POSE,
@@ -272,7 +273,7 @@ def _without_outliers(
     kept = np.ones(len(points.uv), np.bool_)
     for turn in range(ROUNDS):
         d = normalised_residuals(fit.planes, points)
-        s = np.sqrt(np.median(d[kept] ** 2) / (2 * np.log(2)))  # (1)
+        s = plane_scale(d[kept])  # (1)
         now = np.nan_to_num(d, nan=np.inf) <= reject * s + 1e-6
         if turn and (now == kept).all():
             break

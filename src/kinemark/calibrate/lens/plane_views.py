@@ -38,6 +38,7 @@ from scipy.spatial.transform import Rotation
 from ...data import Camera
 from ...data.array_types import Bools, Floats
 from ...geometry import parameter_jacobian, project
+from ...geometry.dlt import normalising
 from ...numerics.levenberg_marquardt import damped_step, minimise
 from ...numerics.scaled import scaled_inverse
 
@@ -113,7 +114,7 @@ def known_of(size: NDArray[np.int64], uv: Floats) -> KnownOptics:
 
 def fit_homography(xy: Floats, uv: Floats) -> Floats:
     """H (3, 3) of unit norm with (uv, 1) ~ H (xy, 1) for points (N, 2), N ≥ 4, by normalised linear least squares."""
-    T, U = _normalising(xy), _normalising(uv)
+    T, U = normalising(xy), normalising(uv)
     X = np.column_stack([xy, np.ones(len(xy))]) @ T.T
     u, v, _ = U @ np.column_stack([uv, np.ones(len(uv))]).T
     zero = np.zeros_like(X)
@@ -302,10 +303,3 @@ def _pose(H: Floats, focal: float) -> tuple[Floats, Floats]:
     r1, r2, t = columns.T
     U, _, Vt = np.linalg.svd(np.column_stack([r1, r2, np.cross(r1, r2)]))
     return U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt, t
-
-
-def _normalising(points: Floats) -> Floats:
-    scale = 1 / max(float(np.sqrt(points.var(0).mean())), 1e-300)
-    T = np.diag([scale, scale, 1.0])
-    T[:2, 2] = -scale * points.mean(0)
-    return T

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import Any, get_args, get_origin
 
-from ...data.method import Declaration, Parameter, Stage
-from ...data.parameter import ONE
+from ...data.method import ONE, Declaration, Parameter, Stage, plain
+from .calibration_table import WAYS
 from .method_tables import COMMON, SETTABLE, methods_of_way
 from .session_file import Settings
 
@@ -18,50 +18,40 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
+BOUNDS = {"low": "minimum", "high": "maximum", "above": "exclusiveMinimum", "below": "exclusiveMaximum"}
+
 
 def session_schema() -> dict[str, Any]:
     """The schema of a session file, as a value of JSON."""
-    schema = Settings.model_json_schema()
-    for name, stage in SETTABLE.items():
-        schema["properties"][name] = stage_schema(stage)
+    schema = _without_null(Settings.model_json_schema())
+    for stage in SETTABLE.values():
+        methods = [_ref(stage, name) for name in stage]
+        schema["properties"][stage.name] = {"description": stage.meaning, "anyOf": methods}
+        schema["$defs"] |= {_key(stage, name): method_schema(stage, declared) for name, declared in stage.items()}
     title = {"$schema": DIALECT, "title": "session.toml", "description": "A recording session of Kinemark."}
-    return schema | title
+    return title | schema | {"description": title["description"], "title": title["title"], "allOf": _of_ways()}
 
 
-def stage_schema(stage: Stage) -> dict[str, Any]:
-    """The table of a stage: one of its methods with its parameters."""
-    found = [_method_schema(stage, declared) for declared in stage.values()]
-    return {"description": stage.meaning, "anyOf": found}
-
-
-def _method_schema(stage: Stage, declared: Declaration) -> dict[str, Any]:
+def method_schema(stage: Stage, declared: Declaration) -> dict[str, Any]:
+    """The table of a stage that is done by a method."""
     parameters = (*COMMON.get(stage.name, ()), *declared.stateable)
     named = {"const": declared.name, "description": declared.summary}
-    required = [p.name for p in parameters if p.required]
-    if not _default(stage, declared):
-        required.insert(0, "method")
+    required = [] if _unnamed(stage, declared) else ["method"]
     return {
         "type": "object",
         "title": declared.name,
         "description": declared.summary,
         "properties": {"method": named} | {p.name: parameter_schema(p) for p in parameters},
-        "required": required,
+        "required": required + [p.name for p in parameters if p.required],
         "additionalProperties": False,
     }
-
-
-def _default(stage: Stage, declared: Declaration) -> bool:
-    """Whether a table without a name may mean this method; of calibrating, which one it is follows from the way."""
-    if declared.ways:
-        return any(methods_of_way(way)[0] == declared.name for way in declared.ways)
-    return declared.name == stage.default
 
 
 def parameter_schema(p: Parameter) -> dict[str, Any]:
     """One parameter with its range, default and meaning."""
     schema = _schema(p.inner, p)
     if p.default is not None:
-        schema["default"] = p.default
+        schema["default"] = plain(p.default)
     if p.unit not in ("", ONE):
         schema["x-unit"] = p.unit
     return schema | {"description": p.meaning}
@@ -74,11 +64,48 @@ def _schema(kind: Any, p: Parameter) -> dict[str, Any]:
         parts = get_args(kind)
         count = {} if parts[-1] is Ellipsis else {"minItems": len(parts), "maxItems": len(parts)}
         return {"type": "array", "items": _schema(parts[0], p)} | count
-    schema: dict[str, Any] = {"type": TYPES[kind]} if kind in TYPES else {}
-    return schema | (_bounds(p) if kind in (int, float) else {})
+    bounds = p.range._asdict() if kind in (int, float) else {}
+    finite = {BOUNDS[key]: value for key, value in bounds.items() if value is not None and math.isfinite(value)}
+    return ({"type": TYPES[kind]} if kind in TYPES else {}) | finite
 
 
-def _bounds(p: Parameter) -> dict[str, float]:
-    words = {"low": "minimum", "high": "maximum", "above": "exclusiveMinimum", "below": "exclusiveMaximum"}
-    given = {words[key]: value for key, value in p.range._asdict().items() if value is not None}
-    return {word: value for word, value in given.items() if math.isfinite(value)}
+def _unnamed(stage: Stage, declared: Declaration) -> bool:
+    """Whether a table without a name may mean this method; of calibrating, which one it is follows from the way."""
+    if declared.ways:
+        return any(methods_of_way(way)[0] == declared.name for way in declared.ways)
+    return declared.name == stage.default
+
+
+def _of_ways() -> list[dict[str, Any]]:
+    """For each way of calibrating, the methods that `[calibrate]` may have."""
+    stage = SETTABLE["calibrate"]
+    return [
+        {
+            "if": {"properties": {"calibration": {"required": [way]}}},
+            "then": {"properties": {"calibrate": {"anyOf": [_ref(stage, name) for name in methods_of_way(way)]}}},
+        }
+        for way in WAYS
+        if methods_of_way(way)
+    ]
+
+
+def _key(stage: Stage, name: str) -> str:
+    return f"{stage.name}.{name}"
+
+
+def _ref(stage: Stage, name: str) -> dict[str, str]:
+    return {"$ref": f"#/$defs/{_key(stage, name)}"}
+
+
+def _without_null(schema: Any) -> Any:
+    """A schema without null, which TOML does not have: what may be None may be left out."""
+    if isinstance(schema, list):
+        return [_without_null(part) for part in schema]
+    if not isinstance(schema, dict):
+        return schema
+    rest = {key: _without_null(part) for key, part in schema.items() if not (key == "default" and part is None)}
+    some = [part for part in rest.get("anyOf", []) if part != {"type": "null"}]
+    if len(some) == len(rest.get("anyOf", [])):
+        return rest
+    del rest["anyOf"]
+    return some[0] | rest if len(some) == 1 else rest | {"anyOf": some}

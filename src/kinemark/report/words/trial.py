@@ -155,6 +155,14 @@ TRIAL_WORDS = {
         "Correct the one that is wrong: times and speeds are as right as rate_hz. High-speed cameras often store a "
         "slower rate, and a field of interlaced video is a frame.",
     ),
+    "channels_resampled": Words(
+        "{channels} channels at {rate_hz} are interpolated to {stored_rate_hz} in the C3D file, which has one rate.",
+        "Take them from the recording's own file where every sample counts.",
+    ),
+    "channels_cut": Words(
+        "{channels} channels go on for {duration_s} beyond the frames; the C3D file does not hold that.",
+        "Take them from the recording's own file where that counts.",
+    ),
     "cameras_swapped": Words(_swapped, "Exchange the files, in the trial or in the calibration."),
     "camera_out_of_sync": Words(_out_of_sync, "Check that all cameras are triggered together."),
     "camera_without_images": Words("{Cameras} has no images at all.", LOOK_AT_CAMERA),

@@ -27,6 +27,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from ...data.array_types import Floats, Ints
+from ...geometry.rigid_pairs import distances_from
 from .kalman_states import KalmanStates, predict, reversed_time
 from .neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of
 from .simultaneous_method import Simultaneous
@@ -200,8 +201,9 @@ def _distances(points: TrackPoints, place: Ints, i: int) -> tuple[Floats, Floats
     there = place[:, own] >= 0
     there[i] = False
     some = np.flatnonzero(there.sum(1) >= LOOK)
-    r = np.linalg.norm(points.xyz[place[some[:, None], own]] - points.xyz[place[i, own]], axis=-1)
-    r = np.where(there[some], r, np.nan)
+    rows = np.append(some, i)
+    known = np.append(there[some], np.ones((1, len(own)), bool), axis=0)
+    found = distances_from(np.where(known[..., None], points.xyz[place[rows[:, None], own]], np.nan), len(some))
     mean, sd = np.full(len(place), np.nan), np.full(len(place), np.nan)
-    mean[some], sd[some] = np.nanmean(r, 1), np.maximum(np.nanstd(r, 1), LEAST)
+    mean[some], sd[some] = found.mean[:-1], np.maximum(found.spread[:-1], LEAST)
     return mean, sd

@@ -13,8 +13,9 @@ import numpy as np
 from ....data import Camera, KinemarkError
 from ....data.array_types import Floats
 from ....geometry import decompose
+from ....numerics.robust import cauchy_weight
 from ..parts import Held, complete
-from ..robust import solve_softly
+from ..robust import SOFT, solve_softly
 from ..solver import BundleState, Freedom, ImageObservations
 from .seeds import projections
 from .unknown_optics import UnknownOptics
@@ -64,7 +65,7 @@ def _translation(R: Floats, xyz: Floats, xy: Floats) -> Floats:
     for _ in range(10):
         t = np.linalg.lstsq((rows * w[:, None, None]).reshape(-1, 3), (b * w[:, None]).ravel(), rcond=None)[0]
         off = np.linalg.norm(rows @ t - b, axis=1)
-        w = 1 / np.sqrt(1 + (off / (2.5 * np.median(off) + 1e-12)) ** 2)
+        w = np.sqrt(cauchy_weight(off**2, SOFT * float(np.median(off)) + 1e-12))
     return np.asarray(t)
 
 

@@ -1,0 +1,30 @@
+"""Vectors of space: what is square to them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data.array_types import Floats
+
+AFTER, BEFORE = [1, 2, 0], [2, 0, 1]
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """a × b (…, 3), without the overhead of `numpy.cross`, which takes ten times as long for few vectors."""
+    return np.asarray(a[..., AFTER] * b[..., BEFORE] - a[..., BEFORE] * b[..., AFTER])
+
+
+def cross_matrix(v: Floats) -> Floats:
+    """[v]× (…, 3, 3) of vectors (…, 3): its product with b is v × b."""
+    x, y, z = np.moveaxis(v, -1, 0)
+    out = np.zeros((*v.shape, 3))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -z, y, -x
+    return out - out.mT
+
+
+def across(ahead: Floats) -> Floats:
+    """(n, 3, 2) two unit vectors, square to each other and to unit vectors (n, 3); NaN where these are."""
+    least = np.eye(3)[np.abs(np.nan_to_num(ahead)).argmin(1)]
+    first = np.cross(ahead, least)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(ahead, first)], -1)

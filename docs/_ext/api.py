@@ -36,7 +36,8 @@ def parts() -> dict[str, list[str]]:
             package = importlib.import_module(f"kinemark.{module.name}")
             for name in getattr(package, "__all__", ()):
                 thing = getattr(package, name)
-                if not inspect.ismodule(thing):
+                elsewhere = any(id(thing) in names for part, names in found.items() if part != module.name)
+                if not inspect.ismodule(thing) and not (elsewhere and _part_of(thing) != module.name):
                     found.setdefault(module.name, {}).setdefault(id(thing), f"kinemark.{module.name}.{name}")
     return {part: sorted(set(names.values()), key=_by_last_name) for part, names in sorted(found.items())}
 

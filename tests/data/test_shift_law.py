@@ -53,12 +53,18 @@ NO_POSITIONS = {
         data.outside kinematics.inverse_cosines kinematics.principal kinematics.resampled kinematics.spans_of
         kinematics.turned sensitivity.cycle_weights""",
     "numbers, matrices, settings, models, names": """
-        calibrate.centroid_deviation calibrate.free_parameters calibrate.marker_places data.same geometry.inverse3
-        geometry.solve3 io.camera_number io.load_model io.on_frames io.siblings io.with_parameters data.named
+        calibrate.centroid_deviation calibrate.free_parameters calibrate.marker_places data.same
+        data.make_finding reconstruct.image_errors io.camera_number
+        io.load_model io.on_frames io.siblings io.with_parameters data.named
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
         engine.calibrate_method engine.is_da engine.method_of engine.methods_text engine.methods_figures
         engine.methods_table_markdown engine.session_schema track.matches_itself
         engine.read_settings signal.gain signal.weights synth.focal_pixels""",
+    "findings and their words": """
+        report.advice_of report.headline_of report.reason_text report.sentences_of report.text_of report.with_words""",
+    "compiled parts of functions that have a case": """
+        native.candidates native.find_runs native.group_runs native.index_images native.information native.intersect
+        native.inverse native.library native.predict native.project native.status native.sum_pixels native.update""",
     "motions at places of their own": """
         synth.circle_over_cylinder synth.elbow_flexion synth.tilted_rectangle""",
     "files of what others give: of `quality` and `scene`, of `film` and `truth`; of BTS, which is only read": """

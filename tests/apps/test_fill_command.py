@@ -157,7 +157,7 @@ def test_a_session_that_is_run_again_fills_only_what_changed(session):
         closed.computed == ("fill", "quality", "write")
         and "stayed open" in (folder / "results/one/gaps.html").read_text()
     )
-    without = Session.open(folder, overrides=["fill.rays=false"]).run()["one"]
+    without = Session.open(folder, overrides=["fill.rays=false"]).run(to="fill")["one"]
     assert not filled_of(without).cameras[filled_of(without).origin == Origin.FILLED].any()
 
 

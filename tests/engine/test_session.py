@@ -57,8 +57,8 @@ def changed(folder, old, new):
     return folder
 
 
-def run(folder):
-    return Session.open(folder).run()["one"]
+def run(folder, to="write"):
+    return Session.open(folder).run(to=to)["one"]
 
 
 def recomputed(trial):
@@ -92,24 +92,24 @@ def test_a_second_run_does_only_what_changed(folder):
     assert recomputed(run(folder)) == ()
     assert {p: p.stat().st_mtime_ns for p in before} == before
     changed(folder, "[calibration]", "[track]\ngate = 4.0\n[calibration]")
-    assert recomputed(run(folder)) == ("track",)
+    assert recomputed(run(folder, "track")) == ("track",)
     changed(folder, "[track]", "[reconstruct]\nmarker_diameter = 25.0\n[track]")
-    assert recomputed(run(folder)) == ("track",)
+    assert recomputed(run(folder, "track")) == ("track",)
     rig = read_rig_toml(folder / "rig.toml")
     write_rig_toml(folder / "rig.toml", replace(rig, cameras=rig.cameras[:3]))
-    assert recomputed(run(folder)) == ("detect", "track")
+    assert recomputed(run(folder, "track")) == ("detect", "track")
 
 
 def test_a_tracker_of_points_runs_the_stages_before_it(folder):
     changed(folder, "[calibration]", STAGED)
-    assert recomputed(run(folder)) == ("detect", "match", "reconstruct", "track")
+    assert recomputed(run(folder, "track")) == ("detect", "match", "reconstruct", "track")
     changed(folder, "[track]", "[reconstruct]\ntails = 2.0\n[track]")
-    assert recomputed(run(folder)) == ("reconstruct", "track")
+    assert recomputed(run(folder, "track")) == ("reconstruct", "track")
     changed(folder, "extrapolation_ladder", "kiss_tracking")
-    assert recomputed(run(folder)) == ("track",)
+    assert recomputed(run(folder, "track")) == ("track",)
     changed(folder, "[reconstruct]", '[match]\nmethod = "kiss_triplets"\n[reconstruct]')
-    assert recomputed(run(folder)) == ("match", "reconstruct", "track")
-    assert score(run(folder).tracks, POINTS).recall > 0.99
+    assert recomputed(run(folder, "track")) == ("match", "reconstruct", "track")
+    assert score(run(folder, "track").tracks, POINTS).recall > 0.99
 
 
 def test_stages_that_would_do_nothing_are_refused(folder):
@@ -122,13 +122,13 @@ def test_stages_that_would_do_nothing_are_refused(folder):
 
 
 def test_what_the_tracker_doubts_outlives_the_run(folder):
-    first = run(folder)
+    first = run(folder, "quality")
     said = json.loads((folder / "results/one/ambiguous_decisions.json").read_text())
     assert set(said) == {"ambiguous_decisions", "diagnostics"}
-    again = run(folder)
+    again = run(folder, "quality")
     assert recomputed(again) == () and again.quality["ambiguous_decisions"] == first.quality["ambiguous_decisions"]
     (folder / "results/one/ambiguous_decisions.json").write_text("{")
-    assert recomputed(run(folder)) == ("track",)
+    assert recomputed(run(folder, "track")) == ("track",)
 
 
 def test_what_is_lost_or_damaged_is_made_again(folder):
@@ -138,10 +138,10 @@ def test_what_is_lost_or_damaged_is_made_again(folder):
     assert recomputed(run(folder)) == ()
     assert (results / "report.html").is_file()
     (results / "cloud.h5").write_bytes(b"damaged")
-    assert recomputed(run(folder)) == ("reconstruct",)
+    assert recomputed(run(folder, "track")) == ("reconstruct",)
     (results / "steps.json").write_text("{")
-    assert recomputed(run(folder)) == ("detect", "match", "reconstruct", "track")
-    assert np.array_equal(run(folder).tracks.id, first.tracks.id)
+    assert recomputed(run(folder, "track")) == ("detect", "match", "reconstruct", "track")
+    assert np.array_equal(run(folder, "track").tracks.id, first.tracks.id)
 
 
 def test_a_run_that_was_cut_off_goes_on(folder, monkeypatch):
@@ -151,9 +151,9 @@ def test_a_run_that_was_cut_off_goes_on(folder, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr("kinemark.engine.trial_graph.track_simultaneously", fail)
         with pytest.raises(KeyboardInterrupt):
-            run(folder)
+            run(folder, "track")
     assert not list(folder.rglob("*.part*"))
-    assert recomputed(run(folder)) == ("track",)
+    assert recomputed(run(folder, "track")) == ("track",)
 
 
 @pytest.mark.parametrize(
@@ -208,14 +208,14 @@ def test_dlt_files_need_their_unit_and_then_give_the_same_points(folder):
     rig = ring(4, lens=np.zeros(5))
     write_detections_csv(folder / "one.csv", observe(rig, POINTS)[0])
     write_rig_toml(folder / "rig.toml", rig)
-    direct = run(folder).tracks
+    direct = run(folder, "track").tracks
     metres = to_dlt(rig.P) * np.array([1000, 1000, 1000, 1, 1000, 1000, 1000, 1, 1000, 1000, 1000])
     write_dlt_csv(folder / "rig.csv", metres)
     changed(folder, "rig.toml", "rig.csv")
     changed(folder, "[calibration]", '[cameras]\nnames = ["c0", "c1", "c2", "c3"]\n[calibration]')
     with pytest.raises(KinemarkError, match="length_unit"):
-        run(folder)
-    by_dlt = run(changed(folder, "[calibration]", '[calibration]\nlength_unit = "m"'))
+        run(folder, "track")
+    by_dlt = run(changed(folder, "[calibration]", '[calibration]\nlength_unit = "m"'), "track")
     assert np.abs(by_dlt.tracks.cloud.xyz - direct.cloud.xyz).max() < 1e-3
 
 
@@ -284,7 +284,7 @@ def test_masks_are_learned_once_for_all_trials(filmed, monkeypatch):
 
 def test_videos_are_processed(filmed):
     folder, path = filmed
-    result = score(run(folder).tracks, path[None], within=20.0)  # a pixel is 30 mm, and the spots are no discs
+    result = score(run(folder, "track").tracks, path[None], within=20.0)  # a pixel is 30 mm, and the spots are no discs
     assert result.recall == 1.0
     assert result.rmse < 1.5
 
@@ -359,7 +359,7 @@ def test_a_bts_file_is_a_whole_session(tmp_path):
 
 
 def test_another_rate_is_another_input(folder):
-    assert run(folder).trajectories.rate == 100
+    assert run(folder, "track").trajectories.rate == 100
     result = run(changed(folder, "rate_hz = 100.0", "rate_hz = 200.0"))
     assert result.computed[0] == "detect"
     assert read_c3d(folder / "results/one/one.c3d").trajectories.rate == 200
@@ -408,8 +408,8 @@ def test_cameras_of_one_name_are_refused(folder):
 
 def test_a_rate_that_the_videos_contradict_is_a_doubt(filmed):
     folder, _ = filmed
-    assert "frame_rate_contradicted" not in kinds(run(folder).quality)
-    figures = run(changed(folder, "rate_hz = 50.0", "rate_hz = 500.0")).quality
+    assert "frame_rate_contradicted" not in kinds(run(folder, "quality").quality)
+    figures = run(changed(folder, "rate_hz = 50.0", "rate_hz = 500.0"), "quality").quality
     (one,) = found(figures, "frame_rate_contradicted")
     assert one.cameras[0] == "c0" and one.values["rate_hz"] == 500 and set(one.values["stated_hz_list"]) == {50.0}
     assert figures["verdict"]["grade"] != "green"

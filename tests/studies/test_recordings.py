@@ -10,6 +10,7 @@ from support.studies import figures, printed
 GAIT = ("recall", "median", "p95", "swaps", "pieces", "per_track", "extra", "strangers", "chance", "markers", "seconds")
 
 
+@pytest.mark.nightly
 def test_a_clinical_gait_trial():
     shared_data("cameras/gait9_bts/gait9.tdf")
     text = printed("gait_trial")
@@ -33,6 +34,7 @@ def test_a_clinical_gait_trial():
         assert row["recall"] > figures(ours, name)[-len(GAIT)]
 
 
+@pytest.mark.nightly
 def test_infrared_footage(tmp_path):
     shared_data("cameras/ir_4cam_footage")
     text = printed("infrared_footage", tmp_path / "session")
@@ -50,6 +52,7 @@ KNOWN = {
 }
 
 
+@pytest.mark.nightly
 def test_dlt_files():
     shared_data("cameras/dltdv_thermal_3cam")
     text = printed("dlt_files")

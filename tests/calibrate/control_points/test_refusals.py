@@ -8,7 +8,6 @@ from kinemark.calibrate import (
     Dlt,
     calibrate_control_points,
     control_point_quality,
-    judge_control_points,
 )
 from kinemark.calibrate.control_points.mistaken import exchanged, mistaken_points
 from kinemark.data import KinemarkError
@@ -100,14 +99,9 @@ def test_two_exchanged_points_are_named_even_where_no_camera_fits(pair):
     assert [int(i) for i in np.flatnonzero(swap.image_of != np.arange(8))] == sorted(pair) and swap.after < 1
     assert exchanged(BOX, uv[0]) is None and mistaken_points(BOX, uv[0], "12345678", camera="cam1") is None
     names = tuple(str(i + 1) for i in pair)
-    try:
-        found = judge_control_points(control_point_quality(rig.names, [(0, 0)] * 3, BOX, uv))
-        assert found.grade == "bad"
-        findings = found.findings
-    except KinemarkError as error:
-        assert "Camera cam2" in str(error) and f"control points {names[0]}, {names[1]}" in str(error)
-        findings = error.findings
-    (said,) = (one for one in findings if one.kind == "control_points_swapped")
+    with pytest.raises(KinemarkError, match=f"Camera cam2.*control points {names[0]}, {names[1]}") as error:
+        control_point_quality(rig.names, [(0, 0)] * 3, BOX, uv)
+    (said,) = (one for one in error.value.findings if one.kind == "control_points_swapped")
     assert (said.cameras, said.values["points_list"], said.values["image_of_list"]) == (("cam2",), names, names[::-1])
     assert said.values["after_px"] < 1 < said.values["before_px"]
 

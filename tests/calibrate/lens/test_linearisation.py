@@ -306,6 +306,7 @@ def test_the_real_chessboards():
     assert values(fit.camera)[:4] == pytest.approx(theirs[:4], abs=0.3)
 
 
+@pytest.mark.nightly
 def test_the_study_prints_the_figures_of_the_documentation():
     shared_data("cameras/chessboard_left")
     text = printed("linearisation")

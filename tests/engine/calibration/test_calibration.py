@@ -190,11 +190,11 @@ def test_fixed_marks_undo_a_shift_of_the_images(tmp_path, by):
     way = f"{BY_POINTS}\nreference_marker = {{ {marks} }}"
     one = session(tmp_path, way if by == 1 else f"{way}\nmark_reach_px = 50")
     write_detections_csv(one.root / "one.csv", replace(found, uv=found.uv + shift[found.camera]))
-    assert score(one.run()["one"].tracks, truth).rmse < 1.0
+    assert score(one.run(to="track")["one"].tracks, truth).rmse < 1.0
     plain = session(tmp_path, BY_POINTS if by == 1 else way)  # without marks, or looked for too near
     write_detections_csv(one.root / "one.csv", replace(found, uv=found.uv + shift[found.camera]))
     if by == 1:
-        bad = plain.run()["one"]
+        bad = plain.run(to="track")["one"]
         assert not score(bad.tracks, truth).recall > 0.5 or score(bad.tracks, truth).rmse > 5
     else:
         with pytest.raises(KinemarkError, match=r"its fixed mark 1 is seen within 20 px"):
@@ -212,7 +212,7 @@ def test_marks_that_did_not_shift_alike_name_their_camera_and_how_much_is_allowe
             file.write(f"reference_marker = {{ {said[1]} }}\n")
         opened = Session.open(one.root)
         if fine:
-            assert opened.run()["one"].detections.n_frames == TRIAL.shape[1]
+            assert opened.run(to="detect")["one"].detections.n_frames == TRIAL.shape[1]
         else:
             with pytest.raises(KinemarkError, match=r"Camera cam3: its 2 fixed marks .* 3 px are allowed"):
                 opened.run()
@@ -241,15 +241,15 @@ def test_masks_learned_from_an_empty_volume_leave_strobes_out(tmp_path):
     text = f'name = "m"\nrate_hz = 50.0\n[cameras]\nnames = [{NAMES}]\n[calibration]\nfile = "rig.toml"\n'
     text += '[[trials]]\nname = "one"\nimages = "one/{camera}/*.png"\n'
     (tmp_path / "session.toml").write_text(text)
-    plain = Session.open(tmp_path).run()["one"].detections
+    plain = Session.open(tmp_path).run(to="detect")["one"].detections
     assert plain.valid.sum() == 2 * 4 * 20
     (tmp_path / "session.toml").write_text(text + '[masks]\nempty = "empty/{camera}/*.png"\n')
-    result = Session.open(tmp_path).run()["one"]
+    result = Session.open(tmp_path).run(to="detect")["one"]
     assert result.computed[0] == "detect"
     assert result.detections.valid.sum() == 4 * 20
     assert learn_session_masks(tmp_path, tmp_path / "masks.toml") >= 4
     (tmp_path / "session.toml").write_text(text + '[masks]\nfile = "masks.toml"\n')
-    assert Session.open(tmp_path).run()["one"].detections.valid.sum() == 4 * 20
+    assert Session.open(tmp_path).run(to="detect")["one"].detections.valid.sum() == 4 * 20
 
 
 # -- results -----------------------------------------------------------------------------------------------------------

@@ -93,7 +93,7 @@ def test_cameras_exchanged_in_a_trial_are_named(tmp_path, pair):
         order[pair[0]], order[pair[1]] = pair[1], pair[0]
     seen = detected(CROWD, Rig(tuple(SMALL[c] for c in order)))
     write_detections_csv(one.root / "one.csv", replace(seen, cameras=SMALL.names))
-    quality = one.run()["one"].quality
+    quality = one.run(to="quality")["one"].quality
     swapped = found(quality, "cameras_swapped")
     if pair is None:
         assert swapped == []

@@ -93,7 +93,7 @@ def test_python_toml_and_command_line_are_one(tmp_path, stage):
         assert given.settings == written.settings
         assert type(getattr(given.settings, stage)) is STAGES[stage][name].kind
         assert getattr(getattr(given.settings, stage), key) != getattr(STAGES[stage].make(name), key)
-    from_session = given.run()["one"].tracks
+    from_session = given.run(to="track")["one"].tracks
     assert same(from_session, by_hand(detections, rig, given.settings))
 
 
@@ -131,7 +131,7 @@ def test_the_former_method_is_chosen_with_two_cameras(tmp_path):
     folder, rig, detections = folder_of(tmp_path, n_cameras=2)
     given = Session.open(folder, overrides=["track.method=former_two_cameras", "track.window=20"])
     assert given.settings.track.window == 20
-    assert same(given.run()["one"].tracks, by_hand(detections, rig, given.settings))
+    assert same(given.run(to="track")["one"].tracks, by_hand(detections, rig, given.settings))
 
 
 def test_methods_are_chosen_by_command(tmp_path):

@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+
 from support.tutorial_pages import blocks
 
 ROOT = Path(__file__).parents[2]

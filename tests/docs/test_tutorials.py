@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+
 from support.tutorial_pages import agrees, blocks, commands, compare, pages, run_page
 
 TUTORIALS = Path(__file__).parents[2] / "docs" / "tutorials"

@@ -112,7 +112,7 @@ def test_a_hidden_marker_does_not_take_its_neighbours_image():
 def test_a_longer_memory_asks_less_after_a_gap():
     paths = straight(12, start=((40.0, 40.0), (52.0, 40.0)), speed=((2.0, 0.0), (2.0, 0.0)))
     paths[0, 6:8] = np.nan
-    done, operator = run(paths, method(2, memory=4))
+    done, operator = run(paths, method(2, history=4))
     assert [q for q in operator.pointed() if q[0] >= 2] == [(6, 0), (7, 0)]
     np.testing.assert_allclose(done.uv, paths, atol=0.02)
 
@@ -326,7 +326,7 @@ def test_questions_are_put_in_words():
         ({"markers": ("a", "a")}, "each name once"),
         ({"markers": ("a",), "reference": "b"}, "reference is 'b'"),
         ({"markers": ("a",), "grid": 0}, "grid"),
-        ({"markers": ("a",), "memory": 1}, "memory"),
+        ({"markers": ("a",), "history": 1}, "history"),
         ({"markers": ("a",), "tolerance": 0.0}, "tolerance"),
     ],
 )

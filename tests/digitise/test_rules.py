@@ -98,7 +98,7 @@ def test_markers_that_met_are_asked_for_when_two_images_would_do():
     """Of all meetings hardly one ends with the names exchanged; as UM²AS does it, one in four does."""
     count = {}
     for clear in (1.0, 1.5):
-        m, done = method(2, clear=clear), []
+        m, done = method(2, ambiguity_ratio=clear), []
         for seed in range(MEETINGS):
             paths = meeting(seed)
             looks = cache(lambda f, paths=paths: look_at(image(paths[:, f]), method=TOGETHER))

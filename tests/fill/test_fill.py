@@ -1,4 +1,4 @@
-"""Filling: laws of the fillers of several donors, what `fill` says of each gap, refusals and odd input."""
+"""Filling: laws of the fillers of several reference markers, what `fill` says of each gap, refusals and odd input."""
 
 from dataclasses import replace
 
@@ -36,13 +36,13 @@ OURS = [LocalRegression(), Body()]
 
 
 @pytest.mark.parametrize("method", OURS, ids=lambda m: type(m).__name__)
-class TestFillersOfSeveralDonors:
+class TestFillersOfSeveralReferenceMarkers:
     def test_a_rigid_body_is_filled_exactly(self, method):
         motion, gap = moving(), Gap(2, 100, 200)
         (said,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
         assert off(said, motion, gap).max() < 0.05
 
-    def test_what_moves_with_the_donors_is_learnt(self, method):
+    def test_what_moves_with_the_reference_markers_is_learnt(self, method):
         motion, gap = moving(soft=10.0, noise=0.1), Gap(2, 100, 200)
         (said,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
         assert off(said, motion, gap).mean() < 0.8  # of a wobble of 10 mm
@@ -57,7 +57,7 @@ class TestFillersOfSeveralDonors:
         assert np.allclose(turn.apply(a.xyz) + shift, b.xyz, atol=1e-5)
 
     def test_backwards_in_time_is_filled_alike(self, method):
-        method = replace(method, hz=1000.0, frames=1000) if isinstance(method, Body) else method
+        method = replace(method, training_rate_hz=1000.0, training_frames=1000) if isinstance(method, Body) else method
         motion, gap = moving(201, soft=8.0, noise=0.5), Gap(1, 80, 121)
         back = motion._replace(xyz=motion.xyz[:, ::-1])
         (a,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
@@ -72,18 +72,18 @@ class TestFillersOfSeveralDonors:
         (b,) = filler_of(method)(motion._replace(xyz=other).hidden([gap]), [gap], method=method)
         assert np.array_equal(a.xyz, b.xyz)
 
-    def test_donors_that_are_missing_are_not_used(self, method):
+    def test_reference_marker_that_are_missing_are_not_used(self, method):
         motion = moving(soft=8.0)
         gaps = [Gap(k, 120, 180) for k in (1, 2, 3)]
         said = filler_of(method)(motion.hidden(gaps), gaps, method=method)
-        assert all(np.isfinite(s.xyz).all() and not {1, 2, 3} & set(s.donors) for s in said)
+        assert all(np.isfinite(s.xyz).all() and not {1, 2, 3} & set(s.references) for s in said)
 
     def test_two_markers_carry_no_frame(self, method):
         gap = Gap(0, 100, 120)
         (said,) = filler_of(method)(moving(markers=2).hidden([gap]), [gap], method=method)
         assert np.isnan(said.xyz).all() and "wanted 3" in said.reason
 
-    def test_donors_on_a_line_carry_no_frame(self, method):
+    def test_reference_marker_on_a_line_carry_no_frame(self, method):
         motion = moving(markers=4)
         line = motion.xyz.copy()
         line[1:] = line[1] + np.arange(3)[:, None, None] * np.array([10.0, 0, 0])
@@ -96,7 +96,7 @@ def test_the_own_error_bars_of_kriging_hold_on_a_model_of_its_kind():
     inside = []
     for seed in range(12):
         motion, gap = moving(400, soft=5.0, noise=0.5, seed=seed), Gap(2, 150, 250)
-        (said,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body(frames=100))
+        (said,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body(training_frames=100))
         error = said.xyz - motion.xyz[2, 150:250]
         inside.append((np.abs(error) < 1.96 * np.sqrt(np.diagonal(said.cov, axis1=1, axis2=2))).mean())
     assert 0.75 < np.mean(inside) <= 1.0  # before calibration
@@ -188,7 +188,12 @@ class TestFill:
         chosen = []
         for index in range(len(gaps)):
             (a, said_a, cov_a), (b, said_b, cov_b) = (choose(hidden, gaps, index, each) for each in (everyone, few))
-            assert (a.method, a.reason, a.donors, a.expected_mm) == (b.method, b.reason, b.donors, b.expected_mm)
+            assert (a.method, a.reason, a.references, a.expected_mm) == (
+                b.method,
+                b.reason,
+                b.references,
+                b.expected_mm,
+            )
             assert np.array_equal(said_a.xyz, said_b.xyz) and np.array_equal(cov_a, cov_b)
             chosen.append(a.method)
         assert set(chosen) == {"linear", "pattern", "local_regression"} and "local_regression" not in chosen[7:10]
@@ -228,11 +233,11 @@ class TestFill:
         with pytest.raises(ValueError, match="no method of the stage fill"):
             fill(motion, method="spline")
         with pytest.raises(ValueError, match="each once"):
-            Auto((Body(), Body(donors=4)))
-        for bad in ({"donors": 2}, {"bases": 0}, {"frames": 3}, {"hz": 0.0}):
+            Auto((Body(), Body(most_markers=4)))
+        for bad in ({"most_markers": 2}, {"local_frames": 0}, {"training_frames": 3}, {"training_rate_hz": 0.0}):
             with pytest.raises(ValueError, match="wanted"):
                 Body(**bad)
-        for bad in ({"donors": ()}, {"ridges": (0.0,)}, {"blocks": 1}):
+        for bad in ({"marker_counts": ()}, {"ridges": (0.0,)}, {"folds": 1}):
             with pytest.raises(ValueError):
                 LocalRegression(**bad)
 

@@ -314,7 +314,7 @@ def _doubtful(
 ) -> list[int]:
     """The markers of those found, each with its image, that (6) holds for; `free` (B) images are nobody's."""
     owner = {image: m for m, image in image_of.items()}
-    reach, k = method.grid * method.expansions / 2, method.clear
+    reach, k = method.grid * method.expansions / 2, method.ambiguity_ratio
     found = []
     for m, i in image_of.items():
         away = np.hypot(*(look.uv - places[m]).T)
@@ -340,7 +340,7 @@ def claimed(draft: DigitisedFrame, look: Look) -> NDArray[np.bool_]:
 
 def expected(state: DigitisingState, method: SemiAutomatic) -> Floats:
     """(M, 2) px where markers are expected in the present frame by (3); NaN where too little is known of one."""
-    first = max(state.frame - method.memory, 0)
+    first = max(state.frame - method.history, 0)
     past = [(f, s) for f, s in enumerate(state.saved[first : state.frame], first) if s is not None]
     out = np.full((len(method.markers), 2), np.nan)
     for m in range(len(out)):

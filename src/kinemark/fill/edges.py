@@ -1,9 +1,9 @@
 """Bad samples beside a gap: found against the marker's own habits, and trimmed.
 
 A marker that is about to vanish is seen by fewer cameras, half hidden or merged with another one, and its last samples
-are often wrong. Let z be the marker's positions less the mean of its `donors` most rigid neighbours, if they are seen,
-else the positions themselves. Away from the gap, b is the last sample that cannot be bad; from the parabola through the
-`past` samples up to b follow, h samples nearer to the gap,
+are often wrong. Let z be the marker's positions less the mean of its `references` most rigid neighbours, if they are
+seen, else the positions themselves. Away from the gap, b is the last sample that cannot be bad; from the parabola
+through the `past` samples up to b follow, h samples nearer to the gap,
 
     e(b, h) = |z(b + h) − ẑ(b + h)|,      h = 1 … b' − b                                                  (1)
 
@@ -54,7 +54,7 @@ class GapEdges(Method):
         meaning="and from this many times what the marker exceeds in one frame of two hundred on",
     )
     least: float = parameter(1.0, unit="mm", above=0, meaning="and from this error on")
-    donors: int = parameter(
+    neighbours: int = parameter(
         3, unit="markers", low=0, meaning="reference markers: neighbours whose mean error is taken off; 0: none"
     )
     habit: int = parameter(50, unit="errors", low=1, meaning="errors E(h) that must be known for a verdict")
@@ -100,10 +100,10 @@ class _Judge(NamedTuple):
     """What is usual for one marker.
 
     Attributes:
-        z: signals (F, 3), against donors first, then the positions; NaN where missing.
+        z: signals (F, 3), against reference markers first, then the positions; NaN where missing.
         ladder: (most, past) weights of ẑ at h = 1 … most.
         limits: give for each signal, when it is asked for, (most) mm; NaN where too little is known.
-        donors: neighbours' positions (D, F, 3), for (3).
+        references: neighbours' positions (D, F, 3), for (3).
         usual: gives (D, most) mm, median E_d(h), which is only needed where something stands out.
         method: parameters.
     """
@@ -111,7 +111,7 @@ class _Judge(NamedTuple):
     z: list[Floats]
     ladder: Floats
     limits: Sequence[Callable[[], Floats]]
-    donors: Floats
+    references: Floats
     usual: Callable[[], Floats]
     method: GapEdges
 
@@ -123,14 +123,14 @@ class _Judge(NamedTuple):
         z, limits = [known.x[marker]], [cache(lambda: _limits(habit(marker), method))]
         ladder = _ladder(method.past, method.most)
         there = known.seen.any(1) & (np.arange(len(known.names)) != marker)
-        donors = nearest(far(marker).sd, there, method.donors)
-        if len(donors):
-            against = known.x[marker] - known.x[donors].mean(0)
+        references = nearest(far(marker).sd, there, method.neighbours)
+        if len(references):
+            against = known.x[marker] - known.x[references].mean(0)
             z.insert(0, against)
             limits.insert(0, cache(lambda: _limits(_habit(against, ladder, method), method)))
         least = method.least / method.limit  # noise
-        usual = cache(lambda: np.array([np.maximum(habit(int(d))[0], least) for d in donors]))
-        return cls(z, ladder, limits, known.x[donors], usual, method)
+        usual = cache(lambda: np.array([np.maximum(habit(int(d))[0], least) for d in references]))
+        return cls(z, ladder, limits, known.x[references], usual, method)
 
     def bad(self, edge: int, toward: int) -> int:
         """How many samples from `edge` away from the gap are bad; the gap lies in the direction `toward` (1 or −1)."""
@@ -142,7 +142,7 @@ class _Judge(NamedTuple):
             unknown = np.flatnonzero(np.isnan(run[:, 0]))
             t = t[unknown[-1] + 1 :] if len(unknown) else t
             if len(t) > self.method.past and not np.isnan(limits()).any():
-                return self._first_bad(z[t], self.donors[:, t], limits())
+                return self._first_bad(z[t], self.references[:, t], limits())
         return 0
 
     def _first_bad(self, run: Floats, beside: Floats, limits: Floats) -> int:

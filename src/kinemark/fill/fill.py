@@ -52,7 +52,7 @@ class FilledGap:
         candidates: expected mean error of every method that was tried, mm; infinite where it had nothing to say. In
             trials of many gaps by the tests alone for a method that was not asked about this gap.
         tests: number of hidden tests made for this gap; some have none of their own where there is one method alone.
-        donors: markers that it was filled from.
+        reference_markers: those that it was filled from.
         trimmed: frames of the gap that had been measured and are taken to be wrong; filled too, unless it stays open.
         reason: why it stays open; empty when it is filled.
     """
@@ -64,7 +64,7 @@ class FilledGap:
     expected_mm: float
     candidates: Mapping[str, float] = field(default_factory=dict)
     tests: int = 0
-    donors: tuple[str, ...] = ()
+    reference_markers: tuple[str, ...] = ()
     trimmed: tuple[int, ...] = ()
     reason: str = ""
 
@@ -262,7 +262,7 @@ def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Fille
             trajectories.n_frames,
             "static",
             placed.expected_mm,
-            donors=placed.donors,
+            reference_markers=placed.references,
             reason=placed.reason,
         )
         found = _within(replace(found, method="") if placed.reason else found, limit_mm)
@@ -292,8 +292,12 @@ def choose(
     if not np.isfinite(said.xyz).all():
         why = said.reason or "no method has anything to say here"
         return replace(found, method="", expected_mm=np.nan, reason=why), said, said.cov
-    donors = tuple(motion.names[d] for d in said.donors)
-    return replace(found, donors=donors), said, best.calibration.covariance(said, edge_distance(motion, gap), weights)
+    references = tuple(motion.names[d] for d in said.references)
+    return (
+        replace(found, reference_markers=references),
+        said,
+        best.calibration.covariance(said, edge_distance(motion, gap), weights),
+    )
 
 
 def _told(answers: list[FillAnswer], gaps: list[Gap], index: int) -> tuple[dict[str, tuple[float, float]], Floats]:

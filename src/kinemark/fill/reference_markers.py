@@ -1,4 +1,4 @@
-"""Which markers tell most of another: donors by measured skill.
+"""Which markers tell most of another: reference markers by measured skill.
 
 Two measures, both over frames where all concerned are seen. *Rigidity*: the standard deviation of the distance between
 two markers; 0 on one rigid body. *Skill in a gap of half length h*: what a linear bridge over it leaves over half way,
@@ -23,7 +23,7 @@ from ..geometry.rigid_pairs import distances_from
 from .known_samples import KnownSamples
 
 INSTANTS = 150
-"""Instants at which donors are judged; chosen (see benchmarks/gaps.py)."""
+"""Instants at which reference markers are judged; chosen (see benchmarks/gaps.py)."""
 
 
 class Apart(NamedTuple):

@@ -112,7 +112,7 @@ def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
         "sd_worst_mm": float(np.nanmax(sd)) if np.isfinite(sd).any() else None,
         "candidates_mm": dict(gap.candidates),
         "tests": gap.tests,
-        "donors": list(gap.donors),
+        "reference_markers": list(gap.reference_markers),
         "trimmed": [frame + after.first_frame for frame in gap.trimmed] if gap.method else [],
         "reason": gap.reason,
     }

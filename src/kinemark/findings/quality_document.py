@@ -263,7 +263,7 @@ class GapData(TypedDict):
     candidates_mm: dict[str, Number]
     """Expected error of each method."""
     tests: Count
-    donors: list[str]
+    reference_markers: list[str]
     """Markers that it was filled from."""
     trimmed: list[int]
     """Measured frames that were replaced."""

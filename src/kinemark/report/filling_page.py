@@ -99,7 +99,7 @@ def gap_table(gaps: list[dict[str, Any]]) -> str:
             number(gap["sd_worst_mm"], 2),
             number(gap["tests"]),
             number(len(gap["trimmed"])) if gap["trimmed"] else "–",
-            _few(gap["donors"]),
+            _few(gap["reference_markers"]),
             *([gap["reason"] or "–"] if any(left_open) else []),
         ]
         for gap in gaps
@@ -126,7 +126,7 @@ def _drawing(gap: dict[str, Any], trajectories: Trajectories, before: Trajectori
     """One gap with its title; of a marker that is not in the trial and could not be placed, the title alone."""
     picture = ""
     if gap["marker"] in trajectories.names:
-        start, donors = gap["first_frame"] - trajectories.first_frame, tuple(gap["donors"][:MOST_DONORS])
+        start, donors = gap["first_frame"] - trajectories.first_frame, tuple(gap["reference_markers"][:MOST_DONORS])
         replaced = [] if before is None else [frame - before.first_frame for frame in gap["trimmed"]]
         dots = {frame: before[gap["marker"]].xyz[frame] for frame in replaced} if before is not None else {}
         picture = gap_figure(trajectories, gap["marker"], start, start + gap["frames"], donors, dots)

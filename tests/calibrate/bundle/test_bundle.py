@@ -110,7 +110,7 @@ def test_the_optimum_is_that_of_another_program():
     rig = ring(3, distortion=(-0.1, 0.05, 0, 0, 0))
     scene = waved(rig, 12, noise=0.3)
     begun, sticks = benchmark.disturbed(rig, scene.xyz, np.random.default_rng(1))
-    uv, freedom = scene.uv.reshape(3, -1, 2), Bundle(radial=1, centre=False).freedom
+    uv, freedom = scene.uv.reshape(3, -1, 2), Bundle(radial=1, principal_point=False).freedom
     ours = solve(BundleState(begun.cameras, (sticks,)), observed(uv, None), (freedom,) * 3)
     rival = benchmark.Rival(begun, sticks, uv, freedom)
     start = np.zeros(3 * rival.q + 5 * 12)

@@ -52,12 +52,12 @@ class TestWeighing:
         assert close_ones([1.0, 9.0, 1.2]) == [0, 2]
         assert close_ones([1.0, 9.0]) == [] and close_ones([np.inf, np.inf]) == []
 
-    def test_a_mean_says_what_its_parts_say_and_names_the_donors_of_those_that_count(self):
+    def test_a_mean_says_what_its_parts_say_and_names_the_reference_markers_of_those_that_count(self):
         said = [
-            Prediction(np.full((2, 3), float(k)), np.tile(k * np.eye(3), (2, 1, 1)), donors=(k,)) for k in (1, 2, 4)
+            Prediction(np.full((2, 3), float(k)), np.tile(k * np.eye(3), (2, 1, 1)), references=(k,)) for k in (1, 2, 4)
         ]
         mean = mean_prediction(said, np.array([0.25, 0.75, 0.0]))
-        assert np.allclose(mean.xyz, 1.75) and np.allclose(mean.cov, 1.75 * np.eye(3)) and mean.donors == (1, 2)
+        assert np.allclose(mean.xyz, 1.75) and np.allclose(mean.cov, 1.75 * np.eye(3)) and mean.references == (1, 2)
         silent = mean_prediction([s._replace(cov=np.full((2, 3, 3), np.nan)) for s in said], np.array([0.5, 0.5, 0.0]))
         assert np.isnan(silent.cov).all()
 
@@ -220,20 +220,20 @@ def walker():
 
 def test_the_faster_form_keeps_what_is_given():
     motion, gaps, mine = walker(), [Gap(2, 100, 120)] * 30, Hyper(lam=7.0)
-    quick = within_time(Body(donors=5, frames=20, hyper=mine), gaps, motion)
-    assert quick.hyper == mine and quick.donors == 5 and quick.frames == 20
+    quick = within_time(Body(most_markers=5, training_frames=20, hyper=mine), gaps, motion)
+    assert quick.hyper == mine and quick.most_markers == 5 and quick.training_frames == 20
     for given in (
         LimbAngles(model=fit_model(motion).model),
         LimbAngles(learned=learned_of(motion, method=LimbAngles())),
     ):
         assert within_time(given, gaps, motion) is given
-    assert [within_time(Kalman(history=h), gaps, motion).history for h in (0.1, 2.0)] == [0.1, 0.25]
+    assert [within_time(Kalman(margin=h), gaps, motion).margin for h in (0.1, 2.0)] == [0.1, 0.25]
 
 
 def test_where_the_tests_together_hide_most_of_the_trial_each_copy_is_learnt_from():
     subject = dressed(walking(duration_s=8, rate=50.0, seed=2), 16, seed=2)
     gaps = [Gap(k % 16, 10 + 14 * k, 35 + 14 * k) for k in range(24)]
     motion = MarkerArray(subject.xyz, 50.0, subject.names).hidden(gaps)
-    body, limbs = ask(motion, gaps, [Body(donors=6, frames=40), LimbAngles()])
+    body, limbs = ask(motion, gaps, [Body(most_markers=6, training_frames=40), LimbAngles()])
     assert body.method.hyper is None and limbs.method.learned is None
     assert np.isfinite([t.mean for t in body.tried]).mean() > 0.8

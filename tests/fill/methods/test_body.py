@@ -1,4 +1,4 @@
-"""Laws of kriging on the pose: what is left out and averaged, which donors are trusted, what the other side says."""
+"""Laws of kriging on the pose: what is left out and averaged, which reference markers count, what the mirror says."""
 
 import numpy as np
 import pytest
@@ -90,7 +90,7 @@ def test_several_frames_and_bends_do_better_than_one():
         gap = Gap(marker, 60, 200)
         one, many = (
             off(filler_of(Body())(motion.hidden([gap]), [gap], method=method)[0], motion, gap).mean()
-            for method in (Body(bases=1, kept=1), Body())
+            for method in (Body(local_frames=1, averaged=1), Body())
         )
         ratio.append(many / one)
     assert np.exp(np.mean(np.log(ratio))) < 0.97
@@ -112,7 +112,7 @@ def mirrored(n, *, seed=3):
 
 def test_the_other_side_teaches_where_little_of_the_stride_is_left():
     """What is seen of the marker is one part of the stride: its mean is not the other side's; and the partner of the
-    marker is no donor, as its own partner is missing."""
+    marker is no reference marker, as its own partner is missing."""
     errors = []
     for seed in (3, 4):
         motion = mirrored(200, seed=seed)
@@ -125,19 +125,19 @@ def test_the_other_side_teaches_where_little_of_the_stride_is_left():
 
 class TestTrust:
     @pytest.mark.parametrize("method", [LocalRegression(), Body()], ids=lambda m: type(m).__name__)
-    def test_a_donor_that_jumps_within_the_gap_hardly_matters(self, method):
+    def test_a_reference_marker_that_jumps_within_the_gap_hardly_matters(self, method):
         motion, gap = moving(400, soft=3.0, noise=0.2), Gap(2, 150, 230)
         hidden = motion.hidden([gap])
         filler = filler_of(method)
         (whole,) = filler(hidden, [gap], method=method)
-        for donor in whole.donors[:3]:
+        for reference in whole.references[:3]:
             bad = hidden.xyz.copy()
-            bad[donor, 170:200] += [30.0, 0, 0]
+            bad[reference, 170:200] += [30.0, 0, 0]
             (said,) = filler(hidden._replace(xyz=bad), [gap], method=method)
-            assert donor not in said.donors
+            assert reference not in said.references
             assert np.linalg.norm(said.xyz - whole.xyz, axis=1).max() < 2
 
-    def test_the_error_said_is_true_although_a_donor_jumps(self):
+    def test_the_error_said_is_true_although_a_reference_marker_jumps(self):
         inside, ratio = [], []
         for seed in range(4):
             motion, gap = moving(400, soft=3.0, noise=0.3, seed=seed), Gap(2, 150, 230)
@@ -171,7 +171,7 @@ class TestTrust:
         motion = MarkerArray.of(gaps)
         worst = next(gap for gap in find_gaps(motion) if gap.start == 192)
         (said,) = filler_of(Body())(motion, [worst], method=Body())
-        assert off(said, MarkerArray.of(truth), worst).mean() < 10  # of 45 mm with the upper arm as a donor
+        assert off(said, MarkerArray.of(truth), worst).mean() < 10  # of 45 mm with the upper arm as a reference marker
 
 
 def test_what_a_frame_varies_by_is_that_of_the_whole_covariance():
@@ -186,9 +186,9 @@ def test_what_a_frame_varies_by_is_that_of_the_whole_covariance():
 
 def test_which_way_the_other_side_faces_does_not_matter():
     motion, gap = mirrored(200), Gap(0, 60, 120)
-    donors, side = np.arange(1, 5), partners(motion.names)
+    references, side = np.arange(1, 5), partners(motion.names)
     hidden = motion.hidden([gap])
-    scene = scene_of(hidden, hidden.seen, gap, donors, partner=side, most=100, hz=30.0)
+    scene = scene_of(hidden, hidden.seen, gap, references, partner=side, most=100, hz=30.0)
     R = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
     xyz = np.where((scene.side == 1)[:, None], scene.xyz @ R.T, scene.xyz)
     one, other = (view_of(s, (1, 2, 3)) for s in (scene, scene._replace(xyz=xyz)))

@@ -37,8 +37,10 @@ class Bundle(Method):
         2, unit="lens terms", low=0, high=3, meaning="at most so many radial lens terms are fitted: k1, k2, k3"
     )
     tangential: bool = parameter(False, meaning="p1 and p2 are fitted as well")
-    centre: bool = parameter(True, meaning="the principal point is fitted; else it stays at the image's centre")
-    square: bool = parameter(
+    principal_point: bool = parameter(
+        True, meaning="the principal point is fitted; else it stays at the image's centre"
+    )
+    square_pixels: bool = parameter(
         True, meaning="pixels keep their shape, fy / fx, which is 1 unless a start says otherwise; else both are fitted"
     )
     reject: float = parameter(
@@ -51,10 +53,10 @@ class Bundle(Method):
         """The parameters of a camera of which nothing is known."""
         free = np.zeros(15, np.bool_)
         free[[0, 1, *range(9, 15)]] = True
-        free[[2, 3]] = self.centre
+        free[[2, 3]] = self.principal_point
         free[[4, 5, 8][: self.radial]] = True
         free[[6, 7]] = self.tangential
-        return Freedom(free, self.square)
+        return Freedom(free, self.square_pixels)
 
 
 class BundleFit(NamedTuple):

@@ -60,11 +60,11 @@ def weights(products: Floats, counts: Floats) -> Floats:
 
 
 def mean_prediction(said: Sequence[Prediction], w: Floats) -> Prediction:
-    """The weighed mean of predictions, of their covariances too, and the donors of those that count."""
+    """The weighed mean of predictions, of their covariances too, and the reference markers of those that count."""
     used = [one for one, share in zip(said, w, strict=True) if share > 0]
     xyz = np.tensordot(w, np.array([s.xyz for s in said]), 1)
-    donors = tuple(dict.fromkeys(d for s in used for d in s.donors))
-    return Prediction(xyz, _claim([s.cov for s in said], w), donors=donors)
+    references = tuple(dict.fromkeys(d for s in used for d in s.references))
+    return Prediction(xyz, _claim([s.cov for s in said], w), references=references)
 
 
 def mean_tests(tried: Sequence[list[Candidate]], w: Floats) -> list[Candidate]:

@@ -5,9 +5,9 @@ s frames to that window goes the whole state of the gap,
 
     hidden(k, f + s) = missing(k, f)        for all markers k and the gap's frames f,                        (1)
 
-so that the filler finds the same donors there and misses the same ones. Windows of several tests that do not overlap
-in time share one copy of the trial, so that one call of a filler serves them all; of one marker at most a tenth is
-hidden in one copy. Before a marker's first sample and after its last, all its samples to that end are hidden (2).
+so that the filler finds the same reference markers there and misses the same ones. Windows of several tests that do not
+overlap in time share one copy of the trial, so that one call of a filler serves them all; of one marker at most a tenth
+is hidden in one copy. Before a marker's first sample and after its last, all its samples to that end are hidden (2).
 
 A short trial may have no room: where hiding the gap's length again would leave less than half of it of the marker to
 learn from, the test is made with the nearest other markers, hidden in the frames of the gap itself (3): the same

@@ -1,15 +1,15 @@
 """What is looked at to fill one gap: frames to learn from, and the pose of the body part in them.
 
 Frames are those at the edges of the gap, half of the rest beside it, half all over the trial; those of the other side,
-mirrored, are a second source. In the local frame (R, c) of three donors, donor d, ranked by how little its distance
-from the marker varies (0 the least), has coordinates x_d. The pose is
+mirrored, are a second source. In the local frame (R, c) of three reference markers, marker d of the references, ranked
+by how little its distance from the marker varies (0 the least), has coordinates x_d. The pose is
 
     φ = ( x_d / (s_d √(1 + rank_d)) for all d,  θ A ) / √(1 + θ²)                                         (1)
 
-s_d being the spread of x_d, the donors' part scaled to unit mean square, as is A = R̄ᵀR, R̄ the rotation nearest to the
-mean of R: how the part is turned in space matters by θ, as what is soft hangs. x_d and A are taken less their mean in
-their own source, and as the donors are seen in the gap too, over all frames of it: what is left of a trial beside a
-long gap may be another part of the stride than the mean of the other side is of (2).
+s_d being the spread of x_d, the reference markers' part scaled to unit mean square, as is A = R̄ᵀR, R̄ the rotation
+nearest to the mean of R: how the part is turned in space matters by θ, as what is soft hangs. x_d and A are taken less
+their mean in their own source, and as the reference markers are seen in the gap too, over all frames of it: what is
+left of a trial beside a long gap may be another part of the stride than the mean of the other side is of (2).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class TrainingFrames(NamedTuple):
     """What is looked at for one gap: n frames to learn from, then L to fill.
 
     Attributes:
-        xyz: (1 + D, n + L, 3) mm, the marker first, then the donors.
+        xyz: (1 + D, n + L, 3) mm, the marker first, then the reference markers.
         time: (n + L) s.
         n: frames to learn from.
         side: (n + L) source of each frame; of those learnt from, the marker's own (0) come first.
@@ -66,7 +66,7 @@ class View(NamedTuple):
         R, c: the frame, in all n + L frames.
         y: (n, 3) mm, the marker in it, less the mean of its source.
         mean: (3) mm, of the marker's own source.
-        pose, turned: the donors' part of φ and A (1), in all frames.
+        pose, turned: the reference markers' part of φ and A (1), in all frames.
         square: (2, n + L) |·|² of both.
     """
 
@@ -80,20 +80,20 @@ class View(NamedTuple):
 
 
 def scene_of(
-    motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, donors: Ints, *, partner: Ints, most: int, hz: float
+    motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, references: Ints, *, partner: Ints, most: int, hz: float
 ) -> TrainingFrames | None:
-    """What there is to learn from; None where fewer than `FEWEST` frames show the marker together with its donors.
+    """What there is to learn from; None where fewer than `FEWEST` frames show the marker and its references.
 
     Args:
         motion: of the trial.
         seen: (M, F) of it.
         gap: to fill.
-        donors: their indices.
+        references: their indices.
         partner: (M) each marker's partner on the other side, itself where there is none.
         most: frames to learn from.
         hz: how densely they are taken.
     """
-    rows, step = np.array([gap.marker, *donors]), max(1, round(motion.rate / hz))
+    rows, step = np.array([gap.marker, *references]), max(1, round(motion.rate / hz))
     own = _thin(np.flatnonzero(np.logical_and.reduce(seen[rows])), gap, most, step)
     if len(own) < FEWEST:
         return None

@@ -160,21 +160,21 @@ def _judge(
 def table(found: dict[str, list[Result]]) -> None:
     """One row of the benchmark, a line a method, the best first."""
     error = {name: np.nan_to_num([r.error for r in of], nan=np.inf) for name, of in found.items()}
-    middle = {name: float(np.median(e)) for name, e in error.items()}
-    for name in sorted(found, key=lambda name: middle[name]):
+    median = {name: float(np.median(e)) for name, e in error.items()}
+    for name in sorted(found, key=lambda name: median[name]):
         able = [r for r in found[name] if np.isfinite(r.error)]
         p95 = np.percentile([r.error for r in able], 95) if able else np.nan
         cover = 100 * np.mean([r.covered for r in able]) if able else np.nan
         expected = np.median([r.expected for r in able]) if able else np.nan
         print(
-            f"    {name:17s} {middle[name]:8.2f} {p95:8.2f} mm   cover {cover:5.1f} %   expected {expected:7.2f} mm"
+            f"    {name:17s} {median[name]:8.2f} {p95:8.2f} mm   cover {cover:5.1f} %   expected {expected:7.2f} mm"
             f"   {1e3 * np.mean([r.seconds for r in found[name]]):6.0f} ms   unfilled {len(found[name]) - len(able)}"
         )
     if "auto" in found:
         singles = [name for name in found if name != "auto"]
         best = [min(singles, key=lambda s: error[s][k]) for k in range(len(found["auto"]))]
         hits = 100 * np.mean([b == r.chosen for b, r in zip(best, found["auto"], strict=True)])
-        ratio = middle["auto"] / min(middle[name] for name in singles)
+        ratio = median["auto"] / min(median[name] for name in singles)
         print(f"    auto chose the best for {hits:.0f} %; its median is {ratio:.2f} of the best method's")
 
 
@@ -249,8 +249,8 @@ def summary(every: Rows) -> None:
         for how, seconds in dict.fromkeys((how, s) for _, how, s in some):
             told = [r for at, found in some.items() if at[1:] == (how, seconds) for r in found]
             able = [r for r in told if np.isfinite(r.error)]
-            middle, cover = np.median([r.error for r in able]), 100 * np.mean([r.covered for r in able])
-            print(f"{title}, {how} {seconds:g} s: {len(told)} gaps, auto {middle:.2f} mm, cover {cover:.1f} %")
+            median, cover = np.median([r.error for r in able]), 100 * np.mean([r.covered for r in able])
+            print(f"{title}, {how} {seconds:g} s: {len(told)} gaps, auto {median:.2f} mm, cover {cover:.1f} %")
     covered = [r.covered for found in every.values() for r in found if np.isfinite(r.covered)]
     if covered:
         print(f"cover of all: {100 * np.mean(covered):.1f} %")

@@ -162,8 +162,8 @@ def tests_per_gap(gaps: int) -> int:
 def within_reach(motion: MarkerArray) -> MarkerArray:
     """The trial without samples that cannot be positions: a filler would take them for motion."""
     known = possible(motion.xyz)
-    wild = motion.seen & ~known
-    return motion._replace(xyz=np.where(known[..., None], motion.xyz, np.nan)) if wild.any() else motion
+    outliers = motion.seen & ~known
+    return motion._replace(xyz=np.where(known[..., None], motion.xyz, np.nan)) if outliers.any() else motion
 
 
 def ask(motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0) -> list[FillAnswer]:
@@ -219,16 +219,16 @@ def _asked(
 def _tested(gaps: list[Gap]) -> list[int]:
     """The gaps for which tests are made where there is no method to choose: `ENOUGH`, of all markers and lengths.
 
-    Each marker's gap of middle length comes first, as methods do better with some markers than with others.
+    Each marker's gap of median length comes first, as methods do better with some markers than with others.
     """
     order = sorted(range(len(gaps)), key=lambda k: gaps[k].length)
     of_marker: dict[int, list[int]] = {}
     for k in order:
         of_marker.setdefault(gaps[k].marker, []).append(k)
-    middle = [own[len(own) // 2] for own in of_marker.values()][:ENOUGH]
-    rest = [k for k in order if k not in middle]
-    places = np.linspace(0, len(rest) - 1, min(ENOUGH - len(middle), len(rest))).astype(int)
-    return sorted({*middle, *(rest[k] for k in places)})
+    median = [own[len(own) // 2] for own in of_marker.values()][:ENOUGH]
+    rest = [k for k in order if k not in median]
+    places = np.linspace(0, len(rest) - 1, min(ENOUGH - len(median), len(rest))).astype(int)
+    return sorted({*median, *(rest[k] for k in places)})
 
 
 def _say(motion: MarkerArray, gaps: list[Gap], method: Any) -> list[Prediction]:
@@ -375,11 +375,11 @@ class _Columns:
     def drop(self, missing: NDArray[np.bool_]) -> None:
         """Make samples (M, F) missing that are no positions, whether their gap is filled or stays open."""
         for marker, path in enumerate(self.source.paths):
-            wild = missing[marker] & (path.origin != Origin.MISSING)
-            if wild.any():
+            outliers = missing[marker] & (path.origin != Origin.MISSING)
+            if outliers.any():
                 into = self.of(marker)
-                into["xyz"][wild] = into["cov"][wild] = into["residual"][wild] = np.nan
-                into["origin"][wild], into["cameras"][wild], into["view"][wild] = Origin.MISSING, 0, -1
+                into["xyz"][outliers] = into["cov"][outliers] = into["residual"][outliers] = np.nan
+                into["origin"][outliers], into["cameras"][outliers], into["view"][outliers] = Origin.MISSING, 0, -1
 
     def put(self, gap: Gap, xyz: Floats, cov: Floats) -> None:
         """Fill a gap."""

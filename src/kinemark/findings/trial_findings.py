@@ -198,11 +198,11 @@ def _incomplete(figures: Figures) -> Found:
     if not trajectories["samples"] or complete >= COMPLETE_AMBER:
         return
     markers = [m for m in trajectories["markers"] if m["completeness_in_view_share"] < COMPLETE_AMBER]
-    worst = [m["name"] for m in sorted(markers, key=lambda m: float(m["completeness_in_view_share"]))]
+    least_complete = [m["name"] for m in sorted(markers, key=lambda m: float(m["completeness_in_view_share"]))]
     yield make_finding(
         "incomplete",
         severity=red_if(complete < COMPLETE_RED),
-        markers=() if trajectories["unlabelled"] else worst,
+        markers=() if trajectories["unlabelled"] else least_complete,
         complete_share=complete,
     )
 
@@ -269,7 +269,7 @@ def not_square(cameras: Sequence[Figures]) -> list[str]:
     return [name for name, ratio in ratios.items() if min(abs(ratio - 1), abs(ratio - 2)) > STRETCH]
 
 
-def worst_cameras(figures: Figures) -> list[str]:
+def inconsistent_cameras(figures: Figures) -> list[str]:
     """Names of the cameras that disagree with the others, for marking them in tables."""
     return [camera["name"] for camera in _outliers(figures)]
 

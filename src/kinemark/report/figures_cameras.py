@@ -17,7 +17,7 @@ COLUMNS = 600
 
 
 def residual_figure(cameras: list[dict[str, Any]]) -> go.Figure:
-    """A box a camera: middle half and median, whiskers to 5 and 95 %, a diamond at the RMS."""
+    """A box a camera: quartiles and median, whiskers to 5 and 95 %, a diamond at the RMS."""
     shown = [(c, camera) for c, camera in enumerate(cameras) if camera["residual_median_px"] is not None]
     if not shown:
         return empty("No camera's detections were used in a point, so there are no residuals.")

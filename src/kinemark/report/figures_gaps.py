@@ -74,8 +74,8 @@ def _panel(
     value, sd = path.xyz[frames, axis], np.sqrt(path.cov[frames, axis, axis])
     filled = path.origin[frames] == Origin.FILLED
     band = np.where(filled, NINETY_FIVE * np.nan_to_num(sd), 0.0)
-    middle = np.nanmedian(value) if np.isfinite(value).any() else 0.0
-    dots = [xyz[axis] for xyz in replaced.values() if abs(xyz[axis] - middle) < SHOWN_MM]
+    median = np.nanmedian(value) if np.isfinite(value).any() else 0.0
+    dots = [xyz[axis] for xyz in replaced.values() if abs(xyz[axis] - median) < SHOWN_MM]
     low, high = _span(np.concatenate([value - band, value + band, dots]))
     x = LEFT + (WIDTH - LEFT) * (frames - frames[0]) / max(frames[-1] - frames[0], 1)
 

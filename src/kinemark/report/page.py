@@ -14,7 +14,7 @@ from plotly.offline import get_plotlyjs
 
 from ..data import Detections, Rig, Tracks, Trajectories
 from ..findings.cameras import upwards
-from ..findings.trial_findings import LONG_GAP_S, worst_cameras
+from ..findings.trial_findings import LONG_GAP_S, inconsistent_cameras
 from ..io.files import replacing
 from ..track.simultaneous import Simultaneous
 from .ambiguous_table import ambiguous_table
@@ -116,7 +116,7 @@ def page(
         calibration_table=calibration_table(quality["cameras"]),
         digitised=digitised_card(quality.get("digitising")),
         spots_table=spots_table(quality["cameras"]),
-        camera_table=camera_table(quality["cameras"], worst_cameras(quality)),
+        camera_table=camera_table(quality["cameras"], inconsistent_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),
         filling=_filling(quality["filling"]),
         ambiguous_table=ambiguous_table(quality["ambiguous_decisions"], told=_tells(quality["steps"])),

@@ -46,7 +46,7 @@ Chosen."""
 CELLS = (8, 6)  # of an image, across and down; chosen
 FEWEST = 3
 """Images in a cell and half, below which its mean is not used; chosen."""
-WILD = 6.0
+OUTLIER = 6.0
 """Residuals this many times the usual are mistakes of matching or of detection, and not counted; chosen."""
 ROUNDS = 20  # of reweighting at most; chosen
 STRETCH_S = 0.25  # s of a stretch that goes to one half or the other; chosen, longer than noise lasts
@@ -184,7 +184,7 @@ def _tame(off: Floats, usable: Bools) -> Bools:
     left = usable & (size > 0).any(1)
     for _ in range(ROUNDS):
         usual = float(np.median(size[left][size[left] > 0])) if left.any() else np.inf
-        kept = left & (size.max(1, initial=0.0) <= WILD * usual)
+        kept = left & (size.max(1, initial=0.0) <= OUTLIER * usual)
         if (kept == left).all():
             break
         left = kept

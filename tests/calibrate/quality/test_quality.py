@@ -176,8 +176,8 @@ def test_the_map_of_a_volume_agrees_with_the_places_it_is_made_of():
     xyz = points_of(grid.axes)
     assert np.allclose(grid.sd.ravel(), deviation(predicted_covariance(RIG, xyz, centroid_sd=0.1)))
     assert grid.sd.shape == grid.seen.shape == grid.without.shape[1:]
-    assert (grid.worst >= grid.sd).all()
-    assert (grid.worst <= np.sqrt(3) * grid.sd * (1 + 1e-9)).all()
+    assert (grid.sd_largest_axis >= grid.sd).all()
+    assert (grid.sd_largest_axis <= np.sqrt(3) * grid.sd * (1 + 1e-9)).all()
     for c in range(len(RIG)):
         assert np.nanmin(grid.without[c] / grid.sd) >= 1
     assert np.array_equal(grid.seen.ravel(), visible(RIG, xyz).sum(0))

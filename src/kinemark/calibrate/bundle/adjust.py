@@ -200,8 +200,8 @@ def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) 
             )
     sd = np.sqrt([max(camera.cov[0, 0], 0.0) for camera in fit.rig]) / [abs(camera.K[0, 0]) for camera in fit.rig]
     if not focus_held and not sd.max() <= VAGUE:
-        worst = fit.rig[int(np.nanargmax(np.where(np.isnan(sd), np.inf, sd)))]
+        least_certain = fit.rig[int(np.nanargmax(np.where(np.isnan(sd), np.inf, sd)))]
         raise KinemarkError(
-            f"The focal length of camera {worst.name} is uncertain by {sd.max():.0%}: it saw too little. Wave "
+            f"The focal length of camera {least_certain.name} is uncertain by {sd.max():.0%}: it saw too little. Wave "
             "nearer to it and farther away, in all its image, turn the stick in all directions, or linearise it first."
         )

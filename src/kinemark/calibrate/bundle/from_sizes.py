@@ -208,10 +208,10 @@ def _check_gaps(cameras: Sequence[Camera], uv: Floats, along: Floats) -> None:
 
 def _check_found(rig: Rig, noise: float) -> None:
     """Raises a KinemarkError where all cameras fit much worse than any two of them do alone, to `noise` px."""
-    worst = max(rig, key=lambda camera: camera.residual)
-    if worst.residual > max(WORSE * noise, FINE):
+    largest = max(rig, key=lambda camera: camera.residual)
+    if largest.residual > max(WORSE * noise, FINE):
         raise KinemarkError(
-            f"Two cameras fit each other within {noise:.2f} px, but all together leave {worst.residual:.2f} px in "
-            f"camera {worst.name}: these are not the cameras. Wave through the whole volume, in depth too, and check "
+            f"Two cameras fit each other within {noise:.2f} px, but all together leave {largest.residual:.2f} px in "
+            f"camera {largest.name}: these are not the cameras. Wave through the whole volume, in depth too, and check "
             "the lengths; a lens that bends lines strongly needs more lens terms, or a linearisation."
         )

@@ -158,8 +158,8 @@ def _check_gaps(ratio: Floats, along: Floats) -> None:
         return
     wanted_ratio = np.log(gaps[0] / gaps[-1])
     off = np.where(np.abs(seen - wanted_ratio) < np.abs(seen + wanted_ratio), seen - wanted_ratio, -seen - wanted_ratio)
-    if abs(middle := float(np.median(off))) > WRONG_GAPS:
-        found = np.exp(middle + wanted_ratio)
+    if abs(median := float(np.median(off))) > WRONG_GAPS:
+        found = np.exp(median + wanted_ratio)
         raise KinemarkError(
             f"Rows of {len(along)} points are seen, but their first gap is {found:.2f} times their last one on the "
             f"median, and the wand's lengths {gaps.tolist()} mm say {np.exp(wanted_ratio):.2f}. Measure the wand "

@@ -161,10 +161,10 @@ class ErrorCalibration:
         shape = self.growth.cov(edge) if self.growth else said.cov
         w = w / w.sum()
         n = 1 / float(w @ self.same @ w)  # (7)
-        middle = float(w @ self.u)
+        mean = float(w @ self.u)
         dof = WORTH + n - 1
-        omega = np.sqrt((WORTH * OMEGA**2 + n * float(w @ (self.u - middle) ** 2)) / dof)  # (6)
-        s = np.exp(middle + omega * np.sqrt(1 + 1 / n) * stdtrit(dof, QUANTILES))
+        omega = np.sqrt((WORTH * OMEGA**2 + n * float(w @ (self.u - mean) ** 2)) / dof)  # (6)
+        s = np.exp(mean + omega * np.sqrt(1 + 1 / n) * stdtrit(dof, QUANTILES))
         return shape * (_product_quantile(s, self.within) / Z) ** 2
 
 

@@ -29,7 +29,7 @@ by so much). With y_k and V_k what each predicts, the fill has (law of total cov
 
     ȳ = Σ w y_k,     V = Σ w (V_k + (y_k − ȳ)(y_k − ȳ)ᵀ),     Σ w = 1                                        (4)
 
-A reference marker that is not seen throughout the gap is not used, nor one that jumps in it (`trusted`).
+A reference marker that is not seen throughout the gap is not used, nor one that jumps in it (`jumping_markers`).
 """
 
 from __future__ import annotations

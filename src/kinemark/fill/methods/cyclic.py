@@ -43,14 +43,14 @@ INSTANTS = 16
 class Cyclic(FillMethod):
     """The same part of other cycles of a motion that comes again, fitted to the gap's edges."""
 
-    period: float | None = parameter(None, unit="s", above=0, meaning="of the cycle; None: found from the trial")
+    period: float | None = parameter(None, unit="s", above=0, meaning="of the cycle; None: estimated from the trial")
     shortest_period: float = parameter(0.3, unit="s", above=0, meaning="shortest cycle that is looked for")
     min_correlation: float = parameter(
         0.4, unit=ONE, low=-1, high=1,
         meaning="least correlation ρ at the peak, below which the motion does not count as cyclic",
     )  # fmt: skip
     most_cycles: int = parameter(
-        4, unit="cycles", low=1, meaning="most cycles averaged, those most correlated with the gap.s edges"
+        4, unit="cycles", low=1, meaning="most cycles averaged, those most correlated with the gap's sides"
     )
     period_variation: float = parameter(
         0.12, unit=ONE, above=0, meaning="share of itself by which a cycle may be longer or shorter than the mean one"

@@ -1,8 +1,8 @@
 """A marker regressed on the markers around it, in the local frame of its body part.
 
 The base of marker y are the three whose distance from y varies least over the trial, of those seen throughout the gap
-that do not jump in it (`trusted`); its frame is (R, c) (see `frames`). In that frame y and the reference markers x₁ …
-x_D have local coordinates, so that only what is not rigid is left to explain, and
+that do not jump in it (`jumping_markers`); its frame is (R, c) (see `local_frames`). In that frame y and the reference
+markers x₁ … x_D have local coordinates, so that only what is not rigid is left to explain, and
 
     Rᵀ(y − c) = a + B φ,        φ = the reference markers' local coordinates less their means                     (1)
 

@@ -6,8 +6,9 @@ before the gap to what it is after:
     x̂(t) = x_d(t) + (1 − s) (x(a) − x_d(a)) + s (x(b) − x_d(b)),     s = (t − a) / (b − a)               (1)
 
 The reference marker is the one whose offset a linear bridge of this length predicts best half way, over the frames of
-the trial where both are seen (`reference_markers`, equation 1); that mean square error, falling to 0 at the edges as 4 s (1 −
-s), is the covariance (2). At an end of the path the offset stays and the covariance grows in proportion to the time.
+the trial where both are seen (`reference_markers`, equation 1); that mean square error, falling to 0 at the edges as 4
+s (1 − s), is the covariance (2). At an end of the path the offset stays and the covariance grows in proportion to the
+time.
 """
 
 from __future__ import annotations

@@ -8,7 +8,8 @@ in which the marker has the coordinates y = [e₁ e₂ e₃]ᵀ (x − O). Acros
 what it is before and after (2): unlike a rigid body, the marker may drift in its frame. At an end of the path it stays.
 
 The three are named by the user, or chosen: of the markers that keep their distance best, every three that make a proper
-triangle are tried, and those taken whose y a linear bridge of this length predicts best (`reference_markers`, equation 1).
+triangle are tried, and those taken whose y a linear bridge of this length predicts best (`reference_markers`, equation
+1).
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ FILLING_WORDS = {
     ),
     "gaps_uncertain": Words(
         "{gaps} {gaps:gap|gaps} may be off by more than {limit_mm:.3g} somewhere: that is {gaps:its|their} expected "
-        "error, or a standard deviation within {gaps:it|them}, the worst {worst_mm}.",
+        "error, or a standard deviation within {gaps:it|them}, at most {max_mm}.",
         "Look at {gaps:its drawing|their drawings}; a lower limit leaves open gaps whose expected error is great.",
     ),
     "gaps_untested": Words(

@@ -69,9 +69,9 @@ def stick_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, along: Floa
     length = np.log(np.linalg.norm(xyz[:, : len(rows)] - xyz[:, len(rows) :], axis=-1))
     behind = np.isnan(length).mean(1)
     length = np.where(np.isnan(length), 0.0, length)
-    middle = np.median(length, axis=1)
-    spread = np.median(np.abs(length - middle[:, None]), axis=1) + behind  # (1)
-    size = float(np.ptp(along)) / np.exp(middle)
+    median = np.median(length, axis=1)
+    spread = np.median(np.abs(length - median[:, None]), axis=1) + behind  # (1)
+    size = float(np.ptp(along)) / np.exp(median)
     chosen = _minima(spread.reshape(len(FOCI), len(FOCI)))[:best]
     return [Seed(pair, (float(f1[g]), float(f2[g])), R[g], size[g] * t[g], float(spread[g])) for g in chosen]
 

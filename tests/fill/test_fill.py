@@ -188,10 +188,10 @@ class TestFill:
         chosen = []
         for index in range(len(gaps)):
             (a, said_a, cov_a), (b, said_b, cov_b) = (choose(hidden, gaps, index, each) for each in (everyone, few))
-            assert (a.method, a.reason, a.references, a.expected_mm) == (
+            assert (a.method, a.reason, a.reference_markers, a.expected_mm) == (
                 b.method,
                 b.reason,
-                b.references,
+                b.reference_markers,
                 b.expected_mm,
             )
             assert np.array_equal(said_a.xyz, said_b.xyz) and np.array_equal(cov_a, cov_b)

@@ -166,8 +166,8 @@ def test_derivatives_of_the_linear_equations():
     seen = np.stack([project(L, place) for L in LAB.L], 1)
     e, d = 1e-3 * rng.normal(size=seen.shape), 1e-7 * rng.normal(size=LAB.L.shape) * np.abs(LAB.L)
     moved = pair_points(LAB.L + d, seen + e).mean(1) - pair_points(LAB.L - d, seen - e).mean(1)
-    foretold = np.einsum("nicj,ncj->ni", images, e) + np.einsum("nick,ck->ni", parameters, d)
-    assert np.allclose(moved / 2, foretold, rtol=1e-3, atol=1e-6)
+    predicted = np.einsum("nicj,ncj->ni", images, e) + np.einsum("nick,ck->ni", parameters, d)
+    assert np.allclose(moved / 2, predicted, rtol=1e-3, atol=1e-6)
 
 
 @pytest.fixture(scope="module")
@@ -194,8 +194,8 @@ def test_the_chain_agrees_with_simulation(simulated):
     """Centroid → calibration → point → joint angle → mean over cycles, each within 10 %."""
     body, xyz = simulated
     points = linear_points(LAB, body.xyz, centroid_sd=0.3, calibration_sd=0.25)
-    foretold = np.sqrt(np.diagonal(points.cov, axis1=2, axis2=3))
-    assert np.abs(xyz.std(0) / foretold - 1).max() < 0.1
+    predicted = np.sqrt(np.diagonal(points.cov, axis1=2, axis2=3))
+    assert np.abs(xyz.std(0) / predicted - 1).max() < 0.1
     angles = angle_spread(points, angle_jacobian(arm_angles, body.xyz))
     n, M, F, _ = xyz.shape
     found = arm_angles(xyz.transpose(1, 0, 2, 3).reshape(M, n * F, 3)).reshape(n, F, 7)
@@ -254,10 +254,10 @@ def test_a_rig_with_lenses_agrees_with_simulation():
     gap = found[:, 0] - found[:, 1]  # what both markers share cancels
     J = np.zeros((4, 3, 3, 3))
     J[:, :, 0], J[:, :, 1] = np.eye(3), -np.eye(3)
-    foretold = np.sqrt(angle_spread(points, J).cov[..., 0, 0])
-    assert np.abs(gap.std(0) / foretold - 1).max() < 0.1
+    predicted = np.sqrt(angle_spread(points, J).cov[..., 0, 0])
+    assert np.abs(gap.std(0) / predicted - 1).max() < 0.1
     apart = np.sqrt(np.diagonal(points.cov[0] + points.cov[1], axis1=1, axis2=2))
-    assert (foretold < 0.9 * apart).any()
+    assert (predicted < 0.9 * apart).any()
 
 
 def test_weights_of_cycles():

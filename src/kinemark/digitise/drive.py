@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..data import KinemarkError
 from ..data.answers import Answer
 from ..data.array_types import Floats
-from .machine import Looks, Proposer, advance, begin, question_of
+from .machine import ImageSource, Proposer, advance, begin, question_of
 from .semi_automatic import SemiAutomatic
 from .stage import DIGITISE
 from .state import DigitisingPhase, DigitisingState, Found, Question
@@ -26,7 +26,7 @@ REASONS = ("first_two_frames", "not_found", "in_doubt", "reference")
 
 
 class DigitisingStopped(Exception):
-    """The operator stops; what he saved stands."""
+    """The operator stops; what they saved stands."""
 
 
 class DigitisedImages(NamedTuple):
@@ -50,7 +50,7 @@ class DigitisedImages(NamedTuple):
 @DIGITISE.method("semi_automatic", SemiAutomatic, source="UM²AS, 3.5")
 def drive(
     operator: Operator,
-    looks: Looks,
+    images: ImageSource,
     *,
     n_frames: int,
     method: SemiAutomatic,
@@ -63,7 +63,7 @@ def drive(
 
     Args:
         operator: answers; raises `DigitisingStopped` to stop.
-        looks: gives the images.
+        images: gives the images.
         n_frames: of the camera.
         method: the markers and how they are followed.
         constant: (2,) px the reference marker at the calibration.
@@ -75,7 +75,7 @@ def drive(
         ValueError: as `begin`.
         KinemarkError: an answer is none to the question, or points at nothing.
     """
-    state = begin(n_frames, looks, method=method, constant=constant, proposer=proposer)
+    state = begin(n_frames, images, method=method, constant=constant, proposer=proposer)
     while state.phase is not DigitisingPhase.DONE:
         question = question_of(state, method=method)
         try:
@@ -83,7 +83,7 @@ def drive(
         except DigitisingStopped:
             break
         try:
-            state = advance(state, answer, looks, method=method, proposer=proposer)
+            state = advance(state, answer, images, method=method, proposer=proposer)
         except (ValueError, KinemarkError) as error:
             _refused(question, error, refuse)
             continue

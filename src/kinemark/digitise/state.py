@@ -84,7 +84,7 @@ class PlaceProposal(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """A question that was put to the operator and why, and whether he took what was proposed.
+    """A question that was put to the operator and why, and whether they took the proposal.
 
     The reason "unasked" stands for a proposal that was taken without a question.
     """

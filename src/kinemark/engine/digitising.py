@@ -25,7 +25,7 @@ from ..digitise import (
     DigitisedImages,
     DigitisingState,
     Identified,
-    Look,
+    ImageMarkers,
     Operator,
     OtherViews,
     PlaceProposal,
@@ -33,9 +33,9 @@ from ..digitise import (
     Replay,
     SemiAutomatic,
     drive,
+    find_markers,
     given,
     identified,
-    look_at,
     propose,
     result,
 )
@@ -75,10 +75,10 @@ class Reel:
         self._method = replace(method, aspect=method.aspect or fields)
         self._source, self._every, self._mask = source, every, mask
         self.n_frames = len(range(0, min(source.n_frames, last or source.n_frames), every))
-        self._ready: dict[int, Look] = {}
+        self._ready: dict[int, ImageMarkers] = {}
         self._images, self._next = source.frames(), 0
 
-    def __call__(self, f: int) -> Look:
+    def __call__(self, f: int) -> ImageMarkers:
         """The f-th of the chosen frames, counted from 0."""
         if f not in self._ready:
             at = f * self._every
@@ -89,7 +89,7 @@ class Reel:
             if image is None:
                 raise KinemarkError(f"{self._source.paths[0]} ends before frame {at + 1}. Copy the recording again.")
             offset = self._source.v_offset(at)
-            self._ready[f] = look_at(image, method=self._method, mask=self._mask, v_offset=offset)
+            self._ready[f] = find_markers(image, method=self._method, mask=self._mask, v_offset=offset)
             if len(self._ready) > KEPT:
                 del self._ready[next(iter(self._ready))]
         return self._ready[f]
@@ -169,11 +169,13 @@ def _proposer(views: OtherViews | None, method: SemiAutomatic) -> Any:
         return None
 
     def proposer(
-        frame: int, marker: int, shift: Floats, expected: Floats, look: Look, free: NDArray[np.bool_]
+        frame: int, marker: int, shift: Floats, expected: Floats, image_markers: ImageMarkers, free: NDArray[np.bool_]
     ) -> PlaceProposal | None:
         if frame >= views.uv.shape[2]:
             return None
-        return propose(views, frame, marker, shift=shift, expected=expected, look=look, free=free, method=method)
+        return propose(
+            views, frame, marker, shift=shift, expected=expected, image_markers=image_markers, free=free, method=method
+        )
 
     return proposer
 

@@ -145,7 +145,7 @@ def _marker_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
         (complete, "complete in view", f"{whole} of the whole trial"),
         (number(markers["gaps"]), "gaps", longest if markers["gaps"] else "within what was seen"),
         (median, "median residual", f"RMS {rms}"),
-        (sd, "σ of a position, per axis", f"jitter found {jitter}"),
+        (sd, "σ of a position, per axis", f"observed jitter {jitter}"),
     ]
 
 

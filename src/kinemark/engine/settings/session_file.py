@@ -128,7 +128,7 @@ class TrialEntry(Strict):
 
     @property
     def operated(self) -> bool:
-        """Whether an operator says which marker is which: UM²AS's files, or images that he digitises."""
+        """Whether an operator says which marker is which: UM²AS's files, or images that they digitise."""
         return self.answers is not None or (self.detections is not None and is_da(self.detections))
 
 

@@ -247,7 +247,7 @@ def test_a_marker_from_the_static_trial_is_told_apart(tmp_path):
     write_c3d(tmp_path / "static.c3d", trial_of(truth[:, :20]))
     done = fill_file(tmp_path / "in.c3d", tmp_path / "o.c3d", static=tmp_path / "static.c3d", limit_mm=20.0)
     assert done.figures["by_method"] == {"static": 1} and done.figures["never_seen"] == []
-    assert done.figures["expected_median_mm"] is None  # no hidden test was made
+    assert done.figures["expected_median_mm"] is None  # no hold-out gap was made
     assert [one["kind"] for one in done.figures["verdict"]["statements"]] == ["gaps_filled", "markers_from_static"]
     after = read_c3d(tmp_path / "o.c3d").trajectories["E"]
     assert (after.origin == Origin.FILLED).all() and np.abs(after.xyz - truth[4]).max() < 5

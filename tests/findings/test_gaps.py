@@ -13,7 +13,7 @@ from kinemark.engine.settings.method_tables import filling_of
 from kinemark.fill import Cubic, FilledGap, Filling, Gap, Linear, Prediction, Rays, RigidBody, fill, fill_recording
 from kinemark.fill.fill import Filled
 from kinemark.fill.judge.expected_error import MeasuredErrors
-from kinemark.fill.judge.hold_out import Candidate, HoldOutGap
+from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult
 from kinemark.findings.gaps import filling_figures
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.report.figures_gaps import gap_figure
@@ -189,12 +189,12 @@ def bare(svg):
 def test_a_gap_that_the_method_finds_harder_than_its_tests_is_expected_to_be_worse():
     """Half way in logarithms: a claim four times as large doubles what is expected."""
     test = HoldOutGap(0, 0, Gap(0, 10, 15), (0, 5), True)
-    tried = Candidate(test, np.full((5, 3), 1.0), np.tile(np.eye(3), (5, 1, 1)), np.ones(5))
-    measured = MeasuredErrors([tried, tried])
+    results = HoldOutResult(test, np.full((5, 3), 1.0), np.tile(np.eye(3), (5, 1, 1)), np.ones(5))
+    measured = MeasuredErrors([results, results])
     for claim, ratio in ((1.0, 1.0), (4.0, 2.0), (0.25, 0.5)):
-        said = Prediction(np.zeros((5, 3)), claim**2 * np.tile(np.eye(3), (5, 1, 1)))
-        assert measured.expect(said, np.ones(2))[0] == pytest.approx(ratio * 3**0.5)
-        assert measured.expect(said, np.ones(2))[1] == pytest.approx(3**0.5)
+        prediction = Prediction(np.zeros((5, 3)), claim**2 * np.tile(np.eye(3), (5, 1, 1)))
+        assert measured.expect(prediction, np.ones(2))[0] == pytest.approx(ratio * 3**0.5)
+        assert measured.expect(prediction, np.ones(2))[1] == pytest.approx(3**0.5)
 
 
 # What a session keeps

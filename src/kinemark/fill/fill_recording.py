@@ -40,7 +40,7 @@ class Filling(Method):
 def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -> Filled:
     """The trial with its gaps filled, and told by single cameras what they saw in them.
 
-    The expected error of a gap is that of the method without the cameras' help, as no hidden test has one.
+    The expected error of a gap is that of the method without the cameras' help, as no hold-out gap has one.
     """
     edges = GapEdges(most=method.trim)
     filled = fill(trajectories, method=method.method, limit_mm=method.limit_mm, ends=method.ends, edges=edges)
@@ -49,11 +49,11 @@ def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -
     paths = {path.name: path for path in filled.trajectories}
     for gap in filled.gaps:
         if gap.method:
-            paths[gap.marker] = _told(paths[gap.marker], gap, rays)
+            paths[gap.marker] = _expected_errors(paths[gap.marker], gap, rays)
     return Filled(replace(filled.trajectories, paths=tuple(paths.values())), filled.gaps)
 
 
-def _told(path: MarkerTrajectory, gap: FilledGap, rays: Rays) -> MarkerTrajectory:
+def _expected_errors(path: MarkerTrajectory, gap: FilledGap, rays: Rays) -> MarkerTrajectory:
     """A marker with what single cameras say of one gap."""
     at = slice(gap.start, gap.stop)
     found = sharpened(path.xyz[at], path.cov[at], gap.start, rays)

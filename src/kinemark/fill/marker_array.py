@@ -67,9 +67,9 @@ class Prediction(NamedTuple):
     """What a filler says of one gap of L frames.
 
     Attributes:
-        xyz: (L, 3) mm, NaN where it has nothing to say.
+        xyz: (L, 3) mm, NaN where it has no prediction.
         cov: (L, 3, 3) mm², what the method itself takes its error to be, NaN where it does not say.
-        reason: why it has nothing to say, in words for the user; empty where it has.
+        reason: why it has no prediction, in words for the user; empty where it has.
         references: markers that it was filled from.
     """
 

@@ -16,7 +16,7 @@ FILLING_WORDS = {
         "Look at {gaps:its drawing|their drawings}; a lower limit leaves open gaps whose expected error is great.",
     ),
     "gaps_untested": Words(
-        "{gaps} {gaps:gap|gaps} filled by a method that mostly had nothing to say in the hold-out gaps, so that the "
+        "{gaps} {gaps:gap|gaps} filled by a method that mostly had no prediction in the hold-out gaps, so that the "
         "error is not known.",
         "Compare {gaps:it|them} with another method, or give a limit in mm.",
     ),

@@ -6,10 +6,10 @@ from scipy.special import gamma, kv
 
 from kinemark.fill import Body, Gap, GapEdges, LocalRegression, MarkerArray, fill, find_gaps
 from kinemark.fill.jumping_markers import JumpingMarkers
-from kinemark.fill.methods.body import _best, _look, _trial, common_hyper
+from kinemark.fill.methods.body import _best, _gap_training, _trial, common_hyper
 from kinemark.fill.methods.kriging import FramePairs, Hyper, covariance, fit, left_out, matern, predict
 from kinemark.fill.methods.stage import filler_of
-from kinemark.fill.methods.training_frames import scene_of, view_of
+from kinemark.fill.methods.training_frames import local_view, training_frames_of
 from kinemark.fill.mirrored_markers import partners
 from kinemark.fill.reference_ranking import Ranks
 from kinemark.io.trial import read_trial
@@ -42,8 +42,8 @@ class TestKriging:
         off = []
         for b in blocks:
             rest = np.setdiff1d(every, b)
-            said, _ = predict(seen.pairs(b, rest), fit(seen.pairs(rest, rest), y[rest], h))
-            off.append(np.linalg.norm(said - y[b], axis=1))
+            predictions, _ = predict(seen.pairs(b, rest), fit(seen.pairs(rest, rest), y[rest], h))
+            off.append(np.linalg.norm(predictions - y[b], axis=1))
         assert np.isclose(left_out(fit(seen.pairs(every, every), y, h), blocks), np.concatenate(off).mean(), rtol=1e-6)
 
     def test_what_is_seen_is_met_and_what_is_far_is_not_known(self):
@@ -77,8 +77,8 @@ def test_a_marker_that_moves_smoothly_by_itself_is_met_in_a_short_gap(noise, mos
     errors = []
     for start in range(40, 240, 20):
         gap = Gap(2, start, start + 15)
-        (said,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body())
-        errors.append(off(said, motion, gap).mean())
+        (predictions,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body())
+        errors.append(off(predictions, motion, gap).mean())
     assert np.median(errors) < most
 
 
@@ -118,8 +118,8 @@ def test_the_other_side_teaches_where_little_of_the_stride_is_left():
         motion = mirrored(200, seed=seed)
         for marker in range(7):
             gap = Gap(marker, 10, 185)
-            (said,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body())
-            errors.append(off(said, motion, gap).mean())
+            (predictions,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body())
+            errors.append(off(predictions, motion, gap).mean())
     assert np.median(errors) < 2  # 4.7 mm with the mean of what is left
 
 
@@ -133,9 +133,9 @@ class TestTrust:
         for reference in whole.references[:3]:
             bad = hidden.xyz.copy()
             bad[reference, 170:200] += [30.0, 0, 0]
-            (said,) = filler(hidden._replace(xyz=bad), [gap], method=method)
-            assert reference not in said.references
-            assert np.linalg.norm(said.xyz - whole.xyz, axis=1).max() < 2
+            (predictions,) = filler(hidden._replace(xyz=bad), [gap], method=method)
+            assert reference not in predictions.references
+            assert np.linalg.norm(predictions.xyz - whole.xyz, axis=1).max() < 2
 
     def test_the_error_said_is_true_although_a_reference_marker_jumps(self):
         inside, ratio = [], []
@@ -170,8 +170,10 @@ class TestTrust:
         truth, gaps = (read_trial(folder / f"kinematics_tennis_serve{end}.c3d").trajectories for end in ("", "_nan"))
         motion = MarkerArray.of(gaps)
         worst = next(gap for gap in find_gaps(motion) if gap.start == 192)
-        (said,) = filler_of(Body())(motion, [worst], method=Body())
-        assert off(said, MarkerArray.of(truth), worst).mean() < 10  # of 45 mm with the upper arm as a reference marker
+        (predictions,) = filler_of(Body())(motion, [worst], method=Body())
+        assert (
+            off(predictions, MarkerArray.of(truth), worst).mean() < 10
+        )  # of 45 mm with the upper arm as a reference marker
 
 
 def test_what_a_frame_varies_by_is_that_of_the_whole_covariance():
@@ -188,10 +190,10 @@ def test_which_way_the_other_side_faces_does_not_matter():
     motion, gap = mirrored(200), Gap(0, 60, 120)
     references, side = np.arange(1, 5), partners(motion.names)
     hidden = motion.hidden([gap])
-    scene = scene_of(hidden, hidden.seen, gap, references, partner=side, most=100, hz=30.0)
+    training = training_frames_of(hidden, hidden.seen, gap, references, partner=side, most=100, rate_hz=30.0)
     R = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
-    xyz = np.where((scene.side == 1)[:, None], scene.xyz @ R.T, scene.xyz)
-    one, other = (view_of(s, (1, 2, 3)) for s in (scene, scene._replace(xyz=xyz)))
+    xyz = np.where((training.side == 1)[:, None], training.xyz @ R.T, training.xyz)
+    one, other = (local_view(s, (1, 2, 3)) for s in (training, training._replace(xyz=xyz)))
     assert np.allclose(one.turned, other.turned, atol=1e-9) and np.allclose(one.pose, other.pose, atol=1e-9)
 
 
@@ -210,5 +212,5 @@ def test_hyper_of_many_gaps_is_no_single_ones():
 def test_four_like_gaps_have_the_hyper_of_one():
     for marker in (1, 2, 3, 6):
         motion, gap = mirrored(200, seed=3), Gap(marker, 60, 100)
-        look = _look(_trial(motion.hidden([gap]), Body()), gap, Body())
+        look = _gap_training(_trial(motion.hidden([gap]), Body()), gap, Body())
         assert _best([look] * 4) == _best([look])

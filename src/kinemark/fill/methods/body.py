@@ -7,7 +7,7 @@ not tell):
     Rᵀ(y − c)(t) = a + f(φ(t)) + r(t) + noise                                                             (1)
 
 All three are Gaussian processes, so that the marker in a gap given all that is seen is a matter of linear algebra
-(`kriging`; regression kriging: Hengl et al. 2007). Which frames are learnt from, and what φ is: `scene`.
+(`kriging`; regression kriging: Hengl et al. 2007). Which frames are learnt from, and what φ is: `training_frames`.
 
 Left and right are alike. The mirrored trial (`mirror`) is a second source of the same function, but not the same one,
 as markers are never put on quite alike: ρ says how alike. In the mirrored trial a reference marker's part is played by
@@ -52,7 +52,7 @@ from ..mirrored_markers import partners
 from ..reference_ranking import Ranks
 from .kriging import ORDERS, FramePairs, Hyper, fit, left_out, predict
 from .stage import FILL, FillMethod
-from .training_frames import FEWEST, TrainingFrames, View, pairs_of, scene_of, view_of
+from .training_frames import FEWEST, LocalView, TrainingFrames, local_view, pairs_of, training_frames_of
 
 FIRSTS = 4
 """Reference markers that are used even where their partner is missing in the gap; chosen (see benchmarks/gaps.py)."""
@@ -120,10 +120,10 @@ class _Trial(NamedTuple):
     hypers: dict[tuple[int, bytes], Hyper]
 
 
-class _Look(NamedTuple):
+class _GapTraining(NamedTuple):
     references: Ints
-    scene: TrainingFrames
-    views: list[View]
+    training: TrainingFrames
+    views: list[LocalView]
 
 
 @FILL.method("body", Body, rank=14, source="Hengl et al. 2007")
@@ -137,8 +137,8 @@ def common_hyper(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> Hyper
     """λ, ℓ, ν … that are best for `FEW` of the gaps together."""
     trial = _trial(motion, method)
     some = [gaps[k] for k in np.unique(np.linspace(0, len(gaps) - 1, FEW).astype(int))] if gaps else []
-    looks = [look for gap in some if not isinstance(look := _look(trial, gap, method), str)]
-    return _best(looks)
+    each = [found for gap in some if not isinstance(found := _gap_training(trial, gap, method), str)]
+    return _best(each)
 
 
 def _trial(motion: MarkerArray, method: Body) -> _Trial:
@@ -148,71 +148,73 @@ def _trial(motion: MarkerArray, method: Body) -> _Trial:
 
 
 def _fill(trial: _Trial, gap: Gap, method: Body) -> Prediction:
-    look = _look(trial, gap, method)
-    if isinstance(look, str):
-        return Prediction.none(gap.length, look)
-    references, scene, views = look
+    found = _gap_training(trial, gap, method)
+    if isinstance(found, str):
+        return Prediction.none(gap.length, found)
+    references, training, views = found
     if method.hyper:
         kept = [(1.0, views[0], method.hyper)]
     else:
         key = gap.marker, references.tobytes()
         if key not in trial.hypers:
-            trial.hypers[key] = _best([look])
-        kept = _weighed(scene, views, trial.hypers[key])[: method.averaged]
-    xyz, cov = _mean(scene, kept)
+            trial.hypers[key] = _best([found])
+        kept = _weighted(training, views, trial.hypers[key])[: method.averaged]
+    xyz, cov = _mean(training, kept)
     return Prediction(xyz, cov, references=tuple(int(d) for d in references))
 
 
-def _look(trial: _Trial, gap: Gap, method: Body) -> _Look | str:
-    """What there is to fill a gap from, or why there is too little."""
+def _gap_training(trial: _Trial, gap: Gap, method: Body) -> _GapTraining | str:
+    """Reference markers, training frames and local views of a gap, or why there is too little."""
     references = _references(trial, gap, method.most_markers)
     if len(references) < 3:
         return f"only {len(references)} other markers are seen throughout the gap; wanted 3"
-    most, hz = method.training_frames, method.training_rate_hz
-    scene = scene_of(trial.motion, trial.seen, gap, references, partner=trial.partner, most=most, hz=hz)
-    if scene is None:
+    most, rate_hz = method.training_frames, method.training_rate_hz
+    training = training_frames_of(
+        trial.motion, trial.seen, gap, references, partner=trial.partner, most=most, rate_hz=rate_hz
+    )
+    if training is None:
         return f"fewer than {FEWEST} frames show the marker together with its reference markers"
-    views = [view for base in _bases(len(references), method.local_frames) if (view := view_of(scene, base))]
+    views = [view for base in _bases(len(references), method.local_frames) if (view := local_view(training, base))]
     if not views:
         return "the reference markers stand on one line or in one point: they carry no local frame"
-    return _Look(references, scene, views)
+    return _GapTraining(references, training, views)
 
 
-def _weighed(scene: TrainingFrames, views: list[View], hyper: Hyper) -> list[tuple[float, View, Hyper]]:
-    """Every view with every bend, the least J (3) first, with weights that are not normed yet."""
+def _weighted(training: TrainingFrames, views: list[LocalView], hyper: Hyper) -> list[tuple[float, LocalView, Hyper]]:
+    """Every view with every bend, the least J (3) first, with weights that are not normalised yet."""
     out = []
     for view in views:
-        pairs, y = pairs_of(scene, view, scene.few, scene.few), view.y[scene.few]
+        pairs, y = pairs_of(training, view, training.judged, training.judged), view.y[training.judged]
         for kappa, eta in BENDS:
             bent = hyper._replace(kappa=kappa, eta=eta)
-            out.append((_badness(pairs, y, bent, scene.blocks), view, bent))
+            out.append((_loss(pairs, y, bent, training.blocks), view, bent))
     out.sort(key=lambda each: each[0])
     return [(float(np.exp(-SHARPNESS * (J - out[0][0]))), view, bent) for J, view, bent in out]
 
 
-def _badness(pairs: FramePairs, y: Floats, h: Hyper, blocks: list[Ints]) -> float:
+def _loss(pairs: FramePairs, y: Floats, h: Hyper, blocks: list[Ints]) -> float:
     """J of (3)."""
     found = fit(pairs, y, h)
     missed = np.log(max(left_out(found, blocks), 1e-6)) if blocks else 0.0
     return float(missed - found.likely / (3 * len(y)))
 
 
-def _mean(scene: TrainingFrames, kept: list[tuple[float, View, Hyper]]) -> tuple[Floats, Floats]:
+def _mean(training: TrainingFrames, kept: list[tuple[float, LocalView, Hyper]]) -> tuple[Floats, Floats]:
     """(4)."""
     w = np.array([weight for weight, _, _ in kept])
     w /= w.sum()
-    said = [_laboratory(scene, view, h) for _, view, h in kept]
-    each = np.array([xyz for xyz, _ in said])
+    predictions = [_laboratory(training, view, h) for _, view, h in kept]
+    each = np.array([xyz for xyz, _ in predictions])
     mean = np.tensordot(w, each, 1)
-    cov = np.tensordot(w, np.array([V for _, V in said]), 1)
+    cov = np.tensordot(w, np.array([V for _, V in predictions]), 1)
     return mean, cov + np.einsum("k,kfi,kfj->fij", w, each - mean, each - mean)
 
 
-def _laboratory(scene: TrainingFrames, view: View, h: Hyper) -> tuple[Floats, Floats]:
-    """What one model predicts for the gap, turned back into the laboratory."""
-    seen, wanted = slice(scene.n), slice(scene.n, None)
-    found = fit(pairs_of(scene, view, seen, seen), view.y, h)
-    inside, var = predict(pairs_of(scene, view, wanted, seen), found)
+def _laboratory(training: TrainingFrames, view: LocalView, h: Hyper) -> tuple[Floats, Floats]:
+    """What one model predicts for the gap, rotated back into the laboratory."""
+    seen, wanted = slice(training.n), slice(training.n, None)
+    found = fit(pairs_of(training, view, seen, seen), view.y, h)
+    inside, var = predict(pairs_of(training, view, wanted, seen), found)
     R = view.R[wanted]
     xyz = view.c[wanted] + np.einsum("fij,fj->fi", R, view.mean + inside)
     return xyz, np.einsum("fij,fj,fkj->fik", R, var, R)
@@ -243,23 +245,23 @@ def _references(trial: _Trial, gap: Gap, most: int) -> Ints:
 
 @cache
 def _bases(references: int, n: int) -> list[tuple[int, int, int]]:
-    """n triples of reference markers, of the lowest ranks first; the marker itself is row 0 of the scene."""
+    """n triples of reference markers, of the lowest ranks first; the marker itself is row 0."""
     triples = combinations(range(1, references + 1), 3)
     return sorted(triples, key=lambda t: (max(t), sum(t)))[:n]
 
 
-def _best(looks: list[_Look]) -> Hyper:
-    """The best of the grid for the first views of all looks together, one parameter after the other."""
-    first = [(scene, views[0], scene.few) for _, scene, views in looks]
-    seen = [(pairs_of(s, view, few, few), view.y[few], s.blocks) for s, view, few in first]
+def _best(each: list[_GapTraining]) -> Hyper:
+    """The best of the grid for the first views of all gaps together, one parameter after the other."""
+    first = [(training, views[0], training.judged) for _, training, views in each]
+    seen = [(pairs_of(s, view, judged, judged), view.y[judged], s.blocks) for s, view, judged in first]
 
-    def badness(h: Hyper) -> float:
-        return sum(_badness(pairs, y, h, blocks) for pairs, y, blocks in seen)
+    def loss(h: Hyper) -> float:
+        return sum(_loss(pairs, y, h, blocks) for pairs, y, blocks in seen)
 
-    best, at = Hyper(), badness(Hyper())
+    best, at = Hyper(), loss(Hyper())
     for name, values in GRID.items():
         for value in values:
             new = best._replace(**{name: value})
-            if (found := badness(new)) < at - MARGIN * len(looks):
+            if (found := loss(new)) < at - MARGIN * len(each):
                 best, at = new, found
     return best

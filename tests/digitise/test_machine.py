@@ -299,7 +299,7 @@ def test_the_same_answers_give_the_same_again_and_only_the_rest_is_asked():
     paths[0, 6:8] = np.nan
     m, said = method(3, reference="m3"), []
     told = lambda question, answer: said.append(given(question, answer))  # noqa: E731
-    done, _ = run(paths, m, told=told)
+    done, _ = run(paths, m, on_answer=told)
     again = drive(Replay(said), film(paths), n_frames=12, method=m)
     assert same(tuple(result(again, method=m))[:4], tuple(done)[:4]) and result(again, method=m).figures == done.figures
     half = Shown(paths)

@@ -44,7 +44,7 @@ def test_many_files_go_into_a_folder_and_a_bad_one_keeps_nobody_from_the_others(
     bad = tmp_path / "bad.c3d"
     bad.write_bytes(b"no C3D file")
     counts = []
-    done = fill_files([a, bad, b], tmp_path / "out", report=True, told=counts.append, **QUICK)
+    done = fill_files([a, bad, b], tmp_path / "out", report=True, on_done=counts.append, **QUICK)
     assert counts == [0, 1, 2, 3] and list(done) == [a, bad, b]
     assert isinstance(done[bad], KinemarkError)
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == [

@@ -22,7 +22,7 @@ from ..engine.error_budget import error_budget
 from ..engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ..engine.formats import convert as convert_file
 from ..engine.formats import describe
-from ..engine.progress import Progress as Told
+from ..engine.progress import Progress as ProgressCallback
 from ..engine.session import Session
 from ..engine.settings import methods_figures, methods_text, session_schema
 from ..engine.simulate import Scene
@@ -66,7 +66,7 @@ Set = Annotated[
 
 
 @contextmanager
-def progress() -> Iterator[Told]:
+def progress() -> Iterator[ProgressCallback]:
     """Bars on the terminal, one a stage; nothing where the output goes to a file."""
     columns = (
         SpinnerColumn(),
@@ -132,7 +132,7 @@ def run(
             previews = [opened.trial(name).preview(*frames) for name in trials or opened.names]
             done = {trial.name: trial.run(to, progress=tell, threads=threads) for trial in previews}
     if json:
-        _print({name: trial.told() for name, trial in done.items()})
+        _print({name: trial.summary() for name, trial in done.items()})
         return
     for trial in done.values():
         did = ", ".join(trial.computed) or "nothing: all is unchanged"
@@ -279,8 +279,8 @@ def fill(
     chosen = fill_method(method, set or (), model=model)
     with progress() as tell:
         done = fill_files(
-            (source, *sources), output, report=report, told=lambda n: tell("fill", n, 1 + len(sources)), method=chosen,
-            name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
+            (source, *sources), output, report=report, on_done=lambda n: tell("fill", n, 1 + len(sources)),
+            method=chosen, name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
             length_unit=length_unit,
         )  # fmt: skip
     _print(filled_figures(done) if json else filled_text(done))
@@ -436,8 +436,8 @@ def main() -> None:
     try:
         app()
     except KinemarkError as error:
-        told = "\n".join([f"kinemark: {error}", *finding_lines([found.as_dict() for found in error.findings])])
-        errors.print(told, style="red", markup=False, highlight=False, soft_wrap=True)
+        text = "\n".join([f"kinemark: {error}", *finding_lines([found.as_dict() for found in error.findings])])
+        errors.print(text, style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)
     except BrokenPipeError:  # whoever read the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

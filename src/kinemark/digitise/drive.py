@@ -57,7 +57,7 @@ def drive(
     constant: Floats | None = None,
     proposer: Proposer | None = None,
     refuse: Callable[[Exception], None] | None = None,
-    told: Callable[[Question, Answer], None] | None = None,
+    on_answer: Callable[[Question, Answer], None] | None = None,
 ) -> DigitisingState:
     """The state in which all frames are saved, or in which the operator stopped.
 
@@ -68,8 +68,9 @@ def drive(
         method: the markers and how they are followed.
         constant: (2,) px the reference marker at the calibration.
         proposer: what other cameras say of a missing marker.
-        refuse: told why an answer cannot be used before the question is put again; without it the error is raised.
-        told: of every question and the answer that was used.
+        refuse: called with why an answer cannot be used, before the question is put again; without it the error is
+            raised.
+        on_answer: called with every question and the answer that was used.
 
     Raises:
         ValueError: as `begin`.
@@ -87,8 +88,8 @@ def drive(
         except (ValueError, KinemarkError) as error:
             _refused(question, error, refuse)
             continue
-        if told is not None:
-            told(question, answer)
+        if on_answer is not None:
+            on_answer(question, answer)
     return state
 
 

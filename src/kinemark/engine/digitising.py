@@ -113,7 +113,7 @@ def digitise_camera(
         method: the markers and how they are followed.
         answers: the file; it need not exist.
         operator: who is asked what the file does not say; without one that is an error.
-        refuse: told why an answer cannot be used before the question is put again.
+        refuse: called with why an answer cannot be used before the question is put again.
         save_all: accept frames of which all is settled without a word.
         constant: (2,) px the reference marker at the calibration.
         views: what was digitised in other cameras.
@@ -121,7 +121,7 @@ def digitise_camera(
     Raises:
         KinemarkError: no frame was saved, or answers are missing or wrong, and nobody is there to ask.
     """
-    replay, told = _answering(answers, operator, save_all)
+    replay, on_answer = _answering(answers, operator, save_all)
     try:
         state = drive(
             replay,
@@ -131,7 +131,7 @@ def digitise_camera(
             constant=constant,
             proposer=_proposer(views, method),
             refuse=refuse,
-            told=told,
+            on_answer=on_answer,
         )
     except KinemarkError as error:
         raise KinemarkError(f"{answers or 'Digitising'}: {error}") from error
@@ -154,13 +154,13 @@ def _answering(
         fresh[:] = [question]
         return operator(question, state)
 
-    def told(question: Question, answer: Answer) -> None:
+    def on_answer(question: Question, answer: Answer) -> None:
         if answers and fresh:
             append_answer(answers, given(question, answer))
         fresh.clear()
 
     before = read_answers(answers) if answers else []
-    return Replay(before, otherwise=ask if operator else None, save_all=save_all), told
+    return Replay(before, otherwise=ask if operator else None, save_all=save_all), on_answer
 
 
 def _proposer(views: OtherViews | None, method: SemiAutomatic) -> Any:
@@ -209,8 +209,8 @@ def digitise_trial(
     Args:
         task: the trial.
         operator: who, given a camera's frames, is asked what the answers do not say; without one that is an error.
-        refuse: told why an answer cannot be used.
-        announce: told the camera whose turn it is.
+        refuse: called with why an answer cannot be used.
+        announce: called with the camera whose turn it is.
         stop_after: the camera after which the others may wait; they are NaN then.
 
     Raises:

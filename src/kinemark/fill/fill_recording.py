@@ -38,7 +38,7 @@ class Filling(Method):
 
 
 def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -> Filled:
-    """The trial with its gaps filled, and told by single cameras what they saw in them.
+    """The trial with its gaps filled, also by the images that single cameras have in them.
 
     The expected error of a gap is that of the method without the cameras' help, as no hold-out gap has one.
     """

@@ -61,7 +61,7 @@ class Sharpened(NamedTuple):
 
     @property
     def cameras(self) -> NDArray[np.uint32]:
-        """(L) which cameras told of each, as bits."""
+        """(L) which cameras contributed to each, as bits."""
         return camera_bits(self.view)
 
 

@@ -16,7 +16,7 @@ from .verdict import verdict_of
 TOO_STEADY_MM = 0.02
 """An estimated error of markers below this means that they were smoothed before; chosen."""
 LEAST_BEYOND_DEG = 0.5
-"""Beyond its normal range by less, an angle is not told; chosen."""
+"""Beyond its normal range by less, an angle is not reported; chosen."""
 
 
 def angle_figures(

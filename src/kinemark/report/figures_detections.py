@@ -90,7 +90,7 @@ class _Legend:
     """Draws spots, each kind once in the legend."""
 
     def __init__(self, fig: go.Figure) -> None:
-        self.fig, self.told = fig, set[str]()
+        self.fig, self.in_legend = fig, set[str]()
 
     def draw(
         self, detections: Detections, kinds: NDArray[np.str_], rows: NDArray[np.int64], place: dict[str, int]
@@ -102,12 +102,12 @@ class _Legend:
                 continue
             self.fig.add_scatter(
                 x=detections.uv[of_kind, 0].astype(np.float32), y=detections.uv[of_kind, 1].astype(np.float32),
-                mode="markers", name=kind, legendgroup=kind, showlegend=kind not in self.told,
+                mode="markers", name=kind, legendgroup=kind, showlegend=kind not in self.in_legend,
                 marker={"size": 10, "color": colour, "symbol": symbol, "line": {"color": colour, "width": 1.6}},
                 text=[_spoken(detections, int(row)) for row in of_kind],
                 hovertemplate=f"{kind}<br>%{{x:.1f}}, %{{y:.1f}} px<br>%{{text}}<extra></extra>", **place,
             )  # fmt: skip
-            self.told.add(kind)
+            self.in_legend.add(kind)
 
 
 def _elsewhere(fig: go.Figure, detections: Detections, kinds: NDArray[np.str_], c: int, place: dict[str, int]) -> None:

@@ -119,7 +119,7 @@ def page(
         camera_table=camera_table(quality["cameras"], inconsistent_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),
         filling=_filling(quality["filling"]),
-        ambiguous_table=ambiguous_table(quality["ambiguous_decisions"], told=_tells(quality["steps"])),
+        ambiguous_table=ambiguous_table(quality["ambiguous_decisions"], listed=_tells(quality["steps"])),
         step_table=step_table(quality["steps"]),
     )
     return framed(main, heading=quality["trial"], below=of_session(quality), nav=NAV)

@@ -199,10 +199,10 @@ def _check_gaps(cameras: Sequence[Camera], uv: Floats, along: Floats) -> None:
     given, length = np.diff(along[order]), float(np.ptp(along))
     found = np.median(gap / gap.sum(1, keepdims=True), axis=0) * length
     if np.abs(found - given).max() > WRONG_GAP * length:
-        came, told = (" + ".join(f"{mm:.1f}" for mm in gaps) for gaps in (found, given))
+        observed, stated = (" + ".join(f"{mm:.1f}" for mm in gaps) for gaps in (found, given))
         raise KinemarkError(
-            f"The gaps between the markers come out as {came} mm, if they are {length:g} mm in all, and they are given "
-            f"as {told} mm. Measure them again, from centre to centre, and give them in order."
+            f"The gaps between the markers come out as {observed} mm, if they are {length:g} mm in all, and they are "
+            f"given as {stated} mm. Measure them again, from centre to centre, and give them in order."
         )
 
 

@@ -56,7 +56,7 @@ def error(c, done):
 
 @pytest.mark.parametrize("c", [0, 1, 2])
 def test_questions_are_few_and_centroids_right(c):
-    """Asked for are the first two frames, what is hidden, and what has just come back."""
+    """AskedQuestion for are the first two frames, what is hidden, and what has just come back."""
     operator, done = digitised(c)
     off, visible = error(c, done)
     whole = off[visible > 0.99]

@@ -174,7 +174,7 @@ def test_the_reference_marker_is_confirmed_where_that_is_wanted():
     assert done.figures["questions_by_reason"] == {
         "first_two_frames": 6,
         "not_found": 0,
-        "in_doubt": 0,
+        "ambiguous": 0,
         "reference": 3,
     }
 

@@ -103,13 +103,13 @@ def test_markers_that_met_are_asked_for_when_two_images_would_do():
             paths = meeting(seed)
             images = cache(lambda f, paths=paths: find_markers(image(paths[:, f]), method=TOGETHER))
             done.append(result(drive(Shown(paths), images, n_frames=16, method=m), method=m))
-        doubts = [one.figures["questions_by_reason"]["in_doubt"] for one in done]
+        doubts = [one.figures["questions_by_reason"]["ambiguous"] for one in done]
         count[clear] = sum(exchanged(meeting(seed), one) for seed, one in enumerate(done)), max(doubts)
     assert count[1.0][0] >= MEETINGS / 4 and count[1.0][1] == 0
     assert count[1.5][0] <= MEETINGS / 10 and count[1.5][1] <= 4
 
 
-def test_who_is_in_doubt_is_told_why():
+def test_an_ambiguous_question_says_why():
     paths = straight(8, start=((40.0, 40.0), (60.0, 40.0)), speed=((0.0, 0.0), (0.0, 0.0)))
     paths[1, 5:] = np.nan
     paths[0, 5, 0] += 8
@@ -117,7 +117,7 @@ def test_who_is_in_doubt_is_told_why():
     asked = []
 
     def operator(question, state):
-        if question.in_doubt:
+        if question.ambiguous:
             asked.append(words(question))
         return Shown(paths)(question, state)
 

@@ -79,10 +79,10 @@ def test_a_trial_that_shows_too_little_is_left_alone():
     for m in (motion, MarkerArray(motion.xyz[:1], 100.0, ("M0",)), motion._replace(xyz=np.full((5, 40, 3), np.nan))):
         t = trim_edges(m.hidden([Gap(0, 15, 25)]), [Gap(0, 15, 25)])
         assert not t.before.any() and not t.after.any()
-    for method in (GapEdges(most=0), GapEdges(neighbours=0)):
+    for method in (GapEdges(most_trimmed=0), GapEdges(neighbours=0)):
         assert trim_edges(motion, [Gap(0, 0, 40), Gap(1, 10, 11)], method=method).before.shape == (2,)
     with pytest.raises(ValueError, match="past"):
-        GapEdges(past=3)
+        GapEdges(fit_samples=3)
 
 
 def absent(motion, k):

@@ -326,7 +326,7 @@ def test_a_real_walk_is_filled_to_millimetres_and_says_so():
     error, inside = [], []
     for marker in (1, 5, 8, 12):
         gap = Gap(marker, 90 + 5 * marker, 190 + 5 * marker)
-        found = fill(trial(motion.hidden([gap])), method=Body(), edges=GapEdges(most=0))
+        found = fill(trial(motion.hidden([gap])), method=Body(), edges=GapEdges(most_trimmed=0))
         path = found.trajectories.paths[marker]
         miss = path.xyz[gap.start : gap.stop] - motion.xyz[marker, gap.start : gap.stop]
         error.append(np.linalg.norm(miss, axis=1).mean())

@@ -251,7 +251,7 @@ def fill(
     model: Path | None = None,
     limit_mm: float = LIMIT,
     ends: bool = False,
-    trim: int = GapEdges().most,
+    trim: int = GapEdges().most_trimmed,
     static: Path | None = None,
     report: bool = False,
     rate_hz: float | None = None,

@@ -22,7 +22,7 @@ from ..digitise import (
     parse_answer,
     words,
 )
-from ..engine.digitising import Reel
+from ..engine.digitising import DigitisedFrames
 
 NEAR = 6
 """Markers of an image that are listed; chosen."""
@@ -35,7 +35,7 @@ class Terminal:
         reel: shows the markers near to where one is expected.
     """
 
-    def __init__(self, reel: Reel) -> None:
+    def __init__(self, reel: DigitisedFrames) -> None:
         self._reel = reel
 
     def __call__(self, question: Question, state: DigitisingState) -> Answer:

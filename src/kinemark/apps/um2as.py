@@ -15,7 +15,7 @@ from ..data.array_types import Floats
 from ..detect import Centroids
 from ..digitise import DigitisedImages, ImageMarkers, OtherViews, SemiAutomatic, find_markers
 from ..engine.calibration.from_known_points import rig_of_cp
-from ..engine.digitising import Reel, digitise_camera, digitise_trial
+from ..engine.digitising import DigitisedFrames, digitise_camera, digitise_trial
 from ..engine.session import Session
 from ..engine.sources import frame_of
 from ..engine.um2as import angles_files, calibrate_file, coordinates_files, table
@@ -170,9 +170,9 @@ def digitise_file(
         others: what is digitised of other cameras, as feeding.da2 feeding.da3.
         take_proposals: take what they propose, and do not ask.
     """
-    method = _follower(markers, reference, confirm_reference=confirm_reference, take_proposals=take_proposals)
+    method = _semi_automatic(markers, reference, confirm_reference=confirm_reference, take_proposals=take_proposals)
     camera = camera_number(output, "da")
-    reel = Reel(open_images(images), method=_centroids(threshold, inverted), every=every, last=last_frame)
+    reel = DigitisedFrames(open_images(images), method=_centroids(threshold, inverted), every=every, last=last_frame)
     done = digitise_camera(
         reel,
         method=method,
@@ -269,7 +269,7 @@ def digitise(session: Path, trial: str, *, camera: str | None = None, json: Json
     say(figures if json else f"{figures['questions']} questions were asked. Next: kinemark run {session} {trial}")
 
 
-def _follower(markers: list[str], reference: str | None, **options: bool) -> SemiAutomatic:
+def _semi_automatic(markers: list[str], reference: str | None, **options: bool) -> SemiAutomatic:
     """How markers are followed; one that is a number says how many there are."""
     names = [str(m + 1) for m in range(int(markers[0]))] if len(markers) == 1 and markers[0].isdecimal() else markers
     try:

@@ -28,14 +28,14 @@ from .question_text import words
 from .replay import Replay, given
 from .semi_automatic import SemiAutomatic
 from .stage import DIGITISE
-from .state import Asked, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
+from .state import AskedQuestion, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
 
 __all__ = [
     "DIGITISE",
     "Absent",
     "Accept",
     "Answer",
-    "Asked",
+    "AskedQuestion",
     "ByHand",
     "DigitisedFrame",
     "DigitisedImages",

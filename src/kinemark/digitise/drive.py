@@ -21,7 +21,7 @@ Operator = Callable[[Question, DigitisingState], Answer]
 """Answers a question; the state is there to be drawn."""
 
 
-REASONS = ("first_two_frames", "not_found", "in_doubt", "reference")
+REASONS = ("first_two_frames", "not_found", "ambiguous", "reference")
 """Why the operator is asked."""
 
 

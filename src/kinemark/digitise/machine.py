@@ -19,7 +19,7 @@ machine does so by itself, frame by frame.
    to 50 × 50 (4). Of all pairs of a marker and an image that a square holds, the nearest is settled first, and an
    image serves one marker (5): a hidden marker so does not take the image of a visible neighbour, which claims its
    own in a smaller square. UM²AS does not say what it does there. Where two images run together and part again the
-   wrong one may be the nearer. So with d the distance of centroids from p, marker m is **in doubt** about its image i,
+   wrong one may be the nearer. So with d the distance of centroids from p, marker m is **ambiguous** about its image i,
    and asked for, if another image j that is nobody's, or that of marker n, has
 
        d_mj < k d_mi   or   d_mj + d_ni < k (d_mi + d_nj)               (6)
@@ -46,7 +46,7 @@ from ..data.answers import Absent, Accept, Answer, ByHand, No, Point, Revisit, U
 from ..data.array_types import Floats
 from .image_markers import ImageMarkers, clicked, nearest_free
 from .semi_automatic import FIRST, SemiAutomatic
-from .state import Asked, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
+from .state import AskedQuestion, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
 
 ImageSource = Callable[[int], ImageMarkers]
 """Gives the image of a frame, counted from 0."""
@@ -92,8 +92,8 @@ def question_of(state: DigitisingState, *, method: SemiAutomatic) -> Question:
     known = state.draft.uv[marker] if marker >= 0 else np.full(2, np.nan)
     if state.phase is DigitisingPhase.POINT:
         known = expected(state, method)[marker]
-    doubt = marker >= 0 and state.draft.found[marker] == Found.IN_DOUBT
-    return Question(state.phase, state.frame, marker, name, known, state.proposal, bool(doubt))
+    ambiguous = marker >= 0 and state.draft.found[marker] == Found.AMBIGUOUS
+    return Question(state.phase, state.frame, marker, name, known, state.proposal, bool(ambiguous))
 
 
 def advance(
@@ -222,11 +222,11 @@ def _reason(state: DigitisingState, method: SemiAutomatic) -> str:
         return "first_two_frames"
     if state.marker == method.fixed:
         return "reference"
-    return "in_doubt" if state.draft.found[state.marker] == Found.IN_DOUBT else "not_found"
+    return "ambiguous" if state.draft.found[state.marker] == Found.AMBIGUOUS else "not_found"
 
 
-def _asked(state: DigitisingState, reason: str, proposed: bool = False) -> Asked:
-    return Asked(state.frame, state.marker, reason, proposed)
+def _asked(state: DigitisingState, reason: str, proposed: bool = False) -> AskedQuestion:
+    return AskedQuestion(state.frame, state.marker, reason, proposed)
 
 
 def _put(
@@ -281,7 +281,7 @@ def _reference(state: DigitisingState, images: ImageSource, method: SemiAutomati
     """The reference marker and, once its place is settled, all others; not searched where it is to be asked for."""
     r, image_markers = method.fixed, images(state.frame)
     if r >= 0 and state.draft.found[r] == Found.OPEN:
-        refused = Asked(state.frame, r, "reference", False) in state.asked[-1:]
+        refused = AskedQuestion(state.frame, r, "reference", False) in state.asked[-1:]
         state = replace(state, marker=r)
         near = nearest_free(image_markers, _constant(state, method), free=image_markers.usable, side=method.grid)
         if near is None or refused:
@@ -298,7 +298,7 @@ def searched(
     draft: DigitisedFrame, places: Floats, image_markers: ImageMarkers, method: SemiAutomatic
 ) -> DigitisedFrame:
     """The frame with the markers found about the places (M, 2) px where they are expected, by (4), (5) and (6)."""
-    free = image_markers.usable & ~claimed(draft, image_markers)
+    free = image_markers.usable & ~images_taken(draft, image_markers)
     image_of: dict[int, int] = {}
     for k in range(1, method.expansions + 1):
         while True:
@@ -313,12 +313,12 @@ def searched(
             draft = draft.put(marker, image_markers.uv[image], Found.AUTOMATIC)
             free[image] = False
             image_of[marker] = image
-    for doubtful in _doubtful(image_of, places, image_markers, free, method):
-        draft = draft.put(doubtful, None, Found.IN_DOUBT)
+    for ambiguous in _ambiguous(image_of, places, image_markers, free, method):
+        draft = draft.put(ambiguous, None, Found.AMBIGUOUS)
     return draft
 
 
-def _doubtful(
+def _ambiguous(
     image_of: dict[int, int],
     places: Floats,
     image_markers: ImageMarkers,
@@ -336,20 +336,20 @@ def _doubtful(
         both = [
             j
             for j in near
-            if j in owner and _exchangeable(away[j], away[i], image_markers.uv[[i, j]], places[owner[j]], k)
+            if j in owner and _swappable(away[j], away[i], image_markers.uv[[i, j]], places[owner[j]], k)
         ]
         if k > 1 and (alone or both):
             found.append(m)
     return found
 
 
-def _exchangeable(other: float, own: float, uv: Floats, place: Floats, k: float) -> bool:
+def _swappable(other: float, own: float, uv: Floats, place: Floats, k: float) -> bool:
     """The second of (6): d_mj, d_mi, the images i and j (2, 2), and where n is expected (2,)."""
     swapped, kept = np.hypot(*(uv - place).T)
     return bool(other + swapped < k * (own + kept))
 
 
-def claimed(draft: DigitisedFrame, image_markers: ImageMarkers) -> NDArray[np.bool_]:
+def images_taken(draft: DigitisedFrame, image_markers: ImageMarkers) -> NDArray[np.bool_]:
     """(B) which markers of the image serve one of the frame already."""
     uv = draft.uv[np.isfinite(draft.uv[:, 0])]
     return np.asarray((np.abs(image_markers.uv[:, None] - uv).max(-1, initial=0.0) < 1e-9).any(1))
@@ -396,6 +396,6 @@ def _proposed(
     if proposer is None or state.marker == method.fixed:
         return None
     image_markers = images(state.frame)
-    free = image_markers.usable & ~claimed(state.draft, image_markers)
+    free = image_markers.usable & ~images_taken(state.draft, image_markers)
     shift = _shift(state, method)
     return proposer(state.frame, state.marker, shift, expected(state, method)[state.marker], image_markers, free)

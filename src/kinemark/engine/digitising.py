@@ -48,7 +48,7 @@ FIGURES = "digitising.json"
 KEPT = 32  # images kept ready: as far as an operator goes back without waiting; chosen
 
 
-class Reel:
+class DigitisedFrames:
     """The chosen frames of a camera, ready to be pointed at, decoded when they are asked for.
 
     Args:
@@ -96,7 +96,7 @@ class Reel:
 
 
 def digitise_camera(
-    reel: Reel,
+    reel: DigitisedFrames,
     *,
     method: SemiAutomatic,
     answers: Path | None = None,
@@ -199,7 +199,7 @@ class Digitising(NamedTuple):
 def digitise_trial(
     task: Digitising,
     *,
-    operator: Callable[[Reel], Operator] | None = None,
+    operator: Callable[[DigitisedFrames], Operator] | None = None,
     refuse: Callable[[Exception], None] | None = None,
     announce: Callable[[str], None] | None = None,
     stop_after: str | None = None,
@@ -242,9 +242,11 @@ def digitise_trial(
     return uv, {"questions": sum(f["questions"] for f in figures.values()), "cameras": figures}
 
 
-def _reels(task: Digitising) -> dict[str, Reel]:
+def _reels(task: Digitising) -> dict[str, DigitisedFrames]:
     """The frames of all cameras, as many of each."""
-    reels = {name: Reel(source, method=task.detect, mask=task.mask(name)) for name, source in task.images.items()}
+    reels = {
+        name: DigitisedFrames(source, method=task.detect, mask=task.mask(name)) for name, source in task.images.items()
+    }
     if len({reel.n_frames for reel in reels.values()}) != 1:
         found = ", ".join(f"{name} {reel.n_frames}" for name, reel in reels.items())
         raise KinemarkError(f"The cameras have different numbers of frames: {found}. Cut them to those that all share.")

@@ -48,7 +48,7 @@ def fill_file(
     name: str = "auto",
     limit_mm: float = LIMIT,
     ends: bool = False,
-    trim: int = GapEdges().most,
+    trim: int = GapEdges().most_trimmed,
     static: Path | None = None,
     report: Path | None = None,
     rate_hz: float | None = None,
@@ -219,4 +219,4 @@ def _checked(limit_mm: float, trim: int) -> GapEdges:
         raise KinemarkError(f"The limit is {limit_mm} mm. Wanted is one above 0; inf fills all that can be filled.")
     if trim < 0:
         raise KinemarkError(f"trim is {trim}. Wanted is a number of samples, 0 for none.")
-    return GapEdges(most=trim)
+    return GapEdges(most_trimmed=trim)

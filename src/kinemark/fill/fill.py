@@ -14,9 +14,9 @@ from .edges import GapEdges, trim_edges
 from .judge.auto import Auto
 from .judge.combine import close_ones, mean_prediction, mean_tests, together
 from .judge.combine import weights as best_weights
-from .judge.expected_error import ErrorCalibration, MeasuredErrors, as_hard, weigh
+from .judge.expected_error import ErrorCalibration, MeasuredErrors, difficulty_weight, hold_out_weights
 from .judge.hold_out import MANY, HoldOutResult, draw_hold_out_gaps, edge_distance, run
-from .known_samples import possible
+from .known_samples import plausible
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 from .methods.stage import FILL, FillMethod, filler_of
 from .static import place_absent
@@ -111,7 +111,8 @@ def fill(
         method: one of `FILL`; `Auto()` when None.
         limit_mm: gaps with a greater expected mean error stay open; infinite fills all that can be filled.
         ends: also fill before a marker's first sample and after its last.
-        edges: how samples beside gaps are judged and trimmed; `GapEdges()` when None, `GapEdges(most=0)` trims none.
+        edges: how samples beside gaps are judged and trimmed; `GapEdges()` when None; `GapEdges(most_trimmed=0)`
+            trims none.
         static: another trial of the same markers; those that this trial never shows are placed from it.
         seed: of the places of the hold-out gaps.
 
@@ -124,7 +125,7 @@ def fill(
     candidates = method.methods if isinstance(method, Auto) else (method,)
     for candidate in candidates:
         filler_of(candidate)
-    motion = within_reach(MarkerArray.of(trajectories))
+    motion = without_outliers(MarkerArray.of(trajectories))
     written = TrialCopy(trajectories)
     written.drop(~motion.seen)
     motion = trim_edges(motion, find_gaps(motion), method=edges or GapEdges()).motion
@@ -161,9 +162,9 @@ def tests_per_gap(gaps: int) -> int:
     return int(np.clip(200 // gaps, 1, 12))
 
 
-def within_reach(motion: MarkerArray) -> MarkerArray:
+def without_outliers(motion: MarkerArray) -> MarkerArray:
     """The trial without samples that cannot be positions: a filler would take them for motion."""
-    known = possible(motion.xyz)
+    known = plausible(motion.xyz)
     outliers = motion.seen & ~known
     return motion._replace(xyz=np.where(known[..., None], motion.xyz, np.nan)) if outliers.any() else motion
 
@@ -259,9 +260,9 @@ def _within(found: FilledGap, limit_mm: float) -> FilledGap:
 def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Filled:
     """Markers that the trial never shows, placed from the static trial; new ones come last."""
     trajectories = filled.trajectories
-    motion = within_reach(MarkerArray.of(trajectories))
+    motion = without_outliers(MarkerArray.of(trajectories))
     paths, done = {path.name: path for path in trajectories}, list(filled.gaps)
-    for placed in place_absent(motion, StaticShape.of(within_reach(MarkerArray.of(static)))):
+    for placed in place_absent(motion, StaticShape.of(without_outliers(MarkerArray.of(static)))):
         found = FilledGap(
             placed.name,
             0,
@@ -310,7 +311,7 @@ def _expected_errors(
 
     By how far two methods are apart too, where there are two, and few enough gaps that all were asked about each.
     """
-    weights = weigh([t.test for t in answers[0].results], index, gaps)
+    weights = hold_out_weights([t.test for t in answers[0].results], index, gaps)
 
     def expected() -> dict[str, tuple[float, float]]:
         return {answer.name: answer.measured.expect(answer.predictions[index], weights) for answer in answers}
@@ -320,7 +321,7 @@ def _expected_errors(
     if len(able) < 2 or len(gaps) > MANY:
         return found, weights
     apart = np.array([_apart(x.error, y.error) for x, y in zip(able[0].results, able[1].results, strict=True)])
-    weights = weights * as_hard(apart, _apart(able[0].predictions[index].xyz, able[1].predictions[index].xyz))
+    weights = weights * difficulty_weight(apart, _apart(able[0].predictions[index].xyz, able[1].predictions[index].xyz))
     return expected(), weights
 
 

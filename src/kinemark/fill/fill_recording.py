@@ -31,7 +31,7 @@ class Filling(Method):
     )
     ends: bool = parameter(False, meaning="also fill before a marker's first sample and after its last")
     trim: int = parameter(
-        GapEdges().most, unit="samples", low=0,
+        GapEdges().most_trimmed, unit="samples", low=0,
         meaning="so many bad samples may be replaced on each side of a gap; 0: none",
     )  # fmt: skip
     rays: bool = parameter(True, meaning="use images that one camera alone has of a marker in its gap")
@@ -42,7 +42,7 @@ def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -
 
     The expected error of a gap is that of the method without the cameras' help, as no hold-out gap has one.
     """
-    edges = GapEdges(most=method.trim)
+    edges = GapEdges(most_trimmed=method.trim)
     filled = fill(trajectories, method=method.method, limit_mm=method.limit_mm, ends=method.ends, edges=edges)
     if not method.rays:
         return filled

@@ -12,7 +12,7 @@ from ..data import Finding, Origin, Trajectories, make_finding
 from ..data import MarkerTrajectory as MarkerPath
 from ..data.finding import gravest_first, red_if
 from ..fill import Filled, FilledGap, MarkerArray
-from ..fill.known_samples import possible
+from ..fill.known_samples import plausible
 from ..version import __version__
 from .plain import SCHEMA_VERSION, plain
 from .verdict import verdict_of
@@ -91,7 +91,7 @@ def _at_an_end(gap: FilledGap, before: Trajectories) -> int:
 def _far_away(trajectories: Trajectories) -> int:
     """Samples that cannot be positions."""
     motion = MarkerArray.of(trajectories)
-    return int((motion.seen & ~possible(motion.xyz)).sum())
+    return int((motion.seen & ~plausible(motion.xyz)).sum())
 
 
 def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:

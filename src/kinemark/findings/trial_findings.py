@@ -26,7 +26,7 @@ COMPLETE_AMBER, COMPLETE_RED = 0.97, 0.8
 """Share of samples that are present while the subject is in view; chosen."""
 STRETCH = 0.06
 """How far the focal lengths along u and v may differ, or differ from 2:1 in fields of interlaced video; chosen."""
-PIECES = 1.3
+FRAGMENTS = 1.3
 """Tracks a marker above which they count as broken; chosen."""
 LONG_GAP_S = 0.2
 """A gap that interpolation should not bridge unseen: a fifth of a gait cycle; chosen."""
@@ -76,12 +76,12 @@ def trial_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:
 
 def _statements(figures: Figures) -> Found:
     recording, markers = figures["recording"], figures["trajectories"]
-    pieces = markers["unlabelled"] and markers["count"] != markers["markers_worn"]
+    fragments = markers["unlabelled"] and markers["count"] != markers["markers_worn"]
     yield make_finding(
         "recorded",
         camera_count=len(figures["cameras"]),
-        marker_count=markers["markers_worn"] if pieces else markers["count"],
-        track_count=markers["count"] if pieces else None,
+        marker_count=markers["markers_worn"] if fragments else markers["count"],
+        track_count=markers["count"] if fragments else None,
         duration_s=recording["duration_s"],
         frame_count=recording["frames"],
         rate_hz=recording["rate_hz"],
@@ -209,7 +209,7 @@ def _incomplete(figures: Figures) -> Found:
 
 def _pieces(figures: Figures) -> Found:
     tracks, worn = figures["trajectories"]["count"], figures["trajectories"]["markers_worn"]
-    if figures["trajectories"]["unlabelled"] and tracks > PIECES * max(worn, 1):
+    if figures["trajectories"]["unlabelled"] and tracks > FRAGMENTS * max(worn, 1):
         yield make_finding("tracks_broken", tracks=tracks, markers_worn=worn)
 
 

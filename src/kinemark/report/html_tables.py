@@ -44,12 +44,12 @@ def _calibrated(camera: dict[str, Any]) -> list[str]:
     ]
 
 
-def camera_table(cameras: list[dict[str, Any]], doubtful: Iterable[str]) -> str:
-    """A row a camera: what it saw and how well it agrees; the doubtful ones are marked."""
+def camera_table(cameras: list[dict[str, Any]], inconsistent: Iterable[str]) -> str:
+    """A row a camera: what it saw and how well it agrees; the inconsistent ones are marked."""
     head = ["camera", "detections", "a frame: mean (least–most)", "frames without", "invalid", "used"]
     head += ["residual: median (px)", "RMS (px)", "95 % (px)", "offset u, v (px)"]
-    doubtful = set(doubtful)
-    return table(head, [_saw(c) for c in cameras], marked=[c["name"] in doubtful for c in cameras])
+    inconsistent = set(inconsistent)
+    return table(head, [_saw(c) for c in cameras], marked=[c["name"] in inconsistent for c in cameras])
 
 
 def spots_table(cameras: list[dict[str, Any]]) -> str:

@@ -69,7 +69,7 @@ def write_report(
         quality: the figures from `quality.quality` of the same records.
         rig, detections, tracks, trajectories: what is drawn.
         judged: the figures of the calibration, from `calibration.calibration_figures`.
-        pictures: (C) an image (H, W) of each camera, of its frame in `figures_detections.telling_frames`.
+        pictures: (C) an image (H, W) of each camera, of its frame in `figures_detections.fullest_frames`.
 
     Raises:
         KinemarkError: the folder cannot be written.

@@ -108,7 +108,7 @@ def shown(rig: Rig, xyz: Floats, uv: Floats, time_s: Floats) -> Shown:
     xyz = xyz - origin
     place = refine(plain, xyz, uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)))
     views = np.isfinite(uv[..., 0]).sum(1)
-    used = _tame(place.off, (views >= 3) & np.isfinite(place.xyz).all(1))
+    used = _without_outliers(place.off, (views >= 3) & np.isfinite(place.xyz).all(1))
     seen: Bools = np.isfinite(uv[..., 0]) & used[:, None]
     r = np.where(seen[..., None], place.off, 0.0)
     freedom = int((2 * views[used] - 3).sum())
@@ -174,7 +174,7 @@ def _displacements(rig: Rig, xyz: Floats, uv: Floats, common: _CommonErrors) -> 
     return placed, _common(moves[0], moves[1], placed), _common(bends[0], bends[1], placed)
 
 
-def _tame(off: Floats, usable: Bools) -> Bools:
+def _without_outliers(off: Floats, usable: Bools) -> Bools:
     """The usable points (N) without a residual (N, C, 2) that is beyond all others.
 
     What is usual is found again without those that were left out, until none is: where a third of all images are

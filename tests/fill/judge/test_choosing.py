@@ -16,7 +16,7 @@ from kinemark.fill.fill import (
     within_time,
 )
 from kinemark.fill.judge.combine import close_ones, mean_prediction, mean_tests, together, weights
-from kinemark.fill.judge.expected_error import LEAST, ErrorCalibration, MeasuredErrors, as_hard
+from kinemark.fill.judge.expected_error import LEAST, ErrorCalibration, MeasuredErrors, difficulty_weight
 from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult, draw_hold_out_gaps
 from kinemark.fill.methods.angles import fit_model, learned_of
 from kinemark.fill.methods.kriging import Hyper
@@ -189,7 +189,7 @@ def test_what_a_test_counts_is_what_it_counts_for_the_weights():
 
 
 def test_however_easy_or_hard_a_test_it_counts_a_little():
-    assert np.allclose(as_hard(np.array([0.0, 1.0, 1e9]), 1.0), [LEAST, 1, LEAST])
+    assert np.allclose(difficulty_weight(np.array([0.0, 1.0, 1e9]), 1.0), [LEAST, 1, LEAST])
 
 
 def test_how_hard_a_gap_is_the_best_two_tell():

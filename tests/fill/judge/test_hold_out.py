@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.fill import Body, Gap, Linear, MarkerArray, Prediction
-from kinemark.fill.judge.expected_error import ErrorCalibration, MeasuredErrors, weigh
+from kinemark.fill.judge.expected_error import ErrorCalibration, MeasuredErrors, hold_out_weights
 from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult, draw_hold_out_gaps, run
 from kinemark.fill.methods.stage import filler_of
 from support.filling import moving
@@ -140,7 +140,7 @@ class TestCalibration:
     def test_tests_of_the_gap_itself_count_most(self):
         gaps = [Gap(0, 0, 20), Gap(0, 50, 70), Gap(3, 0, 20), Gap(3, 0, 200)]
         tests = [HoldOutGap(k, 0, Gap(g.marker, 0, g.length), (0, g.length), True) for k, g in enumerate(gaps)]
-        w = weigh(tests, 0, gaps)
+        w = hold_out_weights(tests, 0, gaps)
         assert w[0] > w[1] > w[2] > w[3] > 0
 
     def test_expected_error_is_the_mean_of_the_tests_for_a_method_that_claims_nothing(self):

@@ -143,7 +143,7 @@ class TestTrust:
             motion, gap = moving(400, soft=3.0, noise=0.3, seed=seed), Gap(2, 150, 230)
             hidden = motion.hidden([gap])
             hidden.xyz[5, 170:200] += [30.0, 0, 0]
-            done = fill(trial(hidden), method=Body(), edges=GapEdges(most=0))
+            done = fill(trial(hidden), method=Body(), edges=GapEdges(most_trimmed=0))
             path, at = done.trajectories.paths[2], slice(150, 230)
             error = path.xyz[at] - motion.xyz[2, at]
             sd = np.sqrt(np.diagonal(path.cov[at], axis1=1, axis2=2))

@@ -19,7 +19,7 @@ from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, near_middle, rig_about
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
-from .robust import equations, solve_softly, solve_without_outliers, unknowns
+from .robust import equations, solve_robust, solve_without_outliers, unknowns
 from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
 
 VAGUE = 0.1
@@ -126,7 +126,7 @@ def adjusted(
     state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, reject: float
 ) -> tuple[BundleState, Bools]:
     """The state near `state` that fits best, and which points (C, N) it was fitted to."""
-    state, scale = solve_softly(state, seen, freedoms)
+    state, scale = solve_robust(state, seen, freedoms)
     return solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
 
 

@@ -70,7 +70,14 @@ class Judgement(NamedTuple):
 
 def judge_control_points(fit: ControlFit) -> Judgement:
     """Whether a calibration from control points is good, and why not."""
-    findings = [_accuracy(fit), *_cameras(fit), *_noise(fit), *_images(fit), *_loose(fit), *_unseen(fit)]
+    findings = [
+        _accuracy(fit),
+        *_cameras(fit),
+        *_noise(fit),
+        *_images(fit),
+        *_focal_length_findings(fit),
+        *_unseen(fit),
+    ]
     gravest = max(map(_grade, findings))
     if suspicious(fit) or gravest > 0:
         findings[1:1] = _survey(fit, displaced_points(fit), gravest)
@@ -236,7 +243,7 @@ def _left_out(fit: ControlFit, c: int, rows: NDArray[np.int64]) -> Finding:
     )
 
 
-def _loose(fit: ControlFit) -> list[Finding]:
+def _focal_length_findings(fit: ControlFit) -> list[Finding]:
     """(7)."""
     shares = [float(np.sqrt(max(c.cov[0, 0], c.cov[1, 1])) / abs(c.K[0, 0])) for c in fit.rig]
     return [

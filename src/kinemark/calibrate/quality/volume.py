@@ -1,4 +1,4 @@
-"""The control volume as a grid of places: how exactly each is known, and what every camera is worth there.
+"""The control volume as a grid of places: how exactly each is known, and what every camera contributes there.
 
 At each place the covariance of `covariance` eq. 3 gives the standard deviation of one axis, σ = √(trace / 3) (1), and
 that along the largest axis of the covariance, the root of the largest eigenvalue (2). Two rays that meet at the angle α

@@ -86,7 +86,7 @@ def at_rows(detections: Detections, rows: NDArray[np.int64]) -> tuple[Floats, Fl
 def wanted(detections: Detections) -> Wanted:
     """Steps 1 and 2."""
     use = detections.valid & ~detections.merged
-    still = _standing(detections, use)
+    still = _still_points(detections, use)
     use &= ~still
     camera, frame = detections.camera, detections.frame
     counts = np.zeros((len(detections.cameras), detections.n_frames), np.int64)
@@ -113,7 +113,7 @@ def identify_wand(detections: Detections, want: Wanted, along: Floats) -> NDArra
     return rows
 
 
-def _standing(detections: Detections, use: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _still_points(detections: Detections, use: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """(D) points at a place of the image where one is seen in a large share of the frames.
 
     A square of `CELL` px may cut the place in two, so four grids are tried, shifted by half a square.

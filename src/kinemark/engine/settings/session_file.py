@@ -70,7 +70,7 @@ class MaskTable(Strict):
     )
 
     @model_validator(mode="after")
-    def something(self) -> MaskTable:
+    def not_empty(self) -> MaskTable:
         """An empty table would mask nothing."""
         if self.file is None and self.empty is None:
             raise ValueError("wants file, empty or both")

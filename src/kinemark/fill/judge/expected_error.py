@@ -58,7 +58,7 @@ SPREAD = 0.5  # of ln length, and of ln distance; chosen; its coverage is that o
 MARKER = 0.25  # weight of tests for other gaps of the marker; chosen; its coverage is that of benchmarks/gaps.py
 OTHER = 0.05  # weight of tests for other markers; chosen; its coverage is that of benchmarks/gaps.py
 LEVEL = 0.95  # probability within the interval; conventional
-OMEGA, WORTH = 0.5, 4.0
+OMEGA, PRIOR_TESTS = 0.5, 4.0
 """ω₀ and ν₀ of (6). On 648 gaps of seven trials ω was 0.44 for body, 0.57, 0.60, 0.65 and 0.75 for four others.
 Chosen (see benchmarks/gaps.py)."""
 LEAST = 1e-3
@@ -70,7 +70,7 @@ QUANTILES = (np.arange(40) + 0.5) / 40
 """At which distributions are tabulated; by definition."""
 
 
-def weigh(tests: list[HoldOutGap], of: int, gaps: list[Gap]) -> Floats:
+def hold_out_weights(tests: list[HoldOutGap], of: int, gaps: list[Gap]) -> Floats:
     """(1): what each test counts for the gap of that index."""
     gap = gaps[of]
     about = np.array([(t.of, t.window.marker, t.keep[1] - t.keep[0]) for t in tests], np.int64).reshape(-1, 3)
@@ -78,7 +78,7 @@ def weigh(tests: list[HoldOutGap], of: int, gaps: list[Gap]) -> Floats:
     return share * np.exp(-np.abs(np.log(about[:, 2] / gap.length)) / SPREAD)
 
 
-def as_hard(apart: Floats, here: float) -> Floats:
+def difficulty_weight(apart: Floats, here: float) -> Floats:
     """What (9) makes of each test, from how far the predictions of two methods are apart in it and in the gap, mm."""
     ratio = np.log(np.maximum(apart, LEAST) / max(here, LEAST))
     return np.asarray(np.maximum(np.exp(-np.abs(ratio) / SPREAD), LEAST))
@@ -154,7 +154,7 @@ class ErrorCalibration:
         Args:
             prediction: the prediction.
             edge: (L).
-            weights: of all tests, from `weigh`.
+            weights: of all tests, from `hold_out_weights`.
         """
         if not len(self.used) or not (w := weights[self.used]).sum():
             return np.full_like(prediction.cov, np.nan)
@@ -162,8 +162,8 @@ class ErrorCalibration:
         w = w / w.sum()
         n = 1 / float(w @ self.same @ w)  # (7)
         mean = float(w @ self.u)
-        dof = WORTH + n - 1
-        omega = np.sqrt((WORTH * OMEGA**2 + n * float(w @ (self.u - mean) ** 2)) / dof)  # (6)
+        dof = PRIOR_TESTS + n - 1
+        omega = np.sqrt((PRIOR_TESTS * OMEGA**2 + n * float(w @ (self.u - mean) ** 2)) / dof)  # (6)
         s = np.exp(mean + omega * np.sqrt(1 + 1 / n) * stdtrit(dof, QUANTILES))
         return shape * (_product_quantile(s, self.within) / Z) ** 2
 

@@ -83,7 +83,7 @@ def fill_cyclic(motion: MarkerArray, gaps: list[Gap], *, method: Cyclic = Cyclic
     return [_repeat(known, known.span(gap), learnt, method) for gap in gaps]
 
 
-def find_period(known: KnownSamples, shortest: float, alike: float) -> float:
+def find_period(known: KnownSamples, shortest: float, min_correlation: float) -> float:
     """Frames of one cycle, from (1); 0 where the trial shows no two like cycles."""
     step = max(1, -(-known.n_frames // FINE))
     x = known.x[known.seen.any(1), ::step]
@@ -97,9 +97,9 @@ def find_period(known: KnownSamples, shortest: float, alike: float) -> float:
     rho = _correlation(v, there.astype(np.float64), last + 1)
     k = np.arange(first, last)
     peak = k[(rho[k] >= rho[k - 1]) & (rho[k] > rho[k + 1])]
-    if not len(peak) or not rho[peak].max() >= alike:
+    if not len(peak) or not rho[peak].max() >= min_correlation:
         return 0.0
-    one = int(peak[rho[peak] >= rho[peak].max() - 0.15 * (1 - alike)][0])
+    one = int(peak[rho[peak] >= rho[peak].max() - 0.15 * (1 - min_correlation)][0])
     bend = rho[one - 1] - 2 * rho[one] + rho[one + 1]
     return step * (one + (0.5 * (rho[one - 1] - rho[one + 1]) / bend if bend < 0 else 0.0))
 
@@ -117,7 +117,7 @@ def _repeat(known: KnownSamples, span: Span, learnt: _LearntCycle, method: Cycli
     if not span.edges:
         return Prediction.none(span.length, known.never(span))
     if not learnt.period:
-        return Prediction.none(span.length, "the trial shows no two cycles that are alike")
+        return Prediction.none(span.length, "the trial shows no two cycles that are min_correlation")
     found = _lags(known, span, learnt, method)
     if not found:
         return Prediction.none(span.length, "no other cycle shows this part of the marker's path")

@@ -148,13 +148,13 @@ def _predict(motion: MarkerArray, gap: Gap, fit: RegressionFit) -> Prediction:
     phi = _features(motion, fit.references, frames, R, c) - fit.mean
     xyz = c + np.einsum("fij,fj->fi", R, fit.a + phi @ fit.B)  # (1)
     rest = motion.xyz[gap.marker, frames] - xyz
-    xyz = xyz + _tie(rest)
+    xyz = xyz + _bridge_residuals(rest)
     inner = slice(gap.start - frames[0], gap.stop - frames[0])
     nothing = np.full((gap.length, 3, 3), np.nan)
     return Prediction(xyz[inner], nothing, references=tuple(int(d) for d in fit.references))
 
 
-def _tie(rest: Floats) -> Floats:
+def _bridge_residuals(rest: Floats) -> Floats:
     """(4): residuals known at one or both ends, linear between them; zero where neither is known."""
     known = [e for e in (0, len(rest) - 1) if np.isfinite(rest[e]).all()]
     if not known:

@@ -21,13 +21,13 @@ from ...data.array_types import Floats
 from ...data.method import parameter
 from ..known_samples import KnownSamples, Span
 from ..marker_array import Gap, MarkerArray, Prediction
-from ..reference_markers import bowed, covariance, mean_square, rounded, triples
+from ..reference_markers import bridge_error, covariance, mean_square, rounded, triples
 from .stage import FILL, FillMethod
 
 
 @dataclass(frozen=True, slots=True)
 class Pattern(FillMethod):
-    """The motion of one reference marker that moves alike, carried over between the gap's edges."""
+    """The motion of one reference marker that moves in parallel, carried over between the gap's edges."""
 
     reference_markers: tuple[str, ...] = parameter(
         (), meaning="names of reference markers to choose from; empty: all markers"
@@ -56,7 +56,7 @@ def _follow(known: KnownSamples, span: Span, allowed: np.ndarray, bent: dict[int
         )
     h = rounded(span.half)
     if h not in bent:
-        bent[h] = bowed(triples(known, h))
+        bent[h] = bridge_error(triples(known, h))
     e = bent[h][span.marker] - bent[h][there]
     skill = mean_square(e, least=3)
     best = int(np.argmin(skill))

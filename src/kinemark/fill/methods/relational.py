@@ -23,7 +23,7 @@ from ...data.array_types import Floats, Ints
 from ...data.method import parameter
 from ..known_samples import KnownSamples, Span
 from ..marker_array import Gap, MarkerArray, Prediction
-from ..reference_markers import Distances, bowed, covariance, distances, mean_square, nearest, rounded, triples
+from ..reference_markers import Distances, bridge_error, covariance, distances, mean_square, nearest, rounded, triples
 from .stage import FILL, FillMethod
 
 POOL = 5
@@ -102,7 +102,7 @@ def _choose(x: Floats, marker: int, sets: list[Ints]) -> tuple[Ints, Floats]:
     index = np.array(sets)
     R, origin = frames(*(x[index[:, k]] for k in range(3)), sharp=SHARP)
     y = np.einsum("...i,...ij->...j", x[marker] - origin, R)
-    e = bowed(y)
+    e = bridge_error(y)
     best = int(np.argmin(mean_square(e, least=3)))
     return index[best], covariance(e[best])
 

@@ -80,7 +80,7 @@ CALIBRATION_WORDS = {
         "Use more points near the corners, or fewer lens terms.",
     ),
     "scale_doubtful": Words(
-        "The scale is doubtful: {length} is {known_mm} and comes out as {found_mm} ({error_share} off).",
+        "The scale is uncertain: {length} is {known_mm} and comes out as {found_mm} ({error_share} off).",
         "Measure both lengths again, centre to centre of the markers.",
     ),
     "cameras_distance_implausible": Words(

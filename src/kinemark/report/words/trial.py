@@ -199,7 +199,7 @@ TRIAL_WORDS = {
     "tracks_broken": Words(
         "{tracks} {tracks:track|tracks} for about {markers_worn} {markers_worn:marker|markers}: a marker that was "
         "hidden for long begins a new one.",
-        "Give the pieces of a marker one name, and fill what is missing between them.",
+        "Give the fragments of a marker one name, and fill what is missing between them.",
     ),
     "long_gaps": Words(
         "Gaps longer than {limit_s:.3g} in {markers}.",

@@ -36,10 +36,10 @@ def _good_for(found: Finding) -> str:
 def _recorded(found: Finding) -> str:
     tracks = found.values["track_count"]
     about = "about " if tracks is not None else ""
-    pieces = ", in {track_count} {track_count:track|tracks}," if tracks is not None else ""
+    tracks = ", in {track_count} {track_count:track|tracks}," if tracks is not None else ""
     return fill(
         f"{{camera_count}} {{camera_count:camera|cameras}} followed {about}{{marker_count}} "
-        f"{{marker_count:marker|markers}}{pieces} for {{duration_s}} ({{frame_count}} {{frame_count:frame|frames}} at "
+        f"{{marker_count:marker|markers}}{tracks} for {{duration_s}} ({{frame_count}} {{frame_count:frame|frames}} at "
         "{rate_hz}).",
         found,
     )

@@ -86,7 +86,7 @@ def point_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, *, best: in
         rows = _evenly(np.flatnonzero(seen[c]))
         x, y = (optics[i].ideal(uv[i, rows]) for i in (pair.a, pair.b))
         f1, f2, R, t, xyz = _poses(optics, pair, x, y)
-        score += oddness(projections(xyz, optics[c].ideal(uv[c, rows]) / _width(optics[c]))) / len(others)
+        score += pixel_shape_error(projections(xyz, optics[c].ideal(uv[c, rows]) / _width(optics[c]))) / len(others)
     chosen = _minima(score.reshape(len(FOCI), len(FOCI)))[:best] if others else []
     return [Seed(pair, (float(f1[g]), float(f2[g])), R[g], t[g], float(score[g])) for g in chosen]
 
@@ -132,7 +132,7 @@ def projections(xyz: Floats, xy: Floats) -> Floats:
     return np.asarray(P @ T)
 
 
-def oddness(P: Floats) -> Floats:
+def pixel_shape_error(P: Floats) -> Floats:
     """(2) of projections (G, 3, 4)."""
     M = P[..., :3]
     M = M / np.linalg.norm(M[..., 2:, :], axis=-1, keepdims=True)

@@ -40,7 +40,7 @@ KINEMATICS = (
     Kind("marker_errors_not_stated", "kinematics", "info", "The file states no errors; how is estimated or assumed.",
          {"how": "text"}),
     Kind("angles_good", "kinematics", "info", "The verdict: nothing was found."),
-    Kind("angles_usable", "kinematics", "info", "The verdict: the angles deserve a look."),
+    Kind("angles_usable", "kinematics", "info", "The verdict: the angles need attention."),
     Kind("angles_missing", "kinematics", "info", "The verdict: a joint has no angles."),
     Kind("angles_computed", "kinematics", "info", "Model, side and frames.",
          {"model": "text", "side": "text", "frame_count": "count"}),

@@ -1,4 +1,4 @@
-"""What a run says of joint angles: figures, what deserves a look, and the verdict."""
+"""What a run says of joint angles: figures, what needs attention, and the verdict."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def _cycles(cycles: Cycles, model: Model) -> dict[str, Any]:
 
 
 def _findings(figures: dict[str, Any]) -> list[Finding]:
-    """What deserves a look, in the order of the page."""
+    """What needs attention, in the order of the page."""
     found = list(_missing(figures["joints"]))
     found += [one for joint in figures["joints"] for one in _locked(joint, figures["first_frame"])]
     for row in figures["angles"]:

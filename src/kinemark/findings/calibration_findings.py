@@ -1,4 +1,4 @@
-"""What deserves a look in a calibration, from its figures: how it fits, and what its cameras see of the volume."""
+"""What needs attention in a calibration, from its figures: how it fits, and what its cameras see of the volume."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ FLAT_DEG = 20
 
 
 def calibration_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Finding]:
-    """What deserves a look, the gravest first; `noted` is what was found while the calibration was made."""
+    """What needs attention, the gravest first; `noted` is what was found while the calibration was made."""
     return gravest_first(list(chain(*(check(figures) for check in CHECKS), noted)))
 
 

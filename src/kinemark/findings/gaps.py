@@ -1,4 +1,4 @@
-"""What became of the gaps of a trial: figures, what deserves a look, and the verdict."""
+"""What became of the gaps of a trial: figures, what needs attention, and the verdict."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def largest_error(gap: dict[str, Any]) -> float:
 
 
 def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
-    """What deserves a look."""
+    """What needs attention."""
     uncertain = [largest_error(gap) for gap in figures["list"] if gap["method"] and largest_error(gap) > UNSURE_MM]
     if figures["open"]:
         yield make_finding("gaps_open", severity=red_if(not figures["filled"]), gaps=figures["open"])

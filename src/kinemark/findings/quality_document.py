@@ -337,5 +337,5 @@ class Quality(TypedDict):
     digitising: NotRequired[DigitisingData]
     """Of trials that an operator digitised."""
     findings: list[FindingData]
-    """What deserves a look, the gravest first."""
+    """What needs attention, the gravest first."""
     verdict: VerdictData

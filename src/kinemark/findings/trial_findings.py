@@ -1,4 +1,4 @@
-"""What deserves a look in a trial, from its figures, and the verdict over the whole."""
+"""What needs attention in a trial, from its figures, and the verdict over the whole."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ Found = Iterator[Finding]
 
 
 def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Finding]:
-    """What deserves a look, the gravest first.
+    """What needs attention, the gravest first.
 
     Args:
         figures: of `quality`.

@@ -169,7 +169,7 @@ def _recording_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
 
 
 def finding_list(findings: Sequence[Mapping[str, Any]]) -> str:
-    """What deserves a look, and what to do."""
+    """What needs attention, and what to do."""
     items = "".join(
         f'<li class="{found["severity"]}"><span class="tag">{TAGS[found["severity"]]}</span>'
         f"<div><b>{escape(text_of(found))}</b><br>{escape(advice_of(found))}</div></li>"

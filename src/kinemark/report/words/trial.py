@@ -115,7 +115,7 @@ TRIAL_WORDS = {
     "no_detections": Words(
         "No camera saw any marker.", "Lower the threshold in [detect], or check exposure and lights."
     ),
-    "no_points": Words("The cameras saw markers, but no marker was found in space.", _no_points),
+    "no_points": Words("The cameras saw markers, but no marker was reconstructed.", _no_points),
     "no_trajectories": Words(
         "3D points were reconstructed, but no trajectory came of them.",
         "Check the parameters of [track]: shortest, and speed; and rate_hz.",
@@ -160,10 +160,10 @@ TRIAL_WORDS = {
         "Take them from the recording's own file where every sample counts.",
     ),
     "channels_cut": Words(
-        "{channels} channels go on for {duration_s} beyond the frames; the C3D file does not hold that.",
+        "{channels} channels go on for {duration_s} beyond the frames; the C3D file does not hold the rest.",
         "Take them from the recording's own file where that counts.",
     ),
-    "cameras_swapped": Words(_swapped, "Exchange the files, in the trial or in the calibration."),
+    "cameras_swapped": Words(_swapped, "Swap the files, in the trial or in the calibration."),
     "camera_out_of_sync": Words(_out_of_sync, "Check that all cameras are triggered together."),
     "camera_without_images": Words("{Cameras} has no images at all.", LOOK_AT_CAMERA),
     "camera_stopped": Words(_stopped, "Check whether the camera stopped recording; else leave it out."),
@@ -182,7 +182,7 @@ TRIAL_WORDS = {
         _fits_nothing, "Its calibration is of another place or camera: calibrate it again, or leave it out."
     ),
     "nothing_goes_on": Words(
-        "The cameras agree in single frames, but nothing goes on from one frame to the next: {rate_hz} is probably not "
+        "The cameras agree in single frames, but no track continues from one frame to the next: {rate_hz} is probably not "
         "the frame rate of the recording.",
         RATE,
     ),

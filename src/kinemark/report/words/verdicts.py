@@ -190,7 +190,7 @@ VERDICT_WORDS = {
         "filled (see --ends)."
     ),
     "angles_good": Words("The angles hold together"),
-    "angles_usable": Words("The angles deserve a look"),
+    "angles_usable": Words("The angles need attention"),
     "angles_missing": Words("A joint has no angles"),
     "angles_computed": Words("Model {model}, {side} side, {frame_count} {frame_count:frame|frames}."),
     "angle_deviations": Words(

@@ -81,7 +81,7 @@ def test_a_trial_that_shows_too_little_is_left_alone():
         assert not t.before.any() and not t.after.any()
     for method in (GapEdges(most_trimmed=0), GapEdges(neighbours=0)):
         assert trim_edges(motion, [Gap(0, 0, 40), Gap(1, 10, 11)], method=method).before.shape == (2,)
-    with pytest.raises(ValueError, match="past"):
+    with pytest.raises(ValueError, match="fit_samples"):
         GapEdges(fit_samples=3)
 
 

@@ -182,8 +182,8 @@ TRIAL_WORDS = {
         _fits_nothing, "Its calibration is of another place or camera: calibrate it again, or leave it out."
     ),
     "nothing_goes_on": Words(
-        "The cameras agree in single frames, but no track continues from one frame to the next: {rate_hz} is probably not "
-        "the frame rate of the recording.",
+        "The cameras agree in single frames, but no track continues from one frame to the next: {rate_hz} is "
+        "probably not the frame rate of the recording.",
         RATE,
     ),
     "speeds_impossible": Words(

@@ -14,6 +14,7 @@ from kinemark.apps.cli import methods
 from kinemark.data import KinemarkError, same
 from kinemark.engine.session import Session
 from kinemark.engine.settings import STAGES, methods_figures, methods_text
+from kinemark.engine.settings.method_tables import SETTABLE, method_of
 from kinemark.match import match
 from kinemark.reconstruct import reconstruct
 from kinemark.track import matches_itself, track
@@ -58,6 +59,22 @@ def test_the_list_of_methods_says_what_the_dataclasses_say():
     assert "search_radius   40.0   mm      above 0" in methods_text("track")
     with pytest.raises(KinemarkError, match="did you mean 'track'"):
         methods_text("trak")
+
+
+FORMER = [
+    (stage, name, p.former, p.name)
+    for stage, kinds in SETTABLE.items()
+    for name, declared in kinds.items()
+    for p in declared.parameters
+    if p.former
+]
+
+
+@pytest.mark.parametrize(("stage", "name", "former", "now"), FORMER)
+def test_who_uses_the_former_name_of_a_parameter_is_told_the_new_one(stage, name, former, now):
+    assert former not in {field.name for field in fields(STAGES[stage][name].kind)}
+    with pytest.raises(ValueError, match=f"'{former}' of {name} is now called '{now}'"):
+        method_of(stage, {"method": name, former: 1})
 
 
 def by_hand(detections, rig, settings):

@@ -252,7 +252,7 @@ METHODS: dict[str, TrialMethod] = {
     "epipolar_triplets, extrapolation_ladder": Staged(EpipolarTriplets(), ExtrapolationLadder()),
     "kiss_triplets, kiss_tracking": Staged(KissTriplets(), KissTracking()),
     "… with camera_pairs": Staged(EpipolarTriplets(), ExtrapolationLadder(), CameraPairs()),
-    "epipolar_triplets, swamidas": Staged(EpipolarTriplets(), Swamidas(begin="any", patience=0.1)),
+    "epipolar_triplets, swamidas": Staged(EpipolarTriplets(), Swamidas(initiate_from="any", max_coasting=0.1)),
     "epipolar_triplets, distance_only": Staged(EpipolarTriplets(), DistanceOnly()),
 }
 USUAL = 3  # of these are run where none is named

@@ -38,7 +38,7 @@ def test_the_ladder_leads_along_its_polynomials(degree, radius, whole):
     """A line is foreseen exactly; of x = t² the line through the last two is off by 2, through three by 10/3."""
     t = np.arange(20.0)[:, None]
     linked = link(
-        cloud_of((t**degree * [1.0, 0, 0])[None]), method=KissTracking(search_radius=radius, distance_limit=1.1)
+        cloud_of((t**degree * [1.0, 0, 0])[None]), method=KissTracking(search_radius=radius, max_distance=1.1)
     )
     assert (len(linked) == 1) == whole
 
@@ -49,7 +49,7 @@ def test_from_five_points_on_a_parabola_is_foreseen_exactly():
     for kick, tracks in ((3.3, 1), (3.5, 2)):
         kicked = points.copy()
         kicked[0, -1, 1] += kick  # the whole of it counts against the sphere, and nothing else
-        assert len(link(cloud_of(kicked), method=KissTracking(search_radius=3.4, distance_limit=1.1))) == tracks
+        assert len(link(cloud_of(kicked), method=KissTracking(search_radius=3.4, max_distance=1.1))) == tracks
 
 
 @pytest.mark.parametrize(("jump", "tracks"), [(39.0, 1), (41.0, 2)])
@@ -63,7 +63,7 @@ def test_a_point_outside_the_search_sphere_ends_the_track_and_starts_another(jum
 
 @pytest.mark.parametrize(("step", "tracks"), [(99.0, 1), (101.0, 30)])
 def test_a_track_of_one_point_takes_its_neighbour_within_the_distance_limit(step, tracks):
-    assert len(link(cloud_of(line(30, [step, 0, 0])), method=KissTracking(distance_limit=100.0))) == tracks
+    assert len(link(cloud_of(line(30, [step, 0, 0])), method=KissTracking(max_distance=100.0))) == tracks
 
 
 def test_of_two_points_in_the_sphere_the_nearer_is_taken():
@@ -134,7 +134,7 @@ def test_both_tracks_must_agree_not_only_one(backward):
     points = line(40, [10.0, 0, 0])
     points[0, 20:] = points[0, 20] + (np.arange(20)[:, None] * [10.0, 90.0, 0])
     points[0, 19] = np.nan
-    before = link(cloud_of(points[:, ::-1] if backward else points), method=KissTracking(distance_limit=200.0))
+    before = link(cloud_of(points[:, ::-1] if backward else points), method=KissTracking(max_distance=200.0))
     assert len(before) == 2
     assert len(blend(before, within=0.04, radius=40.0, reach=200.0)) == 2
 
@@ -204,7 +204,7 @@ def test_nothing_is_no_error():
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("search_radius", 0), ("distance_limit", -1), ("blend_within", -0.1), ("shortest", 0)],
+    [("search_radius", 0), ("max_distance", -1), ("max_gap", -0.1), ("min_points", 0)],
 )
 def test_parameters_that_make_no_sense_are_refused(name, value):
     with pytest.raises(ValueError, match=name):

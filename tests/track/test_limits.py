@@ -38,8 +38,8 @@ def kept(points, *, rate, method, cov=1e-6):
 @pytest.mark.parametrize("rate", [50.0, 200.0])
 @pytest.mark.parametrize(("share", "whole"), [(0.98, True), (1.02, False)])
 def test_a_track_bends_by_the_usual_acceleration_and_scatter(rate, share, whole):
-    method = ExtrapolationLadder(shortest=1, patience=0.0)
-    limit = method.reach * (method.acceleration / rate**2 / 2 + method.scatter)  # (1)
+    method = ExtrapolationLadder(min_points=1, max_coasting=0.0)
+    limit = method.gate * (method.acceleration_sd / rate**2 / 2 + method.scatter)  # (1)
     points = line(12, (4.0, 0, 0))
     points[:, 11, 1] += share * limit
     assert kept(points, rate=rate, method=method) == whole
@@ -48,8 +48,8 @@ def test_a_track_bends_by_the_usual_acceleration_and_scatter(rate, share, whole)
 @pytest.mark.parametrize("missed", [1, 2])
 @pytest.mark.parametrize(("share", "whole"), [(0.98, True), (1.02, False)])
 def test_the_region_grows_with_every_frame_that_is_missed(missed, share, whole):
-    method, rate = ExtrapolationLadder(shortest=1, patience=0.1), 50.0
-    limit = method.reach * (method.acceleration * ((missed + 1) / rate) ** 2 / 2 + method.scatter)
+    method, rate = ExtrapolationLadder(min_points=1, max_coasting=0.1), 50.0
+    limit = method.gate * (method.acceleration_sd * ((missed + 1) / rate) ** 2 / 2 + method.scatter)
     points = line(12 + missed, (4.0, 0, 0))
     points[:, 11 + missed, 1] += share * limit
     points[:, 11 : 11 + missed] = np.nan
@@ -59,16 +59,16 @@ def test_the_region_grows_with_every_frame_that_is_missed(missed, share, whole):
 @pytest.mark.parametrize("rate", [50.0, 200.0])
 @pytest.mark.parametrize(("share", "whole"), [(0.98, True), (1.02, False)])
 def test_a_single_point_may_move_as_fast_as_the_greatest_speed(rate, share, whole):
-    method = ExtrapolationLadder(shortest=1, patience=0.0)
-    points = line(2, (share * method.speed / rate, 0, 0))
+    method = ExtrapolationLadder(min_points=1, max_coasting=0.0)
+    points = line(2, (share * method.max_speed / rate, 0, 0))
     assert kept(points, rate=rate, method=method) == whole
 
 
 @pytest.mark.parametrize(("share", "whole"), [(0.98, True), (1.02, False)])
 def test_the_region_has_the_covariance_of_the_last_point_in_it(share, whole):
-    method, rate, sd = ExtrapolationLadder(shortest=1, patience=0.0), 50.0, 10.0
-    stray = method.acceleration / rate**2 / 2 + method.scatter
-    limit = method.reach * np.sqrt(sd**2 * (1 + gain(np.array([5]))[0]) + stray**2)  # (2)
+    method, rate, sd = ExtrapolationLadder(min_points=1, max_coasting=0.0), 50.0, 10.0
+    stray = method.acceleration_sd / rate**2 / 2 + method.scatter
+    limit = method.gate * np.sqrt(sd**2 * (1 + gain(np.array([5]))[0]) + stray**2)  # (2)
     points = line(12, (4.0, 0, 0))
     points[:, 11, 1] += share * limit
     assert kept(points, rate=rate, method=method, cov=sd**2) == whole
@@ -111,7 +111,7 @@ def test_a_region_grows_by_the_velocity_in_the_frame_of_the_last_point():
     paths = parabolas(n=1, frames=20)
     seen = np.arange(20)[None] < 15
     cloud, _ = swamidas_cloud(paths, seen)
-    expected = follow_points(cloud, method=Swamidas(error=1.0, velocity_share=1.0)).expected
+    expected = follow_points(cloud, method=Swamidas(measurement_sd=1.0, velocity_share=1.0)).expected
     true = (paths[0, 15] - paths[0, 13]) / 2  # of a parabola, exactly
     for f in (15, 16, 18):
         assert expected[f].half[0] == pytest.approx((f - 14) * (1.0 + np.abs(true)), rel=1e-6)
@@ -142,7 +142,7 @@ def test_what_may_be_one_end_of_a_segment_is_not_the_other():
 def test_patience_lasts_as_long_as_it_says(follow, method, hidden, tracks):
     path = line(30, (0.1, 0, 0))
     path[:, 10 : 10 + hidden] = np.nan
-    assert len(follow(cloud_of(path, 30.0), method=method(patience=0.1, begin="any"))) == tracks
+    assert len(follow(cloud_of(path, 30.0), method=method(max_coasting=0.1, initiate_from="any"))) == tracks
 
 
 def test_the_velocity_is_that_since_the_last_point():
@@ -164,7 +164,7 @@ def test_tracks_begin_in_the_first_three_frames(first_seen, tracks):
 
 
 def test_predictions_are_the_filters_with_the_jerk_of_a_frame():
-    rate, method = 30.0, Swamidas(error=2.0, jerk=20_000.0)
+    rate, method = 30.0, Swamidas(measurement_sd=2.0, jerk=20_000.0)
     paths = parabolas(n=1, frames=12) + np.random.default_rng(1).normal(scale=2.0, size=(1, 12, 3))
     cloud, _ = swamidas_cloud(paths, rate=rate)
     expected = follow_points(cloud, method=method).expected
@@ -179,7 +179,7 @@ def test_predictions_are_the_filters_with_the_jerk_of_a_frame():
 def test_the_method_of_kiss_blends_what_it_linked(within, tracks):
     path = line(30, (5.0, 0, 0))
     path[:, 15] = np.nan
-    assert len(track(cloud_of(path), method=KissTracking(blend_within=within, shortest=1))) == tracks
+    assert len(track(cloud_of(path), method=KissTracking(max_gap=within, min_points=1))) == tracks
 
 
 # The score

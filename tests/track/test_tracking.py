@@ -207,7 +207,7 @@ def test_short_tracks_lose_their_identity():
     hide = np.zeros((2, 40), bool)
     hide[1, 8:] = True
     assert len(tracked(points, hide=hide)) == 1
-    assert len(tracked(points, hide=hide, method=ExtrapolationLadder(shortest=5))) == 2
+    assert len(tracked(points, hide=hide, method=ExtrapolationLadder(min_points=5))) == 2
 
 
 def test_tracking_twice_gives_the_same():
@@ -419,13 +419,13 @@ def test_camera_bits_and_residuals_of_paths_are_those_of_their_points():
 @pytest.mark.parametrize(
     ("method", "wrong"),
     [
-        (ExtrapolationLadder, {"reach": 0.0}),
+        (ExtrapolationLadder, {"gate": 0.0}),
         (ExtrapolationLadder, {"scatter": float("nan")}),
-        (ExtrapolationLadder, {"patience": 1e300}),
-        (ExtrapolationLadder, {"shortest": 0}),
+        (ExtrapolationLadder, {"max_coasting": 1e300}),
+        (ExtrapolationLadder, {"min_points": 0}),
         (EpipolarTriplets, {"search_radius": -1.0}),
         (EpipolarTriplets, {"candidates": 0}),
-        (LeastSquares, {"tails": -2.0}),
+        (LeastSquares, {"degrees_of_freedom": -2.0}),
         (LeastSquares, {"centroid_sd": 0.0}),
         (LeastSquares, {"model_sd": float("nan")}),
     ],

@@ -16,7 +16,7 @@ part, and the (n − 1)(n − 2)/2 others stay together. So with
 
 solution p is left out if
 
-    m_p ≥ `excess` · min_q m_q,   m_p > min_q m_q                        (5)
+    m_p ≥ `outlier_ratio` · min_q m_q,   m_p > min_q m_q                        (5)
 
 For n = 3 is k = 1, and (5) is the rule of the paper: if d₃ is the least of three distances, the two solutions that it
 joins have m = d₃, and the third has the smaller of its two distances, which (5) asks to be twice d₃ or more.
@@ -67,8 +67,8 @@ BLOCK = 100_000  # distances between solutions worked on at once, so that they s
 class CameraPairs(Method):
     """Each point as the mean of the solutions of camera pairs that agree: the method of UM²AS."""
 
-    excess: float = parameter(
-        2.0, unit=ONE, low=1,
+    outlier_ratio: float = parameter(
+        2.0, former="excess", unit=ONE, low=1,
         meaning="a solution this many times as far from the others as they are from each other, or farther, is left "
         "out (5); UM²AS: 2",
     )  # fmt: skip
@@ -90,7 +90,7 @@ def reconstruct_pairs(matches: Matches, detections: Detections, rig: Rig, *, met
     seen: Bools = matches.view >= 0
     uv = np.where(seen[..., None], detections.uv[matches.view], np.nan)
     each = solutions(rig, uv)
-    kept = agreeing(each, seen.sum(1), excess=method.excess)
+    kept = agreeing(each, seen.sum(1), excess=method.outlier_ratio)
     xyz = _mean(each, kept)
     area = np.where(seen, detections.area[matches.view], np.nan)
     cov = centroid_cov(detections.cov[matches.view], rig, xyz, uv, method.centroid_sd)

@@ -46,16 +46,20 @@ class KissTracking(Method):
     search_radius: float = parameter(
         40.0, unit="mm", above=0, meaning="radius of the search sphere (gate) about a prediction; (1)"
     )
-    distance_limit: float = parameter(
-        100.0, unit="mm", above=0, meaning="farthest nearest neighbour of a track of one point; (2)"
+    max_distance: float = parameter(
+        100.0,
+        former="distance_limit",
+        unit="mm",
+        above=0,
+        meaning="farthest nearest neighbour of a track of one point; (2)",
     )
-    blend_within: float = parameter(
-        0.04, unit="s", low=0, high=60,
+    max_gap: float = parameter(
+        0.04, former="blend_within", unit="s", low=0, high=60,
         meaning="longest time from the end of a track to the start of one that continues it (stitching); (4); 0: "
         "none",
     )  # fmt: skip
-    shortest: int = parameter(
-        10, unit="points", low=1, meaning="tracks of fewer points than this lose their identity; (5)"
+    min_points: int = parameter(
+        10, former="shortest", unit="points", low=1, meaning="tracks of fewer points than this lose their identity; (5)"
     )
     volume: Volume | None = parameter(
         None, unit="mm",
@@ -82,8 +86,8 @@ def track_kiss(cloud: Cloud, *, method: KissTracking) -> Tracks:
     if method.volume is not None:
         cloud = cloud.keep(inside_volume(cloud.xyz, method.volume))
     tracks = link(cloud, method=method)
-    blended = blend(tracks, within=method.blend_within, radius=method.search_radius, reach=method.distance_limit)  # (4)
-    return without_short(blended, shortest=method.shortest)  # (5)
+    blended = blend(tracks, within=method.max_gap, radius=method.search_radius, reach=method.max_distance)  # (4)
+    return without_short(blended, shortest=method.min_points)  # (5)
 
 
 def link(cloud: Cloud, *, method: KissTracking) -> Tracks:
@@ -96,7 +100,7 @@ def link(cloud: Cloud, *, method: KissTracking) -> Tracks:
         points, own = cloud[f], identity[cloud.rows(f)]
         predicted = extrapolate(active.past, active.known)
         off = np.linalg.norm(points - predicted[:, None], axis=-1)
-        limit = np.where(active.known > 1, method.search_radius, method.distance_limit)
+        limit = np.where(active.known > 1, method.search_radius, method.max_distance)
         which, taken = assign_nearest(off, limit)
         own[taken] = active.id[which]
         fresh = np.flatnonzero(own < 0)  # (3)

@@ -9,14 +9,14 @@ prediction is off by the acceleration a that the fit does not know, and the poin
 
     s = a ((n + 1) T)² / 2 + scatter                                     (1)
     S = C_point + C_last Σ w² + s² I                                     (2)
-    |x − x̂|²_S = (x − x̂)ᵀ S⁻¹ (x − x̂) ≤ reach²                          (3)
+    |x − x̂|²_S = (x − x̂)ᵀ S⁻¹ (x − x̂) ≤ gate²                           (3)
 
 with the weights w of the extrapolation. Where good views make a point sure to the millimetre, (3) is a sphere of radius
-reach · s; where two cameras look along nearly the same line, it is long in that direction. A single point, of which
-no motion is known, may move v T a frame: s = (n + 1) v T / reach.
+gate · s; where two cameras look along nearly the same line, it is long in that direction. A single point, of which
+no motion is known, may move v T a frame: s = (n + 1) v T / gate.
 
 KISS ends a track at its first miss and afterwards blends tracks that end and start within two fields. Here a track that
-finds no point follows its own prediction for as long (`patience`), which comes to the same and needs no second pass.
+finds no point coasts on its own prediction for as long (`max_coasting`), which comes to the same without a second pass.
 
 One image is one marker: a point that shares an image with a point of an older track is a ghost of it and starts
 nothing. At the end short tracks, most of them ghosts, lose their identity.
@@ -42,23 +42,37 @@ from .stage import CLOUD, TRACK
 class ExtrapolationLadder(Method):
     """Extrapolation by polynomials of rising order, and the nearest point within what their errors allow."""
 
-    reach: float = parameter(
-        5.0, unit="standard deviations", above=0, meaning="half size of the search region (gate); of (3)"
+    gate: float = parameter(
+        5.0,
+        former="reach",
+        unit="standard deviations",
+        above=0,
+        meaning="half size of the search region (gate); of (3)",
     )
-    speed: float = parameter(
-        5000.0, unit="mm/s", above=0, meaning="greatest speed of a marker of which one point is known; v"
+    max_speed: float = parameter(
+        5000.0,
+        former="speed",
+        unit="mm/s",
+        above=0,
+        meaning="greatest speed of a marker of which one point is known; v",
     )
-    acceleration: float = parameter(
-        10_000.0, unit="mm/s²", low=0, meaning="usual acceleration that the fit does not foresee; a of (1)"
+    acceleration_sd: float = parameter(
+        10_000.0,
+        former="acceleration",
+        unit="mm/s²",
+        low=0,
+        meaning="standard deviation of the acceleration that the fit does not predict; a of (1)",
     )
     scatter: float = parameter(
         3.0, unit="mm", above=0, meaning="scatter of the points about their paths beyond their covariance; of (1)"
     )
-    patience: float = parameter(
-        0.04, unit="s", low=0, high=60,
+    max_coasting: float = parameter(
+        0.04, former="patience", unit="s", low=0, high=60,
         meaning="coasting: how long a track without points goes on; KISS's two fields of 50 Hz are 0.04 s",
     )  # fmt: skip
-    shortest: int = parameter(10, unit="points", low=1, meaning="tracks of fewer points than this lose their identity")
+    min_points: int = parameter(
+        10, former="shortest", unit="points", low=1, meaning="tracks of fewer points than this lose their identity"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +96,7 @@ def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
     """The cloud with identities, numbered in the order in which the tracks begin."""
     identity = np.full(len(cloud), -1)
     active = _none()
-    patience = round(method.patience * cloud.rate)
+    patience = round(method.max_coasting * cloud.rate)
     n_tracks = 0
     for f in range(cloud.n_frames):
         tell(f, cloud.n_frames)
@@ -96,7 +110,7 @@ def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
         n_tracks += len(fresh)
         grown = _advance(active, predicted, points, cov, which, taken, patience)
         active = _begin(grown, identity[rows][fresh], points[fresh], cov[fresh])
-    return Tracks(cloud, _without_short(identity, method.shortest))
+    return Tracks(cloud, _without_short(identity, method.min_points))
 
 
 def _none() -> ActiveLadderTrack:
@@ -115,12 +129,12 @@ def _claim(
     method: ExtrapolationLadder,
 ) -> tuple[Ints, Ints]:
     """Which tracks take which points; of two that share an image, the younger track goes without."""
-    stray = method.acceleration * ((active.missed + 1) / rate) ** 2 / 2 + method.scatter  # (1)
-    stray = np.where(active.known > 1, stray, method.speed * (active.missed + 1) / rate / method.reach)
+    stray = method.acceleration_sd * ((active.missed + 1) / rate) ** 2 / 2 + method.scatter  # (1)
+    stray = np.where(active.known > 1, stray, method.max_speed * (active.missed + 1) / rate / method.gate)
     own = active.cov * gain(active.known)[:, None, None] + np.eye(3) * stray[:, None, None] ** 2
     off = points - predicted[:, None]
     squared = (off * solve3(own[:, None] + cov, off)).sum(-1)  # (3)
-    which, taken = assign(squared, np.full(len(active.id), method.reach**2))
+    which, taken = assign(squared, np.full(len(active.id), method.gate**2))
     oldest = np.argsort(-active.known[which], kind="stable")
     which, taken = which[oldest], taken[oldest]
     alone = _first_users(view[taken])

@@ -72,7 +72,7 @@ def test_tracks_nearer_than_their_gates_may_be_swapped(share, found):
 
 def test_a_track_that_was_lost_and_found_is_a_doubt_only_where_its_place_was_hardly_known():
     before = np.ones((2, 20))
-    before[0, 9], before[1, 9] = 1.1 * METHOD.worst, 0.9 * METHOD.worst
+    before[0, 9], before[1, 9] = 1.1 * METHOD.max_sd, 0.9 * METHOD.max_sd
     (doubt,) = _found_again(sightings(straight(), before=before), METHOD)
     assert (doubt.kind, doubt.first, doubt.last, doubt.tracks) == ("swap", 9, 9, (0,))
     rows = np.arange(80).reshape(2, 20, 2)
@@ -84,7 +84,7 @@ def test_a_track_that_was_lost_and_found_is_a_doubt_only_where_its_place_was_har
 @pytest.mark.parametrize(("share", "found"), [(0.98, 0), (1.02, 1)])
 def test_a_track_that_bends_more_than_markers_do_jumped(rate, share, found):
     xyz, sd = straight(1)[0], 0.01 / np.sqrt(3)
-    xyz[10:, 2] += share * METHOD.gate * (METHOD.acceleration / rate**2 + 4 * 0.01)  # (3), each point 0.01 mm sure
+    xyz[10:, 2] += share * METHOD.gate * (METHOD.acceleration_sd / rate**2 + 4 * 0.01)  # (3), each point 0.01 mm sure
     cov = np.tile(np.eye(3) * sd**2, (20, 1, 1))
     cloud = Cloud(rate, np.arange(21), xyz, cov, np.zeros(20), np.zeros((20, 2), int))
     doubts = _jumps(Tracks(cloud, np.zeros(20, np.int64)), METHOD)
@@ -125,7 +125,7 @@ def test_joins_are_doubted_at_their_gap():
     pieces[0, 40:], pieces[1, :43], pieces[1, 80:], pieces[2, :84] = (np.nan,) * 4
     found = stitched(points(pieces), 0.01, METHOD).joins
     assert {(join.last, join.first) for join in found} == {(39, 43), (79, 84)}
-    rest = stitched(points(pieces[:, :, :]), 0.01, replace(METHOD, gap=0.045)).joins
+    rest = stitched(points(pieces[:, :, :]), 0.01, replace(METHOD, max_gap=0.045)).joins
     assert {(join.last, join.first) for join in rest} == {(39, 43)}
 
 
@@ -133,9 +133,9 @@ def test_joins_are_doubted_at_their_gap():
     ("margin", "sd", "reason"),
     [
         (1.5 * CLEAR, 1.0, "joined_with_rival"),
-        (3 * CLEAR, 0.6 * METHOD.worst, "joined_over_wide_gap"),
+        (3 * CLEAR, 0.6 * METHOD.max_sd, "joined_over_wide_gap"),
         (0.5 * CLEAR, 1.0, "not_joined_with_rival"),
-        (3 * CLEAR, 0.4 * METHOD.worst, None),
+        (3 * CLEAR, 0.4 * METHOD.max_sd, None),
     ],
 )
 def test_joins_with_a_rival_or_over_a_wide_gap_are_doubts(result, margin, sd, reason):
@@ -295,7 +295,7 @@ def test_of_three_frames_the_straightest_and_slowest_begin_a_track():
 @pytest.mark.parametrize(("share", "born"), [(0.98, 1), (1.02, 0)])
 def test_three_points_bend_as_far_as_their_covariances_say(share, born):
     T, sd = 1e-4, 2.0  # so short that no acceleration matters
-    quick = replace(METHOD, speed=1e9)
+    quick = replace(METHOD, velocity_sd=1e9)
     bend = share * METHOD.gate * np.sqrt(6) * sd
     groups = [places([[0, y, 0]], f, sd) for f, y in enumerate((bend / 4, -bend / 4, bend / 4))]
     assert len(_triples(*groups, T, quick)[0]) == born
@@ -305,7 +305,7 @@ def test_points_less_sure_than_asked_for_are_not_given():
     """Two cameras side by side know the depth poorly."""
     rig = ring(12).select(["c0", "c1"])
     detections, _ = observe(rig, dance(n=8, frames=40), noise=0.3)
-    every, sure = (track_detections(detections, rig, method=Simultaneous(worst=worst)).cloud for worst in (20.0, 2.0))
+    every, sure = (track_detections(detections, rig, method=Simultaneous(max_sd=worst)).cloud for worst in (20.0, 2.0))
     sd = np.sqrt(np.trace(every.cov, axis1=1, axis2=2))
     assert sd.max() > 2.0 and len(sure) < len(every)
     assert (np.sqrt(np.trace(sure.cov, axis1=1, axis2=2)) < 2.0).all()
@@ -316,6 +316,6 @@ def test_a_track_does_not_outlive_what_is_known_of_its_place():
     rig, xyz = ring(6), dance(n=6, frames=110)
     detections, _ = observe(rig, xyz, noise=0.1)
     blind = detections.keep((detections.frame < 30) | (detections.frame >= 80))
-    patient = Simultaneous(patience=2.0, gap=0.011)
+    patient = Simultaneous(max_coasting=2.0, max_gap=0.011)
     tracks = track_detections(blind, rig, method=patient)
     assert score(tracks, xyz).pieces.tolist() == [2] * 6

@@ -302,6 +302,6 @@ def test_points_of_pairs_are_those_of_views():
 
 
 def test_parameters_are_checked():
-    for name in ("gate", "wander", "patience", "worst"):
+    for name in ("gate", "process_noise", "max_coasting", "max_sd"):
         with pytest.raises(ValueError, match=name):
             Simultaneous(**{name: -1.0})

@@ -94,8 +94,8 @@ def test_a_camera_that_never_shows_all_markers_is_refused():
     points[1, 1::2] = np.nan
     detections, _ = observe(rig, points)
     with pytest.raises(KinemarkError, match=r"Camera c0 shows at most 2 of 3 markers.*another camera"):
-        track_two_cameras(detections, rig, method=FormerTwoCameras(markers=3))
-    assert len(track_two_cameras(detections, rig, method=FormerTwoCameras(shortest=5))) <= 2  # so many are followed
+        track_two_cameras(detections, rig, method=FormerTwoCameras(n_markers=3))
+    assert len(track_two_cameras(detections, rig, method=FormerTwoCameras(min_fields=5))) <= 2  # so many are followed
 
 
 def test_paths_go_forward_and_backward_and_do_not_depend_on_the_order_of_images():
@@ -287,7 +287,7 @@ def test_nothing_seen_is_no_error(frames):
     assert (len(tracks), len(tracks.cloud), tracks.cloud.n_frames) == (0, 0, frames)
 
 
-@pytest.mark.parametrize("name", ["window", "markers", "residual_limit", "shortest"])
+@pytest.mark.parametrize("name", ["window", "n_markers", "max_residual", "min_fields"])
 def test_parameters_that_make_no_sense_are_refused(name):
     with pytest.raises(ValueError, match=name):
         FormerTwoCameras(**{name: 0})

@@ -118,7 +118,7 @@ TRIAL_WORDS = {
     "no_points": Words("The cameras saw markers, but no marker was found in space.", _no_points),
     "no_trajectories": Words(
         "3D points were reconstructed, but no trajectory came of them.",
-        "Check the parameters of [track]: shortest, and speed; and rate_hz.",
+        "Check the parameters of [track]: the shortest track, and the speed of markers; and rate_hz.",
     ),
     "camera_sees_nothing": Words(
         "{Cameras} saw nothing in the whole trial.",

@@ -2,16 +2,16 @@
 
 | kind  | what happened | when it is a doubt |
 | swap  | two tracks came so near that either could have had the other's images | nearer than their gates (1) |
-| swap  | a track was lost and found again | its place was known no better than `Simultaneous.worst` |
+| swap  | a track was lost and found again | its place was known no better than `Simultaneous.max_sd` |
 | swap  | a track jumped | farther than usual accelerations lead (3) |
 | merge | a track lived on images that it shared with another | fewer than two images of its own |
 | ghost | a track of little evidence | less than `SURE_INDEED` |
 | join  | two tracks may be one marker | made or not, another join was nearly as likely, or the gap was wide (2) |
 
-With standard deviations s and s' of where both tracks were expected, in each axis, (1) is |x − x'| < g (s + s'). A gap
-is wide where motion leaves the place more open than half of `worst` (2). A track jumps where it lies farther from where
-its last two points lead to than g a T²/2 (3), with the usual acceleration a and the time T since, and than its points
-are certain.
+With standard deviations s and s' of both predicted positions, in each axis, (1) is |x − x'| < g (s + s'). A gap is
+wide where the standard deviation that motion leaves exceeds half of `max_sd` (2). A track jumps where its distance from
+the line through its last two points exceeds g a T²/2 (3), with a `acceleration_sd` and T the time since, and g times
+the standard deviation of its points.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ def _near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
 
 def _found_again(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that were lost, and then had two images where their place was hardly known."""
-    again = np.flatnonzero((seen.before > method.worst) & ((seen.row >= 0).sum(0) >= 2))
+    again = np.flatnonzero((seen.before > method.max_sd) & ((seen.row >= 0).sum(0) >= 2))
     return [
         AmbiguousDecision("swap", a, b, who, "found_again", {"sd_mm": sd})
         for who, a, b, sd in _spells(seen.id[again][:, None], seen.frame[again], seen.before[again])
@@ -154,10 +154,10 @@ def _jumps(tracks: Tracks, method: Simultaneous) -> list[AmbiguousDecision]:
     a, b, c = order[:-2], order[1:-1], order[2:]
     frame, xyz, sd = tracks.cloud.frame, tracks.cloud.xyz, np.sqrt(np.trace(tracks.cloud.cov, axis1=1, axis2=2))
     before, since = frame[b] - frame[a], frame[c] - frame[b]
-    same = (tracks.id[a] == tracks.id[c]) & (since <= method.patience * tracks.cloud.rate)
+    same = (tracks.id[a] == tracks.id[c]) & (since <= method.max_coasting * tracks.cloud.rate)
     ratio = since / np.where(same, before, 1)
     off = np.linalg.norm(xyz[c] - xyz[b] - (xyz[b] - xyz[a]) * ratio[:, None], axis=1)
-    usual = method.acceleration * (since * (since + before)) / tracks.cloud.rate**2 / 2
+    usual = method.acceleration_sd * (since * (since + before)) / tracks.cloud.rate**2 / 2
     sure = sd[c] + sd[b] * (1 + ratio) + sd[a] * ratio
     far = np.flatnonzero(same & (off > method.gate * (usual + sure)))
     return [
@@ -200,7 +200,7 @@ def _joins(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecisi
     """Joins that had a rival, and those over wide gaps."""
     found = []
     for join in result.joins:
-        rival, wide = join.margin < 2 * CLEAR, join.sd > method.worst / 2  # (2)
+        rival, wide = join.margin < 2 * CLEAR, join.sd > method.max_sd / 2  # (2)
         if not rival and not wide:
             continue
         tracks = tuple(dict.fromkeys(int(result.id[i]) for i in (join.before, join.after)))

@@ -57,9 +57,9 @@ def _triples(
     i, j, k = a[pair], b[pair], c[onward]
     bend = first.xyz[:, i] - 2 * middle.xyz[:, j] + last.xyz[:, k]
     S = first.cov[..., i] + 4 * middle.cov[..., j] + last.cov[..., k]
-    S = S + (method.acceleration * T * T) ** 2 * np.eye(3)[..., None]
+    S = S + (method.acceleration_sd * T * T) ** 2 * np.eye(3)[..., None]
     squared = (bend * np.einsum("ijt,jt->it", inverse(S), bend)).sum(0)  # (1)
-    pace = ((last.xyz[:, k] - first.xyz[:, i]) ** 2).sum(0) / (2 * method.speed * T) ** 2
+    pace = ((last.xyz[:, k] - first.xyz[:, i]) ** 2).sum(0) / (2 * method.velocity_sd * T) ** 2
     cost = squared + pace - first.merit[i] - middle.merit[j] - last.merit[k]
     fits = np.flatnonzero(squared < method.gate**2)
     order = fits[np.argsort(cost[fits], kind="stable")]
@@ -82,7 +82,7 @@ def _once(triples: list[list[int]]) -> list[int]:
 def _neighbours(one: CandidatePoints, other: CandidatePoints, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
     """Points of successive frames between which a point may have gone: within three times the usual speed."""
     apart = np.linalg.norm(one.xyz[:, :, None] - other.xyz[:, None], axis=0)
-    a, b = np.nonzero(apart < 3 * method.speed * T + _spread(one)[:, None] + _spread(other))
+    a, b = np.nonzero(apart < 3 * method.velocity_sd * T + _spread(one)[:, None] + _spread(other))
     return a, b
 
 

@@ -65,9 +65,9 @@ def motion_from(points: TrackPoints, near: Ints, around: Floats, T: float, metho
     """The motion of n tracks in a frame, from their rows `near` (LOOK, n) it; somewhere about `around` (3, n) mm."""
     n = near.shape[1]
     wide = np.broadcast_to(np.eye(3)[..., None] * NOWHERE**2, (3, 3, n))
-    motion = at_rest(around, wide, speed=method.speed, acceleration=method.acceleration)
+    motion = at_rest(around, wide, speed=method.velocity_sd, acceleration=method.acceleration_sd)
     for k in range(LOOK - 1, -1, -1):
-        motion = motion if k == LOOK - 1 else predict(motion, T, method.wander)
+        motion = motion if k == LOOK - 1 else predict(motion, T, method.process_noise)
         N = inverse(points.cov[near[k]].transpose(1, 2, 0)) * (near[k] >= 0)
         motion = update(motion, N, np.einsum("ijt,jt->it", N, points.xyz[near[k]].T - motion.position))
     return motion

@@ -25,7 +25,7 @@ LANE = 64
 """Frames of a stretch at least; each begins with all its tracks to be born; chosen (see benchmarks/tracking.py)."""
 
 LOST = 2.0
-"""A track of which two cameras see nothing ends where its place is known no better than to this many times `worst`: it
+"""A track of which two cameras see nothing ends where its place is known no better than to this many times `max_sd`: it
 could then be taken up by another marker's images, and whether it goes on is for `joins` to decide, which knows what
 came afterwards; chosen."""
 
@@ -111,7 +111,7 @@ class Run:
 
     def whole(self) -> Associations:
         """All tracks, forwards in each stretch, then backwards from where they began."""
-        stride = max(round(self.method.every / self.T), 1)
+        stride = max(round(self.method.initiation_interval / self.T), 1)
         first = self.stretches()
         length = int(np.diff(first).max())
         active = self.nobody()
@@ -161,9 +161,9 @@ class Run:
     def started(self, ids: Ints, groups: tuple[CandidatePoints, ...]) -> ActiveTracks:
         """New tracks at the last of their three points, in the order given."""
         first, *others = groups
-        motion = at_rest(first.xyz, first.cov, speed=self.method.speed, acceleration=self.method.acceleration)
+        motion = at_rest(first.xyz, first.cov, speed=self.method.velocity_sd, acceleration=self.method.acceleration_sd)
         for group in others:
-            motion = predict(motion, self.T, self.method.wander)
+            motion = predict(motion, self.T, self.method.process_noise)
             N = inverse(group.cov)
             motion = update(motion, N, np.einsum("ijt,jt->it", N, group.xyz - motion.position))
         return ActiveTracks(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
@@ -173,7 +173,7 @@ class Run:
         if not len(active.id):
             return active
         images, gate = self.images, self.method.gate
-        motion = predict(active.motion, self.T, self.method.wander)
+        motion = predict(active.motion, self.T, self.method.process_noise)
         expected = predict_images(images.P, motion)
         claims = associate(images, self.free, active.frame, expected, gate)
         claims = share(images, active.frame, expected, claims, gate)
@@ -187,8 +187,8 @@ class Run:
             Associations(active.frame, active.id, claims.row, claims.shared, squared, before, after.position, after.cov)
         )
         alone = np.where((own >= 1) & (count >= 2), 0, active.alone + 1)
-        lost = np.sqrt(np.trace(after.cov)) > LOST * self.method.worst
-        alive = (alone <= self.method.patience / self.T) & ~((alone > 0) & lost)
+        lost = np.sqrt(np.trace(after.cov)) > LOST * self.method.max_sd
+        alive = (alone <= self.method.max_coasting / self.T) & ~((alone > 0) & lost)
         active = ActiveTracks(active.id, active.frame, alone, after)
         return active if alive.all() else active.take(alive)
 

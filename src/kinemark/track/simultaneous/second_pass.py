@@ -121,10 +121,10 @@ def _doubtful(known: TrackPoints, n_frames: int, T: float, method: Simultaneous)
     order = np.lexsort([known.frame, known.id])
     a, b = order[:-1], order[1:]
     step = known.frame[b] - known.frame[a]
-    near = (known.id[a] == known.id[b]) & (step * T <= method.gap)
+    near = (known.id[a] == known.id[b]) & (step * T <= method.max_gap)
     edge = np.ones(min(len(order), 1), bool)
     last, first = order[np.concatenate([~near, edge])], order[np.concatenate([edge, ~near])]
-    wait = round(method.patience / T)
+    wait = round(method.max_coasting / T)
     none = np.full(len(last), -1)
     before, after = np.concatenate([a[near], last, none]), np.concatenate([b[near], none, first])
     left, right = np.minimum(wait, known.frame[first]), np.minimum(wait, n_frames - 1 - known.frame[last])
@@ -142,7 +142,7 @@ def _expected(known: TrackPoints, doubtful: Doubtful, T: float, method: Simultan
         ends, which = np.unique(point, return_inverse=True)
         near = rows_near(rows, known.id[ends], known.frame[ends], way)
         motion = motion_from(known, near, known.xyz[ends].T, T, method).take(which)
-        sides.append(predict(motion, np.abs(doubtful.frame - known.frame[point]) * T, method.wander))
+        sides.append(predict(motion, np.abs(doubtful.frame - known.frame[point]) * T, method.process_noise))
     before, after = sides[0], reversed_time(sides[1])
     both = between(before, after)
     one_sided = [doubtful.after < 0, doubtful.before < 0]
@@ -150,9 +150,9 @@ def _expected(known: TrackPoints, doubtful: Doubtful, T: float, method: Simultan
 
 
 def _claimed(images: Images, free: Bools, frame: Ints, expected: KalmanStates, method: Simultaneous) -> Ints:
-    """(C, N) the images claimed in frames (N) that fit one another; none where the place is not known to `worst`."""
+    """(C, N) the images claimed in frames (N) that fit one another; none where the place is not known to `max_sd`."""
     row = np.full((len(images.P), len(frame)), -1)
-    near = np.sqrt(np.trace(expected.cov)) < method.worst
+    near = np.sqrt(np.trace(expected.cov)) < method.max_sd
     expected = expected.take(near)
     seen = predict_images(images.P, expected)
     claims = associate(images, free, frame[near], seen, method.gate)

@@ -13,7 +13,7 @@ rigid. The distance to another track k that is there on both sides was r ± σ b
     worth_k = 2 ln(L / (√(2π) σ)) − (r' − r)² / σ²                                        (2)
 
 against a distance that could be any of a length L, the usual distance between tracks. The three others of least σ
-count. Where S leaves the place more open than `Simultaneous.worst`, motion alone makes no join: it takes (2) as well.
+count. Where S leaves the place more open than `Simultaneous.max_sd`, motion alone makes no join: it takes (2) as well.
 
 All joins together are those of the greatest worth. One is only made where it is worth more than any other join of
 either track, and than none, by CLEAR (3); otherwise both tracks stay as they are and the join is a doubt.
@@ -114,7 +114,7 @@ def _best(points: TrackPoints, T: float, method: Simultaneous, distances: bool) 
     a, b = _possible(ends, T, method)
     worth, sd = _by_motion(points, ends, a, b, T, method)
     gain = _by_distance(points, a, b, worth) if distances else np.zeros(len(a))
-    worth = np.where((sd < method.worst) | (gain > 0), worth + gain, 0.0)
+    worth = np.where((sd < method.max_sd) | (gain > 0), worth + gain, 0.0)
     n = len(ends.first)
     table = np.zeros((n, n))
     table[a, b] = np.maximum(worth, 0.0)
@@ -134,9 +134,9 @@ def _best(points: TrackPoints, T: float, method: Simultaneous, distances: bool) 
 def _possible(ends: Ends, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
     """Pairs of tracks of which the second begins within the gap after the first ends, where it can be by then."""
     gap = ends.first - ends.last[:, None]
-    a, b = np.nonzero((gap > 0) & (gap * T <= method.gap))
+    a, b = np.nonzero((gap > 0) & (gap * T <= method.max_gap))
     apart = np.linalg.norm(ends.begin.position[:, b] - ends.end.position[:, a], axis=0)
-    near = apart < 3 * method.speed * T * gap[a, b] + method.worst
+    near = apart < 3 * method.velocity_sd * T * gap[a, b] + method.max_sd
     return a[near], b[near]
 
 
@@ -163,14 +163,14 @@ def _by_motion(
     if not len(a):
         return np.zeros(0), np.zeros(0)
     extent = np.ptp(np.percentile(points.xyz, [5, 95], axis=0), axis=0) + 100.0
-    begun = max(len(ends.first) * method.gap / (T * (points.frame.max() + 1)), 1.0)
-    prior = 2 * np.log(SEEN / (1 - SEEN) * extent.prod() * (2 * method.speed) ** 3 / begun)
+    begun = max(len(ends.first) * method.max_gap / (T * (points.frame.max() + 1)), 1.0)
+    prior = 2 * np.log(SEEN / (1 - SEEN) * extent.prod() * (2 * method.velocity_sd) ** 3 / begun)
     worth, sd = np.empty(len(a)), np.empty(len(a))
     for first in range(0, len(a), AT_ONCE):
         part = slice(first, first + AT_ONCE)
         half = gap[part] * T / 2
-        one = predict(ends.end.take(a[part]), half, method.wander)
-        other = reversed_time(predict(ends.begin.take(b[part]), half, method.wander))
+        one = predict(ends.end.take(a[part]), half, method.process_noise)
+        other = reversed_time(predict(ends.begin.take(b[part]), half, method.process_noise))
         delta = (other.x[:6] - one.x[:6]).T
         S = (one.V[:6, :6] + other.V[:6, :6]).transpose(2, 0, 1)
         squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)

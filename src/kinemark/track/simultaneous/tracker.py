@@ -75,7 +75,7 @@ def track_simultaneously(
     """Tracks of all markers, their points by the `errors` of images, and how they came about."""
     T = 1 / detections.rate
     images, noise = learned(images := read_images(detections, rig), fundamentals(images.P), method.gate)
-    least = max(method.shortest / T, 4)
+    least = max(method.min_duration / T, 4)
     every = run(images.without(noise.deaf), detections.rate, method)  # images that fit nothing are left out
     every = every.take(~_strayed(every, _own(every, images), least, method))
     seen = _gathered(every, least)
@@ -125,7 +125,7 @@ def _own(seen: Associations, images: Images) -> Bools:
 
 
 def _strayed(every: Associations, own: Bools, least: float, method: Simultaneous) -> Bools:
-    """(S) sightings of a track after it was lost, its place known no better than `worst`, where nothing says it is it.
+    """(S) sightings of a track after it was lost, its place known no better than `max_sd`, where nothing says it is it.
 
     What its own images (C, S) say until it is lost again must be evidence of a marker, or last as long as the shortest
     track. In `every` a track's sightings stand as they were made, forwards from its birth and then backwards.
@@ -135,7 +135,7 @@ def _strayed(every: Associations, own: Bools, least: float, method: Simultaneous
     back = frame < frame[np.searchsorted(id, id)]
     first = begins(id, back)
     anchored = own.sum(0)[order] >= 2
-    lost = (every.before[order] > method.worst) & ~np.roll(anchored, 1)
+    lost = (every.before[order] > method.max_sd) & ~np.roll(anchored, 1)
     spell = np.cumsum(first | lost) - 1
     said = np.bincount(spell, says(every, own, method.gate)[order])
     sure = (np.bincount(spell, first & ~lost) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
@@ -187,4 +187,4 @@ def _sd(cov: Floats) -> Floats:
 def _sure(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
     """Whether points are known well enough to be given."""
     sd = _sd(cloud.cov)
-    return ((own >= 2) | (sd < method.worst / 5)) & (sd < method.worst)
+    return ((own >= 2) | (sd < method.max_sd / 5)) & (sd < method.max_sd)

@@ -37,7 +37,7 @@ class Knowledge:
         paths = np.full((n_tracks, len(self.lesson), 3), np.nan)
         for f, (identity, points) in enumerate(self.lesson):
             paths[identity[identity >= 0], f] = points[identity >= 0]
-        if method.error is None:
+        if method.measurement_sd is None:
             self.error = learn_error(paths, self.error)
         if method.segment_tolerance and not method.lengths:
             self.segments = learn_segments(paths, tolerance=method.segment_tolerance, links=method.links)
@@ -45,8 +45,8 @@ class Knowledge:
 
 def before_learning(cloud: Cloud, method: Swamidas) -> Knowledge:
     """What is known before any frame; an unknown error is at first the cloud's own, or the document's."""
-    if method.error is not None:
-        error = np.full(3, method.error)
+    if method.measurement_sd is not None:
+        error = np.full(3, method.measurement_sd)
     else:
         variance = np.diagonal(cloud.cov, axis1=1, axis2=2)
         variance = variance[np.isfinite(variance).all(1)]

@@ -65,8 +65,8 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
     """As `track_swamidas`, with all predictions and the constraints that decided."""
     identity, by = np.full(len(cloud), -1), np.full(len(cloud), int(Constraint.NONE))
     jump = method.jerk / cloud.rate**3
-    patience = np.inf if method.patience is None else method.patience * cloud.rate
-    lesson = max(round(method.learning * cloud.rate), BEGINNING)
+    patience = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
+    lesson = max(round(method.learning_time * cloud.rate), BEGINNING)
     known, active, frames, with_points = before_learning(cloud, method), none(), [], 0
     for f in range(cloud.n_frames):
         tell(f, cloud.n_frames)
@@ -79,7 +79,7 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
         mine[taken[hit]], why[taken[hit]] = active.id[hit], reason[hit]
         active = advance(active, taken, points, sd=known.sd, jump=jump)
         with_points += len(points) > 0
-        if method.begin == "any" or with_points <= BEGINNING:
+        if method.initiate_from == "any" or with_points <= BEGINNING:
             fresh = np.flatnonzero(mine < 0)
             mine[fresh], why[fresh] = int(identity.max(initial=-1)) + 1 + np.arange(len(fresh)), Constraint.BEGIN
             active = begin(active, mine[fresh], points[fresh])

@@ -103,7 +103,7 @@ def test_a_second_run_does_only_what_changed(folder):
 def test_a_tracker_of_points_runs_the_stages_before_it(folder):
     changed(folder, "[calibration]", STAGED)
     assert recomputed(run(folder, "track")) == ("detect", "match", "reconstruct", "track")
-    changed(folder, "[track]", "[reconstruct]\ntails = 2.0\n[track]")
+    changed(folder, "[track]", "[reconstruct]\ndegrees_of_freedom = 2.0\n[track]")
     assert recomputed(run(folder, "track")) == ("reconstruct", "track")
     changed(folder, "extrapolation_ladder", "kiss_tracking")
     assert recomputed(run(folder, "track")) == ("track",)

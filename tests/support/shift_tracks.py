@@ -70,7 +70,7 @@ def _(by):
     tracks, decisions = track_with_decisions(seen, cameras)
     words = kinemark.diagnose(seen, cameras, found), kinemark.diagnose_tracks(seen, cameras, tracks)
     again = kinemark.ambiguous_decisions(found, Simultaneous())
-    rest = found.id, found.evidence, found.joins, found.noise, decisions, again, words
+    rest = found.id, found.evidence, found.stitches, found.noise, decisions, again, words
     return Answer((found.tracks.cloud.xyz, tracks.cloud.xyz), rest)
 
 

@@ -302,7 +302,7 @@ def errors(detections, rig, points, **method):
 def test_one_wild_camera_hardly_moves_a_point():
     rig, points = ring(6), swarm(n=6, frames=20)
     clean = errors(spoiled(rig, points, 0.0), rig, points)[0]
-    plain = errors(spoiled(rig, points, 1.2), rig, points, tails=0.0)[0]
+    plain = errors(spoiled(rig, points, 1.2), rig, points, degrees_of_freedom=0.0)[0]
     robust, squared = errors(spoiled(rig, points, 1.2), rig, points)
     assert np.median(plain) > 3 * np.median(clean)
     assert np.median(robust) < 1.3 * np.median(clean)
@@ -311,15 +311,15 @@ def test_one_wild_camera_hardly_moves_a_point():
 
 def test_heavy_tails_cost_nothing_where_all_cameras_agree():
     rig, points = ring(6), swarm(n=6, frames=20)
-    plain, robust = (errors(spoiled(rig, points, 0.0), rig, points, tails=t)[0] for t in (0.0, 4.0))
+    plain, robust = (errors(spoiled(rig, points, 0.0), rig, points, degrees_of_freedom=t)[0] for t in (0.0, 4.0))
     assert robust.mean() < 1.05 * plain.mean()
 
 
 def test_an_image_that_shows_half_a_marker_counts_less_and_says_so():
     """With three cameras no residual tells which is wrong, but the area does."""
     rig, points = ring(6).select(["c0", "c2", "c4"]), np.repeat([[[0.0, 0, 900]]], 200, 1)
-    blind, blind_squared = errors(spoiled(rig, points, 0.8), rig, points, tails=0.0)
-    seeing, squared = errors(spoiled(rig, points, 0.8, area=0.5), rig, points, tails=0.0)
+    blind, blind_squared = errors(spoiled(rig, points, 0.8), rig, points, degrees_of_freedom=0.0)
+    seeing, squared = errors(spoiled(rig, points, 0.8, area=0.5), rig, points, degrees_of_freedom=0.0)
     assert np.median(seeing) < 0.5 * np.median(blind)
     assert (blind_squared < 7.8).mean() < 0.5
     assert (squared < 7.8).mean() > 0.9

@@ -59,7 +59,7 @@ def test_the_list_of_methods_says_what_the_dataclasses_say():
             defaults = {name: p["default"] for name, p in told["parameters"].items() if not p.get("required")}
             assert list(told["parameters"]) == plain
             assert defaults == {name: getattr(method, name) for name in plain if name in defaults}
-    assert "search_radius   40.0   mm      above 0" in methods_text("track")
+    assert "search_radius  40.0   mm      above 0" in methods_text("track")
     with pytest.raises(KinemarkError, match="did you mean 'track'"):
         methods_text("trak")
 
@@ -93,11 +93,11 @@ def test_python_toml_and_command_line_are_one(tmp_path, stage):
     """The same method with a parameter of its own, in all three ways, gives the same tracks."""
     odd = {
         "match": {"epipolar_triplets": "pair_band = 0.7", "kiss_triplets": "all_duals = true"},
-        "reconstruct": {"camera_pairs": "excess = 3.0", "least_squares": "model_sd = 0.2"},
+        "reconstruct": {"camera_pairs": "outlier_ratio = 3.0", "least_squares": "model_sd = 0.2"},
         "track": {
             "kiss_tracking": "search_radius = 25.0",
             "swamidas": "jerk = 5000.0",
-            "distance_only": 'begin = "any"',
+            "distance_only": 'initiate_from = "any"',
         },
     }
     for k, (name, parameter) in enumerate(odd[stage].items()):

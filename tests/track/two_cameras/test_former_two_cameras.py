@@ -12,7 +12,7 @@ from kinemark.geometry import epipolar_lines, fundamental, project, to_dlt
 from kinemark.synth.score import score
 from kinemark.track.two_cameras.former_two_cameras import FormerTwoCameras, track_two_cameras
 from kinemark.track.two_cameras.image_paths import Paths, paths_of, start_of
-from kinemark.track.two_cameras.paired_paths import best_interval, paired, residuals, unbranched
+from kinemark.track.two_cameras.paired_paths import best_interval, paired, residuals, without_swaps
 from support.laboratory import observe, ring
 from support.motions import swarm
 
@@ -219,12 +219,12 @@ def test_paths_that_branched_wrongly_are_set_right(camera, stretch):
     wrong = [Paths(p.uv.copy(), p.row.copy()) for p in true]
     for part in wrong[camera]:
         part[:, stretch] = part[::-1, stretch]
-    found = unbranched(*wrong, rig.P, limit=2.0, window=10.0)
+    found = without_swaps(*wrong, rig.P, limit=2.0, window=10.0)
     r = residuals(found[0].uv, found[1].uv, rig.P)
     assert min(r[[0, 1], [0, 1]].max(), r[[0, 1], [1, 0]].max()) < 1.0
     assert same(found[1 - camera], true[1 - camera])  # set right where it was wrong
     assert any(np.allclose(found[camera].uv, true[camera].uv[order], atol=1e-6) for order in ([0, 1], [1, 0]))
-    untouched = unbranched(*true, rig.P, limit=2.0, window=10.0)
+    untouched = without_swaps(*true, rig.P, limit=2.0, window=10.0)
     assert same([*untouched], [*true])
 
 
@@ -234,7 +234,7 @@ def test_only_paths_that_came_near_each_other_can_be_exchanged():
     wrong = [Paths(project(c, points), np.arange(80).reshape(2, 40)) for c in rig]
     for part in wrong[0]:
         part[:, 20:] = part[::-1, 20:].copy()
-    assert same([*unbranched(*wrong, rig.P, limit=2.0, window=10.0)], wrong)
+    assert same([*without_swaps(*wrong, rig.P, limit=2.0, window=10.0)], wrong)
     split = paired(residuals(wrong[0].uv, wrong[1].uv, rig.P), limit=2.0, shortest=10)
     assert np.bincount(split.id).tolist() == [20, 20, 20, 20]  # so they are split instead
     assert len(split.frame) == 80

@@ -28,13 +28,13 @@ from ...data.finding import plain_value
 from ...numerics.runs import equal_runs
 from .passes import Associations
 from .simultaneous_method import DEFAULT, Simultaneous
-from .stitch import CLEAR
+from .stitch import CLEAR_MARGIN
 from .tracker import TrackingResult, track_simultaneously
 
-SURE_INDEED = float(np.log(1000.0))
+WEAK_EVIDENCE = float(np.log(1000.0))
 """A marker is then a thousand times likelier than chance; chosen."""
 
-CLOSE = 3
+MAX_FRAMES_APART = 3
 """Frames apart that two ambiguous decisions of the same tracks may lie to be one.
 Chosen (see benchmarks/tracking.py)."""
 
@@ -109,17 +109,17 @@ def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[Am
     seen = seen.take(np.argsort(seen.frame, kind="stable"))
     seen = seen._replace(id=result.id[seen.id])
     found = [
-        *_near(seen, method),
+        *_came_near(seen, method),
         *_found_again(seen, method),
         *_jumps(result.tracks, method),
         *_merged(seen, result.images.merged),
-        *_weak(result),
-        *_joins(result, method),
+        *_little_evidence(result),
+        *_close_stitches(result, method),
     ]
-    return sorted(found, key=lambda doubt: (doubt.first, doubt.last, doubt.tracks))
+    return sorted(found, key=lambda decision: (decision.first, decision.last, decision.tracks))
 
 
-def _near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
+def _came_near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that came nearer than their gates (1), both having images."""
     seen = seen.take(np.flatnonzero((seen.row >= 0).any(0)))
     start = np.searchsorted(seen.frame, np.arange(int(seen.frame.max(initial=-1)) + 2))
@@ -135,7 +135,7 @@ def _near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     other = who[0] != who[1]
     return [
         AmbiguousDecision("swap", a, b, who, "came_near", {"distance_mm": apart})
-        for who, a, b, apart in _spells(who.T[other], seen.frame[rows[0]][other], far[other])
+        for who, a, b, apart in _runs(who.T[other], seen.frame[rows[0]][other], far[other])
     ]
 
 
@@ -144,7 +144,7 @@ def _found_again(seen: Associations, method: Simultaneous) -> list[AmbiguousDeci
     again = np.flatnonzero((seen.before > method.max_sd) & ((seen.row >= 0).sum(0) >= 2))
     return [
         AmbiguousDecision("swap", a, b, who, "found_again", {"sd_mm": sd})
-        for who, a, b, sd in _spells(seen.id[again][:, None], seen.frame[again], seen.before[again])
+        for who, a, b, sd in _runs(seen.id[again][:, None], seen.frame[again], seen.before[again])
     ]
 
 
@@ -162,7 +162,7 @@ def _jumps(tracks: Tracks, method: Simultaneous) -> list[AmbiguousDecision]:
     far = np.flatnonzero(same & (off > method.gate * (usual + sure)))
     return [
         AmbiguousDecision("swap", a, b, who, "jumped", {"jump_mm": jump})
-        for who, a, b, jump in _spells(tracks.id[c[far]][:, None], frame[c[far]], off[far])
+        for who, a, b, jump in _runs(tracks.id[c[far]][:, None], frame[c[far]], off[far])
     ]
 
 
@@ -173,11 +173,11 @@ def _merged(seen: Associations, merged: Bools) -> list[AmbiguousDecision]:
     rows = np.flatnonzero((own < 2) & (has & seen.shared).any(0) & (has.sum(0) >= 2))
     return [
         AmbiguousDecision("merge", a, b, who, "shared_images")
-        for who, a, b, _ in _spells(seen.id[rows][:, None], seen.frame[rows], np.zeros(len(rows)))
+        for who, a, b, _ in _runs(seen.id[rows][:, None], seen.frame[rows], np.zeros(len(rows)))
     ]
 
 
-def _weak(result: TrackingResult) -> list[AmbiguousDecision]:
+def _little_evidence(result: TrackingResult) -> list[AmbiguousDecision]:
     """Tracks of little evidence."""
     cloud, ids = result.tracks.cloud, result.tracks.id
     total = np.zeros(len(result.tracks))
@@ -192,36 +192,36 @@ def _weak(result: TrackingResult) -> list[AmbiguousDecision]:
             "little_evidence",
             {"likelihood_ratio": float(np.exp(total[i]))},
         )
-        for i in np.flatnonzero(total < SURE_INDEED)
+        for i in np.flatnonzero(total < WEAK_EVIDENCE)
     ]
 
 
-def _joins(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
+def _close_stitches(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
     """Joins that had a rival, and those over wide gaps."""
     found = []
-    for join in result.joins:
-        rival, wide = join.margin < 2 * CLEAR, join.sd > method.max_sd / 2  # (2)
+    for stitch in result.stitches:
+        rival, wide = stitch.margin < 2 * CLEAR_MARGIN, stitch.sd > method.max_sd / 2  # (2)
         if not rival and not wide:
             continue
-        tracks = tuple(dict.fromkeys(int(result.id[i]) for i in (join.before, join.after)))
-        reason = _join_reason(join.margin > CLEAR, rival)
-        values = {"margin": float(join.margin), "sd_mm": float(join.sd)}
-        found.append(AmbiguousDecision("join", join.last, join.first, tracks, reason, values))
+        tracks = tuple(dict.fromkeys(int(result.id[i]) for i in (stitch.before, stitch.after)))
+        reason = _stitch_reason(stitch.margin > CLEAR_MARGIN, rival)
+        values = {"margin": float(stitch.margin), "sd_mm": float(stitch.sd)}
+        found.append(AmbiguousDecision("join", stitch.last, stitch.first, tracks, reason, values))
     return found
 
 
-def _join_reason(joined: bool, rival: bool) -> DecisionReason:
+def _stitch_reason(joined: bool, rival: bool) -> DecisionReason:
     """Two tracks were joined or not, and another join was nearly as likely, or the gap was wide."""
     if rival:
         return "joined_with_rival" if joined else "not_joined_with_rival"
     return "joined_over_wide_gap" if joined else "not_joined_over_wide_gap"
 
 
-def _spells(who: Ints, frame: Ints, size: Floats) -> list[tuple[tuple[int, ...], int, int, float]]:
+def _runs(who: Ints, frame: Ints, size: Floats) -> list[tuple[tuple[int, ...], int, int, float]]:
     """Runs of frames in which the same tracks `who` (n, k) are in doubt: they, first, last, the median of `size`."""
     order = np.lexsort([frame, *who.T[::-1]])
     who, frame, size = who[order], frame[order], size[order]
-    spell = np.cumsum(np.diff(frame, prepend=frame[:1]) > CLOSE)
+    spell = np.cumsum(np.diff(frame, prepend=frame[:1]) > MAX_FRAMES_APART)
     cuts = equal_runs(*who.T, spell)
     return [
         (tuple(int(i) for i in who[a]), int(frame[a]), int(frame[b - 1]), float(np.median(size[a:b])))

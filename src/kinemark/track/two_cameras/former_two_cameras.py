@@ -18,7 +18,7 @@ from ...geometry import distort, refine, triangulate, undistort
 from ...geometry.weighted_points import FALLBACK_SD
 from ..stage import DETECTIONS, TRACK
 from .image_paths import Paths, paths_of
-from .paired_paths import Paired, paired, residuals, unbranched
+from .paired_paths import Paired, paired, residuals, without_swaps
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ def track_two_cameras(detections: Detections, rig: Rig, *, method: FormerTwoCame
         )
     paths = [_camera_paths(detections, rig, c, method) for c in range(2)]
     limit, P = method.max_residual, rig.P
-    one, other = unbranched(paths[0], paths[1], P, limit=limit, window=method.window)
+    one, other = without_swaps(paths[0], paths[1], P, limit=limit, window=method.window)
     pairs = paired(residuals(one.uv, other.uv, P), limit=limit, shortest=method.min_fields)
     return _tracks(detections, rig, one, other, pairs, method.window)
 

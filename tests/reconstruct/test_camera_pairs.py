@@ -68,7 +68,7 @@ def test_the_rule_looks_at_shape_only():
     expected = agreeing(each, views)
     assert (agreeing(1000 * each[:, order] + 50, views) == expected[:, order]).all()
     assert expected.any(1).all() and not expected.all()
-    assert agreeing(each, views, excess=1e9).all()
+    assert agreeing(each, views, outlier_ratio=1e9).all()
 
 
 def test_in_the_papers_studio_a_shifted_camera_is_never_left_out():

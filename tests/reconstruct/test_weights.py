@@ -65,4 +65,4 @@ def test_a_solution_exactly_twice_as_far_is_left_out_as_in_the_document(third, k
 def test_solutions_equally_far_from_each_other_are_all_kept():
     """However small the excess: "use all three if they are an equal distance from each other"."""
     each = np.eye(3)[None] * 100.0
-    assert agreeing(each, np.array([3]), excess=1.0).all()
+    assert agreeing(each, np.array([3]), outlier_ratio=1.0).all()

@@ -105,7 +105,7 @@ def _(by):
     there, cameras = moved(tracks(), by), moved(rig(), by)
     blended = blend(there)
     inside = within_volume(there, np.array([[300.0, 300, 300], [1500, 1000, 1500]]) + by)
-    long = without_short(there, shortest=20)
+    long = without_short(there, min_points=20)
     made = kinemark.to_trajectories(there, cameras)
     assert 0 < (inside.id >= 0).sum() < (there.id >= 0).sum()
     paths = [replace(path, xyz=0 * path.xyz) for path in made]

@@ -27,7 +27,7 @@ def test_markers_are_tracked_whole(rate):
     cloud = reconstruct(match(detections, rig, method=KissTriplets()), detections, rig)
     result = score(track(cloud, method=KissTracking()), points)
     assert result.recall > 0.995
-    assert (result.pieces == 1).all()
+    assert (result.fragments == 1).all()
     assert result.swaps == 0
 
 
@@ -115,17 +115,17 @@ def test_tracks_are_blended_if_they_end_and_start_within_two_fields(hidden, trac
     """With one field lost the next track starts two fields after the last ended."""
     before = with_gap(hidden)
     assert len(before) == 2
-    after = blend(before, within=0.04)
+    after = blend(before, max_gap=0.04)
     assert len(after) == tracks
     assert (after.id >= 0).all()
-    assert len(blend(before, within=0.0)) == 2
+    assert len(blend(before, max_gap=0.0)) == 2
 
 
 @pytest.mark.parametrize(("offset", "tracks"), [(0.0, 1), (35.0, 1), (60.0, 2)])
 def test_tracks_are_blended_only_if_they_agree(offset, tracks):
     before = with_gap(1, offset=offset)
     assert len(before) == 2
-    assert len(blend(before, within=0.04, radius=40.0)) == tracks
+    assert len(blend(before, max_gap=0.04, search_radius=40.0)) == tracks
 
 
 @pytest.mark.parametrize("backward", [False, True])
@@ -136,7 +136,7 @@ def test_both_tracks_must_agree_not_only_one(backward):
     points[0, 19] = np.nan
     before = link(cloud_of(points[:, ::-1] if backward else points), method=KissTracking(max_distance=200.0))
     assert len(before) == 2
-    assert len(blend(before, within=0.04, radius=40.0, reach=200.0)) == 2
+    assert len(blend(before, max_gap=0.04, search_radius=40.0, max_distance=200.0)) == 2
 
 
 def test_blending_does_not_depend_on_the_direction_of_time():
@@ -160,7 +160,7 @@ def test_of_several_that_could_go_on_the_one_that_agrees_best_is_taken():
     points[1, :, 1] += 20
     points[2, :, 1] -= 12
     before = link(cloud_of(points), method=KissTracking())
-    after = blend(before, within=0.04)
+    after = blend(before, max_gap=0.04)
     assert sorted(after.lengths.tolist()) == [9, 19]
     joined = after.cloud.xyz[after.id == after.lengths.argmax()]
     assert joined[:, 1].min() == -12
@@ -177,11 +177,11 @@ def test_short_tracks_lose_their_identity():
     points = np.concatenate([line(30, [5.0, 0, 0]), line(30, [5.0, 0, 0], (0, 500.0, 0))])
     points[1, 6:] = np.nan
     before = link(cloud_of(points), method=KissTracking())
-    assert without_short(before, shortest=6).lengths.tolist() == [30, 6]
-    after = without_short(before, shortest=7)
+    assert without_short(before, min_points=6).lengths.tolist() == [30, 6]
+    after = without_short(before, min_points=7)
     assert after.lengths.tolist() == [30]
     assert len(after.cloud) == 36  # the points stay
-    assert same(without_short(after, shortest=7), after)
+    assert same(without_short(after, min_points=7), after)
 
 
 def test_points_outside_the_control_volume_are_removed():
@@ -199,7 +199,7 @@ def test_nothing_is_no_error():
     for frames in (0, 3):
         empty = cloud_of(np.full((1, frames, 3), np.nan))
         tracks = track(empty, method=KissTracking())
-        assert len(tracks) == len(blend(tracks)) == len(without_short(tracks, shortest=3)) == 0
+        assert len(tracks) == len(blend(tracks)) == len(without_short(tracks, min_points=3)) == 0
 
 
 @pytest.mark.parametrize(

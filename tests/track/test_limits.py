@@ -10,7 +10,7 @@ from kinemark.signal import gain
 from kinemark.synth.score import score
 from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, blend, track
 from kinemark.track.swamidas import Constraint, follow_points, start, track_distance, track_swamidas, update
-from kinemark.track.swamidas.active import advance, begin, none
+from kinemark.track.swamidas.active_tracks import advance, initiate, no_tracks
 from kinemark.track.swamidas.constraints import PredictedPoints, match_points
 from kinemark.track.swamidas.segments import LearnedSegments, allowed_points
 from kinemark.track.two_cameras.paired_paths import residuals
@@ -95,13 +95,13 @@ def test_blending_continues_the_parabola_of_five_points(points, whole):
     t = np.arange(2 * points + 1)
     path = np.stack([8.0 * t**2, 0 * t, 0 * t], -1)[None].astype(float)
     both = cut(path, points, points + 1)
-    assert (len(blend(both, radius=1e-6)) == 1) == whole
+    assert (len(blend(both, search_radius=1e-6)) == 1) == whole
 
 
 @pytest.mark.parametrize(("far", "whole"), [(190.0, True), (210.0, False)])
 def test_a_track_of_one_point_may_be_its_reach_away_for_every_frame(far, whole):
     path = line(3, (far / 2, 0, 0))
-    assert (len(blend(cut(path, 1, 2), radius=1.0, reach=100.0)) == 1) == whole
+    assert (len(blend(cut(path, 1, 2), search_radius=1.0, max_distance=100.0)) == 1) == whole
 
 
 # Swamidas
@@ -118,7 +118,7 @@ def test_a_region_grows_by_the_velocity_in_the_frame_of_the_last_point():
 
 
 def test_after_a_gap_the_positions_before_are_no_measurements():
-    active = begin(none(), np.array([0]), np.zeros((1, 3)))
+    active = initiate(no_tracks(), np.array([0]), np.zeros((1, 3)))
     here, nothing = np.array([0]), np.array([-1])
     for k in (1, 2, 3):
         active = advance(active, here, np.full((1, 3), 10.0 * k), sd=1.0, jump=0.1)

@@ -177,7 +177,7 @@ def test_markers_are_tracked_whole_without_swaps_or_ghosts(rate):
     result = score(tracked(points, rate=rate), points)
     assert result.recall > 0.995
     assert result.swaps == 0
-    assert (result.pieces == 1).all()
+    assert (result.fragments == 1).all()
     assert result.extra_per_frame < 0.1
     assert result.rmse < 0.5
     assert abs(result.coverage - 0.95) < 0.03
@@ -189,7 +189,7 @@ def test_a_short_gap_is_bridged_and_a_long_one_begins_another_track():
         hide = np.zeros((3, 80), bool)
         hide[1, 40 : 40 + length] = True
         result = score(tracked(points, hide=hide), points)
-        assert result.pieces.tolist() == [1, pieces, 1]
+        assert result.fragments.tolist() == [1, pieces, 1]
         assert result.swaps == 0
 
 
@@ -199,7 +199,7 @@ def test_tracks_that_cross_keep_their_identity():
     b = np.hstack([-300 * t, 25 + 0 * t, 900 + 0 * t])
     result = score(tracked(np.stack([a, b])), np.stack([a, b]))
     assert result.swaps == 0
-    assert result.pieces.tolist() == [1, 1]
+    assert result.fragments.tolist() == [1, 1]
 
 
 def test_short_tracks_lose_their_identity():
@@ -259,7 +259,7 @@ def test_the_score_counts_swaps_pieces_and_extra_points():
     assert score(scored_tracks(points, identity), points[:2]).extra_per_frame == 1.0
     broken = identity.copy()
     broken[0, 10:] = 3
-    assert score(scored_tracks(points, broken), points).pieces.tolist() == [2, 1, 1]
+    assert score(scored_tracks(points, broken), points).fragments.tolist() == [2, 1, 1]
 
 
 def test_going_over_to_a_path_that_begins_where_another_ends_is_no_swap():

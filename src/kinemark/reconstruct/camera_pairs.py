@@ -90,7 +90,7 @@ def reconstruct_pairs(matches: Matches, detections: Detections, rig: Rig, *, met
     seen: Bools = matches.view >= 0
     uv = np.where(seen[..., None], detections.uv[matches.view], np.nan)
     each = solutions(rig, uv)
-    kept = agreeing(each, seen.sum(1), excess=method.outlier_ratio)
+    kept = agreeing(each, seen.sum(1), outlier_ratio=method.outlier_ratio)
     xyz = _mean(each, kept)
     area = np.where(seen, detections.area[matches.view], np.nan)
     cov = centroid_cov(detections.cov[matches.view], rig, xyz, uv, method.centroid_sd)
@@ -122,7 +122,7 @@ def solutions(rig: Rig, uv: Floats) -> Floats:
     return out
 
 
-def agreeing(each: Floats, views: NDArray[np.int64], *, excess: float = 2.0) -> Bools:
+def agreeing(each: Floats, views: NDArray[np.int64], *, outlier_ratio: float = 2.0) -> Bools:
     """(P, Q) the solutions (P, Q, 3) that are not left out by (5), of points seen by `views` (P) cameras."""
     kept = np.zeros(each.shape[:2], bool)
     step = max(1, BLOCK // max(each.shape[1] ** 2, 1))
@@ -133,7 +133,7 @@ def agreeing(each: Floats, views: NDArray[np.int64], *, excess: float = 2.0) -> 
         k = np.minimum(k, np.maximum(there.sum(1) - 1, 1))  # parallel rays have no solution
         m = _nearest(each[rows], k)
         least = m.min(axis=1, keepdims=True, initial=np.inf)
-        kept[rows] = there & ((m < excess * least) | (m <= least))  # (5)
+        kept[rows] = there & ((m < outlier_ratio * least) | (m <= least))  # (5)
     return kept
 
 
@@ -157,7 +157,7 @@ def _mean(each: Floats, kept: Bools) -> Floats:
 
 def _covariance(rig: Rig, xyz: Floats, kept: Bools, off: Floats, cov: Floats) -> Floats:
     """(P, 3, 3) mm², of the mean of the solutions kept (7), widened by (8)."""
-    pull, normal, image = _pulls(rig, xyz, cov)
+    pull, normal, image = _pair_terms(rig, xyz, cov)
     H = np.zeros_like(pull)  # (P, C, 3, 2)
     used = np.zeros(H.shape[:2], bool)
     for q, (a, b) in enumerate(combinations(range(len(rig)), 2)):
@@ -174,7 +174,7 @@ def _covariance(rig: Rig, xyz: Floats, kept: Bools, off: Floats, cov: Floats) ->
     return np.asarray(np.sum(part, axis=1, where=used[..., None, None]) * widened[:, None, None])  # (7)
 
 
-def _pulls(rig: Rig, xyz: Floats, cov: Floats) -> tuple[Floats, Floats, Floats]:
+def _pair_terms(rig: Rig, xyz: Floats, cov: Floats) -> tuple[Floats, Floats, Floats]:
     """Of (6) and (7), for each point and camera: w² Jᵀ A (P, C, 3, 2), w² Jᵀ J (P, C, 3, 3) and C (P, C, 2, 2)."""
     pull, normal = np.empty((len(xyz), len(rig), 3, 2)), np.empty((len(xyz), len(rig), 3, 3))
     image = cov.copy()

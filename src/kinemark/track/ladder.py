@@ -95,31 +95,31 @@ class ActiveLadderTrack:
 def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
     """The cloud with identities, numbered in the order in which the tracks begin."""
     identity = np.full(len(cloud), -1)
-    active = _none()
-    patience = round(method.max_coasting * cloud.rate)
+    active = _no_tracks()
+    max_missed = round(method.max_coasting * cloud.rate)
     n_tracks = 0
     for f in range(cloud.n_frames):
         tell(f, cloud.n_frames)
         rows = cloud.rows(f)
         points, cov, view = cloud.xyz[rows], cloud.cov[rows], cloud.view[rows]
         predicted = extrapolate(active.past, active.known)
-        which, taken = _claim(active, predicted, points, cov, view, cloud.rate, method)
-        fresh = _unclaimed(view, taken)
+        which, taken = _associate(active, predicted, points, cov, view, cloud.rate, method)
+        fresh = _unassociated(view, taken)
         identity[rows][taken] = active.id[which]
         identity[rows][fresh] = np.arange(n_tracks, n_tracks + len(fresh))
         n_tracks += len(fresh)
-        grown = _advance(active, predicted, points, cov, which, taken, patience)
-        active = _begin(grown, identity[rows][fresh], points[fresh], cov[fresh])
+        grown = _advance(active, predicted, points, cov, which, taken, max_missed)
+        active = _initiate(grown, identity[rows][fresh], points[fresh], cov[fresh])
     return Tracks(cloud, _without_short(identity, method.min_points))
 
 
-def _none() -> ActiveLadderTrack:
+def _no_tracks() -> ActiveLadderTrack:
     """No tracks."""
     zero = np.zeros(0, np.int64)
     return ActiveLadderTrack(zero, zero, zero, np.zeros((0, PAST, 3)), np.zeros((0, 3, 3)))
 
 
-def _claim(
+def _associate(
     active: ActiveLadderTrack,
     predicted: Floats,
     points: Floats,
@@ -129,9 +129,9 @@ def _claim(
     method: ExtrapolationLadder,
 ) -> tuple[Ints, Ints]:
     """Which tracks take which points; of two that share an image, the younger track goes without."""
-    stray = method.acceleration_sd * ((active.missed + 1) / rate) ** 2 / 2 + method.scatter  # (1)
-    stray = np.where(active.known > 1, stray, method.max_speed * (active.missed + 1) / rate / method.gate)
-    own = active.cov * gain(active.known)[:, None, None] + np.eye(3) * stray[:, None, None] ** 2
+    sd = method.acceleration_sd * ((active.missed + 1) / rate) ** 2 / 2 + method.scatter  # (1)
+    sd = np.where(active.known > 1, sd, method.max_speed * (active.missed + 1) / rate / method.gate)
+    own = active.cov * gain(active.known)[:, None, None] + np.eye(3) * sd[:, None, None] ** 2
     off = points - predicted[:, None]
     squared = (off * solve3(own[:, None] + cov, off)).sum(-1)  # (3)
     which, taken = assign(squared, np.full(len(active.id), method.gate**2))
@@ -153,7 +153,7 @@ def _first_users(view: Ints) -> NDArray[np.bool_]:
     return alone
 
 
-def _unclaimed(view: Ints, taken: Ints) -> Ints:
+def _unassociated(view: Ints, taken: Ints) -> Ints:
     """Points that may start tracks: those without an image of a point that is taken."""
     images = view[taken]
     shared = np.isin(view, images[images >= 0]).any(1)
@@ -161,19 +161,19 @@ def _unclaimed(view: Ints, taken: Ints) -> Ints:
 
 
 def _advance(
-    active: ActiveLadderTrack, predicted: Floats, points: Floats, cov: Floats, which: Ints, taken: Ints, patience: int
+    active: ActiveLadderTrack, predicted: Floats, points: Floats, cov: Floats, which: Ints, taken: Ints, max_missed: int
 ) -> ActiveLadderTrack:
-    """The tracks one frame on: with the point taken or, for as long as `patience` lasts, with the prediction."""
+    """The tracks one frame on: with the point taken or, for at most `max_missed` frames, with the prediction."""
     here, known, missed, last = predicted.copy(), active.known.copy(), active.missed + 1, active.cov.copy()
     here[which], last[which] = points[taken], cov[taken]
     known[which] += 1
     missed[which] = 0
     past = np.concatenate([active.past[:, 1:], here[:, None]], 1)
-    alive = missed <= patience
+    alive = missed <= max_missed
     return ActiveLadderTrack(active.id[alive], known[alive], missed[alive], past[alive], last[alive])
 
 
-def _begin(active: ActiveLadderTrack, identity: Ints, points: Floats, cov: Floats) -> ActiveLadderTrack:
+def _initiate(active: ActiveLadderTrack, identity: Ints, points: Floats, cov: Floats) -> ActiveLadderTrack:
     """The active tracks and new ones of a single point each."""
     n = len(points)
     return ActiveLadderTrack(

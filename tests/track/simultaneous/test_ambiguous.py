@@ -318,4 +318,4 @@ def test_a_track_does_not_outlive_what_is_known_of_its_place():
     blind = detections.keep((detections.frame < 30) | (detections.frame >= 80))
     patient = Simultaneous(max_coasting=2.0, max_gap=0.011)
     tracks = track_detections(blind, rig, method=patient)
-    assert score(tracks, xyz).pieces.tolist() == [2] * 6
+    assert score(tracks, xyz).fragments.tolist() == [2] * 6

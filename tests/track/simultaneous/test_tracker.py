@@ -46,7 +46,7 @@ def test_finds_all_points_of_a_dance():
     detections, _ = observe(ring(5), xyz, noise=0.1)
     result = score(track_detections(detections, ring(5)), xyz)
     assert result.recall == 1 and result.extra_per_frame == 0 and result.swaps == 0
-    assert (result.pieces == 1).all() and 0.92 < result.coverage < 0.98
+    assert (result.fragments == 1).all() and 0.92 < result.coverage < 0.98
 
 
 def test_order_of_detections_does_not_matter():
@@ -99,7 +99,7 @@ def test_stretches_side_by_side_are_one_track():
     xyz = dance(frames=260)
     detections, _ = observe(ring(4), xyz, noise=0.1)
     result = score(track_detections(detections, ring(4)), xyz)
-    assert result.recall == 1 and (result.pieces == 1).all() and result.swaps == 0
+    assert result.recall == 1 and (result.fragments == 1).all() and result.swaps == 0
 
 
 @pytest.mark.parametrize("per_frame", [10, 25])
@@ -117,7 +117,7 @@ def test_a_stretch_of_one_camera_is_bridged():
     hidden = (truth == 2) & (detections.frame >= 28) & (detections.frame < 34) & (detections.camera > 0)
     tracks = track_detections(detections.keep(~hidden), rig)
     result = score(tracks, xyz)
-    assert len(tracks) == 5 and result.swaps == 0 and (result.pieces == 1).all()
+    assert len(tracks) == 5 and result.swaps == 0 and (result.fragments == 1).all()
     at = tracks.cloud.frame[tracks.id == tracks.id[np.flatnonzero(result.owner == 2)[0]]]
     assert not np.isin(np.arange(28, 34), at).any()  # no point is given of one image
 
@@ -163,7 +163,7 @@ def test_a_body_that_hides_its_markers():
     truth[views < 2] = np.nan
     result = score(tracks, truth)
     assert result.recall > 0.99 and everywhere.extra_per_frame < 0.02 and result.swaps == 0
-    assert result.pieces.mean() < 1.2 and 0.92 < result.coverage < 0.98
+    assert result.fragments.mean() < 1.2 and 0.92 < result.coverage < 0.98
 
 
 def textbook(x, V, T, q, z, R):

@@ -22,7 +22,7 @@ from kinemark.track.swamidas import (
     update,
 )
 from kinemark.track.swamidas.constraints import PredictedPoints, half_size, match_points
-from kinemark.track.swamidas.distance import shortest_first
+from kinemark.track.swamidas.distance_only import shortest_first
 from kinemark.track.swamidas.learning import learn_error
 from kinemark.track.swamidas.segments import LearnedSegments, allowed_points, learn_segments
 from support.clouds import cloud_and_markers as cloud_of

@@ -47,7 +47,7 @@ def test_markers_that_both_cameras_see_are_followed_whole():
     tracks = track_two_cameras(detections, rig, method=METHOD)
     result = score(tracks, points)
     assert (len(tracks), result.recall, result.swaps, result.extra_per_frame) == (15, 1.0, 0, 0.0)
-    assert (result.pieces == 1).all()
+    assert (result.fragments == 1).all()
     assert abs(result.coverage - 0.95) < 0.03
     assert tracks.cloud.residual.max() < 0.5
 
@@ -154,7 +154,7 @@ def test_gaps_are_filled_by_prediction_and_the_points_say_so():
     hidden = (detections.camera == 1) & (truth == 2) & (frame >= 30) & (frame < 34)
     filled = track_two_cameras(detections.keep(~hidden), rig, method=METHOD)
     assert score(filled, points).recall == 1.0
-    assert (score(filled, points).pieces == 1).all()
+    assert (score(filled, points).fragments == 1).all()
     guessed = (filled.cloud.view < 0).any(1)
     assert sorted(filled.cloud.frame[guessed]) == [30, 31, 32, 33]
     assert (filled.cloud.view[guessed, 0] >= 0).all()
@@ -168,7 +168,7 @@ def test_where_both_cameras_lose_a_marker_there_is_no_point():
     hidden = (truth == 2) & (detections.frame == 30)
     tracks = track_two_cameras(detections.keep(~hidden), rig, method=METHOD)
     assert len(tracks.cloud) == 6 * 60 - 1
-    assert (score(tracks, points).pieces == 1).all()
+    assert (score(tracks, points).fragments == 1).all()
 
 
 def test_the_residual_is_what_the_fourth_equation_leaves():
@@ -245,7 +245,7 @@ def test_crossing_markers_come_out_whole():
     points, _ = crossing(rig, 0)
     detections, _ = observe(rig, points, noise=0.05)
     result = score(track_two_cameras(detections, rig, method=METHOD), points)
-    assert (result.swaps, result.pieces.tolist()) == (0, [1, 1])
+    assert (result.swaps, result.fragments.tolist()) == (0, [1, 1])
 
 
 @given(st.lists(st.integers(-5, 5), min_size=1, max_size=12))

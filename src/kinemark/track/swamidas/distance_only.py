@@ -45,7 +45,7 @@ class DistanceOnly(Method):
 def track_distance(cloud: Cloud, *, method: DistanceOnly = DistanceOnly()) -> Tracks:
     """The cloud with identities, numbered as the tracks begin; within a frame in the order of its points."""
     identity = np.full(len(cloud), -1)
-    patience = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
+    max_missed = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
     own, last, missed = np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, np.int64)
     n_tracks = 0
     for f in range(cloud.n_frames):
@@ -64,7 +64,7 @@ def track_distance(cloud: Cloud, *, method: DistanceOnly = DistanceOnly()) -> Tr
             own, last = np.concatenate([own, new]), np.concatenate([last, points[fresh]])
             missed = np.concatenate([missed, np.zeros(len(fresh), np.int64)])
             n_tracks += len(fresh)
-        alive = missed <= patience
+        alive = missed <= max_missed
         own, last, missed = own[alive], last[alive], missed[alive]
     return Tracks(cloud, identity)
 

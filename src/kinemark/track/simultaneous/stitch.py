@@ -27,7 +27,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from ...data.array_types import Floats, Ints
 from ...geometry.rigid_pairs import distances_from
@@ -123,7 +123,7 @@ def _best_pairs(points: TrackPoints, T: float, method: Simultaneous, distances: 
     table[a, b] = np.maximum(score, 0.0)
     open_ = np.zeros((n, n))
     open_[a, b] = sd
-    before, after = linear_sum_assignment(table, maximize=True)
+    before, after = scipy.optimize.linear_sum_assignment(table, maximize=True)
     best, rest = table[before, after], table.copy()
     rest[before, after] = 0.0
     margin = best - np.maximum(rest.max(1)[before], rest.max(0)[after])

@@ -144,7 +144,7 @@ def _assigned(own: Ints, image: Ints, score: Floats, pair: Ints) -> Ints:
     rows = {r: j for j, r in enumerate(dict.fromkeys(image.tolist()))}
     i, j = [tracks[t] for t in own.tolist()], [rows[r] for r in image.tolist()]
     gain, which = np.zeros((len(tracks), len(rows))), np.full((len(tracks), len(rows)), -1)
-gain[i, j], which[i, j] = score, pair
+    gain[i, j], which[i, j] = score, pair
     chosen = which[scipy.optimize.linear_sum_assignment(gain, maximize=True)]
     return np.asarray(chosen[chosen >= 0])
 

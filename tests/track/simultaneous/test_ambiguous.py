@@ -132,9 +132,9 @@ def test_joins_are_doubted_at_their_gap():
 @pytest.mark.parametrize(
     ("margin", "sd", "reason"),
     [
-        (1.5 * CLEAR_MARGIN, 1.0, "joined_with_rival"),
-        (3 * CLEAR_MARGIN, 0.6 * METHOD.max_sd, "joined_over_wide_gap"),
-        (0.5 * CLEAR_MARGIN, 1.0, "not_joined_with_rival"),
+        (1.5 * CLEAR_MARGIN, 1.0, "stitched_with_rival"),
+        (3 * CLEAR_MARGIN, 0.6 * METHOD.max_sd, "stitched_over_wide_gap"),
+        (0.5 * CLEAR_MARGIN, 1.0, "not_stitched_with_rival"),
         (3 * CLEAR_MARGIN, 0.4 * METHOD.max_sd, None),
     ],
 )
@@ -292,7 +292,7 @@ def test_of_three_frames_the_straightest_and_slowest_begin_a_track():
     assert [k.tolist() for k in _triples(first, *far, T, METHOD)] == [[0], [1], [1]]
 
 
-@pytest.mark.parametrize(("share", "born"), [(0.98, 1), (1.02, 0)])
+@pytest.mark.parametrize(("share", "initiated"), [(0.98, 1), (1.02, 0)])
 def test_three_points_bend_as_far_as_their_covariances_say(share, initiated):
     T, sd = 1e-4, 2.0  # so short that no acceleration matters
     quick = replace(METHOD, velocity_sd=1e9)

@@ -161,7 +161,7 @@ def test_a_swap_is_among_the_doubts():
         for track, frame, *_ in changes(tracks, result.owner, xyz):
             swaps += 1
             assert any(
-                d.kind in ("swap", "join") and track in d.tracks and d.first - 8 <= frame <= d.last + 8 for d in found
+                d.kind in ("swap", "stitch") and track in d.tracks and d.first - 8 <= frame <= d.last + 8 for d in found
             )
     assert swaps > 0
 

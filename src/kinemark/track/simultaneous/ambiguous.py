@@ -1,12 +1,12 @@
-"""Decisions that were close, for the user to look at.
+"""Ambiguous decisions: those that were close, for the operator to review.
 
-| kind  | what happened | when it is a doubt |
-| swap  | two tracks came so near that either could have had the other's images | nearer than their gates (1) |
-| swap  | a track was lost and found again | its place was known no better than `Simultaneous.max_sd` |
-| swap  | a track jumped | farther than usual accelerations lead (3) |
-| merge | a track lived on images that it shared with another | fewer than two images of its own |
-| ghost | a track of little evidence | less than `SURE_INDEED` |
-| join  | two tracks may be one marker | made or not, another join was nearly as likely, or the gap was wide (2) |
+| kind   | what happened | when it is ambiguous |
+| swap   | two tracks came so near that either could have had the other's images | nearer than their gates (1) |
+| swap   | a track was lost and found again | its standard deviation exceeded `Simultaneous.max_sd` |
+| swap   | a track jumped | farther than usual accelerations lead (3) |
+| merge  | a track used images that it shared with another | fewer than two images of its own |
+| ghost  | a track of little evidence | less than `WEAK_EVIDENCE` |
+| stitch | two tracks may be one marker | made or not, another stitch was nearly as likely, or the gap was wide (2) |
 
 With standard deviations s and s' of both predicted positions, in each axis, (1) is |x − x'| < g (s + s'). A gap is
 wide where the standard deviation that motion leaves exceeds half of `max_sd` (2). A track jumps where its distance from
@@ -39,17 +39,17 @@ MAX_FRAMES_APART = 3
 Chosen (see benchmarks/tracking.py)."""
 
 
-DecisionKind = Literal["swap", "merge", "ghost", "join"]
+DecisionKind = Literal["swap", "merge", "ghost", "stitch"]
 DecisionReason = Literal[
     "came_near",
     "found_again",
     "jumped",
     "shared_images",
     "little_evidence",
-    "joined_with_rival",
-    "joined_over_wide_gap",
-    "not_joined_with_rival",
-    "not_joined_over_wide_gap",
+    "stitched_with_rival",
+    "stitched_over_wide_gap",
+    "not_stitched_with_rival",
+    "not_stitched_over_wide_gap",
 ]
 """Why a decision was close; `report.words` says it in words."""
 
@@ -64,7 +64,7 @@ class AmbiguousDecision:
         tracks: that it is about.
         reason: why it was close.
         values: the numbers of the reason: distance_mm, sd_mm or jump_mm, the median over the frames; likelihood_ratio
-            of a marker to a chance meeting of images; margin, how much more likely (logarithm) than the next best join.
+            of a marker to a chance meeting of images; margin, how much more likely (logarithm) than the next best stitch.
     """
 
     kind: DecisionKind
@@ -98,7 +98,7 @@ class AmbiguousDecision:
 def track_with_decisions(
     detections: Detections, rig: Rig, *, method: Simultaneous = DEFAULT
 ) -> tuple[Tracks, list[AmbiguousDecision]]:
-    """Tracks of all markers as `follow` gives them, and the decisions that were close."""
+    """Tracks of all markers as `track_detections` gives them, and the decisions that were close."""
     result = track_simultaneously(detections, rig, method)
     return result.tracks, ambiguous_decisions(result, method)
 
@@ -167,7 +167,7 @@ def _jumps(tracks: Tracks, method: Simultaneous) -> list[AmbiguousDecision]:
 
 
 def _merged(seen: Associations, merged: Bools) -> list[AmbiguousDecision]:
-    """Tracks that lived on images of others."""
+    """Tracks that used images of others."""
     has = seen.row >= 0
     own = (has & ~seen.shared & ~merged[seen.row]).sum(0)
     rows = np.flatnonzero((own < 2) & (has & seen.shared).any(0) & (has.sum(0) >= 2))
@@ -197,7 +197,7 @@ def _little_evidence(result: TrackingResult) -> list[AmbiguousDecision]:
 
 
 def _close_stitches(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
-    """Joins that had a rival, and those over wide gaps."""
+    """Stitches that had a rival, and those over wide gaps."""
     found = []
     for stitch in result.stitches:
         rival, wide = stitch.margin < 2 * CLEAR_MARGIN, stitch.sd > method.max_sd / 2  # (2)
@@ -206,19 +206,19 @@ def _close_stitches(result: TrackingResult, method: Simultaneous) -> list[Ambigu
         tracks = tuple(dict.fromkeys(int(result.id[i]) for i in (stitch.before, stitch.after)))
         reason = _stitch_reason(stitch.margin > CLEAR_MARGIN, rival)
         values = {"margin": float(stitch.margin), "sd_mm": float(stitch.sd)}
-        found.append(AmbiguousDecision("join", stitch.last, stitch.first, tracks, reason, values))
+        found.append(AmbiguousDecision("stitch", stitch.last, stitch.first, tracks, reason, values))
     return found
 
 
-def _stitch_reason(joined: bool, rival: bool) -> DecisionReason:
-    """Two tracks were joined or not, and another join was nearly as likely, or the gap was wide."""
+def _stitch_reason(stitched: bool, rival: bool) -> DecisionReason:
+    """Two tracks were stitched or not, and another stitch was nearly as likely, or the gap was wide."""
     if rival:
-        return "joined_with_rival" if joined else "not_joined_with_rival"
-    return "joined_over_wide_gap" if joined else "not_joined_over_wide_gap"
+        return "stitched_with_rival" if stitched else "not_stitched_with_rival"
+    return "stitched_over_wide_gap" if stitched else "not_stitched_over_wide_gap"
 
 
 def _runs(who: Ints, frame: Ints, size: Floats) -> list[tuple[tuple[int, ...], int, int, float]]:
-    """Runs of frames in which the same tracks `who` (n, k) are in doubt: they, first, last, the median of `size`."""
+    """Runs of frames in which the same tracks `who` (n, k) are ambiguous: they, first, last, the median of `size`."""
     order = np.lexsort([frame, *who.T[::-1]])
     who, frame, size = who[order], frame[order], size[order]
     spell = np.cumsum(np.diff(frame, prepend=frame[:1]) > MAX_FRAMES_APART)

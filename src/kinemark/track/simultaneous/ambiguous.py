@@ -64,7 +64,8 @@ class AmbiguousDecision:
         tracks: that it is about.
         reason: why it was close.
         values: the numbers of the reason: distance_mm, sd_mm or jump_mm, the median over the frames; likelihood_ratio
-            of a marker to a chance meeting of images; margin, how much more likely (logarithm) than the next best stitch.
+            of a marker to a chance meeting of images; margin, how much more likely (logarithm) than the next best
+            stitch.
     """
 
     kind: DecisionKind

@@ -1,4 +1,4 @@
-"""Points from all their images by least squares (KISS 4.2), weighted by what each image is worth.
+"""Points from all their images by least squares (KISS 4.2), weighted by the variance of each image.
 
 The linear solution of KISS eq. 10 is the first guess; `geometry.weighted_points` has the equations (1) to (3), which
 the simultaneous tracker shares.
@@ -46,5 +46,5 @@ def reconstruct_least_squares(matches: Matches, detections: Detections, rig: Rig
 
 
 def image_errors(method: LeastSquares) -> ImageErrors:
-    """What the method thinks of the errors of images."""
+    """The error model of images that the method states."""
     return ImageErrors(method.centroid_sd, method.model_sd, method.degrees_of_freedom, method.marker_diameter)

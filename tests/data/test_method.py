@@ -177,7 +177,7 @@ class Nearest(Method):
 
 @MATCH.method("nearest", Nearest, source="Somebody 2000")
 def match_within(detections, rig, *, method):
-    return match_nearest(detections, rig, method=NearestEpipolar(band=method.width))
+    return match_nearest(detections, rig, method=NearestEpipolar(search_band=method.width))
 '''
 
 ASKED = """

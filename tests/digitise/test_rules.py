@@ -72,7 +72,7 @@ def test_of_two_markers_the_nearer_takes_the_image_also_if_it_is_the_later():
 
 
 MEETINGS = 16
-TOGETHER = Centroids(most_discs=1, hidden=False)
+TOGETHER = Centroids(max_discs=1, correct_occlusion=False)
 """Images that touch are one, as UM²AS sees them."""
 
 

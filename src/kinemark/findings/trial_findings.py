@@ -254,7 +254,7 @@ def _left_over(figures: Figures) -> Found:
 def _close_decisions(figures: Figures) -> Found:
     kinds = [row["kind"] for row in figures["ambiguous_decisions"]]
     if kinds:
-        numbers: dict[str, Any] = {kind: kinds.count(kind) for kind in ("swap", "merge", "ghost", "join")}
+        numbers: dict[str, Any] = {kind: kinds.count(kind) for kind in ("swap", "merge", "ghost", "stitch")}
         yield make_finding("close_decisions", **numbers)
 
 

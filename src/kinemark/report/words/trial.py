@@ -99,7 +99,9 @@ def _fits_nothing(found: Finding) -> str:
 
 def _close(found: Finding) -> str:
     numbers = {kind: n for kind, n in found.values.items() if isinstance(n, int) and n}
-    kinds = ", ".join(f"{n} possible {kind}{'' if n == 1 else 's'}" for kind, n in numbers.items())
+    kinds = ", ".join(
+        f"{n} possible {kind}{'' if n == 1 else 'es' if kind == 'stitch' else 's'}" for kind, n in numbers.items()
+    )
     total = sum(numbers.values())
     return (
         f"{total} {'decision' if total == 1 else 'decisions'} of the tracking {'was' if total == 1 else 'were'} close"
@@ -118,7 +120,7 @@ TRIAL_WORDS = {
     "no_points": Words("The cameras saw markers, but no marker was reconstructed.", _no_points),
     "no_trajectories": Words(
         "3D points were reconstructed, but no trajectory came of them.",
-        "Check the parameters of [track]: shortest, and speed; and rate_hz.",
+        "Check the parameters of [track]: the shortest track, and the speed of markers; and rate_hz.",
     ),
     "camera_sees_nothing": Words(
         "{Cameras} saw nothing in the whole trial.",

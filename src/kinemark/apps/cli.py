@@ -54,6 +54,11 @@ LengthUnit = Literal["mm", "cm", "m", "in"] | None
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the results for a machine.")]
 
 
+SelfContained = Annotated[
+    bool,
+    Parameter(negative="", help="Put the drawing library into the page, for mailing; else pages share one file."),
+]
+
 Set = Annotated[
     list[str] | None,
     Parameter(
@@ -87,15 +92,16 @@ def progress() -> Iterator[Told]:
 
 
 @app.command
-def demo(folder: Path = Path("demo"), *, json: Json = False) -> None:
+def demo(folder: Path = Path("demo"), *, self_contained: SelfContained = False, json: Json = False) -> None:
     """Simulate a gait laboratory, process its images, and compare with the truth.
 
     Args:
         folder: where the session goes.
+        self_contained: put the drawing library into each page, for mailing.
         json: print the figures for a machine.
     """
     with progress() as tell:
-        result = run_demo(folder, progress=tell)
+        result = run_demo(folder, self_contained=self_contained, progress=tell)
     _print(result.figures() if json else result.text())
     if not result.passed:
         raise KinemarkError("The demo did not reach what it should; see the figures above.")
@@ -110,6 +116,7 @@ def run(
     frames: tuple[int, int] | None = None,
     results: Path | None = None,
     threads: int | None = None,
+    self_contained: SelfContained = False,
     json: Json = False,
 ) -> None:
     """Process a session: calibrate, detect, match, reconstruct, track, and write C3D and report.
@@ -122,9 +129,10 @@ def run(
         frames: only frames FIRST LAST, counted from 1, as a preview; its results go into a folder of their own.
         results: folder for everything computed; results in the session's folder where none is given.
         threads: how many detection may use; as many as there are processors where none is given.
+        self_contained: put the drawing library into each page, for mailing.
         json: print the figures for a machine.
     """
-    opened = Session.open(session, overrides=set or (), results=results)
+    opened = Session.open(session, overrides=set or (), results=results, self_contained=self_contained)
     with progress() as tell:
         if frames is None:
             done = opened.run(trials, to=to, progress=tell, threads=threads)
@@ -161,16 +169,18 @@ def status(session: Path, *trials: str, json: Json = False) -> None:
 
 
 @app.command
-def calibrate(session: Path, *, set: Set = None, json: Json = False) -> None:
+def calibrate(session: Path, *, set: Set = None, self_contained: SelfContained = False, json: Json = False) -> None:
     """Calibrate a session's cameras, judge the calibration, and write rig.toml and calibration.html.
 
     Args:
         session: a folder with a session.toml, or such a file.
         set: methods and parameters instead of the file's, as calibrate.method=dlt.
+        self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
     with progress() as tell:
-        result = Session.open(session, overrides=set or ()).calibrate(progress=tell)
+        opened = Session.open(session, overrides=set or (), self_contained=self_contained)
+        result = opened.calibrate(progress=tell)
     if json:
         _print(result.figures)
         return
@@ -254,6 +264,7 @@ def fill(
     trim: int = GapEdges().most,
     static: Path | None = None,
     report: bool = False,
+    self_contained: SelfContained = False,
     rate_hz: float | None = None,
     length_unit: LengthUnit = None,
     json: Json = False,
@@ -272,6 +283,7 @@ def fill(
         trim: so many bad samples may be replaced on each side of a gap; 0 keeps all that was measured.
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
+        self_contained: as of other commands; this page always is, since its drawings need no library.
         rate_hz: of a CSV or TDC file that does not say it.
         length_unit: of a C3D file that does not say it.
         json: print what became of every gap for a machine.
@@ -362,6 +374,7 @@ def angles(
     static: Path | None = None,
     functional: Path | None = None,
     settings: Annotated[AngleSettings | None, Parameter(name="*")] = None,
+    self_contained: SelfContained = False,
     json: Json = False,
 ) -> None:
     """Joint angles of a trial with their standard deviation: CSV, C3D, a page with curves and a moving stick figure.
@@ -373,9 +386,13 @@ def angles(
         static: trial that shows the points which clusters of markers carry.
         functional: trial whose motion shows the joint centres of the model.
         settings: how angles are taken.
+        self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
-    result = angles_of_file(trial, model=model, folder=output, static=static, functional=functional, settings=settings)
+    result = angles_of_file(
+        trial, model=model, folder=output, static=static, functional=functional, settings=settings,
+        self_contained=self_contained,
+    )  # fmt: skip
     if json:
         _print(result.figures)
         return
@@ -394,6 +411,7 @@ def sensitivity(
     markers: Path | None = None,
     rate_hz: float | None = None,
     length_unit: LengthUnit = None,
+    self_contained: SelfContained = False,
     json: Json = False,
 ) -> None:
     """Say what limits the accuracy of a trial: noise, lenses, calibration, marker placement, or a camera that is lost.
@@ -409,6 +427,7 @@ def sensitivity(
             model wants.
         rate_hz: of the markers' file, where it does not say it.
         length_unit: of the markers' file, where it does not say it.
+        self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
     try:
@@ -418,7 +437,7 @@ def sensitivity(
     with progress() as tell:
         found = error_budget(
             session, trial=trial, method=asked, model=model, markers=markers, rate_hz=rate_hz,
-            length_unit=length_unit, progress=tell,
+            length_unit=length_unit, self_contained=self_contained, progress=tell,
         )  # fmt: skip
     _print(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")
 

@@ -13,7 +13,7 @@ from ..findings.markers import sample_deviation
 from .theme import HUES, STATES, axis_style, empty, figure, hue, label
 from .thin import blocks, envelope, short
 
-SAMPLES = 180_000
+SAMPLES = 36_000
 """Most samples in the figure of trajectories, all markers and axes together; chosen."""
 COLUMNS = 1200
 """Most columns in the timeline; chosen."""
@@ -108,8 +108,8 @@ def uncertainty_figure(trajectories: Trajectories) -> go.Figure:
 
 
 def exactness_figure(markers: list[dict[str, Any]]) -> go.Figure:
-    """A place a marker, in the trial's order: the standard deviation foretold and the jitter found."""
-    series = (("σ foretold by the covariance", "sd_per_axis_mean_mm"), ("jitter found", "jitter_mm"))
+    """A place a marker, in the trial's order: the standard deviation predicted and the jitter observed."""
+    series = (("σ predicted by the covariance", "sd_per_axis_mean_mm"), ("jitter observed", "jitter_mm"))
     if not any(marker[key] is not None for marker in markers for _, key in series):
         return empty("Neither covariance nor jitter of the markers is known.")
     fig = figure(360, showlegend=True, legend=ABOVE)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .html_tables import TAGS
-from .words import headline_of, sentences_of, text_of
+from .words import TAGS, headline_of, sentences_of, text_of
 
 
 def filling_summary(figures: dict[str, Any]) -> str:

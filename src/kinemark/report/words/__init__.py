@@ -20,6 +20,7 @@ from .verdicts import VERDICT_WORDS
 
 __all__ = [
     "SOURCE_ADVICE",
+    "TAGS",
     "WORDS",
     "advice_of",
     "headline_of",
@@ -28,6 +29,9 @@ __all__ = [
     "text_of",
     "with_words",
 ]
+
+TAGS = {"green": "good", "amber": "look", "red": "stop", "info": "note"}
+"""What stands beside a finding, by its severity."""
 
 WORDS: dict[str, Words] = {
     **TRIAL_WORDS,

@@ -13,6 +13,7 @@ from .figures_gaps import gap_figure
 from .formatting import count, measure, millimetres, number
 from .tables import Table, Tile
 from .templating import render, write_text
+from .words import open_gap_text
 
 NAV = {"verdict": "Verdict", "gaps": "Every gap", "drawings": "Drawings", "terms": "Terms"}
 MOST_DRAWN = 300
@@ -61,9 +62,9 @@ def filling_page(*, figures: dict[str, Any], trajectories: Trajectories, before:
         nav=NAV,
         figures=figures,
         tiles=_tiles(figures),
-        gap_table=gap_table(gaps),
+        gap_table=gap_table(gaps, figures["limit_mm"]),
         which=which if len(drawn) == len(gaps) else f"The {len(drawn)} least certain of {len(gaps)} gaps",
-        drawings=[_drawing(gap, trajectories, before) for gap in drawn],
+        drawings=[_drawing(gap, figures["limit_mm"], trajectories, before) for gap in drawn],
     )
 
 
@@ -72,7 +73,7 @@ def _certain(gap: dict[str, Any]) -> tuple[bool, float, float]:
     return bool(gap["method"]), -largest_error(gap), -(gap["expected_mm"] or 0.0)
 
 
-def gap_table(gaps: list[dict[str, Any]]) -> Table:
+def gap_table(gaps: list[dict[str, Any]], limit_mm: float) -> Table:
     """A row a gap; those that stayed open are tinted, and say why."""
     left_open = [not gap["method"] for gap in gaps]
     head = [
@@ -102,7 +103,7 @@ def gap_table(gaps: list[dict[str, Any]]) -> Table:
             number(gap["tests"]),
             number(len(gap["trimmed"])) if gap["trimmed"] else "–",
             _few(gap["reference_markers"]),
-            *([gap["reason"] or "–"] if any(left_open) else []),
+            *([open_gap_text(gap, limit_mm)] if any(left_open) else []),
         ]
         for gap in gaps
     ]
@@ -124,7 +125,9 @@ def _next_best(gap: dict[str, Any]) -> str:
     return f"{name} {number(others[name], 2)}"
 
 
-def _drawing(gap: dict[str, Any], trajectories: Trajectories, before: Trajectories | None) -> GapDrawing:
+def _drawing(
+    gap: dict[str, Any], limit_mm: float, trajectories: Trajectories, before: Trajectories | None
+) -> GapDrawing:
     """One gap with its title; of a marker that is not in the trial and could not be placed, the title alone."""
     picture = Markup()
     if gap["marker"] in trajectories.names:
@@ -132,9 +135,9 @@ def _drawing(gap: dict[str, Any], trajectories: Trajectories, before: Trajectori
         replaced = [] if before is None else [frame - before.first_frame for frame in gap["trimmed"]]
         dots = {frame: before[gap["marker"]].xyz[frame] for frame in replaced} if before is not None else {}
         picture = gap_figure(trajectories, gap["marker"], start, start + gap["frames"], references, dots)
-    what = (
-        f"{gap['method']}, expected {millimetres(gap['expected_mm'])}" if gap["method"] else f"{OPEN}: {gap['reason']}"
-    )
+    what = f"{gap['method']}, expected {millimetres(gap['expected_mm'])}"
+    if not gap["method"]:
+        what = f"{OPEN}: {open_gap_text(gap, limit_mm)}"
     when = f"{number(gap['first_s'], 2)} s, {count(gap['frames'], 'frame')}"
     return GapDrawing(gap["marker"], when, what, picture)
 

@@ -26,8 +26,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from ..data import KinemarkError
 from ..data.array_types import Floats, Ints
@@ -123,14 +123,14 @@ def _close(places: Floats, uv: Floats, index: Ints, tolerance: float) -> float:
 
 def _to_next(places: Floats) -> Floats:
     """(M) px from each place to the nearest other one."""
-    return np.asarray(KDTree(places).query(places, k=2)[0])[:, 1]
+    return np.asarray(scipy.spatial.KDTree(places).query(places, k=2)[0])[:, 1]
 
 
 def _mutual(places: Floats, uv: Floats, reach: Floats) -> Ints:
     """(M) the dot (n, 2) nearest to each place (M, 2), if each is the other's nearest and within reach (M); or −1."""
     if len(uv) == 0:
         return np.full(len(places), -1, np.int64)
-    distance, dot = KDTree(uv).query(places)
-    place = np.asarray(KDTree(places).query(uv)[1])
+    distance, dot = scipy.spatial.KDTree(uv).query(places)
+    place = np.asarray(scipy.spatial.KDTree(places).query(uv)[1])
     good = (distance <= reach) & (place[dot] == np.arange(len(places)))
     return np.where(good, dot, -1).astype(np.int64)

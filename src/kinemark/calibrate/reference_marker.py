@@ -23,8 +23,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from ..data import Detections, KinemarkError
 from ..data.arrays import check_positive
@@ -157,7 +157,7 @@ def _common_shift(
     off = off[np.linalg.norm(off, axis=1) <= reach]
     if len(off) == 0:
         return None
-    tree = KDTree(off)
+    tree = scipy.spatial.KDTree(off)
     many = tree.query_ball_point(off, still, return_length=True)
     good = off[many >= NEARLY_AS_MANY * many.max()]
     nearest = good[np.linalg.norm(good, axis=1).argmin()]

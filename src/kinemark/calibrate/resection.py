@@ -29,7 +29,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ..data import Camera
 from ..data.array_types import Bools, Floats
@@ -103,7 +103,7 @@ def moved(camera: Camera, free: Bools, step: Floats, *, tied: bool = False) -> C
         p[free] = step
         K[0, 0], K[1, 1] = K[0, 0] + p[0], K[1, 1] + p[1]
         K[:2, 2] += p[2:4]
-    R = Rotation.from_rotvec(p[9:12]).as_matrix() @ camera.R
+    R = scipy.spatial.transform.Rotation.from_rotvec(p[9:12]).as_matrix() @ camera.R
     return replace(camera, K=K, distortion=distortion + p[4:9], R=R, t=camera.t + p[12:])
 
 

@@ -35,8 +35,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from ..data.array_types import Floats
 from ..numerics.levenberg_marquardt import Damping, Tries, minimise_many
@@ -183,7 +183,7 @@ def discs(p: Floats, w: Floats, patches: Patches, J: Floats) -> Floats:
     rim, width = w[:, None, None], w[:, None]
     slope = _bell(s / rim) / rim
     if k == 1:
-        cover = ndtr(s[:, 0] / width)
+        cover = scipy.special.ndtr(s[:, 0] / width)
     else:
         two = np.argsort(-s, axis=1)[:, :2] if k > 2 else None
         (a, b), (ax, bx), (ay, by) = (
@@ -221,7 +221,7 @@ def ellipse(p: Floats, w: Floats, patches: Patches, J: Floats) -> Floats:
     by_q /= -q
     J[:, 2], J[:, 3], J[:, 4] = by_q * (mx * dx), by_q * (mx * dy + my * dx), by_q * (my * dy)
     np.multiply(slope, -z, out=J[:, 5])
-    return np.asarray(ndtr(z))
+    return np.asarray(scipy.special.ndtr(z))
 
 
 def motion(p: Floats, w: Floats, patches: Patches, J: Floats) -> Floats:
@@ -257,13 +257,16 @@ def cut(p: Floats, w: Floats, patches: Patches, J: Floats) -> Floats:
 def _both(h: Floats, k: Floats, rho: Floats) -> tuple[Floats, Floats, Floats]:
     """(2) and its derivatives by h and k, ρ held, both without the factor φ."""
     rho = np.clip(rho, -0.999, 0.999)
-    a, b = ndtr(h), ndtr(k)
+    a, b = scipy.special.ndtr(h), scipy.special.ndtr(k)
     of_h, of_k = b.copy(), a.copy()
     both = a * b
     near = np.flatnonzero((np.abs(h) < CORNER) & (np.abs(k) < CORNER))
     x, y, r = h.reshape(-1)[near], k.reshape(-1)[near], rho.reshape(-1)[near]
     root = np.sqrt(1 - r * r)
-    of_h.reshape(-1)[near], of_k.reshape(-1)[near] = ndtr((y - r * x) / root), ndtr((x - r * y) / root)
+    of_h.reshape(-1)[near], of_k.reshape(-1)[near] = (
+        scipy.special.ndtr((y - r * x) / root),
+        scipy.special.ndtr((x - r * y) / root),
+    )
     end = np.arcsin(r)
     theta = end * NODES_CORNER[:, None]
     sine = np.sin(theta)

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from ..data import KinemarkError, Validity
 from ..data.masks import Masks
@@ -127,7 +127,7 @@ def _often_white(
     if white is None:
         raise KinemarkError(f"Camera {name}: the recording of the empty volume has no frames. Record some.")
     mask = np.asarray(white >= max(share * frames, 1))
-    return np.asarray(distance_transform_edt(~mask) <= grow) if mask.any() else mask
+    return np.asarray(scipy.ndimage.distance_transform_edt(~mask) <= grow) if mask.any() else mask
 
 
 def _by(size: NDArray[np.int64]) -> str:

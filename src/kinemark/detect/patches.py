@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter
 
 from ..data.array_types import Floats
 from .discs import Patches
@@ -67,8 +67,8 @@ def cut_out(
     own, line, column = _painted(groups)
     inside = (column >= 0) & (column < width) & (line // height == groups.frame[:, None, None])
     grey = images.reshape(-1)[np.where(inside, line * width + column, 0)].astype(np.float64)
-    foreign = maximum_filter((grey > threshold) & inside & ~own, size=(1, 3, 3))
-    near = maximum_filter(own, size=(1, 2 * MARGIN + 1, 2 * MARGIN + 1))
+    foreign = scipy.ndimage.maximum_filter((grey > threshold) & inside & ~own, size=(1, 3, 3))
+    near = scipy.ndimage.maximum_filter(own, size=(1, 2 * MARGIN + 1, 2 * MARGIN + 1))
     used = near & inside & (own | ~foreign)
     order = _packed(used)
     white = np.take_along_axis(own.reshape(len(own), -1), order, 1)

@@ -13,8 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import label
 
 from ..data import KinemarkError, Validity
 from ..data.array_types import Floats
@@ -87,7 +87,7 @@ def _white(image: NDArray[np.uint8 | np.uint16], method: Centroids) -> NDArray[n
 
 def _owners(white: NDArray[np.bool_], blobs: Blobs) -> NDArray[np.int32]:
     """(H, W) by (1)."""
-    found, n = label(white, TOUCHING)
+    found, n = scipy.ndimage.label(white, TOUCHING)
     group = np.asarray(found, np.int32)
     of = np.array([_group_at(group, uv) for uv in blobs.uv], np.int64)
     alone = np.full(n + 1, -1, np.int32)

@@ -22,7 +22,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len, rfft
+import scipy
 
 from ..data.array_types import Floats
 from .known_samples import Span
@@ -49,9 +49,9 @@ class Leftover(NamedTuple):
         """From residuals (F, 3) every `step` frames, NaN where unknown; at least one is known."""
         known = ~np.isnan(residual[:, 0])
         r = np.where(known[:, None], residual, 0.0)
-        n = next_fast_len(2 * len(r), real=True)
-        power = (np.abs(rfft(r, n, axis=0)) ** 2).sum(1)
-        rho = irfft(power, n)[: len(r)]  # (1)
+        n = scipy.fft.next_fast_len(2 * len(r), real=True)
+        power = (np.abs(scipy.fft.rfft(r, n, axis=0)) ** 2).sum(1)
+        rho = scipy.fft.irfft(power, n)[: len(r)]  # (1)
         square = max(float((r * r).sum()), np.finfo(float).tiny)
         return cls(r.T @ r / known.sum(), rho / square, step)
 

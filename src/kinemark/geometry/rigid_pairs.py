@@ -11,9 +11,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.cluster.hierarchy import fcluster, linkage
-from scipy.sparse.csgraph import minimum_spanning_tree
-from scipy.spatial.distance import squareform
+import scipy
 
 from ..data.array_types import Floats, Ints
 
@@ -78,7 +76,7 @@ def _from_one(axes: Floats, one: Floats) -> tuple[Floats, Floats, Ints]:
 def spanning_links(share: Floats, *, most: float) -> Ints:
     """(S, 2) the tree of (2), or trees where pairs with a share above `most` would be needed to join them."""
     cost = np.where(share <= most, 1 + share, 0.0)  # 0, and nearly 0, is no edge of a graph
-    return np.argwhere(minimum_spanning_tree(cost).toarray() > 0)
+    return np.argwhere(scipy.sparse.csgraph.minimum_spanning_tree(cost).toarray() > 0)
 
 
 def rigid_groups(share: Floats, *, most: float) -> Ints:
@@ -88,4 +86,14 @@ def rigid_groups(share: Floats, *, most: float) -> Ints:
         return np.zeros(n, np.int64)
     loose = np.nan_to_num((share + share.T) / 2, nan=LOOSE, posinf=LOOSE)
     np.fill_diagonal(loose, 0.0)
-    return np.asarray(fcluster(linkage(squareform(loose, checks=False), "complete"), most, "distance"), np.int64) - 1
+    return (
+        np.asarray(
+            scipy.cluster.hierarchy.fcluster(
+                scipy.cluster.hierarchy.linkage(scipy.spatial.distance.squareform(loose, checks=False), "complete"),
+                most,
+                "distance",
+            ),
+            np.int64,
+        )
+        - 1
+    )

@@ -31,8 +31,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.special import gammaincinv
 
 from ..data import Cloud, Detections, Matches, Rig
 from ..data.array_types import Bools, Floats, Ints
@@ -137,7 +137,9 @@ def _centroid_sd(rig: Rig, guess: Floats, uv: Floats) -> float:
     if not three.any():
         return FALLBACK_SD
     off = refine(rig, guess[three], uv[three], np.broadcast_to(np.eye(2), (*uv[three].shape, 2)), steps=2).off
-    return float(np.sqrt(np.median(np.nansum(off**2, axis=(1, 2)) / (2 * gammaincinv(freedom[three] / 2, 0.5)))))
+    return float(
+        np.sqrt(np.median(np.nansum(off**2, axis=(1, 2)) / (2 * scipy.special.gammaincinv(freedom[three] / 2, 0.5))))
+    )
 
 
 def _robust(rig: Rig, guess: Floats, uv: Floats, cov: Floats, tails: float, steps: int) -> Triangulated:

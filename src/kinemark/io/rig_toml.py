@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 import tomlkit
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from ..data import Camera, KinemarkError, Rig
 from .files import replacing
@@ -89,7 +89,7 @@ def camera(where: str, key: str, table: Mapping[str, Any], own: Mapping[str, Any
     """One camera from its table and our own beside it."""
     if table.get("fisheye") not in (None, False):
         raise KinemarkError(f"{where}: fisheye lenses are not supported. Calibrate with the ordinary lens model.")
-    R = Rotation.from_rotvec(array(where, table, "rotation", (3,))).as_matrix()
+    R = scipy.spatial.transform.Rotation.from_rotvec(array(where, table, "rotation", (3,))).as_matrix()
     if "rotation_matrix" in own:
         exact = array(where, own, "rotation_matrix", (3, 3))
         # an edited Rodrigues vector counts; the matrix only adds the digits that the vector lost
@@ -158,7 +158,7 @@ def shared(camera: Camera) -> dict[str, Any]:
         "size": camera.size,
         "matrix": camera.K,
         "distortions": camera.distortion,
-        "rotation": Rotation.from_matrix(camera.R).as_rotvec(),
+        "rotation": scipy.spatial.transform.Rotation.from_matrix(camera.R).as_rotvec(),
         "translation": camera.t,
         "fisheye": False,
     }

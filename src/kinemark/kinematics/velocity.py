@@ -11,7 +11,7 @@ which break where angles jump or lock.
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ..data.array_types import Floats
 
@@ -31,5 +31,7 @@ def angular_velocity(R: Floats, *, rate: float) -> Floats:
     turn = R[2:] @ np.swapaxes(R[:-2], 1, 2)
     known = np.isfinite(turn).all((1, 2))
     if known.any():
-        omega[1:-1][known] = np.degrees(Rotation.from_matrix(turn[known]).as_rotvec()) * rate / 2  # (1)
+        omega[1:-1][known] = (
+            np.degrees(scipy.spatial.transform.Rotation.from_matrix(turn[known]).as_rotvec()) * rate / 2
+        )  # (1)
     return omega

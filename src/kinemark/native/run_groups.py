@@ -15,8 +15,7 @@ The compiled function goes through the runs once and unites those that touch (un
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ..data.array_types import Ints
 from .array_checks import INT, Arrays
@@ -75,7 +74,7 @@ def _first_wrong(y: Ints, first: Ints, last: Ints, width: int) -> int | None:
 def _numpy_groups(y: Ints, first: Ints, last: Ints, height: int, width: int) -> tuple[Ints, Ints, Ints]:
     if len(y) == 0:
         return np.zeros((3, 0), np.int64), np.zeros(1, np.int64), np.zeros((6, 0), np.int64)
-    count, label = connected_components(_touching(y, first, last, height, width), directed=False)
+    count, label = scipy.sparse.csgraph.connected_components(_touching(y, first, last, height, width), directed=False)
     order = np.argsort(label, kind="stable")
     y, first, last = runs = np.stack([y, first, last])[:, order]
     start = np.concatenate([[0], np.cumsum(np.bincount(label, minlength=count))])
@@ -91,7 +90,7 @@ def _numpy_groups(y: Ints, first: Ints, last: Ints, height: int, width: int) -> 
     return runs, start, np.stack(box)
 
 
-def _touching(y: Ints, first: Ints, last: Ints, height: int, width: int) -> csr_array:
+def _touching(y: Ints, first: Ints, last: Ints, height: int, width: int) -> scipy.sparse.csr_array:
     """(R, R) ones where a run touches one of the next line."""
     line = y + y // height
     a, b = line * (width + 2) + first, line * (width + 2) + last  # (1)
@@ -99,4 +98,6 @@ def _touching(y: Ints, first: Ints, last: Ints, height: int, width: int) -> csr_
     count = np.maximum(np.searchsorted(a, b + width + 3, side="right") - low, 0)
     start = np.concatenate([[0], np.cumsum(count)])
     other = np.arange(start[-1]) + np.repeat(low - start[:-1], count)
-    return csr_array((np.ones(len(other)), other.astype(np.int32), start.astype(np.int32)), shape=(len(a), len(a)))
+    return scipy.sparse.csr_array(
+        (np.ones(len(other)), other.astype(np.int32), start.astype(np.int32)), shape=(len(a), len(a))
+    )

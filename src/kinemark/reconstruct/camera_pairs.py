@@ -48,8 +48,8 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import gammaincinv
 
 from ..data import Cloud, Detections, Matches, Rig
 from ..data.array_types import Bools, Floats
@@ -168,7 +168,7 @@ def _covariance(rig: Rig, xyz: Floats, kept: Bools, off: Floats, cov: Floats) ->
             used[own, c] = True
     H /= np.maximum(kept.sum(1), 1)[:, None, None, None]
     squared = (off * np.linalg.solve(image, off[..., None])[..., 0]).sum(-1)
-    usual = 2 * gammaincinv(np.maximum(used.sum(1) - 1.5, 0.5), 0.95)
+    usual = 2 * scipy.special.gammaincinv(np.maximum(used.sum(1) - 1.5, 0.5), 0.95)
     widened = np.maximum(np.sum(squared, axis=1, where=used) / usual, 1.0)  # (8)
     part = H @ image @ H.swapaxes(-1, -2)
     return np.asarray(np.sum(part, axis=1, where=used[..., None, None]) * widened[:, None, None])  # (7)

@@ -25,9 +25,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft
-from scipy.optimize import minimize_scalar
 
 from ..data.array_types import Floats
 
@@ -73,10 +72,10 @@ def mean_differences(y: Floats, most: int | None = None) -> Floats:
     keys = [row.tobytes() for row in seen]
     masks = dict(zip(keys, seen.astype(float), strict=True))  # few: the axes of a marker have the same
     same = np.array([[float(key == mask) for key in keys] for mask in masks])
-    size = next_fast_len(n + most, real=True)  # so that the ends of τ < most do not meet
-    one, square, mask = (rfft(a, size) for a in (y, same @ y**2, np.array(list(masks.values()))))
+    size = scipy.fft.next_fast_len(n + most, real=True)  # so that the ends of τ < most do not meet
+    one, square, mask = (scipy.fft.rfft(a, size) for a in (y, same @ y**2, np.array(list(masks.values()))))
     pairs, squares, products = (
-        irfft(spectrum, size)[:most]
+        scipy.fft.irfft(spectrum, size)[:most]
         for spectrum in (same.sum(1) @ _power(mask), (square * mask.conj()).real.sum(0), _power(one).sum(0))
     )
     enough = pairs > FEWEST_PAIRS * seen.sum()
@@ -152,7 +151,7 @@ def _best_period(y: Floats, there: NDArray[np.bool_], t: Floats, period: float, 
         return float(sum((r**2).sum() for _, r in _fits(y, there, t, period * (1 + share), H)))
 
     reach = min(0.1, 0.25 * period / max(t[-1], period))
-    best = minimize_scalar(left, bounds=(-reach, reach), method="bounded", options={"xatol": 1e-7})
+    best = scipy.optimize.minimize_scalar(left, bounds=(-reach, reach), method="bounded", options={"xatol": 1e-7})
     return period * (1 + float(best.x))
 
 

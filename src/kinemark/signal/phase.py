@@ -24,9 +24,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, PPoly
-from scipy.linalg import LinAlgError, solveh_banded
 
 from ..data.array_types import Floats, Ints
 
@@ -43,9 +42,9 @@ class CycleTemplate:
 
     def __init__(self, values: Floats) -> None:
         closed = np.concatenate([values, values[:1]])
-        curve = CubicSpline(np.linspace(0, 1, len(closed)), closed, bc_type="periodic")
-        self._curve: PPoly[np.float64] = curve
-        self._slope: PPoly[np.float64] = curve.derivative()
+        curve = scipy.interpolate.CubicSpline(np.linspace(0, 1, len(closed)), closed, bc_type="periodic")
+        self._curve: scipy.interpolate.PPoly[np.float64] = curve
+        self._slope: scipy.interpolate.PPoly[np.float64] = curve.derivative()
 
     def __call__(self, phase: Floats) -> Floats:
         """(…, K) at phases (…) in cycles."""
@@ -58,7 +57,9 @@ class CycleTemplate:
     def some(self, columns: Ints) -> CycleTemplate:
         """Of these sequences alone."""
         out = object.__new__(CycleTemplate)
-        out._curve, out._slope = (PPoly.construct_fast(p.c[..., columns], p.x) for p in (self._curve, self._slope))
+        out._curve, out._slope = (
+            scipy.interpolate.PPoly.construct_fast(p.c[..., columns], p.x) for p in (self._curve, self._slope)
+        )
         return out
 
 
@@ -128,8 +129,8 @@ def refine_phase(
         off, slope = weight * (y - template(phase)), weight * template.slope(phase)
         pull = INDEPENDENT / cycle * np.einsum("fk,fk->f", slope, off) - _bend(phase, cycle)
         try:
-            step = np.asarray(solveh_banded(_matrix(_told(slope, cycle), cycle), pull, lower=True))
-        except LinAlgError:
+            step = np.asarray(scipy.linalg.solveh_banded(_matrix(_told(slope, cycle), cycle), pull, lower=True))
+        except scipy.linalg.LinAlgError:
             break
         phase = phase + step.clip(-0.05, 0.05)
         if np.abs(step).max() < 1e-5:
@@ -183,5 +184,7 @@ def variance_at(told: Floats, frames: Ints, *, cycle: float) -> Floats:
     first, last = max(int(frames.min() - cycle), 0), min(int(frames.max() + cycle) + 1, len(told))
     unit = np.zeros((last - first, len(frames)))
     unit[frames - first, np.arange(len(frames))] = 1.0
-    solved = np.asarray(solveh_banded(_matrix(told[first:last], cycle), unit, lower=True, check_finite=False))
+    solved = np.asarray(
+        scipy.linalg.solveh_banded(_matrix(told[first:last], cycle), unit, lower=True, check_finite=False)
+    )
     return np.maximum(solved[frames - first, np.arange(len(frames))], 0.0)

@@ -27,10 +27,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline
-from scipy.linalg import cho_solve_banded, cholesky_banded
-from scipy.sparse import csr_array, diags_array
 
 from ..data.array_types import Floats
 
@@ -63,12 +61,12 @@ def woltring(y: Floats, *, half_order: int = 3, cutoff: float | None = None) -> 
     if cutoff is not None and not 0 < cutoff < 0.5:
         raise ValueError(f"cutoff is {cutoff:g} cycles a sample, wanted 0 to 0.5")
     B, omega = _operators(len(y), m)
-    data = _band(csr_array(B.T @ diags_array(seen.astype(float)) @ B), 2 * m - 1)
+    data = _band(scipy.sparse.csr_array(B.T @ scipy.sparse.diags_array(seen.astype(float)) @ B), 2 * m - 1)
     centre = y[seen].mean(0)
     target = B.T @ np.where(seen[:, None], y - centre, 0.0)
     if cutoff is None:
         cutoff = _cross_validated(B, data, omega, target, y - centre, seen, m)
-    c = cho_solve_banded((_factor(data, omega, cutoff, m), True), target)
+    c = scipy.linalg.cho_solve_banded((_factor(data, omega, cutoff, m), True), target)
     return SmoothedSpline(B @ c + centre, cutoff, spline_gain(cutoff, half_order=m))
 
 
@@ -79,22 +77,28 @@ def spline_gain(cutoff: float, *, half_order: int = 3) -> float:
 
 
 @lru_cache(maxsize=16)
-def _operators(n: int, m: int) -> tuple[csr_array, Floats]:
+def _operators(n: int, m: int) -> tuple[scipy.sparse.csr_array, Floats]:
     """B (n, n + 2m − 2) and the lower band of Ω, for unit spacing."""
     degree, size = 2 * m - 1, n + 2 * m - 2
-    B = csr_array(BSpline.design_matrix(np.arange(n, dtype=float), np.arange(-degree, n + degree, dtype=float), degree))
+    B = scipy.sparse.csr_array(
+        scipy.interpolate.BSpline.design_matrix(
+            np.arange(n, dtype=float), np.arange(-degree, n + degree, dtype=float), degree
+        )
+    )
     node, weight = np.polynomial.legendre.leggauss(m)
     at = (np.arange(n - 1)[:, None] + (node + 1) / 2).ravel()
-    low = csr_array(BSpline.design_matrix(at, np.arange(-(m - 1), n + m - 1, dtype=float), m - 1))
-    D: csr_array = csr_array(diags_array(np.ones(size)))
+    low = scipy.sparse.csr_array(
+        scipy.interpolate.BSpline.design_matrix(at, np.arange(-(m - 1), n + m - 1, dtype=float), m - 1)
+    )
+    D: scipy.sparse.csr_array = scipy.sparse.csr_array(scipy.sparse.diags_array(np.ones(size)))
     for k in range(m):
         rows = size - k - 1
-        D = csr_array(diags_array([-1.0, 1.0], offsets=[0, 1], shape=(rows, rows + 1)) @ D)
-    W = diags_array(np.tile(weight / 2, n - 1))
-    return B, _band(csr_array(D.T @ (low.T @ W @ low) @ D), degree)
+        D = scipy.sparse.csr_array(scipy.sparse.diags_array([-1.0, 1.0], offsets=[0, 1], shape=(rows, rows + 1)) @ D)
+    W = scipy.sparse.diags_array(np.tile(weight / 2, n - 1))
+    return B, _band(scipy.sparse.csr_array(D.T @ (low.T @ W @ low) @ D), degree)
 
 
-def _band(matrix: csr_array, width: int) -> Floats:
+def _band(matrix: scipy.sparse.csr_array, width: int) -> Floats:
     """The lower band (width + 1, n) of a symmetric matrix."""
     n = matrix.shape[0]
     band = np.zeros((width + 1, n))
@@ -105,15 +109,15 @@ def _band(matrix: csr_array, width: int) -> Floats:
 
 def _factor(data: Floats, omega: Floats, cutoff: float, m: int) -> Floats:
     p = (np.sqrt(2) - 1) * (2 * np.pi * cutoff) ** (-2.0 * m)  # (3)
-    return cholesky_banded(data + p * omega, lower=True)  # (2)
+    return scipy.linalg.cholesky_banded(data + p * omega, lower=True)  # (2)
 
 
 def _cross_validated(
-    B: csr_array, data: Floats, omega: Floats, target: Floats, y: Floats, seen: NDArray[np.bool_], m: int
+    B: scipy.sparse.csr_array, data: Floats, omega: Floats, target: Floats, y: Floats, seen: NDArray[np.bool_], m: int
 ) -> float:
     """ν_c of the least (4) on the ladder, and between its neighbours by a parabola."""
     factors = np.array([_factor(data, omega, cutoff, m) for cutoff in LADDER])
-    fits = [B @ cho_solve_banded((factor, True), target) for factor in factors]
+    fits = [B @ scipy.linalg.cho_solve_banded((factor, True), target) for factor in factors]
     rss = np.array([np.sum((fit[seen] - y[seen]) ** 2) for fit in fits])
     n = seen.sum()
     score = np.log(np.maximum(rss, np.finfo(float).tiny)) - 2 * np.log(np.maximum(n - _traces(factors, data), 1e-9))

@@ -28,8 +28,8 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from ..data import Angles
 from ..data.array_types import Floats
@@ -143,7 +143,10 @@ def skeleton(deg: Floats, place: Floats, build: Build, marker: float) -> tuple[F
     """Markers (7, F, 3) mm and limbs from joint angles (3, F, 3) deg and the place (F, 3) of marker 2."""
     axes = [np.broadcast_to(np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]), (len(place), 3, 3))]
     for joint in deg:
-        axes.append(Rotation.from_euler("ZXY", joint, degrees=True).as_matrix().transpose(0, 2, 1) @ axes[-1])  # (1)
+        axes.append(
+            scipy.spatial.transform.Rotation.from_euler("ZXY", joint, degrees=True).as_matrix().transpose(0, 2, 1)
+            @ axes[-1]
+        )  # (1)
     (_, y0, z0), (_, y1, _), (_, y2, z2), (_, y3, _) = (a.transpose(1, 0, 2) for a in axes)
     m1, m3 = place + build.post * y0, place + build.shoulder[0] * y0 + build.shoulder[1] * z0  # (2)
     m4 = m3 - build.arm * y1  # (3)

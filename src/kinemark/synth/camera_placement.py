@@ -21,8 +21,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 from ..data import Camera, Rig
 
@@ -66,7 +66,7 @@ def place_camera(
     if not (focal > 0).all():
         raise ValueError(f"focal_px must be positive, found {focal_px}")
     x, y, z = np.asarray(angles_deg, np.float64)
-    R = LEVEL @ Rotation.from_euler("ZXY", [z, x, y], degrees=True).as_matrix().T  # (2)
+    R = LEVEL @ scipy.spatial.transform.Rotation.from_euler("ZXY", [z, x, y], degrees=True).as_matrix().T  # (2)
     K = np.array([[focal[0], 0.0, (size[0] - 1) / 2], [0.0, focal[1], (size[1] - 1) / 2], [0.0, 0.0, 1.0]])
     t = -R @ np.asarray(position, np.float64)
     return Camera(name, np.asarray(size, np.int64), K, R, t, np.asarray(distortion, np.float64))

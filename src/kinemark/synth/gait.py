@@ -28,8 +28,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 from ..data import Angles, Events
 from ..data.array_types import Floats
@@ -159,15 +159,17 @@ def leg_angles(turns: Floats) -> Floats:
 def pose_at(turns: Floats, pelvis: Floats) -> WalkingPose:
     """Turns of all segments (1) (2) where the left leg's stride is at `turns` (F), the pelvis at (F, 3) mm."""
     yaw, up = -5.0 * np.cos(2 * np.pi * turns), 4.0 * np.cos(2 * np.pi * (turns - 0.13))
-    hips = Rotation.from_euler("ZXY", np.stack([yaw, up, np.full_like(turns, TILT)], -1), degrees=True)
+    hips = scipy.spatial.transform.Rotation.from_euler(
+        "ZXY", np.stack([yaw, up, np.full_like(turns, TILT)], -1), degrees=True
+    )
     legs = []
     for mirror, late in ((1.0, 0.0), (-1.0, 0.5)):
         flexion, adduction, external, knee, ankle = leg_angles(turns + late)
-        thigh = hips * Rotation.from_euler(
+        thigh = hips * scipy.spatial.transform.Rotation.from_euler(
             "YXZ", np.stack([-flexion, -mirror * adduction, mirror * external], -1), degrees=True
         )
-        shank = thigh * Rotation.from_euler("y", knee[:, None], degrees=True)
-        foot = shank * Rotation.from_euler("y", -ankle[:, None], degrees=True)
+        shank = thigh * scipy.spatial.transform.Rotation.from_euler("y", knee[:, None], degrees=True)
+        foot = shank * scipy.spatial.transform.Rotation.from_euler("y", -ankle[:, None], degrees=True)
         legs.append((thigh.as_matrix(), shank.as_matrix(), foot.as_matrix()))
     swing = 18.0 * np.cos(2 * np.pi * turns)
     arms = np.stack([-swing, swing])  # each arm goes with the other leg

@@ -20,9 +20,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 import tomlkit
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from ..data import KinemarkError, Rig, Rods
 from .observe import truth
@@ -201,7 +201,9 @@ def write_grids(
         (folder / "grid" / camera.name).mkdir(parents=True)
         away = float((wide * camera.K[[0, 1], [0, 1]] / (GRID_SHARE * np.array(camera.size))).max())
         for n, turn in enumerate(((0, 0, 0), (GRID_TURN_DEG, 0, 0), (0, GRID_TURN_DEG, 0)), 1):
-            here = Rotation.from_euler("xyz", turn, degrees=True).apply(flat) + np.array([0, 0, away])
+            here = scipy.spatial.transform.Rotation.from_euler("xyz", turn, degrees=True).apply(flat) + np.array(
+                [0, 0, away]
+            )
             xyz = camera.centre + here @ camera.R
             image = render(camera, xyz, np.full(len(xyz), DOT_MM / 2), optics=optics, rng=rng)
             write_image(folder / "grid" / camera.name / f"{n}.png", image)

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from ..data import Camera, Detections, Rig
 from ..data.array_types import Floats
@@ -143,7 +142,9 @@ def _merge(rows: TruthRows, depth: Floats, merge_px: float) -> TruthRows:
     order = np.lexsort((depth[rows.marker, rows.frame], rows.frame))
     rows = _take(rows, order)
     first, second = _near_pairs(rows, merge_px)
-    blobs, blob = connected_components(coo_array((np.ones(len(first)), (first, second)), shape=(n, n)), directed=False)
+    blobs, blob = scipy.sparse.csgraph.connected_components(
+        scipy.sparse.coo_array((np.ones(len(first)), (first, second)), shape=(n, n)), directed=False
+    )
     if blobs == n:
         return rows
     nearest = np.unique(blob, return_index=True)[1]  # rows are in order of depth within their frame

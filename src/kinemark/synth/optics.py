@@ -15,8 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
 
 BANK_SPARE = 1 << 18
 """Pixels by which a bank is longer than an image: as many different backgrounds; chosen."""
@@ -91,4 +91,4 @@ def background(
 
 def blur(light: NDArray[np.float64], optics: Optics) -> NDArray[np.float64]:
     """Light (h, w) smeared; darkness is taken outside."""
-    return gaussian_filter(light, optics.blur_px, mode="constant") if optics.blur_px > 0 else light
+    return scipy.ndimage.gaussian_filter(light, optics.blur_px, mode="constant") if optics.blur_px > 0 else light

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import gammaincinv
 
 from ..data import Tracks
 from ..data.array_types import Floats, Ints
@@ -99,7 +99,7 @@ def score(
         rmse=float(np.sqrt((off**2).sum(1).mean())) if near.any() else unknown,
         median=float(np.median(distance[near])) if near.any() else unknown,
         p95=float(np.percentile(distance[near], 95)) if near.any() else unknown,
-        coverage=float((squared <= 2 * gammaincinv(1.5, 0.95)).mean()) if len(squared) else unknown,
+        coverage=float((squared <= 2 * scipy.special.gammaincinv(1.5, 0.95)).mean()) if len(squared) else unknown,
         chi2=float(squared.mean() / 3) if len(squared) else unknown,
         swaps=len(changes(tracks, owner, truth)),
         handovers=_handovers(tracks, owner),

@@ -25,8 +25,8 @@ from itertools import combinations, product
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import linear_sum_assignment
 
 from ...data import Camera, Detections, KinemarkError, Rig, Rods
 from ...geometry import decompose, fit_dlt, from_dlt, project, undistort
@@ -331,7 +331,7 @@ def _nearest(projected: NDArray[np.float64], uv: NDArray[np.float64], reach: flo
     """One point (n, 2) for each projected marker (M, 2) within reach, none twice: (M) index or −1."""
     distance = np.linalg.norm(projected[:, None] - uv[None], axis=-1)
     distance = np.where(np.isfinite(distance), distance, np.inf)  # a marker behind the camera
-    marker, point = linear_sum_assignment(np.minimum(distance, 2 * reach))
+    marker, point = scipy.optimize.linear_sum_assignment(np.minimum(distance, 2 * reach))
     index = np.full(len(projected), -1, np.int64)
     close = distance[marker, point] <= reach
     index[marker[close]] = point[close]

@@ -25,8 +25,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import chdtrc, chdtri, fdtrc  # scipy.stats has the same and takes a second to import
 
 from ...data import Finding, Severity, make_finding
 from ...data.finding import gravest_first
@@ -86,7 +86,7 @@ def _grade(found: Finding) -> int:
 def limits(e: float, nu: int) -> tuple[float, float]:
     """(3): between which limits the truth lies, given an estimate from nu equations left over."""
     tails = np.array([(1 + SURE) / 2, (1 - SURE) / 2])
-    low, high = e * np.sqrt(nu / chdtri(max(nu, 1), 1 - tails))
+    low, high = e * np.sqrt(nu / scipy.special.chdtri(max(nu, 1), 1 - tails))
     return float(low), float(high)
 
 
@@ -172,7 +172,7 @@ def _cameras(fit: ControlFit) -> list[Finding]:
 
 def _beyond(ratio: float, nu: int, nu_others: int, tried: int) -> bool:
     """Whether chance makes one of so many cameras so much worse than the others."""
-    return bool(fdtrc(nu, nu_others, ratio**2) < CHANCE / tried)
+    return bool(scipy.special.fdtrc(nu, nu_others, ratio**2) < CHANCE / tried)
 
 
 def _missed(fit: ControlFit, cameras: list[int]) -> dict[str, Any]:
@@ -194,7 +194,7 @@ def _noise(fit: ControlFit) -> list[Finding]:
         r, Q = fit.residual[c, fit.kept[c]], fit.cov[c, fit.kept[c]]
         total += float(np.einsum("ni,nij,nj->", r, np.linalg.inv(Q), r))
     ratio = float(np.sqrt(total / nu))
-    if ratio < TOO_NOISY or chdtrc(nu, total) > CHANCE:
+    if ratio < TOO_NOISY or scipy.special.chdtrc(nu, total) > CHANCE:
         return []
     s, _ = scatter(fit, [int(c) for c in stated])
     return [make_finding("residuals_above_noise", residual_px=s, ratio=ratio)]

@@ -18,8 +18,8 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import fdtrc
 
 from ...data import Finding, KinemarkError, make_finding
 from ...geometry.dlt import equations
@@ -55,7 +55,7 @@ def exchanged(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> SwappedPoint
             break
         image_of, total = tried[best], sums[best]
     nu = 2 * n - int(_parameters(n))
-    if not total < start or fdtrc(nu, nu, start / max(total, 1e-12)) > CHANCE / (n * (n - 1) / 2):  # (2)
+    if not total < start or scipy.special.fdtrc(nu, nu, start / max(total, 1e-12)) > CHANCE / (n * (n - 1) / 2):  # (2)
         return None
     return SwappedPoints(image_of, float(np.sqrt(start / n)), float(np.sqrt(total / n)))
 
@@ -72,7 +72,7 @@ def misplaced(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> tuple[int, f
     if not np.isfinite(without[i]):
         return None
     ratio = (start - without[i]) / 2 / (max(without[i], 1e-12) / nu)
-    if not fdtrc(2, nu, ratio) < CHANCE / n:
+    if not scipy.special.fdtrc(2, nu, ratio) < CHANCE / n:
         return None
     return i, float(np.sqrt(start / n)), float(np.sqrt(without[i] / (n - 1)))
 

@@ -24,8 +24,8 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, map_coordinates, maximum_filter, spline_filter
 
 from ...data import KinemarkError
 from ...data.array_types import Floats
@@ -81,22 +81,25 @@ def find_corners(image: NDArray[np.number], *, columns: int, rows: int) -> Float
 
 def saddles(grey: Floats, *, scale: float, most: int) -> tuple[Floats, NDArray[np.complex128]]:
     """At most `most` places (n, 2) px that look like corners, the strongest first, and their c_2 (n)."""
-    xx, yy, xy = (gaussian_filter(grey, scale, order=order) for order in ((0, 2), (2, 0), (1, 1)))
+    xx, yy, xy = (scipy.ndimage.gaussian_filter(grey, scale, order=order) for order in ((0, 2), (2, 0), (1, 1)))
     strength = scale**4 * (xy**2 - xx * yy)  # (1)
     reach = round(2 * scale)
-    peak = strength == maximum_filter(strength, size=2 * reach + 1)
+    peak = strength == scipy.ndimage.maximum_filter(strength, size=2 * reach + 1)
     peak[:reach] = peak[-reach:] = peak[:, :reach] = peak[:, -reach:] = False
     v, u = np.nonzero(peak & (strength > 0))
     order = np.argsort(-strength[v, u])
     order = order[: 4 * most][strength[v, u][order[: 4 * most]] > _floor(strength[v, u])]
     uv = np.column_stack([u, v])[order].astype(np.float64)
-    second, alike = _ring(gaussian_filter(grey, scale / 2), uv, 2.5 * scale)
+    second, alike = _ring(scipy.ndimage.gaussian_filter(grey, scale / 2), uv, 2.5 * scale)
     return uv[alike][:most], second[alike][:most]
 
 
 def _slopes(grey: Floats) -> list[Floats]:
     """∂I/∂u and ∂I/∂v (H, W), as coefficients of cubic splines."""
-    return [np.asarray(spline_filter(part, order=3)) for part in np.gradient(gaussian_filter(grey, 0.7))[::-1]]
+    return [
+        np.asarray(scipy.ndimage.spline_filter(part, order=3))
+        for part in np.gradient(scipy.ndimage.gaussian_filter(grey, 0.7))[::-1]
+    ]
 
 
 def _refined(slopes: list[Floats], uv: Floats, *, radius: Floats) -> Floats:
@@ -108,7 +111,9 @@ def _refined(slopes: list[Floats], uv: Floats, *, radius: Floats) -> Floats:
     for _ in range(STEPS):
         p = q[:, None] + offset
         at = [p[..., 1], p[..., 0]]
-        g = np.stack([map_coordinates(s, at, order=3, prefilter=False, mode="nearest") for s in slopes], -1)
+        g = np.stack(
+            [scipy.ndimage.map_coordinates(s, at, order=3, prefilter=False, mode="nearest") for s in slopes], -1
+        )
         G = np.einsum("nk,nki,nkj->nij", weight, g, g)
         right = np.einsum("nk,nki,nkj,kj->ni", weight, g, g, offset)
         step = np.linalg.solve(G + 1e-9 * np.eye(2), right[..., None])[..., 0]  # (4)
@@ -160,6 +165,6 @@ def _ring(grey: Floats, uv: Floats, radius: float) -> tuple[NDArray[np.complex12
     theta = 2 * np.pi * np.arange(ANGLES) / ANGLES
     u = uv[:, :1] + radius * np.cos(theta)
     v = uv[:, 1:] + radius * np.sin(theta)
-    c = np.fft.fft(map_coordinates(grey, [v, u], order=1, mode="nearest"), axis=1)
+    c = np.fft.fft(scipy.ndimage.map_coordinates(grey, [v, u], order=1, mode="nearest"), axis=1)
     odd = np.sqrt(np.abs(c[:, 1]) ** 2 + np.abs(c[:, 3]) ** 2)
     return c[:, 2], np.abs(c[:, 2]) > EVEN * odd  # (2)

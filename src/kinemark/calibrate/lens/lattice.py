@@ -19,7 +19,7 @@ Distances are measured in cells, |A⁻¹ (p − p̂)|, so that a grid seen at a 
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from ...data.array_types import Bools, Floats, Ints
 
@@ -56,7 +56,7 @@ def grow_lattice(uv: Floats, *, enough: int | None = None) -> Ints:
     """
     best = np.zeros((0, 0), np.int64)
     enough = enough or int(FULL * len(uv))
-    tree = KDTree(uv) if len(uv) >= 9 else None
+    tree = scipy.spatial.KDTree(uv) if len(uv) >= 9 else None
     if tree is None:
         return best
     tried: Bools = np.zeros(len(uv), np.bool_)
@@ -72,7 +72,7 @@ def grow_lattice(uv: Floats, *, enough: int | None = None) -> Ints:
     return best
 
 
-def _seeds(uv: Floats, tree: KDTree) -> list[Ints]:
+def _seeds(uv: Floats, tree: scipy.spatial.KDTree) -> list[Ints]:
     """Blocks of 3 × 3 points that look most like a lattice, the best first."""
     near = np.atleast_2d(tree.query(uv, k=min(NEIGHBOURS + 1, len(uv)))[1])[:, 1:]
     found = []
@@ -84,7 +84,7 @@ def _seeds(uv: Floats, tree: KDTree) -> list[Ints]:
     return [block for _, block in found[: SEEDS * 4]]
 
 
-def _block(uv: Floats, tree: KDTree, k: int, near: Ints) -> tuple[float, Ints] | None:
+def _block(uv: Floats, tree: scipy.spatial.KDTree, k: int, near: Ints) -> tuple[float, Ints] | None:
     """The 3 × 3 points about point k, and how far they are from a lattice, in cells."""
     d = uv[near] - uv[k]
     first, second = np.triu_indices(len(near), 1)
@@ -108,7 +108,7 @@ def _block(uv: Floats, tree: KDTree, k: int, near: Ints) -> tuple[float, Ints] |
     return float(off.max()), taken.reshape(3, 3)
 
 
-def _grown(uv: Floats, tree: KDTree, seed: Ints) -> Ints:
+def _grown(uv: Floats, tree: scipy.spatial.KDTree, seed: Ints) -> Ints:
     """Step 2."""
     index, used = np.pad(seed, WINDOW + 1, constant_values=-1), np.zeros(len(uv), np.bool_)
     used[seed] = True
@@ -122,7 +122,7 @@ def _grown(uv: Floats, tree: KDTree, seed: Ints) -> Ints:
         index = np.pad(_trimmed(index), WINDOW + 1, constant_values=-1)
 
 
-def settled(index: Ints, uv: Floats, tree: KDTree) -> Ints:
+def settled(index: Ints, uv: Floats, tree: scipy.spatial.KDTree) -> Ints:
     """Step 3 for nodes (I, J): places confirmed, exchanged, given up, or filled within the lattice."""
     for _ in range(3):
         index = np.pad(_trimmed(index), WINDOW + 1, constant_values=-1)
@@ -140,7 +140,14 @@ def settled(index: Ints, uv: Floats, tree: KDTree) -> Ints:
 
 
 def _take(
-    index: Ints, used: Bools, uv: Floats, tree: KDTree, nodes: Ints, place: Floats, A: Floats, reach: float
+    index: Ints,
+    used: Bools,
+    uv: Floats,
+    tree: scipy.spatial.KDTree,
+    nodes: Ints,
+    place: Floats,
+    A: Floats,
+    reach: float,
 ) -> int:
     """Fill `nodes` (m, 2) of `index` with the nearest points that are free, in order of distance; how many."""
     if len(nodes) == 0:

@@ -26,8 +26,8 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.spatial import ConvexHull, Delaunay
 
 from ...data import Camera, KinemarkError
 from ...data.array_types import Bools, Floats
@@ -337,7 +337,7 @@ def _camera(fit: PlaneFit, points: PlanePoints, known: KnownOptics) -> tuple[Cam
 
 def _coverage(camera: Camera, uv: Floats, known: KnownOptics) -> float:
     """Share of the image within the points' outline, which must hold the middle of image and lens."""
-    outline = Delaunay(uv)
+    outline = scipy.spatial.Delaunay(uv)
     for what, place in (("middle of the image", known.middle), ("centre of the lens", camera.K[:2, 2])):
         if outline.find_simplex(place) < 0:
             low, high = uv.min(0), uv.max(0)
@@ -347,7 +347,7 @@ def _coverage(camera: Camera, uv: Floats, known: KnownOptics) -> float:
                 "one side only is guessed on the other. Let the grid fill the image, in one picture or several."
             )
     area = float(camera.size.prod())
-    return float(ConvexHull(uv).volume / area) if area else float("nan")
+    return float(scipy.spatial.ConvexHull(uv).volume / area) if area else float("nan")
 
 
 def _straight(camera: Camera, points: PlanePoints) -> tuple[float, float]:

@@ -32,8 +32,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from ...data import Camera
 from ...data.array_types import Bools, Floats
@@ -207,7 +207,7 @@ def moved(planes: Planes, step: Floats) -> Planes:
     K = camera.K.copy()
     K[1, 1] *= np.exp(step[1])
     K[:2, 2] += step[2:4]
-    turned = Rotation.from_rotvec(pose[:, :3]).as_matrix() @ R
+    turned = scipy.spatial.transform.Rotation.from_rotvec(pose[:, :3]).as_matrix() @ R
     return Planes(replace(camera, K=K, distortion=camera.distortion + step[4:9]), turned, t + pose[:, 3:])
 
 

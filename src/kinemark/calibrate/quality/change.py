@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ...data import Rig
 from ...data.array_types import Floats
@@ -50,7 +50,9 @@ def compare(old: Rig, new: Rig, xyz: Floats) -> Change:
         shift = np.linalg.norm(project(now, seen) - project(before, seen @ R.T + t), axis=1)
         image.append(float(np.nanmedian(shift)) if np.isfinite(shift).any() else np.nan)
     middle = xyz.mean(0)
-    turns = [Rotation.from_matrix(n.R @ R.T @ o.R.T).magnitude() for o, n in zip(a, b, strict=True)]
+    turns = [
+        scipy.spatial.transform.Rotation.from_matrix(n.R @ R.T @ o.R.T).magnitude() for o, n in zip(a, b, strict=True)
+    ]
     return Change(
         names,
         np.linalg.norm(b.centres @ R.T + t - a.centres, axis=1),

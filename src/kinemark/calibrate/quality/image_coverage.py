@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import ConvexHull, Delaunay, QhullError
+import scipy
 
 from ...data import Camera, Rig
 from ...data.array_types import Floats
@@ -50,7 +50,7 @@ def image_coverage(camera: Camera, uv: Floats, xyz: Floats) -> ImageCoverage:
     places = xyz[visible(Rig((camera,)), xyz)[0]]
     hull = hull_of(uv)
     known = bool((camera.size > 0).all())
-    area = float(ConvexHull(hull).volume) if len(hull) else 0.0
+    area = float(scipy.spatial.ConvexHull(hull).volume) if len(hull) else 0.0
     u, v = (
         np.linspace(0, (n - 1) if known else 2 * c, k)
         for n, c, k in zip(camera.size, np.abs(camera.K[:2, 2]), (COLUMNS, ROWS), strict=True)
@@ -71,8 +71,8 @@ def image_coverage(camera: Camera, uv: Floats, xyz: Floats) -> ImageCoverage:
 def hull_of(uv: Floats) -> Floats:
     """(h, 2) px the corners of the convex hull of points (N, 2); none where they span no area."""
     try:
-        return np.asarray(uv[ConvexHull(uv).vertices]) if len(uv) > 2 else np.zeros((0, 2))
-    except QhullError:  # all on one line
+        return np.asarray(uv[scipy.spatial.ConvexHull(uv).vertices]) if len(uv) > 2 else np.zeros((0, 2))
+    except scipy.spatial.QhullError:  # all on one line
         return np.zeros((0, 2))
 
 
@@ -80,7 +80,7 @@ def share_within(hull: Floats, uv: Floats) -> float:
     """Share of points (M, 2) px within a convex hull (h, 2); NaN without points."""
     if not len(uv):
         return float("nan")
-    return float((Delaunay(hull).find_simplex(uv) >= 0).mean()) if len(hull) else 0.0
+    return float((scipy.spatial.Delaunay(hull).find_simplex(uv) >= 0).mean()) if len(hull) else 0.0
 
 
 def at_depth(camera: Camera, uv: Floats, depth: float) -> Floats:

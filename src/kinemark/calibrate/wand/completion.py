@@ -13,8 +13,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from ...data import Detections, Rig
 from ...data.array_types import Floats, Ints
@@ -80,7 +80,7 @@ def _nearest(expected: Floats, detections: Detections, use: NDArray[np.bool_], c
         return found
     frame = np.broadcast_to(np.arange(len(expected))[:, None], found.shape)
     wanted = np.isfinite(expected).all(-1)
-    tree = KDTree(np.column_stack([detections.uv[mine], APART * detections.frame[mine]]))
+    tree = scipy.spatial.KDTree(np.column_stack([detections.uv[mine], APART * detections.frame[mine]]))
     _, near = tree.query(np.column_stack([expected[wanted], APART * frame[wanted]]), distance_upper_bound=tolerance)
     found[wanted] = np.append(mine, -1)[near]  # the tree says its length where nothing is near
     return found

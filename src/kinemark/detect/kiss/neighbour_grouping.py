@@ -22,8 +22,7 @@ Source: Shafiq, Tümer and Güler 2001 (KISS), section 2, equation 1.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ...data.array_types import Floats, Ints
 from .pixel_groups import KissGroups, Rectangles, numbered, rectangles, separated
@@ -46,7 +45,9 @@ def neighbour_groups(y: Ints, x: Ints, *, neighbourhood: int, height: int, width
         near = np.abs(key[np.minimum(right, n - 1)] - here) <= neighbourhood
         links.append((index[near], right[near]))
     a, b = (np.concatenate(side) for side in zip(*links, strict=True))  # (A)
-    _, label = connected_components(coo_array((np.ones(len(a), np.bool_), (a, b)), shape=(n, n)), directed=False)
+    _, label = scipy.sparse.csgraph.connected_components(
+        scipy.sparse.coo_array((np.ones(len(a), np.bool_), (a, b)), shape=(n, n)), directed=False
+    )
     return numbered(y, x, x, label.astype(np.int64), height=height)
 
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import nnls
+import scipy
 
 from ...data.array_types import Floats
 from ..marker_array import Prediction
@@ -55,7 +55,7 @@ def weights(products: Floats, counts: Floats) -> Floats:
         return np.full(K, 1 / K)
     C = np.tensordot(counts[known] / counts[known].sum(), products[known], 1)
     factor = np.linalg.cholesky(C + 1e-9 * (1 + np.trace(C)) * np.eye(K)).T
-    w = nnls(np.vstack([factor, np.full(K, HEAVY)]), np.append(np.zeros(K), HEAVY))[0]
+    w = scipy.optimize.nnls(np.vstack([factor, np.full(K, HEAVY)]), np.append(np.zeros(K), HEAVY))[0]
     return np.asarray(w / w.sum())
 
 

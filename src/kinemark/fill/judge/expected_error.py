@@ -48,7 +48,7 @@ predictions, tests in which it is as in the gap tell most:
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import stdtrit
+import scipy
 
 from ...data.array_types import Floats
 from ..marker_array import Gap, Prediction
@@ -164,7 +164,7 @@ class ErrorCalibration:
         middle = float(w @ self.u)
         dof = WORTH + n - 1
         omega = np.sqrt((WORTH * OMEGA**2 + n * float(w @ (self.u - middle) ** 2)) / dof)  # (6)
-        s = np.exp(middle + omega * np.sqrt(1 + 1 / n) * stdtrit(dof, QUANTILES))
+        s = np.exp(middle + omega * np.sqrt(1 + 1 / n) * scipy.special.stdtrit(dof, QUANTILES))
         return shape * (_product_quantile(s, self.within) / Z) ** 2
 
 

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len, rfft
+import scipy
 
 from ...data.array_types import Floats, Ints
 from ...data.method import ONE, parameter
@@ -100,9 +100,11 @@ def find_period(known: KnownSamples, shortest: float, alike: float) -> float:
 
 def _correlation(v: Floats, there: Floats, n: int) -> Floats:
     """(1) at lags 0 … n − 1."""
-    size = next_fast_len(2 * v.shape[1], real=True)
-    V, P, T = (rfft(a, size, axis=1) for a in (v, (v * v).sum(-1, keepdims=True), there))
-    product, ahead, behind = (irfft(s.sum((0, 2)), size)[:n] for s in (V.conj() * V, T.conj() * P, P.conj() * T))
+    size = scipy.fft.next_fast_len(2 * v.shape[1], real=True)
+    V, P, T = (scipy.fft.rfft(a, size, axis=1) for a in (v, (v * v).sum(-1, keepdims=True), there))
+    product, ahead, behind = (
+        scipy.fft.irfft(s.sum((0, 2)), size)[:n] for s in (V.conj() * V, T.conj() * P, P.conj() * T)
+    )
     norm = np.sqrt(np.maximum(ahead, 0.0) * np.maximum(behind, 0.0))
     return np.divide(product, norm, out=np.zeros(n), where=norm > 1e-9 * max(norm[0], 1e-300))
 

@@ -27,7 +27,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf, dpotri, dpotrs, dtrtrs
+import scipy
 
 from ...data.array_types import Floats, Ints
 
@@ -117,10 +117,10 @@ def fit(pairs: FramePairs, y: Floats, h: Hyper) -> KrigingFit:
     n = len(y)
     K = covariance(pairs, h)
     K.flat[:: n + 1] += h.nu
-    factor, wrong = dpotrf(K, lower=True, clean=True)
+    factor, wrong = scipy.linalg.lapack.dpotrf(K, lower=True, clean=True)
     if wrong:
         raise np.linalg.LinAlgError("the covariance of the frames is not positive definite")
-    weights = dpotrs(factor, y, lower=True)[0]
+    weights = scipy.linalg.lapack.dpotrs(factor, y, lower=True)[0]
     tau2 = np.maximum((y * weights).sum(0) / n, 1e-8)  # (3)
     likely = -0.5 * n * np.log(tau2).sum() - 3 * np.log(np.diag(factor)).sum()  # (4)
     return KrigingFit(h, float(likely), factor, weights, tau2)
@@ -133,7 +133,7 @@ def left_out(found: KrigingFit, blocks: list[Ints]) -> float:
         found: the fit.
         blocks: the frames of each block.
     """
-    lower = dpotri(found.factor, lower=True)[0]  # zero above the diagonal, as the factor is
+    lower = scipy.linalg.lapack.dpotri(found.factor, lower=True)[0]  # zero above the diagonal, as the factor is
     inverse = lower + lower.T
     inverse.flat[:: len(inverse) + 1] /= 2
     off = [np.linalg.solve(inverse[b[:, None], b], found.weights[b]) for b in blocks]  # (5)
@@ -144,7 +144,7 @@ def predict(pairs: FramePairs, found: KrigingFit) -> tuple[Floats, Floats]:
     """(3): what is expected (L, 3), and its variance (L, 3), in L frames."""
     h = found.hyper
     k = covariance(pairs, h)
-    half = dtrtrs(found.factor, k.T, lower=True)[0]
+    half = scipy.linalg.lapack.dtrtrs(found.factor, k.T, lower=True)[0]
     prior = h.lam * (h.kappa * parts(h) @ pairs.rows + 1) + 1 + free(h)
     left = np.maximum(prior - (half * half).sum(0), 1e-9)
     return k @ found.weights, left[:, None] * found.tau2

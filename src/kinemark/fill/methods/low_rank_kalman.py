@@ -30,7 +30,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.fft import dst
+import scipy
 
 from ...data.array_types import Bools, Floats, Ints
 from ...data.method import ONE, parameter
@@ -149,7 +149,9 @@ def solve(information: Floats, i: Floats, before: Floats | None, after: Floats |
     rhs[0] += before
     rhs[-1] += after
     k = np.arange(1, n + 1)[:, None]
-    u = dst(dst(rhs, type=1, axis=0) / (2 + information - 2 * np.cos(np.pi * k / (n + 1))), type=1, axis=0)  # (3)
+    u = scipy.fft.dst(
+        scipy.fft.dst(rhs, type=1, axis=0) / (2 + information - 2 * np.cos(np.pi * k / (n + 1))), type=1, axis=0
+    )  # (3)
     return (u / (2 * (n + 1)))[:L], _variance(information, n, mirrored=n > L)[:L]
 
 

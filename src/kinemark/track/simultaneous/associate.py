@@ -28,7 +28,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from ... import native
 from ...data.array_types import Bools, Floats, Ints
@@ -145,7 +145,7 @@ def _assigned(own: Ints, image: Ints, worth: Floats, pair: Ints) -> Ints:
     i, j = [tracks[t] for t in own.tolist()], [rows[r] for r in image.tolist()]
     gain, which = np.zeros((len(tracks), len(rows))), np.full((len(tracks), len(rows)), -1)
     gain[i, j], which[i, j] = worth, pair
-    chosen = which[linear_sum_assignment(gain, maximize=True)]
+    chosen = which[scipy.optimize.linear_sum_assignment(gain, maximize=True)]
     return np.asarray(chosen[chosen >= 0])
 
 

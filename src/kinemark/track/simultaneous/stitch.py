@@ -24,7 +24,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from ...data.array_types import Floats, Ints
 from ...geometry.rigid_pairs import distances_from
@@ -120,7 +120,7 @@ def _best(points: TrackPoints, T: float, method: Simultaneous, distances: bool) 
     table[a, b] = np.maximum(worth, 0.0)
     open_ = np.zeros((n, n))
     open_[a, b] = sd
-    before, after = linear_sum_assignment(table, maximize=True)
+    before, after = scipy.optimize.linear_sum_assignment(table, maximize=True)
     best, rest = table[before, after], table.copy()
     rest[before, after] = 0.0
     margin = best - np.maximum(rest.max(1)[before], rest.max(0)[after])

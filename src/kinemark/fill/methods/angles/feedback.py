@@ -46,7 +46,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
+import scipy
 
 from ....data import AngleModel, KinemarkError
 from ....data.array_types import Bools, Floats
@@ -246,7 +246,8 @@ class _Sides:
         self._variance = model.length[:, None] ** 2 * variance + model.spread[:, None] ** 2
         width = 2 * round(method.tolerance * steps) + 1
         self._low, self._high = (
-            f(model.angles, width, axis=1, mode="wrap") for f in (minimum_filter1d, maximum_filter1d)
+            f(model.angles, width, axis=1, mode="wrap")
+            for f in (scipy.ndimage.minimum_filter1d, scipy.ndimage.maximum_filter1d)
         )
 
     def wrong(self, at: Floats, f: int) -> Bools:

@@ -23,8 +23,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
-from scipy.sparse import csr_array
+import scipy
 
 from ....data import AngleModel, KinemarkError
 from ....data.array_types import Floats, Ints
@@ -119,7 +118,10 @@ def _spread_out(phase: CyclePhase, step: int, n_frames: int) -> CyclePhase:
     """In all frames, of one known in every so many: it bends little from frame to frame."""
     if step == 1:
         return phase
-    return CyclePhase(CubicSpline(step * np.arange(len(phase.cycles)), phase.cycles)(np.arange(n_frames)), phase.cost)
+    return CyclePhase(
+        scipy.interpolate.CubicSpline(step * np.arange(len(phase.cycles)), phase.cycles)(np.arange(n_frames)),
+        phase.cost,
+    )
 
 
 def telling(y: Floats) -> Ints:
@@ -213,7 +215,9 @@ def weights(weight: Floats, frame: Ints, n_frames: int) -> Any:
     """A sparse matrix (N, F) of weights (…, N) of frames (…, N)."""
     n, each = weight.shape[-1], weight.size // max(weight.shape[-1], 1)
     entries = np.arange(n + 1) * each
-    return csr_array((weight.reshape(each, n).T.ravel(), frame.reshape(each, n).T.ravel(), entries), (n, n_frames))
+    return scipy.sparse.csr_array(
+        (weight.reshape(each, n).T.ravel(), frame.reshape(each, n).T.ravel(), entries), (n, n_frames)
+    )
 
 
 def bridged(mean: Floats) -> Floats:
@@ -226,7 +230,7 @@ def bridged(mean: Floats) -> Floats:
             mean[:, k] = np.nan
             continue
         round_it = np.concatenate([own - steps, own, own + steps])
-        mean[:, k] = PchipInterpolator(round_it, np.tile(mean[own, k], 3))(np.arange(steps))
+        mean[:, k] = scipy.interpolate.PchipInterpolator(round_it, np.tile(mean[own, k], 3))(np.arange(steps))
     return mean
 
 

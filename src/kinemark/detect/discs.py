@@ -43,7 +43,8 @@ from ..numerics.levenberg_marquardt import Damping, Tries, minimise_many
 
 STEPS = 10  # tries of each fit at most; chosen; speed and errors are those of studies/overlapping_markers.py
 DAMPING = Damping(1e-3, fixed=(0.2, 10.0))
-"""Without unit; of pairs of discs `studies/kiss_proposed.py --no-videos` finds 99 % in ten tries, with (4) 96 to 97 %."""
+"""Without unit; in ten tries `studies/kiss_proposed.py --no-videos` finds 99 % of pairs of discs, 96 to 97 % without
+`fixed`."""
 SMALL_STEP = 1e-3  # px; a tenth of what any noise leaves; chosen (see studies/overlapping_markers.py)
 SMALL_GAIN = 0.01
 """Of χ² a pixel; a tenth of a standard deviation of one parameter; chosen (see studies/overlapping_markers.py)."""

@@ -88,6 +88,9 @@ class Damping(NamedTuple):
         return self._replace(value=self.value[which], growth=self.growth[which])
 
 
+NIELSEN = Damping()  # (4) from `START`, without unit; Nielsen's, whose numbers stand above
+
+
 class Problem(Protocol[State, Equations]):
     """Least squares over states of any kind."""
 
@@ -108,7 +111,7 @@ def minimise(
     steps: int,
     relative: float = 0.0,
     absolute: float = 0.0,
-    damping: Damping = Damping(),
+    damping: Damping = NIELSEN,
 ) -> State:
     """The state near `start` with the least cost; `start` itself where its cost is not finite.
 
@@ -180,7 +183,7 @@ class Problems(Protocol):
         """(b) whether what was found by the step is good enough; only asked where χ² did not rise."""
 
 
-def minimise_many(problems: Problems, start: Tries, *, steps: int, damping: Damping = Damping()) -> Tries:
+def minimise_many(problems: Problems, start: Tries, *, steps: int, damping: Damping = NIELSEN) -> Tries:
     """The states near `start` with the least cost, each changed until it is settled; `start` is written over.
 
     Args:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import zip_longest
 
 from ...data import Finding
@@ -72,7 +73,8 @@ def _displaced(found: Finding) -> str:
     if found.values["where"] == "other":
         text += "each at that of the other"
     elif found.values["where"] == "alike":
-        text += "{greatest_mm:.3g} away, by ({shift_mm_list:1})"
+        away = shown(math.hypot(*found.values["shift_mm_list"]), "mm", ".3g")
+        text += f"{away} away, by ({{shift_mm_list:1}})"
     else:
         text += "{least_mm:.3g} to {greatest_mm:.3g} away"
     less = zip_longest(_items(found, "less_points_list"), _items(found, "less_mm_list"))

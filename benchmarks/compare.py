@@ -24,6 +24,7 @@ import bundle
 import detection
 import gaps
 import recording
+import startup
 import tomlkit
 import tracking
 from metrics import Metric, is_worse
@@ -37,6 +38,7 @@ SUITE: dict[str, Callable[[], list[Metric]]] = {
     "tracking": tracking.metrics,
     "bundle": bundle.metrics,
     "gaps": gaps.metrics,
+    "startup": startup.metrics,
 }
 Entries = dict[str, dict[str, dict[str, str | float]]]
 

@@ -190,12 +190,6 @@ def test_commands_run_and_say_what_to_do(shown, trial):
     assert kinemark_command("--version").stdout.strip() == kinemark.__version__
 
 
-def test_the_library_imports_without_an_interface():
-    code = "import sys, kinemark; print([m for m in ('plotly', 'cyclopts', 'rich') if m in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
-
-
 def test_the_public_names_are_a_decision():
     """Whoever adds or removes one changes this list with it."""
     records = "Analog AngleModel Angles Camera Cloud Detections Events ForcePlate MarkerSet Matches Origin"

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.apps import cli
+from kinemark.apps.commands.analysis import sensitivity as sensitivity_command
 from kinemark.data import Cloud, Detections, KinemarkError, MarkerTrajectory, Rig, Tracks, Trajectories
 from kinemark.engine.error_budget import error_budget
 from kinemark.engine.session import Session
@@ -183,13 +183,13 @@ def session(tmp_path_factory):
 
 
 def test_the_command_ranks_a_session(session, capsys):
-    cli.sensitivity(session, placement_mm=3.0)
+    sensitivity_command(session, placement_mm=3.0)
     said = capsys.readouterr().out
     assert "marker placement" in said and "centroid noise" in said and "sensitivity.html" in said
     with pytest.raises(KinemarkError, match="placement_mm is -3"):
-        cli.sensitivity(session, placement_mm=-3.0)
+        sensitivity_command(session, placement_mm=-3.0)
     with pytest.raises(KinemarkError, match="no trial"):
-        cli.sensitivity(session, trial="walk99")
+        sensitivity_command(session, trial="walk99")
     saved = json.loads((session / "results/walk01/sensitivity.json").read_text("utf-8"))
     check_findings(saved)
     assert saved["placement_mm"] == 3 and len(saved["ranking"]) == 5 and len(saved["lost"]) == 4

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from kinemark import native
-from kinemark.apps.cli import info
+from kinemark.apps.commands.files import info
 from kinemark.data import KinemarkError
 from kinemark.engine.system import absence_notice, system
 from kinemark.native import compiled_library

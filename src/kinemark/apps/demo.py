@@ -12,8 +12,8 @@ import numpy as np
 from ..engine.open_trial import OpenTrial
 from ..engine.progress import Progress, silent
 from ..engine.session import Session
+from ..engine.session_name import FILE
 from ..engine.simulate import Scene, simulate
-from ..engine.sources import FILE
 from ..report.terminal_summary import summary
 from ..synth.score import Score, score
 

@@ -1,4 +1,8 @@
-"""The menu of UM²AS (figures 3.3 to 3.20) as commands, each a few lines over one function of the library."""
+"""The upper limb system of the University of Manitoba: digitise by hand and by machine, calibrate, calculate.
+
+Camera information: snap, reference, calibrate, digitise. Data calculation: coordinates, angles. To look: view.
+Files end in the number of their camera: box.cp1, box.rf1 and feeding.da1 are of camera 1.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +27,7 @@ from ..io.images import open_images, write_png
 from ..io.um2as import camera_number, read_da_set, read_rf, write_da, write_rf
 from .terminal import Terminal, pointed, say
 
-um2as = App(
-    name="um2as",
-    help="""The upper limb system of the University of Manitoba: digitise by hand and by machine, calibrate, calculate.
-
-    Camera information: snap, reference, calibrate, digitise. Data calculation: coordinates, angles. To look: view.
-    Files end in the number of their camera: box.cp1, box.rf1 and feeding.da1 are of camera 1.
-    """,
-)
+um2as = App(name="um2as", help=__doc__)  # the menu of figures 3.3 to 3.20
 
 Threshold = Annotated[float, Parameter(help="Grey level above which a pixel is white, 0 to 255.")]
 Inverted = Annotated[bool, Parameter(negative="", help="Threshold type inverted: black markers on a white background.")]

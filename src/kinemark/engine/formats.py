@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,9 +15,10 @@ from ..io.images import ImageSource
 from ..io.notes import FileNote
 from ..io.tdf import Tdf
 from ..io.trial import trial_in
-from .calibration import rig_of_dlt
-from .session import Session
-from .sources import FILE
+from .session_name import FILE
+
+if TYPE_CHECKING:
+    from .session import Session
 
 
 def describe(path: Path) -> dict[str, Any]:
@@ -26,7 +27,9 @@ def describe(path: Path) -> dict[str, Any]:
     Raises:
         KinemarkError: the kind of file is not known, or the file is damaged.
     """
-    found = Session.open(path) if path.is_dir() or path.name == FILE else read_file(path)
+    if _is_session(path):
+        return _session(_open_session(path))
+    found = read_file(path)
     describers: dict[type, Callable[[Any], dict[str, Any]]] = {
         Trial: _trial,
         Trajectories: lambda t: _trial(Trial("", t)),
@@ -38,7 +41,6 @@ def describe(path: Path) -> dict[str, Any]:
         Cloud: lambda c: {"holds": "points", "frames": c.n_frames, "points": len(c)},
         Tracks: lambda t: {"holds": "tracks", "frames": t.cloud.n_frames, "tracks": len(t), "points": len(t.cloud)},
         ImageSource: _images,
-        Session: _session,
         Rods: lambda r: {"holds": "hanging rods", "rods": ", ".join(r.names), "markers on each": r.xyz.shape[1]},
         np.ndarray: lambda L: {"holds": "DLT parameters", "cameras": len(L)},
     }
@@ -88,10 +90,12 @@ def convert(
 
 def _contents(source: Path, said: Said) -> dict[Content, Any]:
     """What of a file can be written elsewhere."""
-    found = Session.open(source) if source.is_dir() or source.name == FILE else read_file(source, said)
+    found = _open_session(source) if _is_session(source) else read_file(source, said)
     if isinstance(found, np.ndarray):
         if said.length_unit is None:
             raise KinemarkError(f"{source} holds DLT parameters of an unknown unit. Say --length-unit m or mm.")
+        from .calibration import rig_of_dlt  # takes long to import, and no other file needs it
+
         found = rig_of_dlt(source, (), said.length_unit)
     if (
         isinstance(found, Detections)
@@ -106,6 +110,16 @@ def _contents(source: Path, said: Said) -> dict[Content, Any]:
     elif isinstance(found, (Detections, Rig)):
         parts["detections" if isinstance(found, Detections) else "rig"] = found
     return {content: part for content, part in parts.items() if part is not None}
+
+
+def _is_session(path: Path) -> bool:
+    return path.is_dir() or path.name == FILE
+
+
+def _open_session(path: Path) -> Session:
+    from .session import Session  # brings all stages, which takes long, and files need none
+
+    return Session.open(path)
 
 
 def _signals(signals: Signals) -> str:

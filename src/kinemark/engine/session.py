@@ -14,8 +14,9 @@ from ..data import KinemarkError, Rig
 from .digitising import Digitising
 from .open_trial import OpenTrial
 from .progress import Cancel, Progress, silent
+from .session_name import FILE
 from .settings import ADVICE, TrialEntry, read_settings
-from .sources import FILE, OperatedImages
+from .sources import OperatedImages
 from .workspace import Workspace
 
 

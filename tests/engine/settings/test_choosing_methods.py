@@ -10,7 +10,7 @@ from dataclasses import fields, replace
 
 import pytest
 
-from kinemark.apps.cli import methods
+from kinemark.apps.commands.listings import methods
 from kinemark.data import KinemarkError, same
 from kinemark.engine.session import Session
 from kinemark.engine.settings import STAGES, methods_figures, methods_text

@@ -8,7 +8,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from pydantic import ValidationError
 
-from kinemark.apps.cli import schema as schema_command
+from kinemark.apps.commands.listings import schema as schema_command
 from kinemark.engine.settings import SETTABLE, Settings, session_schema
 from kinemark.engine.settings.overrides import overridden
 from kinemark.findings.schema import quality_schema

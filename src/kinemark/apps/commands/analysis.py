@@ -1,0 +1,84 @@
+"""`kinemark angles` and `sensitivity`: what follows from a trial."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ...data import KinemarkError
+from ...engine.error_budget import error_budget
+from ...engine.trial_angles import AngleSettings, angles_of_file
+from ...report.angles_text import angle_summary
+from ...report.sensitivity_text import sensitivity_summary
+from ...sensitivity import ErrorBudget
+from ..output import Json, LengthUnit, print_result, progress
+
+
+def angles(
+    trial: Path,
+    *,
+    model: str,
+    output: Path | None = None,
+    static: Path | None = None,
+    functional: Path | None = None,
+    settings: Annotated[AngleSettings | None, Parameter(name="*")] = None,
+    json: Json = False,
+) -> None:
+    """Joint angles of a trial with their standard deviation: CSV, C3D, a page with curves and a moving stick figure.
+
+    Args:
+        trial: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC.
+        model: um2as, isb_upper_limb, isb_shoulder, or a TOML file that describes one.
+        output: folder of the results; beside the trial, its name and _angles, where none is given.
+        static: trial that shows the points which clusters of markers carry.
+        functional: trial whose motion shows the joint centres of the model.
+        settings: how angles are taken.
+        json: print the figures for a machine.
+    """
+    result = angles_of_file(trial, model=model, folder=output, static=static, functional=functional, settings=settings)
+    if json:
+        print_result(result.figures)
+        return
+    print_result(f"{angle_summary(result.figures)}\nresults:  {result.folder}")
+
+
+def sensitivity(
+    session: Path,
+    *,
+    trial: str | None = None,
+    placement_mm: float = 5.0,
+    cycles: int = 6,
+    centroid_px: float | None = None,
+    model: str | None = None,
+    markers: Path | None = None,
+    rate_hz: float | None = None,
+    length_unit: LengthUnit = None,
+    json: Json = False,
+) -> None:
+    """Say what limits the accuracy of a trial: noise, lenses, calibration, marker placement, or a camera that is lost.
+
+    Args:
+        session: a folder with a session.toml, or such a file.
+        trial: its name; the first of the session where none is given.
+        placement_mm: how far, along each axis, a marker sits from its landmark (standard deviation).
+        cycles: how many cycles a mean is taken over.
+        centroid_px: standard deviation of a centroid, px; as the trial's residuals show it where none is given.
+        model: rank the joint angles of this model (its name, or a TOML file); else the directions of segments.
+        markers: a file of trajectories (C3D, TDF, TRC, CSV, HDF5 or TDC) of the same recording with the names that the
+            model wants.
+        rate_hz: of the markers' file, where it does not say it.
+        length_unit: of the markers' file, where it does not say it.
+        json: print the figures for a machine.
+    """
+    try:
+        asked = ErrorBudget(placement_mm=placement_mm, cycles=cycles, centroid_sd=centroid_px)
+    except ValueError as error:
+        raise KinemarkError(f"{error}.") from error
+    with progress() as tell:
+        found = error_budget(
+            session, trial=trial, method=asked, model=model, markers=markers, rate_hz=rate_hz,
+            length_unit=length_unit, progress=tell,
+        )  # fmt: skip
+    print_result(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")

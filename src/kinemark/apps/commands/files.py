@@ -1,0 +1,66 @@
+"""`kinemark info` and `convert`: what is in files, and their other formats."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from ...data import KinemarkError
+from ...engine.formats import convert as convert_file
+from ...engine.formats import describe
+from ...engine.system import system as describe_system
+from ..output import Json, LengthUnit, print_result
+
+
+def info(*files: Path, system: Annotated[bool, Parameter(negative="")] = False, json: Json = False) -> None:
+    """Say what is in files: C3D, TDF, TRC, CSV, rig TOML, DLT, HDF5, video, images or a session.
+
+    Args:
+        files: files or folders.
+        system: say instead what Kinemark runs on: versions, threads, and whether its compiled library is used.
+        json: print it for a machine.
+    """
+    if system == bool(files):
+        raise KinemarkError("Say what is wanted: files, or --system.")
+    if system:
+        here = describe_system()
+        print_result(here.figures() if json else here.text())
+        return
+    found: dict[str, dict[str, object]] = {}
+    for one in files:
+        try:
+            found[str(one)] = describe(one)
+        except KinemarkError as error:  # one bad file keeps nobody from seeing the others
+            found[str(one)] = {"error": str(error)}
+    if json:
+        print_result(found)
+    else:
+        for name, facts in found.items():
+            print_result("\n".join([name, *(f"  {key}: {value}" for key, value in facts.items())]))
+    if any("error" in facts for facts in found.values()):
+        sys.exit(1)
+
+
+def convert(
+    source: Path,
+    target: Path,
+    *,
+    what: Literal["trajectories", "detections", "rig"] | None = None,
+    length_unit: LengthUnit = None,
+    rate_hz: float | None = None,
+) -> None:
+    """Convert between formats: trajectories (C3D, TRC, CSV, HDF5, TDC), rigs (TOML, DLT), detections (HDF5, CSV).
+
+    Args:
+        source: the file to read.
+        target: the file to write; an existing one is not replaced.
+        what: which part, where the names do not tell.
+        length_unit: of a rig or C3D file that does not say it.
+        rate_hz: of detections or trajectories in a CSV or TDC file, which does not say it.
+    """
+    for note in convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz):
+        print_result(f"note: {note}")
+    print_result(f"{target} is written. What it holds: kinemark info {target}")

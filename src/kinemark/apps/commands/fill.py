@@ -1,0 +1,60 @@
+"""`kinemark fill`: the gaps of files."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ...data import KinemarkError
+from ...engine.fill_files import fill_files, fill_method, filled_figures, filled_text
+from ...fill import LIMIT, GapEdges
+from ..output import Json, LengthUnit, print_result, progress
+
+
+def fill(
+    source: Path,
+    *sources: Path,
+    output: Annotated[Path, Parameter(name=("--output", "-o"))],
+    method: str = "auto",
+    set: Annotated[list[str] | None, Parameter(name="--set", negative="")] = None,
+    model: Path | None = None,
+    limit_mm: float = LIMIT,
+    ends: bool = False,
+    trim: int = GapEdges().most,
+    static: Path | None = None,
+    report: bool = False,
+    rate_hz: float | None = None,
+    length_unit: LengthUnit = None,
+    json: Json = False,
+) -> None:
+    """Fill the gaps of a trial's markers, each with an expected error; all else in the file stays as it was.
+
+    Args:
+        source: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC.
+        sources: and others, which go into a folder under their names.
+        output: the file to write, C3D, TRC, CSV, HDF5 or TDC, or a folder; an existing file is not replaced.
+        method: auto finds out for every gap which method is best; `kinemark methods fill` lists them.
+        set: PARAMETER=VALUE of the method; may be repeated.
+        model: an angle model (CSV) or another trial of the same motion, for limb_angles, kalman_angles and auto.
+        limit_mm: gaps whose expected mean error is greater stay open; inf leaves none open for that.
+        ends: also fill before a marker's first sample and after its last.
+        trim: so many bad samples may be replaced on each side of a gap; 0 keeps all that was measured.
+        static: a trial in which markers are seen that this one never shows.
+        report: write a page beside the output on which every gap is drawn.
+        rate_hz: of a CSV or TDC file that does not say it.
+        length_unit: of a C3D file that does not say it.
+        json: print what became of every gap for a machine.
+    """
+    chosen = fill_method(method, set or (), model=model)
+    with progress() as tell:
+        done = fill_files(
+            (source, *sources), output, report=report, told=lambda n: tell("fill", n, 1 + len(sources)), method=chosen,
+            name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
+            length_unit=length_unit,
+        )  # fmt: skip
+    print_result(filled_figures(done) if json else filled_text(done))
+    if any(isinstance(found, KinemarkError) for found in done.values()):
+        sys.exit(1)

@@ -1,0 +1,40 @@
+"""`kinemark simulate` and `demo`: the virtual laboratory."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ...data import KinemarkError
+from ...engine.simulate import Scene
+from ...engine.simulate import simulate as simulate_session
+from ..demo import demo as run_demo
+from ..output import Json, print_result, progress
+
+
+def demo(folder: Path = Path("demo"), *, json: Json = False) -> None:
+    """Simulate a gait laboratory, process its images, and compare with the truth.
+
+    Args:
+        folder: where the session goes.
+        json: print the figures for a machine.
+    """
+    with progress() as tell:
+        result = run_demo(folder, progress=tell)
+    print_result(result.figures() if json else result.text())
+    if not result.passed:
+        raise KinemarkError("The demo did not reach what it should; see the figures above.")
+
+
+def simulate(folder: Path, *, scene: Annotated[Scene | None, Parameter(name="*")] = None) -> None:
+    """Make a session of a virtual laboratory, with images and exact truth, ready for `kinemark run`.
+
+    Args:
+        folder: a new or empty folder.
+        scene: what is simulated.
+    """
+    with progress() as tell:
+        simulate_session(folder, scene=scene or Scene(), progress=tell)
+    print_result(f"{folder}/session.toml is written. Next: kinemark run {folder}")

@@ -1,0 +1,3 @@
+"""What a session's file is called."""
+
+FILE = "session.toml"

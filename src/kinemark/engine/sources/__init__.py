@@ -1,0 +1,22 @@
+"""Where the detections of a trial come from: images, a file of detections, or images that an operator digitises.
+
+A source is a plain value: the session's folder and settings, the trial's entry, the cameras. It opens what it names
+when it is asked, so that it can be sent to another process.
+"""
+
+from ..settings import is_da
+from .detection_file import DetectionFile
+from .excerpt import frame_of
+from .images import Images
+from .operated import DigitisedFiles, OperatedImages
+from .recording import Frames, Recording
+from .source import OperatorIdentities, TrialSource
+
+__all__ = ["Frames", "OperatedImages", "OperatorIdentities", "Recording", "TrialSource", "frame_of", "source_of"]
+
+
+def source_of(of: Recording) -> TrialSource:
+    """The source that a trial's entry names."""
+    if of.entry.images is None:
+        return DigitisedFiles(of) if is_da(of.root / str(of.entry.detections)) else DetectionFile(of)
+    return OperatedImages(of) if of.entry.answers is not None else Images(of)

@@ -1,0 +1,95 @@
+"""Detections that were made before, by Kinemark or by another system."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from ...data import Detections, Finding, KinemarkError, Trajectories, Trial
+from ...io.detections_csv import read_detections_csv
+from ...io.records import load
+from ...io.tdf import read_tdf
+from ..keys import digest, file_key
+from .excerpt import cut, within
+from .recording import Recording
+from .source import OperatorIdentities
+
+
+@dataclass(frozen=True, slots=True)
+class DetectionFile:
+    """Detections that were made before, by Kinemark or by another system: TDF, CSV or HDF5."""
+
+    of: Recording
+    others: ClassVar[tuple[Path, ...]] = ()
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self.of.root / str(self.of.entry.detections)
+
+    def key(self) -> str:
+        """Of the file, the cameras' order, the rate and fixed marks."""
+        of = self.of
+        if not self.path.is_file():
+            raise KinemarkError(f"{self.path} is not a file. Check detections of trial {of.entry.name!r}.")
+        rate = of.rate(None) if self.path.suffix.lower() == ".csv" else of.settings.rate_hz
+        return digest(file_key(self.path), of.rig.names, rate, of.marks(), of.frames)
+
+    def detections(self, threads: int | None = None) -> Detections:
+        """Those of the calibrated cameras.
+
+        Raises:
+            KinemarkError: the file holds none, contradicts the rate, or lacks a camera.
+        """
+        of = self.of
+        found = self._read()
+        rate = of.rate(found.rate)
+        if abs(rate - found.rate) > 0.01 * rate:
+            raise KinemarkError(
+                f"{self.path} says {found.rate:g} Hz and session.toml rate_hz = {rate:g}. Correct or remove rate_hz."
+            )
+        if not len(found):
+            raise KinemarkError(f"{self.path} has no 2D points. Check that it was written to the end.")
+        if missing := sorted(set(of.rig.names) - set(found.cameras)):
+            raise KinemarkError(
+                f"{self.path} has cameras {', '.join(found.cameras)}, and the calibration also {', '.join(missing)}. "
+                "Call them alike in both, and name in [cameras] those to be used."
+            )
+        return of.unshifted(within(found.select(of.rig.names), of))
+
+    def _read(self) -> Detections:
+        """All that the file holds."""
+        path, suffix = self.path, self.path.suffix.lower()
+        if suffix == ".csv":
+            return read_detections_csv(path, rate=self.of.rate(None))
+        found = read_tdf(path).detections if suffix == ".tdf" else load(path)
+        if found is None:
+            raise KinemarkError(f"{path} has no 2D points. Export the trial with its 2D data.")
+        if not isinstance(found, Detections):
+            raise KinemarkError(f"{path} holds {type(found).__name__}, wanted Detections. Name another file.")
+        return found
+
+    def contradictions(self) -> tuple[Finding, ...]:
+        """None is known."""
+        return ()
+
+    def beside(self) -> Trial | None:
+        """What a TDF holds besides its 2D points, within the stretch."""
+        if self.path.suffix.lower() != ".tdf":
+            return None
+        tdf = read_tdf(self.path)
+        if tdf.detections is None:
+            return None
+        rate = tdf.detections.rate
+        whole = Trial(self.of.entry.name, Trajectories((), rate), tdf.analog, tdf.plates, tdf.events)
+        return whole if self.of.frames is None else cut(whole, self.of.frames, rate)
+
+    def pictures(self, frames: Sequence[int]) -> None:
+        """There are no images."""
+        return
+
+    def operated(self) -> OperatorIdentities | None:
+        """Nobody did."""
+        return None

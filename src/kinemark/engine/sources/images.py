@@ -1,0 +1,80 @@
+"""Images or videos of all cameras, in which markers are detected."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ...data import Detections, Finding, Trial, make_finding
+from ...data.array_types import GreyLevels
+from ...data.progress import tell
+from ...detect import detect
+from ...io.images import ImageSource
+from ..keys import digest, file_key
+from ..recordings import masks_key, masks_of
+from .excerpt import excerpt_of, pictures_of
+from .recording import Recording
+from .source import OperatorIdentities
+
+
+@dataclass(frozen=True, slots=True)
+class Images:
+    """Images or videos of all cameras, in which markers are detected."""
+
+    of: Recording
+
+    def key(self) -> str:
+        """Of the files, the cameras' order, the rate, the fields, fixed marks and masks."""
+        of, images = self.of, self.of.images()
+        files = [path for source in images.values() for path in source.paths]
+        fields, names = str(of.settings.cameras.first_field), of.rig.names
+        masks = masks_key(of.root, of.settings, names)
+        return digest(file_key(*files), names, self._rate(images), fields, of.marks(), masks, of.frames)
+
+    def detections(self, threads: int | None = None) -> Detections:
+        """By the session's `[detect]`, without what its `[masks]` cover."""
+        of, images = self.of, self.of.images()
+        sources = [excerpt_of(source, of) for source in images.values()]
+        total = sum(source.n_frames for source in sources)
+        method: Any = of.settings.detect
+        found = detect(
+            sources,
+            cameras=of.rig.names,
+            rate=self._rate(images),
+            method=method,
+            masks=masks_of(of.root, of.settings, of.rig.names),
+            progress=lambda done: tell(done, total),
+            threads=threads,
+        )
+        return of.unshifted(found)
+
+    def contradictions(self) -> tuple[Finding, ...]:
+        """Where the videos' own frame rates contradict the one that is used."""
+        images = self.of.images()
+        return other_rates(images, self._rate(images))
+
+    def beside(self) -> Trial | None:
+        """Nothing was recorded beside."""
+        return None
+
+    def pictures(self, frames: Sequence[int]) -> list[GreyLevels]:
+        """The frames, counted within the stretch."""
+        return pictures_of(self.of, frames)
+
+    def operated(self) -> OperatorIdentities | None:
+        """Nobody did."""
+        return None
+
+    def _rate(self, images: Mapping[str, ImageSource]) -> float:
+        return self.of.rate(next(iter(images.values())).rate)
+
+
+def other_rates(images: Mapping[str, ImageSource], rate: float) -> tuple[Finding, ...]:
+    """Where the videos' own frame rates contradict the one that is used."""
+    others = {name: s.rate for name, s in images.items() if s.rate and abs(s.rate - rate) > 0.01 * rate}
+    if not others:
+        return ()
+    return (
+        make_finding("frame_rate_contradicted", cameras=others, rate_hz=rate, stated_hz_list=list(others.values())),
+    )

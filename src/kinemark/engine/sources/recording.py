@@ -1,0 +1,119 @@
+"""What every source of a trial knows, and what it does to the detections of any of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...calibrate.reference_marker import corrected, find_marks, reference_shift
+from ...data import Camera, Detections, KinemarkError, Rig
+from ...data.array_types import Floats
+from ...io.images import ImageSource
+from ..recordings import open_cameras
+from ..settings import Settings, TrialEntry
+
+Frames = tuple[int, int] | None
+"""First and last frame of a stretch, counted from 1, both included; None means all."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """What every source of a trial knows.
+
+    Attributes:
+        root: the session's folder.
+        settings: what its session.toml says.
+        entry: the trial's own table in it.
+        rig: the calibrated cameras.
+        frames: the stretch that is asked for.
+        results: the trial's folder of results.
+    """
+
+    root: Path
+    settings: Settings
+    entry: TrialEntry
+    rig: Rig
+    frames: Frames
+    results: Path
+
+    def rate(self, stated: float | None) -> float:
+        """Frames a second: as the settings say, else as the file does."""
+        rate = self.settings.rate_hz or stated
+        if not rate:
+            raise KinemarkError(f"Trial {self.entry.name!r} does not say its frame rate. Set rate_hz in session.toml.")
+        return rate
+
+    def images(self) -> dict[str, ImageSource]:
+        """The frames of each camera, of the size that it was calibrated at."""
+        images = open_cameras(self.root, self.settings, str(self.entry.images), self.rig.names)
+        for camera in self.rig:
+            _check_size(camera, images[camera.name], self.settings.cameras.interlaced is not False)
+        return images
+
+    def marks(self) -> list[object]:
+        """What the session says of fixed marks, for a key; nothing where it says nothing."""
+        way = self.settings.calibration
+        if way.reference_marker is None:
+            return []
+        return [way.reference_marker, way.mark_reach_px, way.mark_tolerance_px, self.entry.reference_marker]
+
+    def unshifted(self, found: Detections) -> Detections:
+        """The detections as they would be, had no image shifted since the calibration; by fixed marks, where given."""
+        way = self.settings.calibration
+        if way.reference_marker is None:
+            return found
+        before, tolerance = places_of(way.reference_marker, found.cameras), way.mark_tolerance_px
+        if self.entry.reference_marker is None:
+            now = find_marks(found, before, reach=way.mark_reach_px, still=tolerance)
+        else:
+            now = places_of(self.entry.reference_marker, found.cameras)
+        try:
+            return corrected(found, reference_shift(before, now, tolerance=tolerance, names=found.cameras))
+        except ValueError as error:
+            raise KinemarkError(
+                f"reference_marker of trial {self.entry.name!r} does not fit that of [calibration]: {error}. Give as "
+                "many places for every camera in both."
+            ) from error
+
+    def stretch(self, n_frames: int) -> tuple[int, int]:
+        """First frame and last-plus-one, from 0, of the stretch in a recording of so many frames.
+
+        Raises:
+            KinemarkError: the recording ends before.
+        """
+        if self.frames is None:
+            return 0, n_frames
+        first, last = self.frames
+        if last > n_frames:
+            raise KinemarkError(
+                f"Trial {self.entry.name!r} has {n_frames} frames, and frames = [{first}, {last}] were asked for. "
+                f"Ask for frames from 1 to {n_frames}."
+            )
+        return first - 1, last
+
+
+def places_of(marks: Mapping[str, Sequence[tuple[float, float]]], names: Sequence[str]) -> Floats:
+    """(C, K, 2) px the fixed marks of each camera, NaN where one has fewer.
+
+    Raises:
+        KinemarkError: a camera has none.
+    """
+    if missing := [name for name in names if not marks.get(name)]:
+        raise KinemarkError(f"reference_marker has no place for {', '.join(missing)}. Give one for every camera.")
+    places = np.full((len(names), max(len(marks[name]) for name in names), 2), np.nan)
+    for c, name in enumerate(names):
+        places[c, : len(marks[name])] = marks[name]
+    return places
+
+
+def _check_size(camera: Camera, source: ImageSource, interlaced: bool) -> None:
+    """Images and calibration must be of one size, or every pixel means another direction."""
+    if camera.size.any() and tuple(camera.size) != source.size:
+        kind = "fields" if interlaced else "images"
+        raise KinemarkError(
+            f"Camera {camera.name!r} was calibrated at {camera.size[0]} × {camera.size[1]} px and its {kind} are "
+            f"{source.size[0]} × {source.size[1]}. Use images of the calibrated size, or check interlaced in [cameras]."
+        )

@@ -1,0 +1,59 @@
+"""What a source of detections is: anything that gives those of a trial."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from ...data import Detections, Finding, Trial
+from ...data.array_types import GreyLevels, Ints
+from .recording import Recording
+
+
+class TrialSource(Protocol):
+    """Where the detections of a trial come from."""
+
+    @property
+    def of(self) -> Recording:
+        """What is recorded, and where."""
+        ...
+
+    def key(self) -> str:
+        """Changes when the input does."""
+        ...
+
+    def detections(self, threads: int | None = None) -> Detections:
+        """Reads or makes them."""
+        ...
+
+    def contradictions(self) -> tuple[Finding, ...]:
+        """What contradicts itself in the input."""
+        ...
+
+    def beside(self) -> Trial | None:
+        """Analog channels, force plates and events of the same recording, in a trial without markers."""
+        ...
+
+    def pictures(self, frames: Sequence[int]) -> list[GreyLevels] | None:
+        """One image (H, W) of each camera, of the frames (C) asked for; None where there are no images."""
+        ...
+
+    def operated(self) -> OperatorIdentities | None:
+        """Which marker each detection is, where an operator said it; then nothing is matched or tracked."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class OperatorIdentities:
+    """What an operator said of a trial.
+
+    Attributes:
+        names: (M) of its markers.
+        marker: (D) the marker of each detection, −1 for none.
+        figures: how much the operator had to do; empty where it is not known.
+    """
+
+    names: tuple[str, ...]
+    marker: Ints
+    figures: Mapping[str, Any]

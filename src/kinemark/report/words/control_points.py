@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import zip_longest
+from typing import cast
 
 from ...data import Finding
 from .template import Words, fill, listed, shown
@@ -73,7 +74,8 @@ def _displaced(found: Finding) -> str:
     if found.values["where"] == "other":
         text += "each at that of the other"
     elif found.values["where"] == "alike":
-        away = shown(math.hypot(*found.values["shift_mm_list"]), "mm", ".3g")
+        shift = cast("tuple[float, ...]", found.values["shift_mm_list"])
+        away = shown(math.hypot(*shift), "mm", ".3g")
         text += f"{away} away, by ({{shift_mm_list:1}})"
     else:
         text += "{least_mm:.3g} to {greatest_mm:.3g} away"

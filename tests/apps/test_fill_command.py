@@ -73,8 +73,8 @@ def test_what_cannot_be_done_is_said(file, tmp_path, capsys):
         fill_method("bdy")
     with pytest.raises(KinemarkError, match="not a parameter of pca"):
         fill_method("pca", ["marker=3"])
-    with pytest.raises(KinemarkError, match=r"markers: .* found 'x'"):
-        fill_method("pca", ["markers=x"])
+    with pytest.raises(KinemarkError, match=r"most_markers: .* found 'x'"):
+        fill_method("pca", ["most_markers=x"])
     write_c3d(tmp_path / "none.c3d", Trial("n", Trajectories((), 100.0)))
     with pytest.raises(KinemarkError, match="no markers"):
         fill_file(tmp_path / "none.c3d", tmp_path / "out.c3d")

@@ -117,7 +117,7 @@ def _(by):
     image = np.full((1024, 1280), 10, np.uint8)
     u, v = (round(float(x)) for x in geometry.project(rig()[0], walk().xyz[2, 0]))
     image[v - 4 : v + 5, u - 4 : u + 5] = 220
-    look, uv = digitise.look_at(image), geometry.project_all(rig(), walk().xyz[:, :1])
+    look, uv = digitise.find_markers(image), geometry.project_all(rig(), walk().xyz[:, :1])
     views = OtherViews(moved(rig(), by), 0, uv)
     free, still = np.ones(len(look.uv), bool), np.zeros(2)
     method = digitise.SemiAutomatic(walk().names)

@@ -8,9 +8,9 @@ from kinemark.report.templating import environment
 from kinemark.report.words import decisions as words
 
 
-def ambiguous_table(decisions, *, told):
+def ambiguous_table(decisions, *, listed):
     """The table as the page has it."""
-    return str(environment().get_template("pieces.html").module.table(plain_table(decisions, told=told)))
+    return str(environment().get_template("pieces.html").module.table(plain_table(decisions, listed=listed)))
 
 
 def decision(kind, at, who, reason, **values):

@@ -61,7 +61,8 @@ NO_POSITIONS = {
         engine.methods_table_markdown engine.session_schema track.matches_itself
         engine.read_settings signal.gain signal.weights synth.focal_pixels""",
     "findings and their words": """
-        report.advice_of report.headline_of report.reason_text report.sentences_of report.text_of report.with_words""",
+        report.advice_of report.headline_of report.open_gap_text
+        report.reason_text report.sentences_of report.text_of report.with_words""",
     "compiled parts of functions that have a case": """
         native.candidates native.find_runs native.group_runs native.index_images native.information native.intersect
         native.inverse native.library native.predict native.project native.status native.sum_pixels native.update""",

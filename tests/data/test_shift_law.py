@@ -57,8 +57,8 @@ NO_POSITIONS = {
         data.make_finding reconstruct.image_errors io.camera_number
         io.load_model io.on_frames io.siblings io.with_parameters data.named
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
-        engine.calibrate_method engine.frame_of engine.source_of engine.is_da engine.method_of engine.methods_text engine.methods_figures
-        engine.methods_table_markdown engine.session_schema track.matches_itself
+        engine.calibrate_method engine.frame_of engine.source_of engine.is_da engine.method_of engine.methods_text
+        engine.methods_figures engine.methods_table_markdown engine.session_schema track.matches_itself
         engine.read_settings signal.gain signal.weights synth.focal_pixels""",
     "findings and their words": """
         report.advice_of report.headline_of report.open_gap_text

@@ -31,7 +31,7 @@ ENOUGH = 60
 """Hold-out gaps of one method that tell how far off it is; more are made to choose one for each gap.
 Chosen (see benchmarks/gaps.py)."""
 FIRST = "body"
-"""The method that is best in most trials (docs/fill.md)."""
+"""The method that is best in most trials (docs/theory/fill.md)."""
 MOSTLY = 0.6
 """Of what is known must be left where all tests are hidden at once, for methods to learn from that.
 Chosen (see benchmarks/gaps.py)."""

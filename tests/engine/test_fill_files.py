@@ -43,9 +43,10 @@ def test_many_files_go_into_a_folder_and_a_bad_one_keeps_nobody_from_the_others(
     a, b = folder_of(tmp_path)
     bad = tmp_path / "bad.c3d"
     bad.write_bytes(b"no C3D file")
-    counts = []
-    done = fill_files([a, bad, b], tmp_path / "out", report=True, on_done=counts.append, **QUICK)
-    assert counts == [0, 1, 2, 3] and list(done) == [a, bad, b]
+    steps = []
+    done = fill_files([a, bad, b], tmp_path / "out", report=True, progress=lambda *step: steps.append(step), **QUICK)
+    assert {name for name, *_ in steps} == {"trial0.c3d (1 of 3)", "trial1.c3d (3 of 3)"} and list(done) == [a, bad, b]
+    assert all(0 <= n <= total for _, n, total in steps)
     assert isinstance(done[bad], KinemarkError)
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == [
         "trial0.c3d", "trial0.html", "trial1.c3d", "trial1.html"

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kinemark.apps.cli import app
 from kinemark.data import KinemarkError
 from kinemark.detect import detect, learn_masks
 from kinemark.engine.session import Session
@@ -191,6 +192,41 @@ def test_no_session_says_how_to_make_one(tmp_path):
 def test_a_trial_that_is_not_there_is_named(folder):
     with pytest.raises(KinemarkError, match=r"no trial.*the session has one"):
         Session.open(folder).run(["two"])
+
+
+def test_a_bad_recording_keeps_nobody_from_the_others(folder):
+    (folder / "bad.csv").write_text("frame,camera\n1,nothing\n")
+    changed(folder, "[[trials]]", '[[trials]]\nname = "bad"\ndetections = "bad.csv"\n[[trials]]')
+    with pytest.raises(KinemarkError, match=r"bad\.csv"):
+        Session.open(folder).run()
+    assert not (folder / "results" / "one").exists()
+    done = Session.open(folder).run(keep_going=True)
+    assert "bad.csv" in str(done["bad"].failed) and "bad.csv" in done["bad"].summary()["error"]
+    assert done["one"].failed is None and (folder / "results/one/one.c3d").is_file()
+
+
+def test_the_exit_status_tells_errors_and_bad_verdicts(folder, capsys):
+    def status(*arguments):
+        with pytest.raises(SystemExit) as ended:
+            app([*map(str, arguments)], exit_on_error=False)
+        return ended.value.code
+
+    grade = run(folder).quality["verdict"]["grade"]
+    assert grade in ("green", "amber")
+    assert status("run", folder) == 0
+    assert status("run", folder, "--fail-on", "amber") == (3 if grade == "amber" else 0)
+    changed(folder, 'file = "rig.toml"', 'file = "moved.toml"')
+    rig = ring(4)
+    turned = [replace(camera, R=camera.R @ rotation(camera.name)) for camera in rig]
+    write_rig_toml(folder / "moved.toml", replace(rig, cameras=tuple(turned)))
+    assert status("run", folder) == 3
+    assert status("run", folder, "--fail-on", "never") == 0
+
+
+def rotation(name):
+    """A camera that was knocked, each by another angle of up to some degrees."""
+    angle = np.radians(3.0 * (1 + sum(map(ord, name)) % 4))
+    return np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1.0]])
 
 
 def test_every_method_can_be_written_in_the_file(folder):

@@ -1,19 +1,21 @@
-"""What the commands share: options, progress and printing."""
+"""What the commands share: options, printing, and the status that they end with."""
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 from rich.console import Console
 
-from ..engine.progress import Progress
+from ..data import KinemarkError
 
 errors = Console(stderr=True)
+
+BAD_VERDICT = 3
+"""Exit status where all was computed and the verdict is bad; 1 is an error, 2 a wrong command."""
 
 LengthUnit = Literal["mm", "cm", "m", "in"] | None
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the results for a machine.")]
@@ -21,6 +23,7 @@ SelfContained = Annotated[
     bool,
     Parameter(negative="", help="Put the drawing library into the page, for mailing; otherwise pages share one file."),
 ]
+FailOn = Literal["red", "amber", "never"]
 Set = Annotated[
     list[str] | None,
     Parameter(
@@ -32,30 +35,19 @@ Set = Annotated[
 ]
 
 
-@contextmanager
-def progress() -> Iterator[Progress]:
-    """Bars on the terminal, one a stage; nothing where the output goes to a file."""
-    from rich import progress as bars  # only commands that take long need it
-
-    columns = (
-        bars.SpinnerColumn(),
-        bars.TextColumn("{task.description:<12}"),
-        bars.BarColumn(),
-        bars.MofNCompleteColumn(),
-        bars.TimeElapsedColumn(),
-    )
-    with bars.Progress(*columns, console=errors, disable=not errors.is_terminal) as shown:
-        tasks: dict[str, bars.TaskID] = {}
-
-        def tell(stage: str, done: int, total: int) -> None:
-            if stage not in tasks or shown.tasks[tasks[stage]].completed > done:
-                tasks[stage] = shown.add_task(stage, total=total)
-            shown.update(tasks[stage], completed=done, total=total)
-
-        yield tell
-
-
 def print_result(value: object) -> None:
     """Text as it is, anything else as JSON."""
     sys.stdout.write((value if isinstance(value, str) else json.dumps(value, indent=1)) + "\n")
     sys.stdout.flush()
+
+
+def print_errors(failed: Mapping[str, KinemarkError]) -> None:
+    """Why some of many could not be used, by their names."""
+    for name, error in failed.items():
+        errors.print(f"kinemark: {name}: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+
+
+def exit_by_verdict(grades: Sequence[str], fail_on: FailOn) -> None:
+    """End with `BAD_VERDICT` where a verdict is as bad as `fail_on`, so that a script sees it."""
+    if fail_on != "never" and {"red": {"red"}, "amber": {"red", "amber"}}[fail_on] & set(grades):
+        sys.exit(BAD_VERDICT)

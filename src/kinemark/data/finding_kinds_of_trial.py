@@ -23,8 +23,8 @@ TRIAL_KINDS = (
     Kind("calibration_verdict", "calibrate", "info", "The calibration's own verdict is not green; red where it is. "
          "sd_mm: standard deviation per axis in that share of the volume.",
          {"grade": "text", "sd_mm": "mm", "volume_share": "share"}),
-    Kind("detections_unused", "reconstruct", "amber", "Few of a camera's valid detections belong to a point; "
-         "used_share is the least of these cameras.", {"used_share": "share"}),
+    Kind("detections_unused", "reconstruct", "amber", "Few of a camera's valid detections belong to a point; red "
+         "where most of all do not. used_share is the least of these cameras.", {"used_share": "share"}),
     Kind("two_camera_points", "reconstruct", "amber", "Many points rest on only two cameras.",
          {"points_share": "share"}),
     Kind("pixels_not_square", "calibrate", "amber", "Focal lengths along u and v differ, and not as in fields."),
@@ -62,7 +62,7 @@ TRIAL_KINDS = (
     Kind("markers_never_seen", "track", "amber", "Markers without any sample."),
     Kind("incomplete", "track", "amber", "Few of the markers' positions are there while the subject is in view; the "
          "least complete markers come first.", {"complete_share": "share"}),
-    Kind("tracks_broken", "track", "amber", "More unlabelled tracks than markers.",
+    Kind("tracks_broken", "track", "amber", "More unlabelled tracks than markers; red where many times more.",
          {"tracks": "count", "markers_worn": "count"}),
     Kind("long_gaps", "track", "amber", "Gaps above the limit are left.", {"limit_s": "s"}),
     Kind("much_filled", "fill", "amber", "Much of these markers is filled, not measured.", {"limit_share": "share"}),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from ..data import AngleModel, KinemarkError, Trial
+from ..data.progress import listening
 from ..fill import LIMIT, Auto, Filled, GapEdges, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
 from ..findings.gaps import filling_figures
 from ..io.angle_model_csv import FIRST, read_angle_model
@@ -21,6 +22,7 @@ from ..io.trial import read_trial, write_trial
 from ..report.filling_page import write_filling_page
 from ..report.filling_text import filling_summary
 from ..report.words import with_words
+from .progress import Progress, Watch, silent
 from .settings.method_tables import method_of
 from .settings.overrides import overridden
 
@@ -95,7 +97,7 @@ def fill_files(
     output: Path,
     *,
     report: bool = False,
-    on_done: Callable[[int], None] = lambda done: None,
+    progress: Progress = silent,
     **options: Any,
 ) -> dict[Path, FilledFile | KinemarkError]:
     """Fill one trial into a file or folder, or many into a folder under their own names.
@@ -106,7 +108,7 @@ def fill_files(
         sources: files as `fill_file` takes them; BTS files become C3D in a folder.
         output: a file, or a folder, which is made where it is not there.
         report: write a page beside each.
-        on_done: called with the number of files that are done.
+        progress: called with the steps of each file.
         options: the others of `fill_file`.
 
     Raises:
@@ -116,16 +118,16 @@ def fill_files(
     if many and not into:
         raise KinemarkError(f"{output} is one file, and there are {len(sources)} trials. Name a folder.")
     done: dict[Path, FilledFile | KinemarkError] = {}
-    for number, source in enumerate(sources):
-        on_done(number)
+    for number, source in enumerate(sources, 1):
         target = output / _own_name(source) if into else output
         try:
-            done[source] = fill_file(source, target, report=target.with_suffix(".html") if report else None, **options)
+            with listening(Watch(progress).of(f"{source.name} ({number} of {len(sources)})" if many else source.name)):
+                page = target.with_suffix(".html") if report else None
+                done[source] = fill_file(source, target, report=page, **options)
         except KinemarkError as error:
             if not many:
                 raise
             done[source] = error
-    on_done(len(sources))
     return done
 
 

@@ -35,6 +35,7 @@ class OpenTrial:
         frames: first and last frame of the stretch that is looked at, counted from 1; None for all.
         steps: the stages that were run, in their order, each with its key.
         computed: those of them that had to be computed in the last run; the others were unchanged.
+        failed: why it could not be run, where a session runs its trials whatever becomes of one.
     """
 
     workspace: Workspace
@@ -42,6 +43,7 @@ class OpenTrial:
     frames: Frames = None
     steps: tuple[Step, ...] = ()
     computed: tuple[str, ...] = ()
+    failed: KinemarkError | None = None
 
     @property
     def name(self) -> str:
@@ -118,7 +120,9 @@ class OpenTrial:
         return any(step.stage == stage for step in self.steps)
 
     def summary(self) -> dict[str, Any]:
-        """The last run for a machine to read: every figure, or the stages done where it stopped earlier."""
+        """The last run for a machine: every figure, or the stages done where it stopped earlier, or its error."""
+        if self.failed is not None:
+            return {"trial": self.name, "error": str(self.failed)}
         return self.quality if self.done("quality") else {"trial": self.name, "stages": [s.stage for s in self.steps]}
 
     def record(self, stage: str) -> Any:

@@ -7,7 +7,7 @@ drives. Nothing that the user gave is changed; everything computed goes below `r
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..data import KinemarkError, Rig
@@ -16,7 +16,7 @@ from .open_trial import OpenTrial
 from .progress import Cancel, Progress, silent
 from .session_name import FILE
 from .settings import ADVICE, ReportTable, TrialEntry, read_settings
-from .sources import OperatedImages
+from .sources import Frames, OperatedImages
 from .workspace import Workspace
 
 
@@ -72,6 +72,8 @@ class Session(Workspace):
         names: Sequence[str] = (),
         *,
         to: str = "write",
+        frames: Frames = None,
+        keep_going: bool = False,
         progress: Progress = silent,
         cancel: Cancel | None = None,
         threads: int | None = None,
@@ -83,6 +85,8 @@ class Session(Workspace):
         Args:
             names: of the trials.
             to: the stage to run to.
+            frames: first and last of a stretch of each trial that is run as a preview, counted from 1; None for all.
+            keep_going: a trial that cannot be used keeps nobody from the others; its error stands in its `failed`.
             progress: called with each step.
             cancel: stops the run as soon as it is set.
             threads: how many detection may use; all processors where None.
@@ -94,10 +98,21 @@ class Session(Workspace):
         if unknown := [name for name in names if name not in self.names]:
             raise KinemarkError(f"There is no trial {unknown}; the session has {', '.join(self.names)}.")
         chosen = [self.trial(name) for name in names or self.names]
+        if frames is not None:
+            chosen = [trial.preview(*frames) for trial in chosen]
         rig = self.calibrate(progress=progress, cancel=cancel, threads=threads).rig
-        for trial in chosen:  # a missing input is reported before hours of work
-            trial.source(rig).key()
-        return {trial.name: trial.run(to, progress=progress, cancel=cancel, threads=threads) for trial in chosen}
+        done = dict[str, OpenTrial]()
+        if not keep_going:
+            for trial in chosen:  # a missing input is reported before hours of work
+                trial.source(rig).key()
+        for trial in chosen:
+            try:
+                done[trial.name] = trial.run(to, progress=progress, cancel=cancel, threads=threads)
+            except KinemarkError as error:
+                if not keep_going:
+                    raise
+                done[trial.name] = replace(trial, failed=error)
+        return done
 
     def digitising(self, name: str, rig: Rig) -> Digitising:
         """What an operator needs to digitise a trial.

@@ -22,12 +22,14 @@ CALIBRATION_AMBER_PX = 1.0
 """RMS residual of one camera's calibration; chosen."""
 USED_SHARE = 0.6
 """Share of a camera's valid detections that should belong to a point; chosen."""
+USED_RED = 0.3
+"""The same of all cameras together, below which what was reconstructed is not what was seen; chosen."""
 COMPLETE_AMBER, COMPLETE_RED = 0.97, 0.8
 """Share of samples that are present while the subject is in view; chosen."""
 STRETCH = 0.06
 """How far the focal lengths along u and v may differ, or differ from 2:1 in fields of interlaced video; chosen."""
-FRAGMENTS = 1.3
-"""Tracks a marker above which they count as broken; chosen."""
+FRAGMENTS, FRAGMENTS_RED = 1.3, 8.0
+"""Tracks a marker above which they count as broken, and as useless; chosen."""
 LONG_GAP_S = 0.2
 """A gap that interpolation should not bridge unseen: a fifth of a gait cycle; chosen."""
 FILLED_SHARE = 0.1
@@ -177,7 +179,11 @@ def _unused(figures: Figures, named: set[str]) -> Found:
     used = {c["name"]: c["used_of_valid_share"] for c in figures["cameras"]}
     little = {name: part for name, part in used.items() if part is not None and part < USED_SHARE and name not in named}
     if figures["points"]["count"] and little:
-        yield make_finding("detections_unused", cameras=little, used_share=min(little.values()))
+        valid = {c["name"]: c["detections"] - sum(c["invalid"].values()) for c in figures["cameras"]}
+        whole = sum(valid[name] * (part or 0.0) for name, part in used.items()) / max(sum(valid.values()), 1)
+        yield make_finding(
+            "detections_unused", severity=red_if(whole < USED_RED), cameras=little, used_share=min(little.values())
+        )
 
 
 def _few_views(figures: Figures) -> Found:
@@ -210,7 +216,8 @@ def _incomplete(figures: Figures) -> Found:
 def _pieces(figures: Figures) -> Found:
     tracks, worn = figures["trajectories"]["count"], figures["trajectories"]["markers_worn"]
     if figures["trajectories"]["unlabelled"] and tracks > FRAGMENTS * max(worn, 1):
-        yield make_finding("tracks_broken", tracks=tracks, markers_worn=worn)
+        broken = tracks > FRAGMENTS_RED * max(worn, 1)
+        yield make_finding("tracks_broken", severity=red_if(broken), tracks=tracks, markers_worn=worn)
 
 
 def _long_gaps(figures: Figures) -> Found:

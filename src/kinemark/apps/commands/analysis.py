@@ -13,7 +13,8 @@ from ...engine.trial_angles import AngleSettings, angles_of_file
 from ...report.angles_text import angle_summary
 from ...report.sensitivity_text import sensitivity_summary
 from ...sensitivity import ErrorBudget
-from ..output import Json, LengthUnit, SelfContained, print_result, progress
+from ..output import Json, LengthUnit, SelfContained, print_result
+from ..progress import progress
 
 
 def angles(

@@ -11,7 +11,8 @@ from cyclopts import Parameter
 from ...data import KinemarkError
 from ...engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ...fill import LIMIT, GapEdges
-from ..output import Json, LengthUnit, SelfContained, print_result, progress
+from ..output import FailOn, Json, LengthUnit, SelfContained, exit_by_verdict, print_result
+from ..progress import progress
 
 
 def fill(
@@ -29,6 +30,7 @@ def fill(
     self_contained: SelfContained = False,
     rate_hz: float | None = None,
     length_unit: LengthUnit = None,
+    fail_on: FailOn = "red",
     json: Json = False,
 ) -> None:
     """Fill the gaps of a trial's markers, each with an expected error; all else in the file stays as it was.
@@ -48,16 +50,19 @@ def fill(
         self_contained: as of other commands; this page always is, since its drawings need no library.
         rate_hz: of a CSV or TDC file that does not say it.
         length_unit: of a C3D file that does not say it.
+        fail_on: a verdict as bad as this ends the command with status 3.
         json: print what became of every gap for a machine.
     """
     chosen = fill_method(method, set or (), model=model)
     with progress() as tell:
         done = fill_files(
             (source, *sources), output, report=report,
-            on_done=lambda n: tell("fill", n, 1 + len(sources)), method=chosen,
+            progress=tell, method=chosen,
             name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
             length_unit=length_unit,
         )  # fmt: skip
     print_result(filled_figures(done) if json else filled_text(done))
     if any(isinstance(found, KinemarkError) for found in done.values()):
         sys.exit(1)
+    filled = [found for found in done.values() if not isinstance(found, KinemarkError)]
+    exit_by_verdict([found.figures["verdict"]["grade"] for found in filled], fail_on)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
+from ...engine.open_trial import OpenTrial
 from ...engine.session import Session
 from ...report.calibration_text import calibration_summary
 from ...report.terminal_summary import summary
-from ..output import Json, SelfContained, Set, print_result, progress
+from ..output import FailOn, Json, SelfContained, Set, exit_by_verdict, print_errors, print_result
+from ..progress import progress
 
 
 def run(
@@ -19,6 +22,7 @@ def run(
     results: Path | None = None,
     threads: int | None = None,
     self_contained: SelfContained = False,
+    fail_on: FailOn = "red",
     json: Json = False,
 ) -> None:
     """Process a session: calibrate, detect, match, reconstruct, track, and write C3D and report.
@@ -32,22 +36,29 @@ def run(
         results: folder for everything computed; results in the session's folder where none is given.
         threads: how many detection may use; as many as there are processors where none is given.
         self_contained: put the drawing library into each page, for mailing.
+        fail_on: a verdict as bad as this ends the command with status 3.
         json: print the figures for a machine.
     """
     opened = Session.open(session, overrides=set or (), results=results, self_contained=self_contained)
     with progress() as tell:
-        if frames is None:
-            done = opened.run(trials, to=to, progress=tell, threads=threads)
-        else:
-            previews = [opened.trial(name).preview(*frames) for name in trials or opened.names]
-            done = {trial.name: trial.run(to, progress=tell, threads=threads) for trial in previews}
+        done = opened.run(
+            trials, to=to, frames=frames, keep_going=len(trials or opened.names) > 1, progress=tell, threads=threads
+        )
     if json:
         print_result({name: trial.summary() for name, trial in done.items()})
-        return
-    for trial in done.values():
-        did = ", ".join(trial.computed) or "nothing: all is unchanged"
-        figures = f"{summary(trial.quality)}\n\n" if trial.done("quality") else ""
-        print_result(f"{figures}computed: {did}\nresults:  {trial.folder}")
+    else:
+        print_result("\n\n".join(_did(trial) for trial in done.values() if trial.failed is None))
+        print_errors({name: trial.failed for name, trial in done.items() if trial.failed is not None})
+    if any(trial.failed for trial in done.values()):
+        sys.exit(1)
+    exit_by_verdict([trial.quality["verdict"]["grade"] for trial in done.values() if trial.done("quality")], fail_on)
+
+
+def _did(trial: OpenTrial) -> str:
+    """The figures of a trial, what was computed, and where it is."""
+    did = ", ".join(trial.computed) or "nothing: all is unchanged"
+    figures = f"{summary(trial.quality)}\n\n" if trial.done("quality") else ""
+    return f"{figures}computed: {did}\nresults:  {trial.folder}"
 
 
 def status(session: Path, *trials: str, json: Json = False) -> None:
@@ -69,13 +80,21 @@ def status(session: Path, *trials: str, json: Json = False) -> None:
         print_result(f"{name}: {done} done" + (f"; to do: {left}" if left else ""))
 
 
-def calibrate(session: Path, *, set: Set = None, self_contained: SelfContained = False, json: Json = False) -> None:
+def calibrate(
+    session: Path,
+    *,
+    set: Set = None,
+    self_contained: SelfContained = False,
+    fail_on: FailOn = "red",
+    json: Json = False,
+) -> None:
     """Calibrate a session's cameras, judge the calibration, and write rig.toml and calibration.html.
 
     Args:
         session: a folder with a session.toml, or such a file.
         set: methods and parameters instead of the file's, as calibrate.method=dlt.
         self_contained: put the drawing library into the page, for mailing.
+        fail_on: a verdict as bad as this ends the command with status 3.
         json: print the figures for a machine.
     """
     opened = Session.open(session, overrides=set or (), self_contained=self_contained)
@@ -83,7 +102,8 @@ def calibrate(session: Path, *, set: Set = None, self_contained: SelfContained =
         result = opened.calibrate(progress=tell)
     if json:
         print_result(result.figures)
-        return
-    did = "the calibration" if result.computed else "nothing: all is unchanged"
-    files = f"{result.folder / 'rig.toml'}, {result.folder / 'calibration.html'}"
-    print_result(f"{calibration_summary(result.figures)}\ncomputed: {did}\nresults:  {files}")
+    else:
+        did = "the calibration" if result.computed else "nothing: all is unchanged"
+        files = f"{result.folder / 'rig.toml'}, {result.folder / 'calibration.html'}"
+        print_result(f"{calibration_summary(result.figures)}\ncomputed: {did}\nresults:  {files}")
+    exit_by_verdict([result.figures["verdict"]["grade"]], fail_on)

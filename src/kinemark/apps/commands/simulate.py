@@ -11,7 +11,8 @@ from ...data import KinemarkError
 from ...engine.simulate import Scene
 from ...engine.simulate import simulate as simulate_session
 from ..demo import demo as run_demo
-from ..output import Json, SelfContained, print_result, progress
+from ..output import Json, SelfContained, print_result
+from ..progress import progress
 
 
 def demo(folder: Path = Path("demo"), *, self_contained: SelfContained = False, json: Json = False) -> None:

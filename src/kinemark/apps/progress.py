@@ -1,0 +1,74 @@
+"""How far a command is: bars on a terminal, a line now and then where the output goes to a file."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from ..engine.progress import Progress
+from .output import errors
+
+LINE_EVERY = 10.0
+"""s between two lines of progress in a file; chosen: short against any wait that makes one look."""
+
+
+class ProgressLines:
+    """Tells in lines how far each stage is and how long it will take, the first after `every` seconds.
+
+    Args:
+        write: takes a line.
+        clock: s, of any origin.
+        every: s between two lines.
+    """
+
+    def __init__(
+        self, write: Callable[[str], None], *, clock: Callable[[], float] = time.monotonic, every: float = LINE_EVERY
+    ) -> None:
+        self._write, self._clock, self._every = write, clock, every
+        self._stage, self._before = "", 0
+        self._began = self._told = clock()
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        """Hear of a step."""
+        now = self._clock()
+        if stage != self._stage or done < self._before:
+            self._stage, self._began = stage, now
+        self._before = done
+        if now - self._told >= self._every:
+            self._told = now
+            self._write(f"{stage}: {done} of {total}{self._left(done, total, now)}")
+
+    def _left(self, done: int, total: int, now: float) -> str:
+        """How long the stage will go on at the pace it has had; nothing where it has none yet."""
+        if not 0 < done < total or now <= self._began:
+            return ""
+        return f", about {(now - self._began) * (total - done) / done:.0f} s left"
+
+
+@contextmanager
+def progress() -> Iterator[Progress]:
+    """Shows what it is told on the error stream."""
+    if not errors.is_terminal:
+        yield ProgressLines(lambda line: errors.print(line, markup=False, highlight=False, soft_wrap=True))
+        return
+    from rich import progress as bars  # only commands that take long need it
+
+    columns = (
+        bars.SpinnerColumn(),
+        bars.TextColumn("{task.description:<12}"),
+        bars.BarColumn(),
+        bars.MofNCompleteColumn(),
+        bars.TimeElapsedColumn(),
+        bars.TextColumn("left:"),
+        bars.TimeRemainingColumn(),
+    )
+    with bars.Progress(*columns, console=errors) as shown:
+        tasks: dict[str, bars.TaskID] = {}
+
+        def tell(stage: str, done: int, total: int) -> None:
+            if stage not in tasks or shown.tasks[tasks[stage]].completed > done:
+                tasks[stage] = shown.add_task(stage, total=total)
+            shown.update(tasks[stage], completed=done, total=total)
+
+        yield tell

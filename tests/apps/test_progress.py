@@ -1,0 +1,40 @@
+"""What is shown while a command works."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kinemark.apps.progress import ProgressLines
+
+
+def lines(steps, every=10.0):
+    """What is written of steps, each (s, stage, done, total)."""
+    now, written = [0.0], []
+    tell = ProgressLines(written.append, clock=lambda: now[0], every=every)
+    for at, *step in steps:
+        now[0] = at
+        tell(*step)
+    return written
+
+
+def test_a_long_stage_tells_how_long_it_will_take():
+    assert lines([(0, "detect", 0, 100), (5, "detect", 20, 100), (10, "detect", 40, 100), (15, "detect", 60, 100)]) == [
+        "detect: 40 of 100, about 15 s left"
+    ]
+
+
+def test_short_commands_write_nothing():
+    assert lines([(k, "fill", k, 9) for k in range(9)]) == []
+
+
+def test_each_stage_has_a_pace_of_its_own():
+    steps = [(0, "detect", 0, 10), (60, "detect", 10, 10), (60, "track", 0, 10), (71, "track", 5, 10)]
+    assert lines(steps) == ["detect: 10 of 10", "track: 5 of 10, about 11 s left"]
+
+
+@given(st.lists(st.tuples(st.floats(0, 5), st.sampled_from("ab"), st.integers(0, 9), st.integers(0, 9)), max_size=40))
+def test_lines_are_as_rare_as_they_should_be_whatever_is_told(steps):
+    at, timed = 0.0, []
+    for pause, stage, done, total in steps:
+        at += pause
+        timed.append((at, stage, done, total))
+    assert len(lines(timed)) <= at / 10.0

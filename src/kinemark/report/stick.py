@@ -15,7 +15,7 @@ from ..data.array_types import Floats
 from ..findings.plain import plain
 from ..kinematics import Model, named, outside
 from ..kinematics.chain import Points, laboratory
-from .theme import LONGEST, hue
+from .theme import hue, shortened
 
 MOST_FRAMES = 900
 """Frames drawn; more are thinned evenly; chosen."""
@@ -36,7 +36,7 @@ def stick_data(points: Points, angles: Angles, model: Model, *, first_frame: int
     corners = np.array([seen.min(0), seen.max(0)]) if len(seen) else np.array([[-500.0] * 3, [500.0] * 3])
     step = by / angles.rate
     return {
-        "names": [name[:LONGEST] for name in names],
+        "names": shortened(names),
         "colours": [hue(i) for i in range(len(names))],
         "frames": _frames(xyz),
         "links": [[i, j, "#7A8794"] for i, j in kept],

@@ -1,13 +1,14 @@
 """A page in Chromium, without a network: what it measures, what it complains of, how it looks.
 
-Chromium is driven over its debugging pipe, so nothing but the browser itself is needed. Tests that ask for a browser are
-skipped where there is none.
+Chromium is driven over its debugging pipe, so nothing but the browser itself is needed. Tests that ask for a browser
+are skipped where there is none.
 """
 
 import json
 import os
 import shutil
 import subprocess
+import tempfile
 import time
 from base64 import b64decode
 from contextlib import contextmanager
@@ -52,11 +53,12 @@ class Page:
         if event["method"] == "Log.entryAdded" and values["entry"]["level"] == "error":
             self.errors.append(values["entry"]["text"])
 
-    def open(self, path):
-        """Load a file, and wait until it and its first drawings are there."""
+    def open(self, path, *, drawn=True):
+        """Load a file, and wait until it is there, with its drawings unless `drawn` is false."""
         self.send("Page.navigate", url=path.resolve().as_uri())
         self.until("location.protocol === 'file:' && document.readyState === 'complete'")
-        self.until("!window.kinemarkDrawing || kinemarkDrawing.settled()")
+        if drawn:
+            self.until("!document.getElementById('library') || document.documentElement.dataset.drawn")
 
     def ask(self, expression):
         """The value of an expression of JavaScript; promises are waited for."""
@@ -78,11 +80,10 @@ class Page:
 
 
 @contextmanager
-def opened(path, *, width=1366, height=768, dark=False):
+def opened(path, *, width=1366, height=768, dark=False, drawn=True):
     """A file in a tab of this size."""
-    into, from_browser = os.pipe()[::-1], os.pipe()
-    (write, read), (answers, told) = into, from_browser
-    profile = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"kinemark-browser-{os.getpid()}-{time.monotonic_ns()}")
+    (read, write), (answers, told) = os.pipe(), os.pipe()
+    profile = tempfile.mkdtemp(prefix="kinemark-browser-")
 
     def wire():
         os.dup2(read, 103)
@@ -101,7 +102,7 @@ def opened(path, *, width=1366, height=768, dark=False):
         target = talk("Target.createTarget", {"url": "about:blank"}, lambda event: None)["targetId"]
         session = talk("Target.attachToTarget", {"targetId": target, "flatten": True}, lambda event: None)
         page = Page(talk.of(session["sessionId"]), width, height, dark=dark)
-        page.open(path)
+        page.open(path, drawn=drawn)
         yield page
     finally:
         browser.kill()

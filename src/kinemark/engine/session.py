@@ -7,6 +7,7 @@ drives. Nothing that the user gave is changed; everything computed goes below `r
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from ..data import KinemarkError, Rig
 from .digitising import Digitising
 from .open_trial import OpenTrial
 from .progress import Cancel, Progress, silent
+from .session_index import update_index
 from .session_name import FILE
 from .settings import ADVICE, ReportTable, TrialEntry, read_settings
 from .sources import OperatedImages
@@ -78,7 +80,8 @@ class Session(Workspace):
     ) -> dict[str, OpenTrial]:
         """Calibrates, and runs the trials of these names, or all, one at a time, to a stage; does only what changed.
 
-        What comes back holds no arrays: the records of a trial are read when they are asked for.
+        Then writes the session's index, `index.html`. What comes back holds no arrays: the records of a trial are read
+        when they are asked for.
 
         Args:
             names: of the trials.
@@ -97,7 +100,11 @@ class Session(Workspace):
         rig = self.calibrate(progress=progress, cancel=cancel, threads=threads).rig
         for trial in chosen:  # a missing input is told before hours of work
             trial.source(rig).key()
-        return {trial.name: trial.run(to, progress=progress, cancel=cancel, threads=threads) for trial in chosen}
+        try:
+            return {trial.name: trial.run(to, progress=progress, cancel=cancel, threads=threads) for trial in chosen}
+        finally:  # also where a trial cannot be processed: the others are there to be read
+            with suppress(KinemarkError):  # a folder that cannot be written has been told by the trials
+                update_index(self.results, self.settings)
 
     def digitising(self, name: str, rig: Rig) -> Digitising:
         """What an operator needs to digitise a trial.

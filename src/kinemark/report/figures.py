@@ -13,9 +13,9 @@ from ..findings.markers import sample_deviation
 from .theme import HUES, STATES, axis_style, empty, figure, hue, labels
 from .thin import MOST_MARKERS, blocks, fullest, short, thinned
 
-SAMPLES = 36_000
+SAMPLES = 24_000
 """Most samples in the figure of trajectories, all markers and axes together; chosen (see benchmarks/pages.py)."""
-COLUMNS = 800
+COLUMNS = 600
 """Most columns in the timeline; chosen (see benchmarks/pages.py)."""
 QUANTILES = 600
 """Most samples of a line of the uncertainty; chosen (see benchmarks/pages.py)."""

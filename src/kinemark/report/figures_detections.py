@@ -29,7 +29,7 @@ WIDEST = 320
 LEAST_WIDE = 40  # columns of a picture, however many cameras there are; chosen
 LEVELS = 15
 """Grey levels above black of such a picture; noise below a step is not kept, which makes it small; chosen."""
-MOST_BYTES = 100_000
+MOST_BYTES = 60_000
 """Of the pictures of all cameras; a picture with more is drawn coarser; chosen (see benchmarks/pages.py)."""
 MOST_FAULTS = 2400
 """Invalid spots of other frames that are drawn, of all cameras; chosen (see benchmarks/pages.py)."""

@@ -13,8 +13,8 @@ from ..data.array_types import Floats
 from .theme import FAINT, HUES, axis_style, empty, figure, labels
 
 COLUMNS = 3  # pictures side by side; chosen
-MOST_POINTS = 400
-"""Drawn a camera; chosen."""
+MOST_POINTS, OF_ONE = 3000, 400
+"""Drawn of all cameras, and of one; chosen (see benchmarks/pages.py)."""
 ARROW = 0.08
 """Longest arrow, as a share of the image's width; chosen."""
 
@@ -71,7 +71,7 @@ def _points(fig: go.Figure, evidence: Evidence, c: int, enlarged: float, place: 
     seen = np.isfinite(evidence.uv[c]).all(1)
     for used, colour, symbol in ((True, HUES[1], "circle"), (False, "#B3261E", "x")):
         rows = np.flatnonzero(seen & (evidence.kept[c] == used))
-        rows = rows[:: max(1, -(-len(rows) // MOST_POINTS))]
+        rows = rows[:: max(1, -(-len(rows) // min(OF_ONE, MOST_POINTS // len(evidence.uv))))]
         uv, names = evidence.uv[c, rows], labels(evidence.names[n] for n in rows if n < len(evidence.names))
         fig.add_scatter(
             x=uv[:, 0].astype(np.float32), y=uv[:, 1].astype(np.float32), mode="markers", text=names or None,

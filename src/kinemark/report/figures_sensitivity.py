@@ -12,6 +12,7 @@ from ..data import Rig
 from ..data.array_types import Floats
 from ..sensitivity import Ranking
 from .theme import FAINT, HUES, axis_style, empty, figure, label, labels
+from .thin import MOST_MARKERS
 
 ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
 UNITS = {"mm": "σ of a marker per axis (mm)", "deg": "σ of an angle (°)"}
@@ -93,6 +94,8 @@ def angle_figure(figures: dict[str, Any]) -> go.Figure:
 
 def _places(rows: list[dict[str, Any]], key: str, title: str, sources: list[str]) -> go.Figure:
     fig = figure(400, showlegend=True, legend=ABOVE, margin={"l": 60, "r": 20, "t": 44, "b": 48})
+    if len(rows) > MOST_MARKERS:  # the worst
+        rows = sorted(rows, key=lambda row: -max(row[source] or 0.0 for source in sources))[:MOST_MARKERS]
     for source in sources:
         fig.add_scatter(
             x=list(range(len(rows))), y=[row[source] or None for row in rows], mode="markers", name=source,

@@ -17,7 +17,7 @@ from ..data import Trajectories
 from ..findings.markers import positions, present
 from .theme import shortened
 
-MOST_PLACES = 9000
+MOST_PLACES = 6000
 """Of all markers in all frames that are played; chosen (see benchmarks/pages.py)."""
 MOST_FRAMES = 400  # that are played; chosen
 FINEST = 0.1  # mm; step of a coordinate; chosen

@@ -25,7 +25,7 @@ from .thin import fullest, short
 
 POINTS = 300
 """Most samples drawn of one path; chosen."""
-ALL_POINTS, OTHERS = 6000, 2000
+ALL_POINTS, OTHERS = 4500, 1500
 """Most samples drawn of all paths that have a name, and of all others; chosen (see benchmarks/pages.py)."""
 CLOSEST = 300.0
 """Least width of what is looked at, mm, so that a single point is not filled up with; chosen."""

@@ -19,6 +19,8 @@ from .theme import hue, shortened
 
 MOST_FRAMES = 900
 """Frames drawn; more are thinned evenly; chosen."""
+MOST_NUMBERS = 36_000
+"""Of all points and angles in all frames drawn; chosen (see benchmarks/pages.py)."""
 TAIL_S = 0.7
 """How long a path stays behind its marker; chosen."""
 
@@ -27,7 +29,8 @@ def stick_data(points: Points, angles: Angles, model: Model, *, first_frame: int
     """What the script draws: points by frame, links, floor, angles."""
     names = [name for name in dict.fromkeys(p for link in links(model) for p in link) if name in points]
     n_frames = angles.deg.shape[1]
-    by = max(1, -(-n_frames // MOST_FRAMES))
+    numbers = 3 * len(names) + 3 * len(named(model))  # coordinates; angle, standard deviation, mark
+    by = max(1, -(-n_frames // MOST_FRAMES), -(-n_frames * numbers // MOST_NUMBERS))
     basis = laboratory(model)[:, [0, 2, 1]]  # forward, right, up
     xyz = np.array([points[name][::by] for name in names]).reshape(len(names), -1, 3) @ basis
     place = {name: i for i, name in enumerate(names)}

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from .formatting import count, measure, number, percent
 
-MOST_ROWS = 300
+MOST_ROWS = 200
 """Of a table on a page; chosen (see benchmarks/pages.py)."""
 
 

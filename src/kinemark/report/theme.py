@@ -37,7 +37,7 @@ def label(name: str) -> str:
 
 
 def labels(names: Iterable[str]) -> list[str]:
-    """Names given by the user as Plotly may show them: markup in them stays text, and they are cut so that they differ."""
+    """Names given by the user as Plotly may show them: markup in them stays text, and different ones differ."""
     return [escape(name) or " " for name in shortened(list(names))]
 
 

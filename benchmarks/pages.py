@@ -2,9 +2,9 @@
 
     python benchmarks/pages.py [TRACKS FRAMES]
 
-1 000 tracks of 20 000 frames where nothing else is asked for, eight cameras, pictures of noise, names of 40 letters. The
-load is measured by Chromium, where it is installed, on a screen of 1366 × 768: until the page is there, and until all its
-drawings are. Times are of this machine and no metrics; the size and the height of the page are.
+1 000 tracks of 20 000 frames where nothing else is asked for, eight cameras, pictures of noise, names of 40 letters.
+Chromium, where it is installed, measures on a screen of 1366 × 768 how long it takes until the page is there, and
+until all its drawings are. Times are of this machine and no metrics; the size of the page is one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The figure of `docs/kinematics.md`: what inverse cosines lose, and skin against bone.
+"""The figure of `docs/theory/kinematics.md`: what inverse cosines lose, and skin against bone.
 
 Run: python studies/upper_limb_figure.py FILE.svg
 """
@@ -55,7 +55,7 @@ def wrist(left: float) -> str:
 
 
 def skin_and_bone(left: float) -> str:
-    """Elevation of the humerus in the scapula from bone pins and from skin markers, with two foretold SD."""
+    """Elevation of the humerus in the scapula from bone pins and from skin markers, with two predicted SD."""
     skin, bone = bones(recording(BONE))
     model = eating()
     template = static_template(first_frames(skin, bone), model)

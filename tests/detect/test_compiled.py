@@ -19,7 +19,9 @@ from kinemark.native import PLAIN, pixel_runs
 from support.examples import examples
 
 needs_kernel = pytest.mark.skipif(native.library() is None, reason="detection was installed without a compiler")
-SINGLE = Centroids(most_discs=1, hidden=False)  # what is done with overlapping markers knows nothing of the kernel
+SINGLE = Centroids(
+    max_discs=1, correct_occlusion=False
+)  # what is done with overlapping markers knows nothing of the kernel
 some = settings(max_examples=examples(60), deadline=None)
 
 
@@ -127,7 +129,7 @@ def test_groups_and_sums_are_those_of_numpy_to_the_last_bit(film):
 def test_detections_are_those_of_numpy(film, shot, min_width):
     images, level = film
     threshold = level / (257 if images.dtype == np.uint16 else 1)
-    method = replace(SINGLE, threshold=threshold, shot=shot, min_area=2, min_width=min_width)
+    method = replace(SINGLE, threshold=threshold, shot_noise=shot, min_area=2, min_width=min_width)
     assert_alike(detect_frames(images, method=method), plainly(detect_frames, images, method=method))
 
 

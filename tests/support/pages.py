@@ -53,7 +53,7 @@ def gaps(name):
     before = capture(ring(), xyz, names=[f"{name}{m}" for m in range(3)])["trajectories"]
     filled = fill(before, method=Linear(), limit_mm=np.inf)
     first, *others = filled.gaps
-    odd = replace(first, method="", reason=name, donors=(f"{name}2",))
+    odd = replace(first, method="", state="not_predicted", reason=name, reference_markers=(f"{name}2",))
     filled = filled._replace(gaps=(odd, *others))
     figures = filling_figures(filled, before, source=name, method=name, limit_mm=np.inf)
     return filling_page(figures=figures, trajectories=filled.trajectories, before=before)

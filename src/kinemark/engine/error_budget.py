@@ -53,7 +53,7 @@ def error_budget(
         markers: a file of the same recording whose markers have names, as a model wants them; any of trajectories.
         rate_hz, length_unit: of that file, where it does not say it.
         self_contained: the page holds the drawing library, as where the session's file says so.
-        progress: told what is being done.
+        progress: called with each step.
 
     Raises:
         KinemarkError: the session, trial, model or markers cannot be used.

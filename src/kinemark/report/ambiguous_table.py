@@ -18,12 +18,12 @@ SILENT = "This method of tracking does not tell which of its decisions were clos
 Decisions = Sequence[dict[str, Any]]
 
 
-def ambiguous_table(decisions: Decisions, *, told: bool) -> Table:
-    """A row for each reason about the same markers, the earliest first; `told`: whether the tracking tells any."""
-    rows = [_row(own) for own in grouped(decisions)] if told else []
+def ambiguous_table(decisions: Decisions, *, listed: bool) -> Table:
+    """A row for each reason about the same markers, the earliest first; `listed`: whether the tracking tells any."""
+    rows = [_row(own) for own in grouped(decisions)] if listed else []
     more = f"And {len(rows) - MOST_ROWS} more, in quality.json." if len(rows) > MOST_ROWS else ""
     head = ["trajectories", "possible", "times", "when (s)", "what was seen"]
-    return Table(head, rows[:MOST_ROWS], absent="None." if told else SILENT, note=more, texts=True)
+    return Table(head, rows[:MOST_ROWS], absent="None." if listed else SILENT, note=more, texts=True)
 
 
 def grouped(decisions: Decisions) -> list[Decisions]:

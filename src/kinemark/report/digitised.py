@@ -10,7 +10,7 @@ from .tables import Table
 REASONS = {
     "first_two_frames": "in the first two frames",
     "not_found": "markers not found",
-    "in_doubt": "in doubt",
+    "ambiguous": "ambiguous",
     "reference": "reference",
 }
 

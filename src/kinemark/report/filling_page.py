@@ -8,17 +8,18 @@ from typing import Any, NamedTuple
 from markupsafe import Markup
 
 from ..data import Trajectories
-from ..findings.gaps import worst_of
+from ..findings.gaps import largest_error
 from .figures_gaps import gap_figure
 from .formatting import count, measure, millimetres, number
 from .identity_text import identity_text
 from .tables import Table, Tile
 from .templating import render, write_text
+from .words import open_gap_text
 
 NAV = {"verdict": "Verdict", "gaps": "Every gap", "drawings": "Drawings", "terms": "Terms"}
 MOST_DRAWN = 60
 """Gaps; the least certain come first; chosen (see benchmarks/pages.py)."""
-MOST_DONORS = 3
+MOST_LISTED = 3
 """Named in the table and drawn beside a gap; chosen."""
 OPEN = "stayed open"
 
@@ -63,18 +64,18 @@ def filling_page(*, figures: dict[str, Any], trajectories: Trajectories, before:
         nav=NAV,
         figures=figures,
         tiles=_tiles(figures),
-        gap_table=gap_table(gaps),
+        gap_table=gap_table(gaps, figures["limit_mm"]),
         which=which if len(drawn) == len(gaps) else f"The {len(drawn)} least certain of {len(gaps)} gaps",
-        drawings=[_drawing(gap, trajectories, before) for gap in drawn],
+        drawings=[_drawing(gap, figures["limit_mm"], trajectories, before) for gap in drawn],
     )
 
 
 def _certain(gap: dict[str, Any]) -> tuple[bool, float, float]:
     """What gaps are sorted by, those that stayed open first, then the least certain."""
-    return bool(gap["method"]), -worst_of(gap), -(gap["expected_mm"] or 0.0)
+    return bool(gap["method"]), -largest_error(gap), -(gap["expected_mm"] or 0.0)
 
 
-def gap_table(gaps: list[dict[str, Any]]) -> Table:
+def gap_table(gaps: list[dict[str, Any]], limit_mm: float) -> Table:
     """A row a gap; those that stayed open are tinted, and say why."""
     left_open = [not gap["method"] for gap in gaps]
     head = [
@@ -85,7 +86,7 @@ def gap_table(gaps: list[dict[str, Any]]) -> Table:
         "method",
         "expected (mm)",
         "next best",
-        "σ worst (mm)",
+        "largest σ (mm)",
         "tests",
         "replaced",
         "from markers",
@@ -100,21 +101,21 @@ def gap_table(gaps: list[dict[str, Any]]) -> Table:
             gap["method"] or OPEN,
             number(gap["expected_mm"], 2),
             _next_best(gap),
-            number(gap["sd_worst_mm"], 2),
+            number(gap["sd_max_mm"], 2),
             number(gap["tests"]),
             number(len(gap["trimmed"])) if gap["trimmed"] else "–",
-            _few(gap["donors"]),
-            *([gap["reason"] or "–"] if any(left_open) else []),
+            _few(gap["reference_markers"]),
+            *([open_gap_text(gap, limit_mm)] if any(left_open) else []),
         ]
         for gap in gaps
     ]
     return Table(head, rows, marked=left_open, absent="None.", kept_in="what kinemark fill --json prints")
 
 
-def _few(donors: list[str]) -> str:
+def _few(markers: list[str]) -> str:
     """The first of the markers that a gap was filled from."""
-    more = f" and {len(donors) - MOST_DONORS} more" if len(donors) > MOST_DONORS else ""
-    return (", ".join(donors[:MOST_DONORS]) + more) or "–"
+    more = f" and {len(markers) - MOST_LISTED} more" if len(markers) > MOST_LISTED else ""
+    return (", ".join(markers[:MOST_LISTED]) + more) or "–"
 
 
 def _next_best(gap: dict[str, Any]) -> str:
@@ -126,17 +127,19 @@ def _next_best(gap: dict[str, Any]) -> str:
     return f"{name} {number(others[name], 2)}"
 
 
-def _drawing(gap: dict[str, Any], trajectories: Trajectories, before: Trajectories | None) -> GapDrawing:
+def _drawing(
+    gap: dict[str, Any], limit_mm: float, trajectories: Trajectories, before: Trajectories | None
+) -> GapDrawing:
     """One gap with its title; of a marker that is not in the trial and could not be placed, the title alone."""
     picture = Markup()
     if gap["marker"] in trajectories.names:
-        start, donors = gap["first_frame"] - trajectories.first_frame, tuple(gap["donors"][:MOST_DONORS])
+        start, references = gap["first_frame"] - trajectories.first_frame, tuple(gap["reference_markers"][:MOST_LISTED])
         replaced = [] if before is None else [frame - before.first_frame for frame in gap["trimmed"]]
         dots = {frame: before[gap["marker"]].xyz[frame] for frame in replaced} if before is not None else {}
-        picture = gap_figure(trajectories, gap["marker"], start, start + gap["frames"], donors, dots)
-    what = (
-        f"{gap['method']}, expected {millimetres(gap['expected_mm'])}" if gap["method"] else f"{OPEN}: {gap['reason']}"
-    )
+        picture = gap_figure(trajectories, gap["marker"], start, start + gap["frames"], references, dots)
+    what = f"{gap['method']}, expected {millimetres(gap['expected_mm'])}"
+    if not gap["method"]:
+        what = f"{OPEN}: {open_gap_text(gap, limit_mm)}"
     when = f"{number(gap['first_s'], 2)} s, {count(gap['frames'], 'frame')}"
     return GapDrawing(gap["marker"], when, what, picture)
 
@@ -144,11 +147,11 @@ def _drawing(gap: dict[str, Any], trajectories: Trajectories, before: Trajectori
 def _tiles(figures: dict[str, Any]) -> list[Tile]:
     """The key figures."""
     names = ", ".join(f"{name} {n}" for name, n in figures["by_method"].items())
-    typical, worst = (measure(figures[f"expected_{key}_mm"], 2, "mm") for key in ("median", "worst"))
+    typical, largest = (measure(figures[f"expected_{key}_mm"], 2, "mm") for key in ("median", "max"))
     missing = f"of {number(figures['missing_samples'])} before"
     return [
         Tile(f"{figures['filled']} of {figures['gaps']}", "gaps filled", names or "none"),
         Tile(typical, "expected error, median gap", "mean distance from the truth"),
-        Tile(worst, "expected error, worst gap", f"limit {figures['limit_mm']} mm"),
+        Tile(largest, "expected error, largest", f"limit {figures['limit_mm']} mm"),
         Tile(number(figures["missing_after"]), "samples still missing", missing),
     ]

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from .words import TAGS, headline_of, sentences_of, text_of
+from .words import TAGS, headline_of, open_gap_text, sentences_of, text_of
 
 
 def filling_summary(figures: dict[str, Any]) -> str:
-    """The figures as a few lines of text, with what deserves a look and the gaps that stayed open."""
+    """The figures as a few lines of text, with what needs attention and the gaps that stayed open."""
     names = ", ".join(f"{name} {n}" for name, n in figures["by_method"].items())
     lines = [f"{headline_of(figures['verdict'])}{': ' + names if names else ''}", *sentences_of(figures["verdict"])]
     lines += [f"  {TAGS[found['severity']]}: {text_of(found)}" for found in figures["findings"]]
     for gap in figures["list"]:
         if not gap["method"]:
             frames = f"frames {gap['first_frame']} to {gap['last_frame']}"
-            lines.append(f"  open: {gap['marker']}, {frames}: {gap['reason']}")
+            lines.append(f"  open: {gap['marker']}, {frames}: {open_gap_text(gap, figures['limit_mm'])}")
     return "\n".join(lines)

@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 
 from ..data import Detections, Rig, Tracks, Trajectories
 from ..findings.cameras import upwards
-from ..findings.trial_findings import LONG_GAP_S, worst_cameras
+from ..findings.trial_findings import LONG_GAP_S, inconsistent_cameras
 from ..track.simultaneous import Simultaneous
 from .ambiguous_table import ambiguous_table
 from .digitised import digitised_line, digitised_table
@@ -58,7 +58,7 @@ def write_report(
         quality: the figures from `quality.quality` of the same records.
         rig, detections, tracks, trajectories: what is drawn.
         judged: the figures of the calibration, from `calibration.calibration_figures`.
-        pictures: (C) an image (H, W) of each camera, of its frame in `figures_detections.telling_frames`.
+        pictures: (C) an image (H, W) of each camera, of its frame in `figures_detections.fullest_frames`.
         assets: folder of the drawing library that pages share; None puts it inside the page.
 
     Raises:
@@ -109,9 +109,9 @@ def page(
         digitised_line=digitising and digitised_line(digitising),
         digitised_table=digitising and digitised_table(digitising),
         spots_table=spots_table(quality["cameras"]),
-        camera_table=camera_table(quality["cameras"], worst_cameras(quality)),
+        camera_table=camera_table(quality["cameras"], inconsistent_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),
-        ambiguous_table=ambiguous_table(quality["ambiguous_decisions"], told=_tells(quality["steps"])),
+        ambiguous_table=ambiguous_table(quality["ambiguous_decisions"], listed=_tells(quality["steps"])),
         step_table=step_table(quality["steps"]),
     )
 

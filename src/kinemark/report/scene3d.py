@@ -56,7 +56,7 @@ def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:
     for c, (camera, name) in enumerate(zip(rig, labels(rig.names), strict=True)):
         draw_camera(fig, camera, hue(c), target, name=name)
     _paths(fig, trajectories)
-    _loose(fig, tracks)
+    _loose_points(fig, tracks)
     if len(seen):
         _markers(fig, trajectories)
         fig.update_layout(meta={"motion": motion(trajectories, up, trace=len(fig.data) - 1)})
@@ -217,7 +217,7 @@ def _joined(trajectories: Trajectories) -> Floats:
     return np.concatenate(broken) if broken else np.zeros((0, 3))
 
 
-def _loose(fig: go.Figure, tracks: Tracks) -> None:
+def _loose_points(fig: go.Figure, tracks: Tracks) -> None:
     """Points in no track, faint: ghosts and reflections stand where they arise; hidden until asked for."""
     xyz = tracks.cloud.xyz[(tracks.id < 0) & np.isfinite(tracks.cloud.xyz).all(axis=1)]
     if not len(xyz):

@@ -72,12 +72,12 @@ def _calibrated(camera: dict[str, Any]) -> list[str]:
     ]
 
 
-def camera_table(cameras: list[dict[str, Any]], doubtful: Iterable[str]) -> Table:
-    """A row a camera: what it saw and how well it agrees; the doubtful ones are marked."""
+def camera_table(cameras: list[dict[str, Any]], inconsistent: Iterable[str]) -> Table:
+    """A row a camera: what it saw and how well it agrees; the inconsistent ones are marked."""
     head = ["camera", "detections", "a frame: mean (least–most)", "frames without", "invalid", "used"]
     head += ["residual: median (px)", "RMS (px)", "95 % (px)", "offset u, v (px)"]
-    doubtful = set(doubtful)
-    return Table(head, [_saw(c) for c in cameras], marked=[c["name"] in doubtful for c in cameras])
+    inconsistent = set(inconsistent)
+    return Table(head, [_saw(c) for c in cameras], marked=[c["name"] in inconsistent for c in cameras])
 
 
 def spots_table(cameras: list[dict[str, Any]]) -> Table:
@@ -170,7 +170,7 @@ def _marker_tiles(quality: dict[str, Any]) -> list[Tile]:
         Tile(complete, "complete in view", f"{whole} of the whole trial"),
         Tile(number(markers["gaps"]), "gaps", longest if markers["gaps"] else "within what was seen"),
         Tile(median, "median residual", f"RMS {rms}"),
-        Tile(sd, "σ of a position, per axis", f"jitter found {jitter}"),
+        Tile(sd, "σ of a position, per axis", f"observed jitter {jitter}"),
     ]
 
 

@@ -24,13 +24,15 @@ import numpy as np
 from ...data import Camera
 from ...data.array_types import Bools, Floats
 from ...geometry import parameter_jacobian, project
-from ...numerics.levenberg_marquardt import minimise
+from ...numerics.levenberg_marquardt import Damping, minimise
 from ...numerics.robust import cauchy_loss, cauchy_weight
 from ...numerics.schur import BlockEquations, block_step
 from ..resection import moved
 from .parts import Part, all_points, complete, slices
 
 STEPS = 200  # tries at most; chosen, far more than `benchmarks/bundle.py start` ever takes
+DAMPING = Damping(fixed=(0.1, 10.0), hold=True)
+"""Without unit; which points a rough fit leaves out hangs on its path: `studies/self_calibration.py` has this one's."""
 SETTLED = 1e-7
 """Share of the cost that two tries in turn must neither promise nor bring; chosen (see benchmarks/bundle.py)."""
 FARTHEST = 1e9  # mm, px, or of a lens term: where numbers run away to infinity; chosen (see benchmarks/bundle.py)
@@ -90,7 +92,7 @@ def solve(
 
     `soft` is c; None means ρ = |r|².
     """
-    return minimise(_Adjustment(seen, freedoms, soft), state, steps=steps, relative=settled)
+    return minimise(_Adjustment(seen, freedoms, soft), state, steps=steps, relative=settled, damping=DAMPING)
 
 
 def residuals(state: BundleState, uv: Floats) -> Floats:
@@ -111,7 +113,7 @@ def normalised_residuals(state: BundleState, seen: ImageObservations) -> Floats:
 
 def cost(state: BundleState, seen: ImageObservations, soft: float | None = None) -> float:
     """(1) with what is known beforehand; infinite where a used point is behind its camera."""
-    if not all(_believable(camera) for camera in state.cameras):
+    if not all(_finite_camera(camera) for camera in state.cameras):
         return float("inf")
     with np.errstate(all="ignore"):
         total = sum(part.prior()[2] for part in state.parts)
@@ -123,7 +125,7 @@ def cost(state: BundleState, seen: ImageObservations, soft: float | None = None)
     return total if np.isfinite(total) else float("inf")
 
 
-def _believable(camera: Camera) -> bool:
+def _finite_camera(camera: Camera) -> bool:
     """Whether its numbers are not on their way to infinity, as they are where nothing fits."""
     return bool(1 < abs(camera.K[0, 0]) < FARTHEST and (np.abs([*camera.t, *camera.distortion]) < FARTHEST).all())
 

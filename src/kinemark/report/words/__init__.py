@@ -13,6 +13,7 @@ from ...data import Finding
 from .calibration import CALIBRATION_WORDS
 from .control_points import CONTROL_POINT_WORDS
 from .decisions import reason_text
+from .open_gaps import open_gap_text
 from .stages import ANGLE_WORDS, FILLING_WORDS, PROPOSAL_WORDS, SOURCE_ADVICE
 from .template import Words
 from .trial import TRIAL_WORDS
@@ -24,6 +25,7 @@ __all__ = [
     "WORDS",
     "advice_of",
     "headline_of",
+    "open_gap_text",
     "reason_text",
     "sentences_of",
     "text_of",

@@ -23,6 +23,7 @@ from pathlib import Path
 import bundle
 import detection
 import gaps
+import pages
 import recording
 import startup
 import tomlkit
@@ -39,6 +40,7 @@ SUITE: dict[str, Callable[[], list[Metric]]] = {
     "bundle": bundle.metrics,
     "gaps": gaps.metrics,
     "startup": startup.metrics,
+    "pages": pages.metrics,
 }
 Entries = dict[str, dict[str, dict[str, str | float]]]
 

@@ -21,7 +21,7 @@ def written(page, assets):
 
 def linked(page):
     """The files that a page links to by src, as a browser finds them."""
-    found = re.findall(r'<script src="([^"]*)"', page.read_text("utf-8"))
+    found = re.findall(r'<script type="text/plain" id="library" src="([^"]*)"', page.read_text("utf-8"))
     return [(page.parent / unquote(address)).resolve() for address in found]
 
 

@@ -14,6 +14,7 @@ from .events import Events
 from .fills import Fills
 from .finding import SEVERITIES, Finding, FindingKind, Grade, Severity
 from .finding_kinds import KINDS, make_finding
+from .identity import Identity
 from .marker_set import MarkerSet
 from .matches import Matches
 from .rig import PARAMETERS, Camera, Rig
@@ -39,6 +40,7 @@ __all__ = [
     "FindingKind",
     "ForcePlate",
     "Grade",
+    "Identity",
     "KinemarkError",
     "MarkerSet",
     "MarkerTrajectory",

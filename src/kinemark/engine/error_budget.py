@@ -21,6 +21,7 @@ from ..sensitivity.joints import kinematics_of
 from .open_trial import OpenTrial
 from .progress import Progress, silent
 from .session import Session
+from .session_index import update_index
 
 
 class ErrorBudgetResult(NamedTuple):
@@ -66,9 +67,11 @@ def error_budget(
     rig = results.rig.select(results.detections.cameras)
     ranking = rank(rig, there, method=method, angles=angles)
     figures = with_words(sensitivity_figures(ranking, session=opened.settings.name, trial=name))
+    figures["identity"] = results.quality["identity"]
     write_quality(results.folder / "sensitivity.json", figures)
     page, assets = results.folder / "sensitivity.html", None if self_contained else opened.assets
     write_sensitivity_page(page, figures=figures, ranking=ranking, rig=rig, assets=assets)
+    update_index(opened.results, opened.settings)
     return ErrorBudgetResult(figures, page)
 
 

@@ -22,6 +22,7 @@ from ..io.trial import read_trial, write_trial
 from ..report.filling_page import write_filling_page
 from ..report.filling_text import filling_summary
 from ..report.words import with_words
+from .identities import identity_of_file
 from .progress import Progress, Watch, silent
 from .settings.method_tables import method_of
 from .settings.overrides import overridden
@@ -85,6 +86,7 @@ def fill_file(
     still = reader(static).trajectories if static else None
     filled = fill(positions, method=method, limit_mm=limit_mm, ends=ends, edges=edges, static=still)
     figures = with_words(filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm))
+    figures["identity"] = identity_of_file(trial, source)
     whole = replace(trial, trajectories=filled.trajectories)
     notes = write_trial(whole, target)
     if report:

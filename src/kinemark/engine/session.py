@@ -7,13 +7,16 @@ drives. Nothing that the user gave is changed; everything computed goes below `r
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from ..data import KinemarkError, Rig
 from .digitising import Digitising
 from .open_trial import OpenTrial
 from .progress import Cancel, Progress, silent
+from .session_index import update_index
 from .session_name import FILE
 from .settings import ADVICE, ReportTable, TrialEntry, read_settings
 from .sources import Frames, OperatedImages
@@ -80,7 +83,8 @@ class Session(Workspace):
     ) -> dict[str, OpenTrial]:
         """Calibrates, and runs the trials of these names, or all, one at a time, to a stage; does only what changed.
 
-        What comes back holds no arrays: the records of a trial are read when they are asked for.
+        Then writes the session's index, `index.html`. What comes back holds no arrays: the records of a trial are read
+        when they are asked for.
 
         Args:
             names: of the trials.
@@ -101,17 +105,18 @@ class Session(Workspace):
         if frames is not None:
             chosen = [trial.preview(*frames) for trial in chosen]
         rig = self.calibrate(progress=progress, cancel=cancel, threads=threads).rig
-        done = dict[str, OpenTrial]()
         if not keep_going:
             for trial in chosen:  # a missing input is reported before hours of work
                 trial.source(rig).key()
-        for trial in chosen:
-            try:
-                done[trial.name] = trial.run(to, progress=progress, cancel=cancel, threads=threads)
-            except KinemarkError as error:
-                if not keep_going:
-                    raise
-                done[trial.name] = replace(trial, failed=error)
+        done = dict[str, OpenTrial]()
+        try:
+            for trial in chosen:
+                done[trial.name] = _run(
+                    trial, to, keep_going=keep_going, progress=progress, cancel=cancel, threads=threads
+                )
+        finally:  # also where a trial cannot be processed: the others are there to be read
+            with suppress(KinemarkError):  # a folder that cannot be written has been told by the trials
+                update_index(self.results, self.settings)
         return done
 
     def digitising(self, name: str, rig: Rig) -> Digitising:
@@ -132,3 +137,13 @@ class Session(Workspace):
         if found is None:
             raise KinemarkError(f"There is no trial {name!r}; the session has {', '.join(self.names)}.")
         return found
+
+
+def _run(trial: OpenTrial, to: str, *, keep_going: bool, **options: Any) -> OpenTrial:
+    """The trial with a stage done, or, where its error shall keep nobody from the others, with that."""
+    try:
+        return trial.run(to, **options)
+    except KinemarkError as error:
+        if not keep_going:
+            raise
+        return replace(trial, failed=error)

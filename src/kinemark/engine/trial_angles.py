@@ -35,6 +35,7 @@ from ..kinematics.chain import Points, chosen, complete, points_of
 from ..report.angles_page import write_angles_page
 from ..report.drawing_library import assets_for
 from ..report.words import with_words
+from .identities import identity_of_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,6 +211,7 @@ def angles_of_file(
         moving = None if functional is None else read(functional).trajectories
         still = static_template(read(static).trajectories, chain, functional=moving)
     result = trial_angles(trial, model=chain, template=still, settings=settings)
+    result.figures["identity"] = identity_of_file(trial, path)
     into = folder or path.with_name(f"{path.stem}_angles")
     return write_trial_angles(trial, result, into, self_contained=self_contained)
 

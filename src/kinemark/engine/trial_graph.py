@@ -53,6 +53,7 @@ from ..track.simultaneous import (
 )
 from .calibration.calibrated import Calibrated
 from .graph import Graph, Records, Stage
+from .identities import identity_of_entry, stated_identity
 from .keys import rig_key
 from .settings import Settings
 from .sources import OperatorIdentities, TrialSource
@@ -123,7 +124,7 @@ def trial_graph(name: str, settings: Settings, source: TrialSource, calibrated: 
         stages.append(Stage("fill", needs, ("fills.h5",), _fill, save, _reader(Fills), s.fill))
         needs = (*needs, "fill")
     made = [(step.input, step.method) for step in calibrated.steps]
-    told = (s.name, s.match, s.reconstruct, made, calibrated.figures)
+    told = (s.name, asdict(stated_identity(s, source.of.entry)), s.match, s.reconstruct, made, calibrated.figures)
     stages.append(Stage("quality", needs, (QUALITY,), _quality, write_quality, _load_quality, given=told))
     outputs = (f"{name}.c3d", REPORT, *((GAPS,) if s.fill is not None else ()))
     stages.append(Stage("write", (*needs, "quality"), outputs, _write, _done, _nothing, in_place=True))
@@ -216,7 +217,7 @@ def _fill(inputs: TrialInputs, records: Records) -> Fills:
 
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
-    s, detections, tracked = inputs.settings, records["detect"], records["track"]
+    s, detections, tracked, of = inputs.settings, records["detect"], records["track"], inputs.source.of
     filled = filled_of(inputs, records)
     swapped = swapped_cameras(detections, inputs.rig, tracked.tracks.cloud, matching=s.match, placing=s.reconstruct)
     figures = quality(
@@ -236,6 +237,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
         ambiguous_decisions=tracked.ambiguous_decisions,
         judged=inputs.calibrated.figures,
         filling=_gap_figures(inputs, filled, measured_of(inputs, records)),
+        identity=identity_of_entry(of.root, s, of.entry),
     )
     operated = inputs.source.operated()
     if operated is not None:
@@ -283,7 +285,8 @@ def _write(inputs: TrialInputs, records: Records) -> None:
     )
     if inputs.settings.fill is not None:
         before = measured_of(inputs, records)
-        write_filling_page(folder / GAPS, figures=figures["filling"], trajectories=trajectories, before=before)
+        told = figures["filling"] | {"identity": figures["identity"]}
+        write_filling_page(folder / GAPS, figures=told, trajectories=trajectories, before=before)
 
 
 def _own(steps: Sequence[Step]) -> tuple[Step, ...]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..data import Cloud, Detections, Finding, Rig, Step, Tracks, Trajectories
+from ..data import Cloud, Detections, Finding, Identity, Rig, Step, Tracks, Trajectories
 from ..data.array_types import Floats
 from ..io.files import replacing
 from ..track.simultaneous import AmbiguousDecision
@@ -33,6 +34,7 @@ def quality(
     findings: Sequence[Finding] = (),
     judged: Mapping[str, Any] | None = None,
     filling: Mapping[str, Any] | None = None,
+    identity: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
     """All figures of one trial as JSON-able data, units in the names of the keys, None where unknown.
 
@@ -47,6 +49,7 @@ def quality(
         findings: what the stages found themselves, as what the tracking says of its input.
         judged: how good the calibration is, from `calibration.calibration_figures`; None where nobody judged it.
         filling: what became of the gaps, from `filling.filling_figures`; None where none was to be filled.
+        identity: the plain data of an `Identity`; None where nobody says whose recording it is.
 
     Raises:
         ValueError: a camera of the detections is not in the rig, or the points were not made from these detections.
@@ -60,6 +63,7 @@ def quality(
             "schema_version": SCHEMA_VERSION,
             "session": session,
             "trial": trial,
+            "identity": dict(identity or asdict(Identity())),
             "recording": _recording(detections),
             "calibration": {
                 "method": rig.method,

@@ -317,6 +317,17 @@ class DigitisingData(TypedDict):
 
 
 @documented
+class IdentityData(TypedDict):
+    """Whose recording it is, and of which day; empty where nobody says it."""
+
+    subject: str
+    date: str
+    """YYYY-MM-DD."""
+    file_date: str
+    """When the recording's files were last changed, YYYY-MM-DD, which copying may alter."""
+
+
+@documented
 class Quality(TypedDict):
     """How good a trial is: every figure of its report, in values and words."""
 
@@ -325,6 +336,7 @@ class Quality(TypedDict):
     schema_version: Literal[1]
     session: str
     trial: str
+    identity: IdentityData
     recording: RecordingData
     calibration: CalibrationData
     volume: VolumeData

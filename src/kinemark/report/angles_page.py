@@ -13,6 +13,7 @@ from ..kinematics.chain import Points
 from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures_angles import cycle_figure, joint_figure
 from .formatting import number, percent
+from .identity_text import identity_text
 from .stick import stick_data
 from .tables import Table
 from .templating import render, write_text
@@ -70,7 +71,7 @@ def angles_page(
         "angles.html",
         library=library or inside(),
         heading=f"{figures['trial']}: joint angles",
-        below=f"Model {figures['model']} · Kinemark {figures['kinemark']}",
+        below=f"{identity_text(figures.get('identity'))} · Model {figures['model']} · Kinemark {figures['kinemark']}",
         nav={place: name for place, name in NAV.items() if cycles is not None or place != "cycles"},
         figures=figures,
         model=model,

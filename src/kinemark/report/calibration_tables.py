@@ -112,7 +112,7 @@ def point_table(points: list[dict[str, Any]]) -> Table:
         ]
         for p in points
     ]
-    return Table(head, rows, marked=[bool(p["not_used_by"]) for p in points])
+    return Table(head, rows, marked=[bool(p["not_used_by"]) for p in points], kept_in="calibration.json")
 
 
 def place_table(wand: dict[str, Any] | None) -> Table:

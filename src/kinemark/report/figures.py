@@ -10,13 +10,15 @@ from plotly.subplots import make_subplots
 
 from ..data import Origin, Trajectories
 from ..findings.markers import sample_deviation
-from .theme import HUES, STATES, axis_style, empty, figure, hue, label
-from .thin import blocks, envelope, short
+from .theme import HUES, STATES, axis_style, empty, figure, hue, labels
+from .thin import MOST_MARKERS, blocks, fullest, short, thinned
 
-SAMPLES = 36_000
-"""Most samples in the figure of trajectories, all markers and axes together; chosen."""
-COLUMNS = 1200
-"""Most columns in the timeline; chosen."""
+SAMPLES = 24_000
+"""Most samples in the figure of trajectories, all markers and axes together; chosen (see benchmarks/pages.py)."""
+COLUMNS = 600
+"""Most columns in the timeline; chosen (see benchmarks/pages.py)."""
+QUANTILES = 600
+"""Most samples of a line of the uncertainty; chosen (see benchmarks/pages.py)."""
 
 ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
 NO_MARKERS = "There are no trajectories to draw."
@@ -26,17 +28,19 @@ def trajectories_figure(trajectories: Trajectories) -> go.Figure:
     """x, y, z against time, one line a marker, broken at gaps; the legend shows and hides markers."""
     if not trajectories.n_frames:
         return empty(NO_MARKERS)
+    trajectories, _ = fullest(trajectories)
+    names = labels(trajectories.names)
     rows = make_subplots(rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.03)
     style = figure(720, showlegend=True, margin={"l": 60, "r": 20, "t": 44, "b": 48}).layout
     fig = go.Figure(rows).update_layout({k: style[k] for k in style if not k.endswith("axis")})
-    most = max(200, SAMPLES // (3 * len(trajectories)))
+    most = SAMPLES // (3 * max(len(trajectories), 1))
     single = "lines+markers" if trajectories.n_frames == 1 else "lines"
     for m, path in enumerate(trajectories):
         for axis in range(3):
-            frame, values = envelope(path.xyz[:, axis], most)
+            curve = thinned(path.xyz[:, axis], most)
             fig.add_scatter(
-                x=(frame / trajectories.rate).astype(np.float32), y=short(values), mode=single,
-                line={"color": hue(m), "width": 1.5}, connectgaps=False, name=label(path.name),
+                **curve.at(trajectories.rate), y=short(curve.values), mode=single,
+                line={"color": hue(m), "width": 1.5}, connectgaps=False, name=names[m],
                 legendgroup=str(m), showlegend=axis == 0, row=axis + 1, col=1,
                 hovertemplate="%{x:.3f} s: %{y:.1f} mm",
             )  # fmt: skip
@@ -62,11 +66,13 @@ def timeline_figure(trajectories: Trajectories) -> go.Figure:
     """
     if not trajectories.n_frames:
         return empty(NO_MARKERS)
+    trajectories, _ = fullest(trajectories)
     measured_first = np.array([Origin.MEASURED, Origin.EDITED, Origin.FILLED, Origin.MISSING])
     rank = np.argsort(measured_first)[np.array([path.origin for path in trajectories])]
     state = measured_first[np.asarray(blocks(rank, COLUMNS)).max(-1)]
     order = np.argsort([(path.origin != Origin.MISSING).sum() for path in trajectories], kind="stable")[::-1]
-    names = [label(trajectories.names[m]) for m in order]
+    called = labels(trajectories.names)
+    names = [called[m] for m in order]
     k = -(-trajectories.n_frames // state.shape[1])
     fig = figure(110 + 17 * len(trajectories), margin={"l": 110, "t": 40})
     fig.add_heatmap(
@@ -97,10 +103,10 @@ def uncertainty_figure(trajectories: Trajectories) -> go.Figure:
     low[known], median[known], high[known] = np.nanquantile(sd[:, known], [0.05, 0.5, 0.95], axis=0)
     fig = figure(320, showlegend=True, legend=ABOVE)
     for values, name, colour in ((high, "95 %", HUES[5]), (median, "median", HUES[0]), (low, "5 %", HUES[5])):
-        frame, thinned = envelope(values, 2000)
+        curve = thinned(values, QUANTILES)
         fig.add_scatter(
-            x=frame / trajectories.rate, y=thinned.astype(np.float32), name=name, connectgaps=False,
-            mode="lines" if len(frame) > 1 else "markers", line={"color": colour, "width": 1.6},
+            **curve.at(trajectories.rate), y=curve.values.astype(np.float32), name=name, connectgaps=False,
+            mode="lines" if len(values) > 1 else "markers", line={"color": colour, "width": 1.6},
             hovertemplate="%{x:.3f} s: %{y:.2f} mm",
         )  # fmt: skip
     fig.update_yaxes(title_text="σ per axis (mm)", range=[0, 1.1 * float(np.nanquantile(high, 0.99))])
@@ -109,6 +115,8 @@ def uncertainty_figure(trajectories: Trajectories) -> go.Figure:
 
 def exactness_figure(markers: list[dict[str, Any]]) -> go.Figure:
     """A place a marker, in the trial's order: the predicted standard deviation and the observed jitter."""
+    if len(markers) > MOST_MARKERS:
+        markers = sorted(markers, key=lambda marker: -int(marker["samples"]))[:MOST_MARKERS]
     series = (("predicted σ (covariance)", "sd_per_axis_mean_mm"), ("observed jitter", "jitter_mm"))
     if not any(marker[key] is not None for marker in markers for _, key in series):
         return empty("Neither covariance nor jitter of the markers is known.")
@@ -122,6 +130,6 @@ def exactness_figure(markers: list[dict[str, Any]]) -> go.Figure:
             name=name,
             hovertemplate="%{x}: %{y:.2f} mm",
         )
-    names = [label(marker["name"]) for marker in markers]
+    names = labels(marker["name"] for marker in markers)
     fig.update_xaxes(tickvals=list(range(len(names))), ticktext=names, ticks="", tickfont={"size": 11}, tickangle=-60)
     return fig.update_yaxes(title_text="mm per axis", rangemode="tozero")

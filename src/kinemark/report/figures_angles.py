@@ -15,8 +15,10 @@ from .theme import FAINT, HUES, axis_style, empty, figure, label
 
 WIDE = 1.96
 """Standard deviations on each side that hold 95 %; by definition."""
-MOST = 3000
-"""Most frames drawn of one curve; chosen."""
+MOST = 16_000
+"""Most frames drawn of all curves of a page together, and 2000 of one; chosen (see benchmarks/pages.py)."""
+MOST_CYCLES = 30
+"""Drawn one by one beside their mean; chosen."""
 BAD = "#B3261E"
 
 
@@ -26,7 +28,7 @@ def joint_figure(angles: Angles, model: Model, joint: int, *, first_frame: int =
     if not free or not np.isfinite(angles.deg[joint]).any():
         return empty("No frame has all markers of this joint.")
     fig = _rows(free)
-    by = max(1, -(-angles.deg.shape[1] // MOST))
+    by = max(1, -(-angles.deg.shape[1] // min(2000, MOST // len(named(model)))))
     time = (np.arange(angles.deg.shape[1]) + first_frame - 1) / angles.rate
     out, sd = outside(angles, model), angles.sd
     for row, (j, t, motion) in enumerate(free, 1):
@@ -55,7 +57,7 @@ def cycle_figure(cycles: Cycles, model: Model, joint: int) -> go.Figure:
     for row, (j, t, motion) in enumerate(free, 1):
         mean, spread = cycles.mean[j, :, t], cycles.spread[j, :, t]
         _band(fig, percent, mean - spread, mean + spread, HUES[0], row)
-        for k, one in enumerate(cycles.deg[:, j, :, t]):
+        for k, one in enumerate(cycles.deg[:MOST_CYCLES, j, :, t]):
             turn = 360 * np.round(np.nanmean(one - mean) / 360) if np.isfinite(one - mean).any() else 0.0
             _curve(fig, percent, one - turn, FAINT, f"cycle {k + 1}", row, width=0.8)
         _curve(fig, percent, mean, HUES[0], f"{motion.name}, mean", row)

@@ -13,8 +13,8 @@ from ..data import Rig
 from ..data.array_types import Floats
 from ..findings.cameras import upwards
 from .formatting import number
-from .scene3d import draw_box, draw_camera, draw_floor, extent_of, viewpoint
-from .theme import FAINT, HUES, axis_style, empty, figure, hue, label
+from .scene3d import HOVER, draw_box, draw_camera, draw_floor, extent_of, stand_upright
+from .theme import FAINT, HUES, axis_style, empty, figure, hue, labels
 from .thin import short
 
 SLICES = 3  # heights of the volume that are drawn; chosen
@@ -57,24 +57,17 @@ def space_figure(figures: dict[str, Any], rig: Rig, points: Floats) -> go.Figure
     sd, axes = _volume(figures["map"], "sd_mm")
     corners = np.array(figures["volume"]["corners_mm"])
     extent, up = extent_of(rig.centres, corners, points[np.isfinite(points).all(1)]), upwards(rig)
-    legend = {"orientation": "h", "y": 1, "yanchor": "bottom"}
-    fig = figure(620, margin={"l": 0, "r": 0, "t": 36, "b": 0}, showlegend=True, legend=legend)
+    legend = {"orientation": "h", "y": 0, "yanchor": "top"}
+    fig = figure(640, margin={"l": 0, "r": 0, "t": 36, "b": 20}, showlegend=True, legend=legend)
     draw_floor(fig, extent, up)
     draw_box(fig, corners)
-    for c, camera in enumerate(rig):
-        draw_camera(fig, camera, hue(c), corners.mean(0))
+    for c, (camera, name) in enumerate(zip(rig, labels(rig.names), strict=True)):
+        draw_camera(fig, camera, hue(c), corners.mean(0), name=name)
     _cloud(fig, sd, axes)
     x, y, z = short(points[np.isfinite(points).all(1)].T)
     style = {"size": 3, "color": HUES[1]}
     fig.add_scatter3d(x=x, y=y, z=z, mode="markers", name="calibration points", marker=style, hoverinfo="skip")
-    axis = {f"{a}axis": {"title": f"{a} (mm)", "backgroundcolor": "#F7F9FA", "gridcolor": "#DDE3E8"} for a in NAMES}
-    look = {
-        "eye": viewpoint(extent, up),
-        "up": dict(zip(NAMES, np.eye(3)[up].tolist(), strict=True)),
-        "projection": {"type": "perspective"},
-    }
-    drag = "turntable" if up == 2 else "orbit"
-    return fig.update_layout(scene={**axis, "aspectmode": "data", "camera": look, "dragmode": drag})
+    return stand_upright(fig, up, corners, called="volume")
 
 
 def _cloud(fig: go.Figure, sd: Floats, axes: list[Floats]) -> None:
@@ -90,7 +83,7 @@ def _cloud(fig: go.Figure, sd: Floats, axes: list[Floats]) -> None:
         x=x, y=y, z=z, mode="markers", name="σ at places of the volume", customdata=_rounded(values),
         marker={"size": 3.5, "opacity": 0.75, "color": _rounded(values), "colorscale": SCALE, "cmin": low, "cmax": high,
                 "colorbar": bar},
-        hovertemplate="σ %{customdata:.3g} mm<br>x %{x:.0f}, y %{y:.0f}, z %{z:.0f} mm<extra></extra>",
+        hovertemplate=f"σ %{{customdata:.3g}} mm<br>{HOVER}<extra></extra>",
     )  # fmt: skip
 
 
@@ -141,7 +134,7 @@ def lost_figure(figures: dict[str, Any]) -> go.Figure:
     a, b = (axis for axis in range(3) if axis != lost["axis"])
     x, y = (figures["map"][f"{NAMES[axis]}_mm"] for axis in (a, b))
     rows, columns = -(-len(cameras) // LOST_COLUMNS), min(LOST_COLUMNS, len(cameras))
-    titles = [f"without {label(camera['name'])}" for camera in cameras]
+    titles = [f"without {name}" for name in labels(camera["name"] for camera in cameras)]
     gaps = {"vertical_spacing": 0.3 / rows, "horizontal_spacing": 0.05}
     fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
     style = figure(70 + 210 * rows, margin={"l": 60, "r": 20, "t": 40, "b": 48}).layout
@@ -172,7 +165,7 @@ def points_figure(points: list[dict[str, Any]]) -> go.Figure:
             x=list(range(len(shown))), y=[p[key] for p in shown], mode="markers", name=name,
             marker={"size": 9, "color": HUES[i], "symbol": ("circle", "diamond")[i]}, hovertemplate="%{y:.3f} px",
         )  # fmt: skip
-    names = [label(p["name"]) for p in shown]
+    names = labels(p["name"] for p in shown)
     fig.update_xaxes(tickvals=list(range(len(names))), ticktext=names, ticks="", tickfont={"size": 11}, tickangle=-60)
     return fig.update_yaxes(title_text="px over all cameras", rangemode="tozero")
 
@@ -208,9 +201,10 @@ def lens_figure(cameras: list[dict[str, Any]]) -> go.Figure:
     if not any(any(c["distortion"]) for c in cameras):
         return empty("No lens is corrected.")
     fig = figure(330, showlegend=True)
+    names = labels(camera["name"] for camera in cameras)
     for c, camera in enumerate(cameras):
         fig.add_scatter(
-            x=camera["bend"]["from_centre_px"], y=camera["bend"]["moved_px"], mode="lines", name=label(camera["name"]),
+            x=camera["bend"]["from_centre_px"], y=camera["bend"]["moved_px"], mode="lines", name=names[c],
             line={"color": hue(c), "width": 2}, hovertemplate="%{x:.0f} px: %{y:.2f} px",
         )  # fmt: skip
     fig.update_xaxes(title_text="distance from the principal point (px)")
@@ -235,5 +229,5 @@ def _rounded(values: Floats) -> Floats:
 
 
 def _ticks(cameras: list[dict[str, Any]]) -> dict[str, Any]:
-    names = [label(camera["name"]) for camera in cameras]
+    names = labels(camera["name"] for camera in cameras)
     return {"tickvals": list(range(len(names))), "ticktext": names, "range": [-0.6, len(names) - 0.4], "ticks": ""}

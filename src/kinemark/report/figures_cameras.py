@@ -9,11 +9,11 @@ import plotly.graph_objects as go
 
 from ..data import Detections
 from .formatting import number, percent
-from .theme import FAINT, HUES, INK, empty, figure, hue, label
+from .theme import FAINT, HUES, INK, empty, figure, hue, labels
 from .thin import blocks
 
-COLUMNS = 600
-"""Most samples of one camera's line; chosen."""
+COLUMNS = 400
+"""Most samples of one camera's line; chosen (see benchmarks/pages.py)."""
 
 
 def residual_figure(cameras: list[dict[str, Any]]) -> go.Figure:
@@ -22,10 +22,11 @@ def residual_figure(cameras: list[dict[str, Any]]) -> go.Figure:
     if not shown:
         return empty("No camera's detections were used in a point, so there are no residuals.")
     fig = figure(360)
+    names = labels(camera["name"] for camera in cameras)
     for c, camera in shown:
         low, q1, median, q3, high = ([value] for value in camera["residual_quantiles_px"])
         fig.add_box(
-            x=[c], q1=q1, median=median, q3=q3, lowerfence=low, upperfence=high, name=label(camera["name"]),
+            x=[c], q1=q1, median=median, q3=q3, lowerfence=low, upperfence=high, name=names[c],
             line={"color": hue(c), "width": 2}, width=0.5,
         )  # fmt: skip
     fig.add_scatter(
@@ -61,14 +62,14 @@ def detections_figure(detections: Detections) -> go.Figure:
         return empty("There are no frames to draw.")
     mean = np.asarray(blocks(detections.counts.astype(float), COLUMNS)).mean(-1)
     k = -(-detections.n_frames // mean.shape[1])
-    time = np.arange(mean.shape[1]) * k / detections.rate
     fig = figure(340, showlegend=True)
-    for c, name in enumerate(detections.cameras):
+    for c, name in enumerate(labels(detections.cameras)):
         style = {"color": hue(c), "width": 1.6}
-        mode = "lines" if len(time) > 1 else "markers"
+        mode = "lines" if mean.shape[1] > 1 else "markers"
         fig.add_scatter(
-            x=time, y=mean[c], mode=mode, line=style, name=label(name), hovertemplate="%{x:.2f} s: %{y:.1f}"
-        )
+            x0=0, dx=k / detections.rate, y=mean[c].astype(np.float32), mode=mode, line=style, name=name,
+            hovertemplate="%{x:.2f} s: %{y:.1f}",
+        )  # fmt: skip
     fig.update_xaxes(title_text="time (s)")
     return fig.update_yaxes(title_text="detections per frame", rangemode="tozero")
 
@@ -99,7 +100,7 @@ def timing_figure(timing: dict[str, Any]) -> go.Figure:
         y=list(range(len(stages))), x=[stage["time_s"] for stage in stages], orientation="h", marker={"color": HUES[0]},
         text=[_duration_text(stage) for stage in stages], textposition="outside", cliponaxis=False, hoverinfo="skip",
     )  # fmt: skip
-    names = [label(stage["stage"]) for stage in stages]
+    names = labels(stage["stage"] for stage in stages)
     fig.update_yaxes(tickvals=list(range(len(names))), ticktext=names, autorange="reversed", ticks="", showgrid=False)
     return fig.update_xaxes(title_text="time (s)", rangemode="tozero")
 
@@ -111,5 +112,5 @@ def _duration_text(stage: dict[str, Any]) -> str:
 
 def _camera_ticks(cameras: list[dict[str, Any]]) -> dict[str, Any]:
     """Names under the places of all cameras, also of those without data."""
-    names = [label(camera["name"]) for camera in cameras]
+    names = labels(camera["name"] for camera in cameras)
     return {"tickvals": list(range(len(names))), "ticktext": names, "range": [-0.6, len(names) - 0.4], "ticks": ""}

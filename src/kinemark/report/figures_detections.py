@@ -18,7 +18,7 @@ from plotly.subplots import make_subplots
 from ..data import Detections, Validity
 from ..io.images import png_bytes
 from .formatting import number
-from .theme import INK, axis_style, empty, figure, label
+from .theme import INK, axis_style, empty, figure, labels
 
 Picture = NDArray[np.uint8 | np.uint16]
 
@@ -26,10 +26,15 @@ LOOKED_AT = 100  # frames of a camera among which one is chosen; for speed
 COLUMNS = 3  # pictures side by side; chosen
 WIDEST = 320
 """Columns of a picture in the page; of each block of pixels the brightest is shown, so that no spot is lost; chosen."""
+LEAST_WIDE = 40  # columns of a picture, however many cameras there are; chosen
 LEVELS = 15
 """Grey levels above black of such a picture; noise below a step is not kept, which makes it small; chosen."""
-MOST_FAULTS = 400
-"""Invalid spots of other frames that are drawn a camera; chosen."""
+MOST_BYTES = 60_000
+"""Of the pictures of all cameras; a picture with more is drawn coarser; chosen (see benchmarks/pages.py)."""
+MOST_FAULTS = 2400
+"""Invalid spots of other frames that are drawn, of all cameras; chosen (see benchmarks/pages.py)."""
+MOST_SPOTS = 1500
+"""Spots of the frames shown, of all cameras; chosen (see benchmarks/pages.py)."""
 VALID, SEPARATED = "valid", "valid, separated from another"
 KINDS = {
     VALID: ("#56B4E9", "circle-open"),
@@ -60,7 +65,8 @@ def spots_figure(
         return empty("No camera saw anything.")
     rows, columns = -(-len(cameras) // COLUMNS), min(COLUMNS, len(cameras))
     shown = fullest_frames(detections)
-    titles = [f"{label(camera['name'])}, frame {number(f)}" for camera, f in zip(cameras, shown, strict=True)]
+    names = labels(camera["name"] for camera in cameras)
+    titles = [f"{name}, frame {number(f)}" for name, f in zip(names, shown, strict=True)]
     gaps = {"vertical_spacing": 0.24 / rows, "horizontal_spacing": 0.05}
     fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
     legend = {"orientation": "h", "y": -0.1 / rows, "yanchor": "top", "x": 0, "bgcolor": "#E4E8EC"}
@@ -71,10 +77,11 @@ def spots_figure(
     for c, camera in enumerate(cameras):
         place = {"row": c // COLUMNS + 1, "col": c % COLUMNS + 1}
         here = np.arange(*detections.rows(c, shown[c]).indices(len(detections))[:2])
+        here = here[:: max(1, -(-len(here) * len(cameras) // MOST_SPOTS))]
         extent = _extent(camera, detections.uv[detections.camera == c])
         if pictures is not None:
-            _picture(fig, pictures[c], place)
-        _elsewhere(fig, detections, kinds, c, place)
+            _picture(fig, pictures[c], place, most=MOST_BYTES // len(cameras))
+        _elsewhere(fig, detections, kinds, c, place, most=MOST_FAULTS // len(cameras))
         legends.draw(detections, kinds, here, place)
         plain = {**axis_style(), "showgrid": False, "zeroline": False}
         fig.update_xaxes(**plain, range=[-0.5, extent[0] - 0.5], **place)
@@ -114,10 +121,12 @@ class _Legend:
             self.in_legend.add(kind)
 
 
-def _elsewhere(fig: go.Figure, detections: Detections, kinds: NDArray[np.str_], c: int, place: dict[str, int]) -> None:
+def _elsewhere(
+    fig: go.Figure, detections: Detections, kinds: NDArray[np.str_], c: int, place: dict[str, int], *, most: int
+) -> None:
     """Dots where spots of any frame were invalid: what stays in one place is no marker."""
     rows = np.flatnonzero((detections.camera == c) & ~detections.valid)
-    rows = rows[:: max(1, -(-len(rows) // MOST_FAULTS))]
+    rows = rows[:: max(1, -(-len(rows) // max(most, 1)))]
     if not len(rows):
         return
     fig.add_scatter(
@@ -133,15 +142,21 @@ def _size_text(detections: Detections, row: int) -> str:
     return f"area {number(area, 1)} px², peak {number(peak, 0)}" if np.isfinite(area) else ""
 
 
-def _picture(fig: go.Figure, picture: Picture, place: dict[str, int]) -> None:
+def _picture(fig: go.Figure, picture: Picture, place: dict[str, int], *, most: int) -> None:
     """The image in grey, coarser where it is large, and in few levels, as a compressed picture."""
     k = max(1, -(-picture.shape[1] // WIDEST))
-    grey = brightest(picture, k)
-    level = np.rint(LEVELS * (grey / max(int(grey.max()), 1))).astype(np.uint8)
-    data = base64.b64encode(png_bytes(level * np.uint8(255 // LEVELS))).decode()
+    while len(content := _png(brightest(picture, k))) > most and picture.shape[1] > 2 * k * LEAST_WIDE:
+        k += 1
+    data = base64.b64encode(content).decode()
     fig.add_image(
         source=f"data:image/png;base64,{data}", x0=(k - 1) / 2, dx=k, y0=(k - 1) / 2, dy=k, hoverinfo="skip", **place
     )
+
+
+def _png(grey: Picture) -> bytes:
+    """A picture in a few levels from black to its brightest."""
+    level = np.rint(LEVELS * (grey / max(int(grey.max()), 1))).astype(np.uint8)
+    return png_bytes(level * np.uint8(255 // LEVELS))
 
 
 def brightest(picture: Picture, k: int) -> Picture:

@@ -24,8 +24,8 @@ WIDTH, HEIGHT, LEFT, TOP, BOTTOM, APART = 360, 110, 46, 6, 16, 8
 CONTEXT = 1.0
 """Of the gap's length shown on either side, and at least CONTEXT_S; chosen."""
 CONTEXT_S = 0.25  # s shown on either side at least; chosen
-MOST = 160
-"""Points of a line; chosen."""
+MOST = 80
+"""Points of a line; chosen (see benchmarks/pages.py)."""
 NINETY_FIVE = 1.96  # standard deviations on each side that hold 95 %; the normal distribution's, by definition
 NEIGHBOUR = "#9AA5B1"
 SHOWN_MM = 1000.0

@@ -10,11 +10,11 @@ from plotly.subplots import make_subplots
 
 from ..calibrate.quality import Evidence
 from ..data.array_types import Floats
-from .theme import FAINT, HUES, axis_style, empty, figure, label
+from .theme import FAINT, HUES, axis_style, empty, figure, labels
 
 COLUMNS = 3  # pictures side by side; chosen
-MOST_POINTS = 400
-"""Drawn a camera; chosen."""
+MOST_POINTS, OF_ONE = 3000, 400
+"""Drawn of all cameras, and of one; chosen (see benchmarks/pages.py)."""
 ARROW = 0.08
 """Longest arrow, as a share of the image's width; chosen."""
 
@@ -25,7 +25,7 @@ def images_figure(cameras: list[dict[str, Any]], evidence: Evidence) -> go.Figur
         return empty("The calibration came as a file, which does not say what it was made from.")
     rows = -(-len(cameras) // COLUMNS)
     scale, enlarged = _enlargement(cameras, evidence)
-    titles = [label(camera["name"]) for camera in cameras]
+    titles = labels(camera["name"] for camera in cameras)
     columns = min(COLUMNS, len(cameras))
     gaps = {"vertical_spacing": 0.28 / rows, "horizontal_spacing": 0.05}
     fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
@@ -71,8 +71,8 @@ def _points(fig: go.Figure, evidence: Evidence, c: int, enlarged: float, place: 
     seen = np.isfinite(evidence.uv[c]).all(1)
     for used, colour, symbol in ((True, HUES[1], "circle"), (False, "#B3261E", "x")):
         rows = np.flatnonzero(seen & (evidence.kept[c] == used))
-        rows = rows[:: max(1, -(-len(rows) // MOST_POINTS))]
-        uv, names = evidence.uv[c, rows], [label(evidence.names[n]) for n in rows if n < len(evidence.names)]
+        rows = rows[:: max(1, -(-len(rows) // min(OF_ONE, MOST_POINTS // len(evidence.uv))))]
+        uv, names = evidence.uv[c, rows], labels(evidence.names[n] for n in rows if n < len(evidence.names))
         fig.add_scatter(
             x=uv[:, 0].astype(np.float32), y=uv[:, 1].astype(np.float32), mode="markers", text=names or None,
             marker={"size": 4 if used else 6, "color": colour, "symbol": symbol},

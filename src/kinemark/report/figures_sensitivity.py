@@ -11,7 +11,8 @@ from plotly.subplots import make_subplots
 from ..data import Rig
 from ..data.array_types import Floats
 from ..sensitivity import Ranking
-from .theme import FAINT, HUES, axis_style, empty, figure, label
+from .theme import FAINT, HUES, axis_style, empty, figure, label, labels
+from .thin import MOST_MARKERS
 
 ABOVE = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0}
 UNITS = {"mm": "σ of a marker per axis (mm)", "deg": "σ of an angle (°)"}
@@ -93,12 +94,14 @@ def angle_figure(figures: dict[str, Any]) -> go.Figure:
 
 def _places(rows: list[dict[str, Any]], key: str, title: str, sources: list[str]) -> go.Figure:
     fig = figure(400, showlegend=True, legend=ABOVE, margin={"l": 60, "r": 20, "t": 44, "b": 48})
+    if len(rows) > MOST_MARKERS:  # the worst
+        rows = sorted(rows, key=lambda row: -max(row[source] or 0.0 for source in sources))[:MOST_MARKERS]
     for source in sources:
         fig.add_scatter(
             x=list(range(len(rows))), y=[row[source] or None for row in rows], mode="markers", name=source,
             marker={"size": 8, "color": COLOURS[source]}, hovertemplate="%{x}: %{y:.3g}",
         )  # fmt: skip
-    names = [label(row[key]) for row in rows]
+    names = labels(row[key] for row in rows)
     fig.update_xaxes(tickvals=list(range(len(names))), ticktext=names, ticks="", tickfont={"size": 11}, tickangle=-60)
     return fig.update_yaxes(title_text=title, rangemode="tozero")
 
@@ -122,7 +125,7 @@ def loss_figure(figures: dict[str, Any]) -> go.Figure:
         x=x, y=[100 * row["gone_share"] for row in rows], mode="markers", name="points gone", showlegend=False,
         marker={"size": 10, "color": HUES[6]}, hovertemplate="%{y:.1f} %<extra></extra>", row=1, col=2,
     )  # fmt: skip
-    names = [label(row["camera"]) for row in rows]
+    names = labels(row["camera"] for row in rows)
     for col, title in ((1, "σ per axis (mm)"), (2, "points gone (%)")):
         fig.update_xaxes(**axis_style(), tickvals=x, ticktext=names, range=[-0.6, len(rows) - 0.4], row=1, col=col)
         fig.update_yaxes(**axis_style(), title_text=title, rangemode="tozero", row=1, col=col)
@@ -137,7 +140,7 @@ def field_figure(ranking: Ranking, rig: Rig) -> go.Figure:
         return empty("No marker is seen by three cameras, so that residuals say nothing.")
     columns, rows = min(COLUMNS, len(rig)), -(-len(rig) // COLUMNS)
     scale = _enlargement(float(np.nanquantile(size, 0.95)), float(np.median(edges[:, 1, 0] - edges[:, 0, 0])))
-    titles = [label(camera.name) for camera in rig]
+    titles = labels(rig.names)
     gaps = {"vertical_spacing": 0.28 / rows, "horizontal_spacing": 0.05}
     fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
     style = figure(90 + 210 * rows, margin={"l": 50, "r": 20, "t": 40, "b": 66}).layout

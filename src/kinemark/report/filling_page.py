@@ -11,13 +11,14 @@ from ..data import Trajectories
 from ..findings.gaps import largest_error
 from .figures_gaps import gap_figure
 from .formatting import count, measure, millimetres, number
+from .identity_text import identity_text
 from .tables import Table, Tile
 from .templating import render, write_text
 from .words import open_gap_text
 
 NAV = {"verdict": "Verdict", "gaps": "Every gap", "drawings": "Drawings", "terms": "Terms"}
-MOST_DRAWN = 300
-"""Gaps; the least certain come first; chosen."""
+MOST_DRAWN = 60
+"""Gaps; the least certain come first; chosen (see benchmarks/pages.py)."""
 MOST_LISTED = 3
 """Named in the table and drawn beside a gap; chosen."""
 OPEN = "stayed open"
@@ -53,12 +54,13 @@ def filling_page(*, figures: dict[str, Any], trajectories: Trajectories, before:
     """The page as text; parameters as those of `write_filling_page`."""
     gaps = figures["list"]
     drawn = sorted(gaps, key=_certain)[:MOST_DRAWN]
+    version = f"Kinemark {figures['kinemark']}"
     which = "All gaps, those that stayed open and the least certain first"
     return render(
         "filling.html",
         library=None,
         heading=figures["source"],
-        below=f"Filled by {figures['method']} · Kinemark {figures['kinemark']}",
+        below=" · ".join([identity_text(figures.get("identity")), f"Filled by {figures['method']}", version]),
         nav=NAV,
         figures=figures,
         tiles=_tiles(figures),
@@ -107,7 +109,7 @@ def gap_table(gaps: list[dict[str, Any]], limit_mm: float) -> Table:
         ]
         for gap in gaps
     ]
-    return Table(head, rows, marked=left_open, absent="None.")
+    return Table(head, rows, marked=left_open, absent="None.", kept_in="what kinemark fill --json prints")
 
 
 def _few(markers: list[str]) -> str:

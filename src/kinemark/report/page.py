@@ -20,6 +20,7 @@ from .figures_calibration import slices_figure
 from .figures_cameras import detections_figure, offset_figure, residual_figure, timing_figure, views_figure
 from .figures_detections import Picture, spots_figure
 from .formatting import number
+from .identity_text import identity_text
 from .scene3d import scene
 from .tables import calibration_table, camera_table, marker_table, spots_table, step_table, tiles
 from .templating import render, write_text
@@ -117,7 +118,7 @@ def page(
 
 def of_session(figures: Mapping[str, Any]) -> str:
     """What stands below the title of a page about a session."""
-    return f"Session {figures['session']} · Kinemark {figures['kinemark']}"
+    return f"{identity_text(figures.get('identity'))} · Session {figures['session']} · Kinemark {figures['kinemark']}"
 
 
 def figures(

@@ -9,6 +9,9 @@ without the lens's distortion, which would bend the edges.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import plotly.graph_objects as go
 
@@ -16,19 +19,31 @@ from ..data import Camera, Rig, Tracks, Trajectories
 from ..data.array_types import Floats
 from ..findings.cameras import upwards
 from ..findings.markers import in_view, positions, present
-from .theme import FAINT, INK, figure, hue, label
-from .thin import short
+from .motion3d import motion
+from .theme import FAINT, INK, figure, hue, labels
+from .thin import fullest, short
 
 POINTS = 300
 """Most samples drawn of one path; chosen."""
+ALL_POINTS, OTHERS = 4500, 1500
+"""Most samples drawn of all paths that have a name, and of all others; chosen (see benchmarks/pages.py)."""
+CLOSEST = 300.0
+"""Least width of what is looked at, mm, so that a single point is not filled up with; chosen."""
+MARGIN = 0.03  # of the width of all that is drawn, between it and the ends of the axes; chosen
+SUBJECT = (0.02, 0.98)
+"""Quantiles of the samples between which the subject is taken to be, so that no ghost makes it small; chosen."""
 AFAR = 10.0
 """Widths of all that is drawn; an origin of the world farther off than that is not drawn with it; chosen."""
-LOOSE = 2000
-"""Most points drawn of those in no track; chosen."""
+LOOSE = 1000
+"""Most points drawn of those in no track; chosen (see benchmarks/pages.py)."""
+HOVER = "x %{x:.0f}, y %{y:.0f}, z %{z:.0f} mm"
 
 
 def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:
-    """Cameras with names and viewing directions, control volume, floor, paths, loose points, markers of one frame."""
+    """Cameras with names and viewing directions, control volume, floor, paths, loose points, markers that move.
+
+    It opens on the subject. What plays is in `layout.meta`, as `motion` describes it.
+    """
     xyz = positions(trajectories)
     seen = xyz[present(trajectories)]
     extent = extent_of(seen, rig.centres, rig.volume[np.isfinite(rig.volume).all(1)])
@@ -38,22 +53,84 @@ def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:
     if np.isfinite(rig.volume).all():
         draw_box(fig, rig.volume)
     target = np.median(seen, axis=0) if len(seen) else extent.mean(0)
-    for c, camera in enumerate(rig):
-        draw_camera(fig, camera, hue(c), target)
+    for c, (camera, name) in enumerate(zip(rig, labels(rig.names), strict=True)):
+        draw_camera(fig, camera, hue(c), target, name=name)
     _paths(fig, trajectories)
     _loose_points(fig, tracks)
     if len(seen):
         _markers(fig, trajectories)
-    axes = {f"{a}axis": {"title": f"{a} (mm)", "backgroundcolor": "#F7F9FA", "gridcolor": "#DDE3E8"} for a in "xyz"}
-    look = {
-        "eye": viewpoint(extent, up),
-        "up": dict(zip("xyz", np.eye(3)[up].tolist(), strict=True)),
-        "center": dict(zip("xyz", (-0.1 * np.eye(3)[up]).tolist(), strict=True)),
-        "projection": {"type": "perspective"},
+        fig.update_layout(meta={"motion": motion(trajectories, up, trace=len(fig.data) - 1)})
+    subject = np.quantile(seen, SUBJECT, axis=0) if len(seen) else extent
+    return stand_upright(fig, up, subject)
+
+
+def stand_upright(fig: go.Figure, up: int, subject: Floats, *, called: str = "subject") -> go.Figure:
+    """A scene with its vertical axis as Plotly's z, the only one that it turns about with the floor level.
+
+    The other axes keep their order, so that nothing is mirrored. Places are given to Plotly's camera in its own units:
+    of a box with the proportions of all that is drawn, about its middle, whose sides have a geometric mean of one.
+
+    Args:
+        fig: with all its traces, in the world's axes.
+        up: which axis points upwards.
+        subject: (2, 3) mm, least and greatest corner of what is looked at first; called: its name.
+    """
+    order = [(up + 1) % 3, (up + 2) % 3, up]
+    for trace in fig.data:
+        values = [trace.x, trace.y, trace.z]
+        trace.update(dict(zip("xyz", (values[axis] for axis in order), strict=True)))
+        if trace.hovertemplate:
+            trace.hovertemplate = trace.hovertemplate.replace(HOVER, _hover(order))
+    places = np.array([[_ends(trace[axis]) for axis in "xyz"] for trace in fig.data])
+    low, high = places[..., 0].min(0), places[..., 1].max(0)
+    width = np.maximum(high - low, 1.0)
+    low, high, subject = low - MARGIN * width, high + MARGIN * width, subject[:, order]
+    unit = float(np.prod(high - low)) ** (1 / 3)
+    look = {"background": "#F7F9FA", "grid": "#DDE3E8"}
+    axes = {
+        f"{plotted}axis": {
+            "title": f"{'xyz'[axis]} (mm)",
+            "range": [low[k], high[k]],
+            "backgroundcolor": look["background"],
+            "gridcolor": look["grid"],
+        }
+        for k, (plotted, axis) in enumerate(zip("xyz", order, strict=True))
     }
-    drag = "turntable" if up == 2 else "orbit"  # Plotly's turntable turns about z alone
-    wide = {"domain": {"x": [0, 0.87 if len(seen) else 1]}}
-    return fig.update_layout(scene={**axes, **wide, "aspectmode": "data", "camera": look, "dragmode": drag})
+    ratio = dict(zip("xyz", (high - low) / unit, strict=True))
+    near = view_of(subject, (low + high) / 2, unit)
+    far = view_of(np.array([low, high]), (low + high) / 2, unit)
+    scene = {**axes, "aspectmode": "manual", "aspectratio": ratio, "camera": near, "dragmode": "turntable"}
+    buttons = [
+        {"label": name, "method": "relayout", "args": [{"scene.camera": camera}]}
+        for name, camera in ((called, near), ("laboratory", far))
+    ]
+    place = {"x": 0, "y": 1.0, "xanchor": "left", "yanchor": "bottom", "pad": {"t": 0, "b": 4}}
+    menu = {"type": "buttons", "direction": "right", "showactive": False, "buttons": buttons, **place}
+    return fig.update_layout(scene=scene, updatemenus=[menu])
+
+
+def view_of(box: Floats, middle: Floats, unit: float) -> dict[str, Any]:
+    """Plotly's camera from where all of a box (2, 3) mm is seen; its unit is `unit` mm, its origin `middle` mm."""
+    centre = (box.mean(0) - middle) / unit
+    away = 1.2 * max(float(np.linalg.norm(box[1] - box[0])), CLOSEST) / unit
+    eye = centre + away * np.array([0.55, -0.7, 0.45])
+    places = {"eye": eye, "center": centre, "up": np.array([0.0, 0.0, 1.0])}
+    return {name: dict(zip("xyz", place.tolist(), strict=True)) for name, place in places.items()} | {
+        "projection": {"type": "perspective"}
+    }
+
+
+def _ends(values: Any) -> tuple[float, float]:
+    """Least and greatest of the values that there are; 0 where there are none."""
+    known = np.asarray(values, np.float64)
+    known = known[np.isfinite(known)]
+    return (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
+
+
+def _hover(order: Sequence[int]) -> str:
+    """`HOVER` of a scene whose axes were put into this order; it names the world's."""
+    plotted = ["xyz"[order.index(axis)] for axis in range(3)]
+    return ", ".join(f"{name} %{{{place}:.0f}}" for name, place in zip("xyz", plotted, strict=True)) + " mm"
 
 
 def corners(camera: Camera, depth: float) -> Floats:
@@ -76,13 +153,6 @@ def extent_of(*places: Floats) -> Floats:
     return np.array([np.minimum(extent[0], 0.0), np.maximum(extent[1], 0.0)]) if near else extent
 
 
-def viewpoint(extent: Floats, up: int) -> dict[str, float]:
-    """From where all of `extent` is seen; Plotly measures in the geometric mean of the three widths."""
-    width = np.maximum(extent[1] - extent[0], 1.0)
-    away = 1.2 * float(np.linalg.norm(width)) / float(np.prod(width)) ** (1 / 3)
-    return dict(zip("xyz", away * np.roll([0.55, -0.7, 0.45], up - 2), strict=True))
-
-
 def draw_floor(fig: go.Figure, extent: Floats, up: int) -> None:
     """The level plane through the world's origin, or below all that is drawn where the origin is far off."""
     (a0, b0, c0), (a1, b1, c1) = np.roll(extent, 2 - up, axis=1)
@@ -103,7 +173,7 @@ def draw_box(fig: go.Figure, volume: Floats) -> None:
     draw_line(fig, line, FAINT, name="control volume", width=3, dash="dash", showlegend=True, hoverinfo="name")
 
 
-def draw_camera(fig: go.Figure, camera: Camera, colour: str, target: Floats) -> None:
+def draw_camera(fig: go.Figure, camera: Camera, colour: str, target: Floats, *, name: str) -> None:
     """Pyramid, name and the line along its axis to beside the subject."""
     distance = float(np.linalg.norm(target - camera.centre)) or 1000.0
     ring = corners(camera, 0.15 * distance)
@@ -114,20 +184,37 @@ def draw_camera(fig: go.Figure, camera: Camera, colour: str, target: Floats) -> 
     draw_line(fig, np.array([camera.centre, camera.centre + axis]), colour, width=2, opacity=0.45, hoverinfo="skip")
     x, y, z = camera.centre
     fig.add_scatter3d(
-        x=[x], y=[y], z=[z], mode="markers+text", text=[f"<b>{label(camera.name)}</b>"], textposition="top center",
+        x=[x], y=[y], z=[z], mode="markers+text", text=[f"<b>{name}</b>"], textposition="top center",
         textfont={"color": colour, "size": 13}, marker={"color": colour, "size": 4}, showlegend=False,
-        hovertemplate="%{text}<br>x %{x:.0f}, y %{y:.0f}, z %{z:.0f} mm<extra></extra>",
+        hovertemplate=f"%{{text}}<br>{HOVER}<extra></extra>",
     )  # fmt: skip
 
 
 def _paths(fig: go.Figure, trajectories: Trajectories) -> None:
-    step = max(1, -(-trajectories.n_frames // POINTS))
-    for m, path in enumerate(trajectories):
+    """A line a marker, of the fullest ones; the others together, in grey."""
+    some, others = fullest(trajectories)
+    names = labels(some.names)
+    step = max(1, -(-some.n_frames * max(len(some), 1) // ALL_POINTS), -(-some.n_frames // POINTS))
+    time = some.time[::step].astype(np.float32)
+    for m, path in enumerate(some):
         draw_line(
-            fig, path.xyz[::step], hue(m), name=label(path.name), width=3, showlegend=True,
-            legendgroup=str(m), text=[f"{t:.2f} s" for t in trajectories.time[::step]],
-            hovertemplate="%{text}<br>x %{x:.0f}, y %{y:.0f}, z %{z:.0f} mm",
+            fig, path.xyz[::step], hue(m), name=names[m], width=3, showlegend=True, legendgroup=str(m),
+            customdata=time, hovertemplate=f"%{{customdata:.2f}} s<br>{HOVER}",
         )  # fmt: skip
+    if len(others):
+        draw_line(
+            fig, _joined(others), FAINT, name=f"{len(others)} others", width=2, showlegend=True, opacity=0.6,
+            hoverinfo="skip",
+        )  # fmt: skip
+
+
+def _joined(trajectories: Trajectories) -> Floats:
+    """(n, 3) mm all paths as one line with breaks, of so many samples that all are drawn by `OTHERS` in all."""
+    seen = [path.xyz[np.isfinite(path.xyz).all(1)] for path in trajectories]
+    seen = [xyz for xyz in seen if len(xyz)][:OTHERS]
+    step = max(1, -(-sum(map(len, seen)) // OTHERS))
+    broken = [np.concatenate([xyz[::step], np.full((1, 3), np.nan)]) for xyz in seen]
+    return np.concatenate(broken) if broken else np.zeros((0, 3))
 
 
 def _loose_points(fig: go.Figure, tracks: Tracks) -> None:
@@ -138,21 +225,23 @@ def _loose_points(fig: go.Figure, tracks: Tracks) -> None:
     x, y, z = short(xyz[:: -(-len(xyz) // LOOSE)].T)
     fig.add_scatter3d(
         x=x, y=y, z=z, mode="markers", name="points in no track", marker={"size": 2, "color": FAINT, "opacity": 0.6},
-        visible="legendonly", hovertemplate="x %{x:.0f}, y %{y:.0f}, z %{z:.0f} mm",
+        visible="legendonly", hovertemplate=HOVER,
     )  # fmt: skip
 
 
 def _markers(fig: go.Figure, trajectories: Trajectories) -> None:
     """Dots at the fullest frame nearest to the middle of the time in view."""
     xyz, middle = positions(trajectories), sum(in_view(trajectories)) / 2
-    complete = present(trajectories).sum(axis=0)
-    fullest = np.flatnonzero(complete == complete.max())
-    f = int(fullest[np.abs(fullest - middle).argmin()])
-    x, y, z = xyz[:, f].T
+    there = present(trajectories)
+    complete = there.sum(axis=0)
+    full = np.flatnonzero(complete == complete.max())
+    f = int(full[np.abs(full - middle).argmin()])
+    rows = np.flatnonzero(there[:, f])
+    x, y, z = xyz[rows, f].T
     fig.add_scatter3d(
         x=x, y=y, z=z, mode="markers", name=f"markers at {trajectories.time[f]:.2f} s",
-        marker={"size": 4, "color": INK}, text=[label(name) for name in trajectories.names],
-        hovertemplate="%{text}<br>x %{x:.0f}, y %{y:.0f}, z %{z:.0f} mm<extra></extra>",
+        marker={"size": 4, "color": INK}, text=labels(trajectories.names[m] for m in rows),
+        hovertemplate=f"%{{text}}<br>{HOVER}<extra></extra>",
     )  # fmt: skip
 
 

@@ -15,10 +15,12 @@ from ..data.array_types import Floats
 from ..findings.plain import plain
 from ..kinematics import Model, named, outside
 from ..kinematics.chain import Points, laboratory
-from .theme import LONGEST, hue
+from .theme import hue, shortened
 
 MOST_FRAMES = 900
 """Frames drawn; more are thinned evenly; chosen."""
+MOST_NUMBERS = 36_000
+"""Of all points and angles in all frames drawn; chosen (see benchmarks/pages.py)."""
 TAIL_S = 0.7
 """How long a path stays behind its marker; chosen."""
 
@@ -27,7 +29,8 @@ def stick_data(points: Points, angles: Angles, model: Model, *, first_frame: int
     """What the script draws: points by frame, links, floor, angles."""
     names = [name for name in dict.fromkeys(p for link in links(model) for p in link) if name in points]
     n_frames = angles.deg.shape[1]
-    by = max(1, -(-n_frames // MOST_FRAMES))
+    numbers = 3 * len(names) + 3 * len(named(model))  # coordinates; angle, standard deviation, mark
+    by = max(1, -(-n_frames // MOST_FRAMES), -(-n_frames * numbers // MOST_NUMBERS))
     basis = laboratory(model)[:, [0, 2, 1]]  # forward, right, up
     xyz = np.array([points[name][::by] for name in names]).reshape(len(names), -1, 3) @ basis
     place = {name: i for i, name in enumerate(names)}
@@ -36,7 +39,7 @@ def stick_data(points: Points, angles: Angles, model: Model, *, first_frame: int
     corners = np.array([seen.min(0), seen.max(0)]) if len(seen) else np.array([[-500.0] * 3, [500.0] * 3])
     step = by / angles.rate
     return {
-        "names": [name[:LONGEST] for name in names],
+        "names": shortened(names),
         "colours": [hue(i) for i in range(len(names))],
         "frames": _frames(xyz),
         "links": [[i, j, "#7A8794"] for i, j in kept],

@@ -9,6 +9,9 @@ from typing import Any, NamedTuple
 
 from .formatting import count, measure, number, percent
 
+MOST_ROWS = 200
+"""Of a table on a page; chosen (see benchmarks/pages.py)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Table:
@@ -21,6 +24,7 @@ class Table:
         absent: what stands in place of a table without rows.
         note: below it.
         texts: whether the cells are words, which begin on the left.
+        kept_in: the file that has the rows which are too many for the page.
     """
 
     head: Sequence[str]
@@ -29,6 +33,12 @@ class Table:
     absent: str = ""
     note: str = ""
     texts: bool = False
+    kept_in: str = "quality.json"
+
+    @property
+    def shown(self) -> Sequence[Sequence[str]]:
+        """The rows that are on the page."""
+        return self.rows[:MOST_ROWS]
 
     def is_marked(self, row: int) -> bool:
         """Whether a row is tinted."""

@@ -6,6 +6,7 @@ white, is left out. Beyond seven, the same hues come darker and paler.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
@@ -15,7 +16,9 @@ HUES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#4D4D
 SHADES = ((0, 0.0), (0, 0.45), (255, 0.45))
 """Towards black or white, and how far; dashes would look like missing samples; chosen."""
 LONGEST = 24
-"""Most letters of a name in a figure; chosen."""
+"""Most letters of a name in a figure, as far as names differ in them; chosen."""
+KEPT = 6
+"""Letters before the first difference that are still shown; chosen."""
 INK, FAINT, GRID = "#1C2733", "#66727F", "#E4E8EC"
 STATES = {"missing": "#D9DEE3", "measured": "#0072B2", "filled": "#E69F00", "edited": "#CC79A7"}
 """Colour of each `Origin`, in its order."""
@@ -29,8 +32,45 @@ def hue(i: int) -> str:
 
 
 def label(name: str) -> str:
-    """A name given by the user as Plotly may show it: markup in it stays text, and too long a name is cut."""
-    return escape(name if len(name) <= LONGEST else name[: LONGEST - 1] + "…") or " "
+    """One name as Plotly may show it, as `labels`."""
+    return labels([name])[0]
+
+
+def labels(names: Iterable[str]) -> list[str]:
+    """Names given by the user as Plotly may show them: markup in them stays text, and different ones differ."""
+    return [escape(name) or " " for name in shortened(list(names))]
+
+
+def shortened(names: Sequence[str], most: int = LONGEST) -> list[str]:
+    """Names of at most `most` letters, with … for what is left out, such that different names stay different.
+
+    The end of a long name falls away; where that makes two the same, their common beginning; else they stay whole.
+    """
+    shown = {name: _cut(name, most) for name in names}
+    for alike in _alike(shown):
+        shown |= _without_common_start(alike, most)
+    for alike in _alike(shown):
+        shown |= {name: name for name in alike}
+    return [shown[name] for name in names]
+
+
+def _alike(shown: Mapping[str, str]) -> list[list[str]]:
+    """Different names that are shown the same."""
+    groups: dict[str, list[str]] = {}
+    for name, text in shown.items():
+        groups.setdefault(text, []).append(name)
+    return [group for group in groups.values() if len(group) > 1]
+
+
+def _without_common_start(names: Sequence[str], most: int) -> dict[str, str]:
+    """Each name from a little before the first letter in which they differ."""
+    letters = enumerate(zip(*names, strict=False))
+    first = next((i for i, these in letters if len(set(these)) > 1), min(map(len, names)))
+    return {name: "…" + _cut(name[max(first - KEPT, 0) :], most - 1) for name in names}
+
+
+def _cut(name: str, most: int) -> str:
+    return name if len(name) <= most else name[: most - 1] + "…"
 
 
 def axis_style() -> dict[str, Any]:

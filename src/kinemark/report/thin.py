@@ -1,11 +1,19 @@
-"""Fewer samples for the eye, so that a long trial does not make a heavy page."""
+"""Fewer samples and fewer markers for the eye, so that no trial makes a heavy page."""
 
 from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data import Trajectories
 from ..data.array_types import Floats
+from ..findings.markers import present
+
+MOST_MARKERS = 60
+"""Drawn one by one in a figure, the fullest; more cannot be told apart; chosen (see benchmarks/pages.py)."""
 
 FINE = 0.01
 """mm, or px: what no figure shows; chosen."""
@@ -41,3 +49,33 @@ def envelope(values: Floats, most: int) -> tuple[NDArray[np.int64], Floats]:
     within = np.sort(np.column_stack([low, high]), axis=1)
     frame = np.arange(len(cut))[:, None] * cut.shape[1] + within
     return np.minimum(frame.reshape(-1), len(values) - 1), np.take_along_axis(cut, within, 1).reshape(-1)
+
+
+class Curve(NamedTuple):
+    """Samples at equal steps, in frames: the first one's place, the step, and the values."""
+
+    start: float
+    step: float
+    values: Floats
+
+    def at(self, rate: float, first: float = 0.0) -> dict[str, float]:
+        """Its time axis, s, as Plotly takes it, which is smaller than a time for each sample."""
+        return {"x0": first + self.start / rate, "dx": self.step / rate}
+
+
+def thinned(values: Floats, most: int) -> Curve:
+    """`envelope` at equal steps: the least and greatest sample of a block stand in its first and second half."""
+    _, few = envelope(values, most)
+    if len(few) == len(values):
+        return Curve(0.0, 1.0, values)
+    k = -(-len(values) // (most // 2))
+    return Curve(k / 4 - 0.5, k / 2, few)
+
+
+def fullest(trajectories: Trajectories, most: int = MOST_MARKERS) -> tuple[Trajectories, Trajectories]:
+    """The markers with most samples, in the trial's order, and the others."""
+    samples = present(trajectories).sum(1) if len(trajectories) else np.zeros(0, int)
+    first = set(np.argsort(-samples, kind="stable")[:most].tolist())
+    parts = [[path for m, path in enumerate(trajectories) if (m in first) == kept] for kept in (True, False)]
+    some, others = (replace(trajectories, paths=tuple(paths)) for paths in parts)
+    return some, others

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from ...io.um2as import siblings
 from ...report.calibration_page import write_calibration_page
 from ...report.drawing_library import ASSETS, relink
 from ...report.words import with_words
+from ..identities import stated_identity
 from ..keys import code_key, digest, file_key, rig_key
 from ..progress import SILENT, Watch, check_threads, one_blas_thread
 from ..recordings import files_of, masks_key
@@ -102,7 +103,7 @@ def calibration_key(task: Task) -> str:
         paths += files_of(root, s, seen, s.cameras.names)
     detected = [s.detect] if len(paths) > known else []
     masks = masks_key(root, s, s.cameras.names) if detected else []
-    said = [s.name, s.cameras, c, s.calibrate, s.volume_mm, detected]
+    said = [s.name, asdict(stated_identity(s)), s.cameras, c, s.calibrate, s.volume_mm, detected]
     return digest(code_key(), file_key(*paths), said, masks)
 
 
@@ -118,6 +119,7 @@ def _made(task: Task, results: Path) -> tuple[Rig, dict[str, Any]]:
     since, change = _put_aside(results, rig, evidence)
     figures = with_words(calibration_figures(rig, evidence, session=task.settings.name, change=change, since=since))
     assets = None if task.settings.report.self_contained else results / ASSETS
+    figures["identity"] = asdict(stated_identity(task.settings))
     write_calibration_page(results / PAGE, figures=figures, rig=rig, evidence=evidence, assets=assets)
     write_quality(results / FIGURES, figures)
     return rig, figures

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -23,7 +24,17 @@ from .table import Strict
 A_METHOD = WithJsonSchema({"type": "object"})
 """Stands in the model's schema for what `schema.stage_schema` says of a stage."""
 
-RESERVED = (".", "..", "rig.toml", "steps.json", "calibration.json", "calibration.html", "calibrations", "assets")
+RESERVED = (
+    ".",
+    "..",
+    "rig.toml",
+    "steps.json",
+    "calibration.json",
+    "calibration.html",
+    "calibrations",
+    "assets",
+    "index.html",
+)
 """What a trial cannot be called, since results are kept by these names."""
 
 
@@ -101,6 +112,8 @@ class TrialEntry(Strict):
         description="pattern of a file of each camera with what an operator answers, who digitises the images by "
         "[digitise]",
     )
+    subject: str | None = Field(default=None, description="who was recorded; as the session says where absent")
+    date: datetime.date | None = Field(default=None, description="of the recording; as the session says where absent")
     frames: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]] | None = Field(
         default=None, description="first and last frame of the stretch to process, counted from 1; all where absent"
     )
@@ -146,6 +159,8 @@ class Settings(Strict):
     """The whole file."""
 
     name: str = Field(description="of the session")
+    subject: str | None = Field(default=None, description="who was recorded, by name or code; stands on every page")
+    date: datetime.date | None = Field(default=None, description="of the recording; stands on every page")
     rate_hz: float | None = Field(
         default=None,
         gt=0,

@@ -7,6 +7,7 @@ from .numbers import ByteOrder
 from .parameters import Group, Parameter
 from .reading import decode_document, read_document
 from .storing import document_of, stored, write_c3d
+from .subject import subject_of
 from .to_trial import read_c3d, trial_of
 from .writing import encode_document, write_document
 
@@ -23,6 +24,7 @@ __all__ = [
     "read_c3d",
     "read_document",
     "stored",
+    "subject_of",
     "trial_of",
     "with_parameters",
     "write_c3d",

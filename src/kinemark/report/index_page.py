@@ -1,0 +1,77 @@
+"""The trials of a session with their verdicts, key figures and pages, as one page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+from urllib.parse import quote
+
+from .formatting import measure, number, percent
+from .identity_text import identity_text
+from .templating import render, write_text
+
+NAV = {"calibration": "Calibration", "trials": "Trials"}
+"""Sections of the page, in their order."""
+HEAD = ("trial", "verdict", "recorded", "markers", "complete in view", "gaps", "median residual", "σ per axis", "pages")
+
+
+class Link(NamedTuple):
+    """A file beside the page, and what it is called."""
+
+    address: str
+    name: str
+
+
+class IndexRow(NamedTuple):
+    """A trial: its name, verdict (None where it was not processed yet), key figures and files."""
+
+    name: str
+    verdict: Mapping[str, Any] | None
+    about: str
+    cells: Sequence[str]
+    links: Sequence[Link]
+
+
+def index_row(name: str, quality: Mapping[str, Any] | None, files: Sequence[tuple[str, str]]) -> IndexRow:
+    """A trial by its figures, and its files, each as its path beside the page and its title."""
+    links = [Link(quote(path), title) for path, title in files]
+    if quality is None:
+        return IndexRow(name, None, "", [], links)
+    trajectories, recording = quality["trajectories"], quality["recording"]
+    cells = [
+        f"{measure(recording['duration_s'], 2, 's')}, {number(recording['rate_hz'])} Hz",
+        number(trajectories["count"]),
+        percent(trajectories["completeness_in_view_share"]),
+        number(trajectories["gaps"]),
+        measure(quality["points"]["residual_median_px"], 2, "px"),
+        measure(trajectories["sd_per_axis_mean_mm"], 2, "mm"),
+    ]
+    return IndexRow(name, quality["verdict"], identity_text(quality.get("identity")), cells, links)
+
+
+def index_page(*, session: str, calibration: Mapping[str, Any] | None, rows: Sequence[IndexRow], version: str) -> str:
+    """The page as text; `calibration` is what calibration.json holds, None where there is none yet."""
+    about = {row.about for row in rows if row.about}
+    return render(
+        "index.html",
+        library=None,
+        heading=f"Session {session}",
+        below=" · ".join([*(about if len(about) == 1 else ()), f"Kinemark {version}"]),
+        nav=NAV,
+        calibration=calibration,
+        head=HEAD,
+        rows=rows,
+        apart=len(about) > 1,
+    )
+
+
+def write_index(path: Path, **content: Any) -> None:
+    """Write `index_page` of this content, whole or not at all; a page that says the same stays as it is.
+
+    Raises:
+        KinemarkError: the folder cannot be written.
+    """
+    text = index_page(**content)
+    if not path.is_file() or path.read_text("utf-8") != text:
+        write_text(path, text)

@@ -1,0 +1,90 @@
+"""Pages as a browser shows them: no complaint, no sideways scrolling, drawings on demand, markers that play."""
+
+import re
+
+import pytest
+
+from kinemark.report import write_report
+from kinemark.report.drawing_library import ASSETS, drawing_library, relink
+from support.browser import opened
+from support.captures import capture, judge, ring, walk
+from support.many_tracks import long_trial
+from support.pages import PAGES
+
+LONG = "Participant_with_a_long_name_and_no_space_in_it:a_marker_that_has_a_long_name_too"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Every page, with long names, sharing a library; and a report in the folder of a trial."""
+    folder = tmp_path_factory.mktemp("results")
+    for name, make in PAGES.items():
+        page = folder / f"{name}.html"
+        page.write_text(make(LONG), encoding="utf-8")
+        relink(page, folder / ASSETS, self_contained=False)
+    rig = ring(6)
+    records = capture(rig, walk(markers=6, frames=150))
+    write_report(
+        folder / "walk 01/report.html", quality=judge(rig, records), rig=rig, **records, assets=folder / ASSETS
+    )
+    return folder
+
+
+@pytest.mark.parametrize(("name", "width"), [*((name, 400) for name in PAGES), ("gaps", 1366), ("sensitivity", 1366)])
+def test_pages_are_drawn_without_complaint_and_do_not_scroll_sideways(folder, name, width):
+    with opened(folder / f"{name}.html", width=width, height=768) as page:
+        assert page.errors == []
+        assert page.ask("document.documentElement.scrollWidth") <= width
+        drawn = "[...document.querySelectorAll('.plot')].filter(place => !place.querySelector('.main-svg')).length"
+        assert page.ask(drawn) == 0
+        assert page.ask("document.getElementById('undrawn')?.hidden ?? true")
+
+
+def test_a_page_in_a_folder_of_its_own_finds_the_library_and_plays(folder):
+    with opened(folder / "walk 01/report.html") as page:
+        dots = "document.getElementById('scene').data.at(-1)"
+        page.until("!!document.querySelector('#scene + .controls')")
+        began = page.ask(f"{dots}.name")
+        page.ask("document.querySelector('#scene + .controls button').click()")
+        page.until(f"{dots}.name !== {began!r}")
+        assert page.ask("document.querySelector('#scene + .controls button').textContent") == "Pause"
+        page.ask("document.querySelector('#scene + .controls button').click()")
+        page.ask("(s => { s.value = 100; s.oninput(); })(document.querySelector('#scene + .controls input'))")
+        page.until(f"{dots}.name === 'markers at 2.00 s'")
+        assert page.ask(f"{dots}.x.length") == 6 and page.errors == []
+
+
+def test_without_its_library_a_page_says_what_to_do(folder, tmp_path):
+    alone = tmp_path / "report.html"
+    alone.write_bytes((folder / "report.html").read_bytes())
+    with opened(alone) as page:
+        page.until("!document.getElementById('undrawn').hidden")
+        assert "--self-contained" in page.ask("document.getElementById('undrawn').innerText")
+    relink(alone, tmp_path / ASSETS, self_contained=True)
+    (tmp_path / ASSETS).mkdir(exist_ok=True)
+    with opened(alone) as page:
+        assert page.ask("document.querySelectorAll('.main-svg').length") > 0 and page.errors == []
+
+
+def test_a_trial_of_a_thousand_tracks_loads_at_once_and_is_not_endless(tmp_path):
+    write_report(tmp_path / "report.html", **long_trial(1000, 1000), assets=tmp_path / ASSETS)
+    with opened(tmp_path / "report.html", drawn=False) as page:
+        seconds = page.ask("performance.getEntriesByType('navigation')[0].loadEventEnd") / 1000
+        assert seconds < 2.0
+        assert page.ask("document.documentElement.scrollHeight") < 16_000
+        shown = "document.querySelectorAll('tbody:not([hidden]) tr').length"
+        folded = page.ask(shown)
+        page.ask("document.querySelector('.unfold button').click()")
+        assert page.ask(shown) > folded
+
+
+def test_pages_print_with_their_drawings(folder):
+    with opened(folder / "walk 01/report.html") as page:
+        told = page.send("Page.printToPDF", printBackground=True)["data"]
+        assert len(told) > 100_000
+        assert page.errors == []
+
+
+def test_the_library_is_left_alone_until_something_is_drawn(tmp_path):
+    library = drawing_library(tmp_path / "page.html", tmp_path / ASSETS)
+    assert not re.match("https?:", library.address)

@@ -16,6 +16,7 @@ from .finding import SEVERITIES, Finding, FindingKind, Grade, Severity
 from .finding_kinds import KINDS, make_finding
 from .marker_set import MarkerSet
 from .matches import Matches
+from .poses import Poses
 from .rig import PARAMETERS, Camera, Rig
 from .rods import Rods
 from .sample_images import SampleImages, images_of, matches_of
@@ -44,6 +45,7 @@ __all__ = [
     "MarkerTrajectory",
     "Matches",
     "Origin",
+    "Poses",
     "Rig",
     "Rods",
     "SampleImages",

@@ -9,7 +9,23 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from ..data import Cloud, Detections, Fills, KinemarkError, Matches, Rig, Rods, Signals, Tracks, Trajectories, Trial
+import numpy as np
+
+from ..data import (
+    Cloud,
+    Detections,
+    Fills,
+    KinemarkError,
+    MarkerTrajectory,
+    Matches,
+    Origin,
+    Rig,
+    Rods,
+    Signals,
+    Tracks,
+    Trajectories,
+    Trial,
+)
 from ..geometry import to_dlt
 from .c3d import read_c3d, write_c3d
 from .detections_csv import read_detections_csv, write_detections_csv
@@ -27,6 +43,7 @@ from .um2as import trajectories_of_tdc, write_tdc
 
 Content = Literal["trajectories", "detections", "rig"]
 """What can be written."""
+OTHER = "what else the source file held, such as its parameters"
 
 VIDEO = 30.0
 """Hz; stands where a .tdc file does not say its rate: UM²AS digitises video."""
@@ -91,8 +108,7 @@ def _toml(path: Path, said: Said) -> Rig | Rods:
 
 def _save(path: Path, record: Any) -> tuple[FileNote, ...]:
     save(path, record)
-    left = isinstance(record, Trial) and record.source is not None
-    return (FileNote("not_written", "what else the source file held"),) if left else ()
+    return ()
 
 
 def _markers_only(write: Callable[[Path, Trajectories], None]) -> Callable[[Path, Trial], tuple[FileNote, ...]]:
@@ -103,14 +119,28 @@ def _markers_only(write: Callable[[Path, Trajectories], None]) -> Callable[[Path
             raise KinemarkError(f"The source has no markers, and {path.suffix} holds nothing else. Convert to .c3d.")
         write(path, trial.trajectories)
         have = {
+            **_of_samples(trial.trajectories),
             "signals": trial.signals.names,
             "analog": tuple(name for a in trial.analog for name in a.names),
             "force plates": tuple(str(i + 1) for i in range(len(trial.plates))),
             "events": tuple(dict.fromkeys(trial.events.label)),
+            "poses": tuple(name for p in trial.poses for name in p.names),
         }
-        return tuple(FileNote("not_written", what, names) for what, names in have.items() if names)
+        left = [FileNote("not_written", what, names) for what, names in have.items() if names]
+        return (*left, *([FileNote("not_written", OTHER)] if trial.source is not None else []))
 
     return written
+
+
+def _of_samples(trajectories: Trajectories) -> dict[str, tuple[str, ...]]:
+    """The markers of which more than the position is known, by what it is."""
+    known: dict[str, Callable[[MarkerTrajectory], bool]] = {
+        "covariance": lambda path: bool(np.isfinite(path.cov).any()),
+        "residuals": lambda path: bool((np.nan_to_num(path.residual) > 0).any()),
+        "cameras": lambda path: bool(path.cameras.any()),
+        "which samples were filled or edited": lambda path: bool((path.origin > Origin.MEASURED).any()),
+    }
+    return {what: tuple(path.name for path in trajectories if has(path)) for what, has in known.items()}
 
 
 def _write_tdc(path: Path, trial: Trial) -> tuple[FileNote, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import takewhile
 
 import numpy as np
@@ -35,6 +35,8 @@ class C3D:
         header_events: events in the header.
         reserved: (512 bytes) the header without what stands in the fields above.
         data_block: block of the data, from 1; more room is made when the parameters need it.
+        rotations: (F r, R, 17) r samples a frame of R segments as stored, see `rotations`; (0, 0, 17) where there are none.
+        tail: bytes behind all that is known; kept as they are.
         notes: what was odd in the file and how it was read; not written.
     """
 
@@ -52,6 +54,8 @@ class C3D:
     header_events: tuple[HeaderEvent, ...] = ()
     reserved: bytes = bytes(BLOCK)
     data_block: int = 3
+    rotations: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 17)))
+    tail: bytes = b""
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -63,6 +67,7 @@ class C3D:
             word=column("word", self.word, np.float64, f, m),
             analog=column("analog", self.analog, np.float64, None, n),
             groups=tuple(self.groups),
+            rotations=column("rotations", self.rotations, np.float64, None, None, 17),
         )
 
     @property

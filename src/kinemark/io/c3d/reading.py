@@ -17,6 +17,7 @@ from .header import C3DHeader, byte_order, decode_header, parameter_offset
 from .layout import Layout, layout_of
 from .numbers import ByteOrder, decode_floats, decode_words
 from .parameters import BLOCK, Group, decode_parameters
+from .rotations import WIDTH, RotationTable, rotation_table, rotations_in
 
 MOST_BLOCKS = 65535  # of a parameter section; chosen, the most that a word of 16 bits counts
 
@@ -45,17 +46,21 @@ def decode_document(raw: bytes, *, name: str, partial: bool = False) -> C3D:
     groups, lost, odd = decode_parameters(raw[start + 4 : stated if sound else start + MOST_BLOCKS * BLOCK], order)
     doc = _without_data(header, order, groups, name)
     end = stated if sound else _data_start(doc, header, start, raw, name)
-    layout = layout_of(header, doc, len(raw) - end)
+    table = rotation_table(doc)
+    space = (table.start if table and end < table.start <= len(raw) else len(raw)) - end
+    layout = layout_of(header, doc, space)
     size = (4 if doc.floats else 2) * layout.width
-    held = min(layout.frames, (len(raw) - end) // size) if size else layout.frames
+    held = min(layout.frames, space // size) if size else layout.frames
     if held < layout.frames:
         lost = (*lost, f"frames {held + 1} to {layout.frames} of {layout.frames}, for the file ends")
+    doc, absent = _with_rest(doc, table, raw, layout.frames, end + size * layout.frames)
+    lost = (*lost, *absent)
     if lost and not partial:
         raise KinemarkError(
             f"{name} ({len(raw)} bytes) is cut off or damaged. Unreadable: {'; '.join(lost)}. "
             "Copy or export it again, or read what is left with partial=True."
         )
-    oddities = _oddities(doc, header, layout, end, len(raw) - end - size * layout.frames)
+    oddities = _oddities(doc, header, layout, end, len(doc.tail))
     notes = (*(f"unreadable: {what}" for what in lost), *odd, *oddities)
     doc = replace(doc, first_frame=layout.first_frame, data_block=end // BLOCK + 1, notes=notes)
     return _with_data(doc, replace(layout, frames=held), np.frombuffer(raw, np.uint8, size * held, end))
@@ -79,6 +84,21 @@ def _without_data(header: C3DHeader, order: ByteOrder, groups: tuple[Group, ...]
         header_events=header.events,
         reserved=header.reserved,
     )
+
+
+def _with_rest(
+    doc: C3D, table: RotationTable | None, raw: bytes, frames: int, stop: int
+) -> tuple[C3D, tuple[str, ...]]:
+    """The document with what follows the last frame, which ends before byte `stop`, and what of it the file lacks."""
+    absent: tuple[str, ...] = ()
+    if table is not None:
+        samples, first, end = rotations_in(doc, table, raw, frames, stop)
+        between = raw[stop + -stop % BLOCK : first]
+        if end - first < frames * table.ratio * table.used * 4 * WIDTH:
+            absent = (f"rotations of {table.used} segments, for the file ends",)
+        kept = (between if any(between) else b"") + raw[end + -end % BLOCK :]
+        return replace(doc, rotations=samples, tail=kept), absent
+    return replace(doc, tail=raw[stop:] if len(raw) - stop >= BLOCK else b""), absent
 
 
 def _data_start(doc: C3D, header: C3DHeader, start: int, raw: bytes, name: str) -> int:
@@ -107,8 +127,8 @@ def _oddities(doc: C3D, header: C3DHeader, layout: Layout, end: int, rest: int) 
     ]
     if not doc.groups:
         notes.append("no parameters; all is taken from the header")
-    if rest >= BLOCK:
-        notes.append(f"{rest} bytes after the last frame are not read")
+    if rest:
+        notes.append(f"{rest} bytes after the last frame are not understood; they are kept as they are")
     return tuple(notes)
 
 

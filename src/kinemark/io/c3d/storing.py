@@ -19,6 +19,7 @@ from .analog_rates import on_frames
 from .document import C3D, with_parameters
 from .numbers import ByteOrder
 from .parameters import Parameter
+from .rotations import with_rotations
 from .storing_analog import with_analog, with_plates
 from .storing_points import with_points
 from .tables import matched, rows_from, with_numbers, with_text
@@ -73,8 +74,9 @@ def stored(
     analog, about_analog = on_frames(trial.analog, rate, len(doc.points))
     doc = with_analog(doc, source, analog, shift=first - source.first_frame, floats=floats)
     doc = with_events(with_plates(doc, trial.plates), trial)
+    doc, about_poses = with_rotations(doc, source, trial.poses, shift=first - source.first_frame)
     changed = doc.points.shape != source.points.shape or doc.analog.shape != source.analog.shape
-    return with_counts(doc) if changed or not own else doc, (*about_signals, *about_analog)
+    return with_counts(doc) if changed or not own else doc, (*about_signals, *about_analog, *about_poses)
 
 
 def with_events(doc: C3D, trial: Trial) -> C3D:

@@ -13,6 +13,7 @@ from .document import C3D, has_unsigned_analog, with_parameters
 from .parameters import Parameter
 from .points import LENGTH, Samples, distinct, kinds_of, mm_per_unit, point_names, samples_of
 from .reading import read_document
+from .rotations import poses_of
 from .signal_points import signals_of
 
 N_CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6}
@@ -59,6 +60,8 @@ def trial_of(doc: C3D, *, name: str) -> Trial:
         events=events_of(doc),
         source=doc,
         signals=signals_of(doc, names, kinds, samples.xyz),
+        poses=poses_of(doc),
+        notes=doc.notes,
     )
 
 

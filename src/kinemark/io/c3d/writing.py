@@ -14,6 +14,7 @@ from .header import C3DHeader, encode_header
 from .layout import Layout, layout_of
 from .numbers import encode_floats, encode_words
 from .parameters import BLOCK, Parameter, encode_parameters
+from .rotations import encode_rotations, with_rotation_start
 
 
 def write_document(path: Path | str, doc: C3D) -> None:
@@ -36,14 +37,18 @@ def encode_document(doc: C3D) -> bytes:
         0 <= m <= 65535 and len(doc.analog) <= 65535 and 0 <= doc.samples <= 65535 and 0 <= doc.first_frame < 2**31
     ):
         raise ValueError(f"C3D holds 65 535 points, channels and samples a frame, found {layout}")
-    data = _encode_data(doc)
-    if layout.first_frame + layout.frames <= 65535:  # else some readers count frames by the size of the file
+    data, rest = _encode_data(doc), doc.tail
+    # Where there are many frames, some readers count them by the size of the file.
+    if doc.rotations.size or (layout.first_frame + layout.frames <= 65535 and not rest):
         data += bytes(-len(data) % BLOCK)
-    if not _counts_agree(doc, layout, len(data)):
+    if doc.rotations.size:
+        turns = encode_rotations(doc)
+        rest = turns + bytes(-len(turns) % BLOCK) + rest
+    if not _counts_agree(doc, layout, len(data) + (0 if doc.rotations.size else len(rest))):
         doc = with_counts(doc)
-    doc, section = _placed(doc)
+    doc, section = _placed(doc, len(data) // BLOCK)
     spare = bytes((doc.data_block - 1) * BLOCK - BLOCK - len(section))
-    return b"".join([encode_header(_header(doc, layout), doc.order), section, spare, data])
+    return b"".join([encode_header(_header(doc, layout), doc.order), section, spare, data, rest])
 
 
 def _header(doc: C3D, layout: Layout) -> C3DHeader:
@@ -86,18 +91,25 @@ def with_counts(doc: C3D) -> C3D:
     return with_parameters(doc, "TRIAL", trial)
 
 
-def _placed(doc: C3D) -> tuple[C3D, bytes]:
-    """The document with a data block behind its parameters, and these encoded with their head."""
+def _placed(doc: C3D, blocks: int) -> tuple[C3D, bytes]:
+    """The document with a data block behind its parameters, and these encoded with their head.
+
+    Args:
+        doc: the document. blocks: of its points and channels, behind which rotations stand.
+    """
+    if doc.rotations.size:
+        doc = with_rotation_start(doc, doc.data_block + blocks)
     body = encode_parameters(doc.groups, doc.order)
     needed = 2 + -(-(len(body) + 4) // BLOCK)
     if needed > 65535:
         raise ValueError(f"the parameters take {len(body)} bytes; C3D has room for 33 million")
     moved = replace(doc, data_block=max(needed, doc.data_block))
     pointer = doc.get("POINT", "DATA_START")
-    if pointer is not None and moved.data_block != doc.data_block:
-        moved = with_parameters(
-            moved, "POINT", [Parameter.whole("DATA_START", np.full(pointer.values.shape, moved.data_block))]
-        )
+    if moved.data_block != doc.data_block and (pointer is not None or doc.rotations.size):
+        if pointer is not None:
+            start = Parameter.whole("DATA_START", np.full(pointer.values.shape, moved.data_block))
+            moved = with_parameters(moved, "POINT", [start])
+        moved = with_rotation_start(moved, moved.data_block + blocks) if doc.rotations.size else moved
         body = encode_parameters(moved.groups, doc.order)
     return moved, bytes([1, 0x50, min(moved.data_block - 2, 255), doc.order]) + body
 

@@ -15,7 +15,16 @@ from ..engine.progress import Progress
 
 errors = Console(stderr=True)
 
-LengthUnit = Literal["mm", "cm", "m", "in"] | None
+LengthUnit = Annotated[
+    Literal["mm", "cm", "m", "in"] | None,
+    Parameter(help="Unit of length of a file that is silent or wrong about it."),
+]
+Rate = Annotated[
+    float | None, Parameter(name="--rate-hz", help="Frames a second of a file that is silent or wrong about it.")
+]
+Partial = Annotated[
+    bool, Parameter(name="--partial", negative="", help="Read what there is of a file that is cut off or damaged.")
+]
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the results for a machine.")]
 Set = Annotated[
     list[str] | None,

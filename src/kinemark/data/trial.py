@@ -47,6 +47,7 @@ class Trial:
         steps: how the trial was made.
         signals: angles, moments, powers, forces and other quantities that were computed.
         poses: of segments, each record at its own rate.
+        about: what else is known of the capture, by name: "date", "subject", …
         notes: what was odd in the file and how it was read, in words; only HDF5 keeps them.
     """
 
@@ -59,6 +60,7 @@ class Trial:
     steps: tuple[Step, ...] = ()
     signals: Signals = field(default_factory=Signals)
     poses: tuple[Poses, ...] = ()
+    about: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

@@ -38,7 +38,7 @@ from .rig_toml import read_rig_toml, write_rig_toml
 from .rods_toml import read_rods
 from .tdf import Tdf, read_tdf
 from .trajectories_csv import read_trajectories_csv, write_trajectories_csv
-from .trc import read_trc, write_trc
+from .trc import read_trc_trial, write_trc
 from .um2as import trajectories_of_tdc, write_tdc
 
 Content = Literal["trajectories", "detections", "rig"]
@@ -68,10 +68,13 @@ HOLDS: dict[type, str] = {
 
 
 class Said(NamedTuple):
-    """What the caller says of a file that does not say it itself: Hz, unit of length, and which content a CSV has."""
+    """What the caller says of a file: Hz and unit of length where it is silent or wrong about them, whether to read what
+    there is of a damaged one, and which content a CSV has.
+    """
 
     rate_hz: float | None = None
     length_unit: str | None = None
+    partial: bool = False
     what: Content | None = None
 
 
@@ -169,9 +172,15 @@ def _whole(write: Callable[[Path, Any], None]) -> Callable[[Path, Any], tuple[Fi
 
 
 FORMATS: dict[str, Format] = {
-    ".c3d": Format(lambda p, said: read_c3d(p, units=said.length_unit), {"trajectories": write_c3d}),
+    ".c3d": Format(
+        lambda p, said: read_c3d(p, units=said.length_unit, rate_hz=said.rate_hz, partial=said.partial),
+        {"trajectories": write_c3d},
+    ),
     ".tdf": Format(_tdf),
-    ".trc": Format(lambda p, said: Trial(p.stem, read_trc(p)), {"trajectories": _markers_only(write_trc)}),
+    ".trc": Format(
+        lambda p, said: read_trc_trial(p, length_unit=said.length_unit, rate_hz=said.rate_hz, partial=said.partial),
+        {"trajectories": _markers_only(write_trc)},
+    ),
     ".csv": Format(
         _csv,
         {

@@ -65,8 +65,8 @@ UNITS: dict[type, dict[str, str]] = {
 SOURCE = "source_c3d"
 """Dataset of the bytes of a trial's C3D document."""
 NOT_STORED = {(Trial, "source")}
-ADDED = ("notes",)
-"""Texts that files of the first release lack."""
+ADDED = ("notes", "about")
+"""Fields that files of the first version lack."""
 
 
 def save(path: Path | str, record: Record) -> None:
@@ -201,7 +201,7 @@ def field(group: h5py.Group, kind: type, name: str, hint: Any) -> Any:
     if get_origin(hint) is tuple:
         return tuple(rows(group, name, options[0]))
     if get_origin(hint) in (dict, Mapping):
-        return json.loads(group.attrs[attribute])
+        return json.loads(group.attrs.get(attribute, "{}") if name in ADDED else group.attrs[attribute])
     if fields_of(hint):
         return get(inside(group, name, h5py.Group), hint)
     return hint(group.attrs[attribute])

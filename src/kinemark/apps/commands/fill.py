@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from ...data import KinemarkError
 from ...engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ...fill import LIMIT, GapEdges
-from ..output import Json, LengthUnit, print_result, progress
+from ..output import Json, LengthUnit, Partial, Rate, print_result, progress
 
 
 def fill(
@@ -26,8 +26,9 @@ def fill(
     trim: int = GapEdges().most_trimmed,
     static: Path | None = None,
     report: bool = False,
-    rate_hz: float | None = None,
+    rate_hz: Rate = None,
     length_unit: LengthUnit = None,
+    partial: Partial = False,
     json: Json = False,
 ) -> None:
     """Fill the gaps of a trial's markers, each with an expected error; all else in the file stays as it was.
@@ -44,8 +45,6 @@ def fill(
         trim: so many bad samples may be replaced on each side of a gap; 0 keeps all that was measured.
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
-        rate_hz: of a CSV or TDC file that does not say it.
-        length_unit: of a C3D file that does not say it.
         json: print what became of every gap for a machine.
     """
     chosen = fill_method(method, set or (), model=model)
@@ -54,7 +53,7 @@ def fill(
             (source, *sources), output, report=report,
             on_done=lambda n: tell("fill", n, 1 + len(sources)), method=chosen,
             name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
-            length_unit=length_unit,
+            length_unit=length_unit, partial=partial,
         )  # fmt: skip
     print_result(filled_figures(done) if json else filled_text(done))
     if any(isinstance(found, KinemarkError) for found in done.values()):

@@ -80,7 +80,7 @@ def mm_per_unit(doc: C3D) -> float:
     """
     unit = next(iter(doc.texts("POINT", "UNITS")), "") or "mm"
     if (mm := mm_per(unit)) is None:
-        raise KinemarkError(f"POINT:UNITS is {unit!r}, wanted {USUAL}. State the true one: units='mm'.")
+        raise KinemarkError(f"POINT:UNITS is {unit!r}, wanted {USUAL}. State the true one: --length-unit mm (units='mm').")
     return mm
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,12 +23,15 @@ PLATE_COLUMNS = {"CORNERS": 3, "ORIGIN": 2, "CHANNEL": 2, "CAL_MATRIX": 3}
 """Parameters of a force plate and how many dimensions they have."""
 
 
-def read_c3d(path: Path | str, *, units: str | None = None, partial: bool = False) -> Trial:
+def read_c3d(
+    path: Path | str, *, units: str | None = None, rate_hz: float | None = None, partial: bool = False
+) -> Trial:
     """A trial from a C3D file. `Trial.source` keeps the file's own document, so that writing gives it back.
 
     Args:
         path: the file.
         units: unit of its lengths where the file is silent or wrong: "mm", "cm", "m", "in".
+        rate_hz: frames a second, where the file is silent or wrong about it.
         partial: read what there is of a damaged file; `trial.source.notes` says what is not.
 
     Raises:
@@ -36,6 +40,8 @@ def read_c3d(path: Path | str, *, units: str | None = None, partial: bool = Fals
     doc = read_document(path, partial=partial)
     if units is not None:
         doc = with_parameters(doc, "POINT", [Parameter.text("UNITS", units)])
+    if rate_hz is not None:
+        doc = with_parameters(replace(doc, rate=rate_hz), "POINT", [Parameter.real("RATE", rate_hz)])
     try:
         return trial_of(doc, name=Path(path).stem)
     except KinemarkError as error:
@@ -49,7 +55,7 @@ def trial_of(doc: C3D, *, name: str) -> Trial:
         KinemarkError: its unit is unknown or its rate is.
     """
     if doc.rate <= 0:
-        raise KinemarkError("the file states no frame rate. Set POINT:RATE and write it again.")
+        raise KinemarkError("the file states no frame rate. State the true one: --rate-hz (rate_hz=100.0).")
     analog, names, samples = analog_of(doc), point_names(doc), samples_of(doc)
     kinds = kinds_of(doc, names)
     return Trial(

@@ -6,14 +6,23 @@ import json
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Annotated, Literal
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
-from rich.console import Console
 
 from ..engine.progress import Progress
 
-errors = Console(stderr=True)
+if TYPE_CHECKING:
+    from rich.console import Console
+
+@cache
+def errors() -> Console:
+    """Where errors and progress go."""
+    from rich.console import Console  # most commands end well and at once
+
+    return Console(stderr=True)
+
 
 LengthUnit = Annotated[
     Literal["mm", "cm", "m", "in"] | None,
@@ -49,7 +58,7 @@ def progress() -> Iterator[Progress]:
         bars.MofNCompleteColumn(),
         bars.TimeElapsedColumn(),
     )
-    with bars.Progress(*columns, console=errors, disable=not errors.is_terminal) as shown:
+    with bars.Progress(*columns, console=errors(), disable=not errors().is_terminal) as shown:
         tasks: dict[str, bars.TaskID] = {}
 
         def tell(stage: str, done: int, total: int) -> None:

@@ -7,15 +7,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from ..data import Analog, Cloud, Detections, Matches, Rig, Rods, Signals, Tracks, Trajectories, Trial
+from ..data import Analog, Detections, Rig, Signals, Trajectories, Trial
 from ..io.formats import UNSAID, Said, holds, read_file
-from ..io.images import ImageSource
 from ..io.tdf import Tdf
 from .session_name import FILE
 
 if TYPE_CHECKING:
+    from ..io.images import ImageSource
     from .session import Session
 
 
@@ -32,21 +30,21 @@ def describe(path: Path, said: Said = Said()) -> dict[str, Any]:  # noqa: B008  
     if is_session(path):
         return _session(open_session(path))
     found = read_file(path, said)
-    describers: dict[type, Callable[[Any], dict[str, Any]]] = {
-        Trial: _trial,
-        Trajectories: lambda t: _trial(Trial("", t)),
-        Signals: lambda s: {"signals": _signals(s)},
-        Tdf: _tdf,
-        Rig: _rig,
-        Detections: _detections,
-        Matches: lambda m: {"frames": m.n_frames, "groups": len(m)},
-        Cloud: lambda c: {"frames": c.n_frames, "points": len(c)},
-        Tracks: lambda t: {"frames": t.cloud.n_frames, "tracks": len(t), "points": len(t.cloud)},
-        ImageSource: _images,
-        Rods: lambda r: {"rods": list(r.names), "markers_on_each": int(r.xyz.shape[1])},
-        np.ndarray: lambda L: {"cameras": len(L)},
+    describers: dict[str, Callable[[Any], dict[str, Any]]] = {
+        "Trial": _trial,
+        "Trajectories": lambda t: _trial(Trial("", t)),
+        "Signals": lambda s: {"signals": _signals(s)},
+        "Tdf": _tdf,
+        "Rig": _rig,
+        "Detections": _detections,
+        "Matches": lambda m: {"frames": m.n_frames, "groups": len(m)},
+        "Cloud": lambda c: {"frames": c.n_frames, "points": len(c)},
+        "Tracks": lambda t: {"frames": t.cloud.n_frames, "tracks": len(t), "points": len(t.cloud)},
+        "ImageSource": _images,
+        "Rods": lambda r: {"rods": list(r.names), "markers_on_each": int(r.xyz.shape[1])},
+        "ndarray": lambda L: {"cameras": len(L)},
     }
-    known = describers.get(type(found), lambda _: {})
+    known = describers.get(type(found).__name__, lambda _: {})
     return {"holds": holds(found)} | known(found)
 
 

@@ -1,6 +1,7 @@
 """The one table of file formats: by its ending, and where that leaves it open by its content, what a file holds.
 
-Reading gives the record that fits; writing takes a trial, detections or a rig. A new format is one row here.
+Reading gives the record that fits; writing takes a trial, detections or a rig. A new format is one row here. What
+brings a large library (HDF5, video, TOML) is imported when such a file is met, so that others do not wait for it.
 """
 
 from __future__ import annotations
@@ -26,20 +27,14 @@ from ..data import (
     Trajectories,
     Trial,
 )
-from ..geometry import to_dlt
 from .c3d import read_c3d, write_c3d
 from .detections_csv import read_detections_csv, write_detections_csv
 from .dlt_csv import read_dlt_csv, write_dlt_csv
-from .images import ImageSource, open_images
 from .notes import FileNote
 from .number_text import read_text
-from .records import load, save
-from .rig_toml import read_rig_toml, write_rig_toml
-from .rods_toml import read_rods
 from .tdf import Tdf, read_tdf
 from .trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .trc import read_trc_trial, write_trc
-from .um2as import trajectories_of_tdc, write_tdc
 
 Content = Literal["trajectories", "detections", "rig"]
 """What can be written."""
@@ -50,21 +45,21 @@ VIDEO = 30.0
 UNSAID = 1.0
 """Hz; stands where a detections CSV does not say its rate; chosen."""
 IMAGES = (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".mkv", ".mp4", ".avi", ".mov", ".mpg", ".m4v")
-HOLDS: dict[type, str] = {
-    Trial: "a trial",
-    Trajectories: "trajectories",
-    Signals: "signals",
-    Tdf: "a BTS recording",
-    Rig: "a calibrated rig",
-    Rods: "hanging rods",
-    Detections: "2D points",
-    Matches: "matches",
-    Cloud: "points without names",
-    Tracks: "tracks",
-    Fills: "filled samples",
-    ImageSource: "images",
+HOLDS = {
+    "Trial": "a trial",
+    "Trajectories": "trajectories",
+    "Signals": "signals",
+    "Tdf": "a BTS recording",
+    "Rig": "a calibrated rig",
+    "Rods": "hanging rods",
+    "Detections": "2D points",
+    "Matches": "matches",
+    "Cloud": "points without names",
+    "Tracks": "tracks",
+    "Fills": "filled samples",
+    "ImageSource": "images",
 }
-"""What a record is called; arrays are DLT parameters."""
+"""What a record of each class is called; arrays are DLT parameters."""
 
 
 class Said(NamedTuple):
@@ -106,10 +101,21 @@ def _tdf(path: Path, said: Said) -> Tdf:
 
 
 def _toml(path: Path, said: Said) -> Rig | Rods:
+    from .rig_toml import read_rig_toml
+    from .rods_toml import read_rods
+
     return read_rods(path) if path.name == "rods.toml" else read_rig_toml(path, said.length_unit)
 
 
+def _load(path: Path, said: Said) -> Any:
+    from .records import load
+
+    return load(path)
+
+
 def _save(path: Path, record: Any) -> tuple[FileNote, ...]:
+    from .records import save
+
     save(path, record)
     return ()
 
@@ -146,8 +152,16 @@ def _of_samples(trajectories: Trajectories) -> dict[str, tuple[str, ...]]:
     return {what: tuple(path.name for path in trajectories if has(path)) for what, has in known.items()}
 
 
+def _tdc(path: Path, said: Said) -> Trial:
+    from .um2as import trajectories_of_tdc
+
+    return Trial(path.stem, trajectories_of_tdc(path, rate=said.rate_hz or VIDEO))
+
+
 def _write_tdc(path: Path, trial: Trial) -> tuple[FileNote, ...]:
     """UM²AS's file holds places alone."""
+    from .um2as import write_tdc
+
     left = _markers_only(lambda p, t: write_tdc(p, t.xyz))(path, trial)
     return (*left, FileNote("not_written", "rate and names of markers"))
 
@@ -158,7 +172,15 @@ def _write_dlt(path: Path, rig: Rig) -> None:
         raise KinemarkError(
             f"Cameras {', '.join(bent)} have lens distortion, which DLT parameters do not hold. Write a .toml instead."
         )
+    from ..geometry import to_dlt
+
     write_dlt_csv(path, to_dlt(rig.P))
+
+
+def _write_rig(path: Path, rig: Rig) -> None:
+    from .rig_toml import write_rig_toml
+
+    write_rig_toml(path, rig)
 
 
 def _whole(write: Callable[[Path, Any], None]) -> Callable[[Path, Any], tuple[FileNote, ...]]:
@@ -189,12 +211,9 @@ FORMATS: dict[str, Format] = {
             "rig": _whole(_write_dlt),
         },
     ),
-    ".h5": Format(lambda p, said: load(p), {"trajectories": _save, "detections": _save}),
-    ".tdc": Format(
-        lambda p, said: Trial(p.stem, trajectories_of_tdc(p, rate=said.rate_hz or VIDEO)),
-        {"trajectories": _write_tdc},
-    ),
-    ".toml": Format(_toml, {"rig": _whole(write_rig_toml)}),
+    ".h5": Format(_load, {"trajectories": _save, "detections": _save}),
+    ".tdc": Format(_tdc, {"trajectories": _write_tdc}),
+    ".toml": Format(_toml, {"rig": _whole(_write_rig)}),
 }
 
 
@@ -205,7 +224,7 @@ def endings(content: Content) -> tuple[str, ...]:
 
 def holds(found: Any) -> str:
     """What a record is, in words."""
-    return HOLDS.get(type(found), "DLT parameters")
+    return HOLDS.get(type(found).__name__, "DLT parameters")
 
 
 def read_file(path: Path, said: Said = Said()) -> Any:  # noqa: B008  frozen
@@ -218,6 +237,8 @@ def read_file(path: Path, said: Said = Said()) -> Any:  # noqa: B008  frozen
     if ending in FORMATS:
         return FORMATS[ending].read(path, said)
     if ending in IMAGES:
+        from .images import open_images
+
         return open_images(path)
     raise KinemarkError(
         f"{path} is of no known kind. Known are sessions, {', '.join(FORMATS)}, and images and videos as "

@@ -104,7 +104,8 @@ def _unit(path: Path | str, found: TrcTable, stated: str | None) -> tuple[float,
 def _rate(path: Path | str, found: TrcTable, said: float | None) -> tuple[float, tuple[str, ...]]:
     """Frames a second."""
     step = np.diff(found.table[:, 1])
-    timed = 1 / float(np.median(step)) if step.size and np.isfinite(step).all() and np.median(step) > 0 else math.nan
+    usual = float(np.sort(step)[step.size // 2]) if step.size and np.isfinite(step).all() else 0.0
+    timed = 1 / usual if usual > 0 else math.nan
     if said is not None:
         return said, ()
     stated = _number(path, found, "datarate")

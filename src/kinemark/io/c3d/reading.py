@@ -15,8 +15,10 @@ from ..files import read_bytes
 from .document import C3D, has_unsigned_analog
 from .header import C3DHeader, byte_order, decode_header, parameter_offset
 from .layout import Layout, layout_of
+from .number_format import number_format
 from .numbers import ByteOrder, decode_floats, decode_words
 from .parameters import BLOCK, Group, decode_parameters
+from .sample_table import section_in, section_start
 from .rotations import WIDTH, RotationTable, rotation_table, rotations_in
 
 MOST_BLOCKS = 65535  # of a parameter section; chosen, the most that a word of 16 bits counts
@@ -44,10 +46,14 @@ def decode_document(raw: bytes, *, name: str, partial: bool = False) -> C3D:
     stated = (header.data_block - 1) * BLOCK
     sound = start < stated <= len(raw)
     groups, lost, odd = decode_parameters(raw[start + 4 : stated if sound else start + MOST_BLOCKS * BLOCK], order)
-    doc = _without_data(header, order, groups, name)
+    doc = _without_data(header, order, groups)
     end = stated if sound else _data_start(doc, header, start, raw, name)
     table = rotation_table(doc)
-    space = (table.start if table and end < table.start <= len(raw) else len(raw)) - end
+    starts = (table.start if table else 0, section_start(doc))
+    space = min((at for at in starts if end < at <= len(raw)), default=len(raw)) - end
+    if (found := number_format(doc, header, space)) is None:
+        raise KinemarkError(f"{name} states the scale {header.scale}: whether it holds floats or integers is unknown.")
+    doc, scaling = found
     layout = layout_of(header, doc, space)
     size = (4 if doc.floats else 2) * layout.width
     held = min(layout.frames, space // size) if size else layout.frames
@@ -61,24 +67,18 @@ def decode_document(raw: bytes, *, name: str, partial: bool = False) -> C3D:
             "Copy or export it again, or read what is left with --partial (partial=True)."
         )
     oddities = _oddities(doc, header, layout, end, len(doc.tail))
-    notes = (*(f"unreadable: {what}" for what in lost), *odd, *oddities)
+    notes = (*(f"unreadable: {what}" for what in lost), *odd, *oddities, *scaling)
     doc = replace(doc, first_frame=layout.first_frame, data_block=end // BLOCK + 1, notes=notes)
     return _with_data(doc, replace(layout, frames=held), np.frombuffer(raw, np.uint8, size * held, end))
 
 
-def _without_data(header: C3DHeader, order: ByteOrder, groups: tuple[Group, ...], name: str) -> C3D:
-    """The document with all but its points and analog."""
+def _without_data(header: C3DHeader, order: ByteOrder, groups: tuple[Group, ...]) -> C3D:
+    """The document with all but its points and analog, and their number format."""
     none = np.zeros((0, 0))
     bare = C3D(order, True, 0.0, np.zeros((0, 0, 3)), none, none, 0, groups)
-    scales = (bare.number("POINT", "SCALE", 0.0), header.scale)
-    scale = next((s for s in scales if math.isfinite(s) and s != 0), 0.0)
-    if scale == 0:
-        raise KinemarkError(f"{name} states the scale {header.scale}: whether it holds floats or integers is unknown.")
     rates = (bare.number("POINT", "RATE", 0.0), header.rate)
     return replace(
         bare,
-        floats=scale < 0,
-        scale=abs(scale),
         rate=next((rate for rate in rates if math.isfinite(rate) and rate > 0), 0.0),
         max_gap=header.max_gap,
         header_events=header.events,
@@ -91,13 +91,19 @@ def _with_rest(
 ) -> tuple[C3D, tuple[str, ...]]:
     """The document with what follows the last frame, which ends before byte `stop`, and what of it the file lacks."""
     absent: tuple[str, ...] = ()
+    between, end = b"", stop
     if table is not None:
         samples, first, end = rotations_in(doc, table, raw, frames, stop)
         between = raw[stop + -stop % BLOCK : first]
         if end - first < frames * table.ratio * table.used * 4 * WIDTH:
             absent = (f"rotations of {table.used} segments, for the file ends",)
+        doc = replace(doc, rotations=samples)
+    section, end = section_in(doc, raw, end)
+    if table is not None or section:
         kept = (between if any(between) else b"") + raw[end + -end % BLOCK :]
-        return replace(doc, rotations=samples, tail=kept), absent
+        return replace(doc, sample_table=section, tail=kept), absent
+    if section_start(doc):
+        absent = (*absent, "the covariances of the markers, for the file ends")
     return replace(doc, tail=raw[stop:] if len(raw) - stop >= BLOCK else b""), absent
 
 

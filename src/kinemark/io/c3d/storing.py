@@ -20,6 +20,7 @@ from .document import C3D, with_parameters
 from .numbers import ByteOrder
 from .parameters import Parameter
 from .rotations import with_rotations
+from .sample_table import with_table
 from .storing_analog import with_analog, with_plates
 from .storing_points import with_points
 from .tables import matched, rows_from, with_numbers, with_text
@@ -33,8 +34,8 @@ def write_c3d(
     """Write a trial as a C3D file; returns what the file could not hold as it was.
 
     Filled samples have the residual 0 and no camera, as C3D wants it; a group KINEMARK names them where that does not
-    tell. Signals become points (`signal_points`), channels go on one clock (`analog_rates`). What C3D has no place for
-    is not written: covariances of markers, the steps, the images behind samples, and cameras beyond the seventh.
+    tell. Covariances of markers and what was edited stand in a section of our own (`sample_table`). Signals become points (`signal_points`), channels go on one clock (`analog_rates`). What C3D has no place for
+    is not written: the steps, the images behind samples, and cameras beyond the seventh.
 
     Args:
         path: the file.
@@ -75,6 +76,7 @@ def stored(
     doc = with_analog(doc, source, analog, shift=first - source.first_frame, floats=floats)
     doc = with_events(with_plates(doc, trial.plates), trial)
     doc, about_poses = with_rotations(doc, source, trial.poses, shift=first - source.first_frame)
+    doc = with_table(doc, trial.trajectories)
     changed = doc.points.shape != source.points.shape or doc.analog.shape != source.analog.shape
     return with_counts(doc) if changed or not own else doc, (*about_signals, *about_analog, *about_poses)
 

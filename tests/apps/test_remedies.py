@@ -9,7 +9,7 @@ import pytest
 from kinemark.apps import cli
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial
 from kinemark.engine.describe import describe
-from kinemark.io.c3d import encode_document, document_of
+from kinemark.io.c3d import document_of, encode_document
 from kinemark.io.trial import read_trial, write_trial
 from support.poses import made_poses
 from support.trials import made_trial

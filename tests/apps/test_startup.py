@@ -23,7 +23,9 @@ print("LOADED", *[name for name in {names} if name in sys.modules])
 
 
 def loaded(*arguments):
-    done = subprocess.run([sys.executable, "-c", CALL, *map(str, arguments)], capture_output=True, text=True, timeout=100)
+    done = subprocess.run(
+        [sys.executable, "-c", CALL, *map(str, arguments)], capture_output=True, text=True, timeout=100
+    )
     assert "LOADED" in done.stdout, done.stderr
     return done.stdout.split("LOADED")[1].split()
 

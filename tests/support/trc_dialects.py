@@ -108,7 +108,9 @@ DIALECTS = {
     "names without empty cells": Dialect(lambda t: replace(t, names=[cell for cell in t.names if cell])),
     "names three times": Dialect(lambda t: once_an_axis(t, "")),
     "names with _X, _Y, _Z": Dialect(lambda t: once_an_axis(t, "_")),
-    "rows end at the last marker seen": Dialect(lambda t: replace(t, rows=[stripped(row) for row in t.rows]), says=True),
+    "rows end at the last marker seen": Dialect(
+        lambda t: replace(t, rows=[stripped(row) for row in t.rows]), says=True
+    ),
     "zeros as gaps": Dialect(lambda t: rewritten(t, lambda cell: cell or "0.000000")),
     "NaN as gaps": Dialect(lambda t: rewritten(t, lambda cell: cell or "NaN")),
     "1.#QNAN as gaps": Dialect(lambda t: rewritten(t, lambda cell: cell or "-1.#QNAN0")),

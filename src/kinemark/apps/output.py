@@ -16,6 +16,7 @@ from ..engine.progress import Progress
 if TYPE_CHECKING:
     from rich.console import Console
 
+
 @cache
 def errors() -> Console:
     """Where errors and progress go."""

@@ -15,8 +15,8 @@ from ..findings.angles import angle_figures
 from ..io.angles_csv import write_angles_csv, write_cycles_csv
 from ..io.c3d import write_c3d
 from ..io.files import replacing
-from ..io.notes import FileNote, read_notes
 from ..io.model_toml import load_model
+from ..io.notes import FileNote, read_notes
 from ..io.trial import read_trial
 from ..kinematics import (
     SMOOTH,
@@ -158,7 +158,10 @@ def write_trial_angles(trial: Trial, result: TrialAngles, folder: Path) -> Trial
     """
     angles, model, first = result.angles, result.model, trial.trajectories.first_frame
     write_angles_csv(folder / "angles.csv", angles, model, first_frame=first)
-    notes = (*read_notes(trial.notes), *write_c3d(folder / f"{trial.name}_angles.c3d", with_angles(trial, angles, model)))
+    notes = (
+        *read_notes(trial.notes),
+        *write_c3d(folder / f"{trial.name}_angles.c3d", with_angles(trial, angles, model)),
+    )
     if result.cycles is not None:
         write_cycles_csv(folder / "cycles.csv", result.cycles, model)
     with replacing(folder / "angles.json") as beside:

@@ -13,17 +13,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ..data import (
-    Cloud,
-    Detections,
-    Fills,
     KinemarkError,
     MarkerTrajectory,
-    Matches,
     Origin,
     Rig,
     Rods,
-    Signals,
-    Tracks,
     Trajectories,
     Trial,
 )
@@ -63,8 +57,10 @@ HOLDS = {
 
 
 class Said(NamedTuple):
-    """What the caller says of a file: Hz and unit of length where it is silent or wrong about them, whether to read what
-    there is of a damaged one, and which content a CSV has.
+    """What the caller says of a file.
+
+    Hz and unit of length where it is silent or wrong about them, whether to read what there is of a damaged one, and
+    which content a CSV has.
     """
 
     rate_hz: float | None = None
@@ -133,6 +129,7 @@ def _markers_only(write: Callable[[Path, Trajectories], None]) -> Callable[[Path
             "analog": tuple(name for a in trial.analog for name in a.names),
             "force plates": tuple(str(i + 1) for i in range(len(trial.plates))),
             "events": tuple(dict.fromkeys(trial.events.label)),
+            "about the capture": tuple(trial.about),
             "poses": tuple(name for p in trial.poses for name in p.names),
         }
         left = [FileNote("not_written", what, names) for what, names in have.items() if names]

@@ -15,7 +15,8 @@ class FileNote:
 
     Attributes:
         kind: "resampled", to another rate; "cut", where it reaches beyond the frames; "not_written", as the format has
-            no place for it; "incomplete", where a sample that is known in part is missing in the file; "read", what was odd in the source.
+            no place for it; "incomplete", where a sample that is known in part is missing in the file;
+            "read", what was odd in the source.
         what: "analog", "signals", "force plates", "events", "covariance", …; in words where something was read.
         names: the channels, signals or markers, in order; empty where it is all of them.
         values: numbers that go with it: `rate_hz` and `stored_rate_hz` of what was resampled, `seconds` that were cut.

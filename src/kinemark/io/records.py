@@ -186,7 +186,9 @@ def get(group: h5py.Group, kind: type) -> Any:
     """A record of this kind from a group."""
     stored = {name: field(group, kind, name, hint) for name, hint in fields_of(kind).items()}
     if kind is Trial and SOURCE in group:
-        stored["source"] = decode_document(column(group, SOURCE, np.dtype(np.uint8)).tobytes(), name=group.file.filename)
+        stored["source"] = decode_document(
+            column(group, SOURCE, np.dtype(np.uint8)).tobytes(), name=group.file.filename
+        )
     return kind(**stored)
 
 

@@ -149,7 +149,9 @@ def _first_frame(path: Path | str, found: TrcTable) -> tuple[int, tuple[str, ...
 
 
 def write_trc(path: Path | str, trajectories: Trajectories) -> None:
-    """Write markers in mm, every digit kept, a sample at the very origin 10⁻⁶ mm off it; covariance, residual and origin have no place in a TRC file.
+    """Write markers in mm, every digit kept, a sample at the very origin 10⁻⁶ mm off it.
+
+    Covariance, residual and origin have no place in a TRC file.
 
     Raises:
         ValueError: a marker's name is empty or has a tab or line break.

@@ -64,7 +64,7 @@ def parse_trc(path: Path | str, text: str) -> TrcTable:
     Raises:
         KinemarkError: the text is no TRC, or a row is not of one width or has a cell that is no number.
     """
-    lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip(" \t\r,;\"")]
+    lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip(' \t\r,;"')]
     first = lines[0][1].strip('" \t').casefold() if lines else ""
     if not first.startswith(("pathfiletype", "datarate")):
         raise KinemarkError(
@@ -97,7 +97,9 @@ def separator(lines: Sequence[tuple[int, str]]) -> Callable[[str], list[str]]:
     """How the lines of a file are cut into cells: at tabs, commas, semicolons or, where there are none, blanks."""
     naming = next((line for _, line in lines[:MOST_LINES] if line.strip('" \t').casefold().startswith("frame")), "")
     mark = next((mark for mark in "\t;," if mark in naming), None)
-    comma = mark != "," and not any("." in line for _, line in lines[-3:]) and any("," in line for _, line in lines[-3:])
+    comma = (
+        mark != "," and not any("." in line for _, line in lines[-3:]) and any("," in line for _, line in lines[-3:])
+    )
 
     def split(line: str) -> list[str]:
         cells = line.split(mark) if mark else line.split()

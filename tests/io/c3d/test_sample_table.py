@@ -55,7 +55,9 @@ def test_covariances_and_origins_come_back(order, floats, shape, first, poses, s
     n, m = shape
     trial = certain(made_trial(n=n, m=m, first_frame=first), seed) if n == 40 else certain(simple(n, m, first), seed)
     trial = replace(trial, poses=(made_poses(n=n, rate=trial.trajectories.rate),) if poses else ())
-    back = trial_of(decode_document(encode_document(document_of(trial, order=order, floats=floats)), name="m"), name="m")
+    back = trial_of(
+        decode_document(encode_document(document_of(trial, order=order, floats=floats)), name="m"), name="m"
+    )
     for old, new in zip(trial.trajectories, back.trajectories, strict=True):
         assert np.array_equal(old.cov, new.cov, equal_nan=True) and np.array_equal(old.origin, new.origin)
     assert back.notes == () and same(back.poses, trial.poses)
@@ -66,7 +68,9 @@ def test_covariances_and_origins_come_back(order, floats, shape, first, poses, s
 
 def simple(n, m, first):
     xyz = np.random.default_rng(n).normal(0, 500, (m, n, 3)).astype(np.float32)
-    return Trial("s", Trajectories(tuple(MarkerTrajectory.measured(f"m{i}", x) for i, x in enumerate(xyz)), 50.0, first))
+    return Trial(
+        "s", Trajectories(tuple(MarkerTrajectory.measured(f"m{i}", x) for i, x in enumerate(xyz)), 50.0, first)
+    )
 
 
 @pytest.mark.parametrize("floats", [True, False])

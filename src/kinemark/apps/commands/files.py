@@ -9,8 +9,8 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ...engine.formats import convert as convert_file
 from ...engine.describe import describe, described
+from ...engine.formats import convert as convert_file
 from ...engine.system import system as describe_system
 from ...io.formats import Said
 from ..output import Json, LengthUnit, Partial, Rate, print_result

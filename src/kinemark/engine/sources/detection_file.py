@@ -83,8 +83,15 @@ class DetectionFile:
         if tdf.detections is None:
             return None
         rate = tdf.detections.rate
-        whole = Trial(self.of.entry.name, Trajectories((), rate), tdf.analog, tdf.plates, tdf.events,
-                      about=tdf.about, notes=tdf.notes)
+        whole = Trial(
+            self.of.entry.name,
+            Trajectories((), rate),
+            tdf.analog,
+            tdf.plates,
+            tdf.events,
+            about=tdf.about,
+            notes=tdf.notes,
+        )
         return whole if self.of.frames is None else cut(whole, self.of.frames, rate)
 
     def pictures(self, frames: Sequence[int]) -> None:

@@ -36,7 +36,8 @@ class C3D:
         header_events: events in the header.
         reserved: (512 bytes) the header without what stands in the fields above.
         data_block: block of the data, from 1; more room is made when the parameters need it.
-        rotations: (F r, R, 17) r samples a frame of R segments as stored, see `rotations`; (0, 0, 17) where there are none.
+        rotations: (F r, R, 17) r samples a frame of R segments as stored, see `rotations`; (0, 0, 17) where there
+            are none.
         sample_table: the section of our own with covariances, see `sample_table`; empty where there is none.
         tail: bytes behind all that is known; kept as they are.
         notes: what was odd in the file and how it was read; not written.

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ...data import KinemarkError, Origin
 from ..units import USUAL, mm_per
-from .document import HALF, C3D
+from .document import C3D, HALF
 from .provenance import told_filled
 
 OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
@@ -81,7 +81,9 @@ def mm_per_unit(doc: C3D) -> float:
     """
     unit = next(iter(doc.texts("POINT", "UNITS")), "") or "mm"
     if (mm := mm_per(unit)) is None:
-        raise KinemarkError(f"POINT:UNITS is {unit!r}, wanted {USUAL}. State the true one: --length-unit mm (units='mm').")
+        raise KinemarkError(
+            f"POINT:UNITS is {unit!r}, wanted {USUAL}. State the true one: --length-unit mm (units='mm')."
+        )
     return mm
 
 

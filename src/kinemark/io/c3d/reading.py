@@ -18,8 +18,8 @@ from .layout import Layout, layout_of
 from .number_format import number_format
 from .numbers import ByteOrder, decode_floats, decode_words
 from .parameters import BLOCK, Group, decode_parameters
-from .sample_table import section_in, section_start
 from .rotations import WIDTH, RotationTable, rotation_table, rotations_in
+from .sample_table import section_in, section_start
 
 MOST_BLOCKS = 65535  # of a parameter section; chosen, the most that a word of 16 bits counts
 

@@ -97,9 +97,7 @@ def poses_of(doc: C3D) -> tuple[Poses, ...]:
     return (Poses(names, doc.rate * (n // max(len(doc.points), 1) or 1), T, reliability),)
 
 
-def with_rotations(
-    doc: C3D, source: C3D, poses: tuple[Poses, ...], *, shift: int
-) -> tuple[C3D, tuple[FileNote, ...]]:
+def with_rotations(doc: C3D, source: C3D, poses: tuple[Poses, ...], *, shift: int) -> tuple[C3D, tuple[FileNote, ...]]:
     """The document with these poses, and what that changed.
 
     Args:

@@ -39,10 +39,8 @@ def with_analog(doc: C3D, source: C3D, analog: Analog | None, *, shift: int, flo
     factor[(factor == 0) & ~kept.all(1)] = 1.0
     with np.errstate(invalid="ignore", divide="ignore"):
         raw = np.where(kept, raw, analog.values / factor[:, None] + offset[:, None])
-    if floats:
-        raw = raw.astype(np.float32).astype(np.float64)
-    else:
-        raw = _integers(analog, raw, source, factor, offset, kept)
+    single = raw.astype(np.float32).astype(np.float64) if floats else raw
+    raw = single if floats else _integers(analog, raw, source, factor, offset, kept)
     doc = replace(doc, analog=raw, samples=samples)
     doc = with_text(doc, "ANALOG", "LABELS", analog.names, rows, had)
     units = (*doc.texts("ANALOG", "UNITS"), *[""] * len(had))[: len(had)]

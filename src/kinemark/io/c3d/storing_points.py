@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...data import KinemarkError, Origin, Trajectories, Trial
 from ..notes import FileNote
-from .document import HALF, C3D
+from .document import C3D, HALF
 from .points import LENGTH, Samples, mm_per_unit, point_names, samples_of
 from .provenance import with_filled
 from .signal_points import SD, SignalPoint, points_of, with_listed, with_told

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Analog, Events, ForcePlate, KinemarkError, MarkerTrajectory, Trajectories, Trial
-from .document import HALF, C3D, has_unsigned_analog, with_parameters
+from .about import about_of
+from .document import C3D, HALF, has_unsigned_analog, with_parameters
 from .parameters import Parameter
 from .points import LENGTH, Samples, distinct, kinds_of, mm_per_unit, point_names, samples_of
 from .reading import read_document
-from .sample_table import with_covariance
 from .rotations import poses_of
+from .sample_table import with_covariance
 from .signal_points import signals_of
 
 N_CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6}
@@ -69,6 +70,7 @@ def trial_of(doc: C3D, *, name: str) -> Trial:
         source=doc,
         signals=signals_of(doc, names, kinds, samples.xyz),
         poses=poses_of(doc),
+        about=about_of(doc),
         notes=(*doc.notes, *_about_marks(doc), *about_table),
     )
 

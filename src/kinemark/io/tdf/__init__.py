@@ -121,7 +121,9 @@ def parsed(file: TdfFile, parts: Collection[str] | None) -> Tdf:
         raise failed[0]
     if parts is not None:
         return found
-    unread = [f"{NAMES.get(kind, f'the block of type {kind}')} is not read" for kind in file.blocks if kind not in KINDS]
+    unread = [
+        f"{NAMES.get(kind, f'the block of type {kind}')} is not read" for kind in file.blocks if kind not in KINDS
+    ]
     odd = [note for kind in KINDS if kind in file.blocks for note in file.blocks[kind].notes]
     lost = [f"unreadable: {error}" for error in failed]
     return replace(found, about=_about(file), notes=(*lost, *odd, *unread))

@@ -36,6 +36,10 @@ Partial = Annotated[
     bool, Parameter(name="--partial", negative="", help="Read what there is of a file that is cut off or damaged.")
 ]
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the results for a machine.")]
+SelfContained = Annotated[
+    bool,
+    Parameter(negative="", help="Put the drawing library into the page, for mailing; otherwise pages share one file."),
+]
 Set = Annotated[
     list[str] | None,
     Parameter(

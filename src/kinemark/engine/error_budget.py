@@ -39,7 +39,11 @@ def error_budget(
     markers: Path | None = None,
     rate_hz: float | None = None,
     length_unit: str | None = None,
+<<<<<<< HEAD
     partial: bool = False,
+=======
+    self_contained: bool = False,
+>>>>>>> main
     progress: Progress = silent,
 ) -> ErrorBudgetResult:
     """What limits the accuracy of a trial, ranked; runs the session as far as it was not run before.
@@ -50,7 +54,12 @@ def error_budget(
         method: what is asked.
         model: of `kinemark.io.model_toml`, its name or file, for joint angles; directions of segments without.
         markers: a file of the same recording whose markers have names, as a model wants them; any of trajectories.
+<<<<<<< HEAD
         rate_hz, length_unit: of that file, where it is silent or wrong. partial: read what there is of it.
+=======
+        rate_hz, length_unit: of that file, where it does not say it.
+        self_contained: the page holds the drawing library, as where the session's file says so.
+>>>>>>> main
         progress: called with each step.
 
     Raises:
@@ -66,8 +75,9 @@ def error_budget(
     ranking = rank(rig, there, method=method, angles=angles)
     figures = with_words(sensitivity_figures(ranking, session=opened.settings.name, trial=name))
     write_quality(results.folder / "sensitivity.json", figures)
-    write_sensitivity_page(results.folder / "sensitivity.html", figures=figures, ranking=ranking, rig=rig)
-    return ErrorBudgetResult(figures, results.folder / "sensitivity.html")
+    page, assets = results.folder / "sensitivity.html", None if self_contained else opened.assets
+    write_sensitivity_page(page, figures=figures, ranking=ranking, rig=rig, assets=assets)
+    return ErrorBudgetResult(figures, page)
 
 
 def _there(results: OpenTrial, named: Trajectories | None, frames: int) -> SampledFrames:

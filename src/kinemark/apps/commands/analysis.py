@@ -13,7 +13,11 @@ from ...engine.trial_angles import AngleSettings, angles_of_file
 from ...report.angles_text import angle_summary
 from ...report.sensitivity_text import sensitivity_summary
 from ...sensitivity import ErrorBudget
+<<<<<<< HEAD
 from ..output import Json, LengthUnit, Partial, Rate, print_result, progress
+=======
+from ..output import Json, LengthUnit, SelfContained, print_result, progress
+>>>>>>> main
 
 
 def angles(
@@ -24,6 +28,7 @@ def angles(
     static: Path | None = None,
     functional: Path | None = None,
     settings: Annotated[AngleSettings | None, Parameter(name="*")] = None,
+    self_contained: SelfContained = False,
     json: Json = False,
 ) -> None:
     """Joint angles of a trial with their standard deviation: CSV, C3D, a page with curves and a moving stick figure.
@@ -35,9 +40,13 @@ def angles(
         static: trial that shows the points which clusters of markers carry.
         functional: trial whose motion shows the joint centres of the model.
         settings: how angles are taken.
+        self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
-    result = angles_of_file(trial, model=model, folder=output, static=static, functional=functional, settings=settings)
+    result = angles_of_file(
+        trial, model=model, folder=output, static=static, functional=functional, settings=settings,
+        self_contained=self_contained,
+    )  # fmt: skip
     if json:
         print_result(result.figures)
         return
@@ -56,7 +65,11 @@ def sensitivity(
     markers: Path | None = None,
     rate_hz: Rate = None,
     length_unit: LengthUnit = None,
+<<<<<<< HEAD
     partial: Partial = False,
+=======
+    self_contained: SelfContained = False,
+>>>>>>> main
     json: Json = False,
 ) -> None:
     """Say what limits the accuracy of a trial: noise, lenses, calibration, marker placement, or a camera that is lost.
@@ -70,6 +83,12 @@ def sensitivity(
         model: rank the joint angles of this model (its name, or a TOML file); else the directions of segments.
         markers: a file of trajectories (C3D, TDF, TRC, CSV, HDF5 or TDC) of the same recording with the names that the
             model wants.
+<<<<<<< HEAD
+=======
+        rate_hz: of the markers' file, where it does not say it.
+        length_unit: of the markers' file, where it does not say it.
+        self_contained: put the drawing library into the page, for mailing.
+>>>>>>> main
         json: print the figures for a machine.
     """
     try:
@@ -79,6 +98,10 @@ def sensitivity(
     with progress() as tell:
         found = error_budget(
             session, trial=trial, method=asked, model=model, markers=markers, rate_hz=rate_hz,
+<<<<<<< HEAD
             length_unit=length_unit, partial=partial, progress=tell,
+=======
+            length_unit=length_unit, self_contained=self_contained, progress=tell,
+>>>>>>> main
         )  # fmt: skip
     print_result(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")

@@ -39,11 +39,8 @@ def error_budget(
     markers: Path | None = None,
     rate_hz: float | None = None,
     length_unit: str | None = None,
-<<<<<<< HEAD
     partial: bool = False,
-=======
     self_contained: bool = False,
->>>>>>> main
     progress: Progress = silent,
 ) -> ErrorBudgetResult:
     """What limits the accuracy of a trial, ranked; runs the session as far as it was not run before.
@@ -54,12 +51,8 @@ def error_budget(
         method: what is asked.
         model: of `kinemark.io.model_toml`, its name or file, for joint angles; directions of segments without.
         markers: a file of the same recording whose markers have names, as a model wants them; any of trajectories.
-<<<<<<< HEAD
         rate_hz, length_unit: of that file, where it is silent or wrong. partial: read what there is of it.
-=======
-        rate_hz, length_unit: of that file, where it does not say it.
         self_contained: the page holds the drawing library, as where the session's file says so.
->>>>>>> main
         progress: called with each step.
 
     Raises:

@@ -13,11 +13,7 @@ from ...engine.trial_angles import AngleSettings, angles_of_file
 from ...report.angles_text import angle_summary
 from ...report.sensitivity_text import sensitivity_summary
 from ...sensitivity import ErrorBudget
-<<<<<<< HEAD
-from ..output import Json, LengthUnit, Partial, Rate, print_result, progress
-=======
-from ..output import Json, LengthUnit, SelfContained, print_result, progress
->>>>>>> main
+from ..output import Json, LengthUnit, Partial, Rate, SelfContained, print_result, progress
 
 
 def angles(
@@ -65,11 +61,8 @@ def sensitivity(
     markers: Path | None = None,
     rate_hz: Rate = None,
     length_unit: LengthUnit = None,
-<<<<<<< HEAD
     partial: Partial = False,
-=======
     self_contained: SelfContained = False,
->>>>>>> main
     json: Json = False,
 ) -> None:
     """Say what limits the accuracy of a trial: noise, lenses, calibration, marker placement, or a camera that is lost.
@@ -83,12 +76,7 @@ def sensitivity(
         model: rank the joint angles of this model (its name, or a TOML file); else the directions of segments.
         markers: a file of trajectories (C3D, TDF, TRC, CSV, HDF5 or TDC) of the same recording with the names that the
             model wants.
-<<<<<<< HEAD
-=======
-        rate_hz: of the markers' file, where it does not say it.
-        length_unit: of the markers' file, where it does not say it.
         self_contained: put the drawing library into the page, for mailing.
->>>>>>> main
         json: print the figures for a machine.
     """
     try:
@@ -98,10 +86,6 @@ def sensitivity(
     with progress() as tell:
         found = error_budget(
             session, trial=trial, method=asked, model=model, markers=markers, rate_hz=rate_hz,
-<<<<<<< HEAD
-            length_unit=length_unit, partial=partial, progress=tell,
-=======
-            length_unit=length_unit, self_contained=self_contained, progress=tell,
->>>>>>> main
+            length_unit=length_unit, partial=partial, self_contained=self_contained, progress=tell,
         )  # fmt: skip
     print_result(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")

@@ -11,11 +11,7 @@ from cyclopts import Parameter
 from ...data import KinemarkError
 from ...engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ...fill import LIMIT, GapEdges
-<<<<<<< HEAD
-from ..output import Json, LengthUnit, Partial, Rate, print_result, progress
-=======
-from ..output import Json, LengthUnit, SelfContained, print_result, progress
->>>>>>> main
+from ..output import Json, LengthUnit, Partial, Rate, SelfContained, print_result, progress
 
 
 def fill(
@@ -30,12 +26,8 @@ def fill(
     trim: int = GapEdges().most_trimmed,
     static: Path | None = None,
     report: bool = False,
-<<<<<<< HEAD
-    rate_hz: Rate = None,
-=======
     self_contained: SelfContained = False,
-    rate_hz: float | None = None,
->>>>>>> main
+    rate_hz: Rate = None,
     length_unit: LengthUnit = None,
     partial: Partial = False,
     json: Json = False,
@@ -54,12 +46,7 @@ def fill(
         trim: so many bad samples may be replaced on each side of a gap; 0 keeps all that was measured.
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
-<<<<<<< HEAD
-=======
         self_contained: as of other commands; this page always is, since its drawings need no library.
-        rate_hz: of a CSV or TDC file that does not say it.
-        length_unit: of a C3D file that does not say it.
->>>>>>> main
         json: print what became of every gap for a machine.
     """
     chosen = fill_method(method, set or (), model=model)

@@ -23,6 +23,14 @@ from kinemark import MarkerTrajectory, Trajectories, Trial, write_c3d
 
 RUNS = 5
 NUMPY = "import numpy"
+CONVERT = """
+import os, sys
+sys.argv[0:1] = ["kinemark", "convert"]
+if os.path.exists(sys.argv[3]):
+    os.remove(sys.argv[3])
+from kinemark.apps.cli import main
+main()
+"""
 
 
 def programs(folder: Path) -> dict[str, list[str]]:
@@ -37,6 +45,7 @@ def programs(folder: Path) -> dict[str, list[str]]:
         "import kinemark, all names": ["-c", "from kinemark import *"],
         "kinemark --help": ["-m", "kinemark", "--help"],
         "kinemark info FILE.c3d": ["-m", "kinemark", "info", str(file)],
+        "kinemark convert FILE.c3d FILE.trc": ["-c", CONVERT, str(file), str(folder / "again.trc")],
     }
 
 

@@ -219,7 +219,7 @@ def test_places_become_a_c3d_file(tmp_path):
     back = read_c3d(tmp_path / "feed.c3d").trajectories
     np.testing.assert_allclose(back.xyz, xyz, atol=1e-3)
     assert back.rate == 60.0 and back.names == ("1", "2", "3")
-    assert describe(tmp_path / "feed.tdc")["rate"] == "30 Hz"
+    assert describe(tmp_path / "feed.tdc")["rate_hz"] == 30.0
 
 
 def test_every_file_can_be_looked_at(tmp_path):

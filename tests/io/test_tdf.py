@@ -183,7 +183,7 @@ def test_times_count_from_the_first_frame(tmp_path):
 def test_parts_that_are_left_out_are_not_looked_at(tmp_path):
     path = write(tmp_path / "a.tdf", *WHOLE[:2], (9, 5, b""))
     with pytest.raises(KinemarkError, match=r"format 5.*parts"):
-        read_tdf(path)
+        read_tdf(path, parts=TDF_PARTS)
     assert read_tdf(path, parts=("rig", "detections")).rig is not None
     assert same(read_tdf(path, parts=()), Tdf())
     with pytest.raises(ValueError, match="videos"):
@@ -236,9 +236,55 @@ def test_damage_is_read_or_refused_but_never_crashes(tmp_path):
         damaged[at : at + 4] = rng.choice([b"\xff\xff\xff\x7f", b"\xff\xff\xff\xff", b"\0\0\0\x80", b"\0\0\xc0\x7f"])
         part.write_bytes(damaged)
         try:
-            read_tdf(part)
+            refused += any(note.startswith("unreadable") for note in read_tdf(part).notes)
         except KinemarkError as error:
             refused += 1
             assert str(part) in str(error)
     assert refused > 50
-    assert set(TDF_PARTS) == {f for f in Tdf.__dataclass_fields__}
+    assert {*TDF_PARTS, "about", "notes"} == {f for f in Tdf.__dataclass_fields__}
+
+
+# --- one block and the others ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("broken", range(len(WHOLE)))
+@pytest.mark.parametrize("how", ["another format", "cut off", "noise"])
+def test_a_block_that_cannot_be_read_keeps_none_of_the_others(tmp_path, broken, how):
+    blocks, whole = list(WHOLE), read_tdf(write(tmp_path / "whole.tdf", *WHOLE))
+    kind, form, data = blocks[broken]
+    noise = np.random.default_rng(1).integers(128, 255, len(data)).astype(np.uint8).tobytes()
+    blocks[broken] = (kind, *{"another format": (9, data), "cut off": (form, data[:8]), "noise": (form, noise)}[how])
+    path = write(tmp_path / "a.tdf", *blocks)
+    found = read_tdf(path)
+    assert any(f"type {kind} " in note for note in found.notes)
+    lost = {2: "rig", 4: "detections", 5: "trajectories", 7: "plates", 9: "analog", 11: "analog", 16: "events"}[kind]
+    for part in set(TDF_PARTS) - {lost, "plates"}:
+        assert same(getattr(found, part), getattr(whole, part)), part
+    with pytest.raises(KinemarkError, match=f"type {kind} "):
+        read_tdf(path, parts=(lost,))
+
+
+@pytest.mark.parametrize("lacking", [1, 49, 400])
+def test_emg_by_channel_may_state_too_few_samples(tmp_path, lacking):
+    values = RNG.normal(size=(3, 500)).astype(F4).astype(float)
+    values[1, 30:60], values[2, 450:] = np.nan, np.nan
+    block = bytearray(emg_block(1, values, "abc"))
+    block[12:16] = struct.pack("<i", 500 - lacking)
+    path = write(tmp_path / "a.tdf", *WHOLE[:5], (11, 1, bytes(block)))
+    found = read_tdf(path)
+    assert np.array_equal(found.analog[1].values, values, equal_nan=True)
+    assert any(f"{500 - lacking} samples are stated and 500" in note for note in found.notes)
+
+
+def test_the_date_labels_and_comments_of_a_file_are_kept(tmp_path, gait):
+    assert gait.about == {
+        "date": "2011-12-15T09:31:28",
+        "plate 1": "Plate 1 [AMTI OR6-7:0003581]",
+        "plate 2": "Plate 2 [AMTI OR6-7:0003582]",
+    }
+    assert any("block 12" in note for note in gait.notes)
+    path = write(tmp_path / "a.tdf", *WHOLE)
+    raw = bytearray(path.read_bytes())
+    raw[64 + 288 * 2 + 32 : 64 + 288 * 2 + 41] = b"subject 7"
+    path.write_bytes(raw)
+    assert read_tdf(path).about == {"comment on block 5": "subject 7", "plate 1": "plate", "plate 2": "plate"}

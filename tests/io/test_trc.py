@@ -1,5 +1,7 @@
 """Marker files as text: TRC and CSV."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,9 +9,10 @@ from hypothesis import strategies as st
 
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, same
 from kinemark.io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
-from kinemark.io.trc import read_trc, write_trc
+from kinemark.io.trc import read_trc, read_trc_trial, write_trc
 from support.examples import examples
 from support.shared import shared_data
+from support.trc_dialects import DIALECTS, TrcText, written_as
 
 FORMATS = {"trc": (read_trc, write_trc), "csv": (read_trajectories_csv, write_trajectories_csv)}
 
@@ -78,7 +81,6 @@ def changed(path, line, change):
     ("line", "change", "says"),
     [
         (1, lambda s: "something else", "PathFileType"),
-        (2, lambda s: s.replace("Units", "Unit"), "line 3: .*Units"),
         (3, lambda s: s.replace("mm", "furlong"), "line 3: .*furlong"),
         (3, lambda s: s.replace("50.0", "fast"), "line 3: .*fast"),
         (3, lambda s: s.replace("50.0", "-1"), "line 3: DataRate"),
@@ -87,6 +89,7 @@ def changed(path, line, change):
         (9, lambda s: s.replace("\t", "\tx", 1), "line 9: .*x"),
         (9, lambda s: s.rsplit("\t", 1)[0], "line 9: has 10 cells, wanted 11"),
         (9, lambda s: s + "\t1\t2\t3", "line 9: has 14 cells, wanted 11"),
+        (9, lambda s: s + "\t1", "line 9: has 12 cells, wanted 11"),
         (10, lambda s: s.replace("4", "7", 1), "line 10: .*does not follow"),
         (10, lambda s: s.replace("4", "3.5", 1), "line 10: the frame is 3.5"),
         (10, lambda s: None, "19 frames, its header says 20"),
@@ -145,3 +148,91 @@ def test_a_name_that_trc_cannot_hold_is_refused(tmp_path):
     with pytest.raises(ValueError, match="tab"):
         write_trc(tmp_path / "a.trc", bad)
     assert not list(tmp_path.iterdir())
+
+
+# What other programs write
+
+
+def plainly_named(trajectories):
+    """With names that may stand between commas."""
+    paths = (replace(path, name=f"L.Knee {i} é") for i, path in enumerate(trajectories))
+    return replace(trajectories, paths=tuple(paths))
+
+
+@settings(max_examples=examples(60), deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    n_markers=st.sampled_from([1, 2, 3, 7, 260]),
+    n_frames=st.integers(3, 12),
+    rate=st.sampled_from([50.0, 59.94, 100.0, 250.0]),
+    first=st.sampled_from([0, 1, 725]),
+    dialects=st.sets(st.sampled_from(sorted(DIALECTS)), max_size=4),
+)
+def test_every_dialect_holds_the_same_markers(tmp_path_factory, seed, n_markers, n_frames, rate, first, dialects):
+    before = plainly_named(markers(seed, n_markers, n_frames, rate, first))
+    path = tmp_path_factory.mktemp("t") / "a.trc"
+    path.write_bytes(written_as(before, dialects))
+    found = read_trc(path, length_unit="mm")
+    assert found.names == before.names
+    assert found.rate == pytest.approx(rate, rel=1e-3) and found.first_frame == before.first_frame
+    assert np.array_equal(found.xyz, before.xyz, equal_nan=True)
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_each_dialect_is_read(tmp_path, dialect):
+    """Each alone, with as many markers and gaps as in a real trial; what is taken for granted is said."""
+    before = plainly_named(markers(5, 41, 60, 60.0))
+    (tmp_path / "a.trc").write_bytes(written_as(before, {dialect}))
+    trial = read_trc_trial(tmp_path / "a.trc")
+    assert trial.trajectories.names == before.names and trial.trajectories.rate == pytest.approx(60.0, rel=1e-3)
+    assert np.array_equal(trial.trajectories.xyz, before.xyz, equal_nan=True)
+    assert bool(trial.notes) == DIALECTS[dialect].says
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_dialects_of_a_real_trial(tmp_path, dialect):
+    real = read_trc(shared_data("mocap3d/opensim_gait/subject01_walk.trc"))
+    (tmp_path / "a.trc").write_bytes(written_as(real, {dialect}))
+    found = read_trc(tmp_path / "a.trc")
+    assert found.names == real.names and np.array_equal(found.xyz, real.xyz, equal_nan=True)
+
+
+@pytest.mark.parametrize(("size", "unit"), [(1000.0, "mm"), (1.0, "m")])
+def test_a_file_without_a_unit_is_taken_by_its_extent_and_says_so(tmp_path, size, unit):
+    xyz = np.random.default_rng(1).uniform(-1, 1, (4, 9, 3)) * size
+    named = tuple(MarkerTrajectory.measured(f"m{k}", x) for k, x in enumerate(xyz))
+    (tmp_path / "a.trc").write_bytes(written_as(Trajectories(named, 100.0), {"no unit"}))
+    trial = read_trc_trial(tmp_path / "a.trc")
+    factor = {"mm": 1.0, "m": 1000.0}
+    assert np.allclose(trial.trajectories.xyz, xyz * factor[unit]) and "unit" in trial.notes[0]
+    for said, mm in factor.items():
+        assert np.allclose(read_trc(tmp_path / "a.trc", length_unit=said).xyz, xyz * mm)
+
+
+def test_zeros_are_gaps_and_a_marker_at_the_origin_is_not(tmp_path):
+    xyz = np.ones((6, 3))
+    xyz[2], xyz[4] = 0, [0, 0, 1]
+    text = TrcText.of(Trajectories((MarkerTrajectory.measured("a", xyz),), 50.0))
+    (tmp_path / "a.trc").write_bytes(text.encoded())
+    assert np.flatnonzero(np.isnan(read_trc(tmp_path / "a.trc").xyz[0]).any(1)).tolist() == [2]
+    write_trc(tmp_path / "b.trc", Trajectories((MarkerTrajectory.measured("a", xyz),), 50.0))
+    assert np.allclose(read_trc(tmp_path / "b.trc").xyz[0], xyz, atol=2e-6)
+
+
+@pytest.mark.parametrize(("line", "change"), [(3, "\t21\t3"), (3, "\t20\t4")])
+def test_what_a_heading_promises_too_much_is_read_in_part_when_asked(tmp_path, line, change):
+    write_trc(tmp_path / "a.trc", markers(0))
+    changed(tmp_path / "a.trc", line, lambda s: s.replace("\t20\t3", change))
+    with pytest.raises(KinemarkError, match="--partial"):
+        read_trc(tmp_path / "a.trc")
+    assert same(read_trc(tmp_path / "a.trc", partial=True), markers(0))
+
+
+def test_a_rate_is_taken_from_the_times_or_said(tmp_path):
+    (tmp_path / "a.trc").write_bytes(written_as(markers(0, rate=40.0), {"no rate"}))
+    assert read_trc(tmp_path / "a.trc").rate == 40.0
+    assert read_trc(tmp_path / "a.trc", rate_hz=30.0).rate == 30.0
+    write_trc(tmp_path / "b.trc", markers(0))
+    changed(tmp_path / "b.trc", 3, lambda s: s.replace("50.0\t50.0", "75.0\t75.0", 1))
+    trial = read_trc_trial(tmp_path / "b.trc")
+    assert trial.trajectories.rate == 75.0 and "times" in trial.notes[0]

@@ -226,3 +226,15 @@ def test_markers_alone_are_no_file_of_nothing(tmp_path):
 
 def test_every_format_that_is_written_is_read():
     assert all(one.read is not None for one in FORMATS.values())
+
+
+def test_what_is_known_of_a_capture_goes_along(tmp_path):
+    about = {"date": "2011-12-15T09:31:28", "subject": "P 7, é", "plate 1": "AMTI: 0003581"}
+    trial = replace(whole_trial(), about=about)
+    for ending in (".c3d", ".h5"):
+        write_trial(trial, tmp_path / f"a{ending}")
+        assert dict(read_trial(tmp_path / f"a{ending}").about) == about
+    write_trial(replace(read_trial(tmp_path / "a.c3d"), about={}), tmp_path / "b.c3d")
+    assert dict(read_trial(tmp_path / "b.c3d").about) == {}
+    notes = write_trial(trial, tmp_path / "a.trc")
+    assert ("about the capture", tuple(about)) in {(note.what, note.names) for note in notes}

@@ -55,18 +55,18 @@ app = command_line()
 def main() -> None:
     """The command `kinemark`."""
     if notice := absence_notice():
-        errors.print(f"kinemark: {notice}", markup=False, highlight=False, soft_wrap=True)
+        errors().print(f"kinemark: {notice}", markup=False, highlight=False, soft_wrap=True)
     try:
         app()
     except KinemarkError as error:
         from ..report.terminal_summary import finding_lines  # takes long to import, and most commands end well
 
         text = "\n".join([f"kinemark: {error}", *finding_lines([found.as_dict() for found in error.findings])])
-        errors.print(text, style="red", markup=False, highlight=False, soft_wrap=True)
+        errors().print(text, style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)
     except BrokenPipeError:  # whoever read the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
     except KeyboardInterrupt:
-        errors.print("stopped; what was finished is kept, and the next run goes on from there")
+        errors().print("stopped; what was finished is kept, and the next run goes on from there")
         sys.exit(130)

@@ -5,19 +5,38 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Literal
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
-from rich.console import Console
 
 from ..data import KinemarkError
 
-errors = Console(stderr=True)
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+@cache
+def errors() -> Console:
+    """Where errors and progress go."""
+    from rich.console import Console  # most commands end well and at once
+
+    return Console(stderr=True)
+
 
 BAD_VERDICT = 3
 """Exit status where all was computed and the verdict is bad; 1 is an error, 2 a wrong command."""
 
-LengthUnit = Literal["mm", "cm", "m", "in"] | None
+LengthUnit = Annotated[
+    Literal["mm", "cm", "m", "in"] | None,
+    Parameter(help="Unit of length of a file that is silent or wrong about it."),
+]
+Rate = Annotated[
+    float | None, Parameter(name="--rate-hz", help="Frames a second of a file that is silent or wrong about it.")
+]
+Partial = Annotated[
+    bool, Parameter(name="--partial", negative="", help="Read what there is of a file that is cut off or damaged.")
+]
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the results for a machine.")]
 SelfContained = Annotated[
     bool,
@@ -44,7 +63,7 @@ def print_result(value: object) -> None:
 def print_errors(failed: Mapping[str, KinemarkError]) -> None:
     """Why some of many could not be used, by their names."""
     for name, error in failed.items():
-        errors.print(f"kinemark: {name}: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
+        errors().print(f"kinemark: {name}: {error}", style="red", markup=False, highlight=False, soft_wrap=True)
 
 
 def exit_by_verdict(grades: Sequence[str], fail_on: FailOn) -> None:

@@ -49,8 +49,8 @@ class ProgressLines:
 @contextmanager
 def progress() -> Iterator[Progress]:
     """Shows what it is told on the error stream."""
-    if not errors.is_terminal:
-        yield ProgressLines(lambda line: errors.print(line, markup=False, highlight=False, soft_wrap=True))
+    if not errors().is_terminal:
+        yield ProgressLines(lambda line: errors().print(line, markup=False, highlight=False, soft_wrap=True))
         return
     from rich import progress as bars  # only commands that take long need it
 
@@ -63,7 +63,7 @@ def progress() -> Iterator[Progress]:
         bars.TextColumn("left:"),
         bars.TimeRemainingColumn(),
     )
-    with bars.Progress(*columns, console=errors) as shown:
+    with bars.Progress(*columns, console=errors()) as shown:
         tasks: dict[str, bars.TaskID] = {}
 
         def tell(stage: str, done: int, total: int) -> None:

@@ -17,6 +17,7 @@ from .finding_kinds import KINDS, make_finding
 from .identity import Identity
 from .marker_set import MarkerSet
 from .matches import Matches
+from .poses import Poses
 from .rig import PARAMETERS, Camera, Rig
 from .rods import Rods
 from .sample_images import SampleImages, images_of, matches_of
@@ -46,6 +47,7 @@ __all__ = [
     "MarkerTrajectory",
     "Matches",
     "Origin",
+    "Poses",
     "Rig",
     "Rods",
     "SampleImages",

@@ -9,6 +9,7 @@ from typing import Any
 from .analog import Analog, ForcePlate
 from .arrays import set_columns
 from .events import Events
+from .poses import Poses
 from .signals import Signals
 from .trajectories import Trajectories
 
@@ -45,6 +46,9 @@ class Trial:
         source: what the file held besides, in that file format's own record, so that writing gives it back.
         steps: how the trial was made.
         signals: angles, moments, powers, forces and other quantities that were computed.
+        poses: of segments, each record at its own rate.
+        about: what else is known of the capture, by name: "date", "subject", …
+        notes: what was odd in the file and how it was read, in words; only HDF5 keeps them.
     """
 
     name: str
@@ -55,17 +59,22 @@ class Trial:
     source: Any = None
     steps: tuple[Step, ...] = ()
     signals: Signals = field(default_factory=Signals)
+    poses: tuple[Poses, ...] = ()
+    about: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        set_columns(self, analog=tuple(self.analog), plates=tuple(self.plates), steps=tuple(self.steps))
+        tuples = {name: tuple(getattr(self, name)) for name in ("analog", "plates", "steps", "poses", "notes")}
+        set_columns(self, **tuples)
 
     def frames(self, first: int, stop: int) -> Trial:
-        """Frames first … stop − 1, counted from 0; channels and signals stay whole and start so much earlier."""
+        """Frames first … stop − 1, counted from 0; channels, signals and poses stay whole and start so much earlier."""
         first, stop, _ = slice(first, stop).indices(self.trajectories.n_frames)
         earlier = first / self.trajectories.rate
         return replace(
             self,
             trajectories=self.trajectories.frames(first, stop),
             analog=tuple(replace(a, start=a.start - earlier) for a in self.analog),
+            poses=tuple(replace(p, start=p.start - earlier) for p in self.poses),
             signals=Signals(tuple(replace(s, start=s.start - earlier) for s in self.signals)),
         )

@@ -40,6 +40,7 @@ def error_budget(
     markers: Path | None = None,
     rate_hz: float | None = None,
     length_unit: str | None = None,
+    partial: bool = False,
     self_contained: bool = False,
     progress: Progress = silent,
 ) -> ErrorBudgetResult:
@@ -51,7 +52,7 @@ def error_budget(
         method: what is asked.
         model: of `kinemark.io.model_toml`, its name or file, for joint angles; directions of segments without.
         markers: a file of the same recording whose markers have names, as a model wants them; any of trajectories.
-        rate_hz, length_unit: of that file, where it does not say it.
+        rate_hz, length_unit: of that file, where it is silent or wrong. partial: read what there is of it.
         self_contained: the page holds the drawing library, as where the session's file says so.
         progress: called with each step.
 
@@ -61,7 +62,7 @@ def error_budget(
     opened = Session.open(session)
     name = trial or opened.settings.trials[0].name
     results = opened.run([name], progress=progress)[name]
-    named = None if markers is None else _named(markers, rate_hz, length_unit)
+    named = None if markers is None else _named(markers, rate_hz, length_unit, partial)
     there = _there(results, named, method.frames)
     angles = kinematics_of(load_model(model), there.names) if model else None
     rig = results.rig.select(results.detections.cameras)
@@ -82,9 +83,9 @@ def _there(results: OpenTrial, named: Trajectories | None, frames: int) -> Sampl
     return gather_named(named, results.tracks, results.detections, frames=frames)
 
 
-def _named(path: Path, rate_hz: float | None, length_unit: str | None) -> Trajectories:
+def _named(path: Path, rate_hz: float | None, length_unit: str | None, partial: bool) -> Trajectories:
     """The markers of a file."""
-    found = read_trial(path, rate_hz=rate_hz, length_unit=length_unit).trajectories
+    found = read_trial(path, rate_hz=rate_hz, length_unit=length_unit, partial=partial).trajectories
     if not len(found):
         raise KinemarkError(f"{path} has no named markers. Name a file of the same recording that has.")
     return found

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,7 +15,7 @@ from ..fill import LIMIT, Auto, Filled, GapEdges, KalmanAngles, LimbAngles, Mark
 from ..findings.gaps import filling_figures
 from ..io.angle_model_csv import FIRST, read_angle_model
 from ..io.formats import endings
-from ..io.notes import FileNote
+from ..io.notes import FileNote, read_notes
 from ..io.number_text import read_text
 from ..io.trial import read_trial, write_trial
 from ..report.filling_page import write_filling_page
@@ -56,6 +55,7 @@ def fill_file(
     report: Path | None = None,
     rate_hz: float | None = None,
     length_unit: str | None = None,
+    partial: bool = False,
 ) -> FilledFile:
     """Fill the gaps of a trial's markers and write it; channels, events, angles and parameters stay as they were.
 
@@ -68,13 +68,17 @@ def fill_file(
         trim: so many bad samples may be replaced on each side of a gap; 0: none.
         static: a trial in which the markers are seen that are not seen in this one.
         report: a page to write on every gap; an existing one is replaced.
-        rate_hz, length_unit: of a file that does not say it.
+        rate_hz, length_unit: of a file that does not say it. partial: read what there is of a damaged one.
 
     Raises:
         KinemarkError: a file is absent, damaged or holds no trajectories, the target exists, or a number is not one
             that it can be.
     """
-    edges, reader = _checked(limit_mm, trim), partial(read_trial, rate_hz=rate_hz, length_unit=length_unit)
+    edges = _checked(limit_mm, trim)
+
+    def reader(file: Path) -> Trial:
+        return read_trial(file, rate_hz=rate_hz, length_unit=length_unit, partial=partial)
+
     if target.exists():
         raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
     if target.suffix.lower() not in endings("trajectories"):
@@ -88,7 +92,7 @@ def fill_file(
     figures = with_words(filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm))
     figures["identity"] = identity_of_file(trial, source)
     whole = replace(trial, trajectories=filled.trajectories)
-    notes = write_trial(whole, target)
+    notes = (*read_notes(trial.notes), *write_trial(whole, target))
     if report:
         write_filling_page(report, figures=figures, trajectories=filled.trajectories, before=positions)
     return FilledFile(whole, filled, figures, (target, report) if report else (target,), notes)

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy
 
 from .. import native
 from ..version import __version__
@@ -83,11 +82,13 @@ class System:
 
 def system() -> System:
     """What Kinemark runs on now."""
+    from importlib import metadata  # takes long to import, and only this needs it
+
     return System(
         kinemark=__version__,
         python=f"{platform.python_implementation()} {platform.python_version()}",
         numpy=np.__version__,
-        scipy=scipy.__version__,
+        scipy=metadata.version("scipy"),
         platform=platform.platform(),
         processors=_processors(),
         blas=_blas(),

@@ -16,6 +16,7 @@ from ..io.angles_csv import write_angles_csv, write_cycles_csv
 from ..io.c3d import write_c3d
 from ..io.files import replacing
 from ..io.model_toml import load_model
+from ..io.notes import FileNote, read_notes
 from ..io.trial import read_trial
 from ..kinematics import (
     SMOOTH,
@@ -53,7 +54,9 @@ class AngleSettings:
         cycle: beginning and end of each cycle, s, as "0-2.5".
         cycle_event: events from one of which to the next a cycle goes, such as "Foot Strike".
         cycle_side: of these events.
-        rate_hz, length_unit: of a file that does not say it.
+        rate_hz: frames a second of a file that is silent or wrong about it.
+        length_unit: of such a file.
+        partial: read what there is of a damaged file.
 
     Raises:
         KinemarkError: a number is out of range, or two settings do not go together.
@@ -70,6 +73,7 @@ class AngleSettings:
     cycle_side: str | None = None
     rate_hz: float | None = None
     length_unit: Literal["mm", "cm", "m", "in"] | None = None
+    partial: bool = False
 
     def __post_init__(self) -> None:
         if self.smoothing != "none" and self.smoothing not in SMOOTH:
@@ -100,6 +104,7 @@ class TrialAngles(NamedTuple):
     cycles: Cycles | None
     figures: dict[str, Any]
     folder: Path | None = None
+    notes: tuple[FileNote, ...] = ()
 
 
 def trial_angles(
@@ -158,7 +163,10 @@ def write_trial_angles(trial: Trial, result: TrialAngles, folder: Path, *, self_
     """
     angles, model, first = result.angles, result.model, trial.trajectories.first_frame
     write_angles_csv(folder / "angles.csv", angles, model, first_frame=first)
-    write_c3d(folder / f"{trial.name}_angles.c3d", with_angles(trial, angles, model))
+    notes = (
+        *read_notes(trial.notes),
+        *write_c3d(folder / f"{trial.name}_angles.c3d", with_angles(trial, angles, model)),
+    )
     if result.cycles is not None:
         write_cycles_csv(folder / "cycles.csv", result.cycles, model)
     with replacing(folder / "angles.json") as beside:
@@ -172,7 +180,7 @@ def write_trial_angles(trial: Trial, result: TrialAngles, folder: Path, *, self_
         cycles=result.cycles,
         assets=None if self_contained else assets_for(folder),
     )
-    return result._replace(folder=folder)
+    return result._replace(folder=folder, notes=notes)
 
 
 def angles_of_file(
@@ -202,7 +210,7 @@ def angles_of_file(
     chain = load_model(model, side=settings.side)
 
     def read(file: Path) -> Trial:
-        return read_trial(file, rate_hz=settings.rate_hz, length_unit=settings.length_unit)
+        return read_trial(file, rate_hz=settings.rate_hz, length_unit=settings.length_unit, partial=settings.partial)
 
     trial, still = read(path), None
     if functional is not None and static is None:

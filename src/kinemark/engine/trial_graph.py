@@ -246,8 +246,10 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
 
 
 def _channels(inputs: TrialInputs, trajectories: Trajectories) -> Iterator[Finding]:
-    """What the C3D file cannot hold of the channels as they were recorded."""
+    """What of the recording could not be read, and what the C3D file cannot hold of its channels."""
     beside = inputs.source.beside()
+    if beside is not None and beside.notes:
+        yield make_finding("recording_partly_read", parts_list=beside.notes)
     if beside is None or not len(trajectories):
         return
     for note in on_frames(beside.analog, trajectories.rate, trajectories.n_frames)[1]:

@@ -1,6 +1,7 @@
 """The one table of file formats: by its ending, and where that leaves it open by its content, what a file holds.
 
-Reading gives the record that fits; writing takes a trial, detections or a rig. A new format is one row here.
+Reading gives the record that fits; writing takes a trial, detections or a rig. A new format is one row here. What
+brings a large library (HDF5, video, TOML) is imported when such a file is met, so that others do not wait for it.
 """
 
 from __future__ import annotations
@@ -9,52 +10,62 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from ..data import Cloud, Detections, Fills, KinemarkError, Matches, Rig, Rods, Signals, Tracks, Trajectories, Trial
-from ..geometry import to_dlt
+import numpy as np
+
+from ..data import (
+    KinemarkError,
+    MarkerTrajectory,
+    Origin,
+    Rig,
+    Rods,
+    Trajectories,
+    Trial,
+)
 from .c3d import read_c3d, write_c3d
 from .detections_csv import read_detections_csv, write_detections_csv
 from .dlt_csv import read_dlt_csv, write_dlt_csv
-from .images import ImageSource, open_images
 from .notes import FileNote
 from .number_text import read_text
-from .records import load, save
-from .rig_toml import read_rig_toml, write_rig_toml
-from .rods_toml import read_rods
 from .tdf import Tdf, read_tdf
 from .trajectories_csv import read_trajectories_csv, write_trajectories_csv
-from .trc import read_trc, write_trc
-from .um2as import trajectories_of_tdc, write_tdc
+from .trc import read_trc_trial, write_trc
 
 Content = Literal["trajectories", "detections", "rig"]
 """What can be written."""
+OTHER = "what else the source file held, such as its parameters"
 
 VIDEO = 30.0
 """Hz; stands where a .tdc file does not say its rate: UM²AS digitises video."""
 UNSAID = 1.0
 """Hz; stands where a detections CSV does not say its rate; chosen."""
 IMAGES = (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".mkv", ".mp4", ".avi", ".mov", ".mpg", ".m4v")
-HOLDS: dict[type, str] = {
-    Trial: "a trial",
-    Trajectories: "trajectories",
-    Signals: "signals",
-    Tdf: "a BTS recording",
-    Rig: "a calibrated rig",
-    Rods: "hanging rods",
-    Detections: "2D points",
-    Matches: "matches",
-    Cloud: "points without names",
-    Tracks: "tracks",
-    Fills: "filled samples",
-    ImageSource: "images",
+HOLDS = {
+    "Trial": "a trial",
+    "Trajectories": "trajectories",
+    "Signals": "signals",
+    "Tdf": "a BTS recording",
+    "Rig": "a calibrated rig",
+    "Rods": "hanging rods",
+    "Detections": "2D points",
+    "Matches": "matches",
+    "Cloud": "points without names",
+    "Tracks": "tracks",
+    "Fills": "filled samples",
+    "ImageSource": "images",
 }
-"""What a record is called; arrays are DLT parameters."""
+"""What a record of each class is called; arrays are DLT parameters."""
 
 
 class Said(NamedTuple):
-    """What the caller says of a file that does not say it itself: Hz, unit of length, and which content a CSV has."""
+    """What the caller says of a file.
+
+    Hz and unit of length where it is silent or wrong about them, whether to read what there is of a damaged one, and
+    which content a CSV has.
+    """
 
     rate_hz: float | None = None
     length_unit: str | None = None
+    partial: bool = False
     what: Content | None = None
 
 
@@ -86,13 +97,23 @@ def _tdf(path: Path, said: Said) -> Tdf:
 
 
 def _toml(path: Path, said: Said) -> Rig | Rods:
+    from .rig_toml import read_rig_toml
+    from .rods_toml import read_rods
+
     return read_rods(path) if path.name == "rods.toml" else read_rig_toml(path, said.length_unit)
 
 
+def _load(path: Path, said: Said) -> Any:
+    from .records import load
+
+    return load(path)
+
+
 def _save(path: Path, record: Any) -> tuple[FileNote, ...]:
+    from .records import save
+
     save(path, record)
-    left = isinstance(record, Trial) and record.source is not None
-    return (FileNote("not_written", "what else the source file held"),) if left else ()
+    return ()
 
 
 def _markers_only(write: Callable[[Path, Trajectories], None]) -> Callable[[Path, Trial], tuple[FileNote, ...]]:
@@ -103,18 +124,41 @@ def _markers_only(write: Callable[[Path, Trajectories], None]) -> Callable[[Path
             raise KinemarkError(f"The source has no markers, and {path.suffix} holds nothing else. Convert to .c3d.")
         write(path, trial.trajectories)
         have = {
+            **_of_samples(trial.trajectories),
             "signals": trial.signals.names,
             "analog": tuple(name for a in trial.analog for name in a.names),
             "force plates": tuple(str(i + 1) for i in range(len(trial.plates))),
             "events": tuple(dict.fromkeys(trial.events.label)),
+            "about the capture": tuple(trial.about),
+            "poses": tuple(name for p in trial.poses for name in p.names),
         }
-        return tuple(FileNote("not_written", what, names) for what, names in have.items() if names)
+        left = [FileNote("not_written", what, names) for what, names in have.items() if names]
+        return (*left, *([FileNote("not_written", OTHER)] if trial.source is not None else []))
 
     return written
 
 
+def _of_samples(trajectories: Trajectories) -> dict[str, tuple[str, ...]]:
+    """The markers of which more than the position is known, by what it is."""
+    known: dict[str, Callable[[MarkerTrajectory], bool]] = {
+        "covariance": lambda path: bool(np.isfinite(path.cov).any()),
+        "residuals": lambda path: bool((np.nan_to_num(path.residual) > 0).any()),
+        "cameras": lambda path: bool(path.cameras.any()),
+        "which samples were filled or edited": lambda path: bool((path.origin > Origin.MEASURED).any()),
+    }
+    return {what: tuple(path.name for path in trajectories if has(path)) for what, has in known.items()}
+
+
+def _tdc(path: Path, said: Said) -> Trial:
+    from .um2as import trajectories_of_tdc
+
+    return Trial(path.stem, trajectories_of_tdc(path, rate=said.rate_hz or VIDEO))
+
+
 def _write_tdc(path: Path, trial: Trial) -> tuple[FileNote, ...]:
     """UM²AS's file holds places alone."""
+    from .um2as import write_tdc
+
     left = _markers_only(lambda p, t: write_tdc(p, t.xyz))(path, trial)
     return (*left, FileNote("not_written", "rate and names of markers"))
 
@@ -125,7 +169,15 @@ def _write_dlt(path: Path, rig: Rig) -> None:
         raise KinemarkError(
             f"Cameras {', '.join(bent)} have lens distortion, which DLT parameters do not hold. Write a .toml instead."
         )
+    from ..geometry import to_dlt
+
     write_dlt_csv(path, to_dlt(rig.P))
+
+
+def _write_rig(path: Path, rig: Rig) -> None:
+    from .rig_toml import write_rig_toml
+
+    write_rig_toml(path, rig)
 
 
 def _whole(write: Callable[[Path, Any], None]) -> Callable[[Path, Any], tuple[FileNote, ...]]:
@@ -139,9 +191,15 @@ def _whole(write: Callable[[Path, Any], None]) -> Callable[[Path, Any], tuple[Fi
 
 
 FORMATS: dict[str, Format] = {
-    ".c3d": Format(lambda p, said: read_c3d(p, units=said.length_unit), {"trajectories": write_c3d}),
+    ".c3d": Format(
+        lambda p, said: read_c3d(p, units=said.length_unit, rate_hz=said.rate_hz, partial=said.partial),
+        {"trajectories": write_c3d},
+    ),
     ".tdf": Format(_tdf),
-    ".trc": Format(lambda p, said: Trial(p.stem, read_trc(p)), {"trajectories": _markers_only(write_trc)}),
+    ".trc": Format(
+        lambda p, said: read_trc_trial(p, length_unit=said.length_unit, rate_hz=said.rate_hz, partial=said.partial),
+        {"trajectories": _markers_only(write_trc)},
+    ),
     ".csv": Format(
         _csv,
         {
@@ -150,12 +208,9 @@ FORMATS: dict[str, Format] = {
             "rig": _whole(_write_dlt),
         },
     ),
-    ".h5": Format(lambda p, said: load(p), {"trajectories": _save, "detections": _save}),
-    ".tdc": Format(
-        lambda p, said: Trial(p.stem, trajectories_of_tdc(p, rate=said.rate_hz or VIDEO)),
-        {"trajectories": _write_tdc},
-    ),
-    ".toml": Format(_toml, {"rig": _whole(write_rig_toml)}),
+    ".h5": Format(_load, {"trajectories": _save, "detections": _save}),
+    ".tdc": Format(_tdc, {"trajectories": _write_tdc}),
+    ".toml": Format(_toml, {"rig": _whole(_write_rig)}),
 }
 
 
@@ -166,7 +221,7 @@ def endings(content: Content) -> tuple[str, ...]:
 
 def holds(found: Any) -> str:
     """What a record is, in words."""
-    return HOLDS.get(type(found), "DLT parameters")
+    return HOLDS.get(type(found).__name__, "DLT parameters")
 
 
 def read_file(path: Path, said: Said = Said()) -> Any:  # noqa: B008  frozen
@@ -179,6 +234,8 @@ def read_file(path: Path, said: Said = Said()) -> Any:  # noqa: B008  frozen
     if ending in FORMATS:
         return FORMATS[ending].read(path, said)
     if ending in IMAGES:
+        from .images import open_images
+
         return open_images(path)
     raise KinemarkError(
         f"{path} is of no known kind. Known are sessions, {', '.join(FORMATS)}, and images and videos as "

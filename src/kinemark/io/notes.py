@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-Kind = Literal["resampled", "cut", "not_written", "incomplete"]
+Kind = Literal["resampled", "cut", "not_written", "incomplete", "read"]
 
 
 @dataclass(frozen=True, slots=True)
 class FileNote:
-    """One thing that changed or was left out on the way into a file.
+    """One thing that changed or was left out on the way from one file into another.
 
     Attributes:
         kind: "resampled", to another rate; "cut", where it reaches beyond the frames; "not_written", as the format has
-            no place for it; "incomplete", where a sample that is known in part is missing in the file.
-        what: "analog", "signals", "force plates", "events", "covariance", …
+            no place for it; "incomplete", where a sample that is known in part is missing in the file;
+            "read", what was odd in the source.
+        what: "analog", "signals", "force plates", "events", "covariance", …; in words where something was read.
         names: the channels, signals or markers, in order; empty where it is all of them.
         values: numbers that go with it: `rate_hz` and `stored_rate_hz` of what was resampled, `seconds` that were cut.
     """
@@ -32,6 +33,13 @@ class FileNote:
             return f"{who}: resampled from {self.values['rate_hz']:g} to {self.values['stored_rate_hz']:g} Hz."
         if self.kind == "cut":
             return f"{who}: {self.values['seconds']:.3g} s beyond the frames are not in the file."
+        if self.kind == "read":
+            return f"in the source: {who}."
         if self.kind == "incomplete":
             return f"{who}: samples of which only some components are known are missing in the file."
         return f"{who}: not in the file, as its format has no place for it. HDF5 (.h5) keeps all."
+
+
+def read_notes(notes: Iterable[str]) -> tuple[FileNote, ...]:
+    """What was odd in a source, among the notes of what became of it."""
+    return tuple(FileNote("read", note) for note in notes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -15,12 +16,14 @@ MOST_BYTES = 1 << 29  # of a file; chosen for memory
 
 
 def read_text(path: Path | str) -> str:
-    """A text file in UTF-8, or in Windows' Latin where it is not.
+    """A text file in UTF-8, in UTF-16 with its mark, or in Windows' Latin where it is not.
 
     Raises:
         KinemarkError: it is absent, empty, larger than 512 MiB, or binary.
     """
     data = read_bytes(path, most=MOST_BYTES)
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return data.decode("utf-16", "replace")
     if b"\0" in data[:4096]:
         raise KinemarkError(f"{path} is a binary file, wanted text. Check the path.")
     try:

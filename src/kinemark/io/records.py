@@ -2,8 +2,8 @@
 
 The root has the attributes `format` = "kinemark", `version` and `record`. What a field is follows from its type in the
 record: an array is a dataset with its `unit`; texts and numbers are attributes; a record within is a group, and several
-are groups 0, 1, … in one that says their `count`. Reading gives back the same record; only what a trial's file held
-besides (`Trial.source`) is not kept.
+are groups 0, 1, … in one that says their `count`. Reading gives back the same record. A trial's C3D document
+(`Trial.source`) is kept as the bytes of its file, so that a trial can go back into the format that it came from.
 
 The HDF5 library can crash or hang on a damaged file. So the first 512 bytes, HDF5's user block, hold a checksum of all
 the rest, and nothing but a file whose checksum is right is given to the library. Other programs skip the user block.
@@ -32,12 +32,16 @@ from ..data import (
     KinemarkError,
     MarkerTrajectory,
     Matches,
+    Poses,
     Signal,
     Signals,
     Tracks,
     Trajectories,
     Trial,
 )
+from .c3d.document import C3D
+from .c3d.reading import decode_document
+from .c3d.writing import encode_document
 from .files import replacing
 
 FORMAT, VERSION = "kinemark", 1
@@ -54,10 +58,15 @@ UNITS: dict[type, dict[str, str]] = {
     MarkerTrajectory: {"xyz": "mm", "cov": "mm2", "residual": "mm"},
     Signal: {"rate": "Hz", "start": "s"},
     Analog: {"rate": "Hz", "start": "s"},
+    Poses: {"rate": "Hz", "start": "s"},
     ForcePlate: {"corners": "mm", "origin": "mm"},
 }
 """Units of fields; the others have none, or say it beside them."""
+SOURCE = "source_c3d"
+"""Dataset of the bytes of a trial's C3D document."""
 NOT_STORED = {(Trial, "source")}
+ADDED = ("notes", "about")
+"""Fields that files of the first version lack."""
 
 
 def save(path: Path | str, record: Record) -> None:
@@ -134,6 +143,8 @@ def put(group: h5py.Group, record: object) -> None:
             group.attrs[name] = np.array(value, dtype=h5py.string_dtype())
         elif value is not None:
             group.attrs[attribute] = json.dumps(dict(value), default=plain) if isinstance(value, Mapping) else value
+    if isinstance(record, Trial) and isinstance(record.source, C3D):
+        group.create_dataset(SOURCE, data=np.frombuffer(encode_document(record.source), np.uint8)).attrs["unit"] = "1"
 
 
 def plain(value: object) -> Any:
@@ -173,7 +184,12 @@ def whole_record(path: Path, file: h5py.File) -> Record:
 
 def get(group: h5py.Group, kind: type) -> Any:
     """A record of this kind from a group."""
-    return kind(**{name: field(group, kind, name, hint) for name, hint in fields_of(kind).items()})
+    stored = {name: field(group, kind, name, hint) for name, hint in fields_of(kind).items()}
+    if kind is Trial and SOURCE in group:
+        stored["source"] = decode_document(
+            column(group, SOURCE, np.dtype(np.uint8)).tobytes(), name=group.file.filename
+        )
+    return kind(**stored)
 
 
 def field(group: h5py.Group, kind: type, name: str, hint: Any) -> Any:
@@ -187,7 +203,7 @@ def field(group: h5py.Group, kind: type, name: str, hint: Any) -> Any:
     if get_origin(hint) is tuple:
         return tuple(rows(group, name, options[0]))
     if get_origin(hint) in (dict, Mapping):
-        return json.loads(group.attrs[attribute])
+        return json.loads(group.attrs.get(attribute, "{}") if name in ADDED else group.attrs[attribute])
     if fields_of(hint):
         return get(inside(group, name, h5py.Group), hint)
     return hint(group.attrs[attribute])
@@ -196,7 +212,8 @@ def field(group: h5py.Group, kind: type, name: str, hint: Any) -> Any:
 def rows(group: h5py.Group, name: str, kind: type) -> Iterator[Any]:
     """The texts or records of a field that has several."""
     if not is_dataclass(kind):
-        yield from (str(text) for text in group.attrs[name])
+        texts = group.attrs.get(name, ()) if name in ADDED else group.attrs[name]
+        yield from (str(text) for text in texts)
     elif name in group:
         inner = inside(group, name, h5py.Group)
         yield from (get(inside(inner, str(i), h5py.Group), kind) for i in range(int(inner.attrs["count"])))

@@ -4,7 +4,9 @@ line 1  PathFileType  4  (X/Y/Z)  name
 line 2  names of the values in line 3: DataRate, CameraRate, NumFrames, NumMarkers, Units, …
 line 4  Frame#  Time  NAME  ·  ·  NAME  ·  ·  …
 line 5  ·  ·  X1  Y1  Z1  X2  …
-then, mostly after an empty line, a row a frame; an empty cell is a gap
+then, mostly after an empty line, a row a frame; an empty cell or (0, 0, 0) is a gap
+
+`trc_table` reads what other programs make of this.
 """
 
 from __future__ import annotations
@@ -13,64 +15,143 @@ import math
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..data import KinemarkError, Trajectories
+from ..data import KinemarkError, Trajectories, Trial
 from ..data import MarkerTrajectory as MarkerPath
+from .c3d.points import distinct
 from .files import replacing
-from .number_text import bad_line, numbers, plain, read_text, whole
+from .number_text import bad_line, plain, read_text, whole
+from .trc_table import HEADINGS, ORIGINAL, TrcTable, parse_trc
 from .units import USUAL, mm_per
 
-HEADINGS = ("DataRate", "CameraRate", "NumFrames", "NumMarkers", "Units")
-ORIGINAL = ("OrigDataRate", "OrigDataStartFrame", "OrigNumFrames")
+SMALL = 20.0
+"""Extent of all markers, in the unit of a file that does not say it, below which it is m and not mm; chosen."""
+SAME_RATE = 0.05
+"""Share by which the rate of the heading and that of the times may differ without a note; chosen, times are rounded."""
+AGAIN = "Copy or export it again, or read what there is with --partial (partial=True)."
+OFF_ORIGIN = 1e-6
+"""mm from (0, 0, 0) at which a sample at the very origin is written, because zeros say missing; chosen."""
 
 
-def read_trc(path: Path | str) -> Trajectories:
-    """Markers of a TRC file in mm, on the axes of the file; empty or NaN samples are missing.
+def read_trc(
+    path: Path | str, *, length_unit: str | None = None, rate_hz: float | None = None, partial: bool = False
+) -> Trajectories:
+    """Markers of a TRC file in mm, on the axes of the file; empty, NaN and (0, 0, 0) samples are missing.
+
+    Args:
+        path: the file.
+        length_unit: "mm", "cm", "m" or "in", where the file is silent or wrong about it.
+        rate_hz: frames a second, where the file is silent or wrong about it.
+        partial: read what there is of a file that holds less than its heading says.
 
     Raises:
-        KinemarkError: the file is absent, empty, no TRC, in an unknown unit, or shorter than its header says.
+        KinemarkError: the file is absent, empty, no TRC, in an unknown unit, or shorter than its heading says.
     """
-    lines = read_text(path).splitlines()
-    if len(lines) < 5 or not lines[0].startswith("PathFileType"):
-        raise KinemarkError(
-            f"{path} is not a TRC file: its first line does not begin with PathFileType. Check the path."
-        )
-    rate, n_frames, n_markers, scale = header(path, lines)
-    names = [cell.strip() for cell in lines[3].split("\t")[2:]]
-    names = [name for name in names if name]
-    if len(names) != n_markers:
-        raise bad_line(path, 4, f"has {len(names)} markers, line 3 says {n_markers}. Export the file again.")
-    rows = [(k, line.split("\t")) for k, line in enumerate(lines[5:], 6) if line.strip()]
-    at = [k for k, _ in rows]
-    table = numbers(path, at, [cells for _, cells in rows], 2 + 3 * n_markers)
-    if len(table) != n_frames:
-        raise KinemarkError(f"{path} has {len(table)} frames, its header says {n_frames}. Copy or export it again.")
-    frame = whole(path, at, table[:, 0], "the frame")
-    if (jump := np.flatnonzero(np.diff(frame) != 1)).size:
-        raise bad_line(path, at[int(jump[0]) + 1], "the frame does not follow the one before. Export every frame.")
-    xyz = table[:, 2:].reshape(n_frames, n_markers, 3).transpose(1, 0, 2) * scale
-    first = int(frame[0]) if n_frames else 1
-    return Trajectories(tuple(MarkerPath.measured(n, x) for n, x in zip(names, xyz, strict=True)), rate, first)
+    return read_trc_trial(path, length_unit=length_unit, rate_hz=rate_hz, partial=partial).trajectories
 
 
-def header(path: Path | str, lines: list[str]) -> tuple[float, int, int, float]:
-    """Rate in Hz, frames, markers and the factor to mm, as lines 2 and 3 say."""
-    values = dict(zip(lines[1].split("\t"), (cell.strip() for cell in lines[2].split("\t")), strict=False))
-    if missing := [name for name in HEADINGS if not values.get(name)]:
-        raise bad_line(path, 3, f"does not say {', '.join(missing)}")
-    if (mm := mm_per(values["Units"])) is None:
-        raise bad_line(path, 3, f"Units is {values['Units']!r}, wanted {USUAL}")
+def read_trc_trial(
+    path: Path | str, *, length_unit: str | None = None, rate_hz: float | None = None, partial: bool = False
+) -> Trial:
+    """As `read_trc`, with what was odd in the file as the notes of the trial."""
+    found = parse_trc(path, read_text(path))
+    complete = _complete(path, found, partial)
+    mm, unit = _unit(path, found, length_unit)
+    rate, timing = _rate(path, found, rate_hz)
+    first, step = _first_frame(path, found)
+    xyz = found.table[:, 2:].reshape(len(found.table), len(found.names), 3).transpose(1, 0, 2) * mm
+    xyz[(xyz == 0).all(2)] = np.nan
+    names = distinct(found.names, len(found.names), "*")
+    paths = tuple(MarkerPath.measured(name, x) for name, x in zip(names, xyz, strict=True))
+    notes = (*found.notes, *complete, *unit, *timing, *step)
+    return Trial(Path(path).stem, Trajectories(paths, rate, first), notes=notes)
+
+
+def _complete(path: Path | str, found: TrcTable, partial: bool) -> tuple[str, ...]:
+    """What the heading says of frames and markers other than the table has.
+
+    Raises:
+        KinemarkError: the heading promises more than there is, and `partial` is false.
+    """
+    notes = []
+    for name, what, have in (("nummarkers", "markers", len(found.names)), ("numframes", "frames", len(found.table))):
+        stated = _number(path, found, name)
+        if math.isnan(stated) or stated == have:
+            continue
+        if stated > have and not partial:
+            if what == "markers":
+                raise bad_line(path, found.naming, f"has {have} markers, line {found.heading} says {stated:g}. {AGAIN}")
+            raise KinemarkError(f"{path} has {have} frames, its header says {stated:g}. {AGAIN}")
+        notes.append(f"the heading says {stated:g} {what}, the table has {have}; all of the table is read")
+    return tuple(notes)
+
+
+def _unit(path: Path | str, found: TrcTable, stated: str | None) -> tuple[float, tuple[str, ...]]:
+    """mm in the unit of the file."""
+    text = stated or found.values.get("units", "")
+    if text:
+        if (mm := mm_per(text)) is None:
+            raise bad_line(path, found.heading, f"Units is {text!r}, wanted {USUAL}. State it with --length-unit.")
+        return mm, ()
+    places = found.table[:, 2:]
+    extent = float(np.nanmax(places) - np.nanmin(places)) if np.isfinite(places).any() else math.inf
+    guess = "m" if extent < SMALL else "mm"
+    note = f"no unit is stated; {guess} is taken, as the markers extend over {extent:.4g}. Else state it: --length-unit"
+    return mm_per(guess) or 1.0, (note,)
+
+
+def _rate(path: Path | str, found: TrcTable, said: float | None) -> tuple[float, tuple[str, ...]]:
+    """Frames a second."""
+    step = np.diff(found.table[:, 1])
+    usual = float(np.sort(step)[step.size // 2]) if step.size and np.isfinite(step).all() else 0.0
+    timed = 1 / usual if usual > 0 else math.nan
+    if said is not None:
+        return said, ()
+    stated = _number(path, found, "datarate")
+    if stated < 0 or math.isinf(stated):
+        raise bad_line(path, found.heading, f"DataRate is {stated}, wanted a positive number")
+    if stated > 0:
+        odd = abs(timed - stated) > SAME_RATE * stated
+        return stated, ((f"DataRate is {stated:g} Hz, the times go at {timed:g} Hz; DataRate counts",) if odd else ())
+    if math.isnan(timed):
+        raise bad_line(path, found.heading, "does not say DataRate, nor do the times. State it with --rate-hz.")
+    rate = float(round(timed)) if abs(timed - round(timed)) < SAME_RATE else timed
+    return rate, (f"no DataRate is stated; the times go at {rate:g} Hz",)
+
+
+def _number(path: Path | str, found: TrcTable, name: str) -> float:
+    """A value of the heading; NaN where it is absent."""
+    text = found.values.get(name, "")
     try:
-        rate, n_frames, n_markers = float(values["DataRate"]), int(values["NumFrames"]), int(values["NumMarkers"])
+        return float(text.replace(",", ".")) if text else math.nan
     except ValueError as error:
-        raise bad_line(path, 3, f"{error}") from error
-    if not 0 < rate < math.inf:
-        raise bad_line(path, 3, f"DataRate is {rate}, wanted a positive number")
-    return rate, n_frames, n_markers, mm
+        raise bad_line(path, found.heading, f"{error}") from error
+
+
+def _first_frame(path: Path | str, found: TrcTable) -> tuple[int, tuple[str, ...]]:
+    """The number of the first frame.
+
+    Raises:
+        KinemarkError: frames are missing between others.
+    """
+    numbers: NDArray[np.float64] = found.table[:, 0]
+    if not len(numbers) or np.isnan(numbers).all():
+        return 1, ()
+    frame = whole(path, found.lines, numbers, "the frame")
+    steps = np.diff(frame)
+    if steps.size and (steps == steps[0]).all() and steps[0] > 1:
+        return int(frame[0]), (f"only every {steps[0]}th frame is numbered; they are read as one after the other",)
+    if (jump := np.flatnonzero(steps != 1)).size:
+        line = found.lines[int(jump[0]) + 1]
+        raise bad_line(path, line, "the frame does not follow the one before. Export every frame.")
+    return int(frame[0]), ()
 
 
 def write_trc(path: Path | str, trajectories: Trajectories) -> None:
-    """Write markers in mm, every digit kept; covariance, residual and origin have no place in a TRC file.
+    """Write markers in mm, every digit kept, a sample at the very origin 10⁻⁶ mm off it.
+
+    Covariance, residual and origin have no place in a TRC file.
 
     Raises:
         ValueError: a marker's name is empty or has a tab or line break.
@@ -89,7 +170,9 @@ def write_trc(path: Path | str, trajectories: Trajectories) -> None:
         ["", "", *(f"{axis}{m + 1}" for m in range(len(names)) for axis in "XYZ")],
         [],
     ]
-    flat = trajectories.xyz.transpose(1, 0, 2).reshape(n, -1)
+    xyz = trajectories.xyz.transpose(1, 0, 2)
+    xyz[(xyz == 0).all(2)] = OFF_ORIGIN
+    flat = xyz.reshape(n, -1)
     for f, values in enumerate(flat.tolist(), first):
         rows.append([str(f), plain((f - 1) / trajectories.rate), *map(plain, values)])
     with replacing(path) as beside:

@@ -13,13 +13,16 @@ from .notes import FileNote
 from .tdf import Tdf
 
 
-def read_trial(path: Path | str, *, rate_hz: float | None = None, length_unit: str | None = None) -> Trial:
+def read_trial(
+    path: Path | str, *, rate_hz: float | None = None, length_unit: str | None = None, partial: bool = False
+) -> Trial:
     """The trial in a file: C3D, TDF, TRC, CSV of trajectories, a record in HDF5, or UM²AS's TDC.
 
     Args:
         path: the file.
-        rate_hz: frames a second of a file that does not say it (CSV, TDC).
-        length_unit: "mm", "cm", "m" or "in", where a C3D file is silent or wrong about it.
+        rate_hz: frames a second, where the file is silent or wrong about it (CSV, TDC, TRC, C3D).
+        length_unit: "mm", "cm", "m" or "in", where a C3D or TRC file is silent or wrong about it.
+        partial: read what there is of a C3D or TRC file that is cut off or damaged; the trial's notes say what is not.
 
     Raises:
         KinemarkError: the file is absent, damaged, of no known kind, holds something else, or states no possible rate.
@@ -27,7 +30,7 @@ def read_trial(path: Path | str, *, rate_hz: float | None = None, length_unit: s
     path = Path(path)
     if rate_hz is not None and not 0 < rate_hz < math.inf:
         raise KinemarkError(f"The rate is {rate_hz} Hz. Wanted is one above 0.")
-    found = read_file(path, Said(rate_hz, length_unit, "trajectories"))
+    found = read_file(path, Said(rate_hz, length_unit, partial, "trajectories"))
     trial = trial_in(path.stem, found)
     if trial is None:
         raise KinemarkError(
@@ -48,7 +51,9 @@ def trial_in(name: str, found: Any) -> Trial | None:
     if isinstance(found, Tracks):
         return Trial(name, trajectories_of(found))
     if isinstance(found, Tdf) and found.trajectories is not None:
-        return Trial(name, found.trajectories, found.analog, found.plates, found.events)
+        return Trial(
+            name, found.trajectories, found.analog, found.plates, found.events, about=found.about, notes=found.notes
+        )
     return None
 
 

@@ -14,12 +14,16 @@ The compiled function goes through the runs once and unites those that touch (un
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import scipy
 
 from ..data.array_types import Ints
 from .array_checks import INT, Arrays
 from .compiled_library import library
+
+if TYPE_CHECKING:
+    import scipy
 
 MOST_WIDE = 1 << 16
 """px, of an image: sums of x² times 16-bit grey levels along wider lines leave 64 bits; chosen."""
@@ -74,6 +78,8 @@ def _first_wrong(y: Ints, first: Ints, last: Ints, width: int) -> int | None:
 def _numpy_groups(y: Ints, first: Ints, last: Ints, height: int, width: int) -> tuple[Ints, Ints, Ints]:
     if len(y) == 0:
         return np.zeros((3, 0), np.int64), np.zeros(1, np.int64), np.zeros((6, 0), np.int64)
+    import scipy  # only where there is no compiled library, and no command may wait for it
+
     count, label = scipy.sparse.csgraph.connected_components(_touching(y, first, last, height, width), directed=False)
     order = np.argsort(label, kind="stable")
     y, first, last = runs = np.stack([y, first, last])[:, order]
@@ -92,6 +98,8 @@ def _numpy_groups(y: Ints, first: Ints, last: Ints, height: int, width: int) -> 
 
 def _touching(y: Ints, first: Ints, last: Ints, height: int, width: int) -> scipy.sparse.csr_array:
     """(R, R) ones where a run touches one of the next line."""
+    import scipy
+
     line = y + y // height
     a, b = line * (width + 2) + first, line * (width + 2) + last  # (1)
     low = np.searchsorted(b, a + width + 1)  # (2)

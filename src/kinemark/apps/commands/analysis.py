@@ -13,7 +13,7 @@ from ...engine.trial_angles import AngleSettings, angles_of_file
 from ...report.angles_text import angle_summary
 from ...report.sensitivity_text import sensitivity_summary
 from ...sensitivity import ErrorBudget
-from ..output import Json, LengthUnit, SelfContained, print_result
+from ..output import Json, LengthUnit, Partial, Rate, SelfContained, print_result
 from ..progress import progress
 
 
@@ -47,7 +47,8 @@ def angles(
     if json:
         print_result(result.figures)
         return
-    print_result(f"{angle_summary(result.figures)}\nresults:  {result.folder}")
+    notes = "".join(f"\nnote:     {note}" for note in result.notes)
+    print_result(f"{angle_summary(result.figures)}{notes}\nresults:  {result.folder}")
 
 
 def sensitivity(
@@ -59,8 +60,9 @@ def sensitivity(
     centroid_px: float | None = None,
     model: str | None = None,
     markers: Path | None = None,
-    rate_hz: float | None = None,
+    rate_hz: Rate = None,
     length_unit: LengthUnit = None,
+    partial: Partial = False,
     self_contained: SelfContained = False,
     json: Json = False,
 ) -> None:
@@ -75,8 +77,6 @@ def sensitivity(
         model: rank the joint angles of this model (its name, or a TOML file); else the directions of segments.
         markers: a file of trajectories (C3D, TDF, TRC, CSV, HDF5 or TDC) of the same recording with the names that the
             model wants.
-        rate_hz: of the markers' file, where it does not say it.
-        length_unit: of the markers' file, where it does not say it.
         self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
@@ -87,6 +87,6 @@ def sensitivity(
     with progress() as tell:
         found = error_budget(
             session, trial=trial, method=asked, model=model, markers=markers, rate_hz=rate_hz,
-            length_unit=length_unit, self_contained=self_contained, progress=tell,
+            length_unit=length_unit, partial=partial, self_contained=self_contained, progress=tell,
         )  # fmt: skip
     print_result(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")

@@ -9,13 +9,21 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from ...data import KinemarkError
+from ...engine.describe import describe, described
 from ...engine.formats import convert as convert_file
-from ...engine.formats import describe
 from ...engine.system import system as describe_system
-from ..output import Json, LengthUnit, print_result
+from ...io.formats import Said
+from ..output import Json, LengthUnit, Partial, Rate, print_result
 
 
-def info(*files: Path, system: Annotated[bool, Parameter(negative="")] = False, json: Json = False) -> None:
+def info(
+    *files: Path,
+    system: Annotated[bool, Parameter(negative="")] = False,
+    length_unit: LengthUnit = None,
+    rate_hz: Rate = None,
+    partial: Partial = False,
+    json: Json = False,
+) -> None:
     """Say what is in files: C3D, TDF, TRC, CSV, rig TOML, DLT, HDF5, video, images or a session.
 
     Args:
@@ -32,14 +40,14 @@ def info(*files: Path, system: Annotated[bool, Parameter(negative="")] = False, 
     found: dict[str, dict[str, object]] = {}
     for one in files:
         try:
-            found[str(one)] = describe(one)
+            found[str(one)] = describe(one, Said(rate_hz, length_unit, partial))
         except KinemarkError as error:  # one bad file keeps nobody from seeing the others
             found[str(one)] = {"error": str(error)}
     if json:
         print_result(found)
     else:
         for name, facts in found.items():
-            print_result("\n".join([name, *(f"  {key}: {value}" for key, value in facts.items())]))
+            print_result("\n".join([name, *(f"  {line}" for line in described(facts))]))
     if any("error" in facts for facts in found.values()):
         sys.exit(1)
 
@@ -50,7 +58,8 @@ def convert(
     *,
     what: Literal["trajectories", "detections", "rig"] | None = None,
     length_unit: LengthUnit = None,
-    rate_hz: float | None = None,
+    rate_hz: Rate = None,
+    partial: Partial = False,
 ) -> None:
     """Convert between formats: trajectories (C3D, TRC, CSV, HDF5, TDC), rigs (TOML, DLT), detections (HDF5, CSV).
 
@@ -58,9 +67,7 @@ def convert(
         source: the file to read.
         target: the file to write; an existing one is not replaced.
         what: which part, where the names do not tell.
-        length_unit: of a rig or C3D file that does not say it.
-        rate_hz: of detections or trajectories in a CSV or TDC file, which does not say it.
     """
-    for note in convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz):
+    for note in convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz, partial=partial):
         print_result(f"note: {note}")
     print_result(f"{target} is written. What it holds: kinemark info {target}")

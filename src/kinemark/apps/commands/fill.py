@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from ...data import KinemarkError
 from ...engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ...fill import LIMIT, GapEdges
-from ..output import FailOn, Json, LengthUnit, SelfContained, exit_by_verdict, print_result
+from ..output import FailOn, Json, LengthUnit, Partial, Rate, SelfContained, exit_by_verdict, print_result
 from ..progress import progress
 
 
@@ -28,8 +28,9 @@ def fill(
     static: Path | None = None,
     report: bool = False,
     self_contained: SelfContained = False,
-    rate_hz: float | None = None,
+    rate_hz: Rate = None,
     length_unit: LengthUnit = None,
+    partial: Partial = False,
     fail_on: FailOn = "red",
     json: Json = False,
 ) -> None:
@@ -48,8 +49,6 @@ def fill(
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
         self_contained: as of other commands; this page always is, since its drawings need no library.
-        rate_hz: of a CSV or TDC file that does not say it.
-        length_unit: of a C3D file that does not say it.
         fail_on: a verdict as bad as this ends the command with status 3.
         json: print what became of every gap for a machine.
     """
@@ -59,7 +58,7 @@ def fill(
             (source, *sources), output, report=report,
             progress=tell, method=chosen,
             name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
-            length_unit=length_unit,
+            length_unit=length_unit, partial=partial,
         )  # fmt: skip
     print_result(filled_figures(done) if json else filled_text(done))
     if any(isinstance(found, KinemarkError) for found in done.values()):

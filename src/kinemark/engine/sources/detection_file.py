@@ -64,7 +64,7 @@ class DetectionFile:
         path, suffix = self.path, self.path.suffix.lower()
         if suffix == ".csv":
             return read_detections_csv(path, rate=self.of.rate(None))
-        found = read_tdf(path).detections if suffix == ".tdf" else load(path)
+        found = read_tdf(path, parts=("detections",)).detections if suffix == ".tdf" else load(path)
         if found is None:
             raise KinemarkError(f"{path} has no 2D points. Export the trial with its 2D data.")
         if not isinstance(found, Detections):
@@ -83,7 +83,15 @@ class DetectionFile:
         if tdf.detections is None:
             return None
         rate = tdf.detections.rate
-        whole = Trial(self.of.entry.name, Trajectories((), rate), tdf.analog, tdf.plates, tdf.events)
+        whole = Trial(
+            self.of.entry.name,
+            Trajectories((), rate),
+            tdf.analog,
+            tdf.plates,
+            tdf.events,
+            about=tdf.about,
+            notes=tdf.notes,
+        )
         return whole if self.of.frames is None else cut(whole, self.of.frames, rate)
 
     def pictures(self, frames: Sequence[int]) -> None:

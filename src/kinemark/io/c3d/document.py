@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import takewhile
 
 import numpy as np
@@ -14,6 +14,7 @@ from .header import HeaderEvent
 from .numbers import ByteOrder
 from .parameters import BLOCK, Group, Parameter
 
+HALF = -32768  # 0x8000 as a signed word; of the format
 _NUMBERS = ("", *(str(i) for i in range(2, 258)))
 
 
@@ -35,6 +36,10 @@ class C3D:
         header_events: events in the header.
         reserved: (512 bytes) the header without what stands in the fields above.
         data_block: block of the data, from 1; more room is made when the parameters need it.
+        rotations: (F r, R, 17) r samples a frame of R segments as stored, see `rotations`; (0, 0, 17) where there
+            are none.
+        sample_table: the section of our own with covariances, see `sample_table`; empty where there is none.
+        tail: bytes behind all that is known; kept as they are.
         notes: what was odd in the file and how it was read; not written.
     """
 
@@ -52,6 +57,9 @@ class C3D:
     header_events: tuple[HeaderEvent, ...] = ()
     reserved: bytes = bytes(BLOCK)
     data_block: int = 3
+    rotations: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 17)))
+    sample_table: bytes = b""
+    tail: bytes = b""
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -63,6 +71,7 @@ class C3D:
             word=column("word", self.word, np.float64, f, m),
             analog=column("analog", self.analog, np.float64, None, n),
             groups=tuple(self.groups),
+            rotations=column("rotations", self.rotations, np.float64, None, None, 17),
         )
 
     @property
@@ -104,8 +113,15 @@ class C3D:
 
 
 def has_unsigned_analog(doc: C3D) -> bool:
-    """Whether ANALOG:FORMAT says that analog integers, and their offsets, run from 0 to 65 535."""
-    return doc.texts("ANALOG", "FORMAT")[:1] == ("UNSIGNED",)
+    """Whether analog integers, and their offsets, run from 0 to 65 535.
+
+    ANALOG:FORMAT says it. Where it is absent an offset of 0x8000 does, which is the middle of unsigned numbers; as a
+    signed one it would lie at the end of the range.
+    """
+    if stated := doc.texts("ANALOG", "FORMAT")[:1]:
+        return stated[0].upper() == "UNSIGNED"
+    offsets = [p for p in doc.series("ANALOG", "OFFSET") if p.values.dtype == np.int16]
+    return any((p.values == HALF).any() for p in offsets)
 
 
 def _bits(word: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:

@@ -4,7 +4,8 @@ Plug-in Gait stores its angles, forces, moments, powers and scalars among the po
 POINT:ANGLES, POINT:FORCES, …; only the others are lengths, and only these are converted to mm.
 
 A sample is missing when its fourth number is negative or NaN, when a coordinate is not finite, or, as some programs
-code a gap, when a length or an angle is exactly (0, 0, 0) or a length is 10^9 units away. (A force of exactly zero is
+code a gap, when a length or an angle is exactly (0, 0, 0), a length is 10^9 units away, or all integers of a point are
+−32 768. (A force of exactly zero is
 a foot in the air.) Where a file marks each and every sample as missing and still holds coordinates, its writer did
 not know the mark, and it is ignored.
 
@@ -22,7 +23,7 @@ from numpy.typing import NDArray
 
 from ...data import KinemarkError, Origin
 from ..units import USUAL, mm_per
-from .document import C3D
+from .document import C3D, HALF
 from .provenance import told_filled
 
 OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
@@ -80,7 +81,9 @@ def mm_per_unit(doc: C3D) -> float:
     """
     unit = next(iter(doc.texts("POINT", "UNITS")), "") or "mm"
     if (mm := mm_per(unit)) is None:
-        raise KinemarkError(f"POINT:UNITS is {unit!r}, wanted {USUAL}. State the true one: units='mm'.")
+        raise KinemarkError(
+            f"POINT:UNITS is {unit!r}, wanted {USUAL}. State the true one: --length-unit mm (units='mm')."
+        )
     return mm
 
 
@@ -103,6 +106,8 @@ def samples_of(doc: C3D) -> Samples:
 def _missing(doc: C3D, length: NDArray[np.bool_], zero_is_gap: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """(M, F) where a point has no position."""
     finite = np.isfinite(doc.points).all(-1)
+    if not doc.floats:
+        finite &= ~(doc.points == HALF * doc.scale).all(-1)
     zero = (doc.points == 0).all(-1)
     far = (np.abs(doc.points) >= FARTHEST).any(-1)
     marked = ~(doc.word >= 0)

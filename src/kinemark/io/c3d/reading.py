@@ -15,8 +15,11 @@ from ..files import read_bytes
 from .document import C3D, has_unsigned_analog
 from .header import C3DHeader, byte_order, decode_header, parameter_offset
 from .layout import Layout, layout_of
+from .number_format import number_format
 from .numbers import ByteOrder, decode_floats, decode_words
 from .parameters import BLOCK, Group, decode_parameters
+from .rotations import WIDTH, RotationTable, rotation_table, rotations_in
+from .sample_table import section_in, section_start
 
 MOST_BLOCKS = 65535  # of a parameter section; chosen, the most that a word of 16 bits counts
 
@@ -43,42 +46,65 @@ def decode_document(raw: bytes, *, name: str, partial: bool = False) -> C3D:
     stated = (header.data_block - 1) * BLOCK
     sound = start < stated <= len(raw)
     groups, lost, odd = decode_parameters(raw[start + 4 : stated if sound else start + MOST_BLOCKS * BLOCK], order)
-    doc = _without_data(header, order, groups, name)
+    doc = _without_data(header, order, groups)
     end = stated if sound else _data_start(doc, header, start, raw, name)
-    layout = layout_of(header, doc, len(raw) - end)
+    table = rotation_table(doc)
+    starts = (table.start if table else 0, section_start(doc))
+    space = min((at for at in starts if end < at <= len(raw)), default=len(raw)) - end
+    if (found := number_format(doc, header, space)) is None:
+        raise KinemarkError(f"{name} states the scale {header.scale}: whether it holds floats or integers is unknown.")
+    doc, scaling = found
+    layout = layout_of(header, doc, space)
     size = (4 if doc.floats else 2) * layout.width
-    held = min(layout.frames, (len(raw) - end) // size) if size else layout.frames
+    held = min(layout.frames, space // size) if size else layout.frames
     if held < layout.frames:
         lost = (*lost, f"frames {held + 1} to {layout.frames} of {layout.frames}, for the file ends")
+    doc, absent = _with_rest(doc, table, raw, layout.frames, end + size * layout.frames)
+    lost = (*lost, *absent)
     if lost and not partial:
         raise KinemarkError(
             f"{name} ({len(raw)} bytes) is cut off or damaged. Unreadable: {'; '.join(lost)}. "
-            "Copy or export it again, or read what is left with partial=True."
+            "Copy or export it again, or read what is left with --partial (partial=True)."
         )
-    oddities = _oddities(doc, header, layout, end, len(raw) - end - size * layout.frames)
-    notes = (*(f"unreadable: {what}" for what in lost), *odd, *oddities)
+    oddities = _oddities(doc, header, layout, end, len(doc.tail))
+    notes = (*(f"unreadable: {what}" for what in lost), *odd, *oddities, *scaling)
     doc = replace(doc, first_frame=layout.first_frame, data_block=end // BLOCK + 1, notes=notes)
     return _with_data(doc, replace(layout, frames=held), np.frombuffer(raw, np.uint8, size * held, end))
 
 
-def _without_data(header: C3DHeader, order: ByteOrder, groups: tuple[Group, ...], name: str) -> C3D:
-    """The document with all but its points and analog."""
+def _without_data(header: C3DHeader, order: ByteOrder, groups: tuple[Group, ...]) -> C3D:
+    """The document with all but its points and analog, and their number format."""
     none = np.zeros((0, 0))
     bare = C3D(order, True, 0.0, np.zeros((0, 0, 3)), none, none, 0, groups)
-    scales = (bare.number("POINT", "SCALE", 0.0), header.scale)
-    scale = next((s for s in scales if math.isfinite(s) and s != 0), 0.0)
-    if scale == 0:
-        raise KinemarkError(f"{name} states the scale {header.scale}: whether it holds floats or integers is unknown.")
     rates = (bare.number("POINT", "RATE", 0.0), header.rate)
     return replace(
         bare,
-        floats=scale < 0,
-        scale=abs(scale),
         rate=next((rate for rate in rates if math.isfinite(rate) and rate > 0), 0.0),
         max_gap=header.max_gap,
         header_events=header.events,
         reserved=header.reserved,
     )
+
+
+def _with_rest(
+    doc: C3D, table: RotationTable | None, raw: bytes, frames: int, stop: int
+) -> tuple[C3D, tuple[str, ...]]:
+    """The document with what follows the last frame, which ends before byte `stop`, and what of it the file lacks."""
+    absent: tuple[str, ...] = ()
+    between, end = b"", stop
+    if table is not None:
+        samples, first, end = rotations_in(doc, table, raw, frames, stop)
+        between = raw[stop + -stop % BLOCK : first]
+        if end - first < frames * table.ratio * table.used * 4 * WIDTH:
+            absent = (f"rotations of {table.used} segments, for the file ends",)
+        doc = replace(doc, rotations=samples)
+    section, end = section_in(doc, raw, end)
+    if table is not None or section:
+        kept = (between if any(between) else b"") + raw[end + -end % BLOCK :]
+        return replace(doc, sample_table=section, tail=kept), absent
+    if section_start(doc):
+        absent = (*absent, "the covariances of the markers, for the file ends")
+    return replace(doc, tail=raw[stop:] if len(raw) - stop >= BLOCK else b""), absent
 
 
 def _data_start(doc: C3D, header: C3DHeader, start: int, raw: bytes, name: str) -> int:
@@ -107,8 +133,8 @@ def _oddities(doc: C3D, header: C3DHeader, layout: Layout, end: int, rest: int) 
     ]
     if not doc.groups:
         notes.append("no parameters; all is taken from the header")
-    if rest >= BLOCK:
-        notes.append(f"{rest} bytes after the last frame are not read")
+    if rest:
+        notes.append(f"{rest} bytes after the last frame are not understood; they are kept as they are")
     return tuple(notes)
 
 

@@ -15,10 +15,13 @@ import numpy as np
 from ...data import Trial
 from ...version import __version__
 from ..notes import FileNote
+from .about import with_about
 from .analog_rates import on_frames
 from .document import C3D, with_parameters
 from .numbers import ByteOrder
 from .parameters import Parameter
+from .rotations import with_rotations
+from .sample_table import with_table
 from .storing_analog import with_analog, with_plates
 from .storing_points import with_points
 from .tables import matched, rows_from, with_numbers, with_text
@@ -32,8 +35,9 @@ def write_c3d(
     """Write a trial as a C3D file; returns what the file could not hold as it was.
 
     Filled samples have the residual 0 and no camera, as C3D wants it; a group KINEMARK names them where that does not
-    tell. Signals become points (`signal_points`), channels go on one clock (`analog_rates`). What C3D has no place for
-    is not written: covariances of markers, the steps, the images behind samples, and cameras beyond the seventh.
+    tell. Covariances of markers and what was edited stand in a section of our own (`sample_table`). Signals become
+    points (`signal_points`), channels go on one clock (`analog_rates`). What C3D has no place for is not written: the
+    steps, the images behind samples, and cameras beyond the seventh.
 
     Args:
         path: the file.
@@ -73,8 +77,10 @@ def stored(
     analog, about_analog = on_frames(trial.analog, rate, len(doc.points))
     doc = with_analog(doc, source, analog, shift=first - source.first_frame, floats=floats)
     doc = with_events(with_plates(doc, trial.plates), trial)
+    doc, about_poses = with_rotations(doc, source, trial.poses, shift=first - source.first_frame)
+    doc = with_about(with_table(doc, trial.trajectories), trial.about)
     changed = doc.points.shape != source.points.shape or doc.analog.shape != source.analog.shape
-    return with_counts(doc) if changed or not own else doc, (*about_signals, *about_analog)
+    return with_counts(doc) if changed or not own else doc, (*about_signals, *about_analog, *about_poses)
 
 
 def with_events(doc: C3D, trial: Trial) -> C3D:

@@ -39,10 +39,8 @@ def with_analog(doc: C3D, source: C3D, analog: Analog | None, *, shift: int, flo
     factor[(factor == 0) & ~kept.all(1)] = 1.0
     with np.errstate(invalid="ignore", divide="ignore"):
         raw = np.where(kept, raw, analog.values / factor[:, None] + offset[:, None])
-    if floats:
-        raw = raw.astype(np.float32).astype(np.float64)
-    else:
-        raw = _integers(analog, raw, source, factor, offset, np.asarray(~kept.any(1)))
+    single = raw.astype(np.float32).astype(np.float64) if floats else raw
+    raw = single if floats else _integers(analog, raw, source, factor, offset, kept)
     doc = replace(doc, analog=raw, samples=samples)
     doc = with_text(doc, "ANALOG", "LABELS", analog.names, rows, had)
     units = (*doc.texts("ANALOG", "UNITS"), *[""] * len(had))[: len(had)]
@@ -75,17 +73,17 @@ def _integers(
     source: C3D,
     factor: NDArray[np.float64],
     offset: NDArray[np.float64],
-    fresh: NDArray[np.bool_],
+    kept: NDArray[np.bool_],
 ) -> NDArray[np.float64]:
     """Raw numbers as integers; channels that do not fit get a factor and an offset of their own, in place."""
-    if not np.isfinite(analog.values).all():
+    if not np.isfinite(analog.values[~kept]).all():
         raise ValueError("analog has missing samples, which integers cannot hold; write floats")
     unsigned, general = has_unsigned_analog(source), _general(source)
     counts, least = np.rint(raw), 0 if unsigned else -32768
-    odd = (counts < least).any(1) | (counts > least + 65535).any(1) | fresh
+    odd = (counts < least).any(1) | (counts > least + 65535).any(1) | ~kept.any(1)
     if source.floats:
         odd |= (raw != counts).any(1)
-    most = np.abs(analog.values).max(1, initial=0.0) / FULL_SCALE
+    most = np.abs(np.nan_to_num(analog.values)).max(1, initial=0.0) / FULL_SCALE
     factor[odd] = (np.where(most > 0, most, 1.0) / general).astype(np.float32)[odd] * general
     offset[odd] = 32768.0 if unsigned else 0.0
     counts[odd] = np.rint(analog.values[odd] / factor[odd, None] + offset[odd, None])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...data import KinemarkError, Origin, Trajectories, Trial
 from ..notes import FileNote
-from .document import C3D
+from .document import C3D, HALF
 from .points import LENGTH, Samples, mm_per_unit, point_names, samples_of
 from .provenance import with_filled
 from .signal_points import SD, SignalPoint, points_of, with_listed, with_told
@@ -199,7 +199,7 @@ def _kept(
     place = (known & _equal(new.xyz, old.xyz[pick]).all(-1)).T
     stored, marks = (a.swapaxes(0, 1)[pick].swapaxes(0, 1) for a in (source.points, source.word))
     if not floats:
-        place &= (np.abs(stored) <= MOST_COUNTS * scale).all(-1)
+        place &= ((stored >= HALF * scale) & (stored <= MOST_COUNTS * scale)).all(-1)
     told = place & (_equal(new.residual, old.residual[pick]) & (new.cameras == old.cameras[pick])).T
     told &= (new.origin == old.origin[pick]).T & (scale == source.scale)
     if not floats:

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Analog, Events, ForcePlate, KinemarkError, MarkerTrajectory, Trajectories, Trial
-from .document import C3D, has_unsigned_analog, with_parameters
+from .about import about_of
+from .document import C3D, HALF, has_unsigned_analog, with_parameters
 from .parameters import Parameter
 from .points import LENGTH, Samples, distinct, kinds_of, mm_per_unit, point_names, samples_of
 from .reading import read_document
+from .rotations import poses_of
+from .sample_table import with_covariance
 from .signal_points import signals_of
 
 N_CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6}
@@ -21,12 +25,15 @@ PLATE_COLUMNS = {"CORNERS": 3, "ORIGIN": 2, "CHANNEL": 2, "CAL_MATRIX": 3}
 """Parameters of a force plate and how many dimensions they have."""
 
 
-def read_c3d(path: Path | str, *, units: str | None = None, partial: bool = False) -> Trial:
+def read_c3d(
+    path: Path | str, *, units: str | None = None, rate_hz: float | None = None, partial: bool = False
+) -> Trial:
     """A trial from a C3D file. `Trial.source` keeps the file's own document, so that writing gives it back.
 
     Args:
         path: the file.
         units: unit of its lengths where the file is silent or wrong: "mm", "cm", "m", "in".
+        rate_hz: frames a second, where the file is silent or wrong about it.
         partial: read what there is of a damaged file; `trial.source.notes` says what is not.
 
     Raises:
@@ -35,6 +42,8 @@ def read_c3d(path: Path | str, *, units: str | None = None, partial: bool = Fals
     doc = read_document(path, partial=partial)
     if units is not None:
         doc = with_parameters(doc, "POINT", [Parameter.text("UNITS", units)])
+    if rate_hz is not None:
+        doc = with_parameters(replace(doc, rate=rate_hz), "POINT", [Parameter.real("RATE", rate_hz)])
     try:
         return trial_of(doc, name=Path(path).stem)
     except KinemarkError as error:
@@ -48,25 +57,30 @@ def trial_of(doc: C3D, *, name: str) -> Trial:
         KinemarkError: its unit is unknown or its rate is.
     """
     if doc.rate <= 0:
-        raise KinemarkError("the file states no frame rate. Set POINT:RATE and write it again.")
-    analog, names, samples = analog_of(doc), point_names(doc), samples_of(doc)
+        raise KinemarkError("the file states no frame rate. State the true one: --rate-hz (rate_hz=100.0).")
+    analog, names = analog_of(doc), point_names(doc)
     kinds = kinds_of(doc, names)
+    samples, cov, about_table = with_covariance(doc, samples_of(doc))
     return Trial(
         name=name,
-        trajectories=Trajectories(_markers(doc, names, kinds, samples), doc.rate, doc.first_frame),
+        trajectories=Trajectories(_markers(names, kinds, samples, cov), doc.rate, doc.first_frame),
         analog=() if analog is None else (analog,),
         plates=plates_of(doc),
         events=events_of(doc),
         source=doc,
         signals=signals_of(doc, names, kinds, samples.xyz),
+        poses=poses_of(doc),
+        about=about_of(doc),
+        notes=(*doc.notes, *_about_marks(doc), *about_table),
     )
 
 
-def _markers(doc: C3D, names: Sequence[str], kinds: Sequence[str], samples: Samples) -> tuple[MarkerTrajectory, ...]:
+def _markers(
+    names: Sequence[str], kinds: Sequence[str], samples: Samples, cov: NDArray[np.float64]
+) -> tuple[MarkerTrajectory, ...]:
     """The points that are positions."""
-    unknown = np.broadcast_to(np.nan, (doc.points.shape[0], 3, 3))
     return tuple(
-        MarkerTrajectory(name, samples.xyz[i], unknown, samples.origin[i], samples.residual[i], samples.cameras[i])
+        MarkerTrajectory(name, samples.xyz[i], cov[i], samples.origin[i], samples.residual[i], samples.cameras[i])
         for i, (name, kind) in enumerate(zip(names, kinds, strict=True))
         if kind == LENGTH
     )
@@ -95,8 +109,27 @@ def analog_of(doc: C3D) -> Analog | None:
     factor, offset = analog_scaling(doc)
     units = (*doc.texts("ANALOG", "UNITS"), *[""] * n)[:n]
     with np.errstate(invalid="ignore", over="ignore"):  # a damaged file may hold any number
-        values = (doc.analog - offset[:, None]) * factor[:, None]
+        values = (np.where(marked(doc), np.nan, doc.analog) - offset[:, None]) * factor[:, None]
     return Analog(analog_names(doc), units, doc.rate * doc.samples, values)
+
+
+def _about_marks(doc: C3D) -> tuple[str, ...]:
+    """What is said of marked samples."""
+    counts = marked(doc).sum(1)
+    names = [name for name, n in zip(analog_names(doc), counts, strict=True) if n]
+    return (f"analog: {counts.sum()} samples of {', '.join(names)} are −32 768 and count as missing",) if names else ()
+
+
+def marked(doc: C3D) -> NDArray[np.bool_]:
+    """(A, N) samples of signed integers that are −32 768 where all others of their channel are far from it.
+
+    A signal that is clipped comes near to the end of the range before; a mark for what was not sampled stands alone.
+    """
+    if doc.floats or has_unsigned_analog(doc):
+        return np.zeros(doc.analog.shape, np.bool_)
+    least = doc.analog == HALF
+    others = np.where(least, np.inf, doc.analog).min(1, initial=np.inf, keepdims=True)
+    return np.asarray(least & (others > HALF // 2) & (others < np.inf))
 
 
 def plates_of(doc: C3D) -> tuple[ForcePlate, ...]:

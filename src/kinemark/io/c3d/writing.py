@@ -14,6 +14,9 @@ from .header import C3DHeader, encode_header
 from .layout import Layout, layout_of
 from .numbers import encode_floats, encode_words
 from .parameters import BLOCK, Parameter, encode_parameters
+from .provenance import GROUP
+from .rotations import encode_rotations, with_rotation_start
+from .sample_table import START, with_section_start
 
 
 def write_document(path: Path | str, doc: C3D) -> None:
@@ -36,14 +39,16 @@ def encode_document(doc: C3D) -> bytes:
         0 <= m <= 65535 and len(doc.analog) <= 65535 and 0 <= doc.samples <= 65535 and 0 <= doc.first_frame < 2**31
     ):
         raise ValueError(f"C3D holds 65 535 points, channels and samples a frame, found {layout}")
-    data = _encode_data(doc)
-    if layout.first_frame + layout.frames <= 65535:  # else some readers count frames by the size of the file
-        data += bytes(-len(data) % BLOCK)
-    if not _counts_agree(doc, layout, len(data)):
+    data, behind = _encode_data(doc), [_in_blocks(encode_rotations(doc)), _in_blocks(doc.sample_table)]
+    # Where there are many frames, some readers count them by the size of the file.
+    if any(behind) or (layout.first_frame + layout.frames <= 65535 and not doc.tail):
+        data = _in_blocks(data)
+    if not _counts_agree(doc, layout, len(data) + (0 if any(behind) else len(doc.tail))):
         doc = with_counts(doc)
-    doc, section = _placed(doc)
+    blocks = len(data) // BLOCK
+    doc, section = _placed(doc, (blocks, blocks + len(behind[0]) // BLOCK))
     spare = bytes((doc.data_block - 1) * BLOCK - BLOCK - len(section))
-    return b"".join([encode_header(_header(doc, layout), doc.order), section, spare, data])
+    return b"".join([encode_header(_header(doc, layout), doc.order), section, spare, data, *behind, doc.tail])
 
 
 def _header(doc: C3D, layout: Layout) -> C3DHeader:
@@ -86,18 +91,38 @@ def with_counts(doc: C3D) -> C3D:
     return with_parameters(doc, "TRIAL", trial)
 
 
-def _placed(doc: C3D) -> tuple[C3D, bytes]:
-    """The document with a data block behind its parameters, and these encoded with their head."""
+def _in_blocks(raw: bytes) -> bytes:
+    """Bytes filled up to whole blocks."""
+    return raw + bytes(-len(raw) % BLOCK)
+
+
+def _with_starts(doc: C3D, blocks: tuple[int, int]) -> C3D:
+    """The document that says where its rotations and its own section begin, so many blocks behind its data block."""
+    if doc.rotations.size:
+        doc = with_rotation_start(doc, doc.data_block + blocks[0])
+    if doc.sample_table or doc.get(GROUP, START) is not None:
+        doc = with_section_start(doc, doc.data_block + blocks[1] if doc.sample_table else 0)
+    return doc
+
+
+def _placed(doc: C3D, blocks: tuple[int, int]) -> tuple[C3D, bytes]:
+    """The document with a data block behind its parameters, and these encoded with their head.
+
+    Args:
+        doc: the document. blocks: from the data block to its rotations and to its own section.
+    """
+    doc = _with_starts(doc, blocks)
     body = encode_parameters(doc.groups, doc.order)
     needed = 2 + -(-(len(body) + 4) // BLOCK)
     if needed > 65535:
         raise ValueError(f"the parameters take {len(body)} bytes; C3D has room for 33 million")
     moved = replace(doc, data_block=max(needed, doc.data_block))
     pointer = doc.get("POINT", "DATA_START")
-    if pointer is not None and moved.data_block != doc.data_block:
-        moved = with_parameters(
-            moved, "POINT", [Parameter.whole("DATA_START", np.full(pointer.values.shape, moved.data_block))]
-        )
+    if moved.data_block != doc.data_block:
+        if pointer is not None:
+            start = Parameter.whole("DATA_START", np.full(pointer.values.shape, moved.data_block))
+            moved = with_parameters(moved, "POINT", [start])
+        moved = _with_starts(moved, blocks)
         body = encode_parameters(moved.groups, doc.order)
     return moved, bytes([1, 0x50, min(moved.data_block - 2, 255), doc.order]) + body
 

@@ -6,15 +6,17 @@ the Biomechanical ToolKit (Barré and Armand, 2014) take them for, and were chec
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ...data import Analog, Detections, Events, ForcePlate, KinemarkError, Rig, Trajectories
+from ...data import Analog, Detections, Events, ForcePlate, KinemarkError, Rig, Trajectories, same
 from . import calibration_blocks, signal_blocks
-from .cursor import Cursor, blocks
+from .cursor import Cursor, TdfFile, open_tdf
 
 __all__ = ["TDF_PARTS", "Tdf", "read_tdf"]
 
@@ -22,6 +24,18 @@ TDF_PARTS = ("rig", "detections", "trajectories", "plates", "analog", "events")
 """What `read_tdf` can read, each unless `parts` leaves it out."""
 
 RIG, DETECTIONS, TRAJECTORIES, PLATES, WRENCHES, EMG, EVENTS = 2, 4, 5, 7, 9, 11, 16  # codes of blocks; of the format
+KINDS = (RIG, DETECTIONS, TRAJECTORIES, PLATES, WRENCHES, EMG, EVENTS)
+NAMES = {
+    3: "the 2D points of a calibration (block 3)",
+    6: "the setup of the cameras (block 6)",
+    8: "the 2D points of a calibration of plates (block 8)",
+    10: "the subject's anthropometry (block 10)",
+    12: "computed forces and torques (block 12)",
+    13: "volumes (block 13)",
+    14: "general-purpose channels (block 14)",
+    15: "the calibration of general-purpose channels (block 15)",
+}
+"""What blocks hold whose layout is not read; of the format."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,6 +49,8 @@ class Tdf:
         plates: force plates, type 1.
         analog: the plates' channels, then the EMG; each keeps its own rate, start and length.
         events: with their times, s.
+        about: what else the file says: "date" it was made, UTC, labels of its plates, comments on its blocks.
+        notes: blocks that could not be read, and why; what was odd and how it was read.
     """
 
     rig: Rig | None = None
@@ -43,9 +59,11 @@ class Tdf:
     plates: tuple[ForcePlate, ...] = ()
     analog: tuple[Analog, ...] = ()
     events: Events = field(default_factory=Events)
+    about: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
 
-def read_tdf(path: Path | str, *, parts: Collection[str] = TDF_PARTS) -> Tdf:
+def read_tdf(path: Path | str, *, parts: Collection[str] | None = None) -> Tdf:
     """Read a TDF file.
 
     Lengths become mm; the world keeps the file's axes, in which **Y points up**. Cameras are called `cam1`, `cam2`, …
@@ -54,50 +72,80 @@ def read_tdf(path: Path | str, *, parts: Collection[str] = TDF_PARTS) -> Tdf:
 
     Args:
         path: the file.
-        parts: what to read; blocks that are not asked for are not looked at.
+        parts: what to read; blocks that are not asked for are not looked at. Where it is not given, all that can be
+            read is, and `notes` says what cannot.
 
     Raises:
         ValueError: `parts` has a name that is not in `TDF_PARTS`.
-        KinemarkError: the file is absent, empty, truncated, no TDF, or has a block of a format that is not read.
+        KinemarkError: the file is absent, empty, truncated, no TDF, or a block that `parts` asks for cannot be read,
+            or none can.
     """
-    if unknown := set(parts) - set(TDF_PARTS):
+    if unknown := set(parts or ()) - set(TDF_PARTS):
         raise ValueError(f"parts has {sorted(unknown)}, wanted some of {', '.join(TDF_PARTS)}")
     # damaged files hold signalling NaN, which would warn before it is found and refused
     with np.errstate(invalid="ignore", over="ignore"):
-        return checked(path, parsed(blocks(path), parts))
+        return checked(path, parsed(open_tdf(path), parts))
 
 
-def parsed(found: Mapping[int, Cursor], parts: Collection[str]) -> Tdf:
-    """The blocks that are there and asked for, in our records."""
+def parsed(file: TdfFile, parts: Collection[str] | None) -> Tdf:
+    """The blocks that are there and asked for, in our records.
 
-    def block(kind: int, part: str) -> Cursor | None:
-        return found.get(kind) if part in parts else None
+    Raises:
+        KinemarkError: a block that is asked for cannot be read, or none can.
+    """
+    failed: list[KinemarkError] = []
 
-    rig = calibration_blocks.rig(cursor) if (cursor := block(RIG, "rig")) else None
-    detections = calibration_blocks.detections(cursor) if (cursor := block(DETECTIONS, "detections")) else None
-    trajectories = signal_blocks.trajectories(cursor) if (cursor := block(TRAJECTORIES, "trajectories")) else None
+    def block(kind: int, part: str, read: Callable[[Cursor], Any]) -> Any:
+        cursor = file.blocks.get(kind) if parts is None or part in parts else None
+        try:
+            return None if cursor is None else read(cursor)
+        except KinemarkError as error:
+            if parts is not None:
+                raise
+            failed.append(error)
+            return None
+
+    trajectories = block(TRAJECTORIES, "trajectories", signal_blocks.trajectories)
     origin = 0.0 if trajectories is None else (trajectories.first_frame - 1) / trajectories.rate
-    wrenches = signal_blocks.wrenches(cursor, origin) if (cursor := block(WRENCHES, "analog")) else None
-    emg = signal_blocks.emg(cursor, origin) if (cursor := block(EMG, "analog")) else None
-    return Tdf(
-        rig=rig,
-        detections=detections,
+    wrenches = block(WRENCHES, "analog", lambda cursor: signal_blocks.wrenches(cursor, origin))
+    emg = block(EMG, "analog", lambda cursor: signal_blocks.emg(cursor, origin))
+    found = Tdf(
+        rig=block(RIG, "rig", calibration_blocks.rig),
+        detections=block(DETECTIONS, "detections", calibration_blocks.detections),
         trajectories=trajectories,
-        plates=signal_blocks.plates(cursor, wrenches) if (cursor := block(PLATES, "plates")) else (),
+        plates=block(PLATES, "plates", lambda cursor: signal_blocks.plates(cursor, wrenches)) or (),
         analog=tuple(analog for analog in (wrenches, emg) if analog is not None),
-        events=signal_blocks.events(cursor) if (cursor := block(EVENTS, "events")) else Events(),
+        events=block(EVENTS, "events", signal_blocks.events) or Events(),
     )
+    if failed and same(found, Tdf()):
+        raise failed[0]
+    if parts is not None:
+        return found
+    unread = [
+        f"{NAMES.get(kind, f'the block of type {kind}')} is not read" for kind in file.blocks if kind not in KINDS
+    ]
+    odd = [note for kind in KINDS if kind in file.blocks for note in file.blocks[kind].notes]
+    lost = [f"unreadable: {error}" for error in failed]
+    return replace(found, about=_about(file), notes=(*lost, *odd, *unread))
+
+
+def _about(file: TdfFile) -> dict[str, str]:
+    """What a file says of itself."""
+    cursor = file.blocks.get(PLATES)
+    said = dict(file.about)
+    if cursor is not None:
+        with suppress(KinemarkError):
+            labels = signal_blocks.plate_labels(replace(cursor, at=0))
+            said |= {f"plate {i}": label for i, label in enumerate(labels, 1) if label}
+    return said
 
 
 def checked(path: Path | str, tdf: Tdf) -> Tdf:
     """The same, when its parts agree.
 
     Raises:
-        KinemarkError: a time or a corner is not finite, or a camera that saw something is not calibrated.
+        KinemarkError: a camera that saw something is not calibrated.
     """
-    numbers = [plate.corners for plate in tdf.plates] + [tdf.events.time]
-    if not all(np.isfinite(a).all() for a in numbers) or not all(np.isfinite(a.start) for a in tdf.analog):
-        raise KinemarkError(f"{path} has times or plate corners that are not finite. Export it again.")
     seeing = tdf.detections.cameras if tdf.detections is not None else ()
     if tdf.rig is not None and (lost := set(seeing) - set(tdf.rig.names)):
         raise KinemarkError(f"{path} has points of {sorted(lost)} but no calibration of them. Export it again.")

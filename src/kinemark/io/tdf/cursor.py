@@ -6,9 +6,10 @@ entry of 288 bytes a block: int32 type, format, offset and size, and what we do 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -23,15 +24,19 @@ SPARE_BYTES, SPARSENESS = 1 << 26, 64
 Chosen."""
 
 
+EARLIEST = 631_152_000  # s after 1970 before which no such file was made: 1990; chosen
+
+
 @dataclass(slots=True)
 class Cursor:
-    """A place in one block; every read is checked against the block's end."""
+    """A place in one block; every read is checked against the block's end. `notes` has what was odd in it."""
 
     name: str
     data: memoryview
     format: int
     file_size: int
     at: int = 0
+    notes: list[str] = field(default_factory=list)
 
     def take(self, dtype: DTypeLike, n: int = 1) -> NDArray[Any]:
         """The next n values.
@@ -55,7 +60,7 @@ class Cursor:
 
     def text(self, n: int = 256) -> str:
         """The next n bytes as a label, up to the first zero byte."""
-        return self.take("u1", n).tobytes().split(b"\0")[0].decode("cp1252", "replace").strip()
+        return _text(self.take("u1", n).tobytes())
 
     def room(self, *shape: int) -> None:
         """Check that an array of float64 of this shape may be made.
@@ -84,8 +89,20 @@ class Cursor:
         )
 
 
-def blocks(path: Path | str) -> dict[int, Cursor]:
-    """The first block of every type.
+def _text(raw: bytes) -> str:
+    """Text up to the first zero byte."""
+    return raw.split(b"\0")[0].decode("cp1252", "replace").strip()
+
+
+class TdfFile(NamedTuple):
+    """The first block of every type, and what the file says of itself: its date, comments on its blocks."""
+
+    blocks: dict[int, Cursor]
+    about: dict[str, str]
+
+
+def open_tdf(path: Path | str) -> TdfFile:
+    """A TDF file, whose blocks are not yet read.
 
     Raises:
         KinemarkError: the file is absent, empty, truncated, or no TDF of version 1.
@@ -101,7 +118,9 @@ def blocks(path: Path | str) -> dict[int, Cursor]:
         )
     entries = np.frombuffer(data[HEADER : HEADER + n * ENTRY], "<i4").reshape(n, ENTRY // 4)[:, :4]
     found: dict[int, Cursor] = {}
-    for kind, form, offset, size in entries.tolist():
+    made = int(np.frombuffer(data[32:36], "<i4")[0])
+    about = {"date": datetime.fromtimestamp(made, UTC).isoformat()[:19]} if made > EARLIEST else {}
+    for i, (kind, form, offset, size) in enumerate(entries.tolist()):
         if form != 0 and kind not in found:
             if offset < HEADER or size < 0 or offset + size > len(data):
                 raise KinemarkError(
@@ -110,4 +129,7 @@ def blocks(path: Path | str) -> dict[int, Cursor]:
                 )
             name = f"{path}: the block of type {kind}"
             found[kind] = Cursor(name, data[offset : offset + size], form, len(data))
-    return found
+            at = HEADER + i * ENTRY + 32
+            if comment := _text(bytes(data[at : at + 256])):
+                about[f"comment on block {kind}"] = comment
+    return TdfFile(found, about)

@@ -29,12 +29,24 @@ PLATE_TYPE = 1  # C3D's type with force and centre of pressure; of that format
 
 def by_track(cursor: Cursor, n: int, width: int) -> NDArray[np.float64]:
     """(n, width) a signal stored as segments: their number, a pad, (first, length) of each, then all samples."""
+    segments = _segments(cursor)
+    if (segments.sum(1) > n).any():
+        raise cursor.bad(f"has a segment outside its {n} samples")
+    return _samples(cursor, segments, n, width)
+
+
+def _segments(cursor: Cursor) -> NDArray[np.int64]:
+    """(S, 2) first sample and length of each segment."""
     n_segments = cursor.integer()
     cursor.take("<i4")
     segments = cursor.take("<i4", 2 * n_segments).reshape(-1, 2).astype(np.int64)
-    first, length = segments.T
-    if (segments < 0).any() or (first + length > n).any():
-        raise cursor.bad(f"has a segment outside its {n} samples")
+    if (segments < 0).any():
+        raise cursor.bad("has a segment before its first sample")
+    return segments
+
+
+def _samples(cursor: Cursor, segments: NDArray[np.int64], n: int, width: int) -> NDArray[np.float64]:
+    """(n, width) the samples of segments; NaN between them."""
     values = np.full((n, width), np.nan)
     for a, m in segments.tolist():
         values[a : a + m] = cursor.take("<f4", m * width).reshape(m, width)
@@ -90,8 +102,22 @@ def plates(cursor: Cursor, wrenches: Analog | None) -> tuple[ForcePlate, ...]:
             cursor.text()
         names = wrench_names(channel)
         known = wrenches is not None and names[0] in wrenches.names
+        if not np.isfinite(corners).all():
+            raise cursor.bad("has corners that are not finite")
         found.append(ForcePlate(PLATE_TYPE, corners[[2, 3, 0, 1]], np.zeros(3), names if known else ()))  # (1)
     return tuple(found)
+
+
+def plate_labels(cursor: Cursor) -> list[str]:
+    """The labels of the plates of block type 7."""
+    n = cursor.integer()
+    cursor.take("u1", 4 + 2 * n)
+    labels = []
+    for _ in range(n):
+        labels.append(cursor.text())
+        cursor.take("<f4", 14)
+        cursor.take("u1", 256 if cursor.format == 2 else 0)
+    return labels
 
 
 def wrench_names(channel: int) -> tuple[str, ...]:
@@ -102,7 +128,7 @@ def wrench_names(channel: int) -> tuple[str, ...]:
 def wrenches(cursor: Cursor, origin: float) -> Analog:
     """Block type 9: formats 1 and 3 by plate, 2 and 4 by sample (column, then plate); 3 and 4 with labels."""
     cursor.wanted(1, 2, 3, 4)
-    n, rate, start, n_samples = cursor.integer(), cursor.rate(), cursor.real(), cursor.integer()
+    n, rate, start, n_samples = cursor.integer(), cursor.rate(), _start(cursor), cursor.integer()
     channels = cursor.take("<i2", n).tolist()
     cursor.room(n, n_samples, 6)
     if cursor.format in (1, 3):
@@ -121,22 +147,49 @@ def wrenches(cursor: Cursor, origin: float) -> Analog:
 def emg(cursor: Cursor, origin: float) -> Analog:
     """Block type 11: format 1 by channel, 2 by sample; V."""
     cursor.wanted(1, 2)
-    n, rate, start, n_samples = cursor.integer(), cursor.rate(), cursor.real(), cursor.integer()
+    n, rate, start, n_samples = cursor.integer(), cursor.rate(), _start(cursor), cursor.integer()
     cursor.take("<i2", n)
     cursor.room(n, n_samples)
     if cursor.format == 1:
-        pairs = [(cursor.text(), by_track(cursor, n_samples, 1)[:, 0]) for _ in range(n)]
-        names, values = [name for name, _ in pairs], np.array([signal for _, signal in pairs]).reshape(n, n_samples)
+        names, values = _channels(cursor, n, n_samples)
     else:
         names = [cursor.text() for _ in range(n)]
         values = cursor.take("<f4", n * n_samples).reshape(n_samples, n).T.astype(np.float64)
     return Analog(tuple(names), ("V",) * n, rate, values, start - origin)
 
 
+def _channels(cursor: Cursor, n: int, stated: int) -> tuple[list[str], NDArray[np.float64]]:
+    """Labels and (n, N) samples of channels one after the other.
+
+    As a rule such blocks state fewer samples than they hold (49 less), so that their segments say how many there are.
+    """
+    pairs = []
+    for _ in range(n):
+        name, segments = cursor.text(), _segments(cursor)
+        length = max(stated, int(segments.sum(1).max(initial=0)))
+        cursor.room(n, length)
+        pairs.append((name, _samples(cursor, segments, length, 1)[:, 0]))
+    most = max((len(values) for _, values in pairs), default=stated)
+    if most > stated:
+        cursor.notes.append(f"EMG: {stated} samples are stated and {most} are there; all are read")
+    values = np.full((n, most), np.nan)
+    for row, (_, own) in zip(values, pairs, strict=True):
+        row[: len(own)] = own
+    return [name for name, _ in pairs], values
+
+
+def _start(cursor: Cursor) -> float:
+    """The next float32 as a time, s."""
+    if not np.isfinite(start := cursor.real()):
+        raise cursor.bad(f"starts at {start} s")
+    return start
+
+
 def events(cursor: Cursor) -> Events:
     """Block type 16: a label with one time or a sequence of them, s."""
     cursor.wanted(1)
-    n = cursor.integer()
+    if (n := cursor.integer()) < 0:
+        raise cursor.bad(f"states {n} events")
     cursor.real()
     label: list[str] = []
     time: list[float] = []
@@ -146,4 +199,6 @@ def events(cursor: Cursor) -> Events:
         times = cursor.take("<f4", cursor.integer()).tolist()
         label += [name] * len(times)
         time += times
+    if not np.isfinite(time).all():
+        raise cursor.bad("has times that are not finite")
     return Events(tuple(label), ("",) * len(label), np.array(time, np.float64))

@@ -165,6 +165,10 @@ TRIAL_WORDS = {
         "{channels} channels go on for {duration_s} beyond the frames; the C3D file does not hold the rest.",
         "Take them from the recording's own file where that counts.",
     ),
+    "recording_partly_read": Words(
+        "Of the recording's file: {parts_list}.",
+        "All else was read. Export the recording again where these parts are wanted.",
+    ),
     "cameras_swapped": Words(_swapped, "Swap the files, in the trial or in the calibration."),
     "camera_out_of_sync": Words(_out_of_sync, "Check that all cameras are triggered together."),
     "camera_without_images": Words("{Cameras} has no images at all.", LOOK_AT_CAMERA),

@@ -1,0 +1,39 @@
+"""What is known of a capture besides its numbers: date, subject, labels and comments.
+
+SUBJECTS:NAMES is C3D's own place for the subject. All else stands in KINEMARK:ABOUT, a row "name: text" each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .document import C3D, with_parameters
+from .parameters import Parameter
+from .provenance import GROUP
+from .tables import with_text
+
+ABOUT = "ABOUT"
+BETWEEN = ": "
+SUBJECT = "subject"
+
+
+def about_of(doc: C3D) -> dict[str, str]:
+    """What a document says; subjects with commas between them."""
+    subjects = ", ".join(name for name in doc.texts("SUBJECTS", "NAMES") if name)
+    rows = (row.partition(BETWEEN) for row in doc.texts(GROUP, ABOUT))
+    told = {name: text for name, between, text in rows if between}
+    return ({SUBJECT: subjects} if subjects else {}) | told
+
+
+def with_about(doc: C3D, about: Mapping[str, str]) -> C3D:
+    """The document that says this."""
+    had = about_of(doc)
+    if had == dict(about):
+        return doc
+    subject = about.get(SUBJECT, "")
+    if subject != had.get(SUBJECT, ""):
+        names = [subject] if subject else []
+        parameters = [Parameter.whole("USED", len(names)), Parameter.text("NAMES", names)]
+        doc = with_parameters(doc, "SUBJECTS", parameters)
+    rows = [f"{name}{BETWEEN}{text}" for name, text in about.items() if name != SUBJECT]
+    return with_text(doc, GROUP, ABOUT, rows, [-1] * len(rows), doc.texts(GROUP, ABOUT))

@@ -1,0 +1,69 @@
+"""What the command line offers for files that are silent, wrong or damaged, and what `info --json` says."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.apps import cli
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial
+from kinemark.engine.describe import describe
+from kinemark.io.c3d import document_of, encode_document
+from kinemark.io.trial import read_trial, write_trial
+from support.poses import made_poses
+from support.trials import made_trial
+
+
+def run(*arguments):
+    return cli.app([str(a) for a in arguments], result_action="return_value")
+
+
+@pytest.fixture
+def damaged(tmp_path):
+    """A C3D file without its last frames."""
+    raw = encode_document(document_of(made_trial()))
+    (tmp_path / "cut.c3d").write_bytes(raw[: len(raw) - 3000])
+    return tmp_path / "cut.c3d"
+
+
+def test_every_command_reads_a_damaged_file_in_part(damaged, tmp_path, capsys):
+    with pytest.raises(KinemarkError, match="--partial"):
+        run("convert", damaged, tmp_path / "a.h5")
+    run("convert", damaged, tmp_path / "a.h5", "--partial")
+    assert "unreadable: frames" in capsys.readouterr().out
+    run("fill", damaged, "-o", tmp_path / "b.c3d", "--partial", "--method", "linear")
+    assert "unreadable: frames" in capsys.readouterr().out
+    run("info", "--partial", damaged)
+    assert "unreadable: frames" in capsys.readouterr().out
+    n = read_trial(tmp_path / "a.h5").trajectories.n_frames
+    assert 20 < n < 40 and read_trial(tmp_path / "b.c3d").trajectories.n_frames == n
+
+
+@pytest.mark.parametrize("ending", [".c3d", ".trc"])
+def test_unit_and_rate_can_be_stated(tmp_path, ending, capsys):
+    xyz = np.random.default_rng(2).uniform(1, 2, (9, 3))
+    write_trial(Trial("a", Trajectories((MarkerTrajectory.measured("m", xyz),), 50.0)), tmp_path / f"a{ending}")
+    run("convert", tmp_path / f"a{ending}", tmp_path / "b.h5", "--length-unit", "m", "--rate-hz", "200")
+    found = read_trial(tmp_path / "b.h5").trajectories
+    assert found.rate == 200.0 and np.allclose(found.xyz[0], 1000 * xyz, rtol=1e-6)
+    run("info", "--json", "--rate-hz", "200", tmp_path / f"a{ending}")
+    out = capsys.readouterr().out
+    facts = json.loads(out[out.index("{") :])[str(tmp_path / f"a{ending}")]
+    assert (facts["rate_hz"], facts["duration_s"]) == (200.0, 9 / 200)
+
+
+def test_info_as_json_is_data(tmp_path):
+    trial = made_trial()
+    write_trial(replace(trial, poses=(made_poses(),)), tmp_path / "a.c3d")
+    facts = json.loads(json.dumps(describe(tmp_path / "a.c3d")))
+    assert facts["markers"] == ["M0", "M1", "M2", "M3", "M4"]
+    assert (facts["frames"], facts["first_frame"], facts["rate_hz"]) == (40, 7, 100.0)
+    assert facts["gaps"] == {"count": 5, "longest_frames": 3}
+    (channels,) = facts["analog"]
+    assert (len(channels["channels"]), channels["rate_hz"], channels["samples"]) == (12, 400.0, 160)
+    assert [plate["type"] for plate in facts["force_plates"]] == [2, 4]
+    assert [(e["label"], e["side"], e["time_s"]) for e in facts["events"]] == [
+        ("Foot Strike", "Left", 0.25), ("Foot Off", "Right", 61.5)
+    ]  # fmt: skip
+    assert facts["poses"] == [{"segments": ["pelvis", "thigh", "shank"], "rate_hz": 100.0}]

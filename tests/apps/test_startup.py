@@ -1,0 +1,43 @@
+"""What a command does not need is not imported for it."""
+
+import subprocess
+import sys
+
+import pytest
+
+from kinemark.data import Trial
+from kinemark.io.trial import write_trial
+from support.trials import made_trial
+
+HEAVY = ("av", "h5py", "tomlkit", "scipy", "plotly", "pydantic", "rich.console", "kinemark.engine.session")
+CALL = """
+import sys
+from kinemark.apps.cli import main
+sys.argv = ["kinemark", *sys.argv[1:]]
+try:
+    main()
+except SystemExit as end:
+    assert not end.code, end.code
+print("LOADED", *[name for name in {names} if name in sys.modules])
+""".replace("{names}", repr(HEAVY))
+
+
+def loaded(*arguments):
+    done = subprocess.run(
+        [sys.executable, "-c", CALL, *map(str, arguments)], capture_output=True, text=True, timeout=100
+    )
+    assert "LOADED" in done.stdout, done.stderr
+    return done.stdout.split("LOADED")[1].split()
+
+
+@pytest.mark.parametrize("ending", [".c3d", ".trc", ".csv"])
+def test_files_are_described_and_converted_without_video_hdf5_and_toml(tmp_path, ending):
+    trial = made_trial()
+    write_trial(Trial("a", trial.trajectories), tmp_path / f"a{ending}")
+    assert loaded("info", tmp_path / f"a{ending}") == []
+    assert loaded("convert", tmp_path / f"a{ending}", tmp_path / "b.c3d") == []
+
+
+def test_each_library_is_imported_when_a_file_needs_it(tmp_path):
+    write_trial(made_trial(), tmp_path / "a.h5")
+    assert loaded("info", tmp_path / "a.h5") == ["h5py"]

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinemark.data import KinemarkError, same
+from kinemark.data import KinemarkError, Trajectories, Trial, same
 from kinemark.engine.fill_files import fill_file
 from kinemark.fill import Linear
 from kinemark.io.c3d import ByteOrder, decode_document, document_of, encode_document, read_c3d, trial_of, write_c3d
@@ -155,3 +155,15 @@ def test_bytes_that_nobody_understands_are_kept(size, poses):
     assert encode_document(doc) == raw
     shorter = encode_document(document_of(trial_of(doc, name="t").frames(2, 30)))
     assert decode_document(shorter, name="made").tail.lstrip(b"\0") == rest
+
+
+@pytest.mark.parametrize("floats", [True, False])
+def test_a_trial_of_poses_alone_comes_back(tmp_path, floats):
+    """As systems without markers write it."""
+    trial = Trial("poses", Trajectories((), 50.0), poses=(made_poses(n=90, rate=150.0),))
+    write_c3d(tmp_path / "a.c3d", trial, floats=floats)
+    back = read_c3d(tmp_path / "a.c3d")
+    assert same(back.poses, trial.poses)
+    write_c3d(tmp_path / "b.c3d", back)
+    assert same(read_c3d(tmp_path / "b.c3d").poses, trial.poses)
+    assert by_ezc3d(tmp_path / "b.c3d", tmp_path)[0].shape == (3, 90, 4, 4)

@@ -64,8 +64,9 @@ def with_table(doc: C3D, trajectories: Trajectories) -> C3D:
     Args:
         doc: the document with the points of the trajectories. trajectories: what it holds.
     """
-    cov = np.array([path.cov for path in trajectories]).reshape(len(trajectories), -1, 3, 3)
-    origin = np.array([path.origin for path in trajectories], np.uint8).reshape(cov.shape[:2])
+    shape = (len(trajectories), trajectories.n_frames)
+    cov = np.array([path.cov for path in trajectories]).reshape(*shape, 3, 3)
+    origin = np.array([path.origin for path in trajectories], np.uint8).reshape(shape)
     if not np.isfinite(cov).any() and not (origin == Origin.EDITED).any():
         return doc if not doc.sample_table else replace(doc, sample_table=b"")
     numbers = cov[:, :, UPPER[0], UPPER[1]].astype("<f4")

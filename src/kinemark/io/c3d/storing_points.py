@@ -131,11 +131,12 @@ def _with_marks(new: PointTable, old: Samples, source: C3D, first_frame: int) ->
 
 
 def _n_frames(trial: Trial, source: C3D) -> int:
-    """Frames of the trial, which without markers are those of its source, its signals or its channels."""
+    """Frames of the trial, which without markers are those of its source, its signals, its poses or its channels."""
     rate = trial.trajectories.rate
     if len(trial.trajectories) or len(source.points):
         return trial.trajectories.n_frames if len(trial.trajectories) else len(source.points)
     ends = [s.start + len(s) / s.rate for s in trial.signals]
+    ends += [p.start + p.reliability.shape[1] / p.rate for p in trial.poses]
     ends = ends or [a.start + a.values.shape[1] / a.rate for a in trial.analog]
     return max(0, round(max(ends, default=0.0) * rate))
 

@@ -95,7 +95,7 @@ DIALECTS = {
     "a heading without its unit": Dialect(lambda t: without(t, "Units", heading=False), says=True),
     "a unit without its heading": Dialect(lambda t: replace(t, keys=[k for k in t.keys if k != "Units"])),
     "no original frames": Dialect(lambda t: replace(t, keys=t.keys[:5], values=t.values[:5])),
-    "no rate": Dialect(lambda t: replace(t, values=["0", *t.values[1:]]), says=True),
+    "no rate": Dialect(lambda t: without(t, "DataRate", heading=True), says=True),
     "blanks instead of tabs in the heading": Dialect(lambda t: replace(t, values=["   ".join(t.values)])),
     "blanks around cells": Dialect(lambda t: replace(t, values=[f"  {v} " for v in t.values])),
     "no line of axes": Dialect(lambda t: replace(t, axes=[])),

@@ -91,6 +91,9 @@ def once_an_axis(t: TrcText, mark: str) -> TrcText:
 
 DIALECTS = {
     "as the manual wants it": Dialect(lambda t: t),
+    "more frames than the heading says": Dialect(
+        lambda t: replace(t, values=[*t.values[:2], str(len(t.rows) - 1), *t.values[3:]]), says=True
+    ),
     "no unit": Dialect(lambda t: without(t, "Units", heading=True), says=True),
     "a heading without its unit": Dialect(lambda t: without(t, "Units", heading=False), says=True),
     "a unit without its heading": Dialect(lambda t: replace(t, keys=[k for k in t.keys if k != "Units"])),
@@ -124,9 +127,6 @@ DIALECTS = {
     "PathFileType without tabs": Dialect(lambda t: replace(t, head=["PathFileType  4 (X/Y/Z) C:\\trial.trc"])),
     "tabs at the end": Dialect(
         lambda t: replace(t, names=[*t.names, "", ""], rows=[[*row, ""] for row in t.rows], keys=[*t.keys, ""])
-    ),
-    "more frames than the heading says": Dialect(
-        lambda t: replace(t, values=[*t.values[:2], str(len(t.rows) - 1), *t.values[3:]]), says=True
     ),
 }
 """By what they do, in an order in which any of them go together."""

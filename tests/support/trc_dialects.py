@@ -91,11 +91,14 @@ def once_an_axis(t: TrcText, mark: str) -> TrcText:
 
 DIALECTS = {
     "as the manual wants it": Dialect(lambda t: t),
+    "more frames than the heading says": Dialect(
+        lambda t: replace(t, values=[*t.values[:2], str(len(t.rows) - 1), *t.values[3:]]), says=True
+    ),
     "no unit": Dialect(lambda t: without(t, "Units", heading=True), says=True),
     "a heading without its unit": Dialect(lambda t: without(t, "Units", heading=False), says=True),
     "a unit without its heading": Dialect(lambda t: replace(t, keys=[k for k in t.keys if k != "Units"])),
     "no original frames": Dialect(lambda t: replace(t, keys=t.keys[:5], values=t.values[:5])),
-    "no rate": Dialect(lambda t: replace(t, values=["0", *t.values[1:]]), says=True),
+    "no rate": Dialect(lambda t: without(t, "DataRate", heading=True), says=True),
     "blanks instead of tabs in the heading": Dialect(lambda t: replace(t, values=["   ".join(t.values)])),
     "blanks around cells": Dialect(lambda t: replace(t, values=[f"  {v} " for v in t.values])),
     "no line of axes": Dialect(lambda t: replace(t, axes=[])),
@@ -124,9 +127,6 @@ DIALECTS = {
     "PathFileType without tabs": Dialect(lambda t: replace(t, head=["PathFileType  4 (X/Y/Z) C:\\trial.trc"])),
     "tabs at the end": Dialect(
         lambda t: replace(t, names=[*t.names, "", ""], rows=[[*row, ""] for row in t.rows], keys=[*t.keys, ""])
-    ),
-    "more frames than the heading says": Dialect(
-        lambda t: replace(t, values=[*t.values[:2], str(len(t.rows) - 1), *t.values[3:]]), says=True
     ),
 }
 """By what they do, in an order in which any of them go together."""

@@ -46,7 +46,7 @@ def convert(
         raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
     if rate_hz is not None and not 0 < rate_hz < np.inf:
         raise KinemarkError(f"--rate-hz is {rate_hz}, wanted a number above 0.")
-    have = _contents(source, Said(rate_hz, length_unit, partial, what))
+    have, odd = _contents(source, Said(rate_hz, length_unit, partial, what))
     suffix = target.suffix.lower()
     fits = [content for content in have if suffix in endings(content) and what in (None, content)]
     if len(fits) != 1:
@@ -56,12 +56,11 @@ def convert(
             f"{' or '.join(held) or 'none of it'}. "
             + ("Say which with --what." if len(fits) > 1 else "Choose another ending.")
         )
-    record = have[fits[0]]
-    return (*read_notes(getattr(record, "notes", ())), *write_file(target, fits[0], record))
+    return (*read_notes(odd), *write_file(target, fits[0], have[fits[0]]))
 
 
-def _contents(source: Path, said: Said) -> dict[Content, Any]:
-    """What of a file can be written elsewhere."""
+def _contents(source: Path, said: Said) -> tuple[dict[Content, Any], tuple[str, ...]]:
+    """What of a file can be written elsewhere, and what was odd in it."""
     found = open_session(source) if is_session(source) else read_file(source, said)
     if isinstance(found, np.ndarray):
         if said.length_unit is None:
@@ -81,4 +80,4 @@ def _contents(source: Path, said: Said) -> dict[Content, Any]:
         parts |= {"detections": found.detections, "rig": found.rig}
     elif isinstance(found, (Detections, Rig)):
         parts["detections" if isinstance(found, Detections) else "rig"] = found
-    return {content: part for content, part in parts.items() if part is not None}
+    return {content: part for content, part in parts.items() if part is not None}, getattr(found, "notes", ())

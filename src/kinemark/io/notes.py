@@ -34,7 +34,7 @@ class FileNote:
         if self.kind == "cut":
             return f"{who}: {self.values['seconds']:.3g} s beyond the frames are not in the file."
         if self.kind == "read":
-            return f"in the source: {who}."
+            return f"in the source: {who.rstrip('.')}."
         if self.kind == "incomplete":
             return f"{who}: samples of which only some components are known are missing in the file."
         return f"{who}: not in the file, as its format has no place for it. HDF5 (.h5) keeps all."

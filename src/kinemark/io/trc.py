@@ -109,8 +109,8 @@ def _rate(path: Path | str, found: TrcTable, said: float | None) -> tuple[float,
     if said is not None:
         return said, ()
     stated = _number(path, found, "datarate")
-    if stated < 0 or math.isinf(stated):
-        raise bad_line(path, found.heading, f"DataRate is {stated}, wanted a positive number")
+    if stated <= 0 or math.isinf(stated):
+        raise bad_line(path, found.heading, f"DataRate is {stated}, wanted a positive number. State it with --rate-hz.")
     if stated > 0:
         odd = abs(timed - stated) > SAME_RATE * stated
         return stated, ((f"DataRate is {stated:g} Hz, the times go at {timed:g} Hz; DataRate counts",) if odd else ())

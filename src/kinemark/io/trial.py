@@ -33,9 +33,10 @@ def read_trial(
     found = read_file(path, Said(rate_hz, length_unit, partial, "trajectories"))
     trial = trial_in(path.stem, found)
     if trial is None:
+        odd = "".join(f" {note}" for note in getattr(found, "notes", ()))
         raise KinemarkError(
             f"{path} holds {holds(found)} and no trajectories. Wanted is a file that has some, with one of the endings "
-            f"{', '.join((*endings('trajectories'), '.tdf'))}."
+            f"{', '.join((*endings('trajectories'), '.tdf'))}.{odd}"
         )
     if not 0 < trial.trajectories.rate < math.inf:
         raise KinemarkError(f"{path} states a rate of {trial.trajectories.rate:g} Hz. Give it one above 0.")

@@ -8,7 +8,7 @@ one marker, `three` a marker and its two nearest neighbours, `segment` all that 
 `occlusion` what the limbs hide of a walker from five cameras around it, laid on the trial's markers by their height. A
 gap's error is the mean distance from the truth over its frames. For each row and method: median and 95th percentile of
 it, how many of the coordinates lie within their 95 % intervals, the median error expected of the gaps, ms a gap with
-its hidden tests, and gaps that it could not fill. All methods are calibrated by the same hidden tests, as `fill` does
+its hold-out gaps, and gaps that it could not fill. All methods are calibrated by the same hold-out gaps, as `fill` does
 it; `auto` is what `fill` does with all of them. At the end stand its figures over all trials, and over the walks.
 """
 
@@ -30,7 +30,7 @@ from metrics import Metric
 from kinemark.data import MarkerTrajectory as Path3D
 from kinemark.data import Origin, Trajectories
 from kinemark.fill import FILL, Auto, Gap, MarkerArray, fill, find_gaps
-from kinemark.fill.fill import FillAnswer, ask, choose
+from kinemark.fill.fill import CandidateFill, choose_candidate, evaluate_candidates
 from kinemark.fill.judge.hold_out import distances
 from kinemark.fill.reference_ranking import ranked
 from kinemark.io.trial import read_trial
@@ -130,11 +130,11 @@ def _occluded(motion: MarkerArray, seed: int) -> Gaps:
 
 
 def results(motion: MarkerArray, gaps: Gaps, names: list[str]) -> dict[str, list[Result]]:
-    """Every method's gaps, and auto's, from one set of hidden tests."""
+    """Every method's gaps, and auto's, from one set of hold-out gaps."""
     hidden, answers, seconds = motion.hidden(gaps), [], []
     for name in names:
         clock = time.process_time()
-        answers += ask(hidden, gaps, [FILL.make(name)])
+        answers += evaluate_candidates(hidden, gaps, [FILL.make(name)])
         seconds.append((time.process_time() - clock) / len(gaps))
     out = {
         name: [_judge(motion, hidden, gaps, k, [answer], spent) for k in range(len(gaps))]
@@ -146,11 +146,11 @@ def results(motion: MarkerArray, gaps: Gaps, names: list[str]) -> dict[str, list
 
 
 def _judge(
-    motion: MarkerArray, hidden: MarkerArray, gaps: Gaps, index: int, answers: list[FillAnswer], seconds: float
+    motion: MarkerArray, hidden: MarkerArray, gaps: Gaps, index: int, answers: list[CandidateFill], seconds: float
 ) -> Result:
     gap = gaps[index]
-    found, said, cov = choose(hidden, gaps, index, answers)
-    error = said.xyz - motion.xyz[gap.marker, gap.start : gap.stop]
+    found, prediction, cov = choose_candidate(hidden, gaps, index, answers)
+    error = prediction.xyz - motion.xyz[gap.marker, gap.start : gap.stop]
     with np.errstate(invalid="ignore"):
         inside = np.abs(error) <= 1.959964 * np.sqrt(np.diagonal(cov, axis1=-2, axis2=-1))
     mean, covered = float(np.linalg.norm(error, axis=1).mean()), float(inside.mean())
@@ -160,26 +160,26 @@ def _judge(
 def table(found: dict[str, list[Result]]) -> None:
     """One row of the benchmark, a line a method, the best first."""
     error = {name: np.nan_to_num([r.error for r in of], nan=np.inf) for name, of in found.items()}
-    middle = {name: float(np.median(e)) for name, e in error.items()}
-    for name in sorted(found, key=lambda name: middle[name]):
+    median = {name: float(np.median(e)) for name, e in error.items()}
+    for name in sorted(found, key=lambda name: median[name]):
         able = [r for r in found[name] if np.isfinite(r.error)]
         p95 = np.percentile([r.error for r in able], 95) if able else np.nan
         cover = 100 * np.mean([r.covered for r in able]) if able else np.nan
         expected = np.median([r.expected for r in able]) if able else np.nan
         print(
-            f"    {name:17s} {middle[name]:8.2f} {p95:8.2f} mm   cover {cover:5.1f} %   expected {expected:7.2f} mm"
+            f"    {name:17s} {median[name]:8.2f} {p95:8.2f} mm   cover {cover:5.1f} %   expected {expected:7.2f} mm"
             f"   {1e3 * np.mean([r.seconds for r in found[name]]):6.0f} ms   unfilled {len(found[name]) - len(able)}"
         )
     if "auto" in found:
         singles = [name for name in found if name != "auto"]
         best = [min(singles, key=lambda s: error[s][k]) for k in range(len(found["auto"]))]
         hits = 100 * np.mean([b == r.chosen for b, r in zip(best, found["auto"], strict=True)])
-        ratio = middle["auto"] / min(middle[name] for name in singles)
+        ratio = median["auto"] / min(median[name] for name in singles)
         print(f"    auto chose the best for {hits:.0f} %; its median is {ratio:.2f} of the best method's")
 
 
 def speed(names: list[str]) -> None:
-    """Seconds for 200 gaps of 0.1 to 2 s in 60 s of 40 markers at 100 Hz, hidden tests and all."""
+    """Seconds for 200 gaps of 0.1 to 2 s in 60 s of 40 markers at 100 Hz, hold-out gaps and all."""
     subject = dressed(walking(duration_s=60, rate=100.0, wobble_mm=1.0, seed=5), 40, seed=5)
     rng = np.random.default_rng(5)
     xyz = subject.xyz + rng.normal(0, 0.3, subject.xyz.shape)
@@ -247,10 +247,10 @@ def summary(every: Rows) -> None:
     walks = {at: found for at, found in every.items() if at[0].startswith("walk")}  # the real ones
     for title, some in (("walks", walks), ("all", every)):
         for how, seconds in dict.fromkeys((how, s) for _, how, s in some):
-            told = [r for at, found in some.items() if at[1:] == (how, seconds) for r in found]
-            able = [r for r in told if np.isfinite(r.error)]
-            middle, cover = np.median([r.error for r in able]), 100 * np.mean([r.covered for r in able])
-            print(f"{title}, {how} {seconds:g} s: {len(told)} gaps, auto {middle:.2f} mm, cover {cover:.1f} %")
+            here = [r for at, found in some.items() if at[1:] == (how, seconds) for r in found]
+            able = [r for r in here if np.isfinite(r.error)]
+            median, cover = np.median([r.error for r in able]), 100 * np.mean([r.covered for r in able])
+            print(f"{title}, {how} {seconds:g} s: {len(here)} gaps, auto {median:.2f} mm, cover {cover:.1f} %")
     covered = [r.covered for found in every.values() for r in found if np.isfinite(r.covered)]
     if covered:
         print(f"cover of all: {100 * np.mean(covered):.1f} %")

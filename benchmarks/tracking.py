@@ -151,7 +151,7 @@ def methods(cameras: int) -> tuple[dict[str, Callable[[Detections, Rig], Tracks]
 
 def line(name: str, result: Score, samples: int, seconds: float) -> str:
     """A row of the table."""
-    pieces = result.pieces[result.pieces > 0]
+    pieces = result.fragments[result.fragments > 0]
     return (
         f"  {name:42s}{100 * result.recall:7.2f}{100 * result.precision:8.2f}{result.extra_per_frame:8.3f}"
         f"{result.rmse:7.2f}{100 * result.coverage:7.1f}{result.chi2:7.2f}{result.swaps:6d}{result.handovers:6d}"

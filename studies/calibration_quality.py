@@ -1,8 +1,9 @@
 """Is the precision that a calibration foretells the one that is found? Many simulated calibrations, judged by truth.
 
 Four cameras round a volume of 2.4 × 1.4 × 2 m are calibrated again and again with the 24 markers of a control frame,
-seen with noise of 0.3 px, and then place other markers, with all cameras and without each of them. What was foretold at
-every place before is compared with the root mean square error found there. The same with a wand, in fewer calibrations.
+seen with noise of 0.3 px, and then place other markers, with all cameras and without each of them. What was predicted
+at every place before is compared with the root mean square error found there. The same with a wand, in fewer
+calibrations.
 
     python studies/calibration_quality.py [--calibrations 60] [--figure FILE.svg]
 """
@@ -53,7 +54,7 @@ def places() -> Floats:
 
 
 def errors(rig: Rig, xyz: Floats, noise: float, rng: np.random.Generator, joint: Floats | None = None) -> Floats:
-    """(1 + C, 2, N) mm² per axis, foretold and found, with all cameras and without each."""
+    """(1 + C, 2, N) mm² per axis, predicted and observed, with all cameras and without each."""
     uv = seen(RIG, xyz, noise, rng)
     both = []
     for without in ((), *((c,) for c in range(len(rig)))):
@@ -90,21 +91,21 @@ def by_wand(calibrations: int) -> Floats:
 
 
 def table(what: str, both: Floats) -> None:
-    """Foretold and found, over all places, with all cameras and without each."""
+    """Predicted and observed, over all places, with all cameras and without each."""
     print(f"\n{what}: σ per axis, root mean square over {both.shape[2]} places, mm")
-    print("                 foretold   found   ratio   of single places")
-    for name, (foretold, found) in zip(("all cameras", *(f"without {n}" for n in RIG.names)), both, strict=True):
-        a, b, ratio = np.sqrt((foretold**2).mean()), np.sqrt((found**2).mean()), foretold / found
+    print("                 predicted  observed   ratio   of single places")
+    for name, (predicted, observed) in zip(("all cameras", *(f"without {n}" for n in RIG.names)), both, strict=True):
+        a, b, ratio = np.sqrt((predicted**2).mean()), np.sqrt((observed**2).mean()), predicted / observed
         print(f"  {name:13s}  {a:8.3f}  {b:6.3f}  {a / b:6.2f}   {ratio.mean():.2f} ± {ratio.std():.2f}")
 
 
 def picture(both: Floats) -> str:
-    """An SVG of the level cut: foretold above found, with all cameras and without the first."""
+    """An SVG of the level cut: predicted above observed, with all cameras and without the first."""
     low, high = float(both[:2].min()), float(both[:2].max())
     width, height = COLUMNS * CELL, ROWS * CELL
     parts = []
     for column, (k, name) in enumerate(((0, "all four cameras"), (1, f"without {RIG.names[0]}"))):
-        for row, kind in enumerate(("foretold", "found in simulation")):
+        for row, kind in enumerate(("predicted", "observed in simulation")):
             x0, y0 = 10 + column * (width + 30), 30 + row * (height + 40)
             parts.append(f'<text x="{x0}" y="{y0 - 8}" class="t">{name}: {kind}</text>')
             for n, value in enumerate(both[k, row]):
@@ -126,7 +127,7 @@ def colour(light: float) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Foretold and found precision of simulated calibrations.")
+    parser = argparse.ArgumentParser(description="Predicted and observed precision of simulated calibrations.")
     parser.add_argument("--calibrations", type=int, default=60)
     parser.add_argument("--figure", type=Path)
     options = parser.parse_args()

@@ -231,7 +231,7 @@ def _left(marker: Ints, frame: Ints, xyz: Floats, known: NDArray[np.bool_], refe
 def pieces_per_track(result: Score, reference: Floats, shortest: int = 25) -> float:
     """Mean number of our tracks on each continuous reference piece of at least 0.1 s."""
     long = np.isfinite(reference[..., 0]).sum(1) >= shortest
-    return float(result.pieces[long].mean())
+    return float(result.fragments[long].mean())
 
 
 # ---- Methods ----
@@ -252,7 +252,7 @@ METHODS: dict[str, TrialMethod] = {
     "epipolar_triplets, extrapolation_ladder": Staged(EpipolarTriplets(), ExtrapolationLadder()),
     "kiss_triplets, kiss_tracking": Staged(KissTriplets(), KissTracking()),
     "… with camera_pairs": Staged(EpipolarTriplets(), ExtrapolationLadder(), CameraPairs()),
-    "epipolar_triplets, swamidas": Staged(EpipolarTriplets(), Swamidas(begin="any", patience=0.1)),
+    "epipolar_triplets, swamidas": Staged(EpipolarTriplets(), Swamidas(initiate_from="any", max_coasting=0.1)),
     "epipolar_triplets, distance_only": Staged(EpipolarTriplets(), DistanceOnly()),
 }
 USUAL = 3  # of these are run where none is named
@@ -328,7 +328,7 @@ def line(name: str, row: Row, lens: str, pieces: Floats, chance: float) -> str:
     extra, strangers = extras(row.tracks, whole.owner >= 0)
     return (
         f"  {name:42}{100 * whole.recall:8.1f}{whole.median:8.2f}{whole.p95:7.2f}{cut.swaps:7d}"
-        f"{pieces_per_track(cut, pieces):12.2f}{whole.pieces.mean():12.1f}{extra:8.2f}{strangers:11.2f}{chance:8.2f}"
+        f"{pieces_per_track(cut, pieces):12.2f}{whole.fragments.mean():12.1f}{extra:8.2f}{strangers:11.2f}{chance:8.2f}"
         f"{extra - min(strangers, chance):9.2f}{row.seconds:7.2f}"
     )
 

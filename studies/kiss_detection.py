@@ -58,11 +58,11 @@ Method = KissScanning | KissNearest | Centroids
 FIELD = np.array([1.0, 2.0])  # px of a frame that a px of a field counts
 FIELDS = 148
 COVERED = 0.4
-BARE = KissScanning(sub_markers=False, overlaps=False, long_wide=False, sizes=False)
+BARE = KissScanning(sub_markers=False, overlaps=False, long_wide=False, check_sizes=False)
 STEPS: dict[str, tuple[KissScanning, int]] = {
     "without advanced analysis": (BARE, 10),
     "with sub-marker detection": (replace(BARE, sub_markers=True), 8),
-    "with all tests but the size": (KissScanning(sizes=False), 12),
+    "with all tests but the size": (KissScanning(check_sizes=False), 12),
 }
 
 

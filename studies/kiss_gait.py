@@ -94,8 +94,8 @@ def kiss(scene: Scene, *, all_duals: bool) -> tuple[list[str], Tracks]:
     inside = inside_volume(found.xyz, scene.rig.volume)
     cloud, method = found.keep(inside), KissTracking(volume=volume_of(scene.rig))
     pieces = link(cloud, method=method)
-    whole = blend(pieces, within=method.blend_within, radius=method.search_radius, reach=method.distance_limit)
-    left = without_short(whole, shortest=method.shortest)
+    whole = blend(pieces, max_gap=method.max_gap, search_radius=method.search_radius, max_distance=method.max_distance)
+    left = without_short(whole, min_points=method.min_points)
     points = (len(found), ghosts(found, scene), int((~inside).sum()), len(cloud))
     tracks = (len(pieces), len(whole), len(whole) - len(left), len(left))
     return [str(n) for n in (*points, *tracks)], left
@@ -107,7 +107,7 @@ def ours(scene: Scene) -> tuple[list[str], Tracks]:
     found = reconstruct(matches, scene.detections, scene.rig, method=LeastSquares(within_volume=False))
     inside = inside_volume(found.xyz, scene.rig.volume)
     cloud, method = found.keep(inside), ExtrapolationLadder()
-    whole = len(track(cloud, method=ExtrapolationLadder(shortest=1)))
+    whole = len(track(cloud, method=ExtrapolationLadder(min_points=1)))
     left = track(cloud, method=method)
     counts = (len(found), ghosts(found, scene), int((~inside).sum()), len(cloud))
     return [*map(str, counts), "", *map(str, (whole, whole - len(left), len(left)))], left
@@ -169,7 +169,7 @@ def column(scene: Scene, method: Callable[[Scene], tuple[list[str], Tracks]]) ->
     seconds = time.perf_counter() - began
     result = score(tracks, scene.subject.xyz, within=WITHIN)
     extra = round(result.extra_per_frame * scene.subject.n_frames)
-    figures = [int((result.pieces > 1).sum()), result.found, f"{100 * result.recall:.1f}", extra, result.swaps]
+    figures = [int((result.fragments > 1).sum()), result.found, f"{100 * result.recall:.1f}", extra, result.swaps]
     return [*counts, *map(str, figures), f"{result.rmse:.2f}", f"{seconds:.2f}"]
 
 

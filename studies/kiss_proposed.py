@@ -1,4 +1,4 @@
-"""What the proposed parameters are worth: pairs of markers close to each other, and real infrared videos.
+"""How good the proposed parameters are: pairs of markers close to each other, and real infrared videos.
 
 The videos show a plate with 15 LEDs (published by IEatCodeDaily/indoor-infrared-mocap). Nobody says which are hidden
 when, so frames are counted in which exactly 15 are found, and those with more, in which at least one is false.

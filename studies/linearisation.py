@@ -245,7 +245,7 @@ PICKED = {
 """Where each camera has the first, fourth and seventh dot of the first and last row of the body with 105 dots, px."""
 
 
-PRINTED = Centroids(most_discs=1, hidden=False)
+PRINTED = Centroids(max_discs=1, correct_occlusion=False)
 """Dots of a print neither overlap nor hide each other."""
 
 

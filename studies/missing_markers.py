@@ -123,11 +123,11 @@ def filler(way: str, number: int, phase: float) -> Filler:
         return partial(fill_kalman, method=Kalman("forward_backward" if way == "meeting" else "smoother"))
     if way == "own":
         return partial(fill_limb_angles, method=LimbAngles(links=links_of(recorded(number, phase))))
-    limbs = LimbAngles(model=model_of(number, phase), turn=False)
+    limbs = LimbAngles(model=model_of(number, phase), rotate_model=False)
     if way == "limbs":
         return partial(fill_limb_angles, method=limbs)
     stretch = STRETCH if way == "lengths" else None
-    method = KalmanAngles(FEEDBACK[way], stretch=stretch, sd=2.54, jerk=10_000.0, limbs=limbs)
+    method = KalmanAngles(FEEDBACK[way], segment_tolerance=stretch, measurement_sd=2.54, jerk=10_000.0, limbs=limbs)
     return partial(fill_kalman_angles, method=method)
 
 

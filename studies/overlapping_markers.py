@@ -88,7 +88,7 @@ def hidden(share: float, d: float, rng: np.random.Generator) -> tuple[Floats, Fl
 
 def print_found(what: str, groups: list[tuple[Floats, Floats]], rng: np.random.Generator) -> None:
     """A line on groups, each its light and the places (n, 2) of its discs."""
-    blobs = detect_frames(photo([share for share, _ in groups], rng), method=Centroids(noise=NOISE))
+    blobs = detect_frames(photo([share for share, _ in groups], rng), method=Centroids(noise_sd=NOISE))
     ends = np.cumsum(blobs.counts)[:-1]
     good, offs, squares = 0, [], []
     for uv, cov, (_, places) in zip(np.split(blobs.uv, ends), np.split(blobs.cov, ends), groups, strict=True):
@@ -132,11 +132,11 @@ def single(kind: str, rng: np.random.Generator) -> Floats:
 
 def print_single(cases: int, rng: np.random.Generator) -> None:
     print(f"\n{'single markers of 5 to 16 px':38s}      split   taken for hidden ones")
-    plain = Centroids(noise=NOISE, most_discs=1, hidden=False)
+    plain = Centroids(noise_sd=NOISE, max_discs=1, correct_occlusion=False)
     for kind in ("sharp", "blurred", "aslant", "brighter on one side", "in motion"):
         number = cases if kind == "in motion" else 4 * cases
         images = photo([single(kind, rng) for _ in range(number)], rng)
-        before, after = detect_frames(images, method=plain), detect_frames(images, method=Centroids(noise=NOISE))
+        before, after = detect_frames(images, method=plain), detect_frames(images, method=Centroids(noise_sd=NOISE))
         split = after.counts != before.counts
         moved = after.uv[~np.repeat(split, after.counts)] != before.uv[~np.repeat(split, before.counts)]
         print(f"{kind:38s} {split.sum():10d} {moved.any(1).sum():12d}   of {number}")
@@ -153,7 +153,7 @@ def print_cost(rng: np.random.Generator) -> None:
         cells = photo([light(make(), 8.0) for _ in range(40)], rng)
         frame = cells.reshape(5, 8, SIDE, SIDE).transpose(0, 2, 1, 3).reshape(5 * SIDE, 8 * SIDE)
         images = np.ascontiguousarray(frame[None].repeat(4, 0))
-        times = [least_time(images, m) for m in (Centroids(), Centroids(most_discs=1, hidden=False))]
+        times = [least_time(images, m) for m in (Centroids(), Centroids(max_discs=1, correct_occlusion=False))]
         print(f"{what:38s} {times[0]:10.2f} {times[1]:14.2f}")
 
 
@@ -184,7 +184,7 @@ def draw(path: Path) -> None:
     ]
     lines, side = [], SIDE * zoom
     for k, (caption, image) in enumerate(panels):
-        blobs = detect_frames(image, method=Centroids(noise=NOISE))
+        blobs = detect_frames(image, method=Centroids(noise_sd=NOISE))
         lines.append(f'<g transform="translate({k % 3 * (side + 10)} {k // 3 * (side + 24) + 16})">')
         lines.append(f'<text y="-4">{caption}</text>{picture(image[0], zoom)}{shapes(blobs, zoom)}</g>')
     width, height = 3 * (side + 10) - 10, 2 * (side + 24)

@@ -64,19 +64,19 @@ def thesis(samples: int, picture: Path | None) -> None:
     printed = 100 * np.linalg.norm(PERTURBED_4_2 - TABLE_4_2) / np.linalg.norm(TABLE_4_2)
     print(f"table 4.2 of the thesis by its equation 4.11: {printed:.2f} % (it says 0.70)")
     print(f"\ncontrol balls moved by R: percent error of the eleven parameters (4.11), {samples} samples")
-    print("  R px  camera    median   95 %  worst sampled  worst there is")
-    worst = [parameters(lab, c, radius, method) for radius in (0.5, 1.0, 1.5, 2.0) for c in range(3)][:3]
+    print("  R px  camera    median   95 %   max, sampled    max possible")
+    largest = [parameters(lab, c, radius, method) for radius in (0.5, 1.0, 1.5, 2.0) for c in range(3)][:3]
     parameters(LinearisedErrors.of_parameters(TABLE_4_2), 0, CALIBRATION_PX, method, name="table 4.2")
     half = Sampling(samples=samples, turn=np.pi)
     for c in range(3):
         parameters(lab, c, CALIBRATION_PX, half, name=f"{c + 1}, 0–180°")
     place = marker(lab)
     print(f"\na marker moved by R in every image: mm, and percent of |X| = {np.linalg.norm(place):.0f} mm (4.12)")
-    print("  R px   parameters            median mm  95 % mm  worst sampled       worst there is    s")
+    print("  R px   parameters            median mm  95 % mm  max, sampled        max possible      s")
     for radius in (3.0, 4.0, 7.0, 12.9):
         moved(lab, place, "right", radius, method)
     right = moved(lab, place, "right", MARKER_PX, method)
-    moved(lab, place, "worst of part one", MARKER_PX, method, L=np.array(worst))
+    moved(lab, place, "largest of part one", MARKER_PX, method, L=np.array(largest))
     anew = moved(lab, place, "wrong by 0.5 px, anew", MARKER_PX, method, calibration_radius=CALIBRATION_PX)
     print(
         "  the thesis                                           32.8 mm, 4.56 %; with wrong parameters 33.2 mm, 4.62 %"
@@ -88,13 +88,13 @@ def thesis(samples: int, picture: Path | None) -> None:
 
 
 def parameters(lab: LinearisedErrors, c: int, radius: float, method: Sampling, *, name: str = "") -> Floats:
-    """Prints a row; the parameters (11) of the worst there is."""
+    """Prints a row; the parameters (11) of the greatest error possible."""
     found = calibration_experiment(lab, c, radius=radius, method=method)
     print(
         f"  {radius:4.1f}  {name or c + 1!s:9s} {np.median(found.percent):6.3f} "
-        f"{np.quantile(found.percent, 0.95):6.3f} {found.percent.max():14.3f} {found.worst_percent:15.3f}"
+        f"{np.quantile(found.percent, 0.95):6.3f} {found.percent.max():14.3f} {found.max_percent:15.3f}"
     )
-    return found.worst_L
+    return found.max_L
 
 
 def moved(
@@ -111,7 +111,7 @@ def moved(
     found = marker_experiment(lab, place, radius=radius, L=L, calibration_radius=calibration_radius, method=method)
     print(
         f"  {radius:4.1f}   {name:21s} {np.median(found.mm):9.2f} {np.quantile(found.mm, 0.95):8.2f} "
-        f"{found.mm.max():7.2f} mm {found.percent.max():.2f} % {found.worst_mm:8.2f} mm {found.worst_percent:.2f} % "
+        f"{found.mm.max():7.2f} mm {found.percent.max():.2f} % {found.max_mm:8.2f} mm {found.max_percent:.2f} % "
         f"{time.perf_counter() - began:6.1f}"
     )
     return found
@@ -152,7 +152,7 @@ def drawing(changed: Sequence[Floats], right: Floats, anew: Floats) -> str:
 
 
 def panel(named: dict[str, tuple[Floats, str]], top: float, step: float, title: str, thesis_worst: float) -> str:
-    """Histograms as lines over 0 … top, with the thesis' worst as a dotted one."""
+    """Histograms as lines over 0 … top, with the thesis' maximum as a dotted one."""
     width, height = PANEL
     edges = np.linspace(0, top, 121)
     shares = {name: np.histogram(values, edges)[0] / len(values) for name, (values, _) in named.items()}
@@ -167,7 +167,7 @@ def panel(named: dict[str, tuple[Floats, str]], top: float, step: float, title: 
         parts.append(f'<text x="{clear}" y="{32 + 18 * i}" fill="{colour}">{name}</text>')
     at = thesis_worst * width / top
     parts.append(f'<path d="M{at:.1f} 0V{height}" stroke="{FAINT}" stroke-dasharray="2 4"/>')
-    parts.append(f'<text x="{at - 5:.1f}" y="12" fill="{FAINT}" text-anchor="end">worst of the thesis</text>')
+    parts.append(f'<text x="{at - 5:.1f}" y="12" fill="{FAINT}" text-anchor="end">maximum of the thesis</text>')
     for tick in np.arange(0, top + step / 2, step):
         place = tick * width / top
         parts.append(f'<text x="{place:.1f}" y="{height + 18}" fill="{INK}" text-anchor="middle">{tick:.3g}</text>')
@@ -176,7 +176,7 @@ def panel(named: dict[str, tuple[Floats, str]], top: float, step: float, title: 
 
 
 def arm_angles(simulations: int = 400, centroid_sd: float = 0.3, calibration_sd: float = 0.25) -> None:
-    """Centroid → calibration → point → joint angle → mean over two cycles: foretold, and as simulated."""
+    """Centroid → calibration → point → joint angle → mean over two cycles: predicted, and as simulated."""
     lab, body = laboratory(), arm("feeding", rate=8 / 3, duration_s=6.4, shoulder=(350, 300, 600), unsteady_deg=0.5)
     names, angles = kinematics_of(load_model("um2as"), body.names)
     jacobian = angle_jacobian(angles, body.xyz)
@@ -190,7 +190,7 @@ def arm_angles(simulations: int = 400, centroid_sd: float = 0.3, calibration_sd:
     print(
         f"\njoint angles of an arm that eats, centroids {centroid_sd} px, control balls {calibration_sd} px; sd in deg"
     )
-    print("  angle                       a frame: foretold, simulated; mean of 2: foretold, simulated; placed ± 5 mm")
+    print("  angle                       a frame: predicted, simulated; mean of 2: predicted, simulated; placed ± 5 mm")
     for a, name in enumerate(names):
         cov = each.cov[:, a, 0, 0], mean.cov[:, a, 0, 0], placed.cov[:, a, 0, 0]
         first, second, third = (float(np.sqrt(part.mean())) for part in cov)

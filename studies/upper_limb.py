@@ -180,7 +180,7 @@ def bones(path: Path) -> tuple[Trajectories, Trajectories]:
 
 
 def bone_truth(path: Path) -> None:
-    """Angles from skin markers against those of the bones, with the SD foretold."""
+    """Angles from skin markers against those of the bones, with the SD predicted."""
     skin, bone = bones(path)
     model = eating()
     template = static_template(first_frames(skin, bone), model)
@@ -215,8 +215,8 @@ def segment_errors(skin: Trajectories, bone: Trajectories, model: Model, templat
             Rotation.from_matrix(found[body.name] @ true[body.name].transpose(0, 2, 1)).as_rotvec(degrees=True), axis=1
         )
         pose = body_pose(body.xyz, picked(skin, body.markers, model).xyz)
-        foretold = np.sqrt(np.trace(rotation_covariance(body.xyz, pose, pose.residual), axis1=1, axis2=2))
-        words.append(f"{body.name} {_rms(off):.1f} (foretold {_rms(foretold):.1f})")
+        predicted = np.sqrt(np.trace(rotation_covariance(body.xyz, pose, pose.residual), axis1=1, axis2=2))
+        words.append(f"{body.name} {_rms(off):.1f} (predicted {_rms(predicted):.1f})")
     return ", ".join(words)
 
 

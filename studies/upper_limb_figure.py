@@ -55,7 +55,7 @@ def wrist(left: float) -> str:
 
 
 def skin_and_bone(left: float) -> str:
-    """Elevation of the humerus in the scapula from bone pins and from skin markers, with two foretold SD."""
+    """Elevation of the humerus in the scapula from bone pins and from skin markers, with two predicted SD."""
     skin, bone = bones(recording(BONE))
     model = eating()
     template = static_template(first_frames(skin, bone), model)

@@ -10,7 +10,7 @@ from kinemark.apps import um2as as um2as_cli
 from kinemark.apps.cli import app
 from kinemark.data import KinemarkError
 from kinemark.digitise import SemiAutomatic
-from kinemark.engine.digitising import Reel, digitise_camera
+from kinemark.engine.digitising import DigitisedFrames, digitise_camera
 from kinemark.engine.session import Session
 from kinemark.geometry import project_all
 from kinemark.io.answers_csv import read_answers
@@ -21,7 +21,7 @@ from kinemark.io.video import write_video
 from kinemark.report.terminal_summary import summary
 from kinemark.synth import Optics, render
 from support.boxed import BALLS, MARKERS, files
-from support.eating import POST, Knowing, footage, looks_of
+from support.eating import POST, Knowing, footage, image_source
 from support.schema import check_quality
 
 FRAMES = 6
@@ -51,8 +51,8 @@ def recorded(tmp_path_factory):
 def answered(folder, c, path):
     """The operator digitises camera c, and his answers are kept."""
     _, _, sight, images = footage(FRAMES / 30)
-    operator = Knowing(sight, c, looks_of(images[c]))
-    reel = Reel(open_images(folder / f"cam{c + 1}.mkv"))
+    operator = Knowing(sight, c, image_source(images[c]))
+    reel = DigitisedFrames(open_images(folder / f"cam{c + 1}.mkv"))
     method = SemiAutomatic(MARKERS, "REF")
     return digitise_camera(
         reel, method=method, answers=path, operator=operator, constant=read_rf(folder / f"box.rf{c + 1}")
@@ -112,7 +112,7 @@ def test_an_operator_types_stops_and_goes_on(recorded, capsys, monkeypatch, tmp_
 def test_a_reel_goes_back_further_than_it_keeps(recorded, monkeypatch):
     folder, _ = recorded
     monkeypatch.setattr("kinemark.engine.digitising.KEPT", 1)
-    reel = Reel(open_images(folder / "cam1.mkv"))
+    reel = DigitisedFrames(open_images(folder / "cam1.mkv"))
     first = [reel(f).uv for f in range(FRAMES)]
     for f in (4, 1, 5, 0):
         np.testing.assert_array_equal(reel(f).uv, first[f])
@@ -211,7 +211,9 @@ def test_answers_that_no_question_was_put_for_are_refused(recorded, monkeypatch,
     with kept.open("a") as file:
         file.write("5,,frame 2\n")
     with pytest.raises(KinemarkError, match="1 answers to questions that were not put"):
-        digitise_camera(Reel(open_images(folder / "cam3.mkv")), method=SemiAutomatic(MARKERS, "REF"), answers=kept)
+        digitise_camera(
+            DigitisedFrames(open_images(folder / "cam3.mkv")), method=SemiAutomatic(MARKERS, "REF"), answers=kept
+        )
 
 
 def test_a_sessions_operator_types(recorded, capsys, monkeypatch, tmp_path):

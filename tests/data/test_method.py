@@ -37,7 +37,7 @@ BESIDE = {
     "min_area": {"max_area": 2**31},
     "min_ratio": {"max_ratio": math.inf},
     "max_ratio": {"min_ratio": 1e-9},
-    "longest": {"shortest": 1e-9},
+    "longest_period": {"shortest_period": 1e-9},
     "lengths": {"links": ((0, 1),)},
 }
 """What a parameter at its bound needs beside it, where a method has that as well: two parameters that must agree."""
@@ -177,7 +177,7 @@ class Nearest(Method):
 
 @MATCH.method("nearest", Nearest, source="Somebody 2000")
 def match_within(detections, rig, *, method):
-    return match_nearest(detections, rig, method=NearestEpipolar(band=method.width))
+    return match_nearest(detections, rig, method=NearestEpipolar(search_band=method.width))
 '''
 
 ASKED = """

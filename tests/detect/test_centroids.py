@@ -46,7 +46,7 @@ def test_the_area_is_that_of_the_disc(diameter):
 @pytest.mark.parametrize("blur", [0.0, 0.5, 0.8])
 def test_the_error_is_small_and_as_large_as_the_covariance_says(diameter, limit, blur):
     images, truth = discs(300, diameter, blur, 3.0, np.random.default_rng(diameter))
-    found = detect_frames(images, method=Centroids(noise=3.0))
+    found = detect_frames(images, method=Centroids(noise_sd=3.0))
     assert (found.counts == 1).all()
     off = found.uv - truth
     assert np.sqrt(np.mean(off**2)) < limit * (1.1 if blur == 0.8 else 1.0)
@@ -57,7 +57,7 @@ def test_the_error_is_small_and_as_large_as_the_covariance_says(diameter, limit,
 @pytest.mark.parametrize(("blur", "noise", "shot"), [(1.2, 0.0, 0.0), (0.5, 2.0, 0.3), (0.0, 0.0, 0.0)])
 def test_the_covariance_holds_for_blur_photon_noise_and_pixels_alone(blur, noise, shot):
     images, truth = discs(250, 8, blur, noise, np.random.default_rng(5), shot=shot)
-    found = detect_frames(images, method=Centroids(noise=noise, shot=shot))
+    found = detect_frames(images, method=Centroids(noise_sd=noise, shot_noise=shot))
     off = found.uv - truth
     normalised = np.einsum("ni,nij,nj->n", off, np.linalg.inv(found.cov), off) / 2
     assert 0.6 < normalised.mean() < 1.4
@@ -81,7 +81,7 @@ def scene(seed=4):
     return np.clip(np.rint(images), 0, 255).astype(np.uint8)
 
 
-METHOD = Centroids(noise=2.0)
+METHOD = Centroids(noise_sd=2.0)
 
 
 def sorted_rows(uv, cov):
@@ -129,7 +129,7 @@ def test_sixteen_bits_are_a_finer_scale_of_the_same_grey():
 def test_a_brighter_ground_moves_nothing():
     images = np.minimum(scene(), 225)
     plain = detect_frames(images, method=METHOD)
-    lit = detect_frames(images + np.uint8(30), method=Centroids(threshold=90, noise=2.0))
+    lit = detect_frames(images + np.uint8(30), method=Centroids(threshold=90, noise_sd=2.0))
     np.testing.assert_allclose(lit.uv, plain.uv, atol=1e-9)
 
 
@@ -216,8 +216,8 @@ def test_what_is_no_stack_of_grey_images(images):
         {"min_area": 9, "max_area": 8},
         {"min_width": 0},
         {"max_aspect": 0.5},
-        {"noise": -1.0},
-        {"shot": -0.1},
+        {"noise_sd": -1.0},
+        {"shot_noise": -0.1},
     ],
 )
 def test_parameters_out_of_range(wrong):

@@ -19,7 +19,9 @@ from kinemark.native import PLAIN, pixel_runs
 from support.examples import examples
 
 needs_kernel = pytest.mark.skipif(native.library() is None, reason="detection was installed without a compiler")
-SINGLE = Centroids(most_discs=1, hidden=False)  # what is done with overlapping markers knows nothing of the kernel
+SINGLE = Centroids(
+    max_discs=1, correct_occlusion=False
+)  # what is done with overlapping markers knows nothing of the kernel
 some = settings(max_examples=examples(60), deadline=None)
 
 

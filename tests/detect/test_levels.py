@@ -92,11 +92,11 @@ def test_a_relative_threshold_follows_the_camera(ground, peak, inverted):
     light, places = shares(np.random.default_rng(2))
     images = photo(light, np.random.default_rng(3), ground=ground, peak=peak, noise=0.01 * peak)
     images = np.invert(images) if inverted else images
-    method = Centroids(relative=0.4, inverted=inverted)
+    method = Centroids(relative_threshold=0.4, inverted=inverted)
     found = levelled(method, images)
     level = 255 - found.threshold if inverted else found.threshold
     assert abs(level - (ground + 0.4 * peak)) < 0.04 * peak
-    assert found.relative is None
+    assert found.relative_threshold is None
     uv, _ = matched(detect_frames(images, method=method), places)
     assert np.sqrt(np.mean((uv - places) ** 2)) < 0.02
 
@@ -104,9 +104,9 @@ def test_a_relative_threshold_follows_the_camera(ground, peak, inverted):
 def test_a_strobe_and_a_lamp_do_not_move_the_level():
     light, _ = shares(np.random.default_rng(4))
     images = photo(light, np.random.default_rng(5), peak=100.0)
-    level = levelled(Centroids(relative=0.5), images).threshold
+    level = levelled(Centroids(relative_threshold=0.5), images).threshold
     images[:, 26:34, 40:50] = 255
-    assert abs(levelled(Centroids(relative=0.5), images).threshold - level) < 6
+    assert abs(levelled(Centroids(relative_threshold=0.5), images).threshold - level) < 6
 
 
 def test_the_level_is_measured_once_where_something_is_seen():
@@ -115,11 +115,11 @@ def test_the_level_is_measured_once_where_something_is_seen():
     light[:20] = 0
     images = photo(light, np.random.default_rng(7), peak=100.0)
     images[40:] = np.minimum(images[40:].astype(int) * 2, 255)
-    found = detect([Recording(images)], cameras=["a"], rate=50.0, method=Centroids(relative=0.5))
-    first = levelled(Centroids(relative=0.5), images[16:32])
+    found = detect([Recording(images)], cameras=["a"], rate=50.0, method=Centroids(relative_threshold=0.5))
+    first = levelled(Centroids(relative_threshold=0.5), images[16:32])
     assert same(found.uv, detect_frames(images, method=first).uv)
     assert found.counts[0, :20].sum() == 0 and (found.counts[0, 20:] == 4).all()
-    assert levelled(Centroids(relative=0.5), images[:16]) is None
+    assert levelled(Centroids(relative_threshold=0.5), images[:16]) is None
 
 
 def test_without_it_the_method_stays_as_it_is():
@@ -137,7 +137,9 @@ def test_covariances_of_saturated_markers_are_true(white):
     for _ in range(3):
         light, places = shares(rng, 40)
         images = np.minimum(photo(light, rng, peak=600.0, noise=6.0), white).astype(np.uint8)
-        uv, cov = matched(detect_frames(images, method=Centroids(noise=6.0, hidden=False, most_discs=1)), places)
+        uv, cov = matched(
+            detect_frames(images, method=Centroids(noise_sd=6.0, correct_occlusion=False, max_discs=1)), places
+        )
         off = uv - places
         squared.append(np.einsum("fki,fkij,fkj->fk", off, np.linalg.inv(cov), off) / 2)
         usual.append(cov[..., 0, 0].mean())
@@ -149,7 +151,7 @@ def test_a_plateau_with_noise_is_not_taken_for_white():
     """Peaks of several markers are equal by chance, the more so the less noise there is."""
     light, places = shares(np.random.default_rng(9), 150)
     images = photo(light, np.random.default_rng(10), peak=180.0, noise=1.0)
-    blobs = detect_frames(images, method=Centroids(noise=1.0))
+    blobs = detect_frames(images, method=Centroids(noise_sd=1.0))
     peaks = np.sort(blobs.peak.reshape(-1, 4), axis=1)
     assert (peaks[:, 1] == peaks[:, 3]).mean() > 0.3
     uv, cov = matched(blobs, places)
@@ -159,7 +161,12 @@ def test_a_plateau_with_noise_is_not_taken_for_white():
 
 # ---- Bad images ----
 
-METHODS = [Centroids(), Centroids(threshold=200, inverted=True), Centroids(relative=0.5), Centroids(edge_sd=1.0)]
+METHODS = [
+    Centroids(),
+    Centroids(threshold=200, inverted=True),
+    Centroids(relative_threshold=0.5),
+    Centroids(max_edge_sd=1.0),
+]
 
 
 @pytest.mark.parametrize("method", METHODS)

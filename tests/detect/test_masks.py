@@ -140,7 +140,13 @@ def test_what_does_not_fit_is_refused():
         detect([film], cameras=["a"], rate=50.0, masks=masks(size=(H, W)))
     with pytest.raises(KinemarkError, match="no frames"):
         learn_masks([Recording(spots([], 0))], cameras=["a"])
-    for wrong in ({"share": 0.0}, {"share": 1.1}, {"grow": -1.0}, {"method": Centroids(relative=0.5)}, {"cameras": []}):
+    for wrong in (
+        {"share": 0.0},
+        {"share": 1.1},
+        {"grow": -1.0},
+        {"method": Centroids(relative_threshold=0.5)},
+        {"cameras": []},
+    ):
         with pytest.raises(ValueError, match="wanted"):
             learn_masks([film], **{"cameras": ["a"]} | wrong)
     for polygon in ([(0, 0), (1, 1)], [(0, 0, 0)] * 3, [(0, 0), (1, np.nan), (2, 2)]):

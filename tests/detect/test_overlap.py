@@ -142,7 +142,7 @@ def test_discs_seven_tenths_of_a_diameter_apart_are_found():
     rng, truth = np.random.default_rng(0), []
     for d in (8.0, 10.0, 12.0, 16.0):
         truth += [pair(rng, d, 0.7) for _ in range(75)]
-    blobs = detect_frames(photo([light(discs) for discs in truth], rng), method=Centroids(noise=3.0))
+    blobs = detect_frames(photo([light(discs) for discs in truth], rng), method=Centroids(noise_sd=3.0))
     found = offsets(blobs, truth)
     assert share_near(found, len(truth)) >= 0.95
     assert 0.8 < normalised(found) < 1.2
@@ -152,7 +152,7 @@ def test_discs_seven_tenths_of_a_diameter_apart_are_found():
 def test_three_discs_on_each_other_are_found():
     rng = np.random.default_rng(1)
     truth = [three(rng, d) for d in (8.0, 11.0) for _ in range(40)]
-    blobs = detect_frames(photo([light(discs) for discs in truth], rng), method=Centroids(noise=3.0))
+    blobs = detect_frames(photo([light(discs) for discs in truth], rng), method=Centroids(noise_sd=3.0))
     found = offsets(blobs, truth)
     assert share_near(found, len(truth)) >= 0.95
     assert 0.75 < normalised(found) < 1.3
@@ -163,7 +163,7 @@ def test_closer_and_unequal_discs_and_those_in_fields(apart, ratio, aspect):
     rng = np.random.default_rng(2)
     truth = [pair(rng, 10.0, apart, ratio=ratio, aspect=aspect) for _ in range(60)]
     images = photo([light(discs, aspect=aspect) for discs in truth], rng)
-    found = offsets(detect_frames(images, method=Centroids(noise=3.0, aspect=aspect)), truth)
+    found = offsets(detect_frames(images, method=Centroids(noise_sd=3.0, aspect=aspect)), truth)
     assert share_near(found, len(truth)) >= 0.95
     assert (0.75 if aspect == 1 else 0.5) < normalised(found) < 1.3
 
@@ -173,7 +173,7 @@ def test_saturated_discs_are_told_apart_too():
     truth = [pair(rng, 10.0, 0.7) for _ in range(60)]
     images = photo([light(discs) for discs in truth], rng, peak=400.0)
     assert np.mean((images == 255).sum((1, 2))) > 80
-    found = offsets(detect_frames(images, method=Centroids(noise=3.0)), truth)
+    found = offsets(detect_frames(images, method=Centroids(noise_sd=3.0)), truth)
     assert share_near(found, len(truth)) >= 0.95
     assert 0.7 < normalised(found) < 1.4
 
@@ -186,7 +186,7 @@ def test_what_cannot_be_told_apart_says_so(number, most):
         a = rng.uniform(0, 2 * np.pi) + np.arange(number) * 2 * np.pi / number
         p = 0.75 * d / (2 * np.sin(np.pi / number)) * np.stack([np.cos(a), np.sin(a)], -1)
         images = photo([light([(u, v, d) for u, v in p])], rng)
-        blob = detect_frames(images, method=Centroids(noise=3.0, most_discs=most))
+        blob = detect_frames(images, method=Centroids(noise_sd=3.0, max_discs=most))
         assert len(blob.uv) == 1 and blob.merged.all()
         ratios.append(((p + MIDDLE - blob.uv) ** 2).sum(1).mean() / np.trace(blob.cov[0]))
     assert 0.6 < np.mean(ratios) < 1.8
@@ -217,8 +217,8 @@ def singles(kind, rng, n):
 def test_single_markers_are_not_split(kind):
     rng = np.random.default_rng(5)
     images = photo(list(singles(kind, rng, 25 if kind == "in motion" else 200)), rng)
-    blobs = detect_frames(images, method=Centroids(noise=3.0))
-    plain = detect_frames(images, method=Centroids(noise=3.0, most_discs=1, hidden=False))
+    blobs = detect_frames(images, method=Centroids(noise_sd=3.0))
+    plain = detect_frames(images, method=Centroids(noise_sd=3.0, max_discs=1, correct_occlusion=False))
     assert len(blobs.uv) == len(plain.uv) == len(images)
     assert not blobs.merged.any()
     np.testing.assert_array_equal(blobs.uv, plain.uv)  # nor are they taken for hidden ones
@@ -268,8 +268,8 @@ def test_a_disc_behind_a_straight_limb_is_put_where_its_centre_is(hidden):
                 light(truth[-1], cut=(np.cos(a), np.sin(a), (0.5 - hidden) * d + u * np.cos(a) + v * np.sin(a)))
             )
     images = photo(images, rng)
-    found = offsets(detect_frames(images, method=Centroids(noise=3.0)), truth)
-    plain = offsets(detect_frames(images, method=Centroids(noise=3.0, hidden=False, most_discs=1)), truth)
+    found = offsets(detect_frames(images, method=Centroids(noise_sd=3.0)), truth)
+    plain = offsets(detect_frames(images, method=Centroids(noise_sd=3.0, correct_occlusion=False, max_discs=1)), truth)
     assert share_near(found, len(truth)) >= 0.95
     assert share_near(plain, len(truth)) < 0.05
     assert 0.7 < normalised(found) < 1.35
@@ -279,9 +279,9 @@ def test_a_disc_at_the_edge_is_valid_only_where_its_centre_is_known():
     rng = np.random.default_rng(9)
     truth = [[(u, v, 12.0)] for u, v in rng.uniform(-0.5, 0.5, (20, 2))]
     images = photo([light(discs) for discs in truth], rng)[:, :, MIDDLE - 2 :]
-    usual = detect_frames(images, method=Centroids(noise=3.0))
+    usual = detect_frames(images, method=Centroids(noise_sd=3.0))
     assert (usual.validity == Validity.AT_EDGE).all()
-    kept = detect_frames(images, method=Centroids(noise=3.0, edge_sd=0.2))
+    kept = detect_frames(images, method=Centroids(noise_sd=3.0, max_edge_sd=0.2))
     assert (kept.validity == Validity.VALID).mean() > 0.9
     off = kept.uv - [2, MIDDLE] - np.array(truth)[:, 0, :2]
     good = kept.validity == Validity.VALID
@@ -328,7 +328,9 @@ def test_the_result_turns_with_the_image(turn):
 def test_sixteen_bits_are_a_finer_scale_of_the_same_grey():
     rng = np.random.default_rng(12)
     images = photo([crowd(rng)], rng)
-    eight, sixteen = (detect_frames(i, method=Centroids(noise=3.0)) for i in (images, images.astype(np.uint16) * 257))
+    eight, sixteen = (
+        detect_frames(i, method=Centroids(noise_sd=3.0)) for i in (images, images.astype(np.uint16) * 257)
+    )
     np.testing.assert_allclose(sixteen.uv, eight.uv, atol=1e-3)
     np.testing.assert_array_equal(sixteen.merged, eight.merged)
 
@@ -339,5 +341,5 @@ def test_large_markers_and_many_discs_are_left_as_they_are():
     strobe = detect_frames(images, method=Centroids(max_area=100))
     assert len(strobe.uv) == 1 and strobe.validity[0] == Validity.TOO_LARGE and not strobe.merged.any()
     for wrong in (0, 6):
-        with pytest.raises(ValueError, match="most_discs"):
-            Centroids(most_discs=wrong)
+        with pytest.raises(ValueError, match="max_discs"):
+            Centroids(max_discs=wrong)

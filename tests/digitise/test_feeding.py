@@ -1,4 +1,4 @@
-"""An operator digitises a feeding motion behind a lamp: how often he is asked, and how right the centroids are."""
+"""An operator digitises a feeding motion behind a lamp: how often they are asked, and how right the centroids are."""
 
 from functools import cache
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.digitise import DigitisingPhase, Found, OtherViews, SemiAutomatic, drive, propose, result
-from support.eating import Knowing, footage, looks_of
+from support.eating import Knowing, footage, image_source
 
 FRAMES = 40
 RADIUS = 8.0
@@ -18,8 +18,8 @@ def markers(**options):
 
 
 @cache
-def looks(c):
-    return looks_of(footage(FRAMES / 30)[3][c])
+def film_of(c):
+    return image_source(footage(FRAMES / 30)[3][c])
 
 
 @cache
@@ -31,18 +31,20 @@ def digitised(c, *, others=(), take=False, shake=0.0):
     if shake:
         shift = np.random.default_rng(5).integers(-shake, shake + 1, (FRAMES, 2)).astype(float)
         frames = np.stack([np.roll(f, s[::-1].astype(int), (0, 1)) for f, s in zip(frames, shift, strict=True)])
-    look_at = looks_of(frames) if shake else looks(c)
-    operator = Knowing(sight, c, look_at, shift=shift)
+    images = image_source(frames) if shake else film_of(c)
+    operator = Knowing(sight, c, images, shift=shift)
     uv = np.full((3, 8, FRAMES, 2), np.nan)
     for other in others:
         uv[other] = digitised(other)[1].uv
     views = OtherViews(rig, c, uv)
 
-    def ask(frame, marker, shift, expected, look, free):
-        return propose(views, frame, marker, shift=shift, expected=expected, look=look, free=free, method=m)
+    def ask(frame, marker, shift, expected, image_markers, free):
+        return propose(
+            views, frame, marker, shift=shift, expected=expected, image_markers=image_markers, free=free, method=m
+        )
 
     constant = sight.uv[c, 7, 0]
-    state = drive(operator, look_at, n_frames=FRAMES, method=m, constant=constant, proposer=ask if others else None)
+    state = drive(operator, images, n_frames=FRAMES, method=m, constant=constant, proposer=ask if others else None)
     return operator, result(state, method=m)
 
 
@@ -54,11 +56,11 @@ def error(c, done):
 
 @pytest.mark.parametrize("c", [0, 1, 2])
 def test_questions_are_few_and_centroids_right(c):
-    """Asked for are the first two frames, what is hidden, and what has just come back."""
+    """AskedQuestion for are the first two frames, what is hidden, and what has just come back."""
     operator, done = digitised(c)
     off, visible = error(c, done)
     whole = off[visible > 0.99]
-    assert np.quantile(whole, 0.95) < 0.08 and whole.max() < 4.0  # where images run together, as far as he can see
+    assert np.quantile(whole, 0.95) < 0.08 and whole.max() < 4.0  # where images run together, as far as they can see
     assert np.nanmax(off) < RADIUS  # of a marker that is partly hidden, the part in sight
     assert np.isfinite(off[visible >= operator.least]).all()  # none is missed
     hidden = visible < operator.least

@@ -25,8 +25,8 @@ from kinemark.digitise import (
     begin,
     clicked,
     drive,
+    find_markers,
     given,
-    look_at,
     parse_answer,
     question_of,
     result,
@@ -38,33 +38,36 @@ from support.pointing import RADIUS, Shown, U, V, film, image, method, run, stra
 
 
 def test_any_white_pixel_means_its_marker():
-    look = look_at(image([(40, 40), (47, 46), (100, 80)]))
-    assert len(look.uv) == 3
-    for k, place in enumerate(look.uv):
-        for v, u in np.argwhere(look.owner == k):
-            assert clicked(look, np.array([u, v])) == k
+    image_markers = find_markers(image([(40, 40), (47, 46), (100, 80)]))
+    assert len(image_markers.uv) == 3
+    for k, place in enumerate(image_markers.uv):
+        for v, u in np.argwhere(image_markers.owner == k):
+            assert clicked(image_markers, np.array([u, v])) == k
             assert np.hypot(*(place - (u, v))) < RADIUS + 2
-    assert (look.owner >= 0).sum() == (image([(40, 40), (47, 46), (100, 80)]) > 60).sum()
+    assert (image_markers.owner >= 0).sum() == (image([(40, 40), (47, 46), (100, 80)]) > 60).sum()
 
 
 def test_touching_markers_share_their_pixels_by_the_nearest_centre():
     disc = np.minimum(np.hypot(U - 40, V - 60), np.hypot(U - 54, V - 60)) - 8
-    look = look_at((10 + 210 * np.clip(0.5 - disc, 0, 1)).astype(np.uint8))
-    assert len(look.uv) == 2
-    left = clicked(look, np.array([34, 60]))
-    assert look.uv[left, 0] == pytest.approx(40, abs=0.2)
-    for v, u in np.argwhere(look.owner >= 0):
-        assert (clicked(look, np.array([u, v])) == left) == (u < 47) or u == 47
+    image_markers = find_markers((10 + 210 * np.clip(0.5 - disc, 0, 1)).astype(np.uint8))
+    assert len(image_markers.uv) == 2
+    left = clicked(image_markers, np.array([34, 60]))
+    assert image_markers.uv[left, 0] == pytest.approx(40, abs=0.2)
+    for v, u in np.argwhere(image_markers.owner >= 0):
+        assert (clicked(image_markers, np.array([u, v])) == left) == (u < 47) or u == 47
 
 
 @pytest.mark.parametrize("place", [(5, 5), (43.0, 44.5), (-3, 10), (200, 50), (np.nan, 3)])
 def test_pointing_at_nothing_is_refused(place):
     with pytest.raises(KinemarkError, match=r"no white pixel|outside the image"):
-        clicked(look_at(image([(40, 40)])), np.array(place))
+        clicked(find_markers(image([(40, 40)])), np.array(place))
 
 
 def test_dark_markers_on_white():
-    plain, dark = look_at(image([(40, 40)])), look_at(255 - image([(40, 40)]), method=Centroids(195, inverted=True))
+    plain, dark = (
+        find_markers(image([(40, 40)])),
+        find_markers(255 - image([(40, 40)]), method=Centroids(195, inverted=True)),
+    )
     np.testing.assert_allclose(plain.uv, dark.uv, atol=1e-9)
     assert ((plain.owner >= 0) == (dark.owner >= 0)).all()
 
@@ -112,7 +115,7 @@ def test_a_hidden_marker_does_not_take_its_neighbours_image():
 def test_a_longer_memory_asks_less_after_a_gap():
     paths = straight(12, start=((40.0, 40.0), (52.0, 40.0)), speed=((2.0, 0.0), (2.0, 0.0)))
     paths[0, 6:8] = np.nan
-    done, operator = run(paths, method(2, memory=4))
+    done, operator = run(paths, method(2, history=4))
     assert [q for q in operator.pointed() if q[0] >= 2] == [(6, 0), (7, 0)]
     np.testing.assert_allclose(done.uv, paths, atol=0.02)
 
@@ -171,23 +174,23 @@ def test_the_reference_marker_is_confirmed_where_that_is_wanted():
     assert done.figures["questions_by_reason"] == {
         "first_two_frames": 6,
         "not_found": 0,
-        "in_doubt": 0,
+        "ambiguous": 0,
         "reference": 3,
     }
 
 
 def test_a_refused_reference_marker_is_pointed_at():
     paths, shift = shifted(straight(4))
-    m, looks = method(3, reference="m3", confirm_reference=True), film(paths)
-    state = begin(4, looks, method=m)
+    m, images = method(3, reference="m3", confirm_reference=True), film(paths)
+    state = begin(4, images, method=m)
     for f in range(2):
         for place in paths[:, f]:
-            state = advance(state, Point(*np.rint(place)), looks, method=m)
-        state = advance(state, Accept(), looks, method=m)
+            state = advance(state, Point(*np.rint(place)), images, method=m)
+        state = advance(state, Accept(), images, method=m)
     assert state.phase is DigitisingPhase.REFERENCE
-    state = advance(state, No(), looks, method=m)
+    state = advance(state, No(), images, method=m)
     assert (state.phase, state.marker) == (DigitisingPhase.POINT, 2)
-    state = advance(state, Point(*np.rint(paths[2, 2])), looks, method=m)
+    state = advance(state, Point(*np.rint(paths[2, 2])), images, method=m)
     assert state.phase is DigitisingPhase.REVIEW
     np.testing.assert_allclose(state.draft.shift, shift[2], atol=0.02)
 
@@ -197,56 +200,56 @@ def test_a_refused_reference_marker_is_pointed_at():
 
 def second_frame(paths, m):
     """The state in which the second frame is being digitised, after the first was saved."""
-    looks = film(paths)
-    state = begin(paths.shape[1], looks, method=m)
+    images = film(paths)
+    state = begin(paths.shape[1], images, method=m)
     for place in paths[:, 0]:
-        state = advance(state, Point(*place), looks, method=m)
+        state = advance(state, Point(*place), images, method=m)
     assert state.saved[0] is None and state.phase is DigitisingPhase.REVIEW  # all is known and nothing saved
-    return advance(state, Accept(), looks, method=m), looks
+    return advance(state, Accept(), images, method=m), images
 
 
 def test_nothing_is_saved_before_it_is_accepted():
     m = method(2)
-    state, looks = second_frame(straight(5), m)
+    state, images = second_frame(straight(5), m)
     assert state.saved[0] is not None and state.saved[1:] == (None,) * 4
-    state = advance(state, Point(42, 41), looks, method=m)
-    dropped = advance(state, Revisit(0), looks, method=m)  # what is known of the second frame is given up
-    again = advance(dropped, Accept(), looks, method=m)
+    state = advance(state, Point(42, 41), images, method=m)
+    dropped = advance(state, Revisit(0), images, method=m)  # what is known of the second frame is given up
+    again = advance(dropped, Accept(), images, method=m)
     assert again.frame == 1 and (again.draft.found == Found.OPEN).all()
 
 
 def test_taking_back_is_the_state_before():
     """Whatever was answered."""
     paths, m = straight(6), method(2)
-    looks = film(paths)
-    state = begin(6, looks, method=m)
+    images = film(paths)
+    state = begin(6, images, method=m)
     answers = [Point(40, 40), Absent(), Verify(), Yes(), No(), Point(99.5, 80.25), Accept(), Point(42, 41), Absent()]
     answers += [Accept(), Revisit(0), ByHand(), Point(40, 40), Point(100, 80), Accept()]
     for answer in answers:
-        after = advance(state, answer, looks, method=m)
-        back = advance(after, Undo(), looks, method=m)
+        after = advance(state, answer, images, method=m)
+        back = advance(after, Undo(), images, method=m)
         for name in ("saved", "frame", "draft", "phase", "marker", "searched"):
             assert same(getattr(back, name), getattr(state, name))
         assert back.asked == after.asked  # a question that was answered was a question
         state = after
     for _ in answers:
-        state = advance(state, Undo(), looks, method=m)
+        state = advance(state, Undo(), images, method=m)
     assert state.saved == (None,) * 6 and state.phase is DigitisingPhase.POINT
     with pytest.raises(ValueError, match="no answer to take back"):
-        advance(state, Undo(), looks, method=m)
+        advance(state, Undo(), images, method=m)
 
 
 def test_a_marker_is_corrected_to_the_very_place_and_the_others_stay():
     m = method(2)
-    state, looks = second_frame(straight(5), m)
-    state = advance(state, Revisit(0), looks, method=m)
+    state, images = second_frame(straight(5), m)
+    state = advance(state, Revisit(0), images, method=m)
     before = state.draft
     for answer in (Verify(), Yes(), No(), Point(101.25, 77.5)):
-        state = advance(state, answer, looks, method=m)
+        state = advance(state, answer, images, method=m)
     assert state.phase is DigitisingPhase.REVIEW and not same(state.saved[0], state.draft)
     np.testing.assert_array_equal(state.draft.uv, [before.uv[0], (101.25, 77.5)])
     assert state.draft.found[1] == Found.PLACED
-    state = advance(state, Accept(), looks, method=m)
+    state = advance(state, Accept(), images, method=m)
     np.testing.assert_array_equal(state.saved[0].uv[1], (101.25, 77.5))
     assert state.frame == 1  # it goes on where it was
     assert [a.reason for a in state.asked] == ["first_two_frames"] * 2 + ["corrected"]
@@ -255,27 +258,27 @@ def test_a_marker_is_corrected_to_the_very_place_and_the_others_stay():
 def test_the_next_frame_expects_what_a_corrected_one_lets_expect():
     paths, m = straight(5), method(2)
     paths[0, 2:] = np.nan
-    operator, looks = Shown(paths), film(paths)
-    state = begin(5, looks, method=m)
+    operator, images = Shown(paths), film(paths)
+    state = begin(5, images, method=m)
     while state.frame < 2:
-        state = advance(state, operator(question_of(state, method=m), state), looks, method=m)
+        state = advance(state, operator(question_of(state, method=m), state), images, method=m)
     expected = question_of(state, method=m).uv
     np.testing.assert_allclose(expected, 2 * paths[0, 1] - paths[0, 0], atol=0.05)
     moved = paths[0, 1] + (3.0, -1.5)
     for answer in (Revisit(1), Verify(), No(), Point(*moved), Yes(), Accept()):
-        state = advance(state, answer, looks, method=m)
+        state = advance(state, answer, images, method=m)
     assert state.frame == 2
     np.testing.assert_allclose(question_of(state, method=m).uv, expected + 2 * np.array([3.0, -1.5]), atol=0.05)
 
 
 def test_an_answer_that_fits_no_question_is_refused_and_changes_nothing():
     m = method(2)
-    state, looks = second_frame(straight(5), m)
+    state, images = second_frame(straight(5), m)
     for answer in (Accept(), Verify(), No(), Yes(), ByHand(), Revisit(3), Revisit(-1), Revisit(99)):
         with pytest.raises(ValueError, match=r"no answer to a question|not been saved|no frame|nothing is proposed"):
-            advance(state, answer, looks, method=m)
+            advance(state, answer, images, method=m)
     with pytest.raises(KinemarkError, match="no white pixel"):
-        advance(state, Point(3, 3), looks, method=m)
+        advance(state, Point(3, 3), images, method=m)
 
 
 # ---- Answers in a file ----
@@ -296,7 +299,7 @@ def test_the_same_answers_give_the_same_again_and_only_the_rest_is_asked():
     paths[0, 6:8] = np.nan
     m, said = method(3, reference="m3"), []
     told = lambda question, answer: said.append(given(question, answer))  # noqa: E731
-    done, _ = run(paths, m, told=told)
+    done, _ = run(paths, m, on_answer=told)
     again = drive(Replay(said), film(paths), n_frames=12, method=m)
     assert same(tuple(result(again, method=m))[:4], tuple(done)[:4]) and result(again, method=m).figures == done.figures
     half = Shown(paths)
@@ -326,7 +329,7 @@ def test_questions_are_put_in_words():
         ({"markers": ("a", "a")}, "each name once"),
         ({"markers": ("a",), "reference": "b"}, "reference is 'b'"),
         ({"markers": ("a",), "grid": 0}, "grid"),
-        ({"markers": ("a",), "memory": 1}, "memory"),
+        ({"markers": ("a",), "history": 1}, "history"),
         ({"markers": ("a",), "tolerance": 0.0}, "tolerance"),
     ],
 )
@@ -346,7 +349,7 @@ def test_nothing_to_digitise():
     done, operator = run(black, method(1))
     assert np.isnan(done.uv).all() and len(operator.pointed()) == 4
     with pytest.raises(ValueError, match="rows, columns"):
-        look_at(np.zeros((2, 3, 4), np.uint8))
+        find_markers(np.zeros((2, 3, 4), np.uint8))
 
 
 def test_one_frame_alone():

@@ -16,9 +16,9 @@ from kinemark.digitise import (
     called,
     clicked,
     drive,
+    find_markers,
     identified,
     identified_matches,
-    look_at,
     propose,
     result,
     words,
@@ -38,12 +38,12 @@ def with_reference(paths, shift):
 
 def third_frame(paths, m):
     """The state in which two frames are saved and the third was searched."""
-    looks = film(paths)
-    state = begin(paths.shape[1], looks, method=m)
+    images = film(paths)
+    state = begin(paths.shape[1], images, method=m)
     for f in range(2):
         for place in paths[:, f]:
-            state = advance(state, Point(*np.rint(place)), looks, method=m)
-        state = advance(state, Accept(), looks, method=m)
+            state = advance(state, Point(*np.rint(place)), images, method=m)
+        state = advance(state, Accept(), images, method=m)
     return state
 
 
@@ -72,7 +72,7 @@ def test_of_two_markers_the_nearer_takes_the_image_also_if_it_is_the_later():
 
 
 MEETINGS = 16
-TOGETHER = Centroids(most_discs=1, hidden=False)
+TOGETHER = Centroids(max_discs=1, correct_occlusion=False)
 """Images that touch are one, as UM²AS sees them."""
 
 
@@ -98,30 +98,30 @@ def test_markers_that_met_are_asked_for_when_two_images_would_do():
     """Of all meetings hardly one ends with the names exchanged; as UM²AS does it, one in four does."""
     count = {}
     for clear in (1.0, 1.5):
-        m, done = method(2, clear=clear), []
+        m, done = method(2, ambiguity_ratio=clear), []
         for seed in range(MEETINGS):
             paths = meeting(seed)
-            looks = cache(lambda f, paths=paths: look_at(image(paths[:, f]), method=TOGETHER))
-            done.append(result(drive(Shown(paths), looks, n_frames=16, method=m), method=m))
-        doubts = [one.figures["questions_by_reason"]["in_doubt"] for one in done]
+            images = cache(lambda f, paths=paths: find_markers(image(paths[:, f]), method=TOGETHER))
+            done.append(result(drive(Shown(paths), images, n_frames=16, method=m), method=m))
+        doubts = [one.figures["questions_by_reason"]["ambiguous"] for one in done]
         count[clear] = sum(exchanged(meeting(seed), one) for seed, one in enumerate(done)), max(doubts)
     assert count[1.0][0] >= MEETINGS / 4 and count[1.0][1] == 0
     assert count[1.5][0] <= MEETINGS / 10 and count[1.5][1] <= 4
 
 
-def test_who_is_in_doubt_is_told_why():
+def test_an_ambiguous_question_says_why():
     paths = straight(8, start=((40.0, 40.0), (60.0, 40.0)), speed=((0.0, 0.0), (0.0, 0.0)))
     paths[1, 5:] = np.nan
     paths[0, 5, 0] += 8
-    looks = film(np.concatenate([paths, paths[:1] - np.where(np.arange(8) == 5, 17.0, np.nan)[:, None] * [1, 0]]))
+    images = film(np.concatenate([paths, paths[:1] - np.where(np.arange(8) == 5, 17.0, np.nan)[:, None] * [1, 0]]))
     asked = []
 
     def operator(question, state):
-        if question.in_doubt:
+        if question.ambiguous:
             asked.append(words(question))
         return Shown(paths)(question, state)
 
-    drive(operator, looks, n_frames=8, method=method(2))
+    drive(operator, images, n_frames=8, method=method(2))
     assert "Frame 6: point at marker m1, expected near (40, 40)" in asked[0]
     assert all(said.startswith("Frame 6") and "Two images would do." in said for said in asked)
 
@@ -139,23 +139,25 @@ def seen_by(shift, extra=()):
     at = uv[0, 0] + shift
     discs = [at, *(at + off for off in extra)]
     white = np.min([np.hypot(u - p[0], v - p[1]) for p in discs], axis=0)
-    return rig, views, at, look_at((10 + 210 * np.clip(8.5 - white, 0, 1)).astype(np.uint8))
+    return rig, views, at, find_markers((10 + 210 * np.clip(8.5 - white, 0, 1)).astype(np.uint8))
 
 
-def proposal(rig, views, look, *, shift, expected=(np.nan, np.nan)):
-    free, m = np.ones(len(look.uv), bool), method(1, tolerance=1.0)
+def proposal(rig, views, image_markers, *, shift, expected=(np.nan, np.nan)):
+    free, m = np.ones(len(image_markers.uv), bool), method(1, tolerance=1.0)
     there = OtherViews(rig, 0, views)
-    return propose(there, 0, 0, shift=shift, expected=np.array(expected), look=look, free=free, method=m)
+    return propose(
+        there, 0, 0, shift=shift, expected=np.array(expected), image_markers=image_markers, free=free, method=m
+    )
 
 
 @pytest.mark.parametrize("others", [(1, 2), (1,), (2,)])
 def test_proposals_know_that_the_image_has_shifted(others):
     shift = np.array([7.0, 6.0])
-    rig, views, at, look = seen_by(shift)
+    rig, views, at, image_markers = seen_by(shift)
     views[[c for c in (1, 2) if c not in others]] = np.nan
-    said = proposal(rig, views, look, shift=shift)
+    said = proposal(rig, views, image_markers, shift=shift)
     assert said.seen and np.hypot(*(said.uv - at)) < 0.1
-    away = proposal(rig, views, look, shift=np.zeros(2))
+    away = proposal(rig, views, image_markers, shift=np.zeros(2))
     assert not away.seen
 
 
@@ -164,10 +166,10 @@ def test_two_images_on_the_line_of_one_camera_are_no_answer_but_where_it_is_expe
     rig, place = laboratory(), CENTRE + np.array([30.0, 40.0, 50.0])
     line = project_all(rig, place + np.outer([0, 0.1], rig.centres[1] - place))[0]
     along = (line[1] - line[0]) / np.linalg.norm(line[1] - line[0])
-    rig, views, at, look = seen_by(np.zeros(2), extra=(120.0 * along,))
+    rig, views, at, image_markers = seen_by(np.zeros(2), extra=(120.0 * along,))
     views[2] = np.nan
-    assert proposal(rig, views, look, shift=np.zeros(2)) is None
-    said = proposal(rig, views, look, shift=np.zeros(2), expected=at + 3)
+    assert proposal(rig, views, image_markers, shift=np.zeros(2)) is None
+    said = proposal(rig, views, image_markers, shift=np.zeros(2), expected=at + 3)
     assert said.seen and np.hypot(*(said.uv - at)) < 0.1
 
 
@@ -206,11 +208,11 @@ def test_a_marker_nobody_saw_has_an_empty_path():
 def test_a_search_takes_nothing_masked_and_an_operator_may():
     mask = np.zeros(U.shape, bool)
     mask[30:50, 30:50] = True
-    look = look_at(image([(40, 40), (100, 80)]), mask=mask)
-    assert look.usable.tolist() == [False, True] and clicked(look, np.array([40, 40])) == 0
+    image_markers = find_markers(image([(40, 40), (100, 80)]), mask=mask)
+    assert image_markers.usable.tolist() == [False, True] and clicked(image_markers, np.array([40, 40])) == 0
 
 
 def test_a_lower_field_lies_half_a_line_lower():
-    upper, lower = look_at(image([(40, 40)])), look_at(image([(40, 40)]), v_offset=0.5)
+    upper, lower = find_markers(image([(40, 40)])), find_markers(image([(40, 40)]), v_offset=0.5)
     np.testing.assert_allclose(lower.uv - upper.uv, [[0, 0.5]])
     assert (lower.owner == upper.owner).all()

@@ -44,7 +44,7 @@ def test_many_files_go_into_a_folder_and_a_bad_one_keeps_nobody_from_the_others(
     bad = tmp_path / "bad.c3d"
     bad.write_bytes(b"no C3D file")
     counts = []
-    done = fill_files([a, bad, b], tmp_path / "out", report=True, told=counts.append, **QUICK)
+    done = fill_files([a, bad, b], tmp_path / "out", report=True, on_done=counts.append, **QUICK)
     assert counts == [0, 1, 2, 3] and list(done) == [a, bad, b]
     assert isinstance(done[bad], KinemarkError)
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == [
@@ -199,7 +199,9 @@ def test_samples_a_kilometre_away_are_told_and_no_motion(tmp_path):
     xyz = with_gap(segment(120))
     xyz[1, 119], xyz[2, 50] = 1e9, -1e9
     write_trc(tmp_path / "in.trc", trial_of(xyz).trajectories)
-    done = fill_file(tmp_path / "in.trc", tmp_path / "out.trc", method=Body(frames=40), name="body", limit_mm=50.0)
+    done = fill_file(
+        tmp_path / "in.trc", tmp_path / "out.trc", method=Body(training_frames=40), name="body", limit_mm=50.0
+    )
     assert done.figures["far_away"] == 2  # the one within the marker's time is a gap, and filled
     assert found(done.figures, "samples_far_away")[0].values["samples"] == 2
     after = read_trc(tmp_path / "out.trc")
@@ -245,7 +247,7 @@ def test_a_marker_from_the_static_trial_is_told_apart(tmp_path):
     write_c3d(tmp_path / "static.c3d", trial_of(truth[:, :20]))
     done = fill_file(tmp_path / "in.c3d", tmp_path / "o.c3d", static=tmp_path / "static.c3d", limit_mm=20.0)
     assert done.figures["by_method"] == {"static": 1} and done.figures["never_seen"] == []
-    assert done.figures["expected_median_mm"] is None  # no hidden test was made
+    assert done.figures["expected_median_mm"] is None  # no hold-out gap was made
     assert [one["kind"] for one in done.figures["verdict"]["statements"]] == ["gaps_filled", "markers_from_static"]
     after = read_c3d(tmp_path / "o.c3d").trajectories["E"]
     assert (after.origin == Origin.FILLED).all() and np.abs(after.xyz - truth[4]).max() < 5
@@ -255,8 +257,8 @@ def test_a_marker_from_the_static_trial_is_told_apart(tmp_path):
 
 
 def test_the_thesis_own_algorithm_is_selectable_and_auto_leaves_it_out():
-    method = fill_method("kalman_angles", ["feedback=measured", "stretch=0.05"])
-    assert method == KalmanAngles("measured", stretch=0.05)
+    method = fill_method("kalman_angles", ["feedback=measured", "segment_tolerance=0.05"])
+    assert method == KalmanAngles("measured", segment_tolerance=0.05)
     assert filling_of({"method": "kalman_angles", "feedback": "path"}).method == KalmanAngles("path")
     assert "kalman_angles" not in Auto().candidates and "limb_angles" in Auto().candidates
     with pytest.raises(KinemarkError, match="feedback"):

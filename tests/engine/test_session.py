@@ -103,7 +103,7 @@ def test_a_second_run_does_only_what_changed(folder):
 def test_a_tracker_of_points_runs_the_stages_before_it(folder):
     changed(folder, "[calibration]", STAGED)
     assert recomputed(run(folder, "track")) == ("detect", "match", "reconstruct", "track")
-    changed(folder, "[track]", "[reconstruct]\ntails = 2.0\n[track]")
+    changed(folder, "[track]", "[reconstruct]\ndegrees_of_freedom = 2.0\n[track]")
     assert recomputed(run(folder, "track")) == ("reconstruct", "track")
     changed(folder, "extrapolation_ladder", "kiss_tracking")
     assert recomputed(run(folder, "track")) == ("track",)
@@ -230,7 +230,7 @@ file = "rig.toml"
 name = "one"
 images = "one/{camera}.mkv"
 [track]
-worst = 30.0
+max_sd = 30.0
 """
 
 
@@ -367,7 +367,7 @@ def test_another_rate_is_another_input(folder):
 
 def test_outputs_that_were_not_written_are_written_by_the_next_run(folder, monkeypatch):
     run(folder)
-    changed(folder, "[calibration]", "[track]\nshortest = 1000\n[calibration]")
+    changed(folder, "[calibration]", "[track]\nmin_duration = 1000\n[calibration]")
 
     def fail(*args, **kwargs):
         raise KeyboardInterrupt

@@ -59,11 +59,11 @@ def test_a_stroke_in_which_the_marker_always_vanishes_is_no_error():
     motion, _ = swaying()
     frames, gap = np.arange(600), Gap(1, 290, 305)
     stroke = 300.0 * np.exp(-(((frames - 306) / 3.0) ** 2))[:, None] * np.array([0.3, 0.9, -0.3])
-    t = trim_edges(motion._replace(xyz=motion.xyz + stroke).hidden([gap]), [gap], method=GapEdges(donors=3))
+    t = trim_edges(motion._replace(xyz=motion.xyz + stroke).hidden([gap]), [gap], method=GapEdges(neighbours=3))
     assert t.before[0] == t.after[0] == 0
     alone = motion.xyz.copy()
     alone[1] += stroke
-    t = trim_edges(motion._replace(xyz=alone).hidden([gap]), [gap], method=GapEdges(donors=3))
+    t = trim_edges(motion._replace(xyz=alone).hidden([gap]), [gap], method=GapEdges(neighbours=3))
     assert t.after[0] > 0  # where its neighbours stay calm it is one
 
 
@@ -79,10 +79,10 @@ def test_a_trial_that_shows_too_little_is_left_alone():
     for m in (motion, MarkerArray(motion.xyz[:1], 100.0, ("M0",)), motion._replace(xyz=np.full((5, 40, 3), np.nan))):
         t = trim_edges(m.hidden([Gap(0, 15, 25)]), [Gap(0, 15, 25)])
         assert not t.before.any() and not t.after.any()
-    for method in (GapEdges(most=0), GapEdges(donors=0)):
+    for method in (GapEdges(most_trimmed=0), GapEdges(neighbours=0)):
         assert trim_edges(motion, [Gap(0, 0, 40), Gap(1, 10, 11)], method=method).before.shape == (2,)
-    with pytest.raises(ValueError, match="past"):
-        GapEdges(past=3)
+    with pytest.raises(ValueError, match="fit_samples"):
+        GapEdges(fit_samples=3)
 
 
 def absent(motion, k):
@@ -95,7 +95,7 @@ def test_a_marker_of_a_rigid_body_is_placed_exactly():
     motion, shape = swaying(noise=0.0)
     static = StaticShape(motion.names, shape @ Rotation.from_rotvec([1, 2, 3]).as_matrix().T + 500, np.zeros(5))
     (placed,) = place_absent(absent(motion, 2), static)
-    assert placed.name == "M2" and not placed.reason and len(placed.donors) >= 3
+    assert placed.name == "M2" and not placed.reason and len(placed.references) >= 3
     assert np.abs(placed.xyz - motion.xyz[2]).max() < 1e-6 and placed.expected_mm < 1e-3
     without = MarkerArray(motion.xyz[[0, 1, 3, 4]], 100.0, ("M0", "M1", "M3", "M4"))  # not in the file at all
     assert np.allclose(place_absent(without, static)[0].xyz, placed.xyz)
@@ -141,12 +141,12 @@ def test_what_cannot_be_placed_says_why():
     assert place_absent(motion._replace(xyz=np.nan * motion.xyz), static)[0].reason
     assert place_absent(motion, static) == []
     with pytest.raises(ValueError, match="M7"):
-        place_absent(motion, static, method=FromStatic(donors=("M0", "M1", "M7")))
-    named = place_absent(absent(motion, 0), static, method=FromStatic(donors=("M1", "M2", "M4")))[0]
-    assert set(named.donors) == {"M1", "M2", "M4"}
+        place_absent(motion, static, method=FromStatic(reference_markers=("M0", "M1", "M7")))
+    named = place_absent(absent(motion, 0), static, method=FromStatic(reference_markers=("M1", "M2", "M4")))[0]
+    assert set(named.references) == {"M1", "M2", "M4"}
 
 
-def test_frames_without_the_donors_stay_empty():
+def test_frames_without_the_reference_markers_stay_empty():
     motion, shape = swaying()
     hidden = absent(motion, 0).hidden([Gap(k, 50, 80) for k in range(1, 5)])
     placed = place_absent(hidden, StaticShape(motion.names, shape, np.zeros(5)))[0]

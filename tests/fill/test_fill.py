@@ -1,4 +1,4 @@
-"""Filling: laws of the fillers of several donors, what `fill` says of each gap, refusals and odd input."""
+"""Filling: laws of the fillers of several reference markers, what `fill` says of each gap, refusals and odd input."""
 
 from dataclasses import replace
 
@@ -21,7 +21,15 @@ from kinemark.fill import (
     fill,
     find_gaps,
 )
-from kinemark.fill.fill import ENOUGH, UNASKED, _tested, ask, ask_winners, choose, within_time
+from kinemark.fill.fill import (
+    ENOUGH,
+    NOT_PREDICTED,
+    _gaps_to_test,
+    choose_candidate,
+    evaluate_candidates,
+    evaluate_leading,
+    within_time,
+)
 from kinemark.fill.local_frames import local, triad
 from kinemark.fill.marker_array import Prediction
 from kinemark.fill.methods.local_regression import fill_local_regression
@@ -36,16 +44,16 @@ OURS = [LocalRegression(), Body()]
 
 
 @pytest.mark.parametrize("method", OURS, ids=lambda m: type(m).__name__)
-class TestFillersOfSeveralDonors:
+class TestFillersOfSeveralReferenceMarkers:
     def test_a_rigid_body_is_filled_exactly(self, method):
         motion, gap = moving(), Gap(2, 100, 200)
-        (said,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
-        assert off(said, motion, gap).max() < 0.05
+        (prediction,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
+        assert off(prediction, motion, gap).max() < 0.05
 
-    def test_what_moves_with_the_donors_is_learnt(self, method):
+    def test_what_moves_with_the_reference_markers_is_learnt(self, method):
         motion, gap = moving(soft=10.0, noise=0.1), Gap(2, 100, 200)
-        (said,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
-        assert off(said, motion, gap).mean() < 0.8  # of a wobble of 10 mm
+        (prediction,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
+        assert off(prediction, motion, gap).mean() < 0.8  # of a wobble of 10 mm
 
     def test_a_turned_and_shifted_trial_is_filled_alike(self, method):
         motion, gap = moving(soft=8.0, noise=0.5), Gap(1, 120, 180)
@@ -57,7 +65,7 @@ class TestFillersOfSeveralDonors:
         assert np.allclose(turn.apply(a.xyz) + shift, b.xyz, atol=1e-5)
 
     def test_backwards_in_time_is_filled_alike(self, method):
-        method = replace(method, hz=1000.0, frames=1000) if isinstance(method, Body) else method
+        method = replace(method, training_rate_hz=1000.0, training_frames=1000) if isinstance(method, Body) else method
         motion, gap = moving(201, soft=8.0, noise=0.5), Gap(1, 80, 121)
         back = motion._replace(xyz=motion.xyz[:, ::-1])
         (a,) = filler_of(method)(motion.hidden([gap]), [gap], method=method)
@@ -72,33 +80,33 @@ class TestFillersOfSeveralDonors:
         (b,) = filler_of(method)(motion._replace(xyz=other).hidden([gap]), [gap], method=method)
         assert np.array_equal(a.xyz, b.xyz)
 
-    def test_donors_that_are_missing_are_not_used(self, method):
+    def test_reference_marker_that_are_missing_are_not_used(self, method):
         motion = moving(soft=8.0)
         gaps = [Gap(k, 120, 180) for k in (1, 2, 3)]
-        said = filler_of(method)(motion.hidden(gaps), gaps, method=method)
-        assert all(np.isfinite(s.xyz).all() and not {1, 2, 3} & set(s.donors) for s in said)
+        prediction = filler_of(method)(motion.hidden(gaps), gaps, method=method)
+        assert all(np.isfinite(s.xyz).all() and not {1, 2, 3} & set(s.references) for s in prediction)
 
     def test_two_markers_carry_no_frame(self, method):
         gap = Gap(0, 100, 120)
-        (said,) = filler_of(method)(moving(markers=2).hidden([gap]), [gap], method=method)
-        assert np.isnan(said.xyz).all() and "wanted 3" in said.reason
+        (prediction,) = filler_of(method)(moving(markers=2).hidden([gap]), [gap], method=method)
+        assert np.isnan(prediction.xyz).all() and "wanted 3" in prediction.reason
 
-    def test_donors_on_a_line_carry_no_frame(self, method):
+    def test_reference_marker_on_a_line_carry_no_frame(self, method):
         motion = moving(markers=4)
         line = motion.xyz.copy()
         line[1:] = line[1] + np.arange(3)[:, None, None] * np.array([10.0, 0, 0])
         gap = Gap(0, 100, 120)
-        (said,) = filler_of(method)(motion._replace(xyz=line).hidden([gap]), [gap], method=method)
-        assert np.isnan(said.xyz).all() and "line" in said.reason
+        (prediction,) = filler_of(method)(motion._replace(xyz=line).hidden([gap]), [gap], method=method)
+        assert np.isnan(prediction.xyz).all() and "line" in prediction.reason
 
 
 def test_the_own_error_bars_of_kriging_hold_on_a_model_of_its_kind():
     inside = []
     for seed in range(12):
         motion, gap = moving(400, soft=5.0, noise=0.5, seed=seed), Gap(2, 150, 250)
-        (said,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body(frames=100))
-        error = said.xyz - motion.xyz[2, 150:250]
-        inside.append((np.abs(error) < 1.96 * np.sqrt(np.diagonal(said.cov, axis1=1, axis2=2))).mean())
+        (prediction,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body(training_frames=100))
+        error = prediction.xyz - motion.xyz[2, 150:250]
+        inside.append((np.abs(error) < 1.96 * np.sqrt(np.diagonal(prediction.cov, axis1=1, axis2=2))).mean())
     assert 0.75 < np.mean(inside) <= 1.0  # before calibration
 
 
@@ -174,9 +182,10 @@ class TestFill:
 
     def test_asking_only_the_winners_chooses_and_fills_alike(self, monkeypatch):
         def shy(motion, gaps, *, method):
-            said = fill_local_regression(motion, gaps, method=method)
+            prediction = fill_local_regression(motion, gaps, method=method)
             return [
-                Prediction.none(g.length, "shy") if g in gaps_of_shy else s for g, s in zip(gaps, said, strict=True)
+                Prediction.none(g.length, "shy") if g in gaps_of_shy else s
+                for g, s in zip(gaps, prediction, strict=True)
             ]
 
         monkeypatch.setitem(FILL._known, "local_regression", replace(FILL["local_regression"], function=shy))
@@ -184,23 +193,30 @@ class TestFill:
         gaps = [Gap(k % 6, 12 + 36 * k, 13 + 36 * k + 3 * (k % 10)) for k in range(24)]
         gaps_of_shy = gaps[7:10]  # which it does well in the tests of
         hidden, candidates = motion.hidden(gaps), [Linear(), FILL.make("pattern"), LocalRegression()]
-        everyone, few = (make(hidden, gaps, candidates) for make in (ask, ask_winners))
+        everyone, few = (make(hidden, gaps, candidates) for make in (evaluate_candidates, evaluate_leading))
         chosen = []
         for index in range(len(gaps)):
-            (a, said_a, cov_a), (b, said_b, cov_b) = (choose(hidden, gaps, index, each) for each in (everyone, few))
-            assert (a.method, a.reason, a.donors, a.expected_mm) == (b.method, b.reason, b.donors, b.expected_mm)
-            assert np.array_equal(said_a.xyz, said_b.xyz) and np.array_equal(cov_a, cov_b)
+            (a, prediction_a, cov_a), (b, prediction_b, cov_b) = (
+                choose_candidate(hidden, gaps, index, each) for each in (everyone, few)
+            )
+            assert (a.method, a.reason, a.reference_markers, a.expected_mm) == (
+                b.method,
+                b.reason,
+                b.reference_markers,
+                b.expected_mm,
+            )
+            assert np.array_equal(prediction_a.xyz, prediction_b.xyz) and np.array_equal(cov_a, cov_b)
             chosen.append(a.method)
         assert set(chosen) == {"linear", "pattern", "local_regression"} and "local_regression" not in chosen[7:10]
-        asked = sum(said is not UNASKED for answer in few for said in answer.said)
+        asked = sum(prediction is not NOT_PREDICTED for answer in few for prediction in answer.predictions)
         assert asked == len(gaps) + 3
 
     def test_what_hangs_on_the_other_gaps_is_asked_of_all(self):
         motion = moving(900, markers=12, soft=3.0, noise=0.3)
         gaps = [Gap(k % 12, 10 + 36 * k, 35 + 36 * k) for k in range(23)]
-        limbs, body, linear = ask_winners(motion.hidden(gaps), gaps, [LimbAngles(), Body(), Linear()])
-        assert all(said is not UNASKED for each in (limbs, body) for said in each.said)
-        assert all(said is UNASKED for said in linear.said)
+        limbs, body, linear = evaluate_leading(motion.hidden(gaps), gaps, [LimbAngles(), Body(), Linear()])
+        assert all(prediction is not NOT_PREDICTED for each in (limbs, body) for prediction in each.predictions)
+        assert all(prediction is NOT_PREDICTED for prediction in linear.predictions)
 
     def test_ends_are_left_unless_asked_for(self):
         motion = moving(soft=2.0).hidden([Gap(1, 0, 20), Gap(1, 280, 300)])
@@ -228,11 +244,11 @@ class TestFill:
         with pytest.raises(ValueError, match="no method of the stage fill"):
             fill(motion, method="spline")
         with pytest.raises(ValueError, match="each once"):
-            Auto((Body(), Body(donors=4)))
-        for bad in ({"donors": 2}, {"bases": 0}, {"frames": 3}, {"hz": 0.0}):
+            Auto((Body(), Body(most_markers=4)))
+        for bad in ({"most_markers": 2}, {"local_frames": 0}, {"training_frames": 3}, {"training_rate_hz": 0.0}):
             with pytest.raises(ValueError, match="wanted"):
                 Body(**bad)
-        for bad in ({"donors": ()}, {"ridges": (0.0,)}, {"blocks": 1}):
+        for bad in ({"marker_counts": ()}, {"ridges": (0.0,)}, {"folds": 1}):
             with pytest.raises(ValueError):
                 LocalRegression(**bad)
 
@@ -310,7 +326,7 @@ def test_a_real_walk_is_filled_to_millimetres_and_says_so():
     error, inside = [], []
     for marker in (1, 5, 8, 12):
         gap = Gap(marker, 90 + 5 * marker, 190 + 5 * marker)
-        found = fill(trial(motion.hidden([gap])), method=Body(), edges=GapEdges(most=0))
+        found = fill(trial(motion.hidden([gap])), method=Body(), edges=GapEdges(most_trimmed=0))
         path = found.trajectories.paths[marker]
         miss = path.xyz[gap.start : gap.stop] - motion.xyz[marker, gap.start : gap.stop]
         error.append(np.linalg.norm(miss, axis=1).mean())
@@ -349,13 +365,13 @@ def test_where_no_method_can_fill_nothing_is_warned_and_nothing_filled():
 
 def test_one_method_is_tested_on_some_gaps_of_every_marker():
     gaps = [Gap(marker, 100 * k, 100 * k + 5 + 3 * k) for marker in range(10) for k in range(12)]
-    some = [gaps[k] for k in _tested(gaps)]
+    some = [gaps[k] for k in _gaps_to_test(gaps)]
     assert len(some) == ENOUGH and {gap.marker for gap in some} == set(range(10))
     lengths = np.array([gap.length for gap in some])
     assert lengths.min() == 5 and lengths.max() == 38 and len(np.unique(lengths)) == 12
-    assert _tested(gaps[:ENOUGH]) == list(range(ENOUGH))
+    assert _gaps_to_test(gaps[:ENOUGH]) == list(range(ENOUGH))
     many = [Gap(marker, 5, 9) for marker in range(3 * ENOUGH)]
-    assert len(_tested(many)) == ENOUGH
+    assert len(_gaps_to_test(many)) == ENOUGH
 
 
 def test_few_tests_tell_the_error_of_one_method_in_all_gaps():

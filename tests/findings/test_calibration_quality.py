@@ -138,7 +138,7 @@ def test_every_reason_of_a_judgement_keeps_its_weight(good):
     assert figures["verdict"]["statements"][2]["kind"] == "no_uncertainty_stated"  # the first reason of a good one
 
 
-def test_where_a_lost_camera_is_missed_is_drawn_as_it_is_foretold(good):
+def test_where_a_lost_camera_is_missed_is_drawn_as_it_is_predicted(good):
     figures = calibration_figures(*good)
     lost, sd = figures["map"]["lost"], figures["precision"]["centroid_sd_px"]
     grid = map_volume(good[0], good[0].volume, centroid_sd=sd)

@@ -13,7 +13,7 @@ from kinemark.engine.settings.method_tables import filling_of
 from kinemark.fill import Cubic, FilledGap, Filling, Gap, Linear, Prediction, Rays, RigidBody, fill, fill_recording
 from kinemark.fill.fill import Filled
 from kinemark.fill.judge.expected_error import MeasuredErrors
-from kinemark.fill.judge.hold_out import Candidate, HoldOutGap
+from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult
 from kinemark.findings.gaps import filling_figures
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.report.figures_gaps import gap_figure
@@ -116,9 +116,9 @@ def test_a_gap_with_a_great_standard_deviation_asks_for_a_look():
     after = replace(before, paths=(replace(path, xyz=wide, cov=cov, origin=origin), *before.paths[1:]))
     gap = FilledGap("A", GAP.start, GAP.stop, "body", 2.0)
     figures = filling_figures(Filled(after, (gap,)), before, source="s", method="body", limit_mm=20.0)
-    assert figures["list"][0]["sd_worst_mm"] == pytest.approx(20)
+    assert figures["list"][0]["sd_max_mm"] == pytest.approx(20)
     assert figures["verdict"]["grade"] == "amber"
-    assert found(figures, "gaps_uncertain")[0].values["worst_mm"] == pytest.approx(20)
+    assert found(figures, "gaps_uncertain")[0].values["max_mm"] == pytest.approx(20)
 
 
 def test_a_fill_that_no_test_could_judge_is_said_to_be_unknown():
@@ -127,7 +127,7 @@ def test_a_fill_that_no_test_could_judge_is_said_to_be_unknown():
     (gap,) = filled.gaps
     judged, unjudged = replace(gap, start=0, stop=1), replace(gap, expected_mm=np.inf)
     figures = filling_figures(filled._replace(gaps=(judged, unjudged)), before, source="s", method="l", limit_mm=np.inf)
-    assert figures["unknown"] == 1 and figures["expected_worst_mm"] == gap.expected_mm
+    assert figures["unknown"] == 1 and figures["expected_max_mm"] == gap.expected_mm
     assert figures["verdict"]["grade"] == "amber" and found(figures, "gaps_untested")[0].values["gaps"] == 1
     assert "expected –" in filling_page(figures=figures, trajectories=filled.trajectories, before=before)
 
@@ -189,12 +189,12 @@ def bare(svg):
 def test_a_gap_that_the_method_finds_harder_than_its_tests_is_expected_to_be_worse():
     """Half way in logarithms: a claim four times as large doubles what is expected."""
     test = HoldOutGap(0, 0, Gap(0, 10, 15), (0, 5), True)
-    tried = Candidate(test, np.full((5, 3), 1.0), np.tile(np.eye(3), (5, 1, 1)), np.ones(5))
-    measured = MeasuredErrors([tried, tried])
+    results = HoldOutResult(test, np.full((5, 3), 1.0), np.tile(np.eye(3), (5, 1, 1)), np.ones(5))
+    measured = MeasuredErrors([results, results])
     for claim, ratio in ((1.0, 1.0), (4.0, 2.0), (0.25, 0.5)):
-        said = Prediction(np.zeros((5, 3)), claim**2 * np.tile(np.eye(3), (5, 1, 1)))
-        assert measured.expect(said, np.ones(2))[0] == pytest.approx(ratio * 3**0.5)
-        assert measured.expect(said, np.ones(2))[1] == pytest.approx(3**0.5)
+        prediction = Prediction(np.zeros((5, 3)), claim**2 * np.tile(np.eye(3), (5, 1, 1)))
+        assert measured.expect(prediction, np.ones(2))[0] == pytest.approx(ratio * 3**0.5)
+        assert measured.expect(prediction, np.ones(2))[1] == pytest.approx(3**0.5)
 
 
 # What a session keeps
@@ -255,6 +255,6 @@ def test_the_gap_with_the_greatest_deviation_is_drawn_first(tmp_path):
     done = fill_file(tmp_path / "in.c3d", tmp_path / "out.c3d", method=RigidBody(), name="rigid_body")
     figures = done.figures
     for gap in figures["list"]:
-        gap["expected_mm"], gap["sd_worst_mm"] = (1.0, 30.0) if gap["marker"] == "B" else (2.0, 3.0)
+        gap["expected_mm"], gap["sd_max_mm"] = (1.0, 30.0) if gap["marker"] == "B" else (2.0, 3.0)
     page = filling_page(figures=figures, trajectories=done.filled.trajectories).split("<h2>Drawings</h2>")[1]
     assert page.index("<b>B</b>") < page.index("<b>A</b>")

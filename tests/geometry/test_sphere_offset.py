@@ -69,7 +69,7 @@ def test_it_is_what_rendered_images_show():
     for seed in range(2):
         xyz = apart(c, spheres(40, seed), 100)
         image = render(c, xyz, 20.0, optics=Optics(read_noise=0, blur_px=0.6, subsamples=6))
-        found = detect_frames(image[None], method=Centroids(max_area=10**5, hidden=False))
+        found = detect_frames(image[None], method=Centroids(max_area=10**5, correct_occlusion=False))
         nearest = np.linalg.norm(found.uv[:, None] - project(c, xyz), axis=2).argmin(1)
         assert len(nearest) == len(xyz)
         wrong.append(found.uv - project(c, xyz[nearest]))
@@ -126,7 +126,7 @@ def test_points_of_large_near_spheres_are_unbiased():
     rng = np.random.default_rng(0)
     xyz = rng.uniform([-200, -200, 700], [200, 200, 1100], (400, 3))
     detections, matches = seen_spheres(rig, xyz, 60.0, rng)
-    method = LeastSquares(model_sd=0.0, within_volume=False, tails=0)
+    method = LeastSquares(model_sd=0.0, within_volume=False, degrees_of_freedom=0)
     plain = reconstruct(matches, detections, rig, method=method)
     right = reconstruct(matches, detections, rig, method=replace(method, marker_diameter=60.0))
 

@@ -9,7 +9,7 @@ from kinemark.data import KinemarkError
 from kinemark.geometry import epipolar_lines, fundamental, project
 from kinemark.geometry.ideal_pixels import ideal_pixels
 from kinemark.match import EpipolarTriplets, KissTriplets, NearestEpipolar, check_cameras, match
-from kinemark.match.epipolar_triplets import _project, _weigh
+from kinemark.match.epipolar_triplets import _project, _score_groups
 from kinemark.match.kiss_triplets import _frame, _ranked, crossings
 from support.laboratory import IDEAL, observe, ring, seen_by
 from support.motions import swarm
@@ -55,16 +55,16 @@ def test_more_cameras_are_better_even_if_one_fits_badly():
     uv, view = images_of(rig, [[0, 0], [0, 0], [0, 0], [0, 0], [0.8, -0.8]])
     without = view.copy()
     without[0, 4] = -1
-    assert _weigh(view, uv, rig.P, 2.0)[1] > _weigh(without, uv, rig.P, 2.0)[1] > 0
+    assert _score_groups(view, uv, rig.P, 2.0)[1] > _score_groups(without, uv, rig.P, 2.0)[1] > 0
 
 
 def test_an_image_outside_the_circle_leaves_its_group():
     rig = ring(5, lens=IDEAL)
     uv, view = images_of(rig, [[0, 0], [0, 0], [0, 0], [0, 0], [4.0, 3.0]])
-    left, merit = _weigh(view, uv, rig.P, 2.0)
+    left, score = _score_groups(view, uv, rig.P, 2.0)
     assert left.tolist() == [[0, 1, 2, 3, -1]]
-    assert merit[0] == pytest.approx(4 * 2.0**2, abs=1e-6)
-    assert len(_weigh(view[:, [0, 4]], uv, rig.P[[0, 4]], 0.01)[0]) == 0
+    assert score[0] == pytest.approx(4 * 2.0**2, abs=1e-6)
+    assert len(_score_groups(view[:, [0, 4]], uv, rig.P[[0, 4]], 0.01)[0]) == 0
 
 
 def test_a_point_behind_a_camera_has_no_image_there():

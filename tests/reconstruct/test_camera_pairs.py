@@ -14,7 +14,7 @@ from kinemark.reconstruct.camera_pairs import agreeing, solutions
 from kinemark.synth import look_at, ring
 
 LENS = (-0.15, 0.05, 0.001, -0.001, 0.0)
-ALL = CameraPairs(excess=1e12)
+ALL = CameraPairs(outlier_ratio=1e12)
 CENTRE = (1200.0, 700.0, 850.0)
 
 
@@ -68,7 +68,7 @@ def test_the_rule_looks_at_shape_only():
     expected = agreeing(each, views)
     assert (agreeing(1000 * each[:, order] + 50, views) == expected[:, order]).all()
     assert expected.any(1).all() and not expected.all()
-    assert agreeing(each, views, excess=1e9).all()
+    assert agreeing(each, views, outlier_ratio=1e9).all()
 
 
 def test_in_the_papers_studio_a_shifted_camera_is_never_left_out():
@@ -105,7 +105,7 @@ def test_with_four_and_more_cameras_a_shifted_one_is_left_out(n, shift):
     assert np.median(error(cloud, xyz)) < 1.5 * np.median(error(clean, xyz))
     assert abs((in_their_units(cloud, xyz) < chi2.ppf(0.95, 3)).mean() - 0.95) < 0.04
     assert np.median(cloud.residual) > 10 / n  # what was left out is still in the residual
-    squares = reconstruct(matches, detections, rig, method=LeastSquares(tails=0))
+    squares = reconstruct(matches, detections, rig, method=LeastSquares(degrees_of_freedom=0))
     assert np.median(error(squares, xyz)) > 8 * np.median(error(cloud, xyz))
 
 
@@ -265,7 +265,14 @@ def test_the_table_has_both_methods():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"excess": 0.5}, {"excess": np.nan}, {"centroid_sd": 0.0}, {"model_sd": -1.0}, {"volume_margin": np.inf}]
+    "wrong",
+    [
+        {"outlier_ratio": 0.5},
+        {"outlier_ratio": np.nan},
+        {"centroid_sd": 0.0},
+        {"model_sd": -1.0},
+        {"volume_margin": np.inf},
+    ],
 )
 def test_wrong_parameters_are_named(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):

@@ -33,7 +33,9 @@ def test_a_wild_image_never_makes_a_point_surer():
     detections, _ = observe(RIG, POINTS, noise=0.1)
     matches = match(detections, RIG)
     wild = replace(detections, uv=detections.uv + 20.0 * (detections.camera == 2)[:, None])
-    plain, robust = (reconstruct(matches, wild, RIG, method=LeastSquares(tails=tails)) for tails in (0.0, 4.0))
+    plain, robust = (
+        reconstruct(matches, wild, RIG, method=LeastSquares(degrees_of_freedom=tails)) for tails in (0.0, 4.0)
+    )
     others = reconstruct(replace(matches, view=np.where(np.arange(6) == 2, -1, matches.view)), detections, RIG)
     assert len(plain) == len(robust) == len(others)
     assert (traces(robust) > 0.95 * traces(plain)).all()
@@ -63,4 +65,4 @@ def test_a_solution_exactly_twice_as_far_is_left_out_as_in_the_document(third, k
 def test_solutions_equally_far_from_each_other_are_all_kept():
     """However small the excess: "use all three if they are an equal distance from each other"."""
     each = np.eye(3)[None] * 100.0
-    assert agreeing(each, np.array([3]), excess=1.0).all()
+    assert agreeing(each, np.array([3]), outlier_ratio=1.0).all()

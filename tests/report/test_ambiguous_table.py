@@ -27,7 +27,7 @@ def test_the_same_reason_about_the_same_markers_is_one_row():
     both = decision("merge", 5, ["*3"], "shared_images")
     decisions = sorted([*many, *others, both], key=lambda one: one["first_frame"])
     assert [len(own) for own in grouped(decisions)] == [3, 1, 1, 1]
-    page = ambiguous_table(decisions, told=True)
+    page = ambiguous_table(decisions, listed=True)
     assert page.count("<tr>") == 1 + 4
     assert "10–21 mm" in page and "0.00, 0.10, 0.20" in page and "12 mm" in page
 
@@ -43,17 +43,17 @@ def test_rows_are_grouped_by_value_whatever_the_words_are(monkeypatch):
 
 
 def test_many_moments_are_counted_and_none_is_lost():
-    page = ambiguous_table([decision("swap", 10 * k, ["*3"], "found_again", sd_mm=13) for k in range(40)], told=True)
+    page = ambiguous_table([decision("swap", 10 * k, ["*3"], "found_again", sd_mm=13) for k in range(40)], listed=True)
     assert "<td>40</td>" in page and "… 3.90" in page and page.count("<tr>") == 2
 
 
 def test_a_method_that_tells_no_decisions_is_not_free_of_them():
-    assert "None." in ambiguous_table([], told=True)
-    assert SILENT in ambiguous_table([], told=False) and "None." not in ambiguous_table([], told=False)
+    assert "None." in ambiguous_table([], listed=True)
+    assert SILENT in ambiguous_table([], listed=False) and "None." not in ambiguous_table([], listed=False)
 
 
 def test_names_from_outside_are_text():
-    assert "<b>" not in ambiguous_table([decision("swap", 1, ["<b>"], "jumped", jump_mm=3)], told=True)
+    assert "<b>" not in ambiguous_table([decision("swap", 1, ["<b>"], "jumped", jump_mm=3)], listed=True)
 
 
 @pytest.mark.parametrize("reason", words.REASONS)

@@ -12,7 +12,7 @@ from kinemark.data import Detections, Origin, Step, Tracks, Validity, make_findi
 from kinemark.findings.cameras import upwards
 from kinemark.geometry import project
 from kinemark.report import write_report
-from kinemark.report.figures_detections import SEPARATED, VALID, brightest, kinds_of, spots_figure, telling_frames
+from kinemark.report.figures_detections import SEPARATED, VALID, brightest, fullest_frames, kinds_of, spots_figure
 from kinemark.report.html_tables import spots_table
 from kinemark.report.page import figures as page_figures
 from kinemark.report.scene3d import corners, scene
@@ -142,17 +142,17 @@ CAMERAS = [{"name": "a", "size_px": [640, 480]}, {"name": "b", "size_px": None}]
 
 
 def test_the_frame_that_is_shown_is_the_one_with_most_to_tell():
-    assert telling_frames(spots()) == [2, 0]
+    assert fullest_frames(spots()) == [2, 0]
     long = Detections.build(("a",), 50.0, np.ones((1, 500)), np.zeros((500, 2)), validity=np.arange(500) >= 400)
-    assert telling_frames(long) == [0]  # nobody decodes a whole video for one picture
-    assert telling_frames(Detections.build(("a", "b"), 50.0, np.zeros((2, 0)), np.zeros((0, 2)))) == [0, 0]
+    assert fullest_frames(long) == [0]  # nobody decodes a whole video for one picture
+    assert fullest_frames(Detections.build(("a", "b"), 50.0, np.zeros((2, 0)), np.zeros((0, 2)))) == [0, 0]
 
 
 def test_every_spot_of_the_frame_is_drawn_once_with_its_reason():
     seen = spots()
     assert kinds_of(seen)[[0, 1, 5, 6, 7]].tolist() == [VALID, "too small", SEPARATED, "at edge", "masked"]
     fig = spots_figure(seen, CAMERAS)
-    for c, f in enumerate(telling_frames(seen)):
+    for c, f in enumerate(fullest_frames(seen)):
         axis = f"x{c + 1 if c else ''}"
         drawn = {t.name: np.stack([t.x, t.y], 1) for t in fig.data if t.name and t.xaxis == axis}
         rows = np.arange(len(seen))[seen.rows(c, f)]

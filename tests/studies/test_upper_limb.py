@@ -20,8 +20,8 @@ def test_ulema_bone_and_box():
         assert abs(rms**2 - mean**2 - sd**2) < 0.1 and rms < most and trembling < 0.05 < misfit
         assert 1 < misfit < 6 and span > 25
     assert figures(bone, "the arm hangs in gimbal lock in")[0] > 200
-    scapula, foretold, humerus, own = figures(bone, "rotation from bone, RMS deg: scapula")
-    assert scapula > 2 * foretold and humerus < 3 * own
+    scapula, predicted, humerus, own = figures(bone, "rotation from bone, RMS deg: scapula")
+    assert scapula > 2 * predicted and humerus < 3 * own
     bare, carried = figures(text, "elbow flexion")[:2]
     assert (bare, carried) == (551, 580)
     assert figures(text, "wrist ulnar deviation")[:2] == [531, 580]

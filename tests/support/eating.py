@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 from kinemark.data import Rig
-from kinemark.digitise import Absent, Accept, DigitisingPhase, No, Point, Verify, Yes, look_at
+from kinemark.digitise import Absent, Accept, DigitisingPhase, No, Point, Verify, Yes, find_markers
 from kinemark.synth import Capsules, Optics, Subject, arm, film, truth
 from kinemark.synth import look_at as aimed
 
@@ -52,25 +52,25 @@ def footage(duration_s=3.0, seed=1):
     return rig, subject, truth(rig, subject), images
 
 
-def looks_of(images, method=None):
+def image_source(images, method=None):
     """Frames ready to be pointed at, made once each."""
 
     @cache
-    def look(f):
-        return look_at(images[f], method=method)
+    def at_frame(f):
+        return find_markers(images[f], method=method)
 
-    return look
+    return at_frame
 
 
 class Knowing:
     """An operator who sees a marker if at least this share of it is in sight, and points with an unsteady hand.
 
-    Before he saves a frame he looks at it, and puts right what is further off than he can see, 4 px.
+    Before saving a frame they check it, and correct what is further off than they can see, 4 px.
     """
 
-    def __init__(self, sight, c, look, *, least=0.35, seed=0, shift=None):
+    def __init__(self, sight, c, images, *, least=0.35, seed=0, shift=None):
         self.uv, self.visible = sight.uv[c], sight.visible[c]
-        self.least, self.rng, self.look = least, np.random.default_rng(seed), look
+        self.least, self.rng, self.images = least, np.random.default_rng(seed), images
         self.shift = np.zeros((self.uv.shape[1], 2)) if shift is None else shift
         self.asked = []
 
@@ -90,16 +90,16 @@ class Knowing:
         if question.phase is DigitisingPhase.CORRECT:
             return Point(*(self.place(m, f) + self.rng.uniform(-1, 1, 2)))
         at = self.place(m, f) + self.rng.uniform(-2, 2, 2)
-        v, u = np.nonzero(self.look(f).owner >= 0)
-        near = int(np.hypot(u - at[0], v - at[1]).argmin())  # he points at something white
+        v, u = np.nonzero(self.images(f).owner >= 0)
+        near = int(np.hypot(u - at[0], v - at[1]).argmin())  # they point at something white
         return Point(float(u[near]), float(v[near]))
 
     def place(self, m, f):
-        """Where he sees it."""
+        """Where they see it."""
         return self.uv[m, f] + self.shift[f]
 
     def right(self, draft, m, f):
-        """As far as he can see."""
+        """As far as they can see."""
         if np.isnan(draft.uv[m, 0]):
             return self.visible[m, f] < 0.99
         if self.visible[m, f] < self.least:
@@ -107,7 +107,7 @@ class Knowing:
         return np.hypot(*(draft.uv[m] - self.place(m, f))) < 4.0
 
     def agrees(self, question):
-        """What is proposed is what he sees: the marker within its radius, or nothing."""
+        """What is proposed is what they see: the marker within its radius, or nothing."""
         m, f = question.marker, question.frame
         if not question.proposal.seen:
             return self.visible[m, f] < self.least

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from kinemark.digitise import Absent, Accept, DigitisingPhase, Point, SemiAutomatic, Yes, drive, look_at, result
+from kinemark.digitise import Absent, Accept, DigitisingPhase, Point, SemiAutomatic, Yes, drive, find_markers, result
 
 SIZE = (160, 120)
 RADIUS = 4
@@ -24,10 +24,10 @@ def film(paths):
     """Looks of (M, F, 2) px."""
 
     @cache
-    def look(f):
-        return look_at(image(paths[:, f]))
+    def image_markers(f):
+        return find_markers(image(paths[:, f]))
 
-    return look
+    return image_markers
 
 
 def straight(n_frames, *, start=((40.0, 40.0), (100.0, 80.0)), speed=((2.0, 1.0), (-1.0, 0.0))):

@@ -70,7 +70,7 @@ def _(by):
     tracks, decisions = track_with_decisions(seen, cameras)
     words = kinemark.diagnose(seen, cameras, found), kinemark.diagnose_tracks(seen, cameras, tracks)
     again = kinemark.ambiguous_decisions(found, Simultaneous())
-    rest = found.id, found.evidence, found.joins, found.noise, decisions, again, words
+    rest = found.id, found.evidence, found.stitches, found.noise, decisions, again, words
     return Answer((found.tracks.cloud.xyz, tracks.cloud.xyz), rest)
 
 
@@ -105,7 +105,7 @@ def _(by):
     there, cameras = moved(tracks(), by), moved(rig(), by)
     blended = blend(there)
     inside = within_volume(there, np.array([[300.0, 300, 300], [1500, 1000, 1500]]) + by)
-    long = without_short(there, shortest=20)
+    long = without_short(there, min_points=20)
     made = kinemark.to_trajectories(there, cameras)
     assert 0 < (inside.id >= 0).sum() < (there.id >= 0).sum()
     paths = [replace(path, xyz=0 * path.xyz) for path in made]

@@ -19,7 +19,7 @@ def paths():
 def test_perfect_tracks_have_a_perfect_score(paths):
     s = score(tracks(paths, numbered(paths)), paths)
     assert (s.recall, s.precision, s.extra_per_frame, s.rmse) == (1, 1, 0, 0)
-    assert (s.swaps, s.handovers, list(s.pieces), list(s.best)) == (0, 0, [1, 1, 1], [1, 1, 1])
+    assert (s.swaps, s.handovers, list(s.fragments), list(s.best)) == (0, 0, [1, 1, 1], [1, 1, 1])
 
 
 def test_only_what_was_seen_must_be_found_and_what_was_not_is_no_ghost(paths):
@@ -47,7 +47,7 @@ def test_a_track_broken_in_two_is_a_handover_and_no_swap(paths):
     identity = numbered(paths)
     identity[2, 25:] = 7
     s = score(tracks(paths, identity), paths)
-    assert (s.swaps, s.handovers, s.pieces[2]) == (0, 1, 2)
+    assert (s.swaps, s.handovers, s.fragments[2]) == (0, 1, 2)
     assert s.best[2] == pytest.approx(35 / 60)
 
 

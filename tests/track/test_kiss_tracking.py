@@ -27,7 +27,7 @@ def test_markers_are_tracked_whole(rate):
     cloud = reconstruct(match(detections, rig, method=KissTriplets()), detections, rig)
     result = score(track(cloud, method=KissTracking()), points)
     assert result.recall > 0.995
-    assert (result.pieces == 1).all()
+    assert (result.fragments == 1).all()
     assert result.swaps == 0
 
 
@@ -38,7 +38,7 @@ def test_the_ladder_leads_along_its_polynomials(degree, radius, whole):
     """A line is foreseen exactly; of x = t² the line through the last two is off by 2, through three by 10/3."""
     t = np.arange(20.0)[:, None]
     linked = link(
-        cloud_of((t**degree * [1.0, 0, 0])[None]), method=KissTracking(search_radius=radius, distance_limit=1.1)
+        cloud_of((t**degree * [1.0, 0, 0])[None]), method=KissTracking(search_radius=radius, max_distance=1.1)
     )
     assert (len(linked) == 1) == whole
 
@@ -49,7 +49,7 @@ def test_from_five_points_on_a_parabola_is_foreseen_exactly():
     for kick, tracks in ((3.3, 1), (3.5, 2)):
         kicked = points.copy()
         kicked[0, -1, 1] += kick  # the whole of it counts against the sphere, and nothing else
-        assert len(link(cloud_of(kicked), method=KissTracking(search_radius=3.4, distance_limit=1.1))) == tracks
+        assert len(link(cloud_of(kicked), method=KissTracking(search_radius=3.4, max_distance=1.1))) == tracks
 
 
 @pytest.mark.parametrize(("jump", "tracks"), [(39.0, 1), (41.0, 2)])
@@ -63,7 +63,7 @@ def test_a_point_outside_the_search_sphere_ends_the_track_and_starts_another(jum
 
 @pytest.mark.parametrize(("step", "tracks"), [(99.0, 1), (101.0, 30)])
 def test_a_track_of_one_point_takes_its_neighbour_within_the_distance_limit(step, tracks):
-    assert len(link(cloud_of(line(30, [step, 0, 0])), method=KissTracking(distance_limit=100.0))) == tracks
+    assert len(link(cloud_of(line(30, [step, 0, 0])), method=KissTracking(max_distance=100.0))) == tracks
 
 
 def test_of_two_points_in_the_sphere_the_nearer_is_taken():
@@ -115,17 +115,17 @@ def test_tracks_are_blended_if_they_end_and_start_within_two_fields(hidden, trac
     """With one field lost the next track starts two fields after the last ended."""
     before = with_gap(hidden)
     assert len(before) == 2
-    after = blend(before, within=0.04)
+    after = blend(before, max_gap=0.04)
     assert len(after) == tracks
     assert (after.id >= 0).all()
-    assert len(blend(before, within=0.0)) == 2
+    assert len(blend(before, max_gap=0.0)) == 2
 
 
 @pytest.mark.parametrize(("offset", "tracks"), [(0.0, 1), (35.0, 1), (60.0, 2)])
 def test_tracks_are_blended_only_if_they_agree(offset, tracks):
     before = with_gap(1, offset=offset)
     assert len(before) == 2
-    assert len(blend(before, within=0.04, radius=40.0)) == tracks
+    assert len(blend(before, max_gap=0.04, search_radius=40.0)) == tracks
 
 
 @pytest.mark.parametrize("backward", [False, True])
@@ -134,9 +134,9 @@ def test_both_tracks_must_agree_not_only_one(backward):
     points = line(40, [10.0, 0, 0])
     points[0, 20:] = points[0, 20] + (np.arange(20)[:, None] * [10.0, 90.0, 0])
     points[0, 19] = np.nan
-    before = link(cloud_of(points[:, ::-1] if backward else points), method=KissTracking(distance_limit=200.0))
+    before = link(cloud_of(points[:, ::-1] if backward else points), method=KissTracking(max_distance=200.0))
     assert len(before) == 2
-    assert len(blend(before, within=0.04, radius=40.0, reach=200.0)) == 2
+    assert len(blend(before, max_gap=0.04, search_radius=40.0, max_distance=200.0)) == 2
 
 
 def test_blending_does_not_depend_on_the_direction_of_time():
@@ -160,7 +160,7 @@ def test_of_several_that_could_go_on_the_one_that_agrees_best_is_taken():
     points[1, :, 1] += 20
     points[2, :, 1] -= 12
     before = link(cloud_of(points), method=KissTracking())
-    after = blend(before, within=0.04)
+    after = blend(before, max_gap=0.04)
     assert sorted(after.lengths.tolist()) == [9, 19]
     joined = after.cloud.xyz[after.id == after.lengths.argmax()]
     assert joined[:, 1].min() == -12
@@ -177,11 +177,11 @@ def test_short_tracks_lose_their_identity():
     points = np.concatenate([line(30, [5.0, 0, 0]), line(30, [5.0, 0, 0], (0, 500.0, 0))])
     points[1, 6:] = np.nan
     before = link(cloud_of(points), method=KissTracking())
-    assert without_short(before, shortest=6).lengths.tolist() == [30, 6]
-    after = without_short(before, shortest=7)
+    assert without_short(before, min_points=6).lengths.tolist() == [30, 6]
+    after = without_short(before, min_points=7)
     assert after.lengths.tolist() == [30]
     assert len(after.cloud) == 36  # the points stay
-    assert same(without_short(after, shortest=7), after)
+    assert same(without_short(after, min_points=7), after)
 
 
 def test_points_outside_the_control_volume_are_removed():
@@ -199,12 +199,12 @@ def test_nothing_is_no_error():
     for frames in (0, 3):
         empty = cloud_of(np.full((1, frames, 3), np.nan))
         tracks = track(empty, method=KissTracking())
-        assert len(tracks) == len(blend(tracks)) == len(without_short(tracks, shortest=3)) == 0
+        assert len(tracks) == len(blend(tracks)) == len(without_short(tracks, min_points=3)) == 0
 
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("search_radius", 0), ("distance_limit", -1), ("blend_within", -0.1), ("shortest", 0)],
+    [("search_radius", 0), ("max_distance", -1), ("max_gap", -0.1), ("min_points", 0)],
 )
 def test_parameters_that_make_no_sense_are_refused(name, value):
     with pytest.raises(ValueError, match=name):

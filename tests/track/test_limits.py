@@ -10,7 +10,7 @@ from kinemark.signal import gain
 from kinemark.synth.score import score
 from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, blend, track
 from kinemark.track.swamidas import Constraint, follow_points, start, track_distance, track_swamidas, update
-from kinemark.track.swamidas.active import advance, begin, none
+from kinemark.track.swamidas.active_tracks import advance, initiate, no_tracks
 from kinemark.track.swamidas.constraints import PredictedPoints, match_points
 from kinemark.track.swamidas.segments import LearnedSegments, allowed_points
 from kinemark.track.two_cameras.paired_paths import residuals
@@ -38,8 +38,8 @@ def kept(points, *, rate, method, cov=1e-6):
 @pytest.mark.parametrize("rate", [50.0, 200.0])
 @pytest.mark.parametrize(("share", "whole"), [(0.98, True), (1.02, False)])
 def test_a_track_bends_by_the_usual_acceleration_and_scatter(rate, share, whole):
-    method = ExtrapolationLadder(shortest=1, patience=0.0)
-    limit = method.reach * (method.acceleration / rate**2 / 2 + method.scatter)  # (1)
+    method = ExtrapolationLadder(min_points=1, max_coasting=0.0)
+    limit = method.gate * (method.acceleration_sd / rate**2 / 2 + method.scatter)  # (1)
     points = line(12, (4.0, 0, 0))
     points[:, 11, 1] += share * limit
     assert kept(points, rate=rate, method=method) == whole
@@ -48,8 +48,8 @@ def test_a_track_bends_by_the_usual_acceleration_and_scatter(rate, share, whole)
 @pytest.mark.parametrize("missed", [1, 2])
 @pytest.mark.parametrize(("share", "whole"), [(0.98, True), (1.02, False)])
 def test_the_region_grows_with_every_frame_that_is_missed(missed, share, whole):
-    method, rate = ExtrapolationLadder(shortest=1, patience=0.1), 50.0
-    limit = method.reach * (method.acceleration * ((missed + 1) / rate) ** 2 / 2 + method.scatter)
+    method, rate = ExtrapolationLadder(min_points=1, max_coasting=0.1), 50.0
+    limit = method.gate * (method.acceleration_sd * ((missed + 1) / rate) ** 2 / 2 + method.scatter)
     points = line(12 + missed, (4.0, 0, 0))
     points[:, 11 + missed, 1] += share * limit
     points[:, 11 : 11 + missed] = np.nan
@@ -59,16 +59,16 @@ def test_the_region_grows_with_every_frame_that_is_missed(missed, share, whole):
 @pytest.mark.parametrize("rate", [50.0, 200.0])
 @pytest.mark.parametrize(("share", "whole"), [(0.98, True), (1.02, False)])
 def test_a_single_point_may_move_as_fast_as_the_greatest_speed(rate, share, whole):
-    method = ExtrapolationLadder(shortest=1, patience=0.0)
-    points = line(2, (share * method.speed / rate, 0, 0))
+    method = ExtrapolationLadder(min_points=1, max_coasting=0.0)
+    points = line(2, (share * method.max_speed / rate, 0, 0))
     assert kept(points, rate=rate, method=method) == whole
 
 
 @pytest.mark.parametrize(("share", "whole"), [(0.98, True), (1.02, False)])
 def test_the_region_has_the_covariance_of_the_last_point_in_it(share, whole):
-    method, rate, sd = ExtrapolationLadder(shortest=1, patience=0.0), 50.0, 10.0
-    stray = method.acceleration / rate**2 / 2 + method.scatter
-    limit = method.reach * np.sqrt(sd**2 * (1 + gain(np.array([5]))[0]) + stray**2)  # (2)
+    method, rate, sd = ExtrapolationLadder(min_points=1, max_coasting=0.0), 50.0, 10.0
+    stray = method.acceleration_sd / rate**2 / 2 + method.scatter
+    limit = method.gate * np.sqrt(sd**2 * (1 + gain(np.array([5]))[0]) + stray**2)  # (2)
     points = line(12, (4.0, 0, 0))
     points[:, 11, 1] += share * limit
     assert kept(points, rate=rate, method=method, cov=sd**2) == whole
@@ -95,13 +95,13 @@ def test_blending_continues_the_parabola_of_five_points(points, whole):
     t = np.arange(2 * points + 1)
     path = np.stack([8.0 * t**2, 0 * t, 0 * t], -1)[None].astype(float)
     both = cut(path, points, points + 1)
-    assert (len(blend(both, radius=1e-6)) == 1) == whole
+    assert (len(blend(both, search_radius=1e-6)) == 1) == whole
 
 
 @pytest.mark.parametrize(("far", "whole"), [(190.0, True), (210.0, False)])
 def test_a_track_of_one_point_may_be_its_reach_away_for_every_frame(far, whole):
     path = line(3, (far / 2, 0, 0))
-    assert (len(blend(cut(path, 1, 2), radius=1.0, reach=100.0)) == 1) == whole
+    assert (len(blend(cut(path, 1, 2), search_radius=1.0, max_distance=100.0)) == 1) == whole
 
 
 # Swamidas
@@ -111,14 +111,14 @@ def test_a_region_grows_by_the_velocity_in_the_frame_of_the_last_point():
     paths = parabolas(n=1, frames=20)
     seen = np.arange(20)[None] < 15
     cloud, _ = swamidas_cloud(paths, seen)
-    expected = follow_points(cloud, method=Swamidas(error=1.0, velocity_share=1.0)).expected
+    expected = follow_points(cloud, method=Swamidas(measurement_sd=1.0, velocity_share=1.0)).expected
     true = (paths[0, 15] - paths[0, 13]) / 2  # of a parabola, exactly
     for f in (15, 16, 18):
         assert expected[f].half[0] == pytest.approx((f - 14) * (1.0 + np.abs(true)), rel=1e-6)
 
 
 def test_after_a_gap_the_positions_before_are_no_measurements():
-    active = begin(none(), np.array([0]), np.zeros((1, 3)))
+    active = initiate(no_tracks(), np.array([0]), np.zeros((1, 3)))
     here, nothing = np.array([0]), np.array([-1])
     for k in (1, 2, 3):
         active = advance(active, here, np.full((1, 3), 10.0 * k), sd=1.0, jump=0.1)
@@ -142,7 +142,7 @@ def test_what_may_be_one_end_of_a_segment_is_not_the_other():
 def test_patience_lasts_as_long_as_it_says(follow, method, hidden, tracks):
     path = line(30, (0.1, 0, 0))
     path[:, 10 : 10 + hidden] = np.nan
-    assert len(follow(cloud_of(path, 30.0), method=method(patience=0.1, begin="any"))) == tracks
+    assert len(follow(cloud_of(path, 30.0), method=method(max_coasting=0.1, initiate_from="any"))) == tracks
 
 
 def test_the_velocity_is_that_since_the_last_point():
@@ -164,7 +164,7 @@ def test_tracks_begin_in_the_first_three_frames(first_seen, tracks):
 
 
 def test_predictions_are_the_filters_with_the_jerk_of_a_frame():
-    rate, method = 30.0, Swamidas(error=2.0, jerk=20_000.0)
+    rate, method = 30.0, Swamidas(measurement_sd=2.0, jerk=20_000.0)
     paths = parabolas(n=1, frames=12) + np.random.default_rng(1).normal(scale=2.0, size=(1, 12, 3))
     cloud, _ = swamidas_cloud(paths, rate=rate)
     expected = follow_points(cloud, method=method).expected
@@ -179,7 +179,7 @@ def test_predictions_are_the_filters_with_the_jerk_of_a_frame():
 def test_the_method_of_kiss_blends_what_it_linked(within, tracks):
     path = line(30, (5.0, 0, 0))
     path[:, 15] = np.nan
-    assert len(track(cloud_of(path), method=KissTracking(blend_within=within, shortest=1))) == tracks
+    assert len(track(cloud_of(path), method=KissTracking(max_gap=within, min_points=1))) == tracks
 
 
 # The score

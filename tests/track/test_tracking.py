@@ -177,7 +177,7 @@ def test_markers_are_tracked_whole_without_swaps_or_ghosts(rate):
     result = score(tracked(points, rate=rate), points)
     assert result.recall > 0.995
     assert result.swaps == 0
-    assert (result.pieces == 1).all()
+    assert (result.fragments == 1).all()
     assert result.extra_per_frame < 0.1
     assert result.rmse < 0.5
     assert abs(result.coverage - 0.95) < 0.03
@@ -189,7 +189,7 @@ def test_a_short_gap_is_bridged_and_a_long_one_begins_another_track():
         hide = np.zeros((3, 80), bool)
         hide[1, 40 : 40 + length] = True
         result = score(tracked(points, hide=hide), points)
-        assert result.pieces.tolist() == [1, pieces, 1]
+        assert result.fragments.tolist() == [1, pieces, 1]
         assert result.swaps == 0
 
 
@@ -199,7 +199,7 @@ def test_tracks_that_cross_keep_their_identity():
     b = np.hstack([-300 * t, 25 + 0 * t, 900 + 0 * t])
     result = score(tracked(np.stack([a, b])), np.stack([a, b]))
     assert result.swaps == 0
-    assert result.pieces.tolist() == [1, 1]
+    assert result.fragments.tolist() == [1, 1]
 
 
 def test_short_tracks_lose_their_identity():
@@ -207,7 +207,7 @@ def test_short_tracks_lose_their_identity():
     hide = np.zeros((2, 40), bool)
     hide[1, 8:] = True
     assert len(tracked(points, hide=hide)) == 1
-    assert len(tracked(points, hide=hide, method=ExtrapolationLadder(shortest=5))) == 2
+    assert len(tracked(points, hide=hide, method=ExtrapolationLadder(min_points=5))) == 2
 
 
 def test_tracking_twice_gives_the_same():
@@ -259,7 +259,7 @@ def test_the_score_counts_swaps_pieces_and_extra_points():
     assert score(scored_tracks(points, identity), points[:2]).extra_per_frame == 1.0
     broken = identity.copy()
     broken[0, 10:] = 3
-    assert score(scored_tracks(points, broken), points).pieces.tolist() == [2, 1, 1]
+    assert score(scored_tracks(points, broken), points).fragments.tolist() == [2, 1, 1]
 
 
 def test_going_over_to_a_path_that_begins_where_another_ends_is_no_swap():
@@ -302,7 +302,7 @@ def errors(detections, rig, points, **method):
 def test_one_wild_camera_hardly_moves_a_point():
     rig, points = ring(6), swarm(n=6, frames=20)
     clean = errors(spoiled(rig, points, 0.0), rig, points)[0]
-    plain = errors(spoiled(rig, points, 1.2), rig, points, tails=0.0)[0]
+    plain = errors(spoiled(rig, points, 1.2), rig, points, degrees_of_freedom=0.0)[0]
     robust, squared = errors(spoiled(rig, points, 1.2), rig, points)
     assert np.median(plain) > 3 * np.median(clean)
     assert np.median(robust) < 1.3 * np.median(clean)
@@ -311,15 +311,15 @@ def test_one_wild_camera_hardly_moves_a_point():
 
 def test_heavy_tails_cost_nothing_where_all_cameras_agree():
     rig, points = ring(6), swarm(n=6, frames=20)
-    plain, robust = (errors(spoiled(rig, points, 0.0), rig, points, tails=t)[0] for t in (0.0, 4.0))
+    plain, robust = (errors(spoiled(rig, points, 0.0), rig, points, degrees_of_freedom=t)[0] for t in (0.0, 4.0))
     assert robust.mean() < 1.05 * plain.mean()
 
 
 def test_an_image_that_shows_half_a_marker_counts_less_and_says_so():
     """With three cameras no residual tells which is wrong, but the area does."""
     rig, points = ring(6).select(["c0", "c2", "c4"]), np.repeat([[[0.0, 0, 900]]], 200, 1)
-    blind, blind_squared = errors(spoiled(rig, points, 0.8), rig, points, tails=0.0)
-    seeing, squared = errors(spoiled(rig, points, 0.8, area=0.5), rig, points, tails=0.0)
+    blind, blind_squared = errors(spoiled(rig, points, 0.8), rig, points, degrees_of_freedom=0.0)
+    seeing, squared = errors(spoiled(rig, points, 0.8, area=0.5), rig, points, degrees_of_freedom=0.0)
     assert np.median(seeing) < 0.5 * np.median(blind)
     assert (blind_squared < 7.8).mean() < 0.5
     assert (squared < 7.8).mean() > 0.9
@@ -419,13 +419,13 @@ def test_camera_bits_and_residuals_of_paths_are_those_of_their_points():
 @pytest.mark.parametrize(
     ("method", "wrong"),
     [
-        (ExtrapolationLadder, {"reach": 0.0}),
+        (ExtrapolationLadder, {"gate": 0.0}),
         (ExtrapolationLadder, {"scatter": float("nan")}),
-        (ExtrapolationLadder, {"patience": 1e300}),
-        (ExtrapolationLadder, {"shortest": 0}),
+        (ExtrapolationLadder, {"max_coasting": 1e300}),
+        (ExtrapolationLadder, {"min_points": 0}),
         (EpipolarTriplets, {"search_radius": -1.0}),
         (EpipolarTriplets, {"candidates": 0}),
-        (LeastSquares, {"tails": -2.0}),
+        (LeastSquares, {"degrees_of_freedom": -2.0}),
         (LeastSquares, {"centroid_sd": 0.0}),
         (LeastSquares, {"model_sd": float("nan")}),
     ],

@@ -61,8 +61,8 @@ def main() -> None:
     except KinemarkError as error:
         from ..report.terminal_summary import finding_lines  # takes long to import, and most commands end well
 
-        told = "\n".join([f"kinemark: {error}", *finding_lines([found.as_dict() for found in error.findings])])
-        errors.print(told, style="red", markup=False, highlight=False, soft_wrap=True)
+        text = "\n".join([f"kinemark: {error}", *finding_lines([found.as_dict() for found in error.findings])])
+        errors.print(text, style="red", markup=False, highlight=False, soft_wrap=True)
         sys.exit(1)
     except BrokenPipeError:  # whoever read the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -47,7 +47,7 @@ class Demonstration:
             "markers_recovered": s.found,
             "swaps": s.swaps,
             "recall": round(s.recall, 4),
-            "tracks_per_marker": round(float(s.pieces.mean()), 3),
+            "tracks_per_marker": round(float(s.fragments.mean()), 3),
             "extra_points_per_frame": round(s.extra_per_frame, 4),
             "rmse_3d_mm": round(s.rmse, 4),
             "coverage_95": round(s.coverage, 4),
@@ -60,7 +60,7 @@ class Demonstration:
         return (
             f"{summary(self.results.quality)}\n\n"
             "Against the truth, which only this comparison has read:\n"
-            f"  markers recovered   {s.found} of {self.markers}, in {s.pieces.sum()} tracks, {s.swaps} swaps\n"
+            f"  markers recovered   {s.found} of {self.markers}, in {s.fragments.sum()} tracks, {s.swaps} swaps\n"
             f"  samples recovered   {100 * s.recall:.1f} %, {s.extra_per_frame:.3f} points a frame that are no marker\n"
             f"  3D RMSE             {s.rmse:.3f} mm\n"
             f"  95 % ellipsoids     hold the truth in {100 * s.coverage:.1f} % of samples\n"

@@ -15,14 +15,14 @@ from ..digitise import (
     DigitisingPhase,
     DigitisingState,
     DigitisingStopped,
-    Look,
+    ImageMarkers,
     Point,
     Question,
     clicked,
     parse_answer,
     words,
 )
-from ..engine.digitising import Reel
+from ..engine.digitising import DigitisedFrames
 
 NEAR = 6
 """Markers of an image that are listed; chosen."""
@@ -35,7 +35,7 @@ class Terminal:
         reel: shows the markers near to where one is expected.
     """
 
-    def __init__(self, reel: Reel) -> None:
+    def __init__(self, reel: DigitisedFrames) -> None:
         self._reel = reel
 
     def __call__(self, question: Question, state: DigitisingState) -> Answer:
@@ -57,10 +57,10 @@ class Terminal:
                 say(f"  {error}, or quit")
 
 
-def nearby(look: Look, uv: Floats) -> str:
+def nearby(found: ImageMarkers, uv: Floats) -> str:
     """The markers of the image, those near to uv (2,) first."""
-    order = np.argsort(np.hypot(*(look.uv - uv).T)) if np.isfinite(uv).all() else np.arange(len(look.uv))
-    places = "   ".join(f"{look.uv[k, 0]:.0f} {look.uv[k, 1]:.0f}" for k in order[:NEAR])
+    order = np.argsort(np.hypot(*(found.uv - uv).T)) if np.isfinite(uv).all() else np.arange(len(found.uv))
+    places = "   ".join(f"{found.uv[k, 0]:.0f} {found.uv[k, 1]:.0f}" for k in order[:NEAR])
     return f"  white: {places or 'nothing'}{' …' if len(order) > NEAR else ''}"
 
 
@@ -71,22 +71,22 @@ def typed() -> str | None:
     return sys.stdin.readline() or None
 
 
-def pointed(look: Look, what: str, at: str | None) -> Floats:
+def pointed(found: ImageMarkers, what: str, at: str | None) -> Floats:
     """(2,) px the centroid of what an operator points at, who is asked until it is a marker."""
     if at is not None:
-        return _centroid(look, what, at)
+        return _centroid(found, what, at)
     while True:
-        say(f"Point at {what}.\n{nearby(look, np.full(2, np.nan))}")
+        say(f"Point at {what}.\n{nearby(found, np.full(2, np.nan))}")
         text = typed()
         if text is None or text.strip().lower() == "quit":
             raise KinemarkError(f"DigitisingStopped before {what} was digitised, and nothing is written.")
         try:
-            return _centroid(look, what, text)
+            return _centroid(found, what, text)
         except KinemarkError as error:
             say(f"  {error}")
 
 
-def _centroid(look: Look, what: str, text: str) -> Floats:
+def _centroid(found: ImageMarkers, what: str, text: str) -> Floats:
     """(2,) px of the marker at a pixel that is written as '312 204'."""
     try:
         answer = parse_answer(text)
@@ -94,7 +94,7 @@ def _centroid(look: Look, what: str, text: str) -> Floats:
         answer = None
     if not isinstance(answer, Point):
         raise KinemarkError(f"{text.strip()!r} is no pixel of {what}. Say it as '312 204'.")
-    return np.asarray(look.uv[clicked(look, np.array([answer.u, answer.v]))])
+    return np.asarray(found.uv[clicked(found, np.array([answer.u, answer.v]))])
 
 
 def say(value: Any, *, file: Any = None) -> None:

@@ -17,9 +17,9 @@ from cyclopts import App, Parameter
 from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..detect import Centroids
-from ..digitise import DigitisedImages, Look, OtherViews, SemiAutomatic, look_at
+from ..digitise import DigitisedImages, ImageMarkers, OtherViews, SemiAutomatic, find_markers
 from ..engine.calibration.from_known_points import rig_of_cp
-from ..engine.digitising import Reel, digitise_camera, digitise_trial
+from ..engine.digitising import DigitisedFrames, digitise_camera, digitise_trial
 from ..engine.session import Session
 from ..engine.sources import frame_of
 from ..engine.um2as import angles_files, calibrate_file, coordinates_files, table
@@ -54,11 +54,11 @@ def snap(
         output: a PNG file for the black and white image.
         frame: which one, counted from 1.
     """
-    look = _look(images, frame, threshold, inverted)
+    found = _image_markers(images, frame, threshold, inverted)
     if output is not None:
-        write_png(output, np.where(look.owner >= 0, WHITE, 0).astype(np.uint8))
-    rows = [f"{k + 1:4d} {u:12.7f} {v:12.7f}" for k, (u, v) in enumerate(look.uv)]
-    say("\n".join([f"{len(look.uv)} markers in frame {frame}:", "   n            U            V", *rows]))
+        write_png(output, np.where(found.owner >= 0, WHITE, 0).astype(np.uint8))
+    rows = [f"{k + 1:4d} {u:12.7f} {v:12.7f}" for k, (u, v) in enumerate(found.uv)]
+    say("\n".join([f"{len(found.uv)} markers in frame {frame}:", "   n            U            V", *rows]))
 
 
 @um2as.command
@@ -82,7 +82,7 @@ def reference(
         frame: which one, counted from 1.
     """
     camera_number(output, "rf")
-    uv = pointed(_look(image, frame, threshold, inverted), "the reference marker", at)
+    uv = pointed(_image_markers(image, frame, threshold, inverted), "the reference marker", at)
     write_rf(output, uv)
     say(f"{output} is written: {uv[0]:.7f} {uv[1]:.7f}")
 
@@ -113,9 +113,9 @@ def calibrate(
         frame: which one, counted from 1.
     """
     camera = camera_number(output, "cp")
-    look = _look(image, frame, threshold, inverted)
+    found = _image_markers(image, frame, threshold, inverted)
     n = len(at) if at else len(table(measured)[1])
-    uv = np.array([pointed(look, f"control ball {i + 1}", at[i] if at else None) for i in range(n)]).reshape(-1, 2)
+    uv = np.array([pointed(found, f"control ball {i + 1}", at[i] if at else None) for i in range(n)]).reshape(-1, 2)
     _, off = calibrate_file(measured, output, uv, made=_date(made) if camera == 1 else None)
     rms = float(np.sqrt((off**2).sum(1).mean()))
     say(f"{output} is written. The balls are {rms:.2f} px off on average (RMS), at most {np.hypot(*off.T).max():.2f}.")
@@ -167,9 +167,9 @@ def digitise_file(
         others: what is digitised of other cameras, as feeding.da2 feeding.da3.
         take_proposals: take what they propose, and do not ask.
     """
-    method = _follower(markers, reference, confirm_reference=confirm_reference, take_proposals=take_proposals)
+    method = _semi_automatic(markers, reference, confirm_reference=confirm_reference, take_proposals=take_proposals)
     camera = camera_number(output, "da")
-    reel = Reel(open_images(images), method=_centroids(threshold, inverted), every=every, last=last_frame)
+    reel = DigitisedFrames(open_images(images), method=_centroids(threshold, inverted), every=every, last=last_frame)
     done = digitise_camera(
         reel,
         method=method,
@@ -266,7 +266,7 @@ def digitise(session: Path, trial: str, *, camera: str | None = None, json: Json
     say(figures if json else f"{figures['questions']} questions were asked. Next: kinemark run {session} {trial}")
 
 
-def _follower(markers: list[str], reference: str | None, **options: bool) -> SemiAutomatic:
+def _semi_automatic(markers: list[str], reference: str | None, **options: bool) -> SemiAutomatic:
     """How markers are followed; one that is a number says how many there are."""
     names = [str(m + 1) for m in range(int(markers[0]))] if len(markers) == 1 and markers[0].isdecimal() else markers
     try:
@@ -291,11 +291,11 @@ def _views(camera: int, calibration: list[Path], others: list[Path], markers: in
     return OtherViews(rig, wanted.index(f"cam{camera}"), whole)
 
 
-def _look(images: Path, frame: int, threshold: float, inverted: bool) -> Look:
+def _image_markers(images: Path, frame: int, threshold: float, inverted: bool) -> ImageMarkers:
     source = open_images(images)
     if not 1 <= frame <= source.n_frames:
         raise KinemarkError(f"{images} has no frame {frame}, but 1 to {source.n_frames}. Name another.")
-    return look_at(frame_of(source, frame - 1), method=_centroids(threshold, inverted))
+    return find_markers(frame_of(source, frame - 1), method=_centroids(threshold, inverted))
 
 
 def _centroids(threshold: float, inverted: bool) -> Centroids:

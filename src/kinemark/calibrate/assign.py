@@ -64,10 +64,10 @@ def assign_points(uv: Floats, xyz: Floats, *, picked: NDArray[np.integer], at: F
         )
     if not tolerance > 0:
         raise ValueError(f"tolerance is {tolerance}, wanted a positive number of px")
-    send = _map(xyz[picked], at)
+    to_image = _map(xyz[picked], at)
     index, before = np.full(len(xyz), -1, np.int64), None
     for turn in range(ROUNDS):
-        places = send(xyz)
+        places = to_image(xyz)
         reach = (
             NEAR * _to_next(places) if turn < ROUNDS // 2 else np.full(len(xyz), _close(places, uv, index, tolerance))
         )
@@ -76,7 +76,7 @@ def assign_points(uv: Floats, xyz: Floats, *, picked: NDArray[np.integer], at: F
             break
         before = index
         if (index >= 0).sum() >= len(picked):
-            send = _map(xyz[index >= 0], uv[index[index >= 0]])
+            to_image = _map(xyz[index >= 0], uv[index[index >= 0]])
     if (index >= 0).sum() < FOUND * len(xyz):  # (4)
         raise KinemarkError(
             f"{(index >= 0).sum()} of the target's {len(xyz)} points are found among {len(uv)} dots, wanted at "
@@ -106,12 +106,12 @@ def _map(xyz: Floats, uv: Floats) -> Map:
     ]
     found = np.linalg.lstsq(np.concatenate(rows), np.concatenate([at.T.ravel(), np.zeros(k)]))[0]  # (2)
 
-    def send(points: Floats) -> Floats:
+    def to_image(points: Floats) -> Floats:
         x = (points - middle) @ axes[:k].T / size
         above = np.column_stack([x, np.ones(len(x))]) @ found[: 2 * k + 2].reshape(2, k + 1).T
         return np.asarray(origin + reach * above / (1 + x @ found[2 * k + 2 :])[:, None])  # (1)
 
-    return send
+    return to_image
 
 
 def _close(places: Floats, uv: Floats, index: Ints, tolerance: float) -> float:

@@ -172,8 +172,8 @@ def _shift_of(name: str, moved: NDArray[np.float64], tolerance: float) -> NDArra
         raise KinemarkError(f"Camera {name} sees none of the fixed marks. Place or find one that it sees.")
     shift = np.full((len(moved), 2), np.nan)
     there = np.where(seen[..., None], moved, np.nan)[known]
-    middle = np.nanmedian(there, axis=1, keepdims=True)
-    near = np.linalg.norm(there - middle, axis=-1, keepdims=True) <= FAR * tolerance
+    median = np.nanmedian(there, axis=1, keepdims=True)
+    near = np.linalg.norm(there - median, axis=-1, keepdims=True) <= FAR * tolerance
     none = ~near.any(1, keepdims=True)  # two marks that disagree are both counted, and refused by their spread
     shift[known] = np.nanmean(np.where(near | none, there, np.nan), axis=1)  # (1)
     frames = np.arange(len(moved))

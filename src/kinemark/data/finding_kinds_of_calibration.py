@@ -8,7 +8,7 @@ CALIBRATION_KINDS = (
     # Control points judge themselves: severity info is good, amber usable, red bad
     Kind("control_points_return", "calibrate", "info", "How far control points that took no part come back from where "
          "they were surveyed, and 1 part of the volume's diagonal in how many; limit_parts is the one that it missed.",
-         {"rms_mm": "mm", "worst_point": "text", "worst_mm": "mm", "parts": "parts", "diagonal_m": "m",
+         {"rms_mm": "mm", "max_point": "text", "max_mm": "mm", "parts": "parts", "diagonal_m": "m",
           "limit_parts": "parts"}),
     Kind("control_points_by_residual", "calibrate", "info", "Points are too few to leave one out (or one camera is "
          "alone), so residuals judge: 1 part of the images' extent in between least and most parts.",
@@ -41,13 +41,13 @@ CALIBRATION_KINDS = (
          {"points_list": "text"}),
     # Any calibration
     Kind("cameras_miss_points", "calibrate", "amber", "RMS residuals of these cameras are high; red above 3 px.",
-         {"worst_px": "px"}),
+         {"max_px": "px"}),
     Kind("camera_fits_worse", "calibrate", "amber", "A camera's residual is far above the median of the others.",
          {"residual_px": "px", "others_px": "px"}),
     Kind("left_out_errors_large", "calibrate", "amber", "Points that took no part are missed by much more than the "
-         "residual; the ratio is the worst.", {"ratio": "ratio"}),
+         "residual; the ratio is the largest.", {"ratio": "ratio"}),
     Kind("control_points_disagree", "calibrate", "amber", "The other points do not agree with these.",
-         {"points_list": "text", "worst_px": "px"}),
+         {"points_list": "text", "max_px": "px"}),
     Kind("images_left_out", "calibrate", "amber", "Many images of points were left out as wrong.",
          {"images_share": "share"}),
     Kind("volume_unseen", "calibrate", "amber", "Fewer than two cameras see this share of the volume; red above 30 %.",
@@ -61,7 +61,7 @@ CALIBRATION_KINDS = (
     Kind("points_cover_part", "calibrate", "info", "Calibration points cover only part of the volume in these cameras' "
          "images; amber where it is very little.", {"least_share": "share"}),
     Kind("lens_uncertain", "calibrate", "amber", "The lens is hardly determined in parts of these cameras' images.",
-         {"worst_px": "px"}),
+         {"max_px": "px"}),
     Kind("scale_doubtful", "calibrate", "amber", "A length that took no part comes out wrong; red above 2 %.",
          {"length": "text", "known_mm": "mm", "found_mm": "mm", "error_share": "share"}),
     Kind("cameras_distance_implausible", "calibrate", "red", "The median distance between cameras is not that of a "
@@ -99,8 +99,8 @@ CALIBRATION_KINDS = (
     Kind("length_check", "calibrate", "info", "A length that took no part.",
          {"length": "text", "known_mm": "mm", "found_mm": "mm"}),
     Kind("predicted_deviation", "calibrate", "info", "Standard deviation of a position in 95 % of the volume, along an "
-         "axis and in its worst direction, for centroids of that noise.",
-         {"centroid_sd_px": "px", "calibration_known": "flag", "sd_mm": "mm", "worst_direction_mm": "mm"}),
+         "axis and along its largest axis, for centroids of that noise.",
+         {"centroid_sd_px": "px", "calibration_known": "flag", "sd_mm": "mm", "largest_axis_mm": "mm"}),
     Kind("volume_seen", "calibrate", "info", "Shares of the volume that two and three cameras see, and how many times "
          "as large the error is without the camera that matters most.",
          {"two_share": "share", "three_share": "share", "ratio": "ratio"}),

@@ -7,7 +7,7 @@ from .finding import FindingKind as Kind
 FILLING = (
     Kind("gaps_open", "fill", "amber", "Gaps that stayed open; red where none was filled.", {"gaps": "count"}),
     Kind("gaps_uncertain", "fill", "amber", "Gaps whose expected error or standard deviation is above the limit.",
-         {"gaps": "count", "limit_mm": "mm", "worst_mm": "mm"}),
+         {"gaps": "count", "limit_mm": "mm", "max_mm": "mm"}),
     Kind("gaps_untested", "fill", "amber", "Gaps filled without an expected error.", {"gaps": "count"}),
     Kind("samples_far_away", "fill", "amber", "Samples farther than a kilometre from the others.",
          {"samples": "count"}),
@@ -21,9 +21,9 @@ FILLING = (
     Kind("nothing_to_fill", "fill", "info", "The verdict: there are no gaps."),
     Kind("no_marker_seen", "fill", "info", "The verdict: no marker is seen."),
     Kind("expected_gap_error", "fill", "info", "Expected error of a filled sample, of the median and the worst gap, by "
-         "hold-out gaps.", {"median_mm": "mm", "worst_mm": "mm"}),
+         "hold-out gaps.", {"median_mm": "mm", "max_mm": "mm"}),
     Kind("markers_from_static", "fill", "info", "Markers placed from the static trial, and their worst expected error.",
-         {"count": "count", "worst_mm": "mm"}),
+         {"count": "count", "max_mm": "mm"}),
     Kind("samples_beyond", "fill", "info", "Samples before a marker's first or after its last that were not to be "
          "filled.", {"samples": "count"}),
 )  # fmt: skip
@@ -40,7 +40,7 @@ KINEMATICS = (
     Kind("marker_errors_not_stated", "kinematics", "info", "The file states no errors; how is estimated or assumed.",
          {"how": "text"}),
     Kind("angles_good", "kinematics", "info", "The verdict: nothing was found."),
-    Kind("angles_usable", "kinematics", "info", "The verdict: the angles deserve a look."),
+    Kind("angles_usable", "kinematics", "info", "The verdict: the angles need attention."),
     Kind("angles_missing", "kinematics", "info", "The verdict: a joint has no angles."),
     Kind("angles_computed", "kinematics", "info", "Model, side and frames.",
          {"model": "text", "side": "text", "frame_count": "count"}),

@@ -74,7 +74,7 @@ TRIAL_KINDS = (
          {"unnamed": "count", "trajectories": "count"}),
     Kind("points_in_no_track", "track", "amber", "Points that belong to no track.", {"points_share": "share"}),
     Kind("close_decisions", "track", "info", "How many decisions of the tracking were close, of each kind.",
-         {"swap": "count", "merge": "count", "ghost": "count", "join": "count"}),
+         {"swap": "count", "merge": "count", "ghost": "count", "stitch": "count"}),
     # What the verdict says
     Kind("trial_good", "track", "info", "The verdict: nothing was found."),
     Kind("trial_usable", "track", "info", "The verdict: usable with care."),

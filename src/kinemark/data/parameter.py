@@ -66,6 +66,7 @@ class Declared(NamedTuple):
     unit: str
     range: Range
     meaning: str
+    former: str
 
 
 def parameter(
@@ -78,6 +79,7 @@ def parameter(
     above: float | None = None,
     below: float | None = None,
     factory: Callable[[], Any] | None = None,
+    former: str = "",
 ) -> Any:
     """A field of a method.
 
@@ -91,8 +93,9 @@ def parameter(
         above: see `low`.
         below: see `high`.
         factory: makes the default, where it is only known later.
+        former: name that the parameter had before; who still uses it is told the new one.
     """
-    declared = {DECLARED: Declared(unit, Range(low, high, above, below), meaning)}
+    declared = {DECLARED: Declared(unit, Range(low, high, above, below), meaning, former)}
     if factory is not None:
         return field(default_factory=factory, metadata=declared)
     return field(default=default, metadata=declared)
@@ -108,6 +111,7 @@ class Parameter:
         unit, range, meaning: as `parameter` was told.
         field_default: of the field; MISSING where it must be given.
         factory: makes the default; MISSING where none does.
+        former: name that it had before; empty where it had no other.
     """
 
     name: str
@@ -117,6 +121,7 @@ class Parameter:
     meaning: str
     field_default: Any = MISSING
     factory: Any = MISSING
+    former: str = ""
 
     @property
     def default(self) -> Any:
@@ -220,8 +225,8 @@ def _parameters(kind: Any) -> tuple[Parameter, ...]:
     hints, found = get_type_hints(kind), []
     for f in fields(kind):
         if DECLARED in f.metadata:
-            unit, limits, meaning = f.metadata[DECLARED]
-            found.append(Parameter(f.name, hints[f.name], unit, limits, meaning, f.default, f.default_factory))
+            unit, limits, meaning, former = f.metadata[DECLARED]
+            found.append(Parameter(f.name, hints[f.name], unit, limits, meaning, f.default, f.default_factory, former))
     return tuple(found)
 
 

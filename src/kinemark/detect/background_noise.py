@@ -7,7 +7,7 @@ freedom lies below its mean by (1 − 2 / (9 k))³ (Wilson and Hilferty 1931) (1
 neighbours are correlated by −1/2, which leaves k = SPAN · 2/3 (2).
 
 A frame whose background is clipped at black shows less noise than its bright pixels have: set
-`Centroids.noise` there.
+`Centroids.noise_sd` there.
 """
 
 from __future__ import annotations

@@ -49,8 +49,8 @@ def _bright(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids
     _check_number(groups, first, n, method)
     groups = remove_noise(groups, method=method)
     ground, variance = background(images)
-    if method.noise is not None:
-        variance = np.full_like(variance, max((method.noise * grey_scale(images.dtype)) ** 2, ROUNDING))
+    if method.noise_sd is not None:
+        variance = np.full_like(variance, max((method.noise_sd * grey_scale(images.dtype)) ** 2, ROUNDING))
     blobs = _whole(images, groups, threshold, ground, variance, method)
     return separated(images, groups, blobs, threshold=threshold, variance=variance, method=method)
 
@@ -65,7 +65,7 @@ def _whole(
 ) -> Blobs:
     """Each group as one marker at its grey-weighted centroid, save for what is too large to be a marker."""
     n, height, width = images.shape
-    shot = method.shot * grey_scale(images.dtype)
+    shot = method.shot_noise * grey_scale(images.dtype)
     validity = judge(groups, height=height, width=width, method=method)
     marker = validity != Validity.TOO_LARGE
     some = groups if marker.all() else groups.keep(marker)

@@ -45,18 +45,18 @@ class Centroids(Method):
         meaning="markers longer or wider than this many times the other side are NOT_ROUND; a field of interlaced "
         "video halves the height of a round marker, hence the room",
     )  # fmt: skip
-    noise: float | None = parameter(
-        None, unit="grey levels", low=0, high=math.inf,
+    noise_sd: float | None = parameter(
+        None, former="noise", unit="grey levels", low=0, high=math.inf,
         meaning="standard deviation of the grey level of a dark pixel, that of rounding at least; None: measured in "
         "every frame",
     )  # fmt: skip
-    shot: float = parameter(
-        0.0, unit="grey levels", low=0, high=math.inf,
+    shot_noise: float = parameter(
+        0.0, former="shot", unit="grey levels", low=0, high=math.inf,
         meaning="variance that each grey level above the background adds (photon noise)",
     )  # fmt: skip
     inverted: bool = parameter(False, meaning="the markers are dark on bright ground")
-    relative: float | None = parameter(
-        None, unit=ONE, above=0, below=1,
+    relative_threshold: float | None = parameter(
+        None, former="relative", unit=ONE, above=0, below=1,
         meaning="instead of threshold, the share of the way from a camera's background to its bright level (its "
         "dark one where inverted), measured once from its first frames that show something; 0.5 is halfway",
     )  # fmt: skip
@@ -65,16 +65,17 @@ class Centroids(Method):
         meaning="height of a round marker's image by its width; None: 0.5 for the fields of interlaced video, else "
         "1",
     )  # fmt: skip
-    most_discs: int = parameter(
-        3, unit="discs", low=1, high=MOST_DISCS,
+    max_discs: int = parameter(
+        3, former="most_discs", unit="discs", low=1, high=MOST_DISCS,
         meaning="overlapping markers are told apart up to this many in a group; 1: not at all",
     )  # fmt: skip
-    hidden: bool = parameter(
+    correct_occlusion: bool = parameter(
         True,
+        former="hidden",
         meaning="put a disc of which a part is hidden where the centre of the whole disc is, if the fit is sure of it",
     )
-    edge_sd: float = parameter(
-        0.0, unit="px", low=0, high=math.inf,
+    max_edge_sd: float = parameter(
+        0.0, former="edge_sd", unit="px", low=0, high=math.inf,
         meaning="markers at the image's edge are valid if a fit knows their centre within this standard deviation; "
         "0: they never are",
     )  # fmt: skip

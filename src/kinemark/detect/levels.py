@@ -7,8 +7,8 @@ b + max(6 σ, 3 levels) (1). The bright level p is found by turns (Ridler and Ca
     p ← median of the pixels brighter than (b + p) / 2                    (2)
 
 from the mean of what stands out, so that the rims of markers do not darken it, and strobes and lamps do not brighten it
-as long as they have fewer pixels than the markers. The threshold is b + `relative` (p − b) (3). Images of dark markers
-on bright ground are turned to their negative first.
+as long as they have fewer pixels than the markers. The threshold is b + r (p − b) (3), where r is
+`relative_threshold`. Images of dark markers on bright ground are turned to their negative first.
 """
 
 from __future__ import annotations
@@ -32,9 +32,10 @@ TURNS = 20  # of the search for two classes at most; chosen: fewer settle it
 def levelled(method: AnyMethod, images: NDArray[np.uint8 | np.uint16]) -> AnyMethod | None:
     """The method with the absolute threshold that its relative one means for these frames (n, H, W).
 
-    None where nothing stands out from the background in them. A method without `relative` is returned as it is.
+    None where nothing stands out from the background in them. A method without `relative_threshold` is
+    returned as it is.
     """
-    share, inverted = getattr(method, "relative", None), getattr(method, "inverted", False)
+    share, inverted = getattr(method, "relative_threshold", None), getattr(method, "inverted", False)
     if share is None:
         return method
     white = np.iinfo(images.dtype).max
@@ -47,7 +48,7 @@ def levelled(method: AnyMethod, images: NDArray[np.uint8 | np.uint16]) -> AnyMet
         return None
     level = found[0] + share * (found[1] - found[0])  # (3)
     threshold = (white - level if inverted else level) / grey_scale(images.dtype)
-    absolute: Any = {"threshold": float(np.clip(threshold, 0, 254.99)), "relative": None}
+    absolute: Any = {"threshold": float(np.clip(threshold, 0, 254.99)), "relative_threshold": None}
     return replace(method, **absolute)
 
 

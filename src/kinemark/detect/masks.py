@@ -57,10 +57,10 @@ def learn_masks(
         raise ValueError(
             f"share and grow are {share} and {grow}, wanted a share above 0 and at most 1, and 0 px or more"
         )
-    if isinstance(method, Centroids) and method.relative is not None:
+    if isinstance(method, Centroids) and method.relative_threshold is not None:
         raise ValueError(
-            f"relative is {method.relative}, wanted None: an empty recording has no markers to measure it by. "
-            "Say a threshold"
+            f"relative_threshold is {method.relative_threshold}, wanted None: an empty recording has no markers "
+            "to measure it by. Say a threshold"
         )
     masks = [_often_white(source, name, method, share, grow) for source, name in zip(sources, cameras, strict=True)]
     sizes = np.array([mask.shape[::-1] for mask in masks]).reshape(-1, 2)

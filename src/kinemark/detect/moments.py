@@ -7,7 +7,7 @@ all round is the background: with b its mean,
     w = I − b,   S = Σ w,   ū = Σ w x / S,   v̄ = Σ w y / S               (1)
 
 where the sums run over the widened group. A pixel of variance σ² + g w (noise of a dark pixel; photon
-noise, g = `shot`) moves ū by (x − ū) / S a grey level, and b moves it by −Σ(x − ū) / S, so
+noise, g = `shot_noise`) moves ū by (x − ū) / S a grey level, and b moves it by −Σ(x − ū) / S, so
 
     cov = Σ (σ² + g w) (x − ū)(x − ū)ᵀ / S²                              (2)
         + (σ² / m) (Σ(x − ū)) (Σ(x − ū))ᵀ / S²                           (3)

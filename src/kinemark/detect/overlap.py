@@ -5,7 +5,7 @@ moved. These are fitted to its grey levels (`discs`). An ellipse, if need be lit
 leaves no more at the outline than noise, the texture that the marker's inside has, and `WHOLE` of its brightness: that
 is so for nearly all markers, also for such that no shape explains well. Discs on each other and cut discs follow, until
 one explains the group to within noise; motion is tried where one of these is much better than the ellipse. With χ² over
-n pixels, N of them at the outline, and p parameters, the worth of each is
+n pixels, N of them at the outline, and p parameters, the information criterion is
 
     E = χ² / s + p ln N,    s = max(1, (least χ² − (n − N)) / N)          (1)
 

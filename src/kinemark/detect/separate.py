@@ -4,7 +4,8 @@ Suspected groups (`suspicion`) are cut out (`patches`) and explained (`overlap`)
 k discs becomes k detections with `merged` set, each with the covariance of its own centre and judged by its own size.
 One that cannot be told apart keeps its centroid, with `merged` set and the larger covariance. A disc of which a part is
 hidden gets the centre, the covariance and the area of the whole disc, so that later stages take it for one in full
-sight. A disc at the image's edge likewise, but it stays AT_EDGE unless its centre is known within `Centroids.edge_sd`.
+sight. A disc at the image's edge likewise, but it stays AT_EDGE unless its centre is known within
+`Centroids.max_edge_sd`.
 """
 
 from __future__ import annotations
@@ -35,13 +36,13 @@ def separated(
     method: Centroids,
 ) -> Blobs:
     """The blobs of these groups in frames (n, H, W) of noise variance (n), with their markers told apart."""
-    if method.most_discs < 2 and not method.hidden:
+    if method.max_discs < 2 and not method.correct_occlusion:
         return blobs
     aspect = method.aspect or 1.0
     some = suspicious(groups, blobs.validity, aspect=aspect)
     if not len(some):
         return blobs
-    n, most = len(blobs.uv), method.most_discs + 1
+    n, most = len(blobs.uv), method.max_discs + 1
     seen = ObservedGroup(
         np.ones(n, np.int64),
         np.full((n, most, 3), np.nan),
@@ -51,10 +52,10 @@ def separated(
     for part in _portions(groups, some):
         mask = np.zeros(n, np.bool_)
         mask[part] = True
-        shot = method.shot * grey_scale(images.dtype)
+        shot = method.shot_noise * grey_scale(images.dtype)
         cut = cut_out(images, groups.keep(mask), threshold=threshold, variance=variance, shot=shot, aspect=aspect)
         at_edge = blobs.validity[part] == Validity.AT_EDGE
-        found = explain(cut, most=method.most_discs, hidden=method.hidden, at_edge=at_edge)
+        found = explain(cut, most=method.max_discs, hidden=method.correct_occlusion, at_edge=at_edge)
         k = found.circles.shape[1]
         order = np.argsort(found.circles[:, :, 1], axis=1)[:, :, None]  # from above, whatever the fit began with
         circles = np.take_along_axis(found.circles, order, 1)
@@ -108,7 +109,7 @@ def _judged(blobs: Blobs, rows: NDArray[np.int64], shape: tuple[int, ...], metho
     reach = np.stack([blobs.width[rows], blobs.height[rows]], -1) / 2
     low, high = blobs.uv[rows] - reach, blobs.uv[rows] + reach
     beyond = (low < -0.5).any(1) | (high > np.array(shape[::-1]) - 0.5).any(1)
-    known = np.sqrt(blobs.cov[rows][:, [0, 1], [0, 1]].max(1)) < method.edge_sd
+    known = np.sqrt(blobs.cov[rows][:, [0, 1], [0, 1]].max(1)) < method.max_edge_sd
     reasons = {
         Validity.TOO_LARGE: blobs.area[rows] > method.max_area,
         Validity.AT_EDGE: beyond & ~known,

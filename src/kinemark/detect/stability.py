@@ -113,7 +113,7 @@ def _stable_stretch(c: NDArray[np.float64], numbers: NDArray[np.int64], n: int) 
             part = numbers[first : last + 1]
             if part.min() < n / 2 or part.max() - part.min() > 0.1 * part.max() + 0.25 * n:  # (2)
                 break
-            worth = float((np.sqrt(c[last]) - np.sqrt(c[first])) * np.log1p(part.mean() / n))  # (A)
-            if worth > greatest:
-                best, greatest = (first, last), worth
+            score = float((np.sqrt(c[last]) - np.sqrt(c[first])) * np.log1p(part.mean() / n))  # (A)
+            if score > greatest:
+                best, greatest = (first, last), score
     return best

@@ -1,8 +1,8 @@
 """The methods of detection, each in a file of its own beside this one.
 
 They are called as `function(images, first, method=…)` with frames (n, H, W) of grey levels, of which the first has
-the number `first`, and give `Blobs`. A method that has a parameter `relative`, beside `threshold` and `inverted`, may
-leave its threshold to what a camera shows (`levels`).
+the number `first`, and give `Blobs`. A method that has a parameter `relative_threshold`, beside `threshold` and
+`inverted`, may leave its threshold to what a camera shows (`levels`).
 """
 
 from ..data.method import Stage

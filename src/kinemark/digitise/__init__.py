@@ -1,6 +1,6 @@
 """Digitising with an operator: the machine follows markers and asks where it cannot (UM²AS 3.5). No screen is attached.
 
-`look_at` turns an image into what can be pointed at; `begin` and `advance` are the state machine, whose states are
+`find_markers` turns an image into what can be pointed at; `begin` and `advance` are the state machine, whose states are
 values; `question_of` says what a state asks, `drive` answers with whoever is there: a terminal, a file, a test.
 """
 
@@ -21,21 +21,21 @@ from ..data.answers import (
 )
 from .drive import DigitisedImages, DigitisingStopped, Operator, drive, result
 from .identity import Identified, called, identified, identified_matches, identified_tracks
-from .looks import Look, clicked, look_at, nearest_free
+from .image_markers import ImageMarkers, clicked, find_markers, nearest_free
 from .machine import advance, begin, question_of
 from .other_views import OtherViews, propose
 from .question_text import words
 from .replay import Replay, given
 from .semi_automatic import SemiAutomatic
 from .stage import DIGITISE
-from .state import Asked, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
+from .state import AskedQuestion, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
 
 __all__ = [
     "DIGITISE",
     "Absent",
     "Accept",
     "Answer",
-    "Asked",
+    "AskedQuestion",
     "ByHand",
     "DigitisedFrame",
     "DigitisedImages",
@@ -45,7 +45,7 @@ __all__ = [
     "Found",
     "Given",
     "Identified",
-    "Look",
+    "ImageMarkers",
     "No",
     "Operator",
     "OtherViews",
@@ -64,11 +64,11 @@ __all__ = [
     "called",
     "clicked",
     "drive",
+    "find_markers",
     "given",
     "identified",
     "identified_matches",
     "identified_tracks",
-    "look_at",
     "nearest_free",
     "parse_answer",
     "propose",

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..data import KinemarkError
 from ..data.answers import Answer
 from ..data.array_types import Floats
-from .machine import Looks, Proposer, advance, begin, question_of
+from .machine import ImageSource, Proposer, advance, begin, question_of
 from .semi_automatic import SemiAutomatic
 from .stage import DIGITISE
 from .state import DigitisingPhase, DigitisingState, Found, Question
@@ -21,12 +21,12 @@ Operator = Callable[[Question, DigitisingState], Answer]
 """Answers a question; the state is there to be drawn."""
 
 
-REASONS = ("first_two_frames", "not_found", "in_doubt", "reference")
+REASONS = ("first_two_frames", "not_found", "ambiguous", "reference")
 """Why the operator is asked."""
 
 
 class DigitisingStopped(Exception):
-    """The operator stops; what he saved stands."""
+    """The operator stops; what they saved stands."""
 
 
 class DigitisedImages(NamedTuple):
@@ -50,32 +50,33 @@ class DigitisedImages(NamedTuple):
 @DIGITISE.method("semi_automatic", SemiAutomatic, source="UM²AS, 3.5")
 def drive(
     operator: Operator,
-    looks: Looks,
+    images: ImageSource,
     *,
     n_frames: int,
     method: SemiAutomatic,
     constant: Floats | None = None,
     proposer: Proposer | None = None,
     refuse: Callable[[Exception], None] | None = None,
-    told: Callable[[Question, Answer], None] | None = None,
+    on_answer: Callable[[Question, Answer], None] | None = None,
 ) -> DigitisingState:
     """The state in which all frames are saved, or in which the operator stopped.
 
     Args:
         operator: answers; raises `DigitisingStopped` to stop.
-        looks: gives the images.
+        images: gives the images.
         n_frames: of the camera.
         method: the markers and how they are followed.
         constant: (2,) px the reference marker at the calibration.
         proposer: what other cameras say of a missing marker.
-        refuse: told why an answer cannot be used before the question is put again; without it the error is raised.
-        told: of every question and the answer that was used.
+        refuse: called with why an answer cannot be used, before the question is put again; without it the error is
+            raised.
+        on_answer: called with every question and the answer that was used.
 
     Raises:
         ValueError: as `begin`.
         KinemarkError: an answer is none to the question, or points at nothing.
     """
-    state = begin(n_frames, looks, method=method, constant=constant, proposer=proposer)
+    state = begin(n_frames, images, method=method, constant=constant, proposer=proposer)
     while state.phase is not DigitisingPhase.DONE:
         question = question_of(state, method=method)
         try:
@@ -83,12 +84,12 @@ def drive(
         except DigitisingStopped:
             break
         try:
-            state = advance(state, answer, looks, method=method, proposer=proposer)
+            state = advance(state, answer, images, method=method, proposer=proposer)
         except (ValueError, KinemarkError) as error:
             _refused(question, error, refuse)
             continue
-        if told is not None:
-            told(question, answer)
+        if on_answer is not None:
+            on_answer(question, answer)
     return state
 
 

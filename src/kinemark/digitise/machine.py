@@ -19,7 +19,7 @@ machine does so by itself, frame by frame.
    to 50 × 50 (4). Of all pairs of a marker and an image that a square holds, the nearest is settled first, and an
    image serves one marker (5): a hidden marker so does not take the image of a visible neighbour, which claims its
    own in a smaller square. UM²AS does not say what it does there. Where two images run together and part again the
-   wrong one may be the nearer. So with d the distance of centroids from p, marker m is **in doubt** about its image i,
+   wrong one may be the nearer. So with d the distance of centroids from p, marker m is **ambiguous** about its image i,
    and asked for, if another image j that is nobody's, or that of marker n, has
 
        d_mj < k d_mi   or   d_mj + d_ni < k (d_mi + d_nj)               (6)
@@ -44,20 +44,20 @@ from numpy.typing import NDArray
 
 from ..data.answers import Absent, Accept, Answer, ByHand, No, Point, Revisit, Undo, Verify, Yes
 from ..data.array_types import Floats
-from .looks import Look, clicked, nearest_free
+from .image_markers import ImageMarkers, clicked, nearest_free
 from .semi_automatic import FIRST, SemiAutomatic
-from .state import Asked, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
+from .state import AskedQuestion, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
 
-Looks = Callable[[int], Look]
+ImageSource = Callable[[int], ImageMarkers]
 """Gives the image of a frame, counted from 0."""
 
-Proposer = Callable[[int, int, Floats, Floats, Look, NDArray[np.bool_]], PlaceProposal | None]
+Proposer = Callable[[int, int, Floats, Floats, ImageMarkers, NDArray[np.bool_]], PlaceProposal | None]
 """Called with frame, marker, shift (2,), where the marker is expected (2,), the image, and which markers are free."""
 
 
 def begin(
     n_frames: int,
-    looks: Looks,
+    images: ImageSource,
     *,
     method: SemiAutomatic,
     constant: Floats | None = None,
@@ -67,7 +67,7 @@ def begin(
 
     Args:
         n_frames: of the camera.
-        looks: gives the images.
+        images: gives the images.
         method: the markers and how they are followed.
         constant: (2,) px the reference marker at the calibration.
         proposer: what other cameras say of a missing marker.
@@ -82,7 +82,7 @@ def begin(
     state = DigitisingState(
         (None,) * n_frames, 0, DigitisedFrame.blank(len(method.markers)), DigitisingPhase.POINT, 0, constant
     )
-    return _go_on(state, looks, method, proposer)
+    return _go_on(state, images, method, proposer)
 
 
 def question_of(state: DigitisingState, *, method: SemiAutomatic) -> Question:
@@ -92,19 +92,24 @@ def question_of(state: DigitisingState, *, method: SemiAutomatic) -> Question:
     known = state.draft.uv[marker] if marker >= 0 else np.full(2, np.nan)
     if state.phase is DigitisingPhase.POINT:
         known = expected(state, method)[marker]
-    doubt = marker >= 0 and state.draft.found[marker] == Found.IN_DOUBT
-    return Question(state.phase, state.frame, marker, name, known, state.proposal, bool(doubt))
+    ambiguous = marker >= 0 and state.draft.found[marker] == Found.AMBIGUOUS
+    return Question(state.phase, state.frame, marker, name, known, state.proposal, bool(ambiguous))
 
 
 def advance(
-    state: DigitisingState, answer: Answer, looks: Looks, *, method: SemiAutomatic, proposer: Proposer | None = None
+    state: DigitisingState,
+    answer: Answer,
+    images: ImageSource,
+    *,
+    method: SemiAutomatic,
+    proposer: Proposer | None = None,
 ) -> DigitisingState:
     """The state after an answer; the machine then does by itself all that it can.
 
     Args:
         state: that asks.
         answer: of the operator.
-        looks: gives the images.
+        images: gives the images.
         method: as in `begin`.
         proposer: what other cameras say of a missing marker.
 
@@ -116,32 +121,32 @@ def advance(
         if state.before is None:
             raise ValueError("there is no answer to take back")
         return replace(state.before, asked=state.asked)
-    after = _answered(answer, state, looks, method)
-    return replace(_go_on(after, looks, method, proposer), before=state)
+    after = _answered(answer, state, images, method)
+    return replace(_go_on(after, images, method, proposer), before=state)
 
 
 # ---- What an answer does ----
 
 
 @singledispatch
-def _answered(answer: Answer, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+def _answered(answer: Answer, state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     raise ValueError(f"{answer!r} is no answer")
 
 
 @_answered.register
-def _(answer: Point, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+def _(answer: Point, state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     where = np.array([answer.u, answer.v])
     if state.phase is DigitisingPhase.CORRECT:
         if not np.isfinite(where).all():
             raise ValueError(f"the place is {where}, wanted finite pixels")
         return _verified(_put(state, where, Found.PLACED, "corrected"), method)
     _only(state, answer, DigitisingPhase.POINT)
-    look = looks(state.frame)
-    return _put(state, look.uv[clicked(look, where)], Found.POINTED, _reason(state, method))
+    image_markers = images(state.frame)
+    return _put(state, image_markers.uv[clicked(image_markers, where)], Found.POINTED, _reason(state, method))
 
 
 @_answered.register
-def _(answer: Absent, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+def _(answer: Absent, state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     _only(state, answer, DigitisingPhase.POINT, DigitisingPhase.CORRECT)
     if state.phase is DigitisingPhase.CORRECT:
         return _verified(_put(state, None, Found.NOT_PRESENT, "corrected"), method)
@@ -150,7 +155,7 @@ def _(answer: Absent, state: DigitisingState, looks: Looks, method: SemiAutomati
 
 
 @_answered.register
-def _(answer: Yes, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+def _(answer: Yes, state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     if state.phase is DigitisingPhase.VERIFY:
         return _verified(state, method)
     if state.phase is DigitisingPhase.REFERENCE:
@@ -162,7 +167,7 @@ def _(answer: Yes, state: DigitisingState, looks: Looks, method: SemiAutomatic) 
 
 
 @_answered.register
-def _(answer: No, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+def _(answer: No, state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     _only(state, answer, DigitisingPhase.VERIFY, DigitisingPhase.REFERENCE)
     if state.phase is DigitisingPhase.VERIFY:
         return replace(state, phase=DigitisingPhase.CORRECT)
@@ -172,7 +177,7 @@ def _(answer: No, state: DigitisingState, looks: Looks, method: SemiAutomatic) -
 
 
 @_answered.register
-def _(answer: Accept, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+def _(answer: Accept, state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     _only(state, answer, DigitisingPhase.REVIEW)
     saved = (*state.saved[: state.frame], state.draft, *state.saved[state.frame + 1 :])
     blank = DigitisedFrame.blank(len(method.markers))
@@ -183,19 +188,19 @@ def _(answer: Accept, state: DigitisingState, looks: Looks, method: SemiAutomati
 
 
 @_answered.register
-def _(answer: Verify, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+def _(answer: Verify, state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     _only(state, answer, DigitisingPhase.REVIEW)
     return replace(state, phase=DigitisingPhase.VERIFY, marker=0)
 
 
 @_answered.register
-def _(answer: ByHand, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+def _(answer: ByHand, state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     _only(state, answer, DigitisingPhase.REVIEW)
     return replace(state, draft=DigitisedFrame.blank(len(method.markers)), phase=DigitisingPhase.POINT, searched=True)
 
 
 @_answered.register
-def _(answer: Revisit, state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+def _(answer: Revisit, state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     if not 0 <= answer.frame < len(state.saved):
         raise ValueError(f"there is no frame {answer.frame + 1}; wanted 1 to {len(state.saved)}")
     draft = state.saved[answer.frame]
@@ -217,11 +222,11 @@ def _reason(state: DigitisingState, method: SemiAutomatic) -> str:
         return "first_two_frames"
     if state.marker == method.fixed:
         return "reference"
-    return "in_doubt" if state.draft.found[state.marker] == Found.IN_DOUBT else "not_found"
+    return "ambiguous" if state.draft.found[state.marker] == Found.AMBIGUOUS else "not_found"
 
 
-def _asked(state: DigitisingState, reason: str, proposed: bool = False) -> Asked:
-    return Asked(state.frame, state.marker, reason, proposed)
+def _asked(state: DigitisingState, reason: str, proposed: bool = False) -> AskedQuestion:
+    return AskedQuestion(state.frame, state.marker, reason, proposed)
 
 
 def _put(
@@ -251,18 +256,20 @@ def _verified(state: DigitisingState, method: SemiAutomatic) -> DigitisingState:
 # ---- What the machine does by itself ----
 
 
-def _go_on(state: DigitisingState, looks: Looks, method: SemiAutomatic, proposer: Proposer | None) -> DigitisingState:
+def _go_on(
+    state: DigitisingState, images: ImageSource, method: SemiAutomatic, proposer: Proposer | None
+) -> DigitisingState:
     """The state in which the operator is needed again."""
     state = replace(state, proposal=None)
     if state.phase is not DigitisingPhase.POINT:
         return state
     if not state.searched:
-        state = _reference(state, looks, method)
+        state = _reference(state, images, method)
         if not state.searched:
             return state
     while (left := state.draft.open).size:
         state = replace(state, marker=int(left[0]))
-        proposal = _proposed(state, looks, method, proposer)
+        proposal = _proposed(state, images, method, proposer)
         if proposal is None or not method.take_proposals:
             return replace(state, proposal=proposal)
         state = _taken(state, proposal, "unasked")
@@ -270,77 +277,87 @@ def _go_on(state: DigitisingState, looks: Looks, method: SemiAutomatic, proposer
     return replace(state, draft=draft, phase=DigitisingPhase.REVIEW, marker=-1)
 
 
-def _reference(state: DigitisingState, looks: Looks, method: SemiAutomatic) -> DigitisingState:
+def _reference(state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     """The reference marker and, once its place is settled, all others; not searched where it is to be asked for."""
-    r, look = method.fixed, looks(state.frame)
+    r, image_markers = method.fixed, images(state.frame)
     if r >= 0 and state.draft.found[r] == Found.OPEN:
-        refused = Asked(state.frame, r, "reference", False) in state.asked[-1:]
+        refused = AskedQuestion(state.frame, r, "reference", False) in state.asked[-1:]
         state = replace(state, marker=r)
-        near = nearest_free(look, _constant(state, method), free=look.usable, side=method.grid)
+        near = nearest_free(image_markers, _constant(state, method), free=image_markers.usable, side=method.grid)
         if near is None or refused:
             return state
-        state = replace(state, draft=state.draft.put(r, look.uv[near[1]], Found.AUTOMATIC))
+        state = replace(state, draft=state.draft.put(r, image_markers.uv[near[1]], Found.AUTOMATIC))
         if method.confirm_reference:
             return replace(state, phase=DigitisingPhase.REFERENCE)
     draft = replace(state.draft, shift=_shift(state, method))
     state = replace(state, draft=draft, searched=True)
-    return replace(state, draft=searched(draft, expected(state, method), look, method))
+    return replace(state, draft=searched(draft, expected(state, method), image_markers, method))
 
 
-def searched(draft: DigitisedFrame, places: Floats, look: Look, method: SemiAutomatic) -> DigitisedFrame:
+def searched(
+    draft: DigitisedFrame, places: Floats, image_markers: ImageMarkers, method: SemiAutomatic
+) -> DigitisedFrame:
     """The frame with the markers found about the places (M, 2) px where they are expected, by (4), (5) and (6)."""
-    free = look.usable & ~claimed(draft, look)
+    free = image_markers.usable & ~images_taken(draft, image_markers)
     image_of: dict[int, int] = {}
     for k in range(1, method.expansions + 1):
         while True:
             pairs = []
             for m in np.flatnonzero(draft.found == Found.OPEN):
-                near = nearest_free(look, places[m], free=free, side=method.grid * k)
+                near = nearest_free(image_markers, places[m], free=free, side=method.grid * k)
                 if near is not None:
                     pairs.append((*near, int(m)))
             if not pairs:
                 break
             _, image, marker = min(pairs)  # (5)
-            draft = draft.put(marker, look.uv[image], Found.AUTOMATIC)
+            draft = draft.put(marker, image_markers.uv[image], Found.AUTOMATIC)
             free[image] = False
             image_of[marker] = image
-    for doubtful in _doubtful(image_of, places, look, free, method):
-        draft = draft.put(doubtful, None, Found.IN_DOUBT)
+    for ambiguous in _ambiguous(image_of, places, image_markers, free, method):
+        draft = draft.put(ambiguous, None, Found.AMBIGUOUS)
     return draft
 
 
-def _doubtful(
-    image_of: dict[int, int], places: Floats, look: Look, free: NDArray[np.bool_], method: SemiAutomatic
+def _ambiguous(
+    image_of: dict[int, int],
+    places: Floats,
+    image_markers: ImageMarkers,
+    free: NDArray[np.bool_],
+    method: SemiAutomatic,
 ) -> list[int]:
     """The markers of those found, each with its image, that (6) holds for; `free` (B) images are nobody's."""
     owner = {image: m for m, image in image_of.items()}
-    reach, k = method.grid * method.expansions / 2, method.clear
+    reach, k = method.grid * method.expansions / 2, method.ambiguity_ratio
     found = []
     for m, i in image_of.items():
-        away = np.hypot(*(look.uv - places[m]).T)
-        near = [int(j) for j in np.flatnonzero(np.abs(look.uv - places[m]).max(1) <= reach) if j != i]
+        away = np.hypot(*(image_markers.uv - places[m]).T)
+        near = [int(j) for j in np.flatnonzero(np.abs(image_markers.uv - places[m]).max(1) <= reach) if j != i]
         alone = [j for j in near if free[j] and away[j] < k * away[i]]
-        both = [j for j in near if j in owner and _exchangeable(away[j], away[i], look.uv[[i, j]], places[owner[j]], k)]
+        both = [
+            j
+            for j in near
+            if j in owner and _swappable(away[j], away[i], image_markers.uv[[i, j]], places[owner[j]], k)
+        ]
         if k > 1 and (alone or both):
             found.append(m)
     return found
 
 
-def _exchangeable(other: float, own: float, uv: Floats, place: Floats, k: float) -> bool:
+def _swappable(other: float, own: float, uv: Floats, place: Floats, k: float) -> bool:
     """The second of (6): d_mj, d_mi, the images i and j (2, 2), and where n is expected (2,)."""
     swapped, kept = np.hypot(*(uv - place).T)
     return bool(other + swapped < k * (own + kept))
 
 
-def claimed(draft: DigitisedFrame, look: Look) -> NDArray[np.bool_]:
+def images_taken(draft: DigitisedFrame, image_markers: ImageMarkers) -> NDArray[np.bool_]:
     """(B) which markers of the image serve one of the frame already."""
     uv = draft.uv[np.isfinite(draft.uv[:, 0])]
-    return np.asarray((np.abs(look.uv[:, None] - uv).max(-1, initial=0.0) < 1e-9).any(1))
+    return np.asarray((np.abs(image_markers.uv[:, None] - uv).max(-1, initial=0.0) < 1e-9).any(1))
 
 
 def expected(state: DigitisingState, method: SemiAutomatic) -> Floats:
     """(M, 2) px where markers are expected in the present frame by (3); NaN where too little is known of one."""
-    first = max(state.frame - method.memory, 0)
+    first = max(state.frame - method.history, 0)
     past = [(f, s) for f, s in enumerate(state.saved[first : state.frame], first) if s is not None]
     out = np.full((len(method.markers), 2), np.nan)
     for m in range(len(out)):
@@ -373,12 +390,12 @@ def _shift(state: DigitisingState, method: SemiAutomatic) -> Floats:
 
 
 def _proposed(
-    state: DigitisingState, looks: Looks, method: SemiAutomatic, proposer: Proposer | None
+    state: DigitisingState, images: ImageSource, method: SemiAutomatic, proposer: Proposer | None
 ) -> PlaceProposal | None:
     """What other cameras say of the marker asked for; they do not see the reference marker as it shifts."""
     if proposer is None or state.marker == method.fixed:
         return None
-    look = looks(state.frame)
-    free = look.usable & ~claimed(state.draft, look)
+    image_markers = images(state.frame)
+    free = image_markers.usable & ~images_taken(state.draft, image_markers)
     shift = _shift(state, method)
-    return proposer(state.frame, state.marker, shift, expected(state, method)[state.marker], look, free)
+    return proposer(state.frame, state.marker, shift, expected(state, method)[state.marker], image_markers, free)

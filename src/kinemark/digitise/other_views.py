@@ -23,7 +23,7 @@ from ..data import Rig
 from ..data.array_types import Floats
 from ..data.arrays import column, set_columns
 from ..geometry import epipolar_lines, fundamental, line_distance, project, triangulate, undistort
-from .looks import Look, nearest_free
+from .image_markers import ImageMarkers, nearest_free
 from .semi_automatic import SemiAutomatic
 from .state import PlaceProposal
 
@@ -55,7 +55,7 @@ def propose(
     *,
     shift: Floats,
     expected: Floats,
-    look: Look,
+    image_markers: ImageMarkers,
     free: NDArray[np.bool_],
     method: SemiAutomatic,
 ) -> PlaceProposal | None:
@@ -67,7 +67,7 @@ def propose(
         marker: index.
         shift: (2,) px of the image.
         expected: (2,) px where the marker is expected by its motion; NaN where that is not known.
-        look: the image.
+        image_markers: the image.
         free: (B) which of its markers serve nobody yet.
         method: its tolerance and reach.
     """
@@ -75,14 +75,19 @@ def propose(
     uv[views.camera] = np.nan
     seen = np.flatnonzero(np.isfinite(uv).all(1))
     if len(seen) >= 2:
-        return _where_lines_meet(views, uv, shift, look, free, method)
+        return _where_lines_meet(views, uv, shift, image_markers, free, method)
     if len(seen) == 1:
-        return _on_the_line(views, int(seen[0]), uv[seen[0]], shift, expected, look, free, method)
+        return _on_the_line(views, int(seen[0]), uv[seen[0]], shift, expected, image_markers, free, method)
     return None
 
 
 def _where_lines_meet(
-    views: OtherViews, uv: Floats, shift: Floats, look: Look, free: NDArray[np.bool_], method: SemiAutomatic
+    views: OtherViews,
+    uv: Floats,
+    shift: Floats,
+    image_markers: ImageMarkers,
+    free: NDArray[np.bool_],
+    method: SemiAutomatic,
 ) -> PlaceProposal | None:
     """(1) and (2)."""
     ideal = np.stack([undistort(camera, at[None]) for camera, at in zip(views.rig, uv, strict=True)], 1)
@@ -90,10 +95,10 @@ def _where_lines_meet(
     place = project(views.rig[views.camera], xyz)[0] + shift  # (1), (5)
     if not np.isfinite(place).all():
         return None
-    near = nearest_free(look, place, free=free, side=2 * int(np.ceil(method.tolerance)) + 1)
+    near = nearest_free(image_markers, place, free=free, side=2 * int(np.ceil(method.tolerance)) + 1)
     if near is None or near[0] > method.tolerance:
         return PlaceProposal(place, False)  # (2)
-    return PlaceProposal(look.uv[near[1]], True)
+    return PlaceProposal(image_markers.uv[near[1]], True)
 
 
 def _on_the_line(
@@ -102,18 +107,18 @@ def _on_the_line(
     uv: Floats,
     shift: Floats,
     expected: Floats,
-    look: Look,
+    image_markers: ImageMarkers,
     free: NDArray[np.bool_],
     method: SemiAutomatic,
 ) -> PlaceProposal | None:
     """(3) and (4)."""
     here, there = views.rig[views.camera], views.rig[other]
     line = epipolar_lines(fundamental(there.P, here.P), undistort(there, uv[None]))
-    ideal = undistort(here, look.uv[free] - shift)  # (5)
+    ideal = undistort(here, image_markers.uv[free] - shift)  # (5)
     on = np.flatnonzero(free)[np.abs(line_distance(line, ideal)) <= method.tolerance]
     if not len(on):
         return PlaceProposal(np.full(2, np.nan), False)  # (4)
     if np.isfinite(expected).all():
         reach = method.grid * method.expansions / 2
-        on = on[np.abs(look.uv[on] - expected).max(1) <= reach]
-    return PlaceProposal(look.uv[on[0]], True) if len(on) == 1 else None
+        on = on[np.abs(image_markers.uv[on] - expected).max(1) <= reach]
+    return PlaceProposal(image_markers.uv[on[0]], True) if len(on) == 1 else None

@@ -13,7 +13,7 @@ def words(question: Question) -> str:
     place = "" if np.isnan(question.uv).any() else f" near ({question.uv[0]:.0f}, {question.uv[1]:.0f})"
     if question.phase is DigitisingPhase.POINT:
         where = f", expected{place}" if place else ""
-        why = " Two images would do." if question.in_doubt else ""
+        why = " Two images would do." if question.ambiguous else ""
         return f"{frame}: point at {who}{where}, or - if it is not present.{why}{_proposed(question)}"
     return {
         DigitisingPhase.REFERENCE: f"{frame}: is the reference marker the one{place}? y or n",

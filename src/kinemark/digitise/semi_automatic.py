@@ -27,7 +27,7 @@ class SemiAutomatic(Method):
     expansions: int = parameter(
         10, unit=ONE, low=1, meaning="the search goes on up to this many times as wide; UM²AS: 10"
     )
-    memory: int = parameter(
+    history: int = parameter(
         2, unit="frames", low=FIRST,
         meaning="a marker is extrapolated from the two latest of so many frames before in which it was seen; 2, as "
         "in UM²AS: it must be seen in both",
@@ -41,7 +41,7 @@ class SemiAutomatic(Method):
     tolerance: float = parameter(
         3.0, unit="px", above=0, meaning="how far an image may be from where other cameras expect it"
     )
-    clear: float = parameter(
+    ambiguity_ratio: float = parameter(
         1.5, unit=ONE, low=1, high=math.inf,
         meaning="an image is taken without a question if every other that the marker could have had is this many "
         "times as far from where it is expected; 1 never asks, as UM²AS",

@@ -22,7 +22,7 @@ class Found(IntEnum):
     POINTED = 3
     PLACED = 4
     PROPOSED = 5
-    IN_DOUBT = 6
+    AMBIGUOUS = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,8 +55,8 @@ class DigitisedFrame:
 
     @property
     def open(self) -> NDArray[np.int64]:
-        """The markers that nothing is settled of yet, those in doubt among them."""
-        return np.flatnonzero(np.isin(self.found, (Found.OPEN, Found.IN_DOUBT)))
+        """The markers that nothing is settled of yet, ambiguous ones among them."""
+        return np.flatnonzero(np.isin(self.found, (Found.OPEN, Found.AMBIGUOUS)))
 
     def put(self, marker: int, uv: Floats | None, found: Found) -> DigitisedFrame:
         """The frame with a marker at (2,) px, or nowhere."""
@@ -83,8 +83,8 @@ class PlaceProposal(NamedTuple):
     seen: bool
 
 
-class Asked(NamedTuple):
-    """A question that was put to the operator and why, and whether he took what was proposed.
+class AskedQuestion(NamedTuple):
+    """A question that was put to the operator and why, and whether they took the proposal.
 
     The reason "unasked" stands for a proposal that was taken without a question.
     """
@@ -105,7 +105,7 @@ class Question(NamedTuple):
         name: the marker's.
         uv: (2,) px where it is, or where it was expected; NaN where neither is known.
         proposal: of other cameras, where there is one.
-        in_doubt: the marker is asked for because two images would do.
+        ambiguous: the marker is asked for because two images would do.
     """
 
     phase: DigitisingPhase
@@ -114,7 +114,7 @@ class Question(NamedTuple):
     name: str
     uv: Floats
     proposal: PlaceProposal | None = None
-    in_doubt: bool = False
+    ambiguous: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,5 +142,5 @@ class DigitisingState:
     constant: Floats | None = None
     searched: bool = True
     proposal: PlaceProposal | None = None
-    asked: tuple[Asked, ...] = ()
+    asked: tuple[AskedQuestion, ...] = ()
     before: DigitisingState | None = field(default=None, repr=False)

@@ -25,7 +25,7 @@ from ..digitise import (
     DigitisedImages,
     DigitisingState,
     Identified,
-    Look,
+    ImageMarkers,
     Operator,
     OtherViews,
     PlaceProposal,
@@ -33,9 +33,9 @@ from ..digitise import (
     Replay,
     SemiAutomatic,
     drive,
+    find_markers,
     given,
     identified,
-    look_at,
     propose,
     result,
 )
@@ -48,7 +48,7 @@ FIGURES = "digitising.json"
 KEPT = 32  # images kept ready: as far as an operator goes back without waiting; chosen
 
 
-class Reel:
+class DigitisedFrames:
     """The chosen frames of a camera, ready to be pointed at, decoded when they are asked for.
 
     Args:
@@ -75,10 +75,10 @@ class Reel:
         self._method = replace(method, aspect=method.aspect or fields)
         self._source, self._every, self._mask = source, every, mask
         self.n_frames = len(range(0, min(source.n_frames, last or source.n_frames), every))
-        self._ready: dict[int, Look] = {}
+        self._ready: dict[int, ImageMarkers] = {}
         self._images, self._next = source.frames(), 0
 
-    def __call__(self, f: int) -> Look:
+    def __call__(self, f: int) -> ImageMarkers:
         """The f-th of the chosen frames, counted from 0."""
         if f not in self._ready:
             at = f * self._every
@@ -89,14 +89,14 @@ class Reel:
             if image is None:
                 raise KinemarkError(f"{self._source.paths[0]} ends before frame {at + 1}. Copy the recording again.")
             offset = self._source.v_offset(at)
-            self._ready[f] = look_at(image, method=self._method, mask=self._mask, v_offset=offset)
+            self._ready[f] = find_markers(image, method=self._method, mask=self._mask, v_offset=offset)
             if len(self._ready) > KEPT:
                 del self._ready[next(iter(self._ready))]
         return self._ready[f]
 
 
 def digitise_camera(
-    reel: Reel,
+    reel: DigitisedFrames,
     *,
     method: SemiAutomatic,
     answers: Path | None = None,
@@ -113,7 +113,7 @@ def digitise_camera(
         method: the markers and how they are followed.
         answers: the file; it need not exist.
         operator: who is asked what the file does not say; without one that is an error.
-        refuse: told why an answer cannot be used before the question is put again.
+        refuse: called with why an answer cannot be used before the question is put again.
         save_all: accept frames of which all is settled without a word.
         constant: (2,) px the reference marker at the calibration.
         views: what was digitised in other cameras.
@@ -121,7 +121,7 @@ def digitise_camera(
     Raises:
         KinemarkError: no frame was saved, or answers are missing or wrong, and nobody is there to ask.
     """
-    replay, told = _answering(answers, operator, save_all)
+    replay, on_answer = _answering(answers, operator, save_all)
     try:
         state = drive(
             replay,
@@ -131,7 +131,7 @@ def digitise_camera(
             constant=constant,
             proposer=_proposer(views, method),
             refuse=refuse,
-            told=told,
+            on_answer=on_answer,
         )
     except KinemarkError as error:
         raise KinemarkError(f"{answers or 'Digitising'}: {error}") from error
@@ -154,13 +154,13 @@ def _answering(
         fresh[:] = [question]
         return operator(question, state)
 
-    def told(question: Question, answer: Answer) -> None:
+    def on_answer(question: Question, answer: Answer) -> None:
         if answers and fresh:
             append_answer(answers, given(question, answer))
         fresh.clear()
 
     before = read_answers(answers) if answers else []
-    return Replay(before, otherwise=ask if operator else None, save_all=save_all), told
+    return Replay(before, otherwise=ask if operator else None, save_all=save_all), on_answer
 
 
 def _proposer(views: OtherViews | None, method: SemiAutomatic) -> Any:
@@ -169,11 +169,13 @@ def _proposer(views: OtherViews | None, method: SemiAutomatic) -> Any:
         return None
 
     def proposer(
-        frame: int, marker: int, shift: Floats, expected: Floats, look: Look, free: NDArray[np.bool_]
+        frame: int, marker: int, shift: Floats, expected: Floats, image_markers: ImageMarkers, free: NDArray[np.bool_]
     ) -> PlaceProposal | None:
         if frame >= views.uv.shape[2]:
             return None
-        return propose(views, frame, marker, shift=shift, expected=expected, look=look, free=free, method=method)
+        return propose(
+            views, frame, marker, shift=shift, expected=expected, image_markers=image_markers, free=free, method=method
+        )
 
     return proposer
 
@@ -197,7 +199,7 @@ class Digitising(NamedTuple):
 def digitise_trial(
     task: Digitising,
     *,
-    operator: Callable[[Reel], Operator] | None = None,
+    operator: Callable[[DigitisedFrames], Operator] | None = None,
     refuse: Callable[[Exception], None] | None = None,
     announce: Callable[[str], None] | None = None,
     stop_after: str | None = None,
@@ -207,8 +209,8 @@ def digitise_trial(
     Args:
         task: the trial.
         operator: who, given a camera's frames, is asked what the answers do not say; without one that is an error.
-        refuse: told why an answer cannot be used.
-        announce: told the camera whose turn it is.
+        refuse: called with why an answer cannot be used.
+        announce: called with the camera whose turn it is.
         stop_after: the camera after which the others may wait; they are NaN then.
 
     Raises:
@@ -240,9 +242,11 @@ def digitise_trial(
     return uv, {"questions": sum(f["questions"] for f in figures.values()), "cameras": figures}
 
 
-def _reels(task: Digitising) -> dict[str, Reel]:
+def _reels(task: Digitising) -> dict[str, DigitisedFrames]:
     """The frames of all cameras, as many of each."""
-    reels = {name: Reel(source, method=task.detect, mask=task.mask(name)) for name, source in task.images.items()}
+    reels = {
+        name: DigitisedFrames(source, method=task.detect, mask=task.mask(name)) for name, source in task.images.items()
+    }
     if len({reel.n_frames for reel in reels.values()}) != 1:
         found = ", ".join(f"{name} {reel.n_frames}" for name, reel in reels.items())
         raise KinemarkError(f"The cameras have different numbers of frames: {found}. Cut them to those that all share.")

@@ -50,7 +50,7 @@ def error_budget(
         model: of `kinemark.io.model_toml`, its name or file, for joint angles; directions of segments without.
         markers: a file of the same recording whose markers have names, as a model wants them; any of trajectories.
         rate_hz, length_unit: of that file, where it does not say it.
-        progress: told what is being done.
+        progress: called with each step.
 
     Raises:
         KinemarkError: the session, trial, model or markers cannot be used.

@@ -48,7 +48,7 @@ def fill_file(
     name: str = "auto",
     limit_mm: float = LIMIT,
     ends: bool = False,
-    trim: int = GapEdges().most,
+    trim: int = GapEdges().most_trimmed,
     static: Path | None = None,
     report: Path | None = None,
     rate_hz: float | None = None,
@@ -95,7 +95,7 @@ def fill_files(
     output: Path,
     *,
     report: bool = False,
-    told: Callable[[int], None] = lambda done: None,
+    on_done: Callable[[int], None] = lambda done: None,
     **options: Any,
 ) -> dict[Path, FilledFile | KinemarkError]:
     """Fill one trial into a file or folder, or many into a folder under their own names.
@@ -106,7 +106,7 @@ def fill_files(
         sources: files as `fill_file` takes them; BTS files become C3D in a folder.
         output: a file, or a folder, which is made where it is not there.
         report: write a page beside each.
-        told: is called with the number of files that are done.
+        on_done: called with the number of files that are done.
         options: the others of `fill_file`.
 
     Raises:
@@ -117,7 +117,7 @@ def fill_files(
         raise KinemarkError(f"{output} is one file, and there are {len(sources)} trials. Name a folder.")
     done: dict[Path, FilledFile | KinemarkError] = {}
     for number, source in enumerate(sources):
-        told(number)
+        on_done(number)
         target = output / _own_name(source) if into else output
         try:
             done[source] = fill_file(source, target, report=target.with_suffix(".html") if report else None, **options)
@@ -125,7 +125,7 @@ def fill_files(
             if not many:
                 raise
             done[source] = error
-    told(len(sources))
+    on_done(len(sources))
     return done
 
 
@@ -219,4 +219,4 @@ def _checked(limit_mm: float, trim: int) -> GapEdges:
         raise KinemarkError(f"The limit is {limit_mm} mm. Wanted is one above 0; inf fills all that can be filled.")
     if trim < 0:
         raise KinemarkError(f"trim is {trim}. Wanted is a number of samples, 0 for none.")
-    return GapEdges(most=trim)
+    return GapEdges(most_trimmed=trim)

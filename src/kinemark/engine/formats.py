@@ -56,7 +56,7 @@ def convert(
     length_unit: str | None = None,
     rate_hz: float | None = None,
 ) -> tuple[FileNote, ...]:
-    """Read one file and write its content in another format, told by the names' endings.
+    """Read one file and write its content in another format, the formats by the names' endings.
 
     Args:
         source: the file to read.

@@ -87,7 +87,7 @@ class OpenTrial:
 
         Args:
             to: the stage.
-            progress: told what is being done.
+            progress: called with each step.
             cancel: stops the run as soon as it is set; what was finished is kept, and the next run goes on there.
             threads: how many detection may use; all processors where None.
 
@@ -114,8 +114,8 @@ class OpenTrial:
         """Whether the last run came as far as this stage."""
         return any(step.stage == stage for step in self.steps)
 
-    def told(self) -> dict[str, Any]:
-        """What a machine is told of the last run: every figure, or where it stopped before, its stages."""
+    def summary(self) -> dict[str, Any]:
+        """The last run for a machine to read: every figure, or the stages done where it stopped earlier."""
         return self.quality if self.done("quality") else {"trial": self.name, "stages": [s.stage for s in self.steps]}
 
     def record(self, stage: str) -> Any:

@@ -1,4 +1,4 @@
-"""Who is told how far a run is, and who may stop it."""
+"""Progress of a run, and cancelling it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def silent(stage: str, done: int, total: int) -> None:
 
 
 class Cancel(Protocol):
-    """What asks a run to stop, such as a `threading.Event`."""
+    """A request to stop a run, such as a `threading.Event`."""
 
     def is_set(self) -> bool:
         """Whether it shall stop now."""
@@ -30,18 +30,18 @@ class Cancel(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """What a run tells, and what may stop it.
+    """Receives a run's progress, and may cancel it.
 
     Attributes:
-        progress: told what is being done.
-        cancel: looked at whenever something is told; None where nobody stops the run.
+        progress: called with each step.
+        cancel: checked at each step; None where the run cannot be cancelled.
     """
 
     progress: Progress = silent
     cancel: Cancel | None = None
 
     def of(self, stage: str) -> Listener:
-        """Who listens to a stage."""
+        """The listener of a stage."""
 
         def listen(done: int, total: int) -> None:
             self.progress(stage, done, total)
@@ -52,7 +52,7 @@ class Watch:
 
 
 SILENT = Watch()
-"""Nobody is told, and nobody stops the run."""
+"""No progress is shown, and nothing cancels the run."""
 
 
 @contextmanager

@@ -73,7 +73,7 @@ class Session(Workspace):
         Args:
             names: of the trials.
             to: the stage to run to.
-            progress: told what is being done.
+            progress: called with each step.
             cancel: stops the run as soon as it is set.
             threads: how many detection may use; all processors where None.
 
@@ -85,7 +85,7 @@ class Session(Workspace):
             raise KinemarkError(f"There is no trial {unknown}; the session has {', '.join(self.names)}.")
         chosen = [self.trial(name) for name in names or self.names]
         rig = self.calibrate(progress=progress, cancel=cancel, threads=threads).rig
-        for trial in chosen:  # a missing input is told before hours of work
+        for trial in chosen:  # a missing input is reported before hours of work
             trial.source(rig).key()
         return {trial.name: trial.run(to, progress=progress, cancel=cancel, threads=threads) for trial in chosen}
 

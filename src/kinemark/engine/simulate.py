@@ -140,7 +140,7 @@ def simulate(folder: pathlib.Path, *, scene: Scene | None = None, progress: Prog
     Args:
         folder: to make; it may exist if it is empty.
         scene: what is simulated.
-        progress: told of each video.
+        progress: called with each video.
 
     Returns:
         The path of its `session.toml`.

@@ -59,7 +59,7 @@ class Store:
     @classmethod
     @contextmanager
     def open(cls, folder: Path, lock: Path, waiting: Listener) -> Iterator[Store]:
-        """The store of a folder, for this process alone while it has the file `lock`; `waiting` is told of others.
+        """A folder's store, for this process alone while it holds `lock`; `waiting` is called while another has it.
 
         A folder that cannot be written is opened all the same: what is unchanged can be read.
         """

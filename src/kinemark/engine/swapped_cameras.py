@@ -17,9 +17,9 @@ LITTLE = 0.6
 """Share of a camera's valid detections; if less agree with two other cameras, it may have the images of another.
 Chosen."""
 AS_MUCH, AS_GOOD = 0.7, 0.95
-"""Of the detections that must agree once two cameras are exchanged, and of the best share; chosen."""
+"""Of the detections that must agree once two cameras are swapped, and of the best share; chosen."""
 LOOKED_AT = 20
-"""Frames on which cameras are exchanged; chosen."""
+"""Frames on which cameras are swapped; chosen."""
 MOST_PAIRS = 30  # pairs of cameras that are tried; chosen for speed
 
 
@@ -29,17 +29,17 @@ def swapped_cameras(
     """Which two cameras have each other's images or calibration, if so; nothing where all is well.
 
     A point on two cameras is no proof, as any two rays that meet are one. So cameras little of whose detections became
-    part of a point on three are exchanged in pairs; that pair is named with which most then do, `AS_MUCH` and twice as
+    part of a point on three are swapped in pairs; that pair is named with which most then do, `AS_MUCH` and twice as
     many as before. In a room as symmetrical as its cameras two pairs may do as well, and both are named.
     """
     confirmed = _confirmed(detections, cloud)
-    doubtful = np.flatnonzero(confirmed < LITTLE)
-    if len(rig) < 3 or len(doubtful) < 2:
+    unconfirmed = np.flatnonzero(confirmed < LITTLE)
+    if len(rig) < 3 or len(unconfirmed) < 2:
         return ()
     frames = np.linspace(0, detections.n_frames - 1, min(LOOKED_AT, detections.n_frames)).astype(np.int64)
     few = detections.keep(np.isin(detections.frame, frames))
     shares: dict[tuple[str, str], float] = {}
-    for a, b in list(combinations(map(int, doubtful), 2))[:MOST_PAIRS]:
+    for a, b in list(combinations(map(int, unconfirmed), 2))[:MOST_PAIRS]:
         cameras = list(rig.cameras)
         cameras[a], cameras[b] = replace(rig[b], name=rig.names[a]), replace(rig[a], name=rig.names[b])
         other = replace(rig, cameras=tuple(cameras))
@@ -55,7 +55,7 @@ def swapped_cameras(
             "cameras_swapped",
             cameras=[name for pair in best for name in pair],
             swapped_share=max(shares.values()),
-            as_is_share=confirmed[doubtful].max(),
+            as_is_share=confirmed[unconfirmed].max(),
         ),
     )
 

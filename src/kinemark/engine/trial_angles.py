@@ -238,7 +238,7 @@ def _words(before: Trajectories, stated: Trajectories, settings: AngleSettings) 
     """What was done, in words and numbers for the page and the machine."""
     sd = np.array([np.sqrt(np.trace(path.cov, axis1=1, axis2=2) / 3) for path in stated])
     seen = sd[np.isfinite(sd)]
-    middle = float(np.median(seen)) if seen.size else None
+    median = float(np.median(seen)) if seen.size else None
     unknown = np.array([np.isnan(path.cov).any((1, 2)) & np.isfinite(path.xyz).all(1) for path in before]).any()
     origin = "stated" if not unknown else "estimated" if settings.marker_sd_mm is None else "assumed"
     origins = {
@@ -254,9 +254,9 @@ def _words(before: Trajectories, stated: Trajectories, settings: AngleSettings) 
     cutoff = "chosen from the data" if settings.cutoff_hz is None else f"{settings.cutoff_hz:g} Hz"
     return {
         "method": turns[settings.inverse_cosines],
-        "noise": origins[origin] + ("" if middle is None else f" In the middle {middle:.3g} mm."),
+        "noise": origins[origin] + ("" if median is None else f" The median is {median:.3g} mm."),
         "smoothing": "None." if settings.smoothing == "none" else f"{settings.smoothing.title()}, cut-off {cutoff}.",
         "noise_from": origin,
-        "marker_sd_mm": middle,
+        "marker_sd_mm": median,
         "lock_deg": settings.lock_deg,
     }

@@ -37,7 +37,7 @@ from ..io.files import replacing
 from ..io.records import load, save
 from ..match import match
 from ..reconstruct import LeastSquares, image_errors, reconstruct
-from ..report.figures_detections import telling_frames
+from ..report.figures_detections import fullest_frames
 from ..report.filling_page import write_filling_page
 from ..report.page import write_report
 from ..report.trial_quality import quality
@@ -216,7 +216,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
     s, detections, tracked = inputs.settings, records["detect"], records["track"]
     filled = filled_of(inputs, records)
-    exchanged = swapped_cameras(detections, inputs.rig, tracked.tracks.cloud, matching=s.match, placing=s.reconstruct)
+    swapped = swapped_cameras(detections, inputs.rig, tracked.tracks.cloud, matching=s.match, placing=s.reconstruct)
     figures = quality(
         session=s.name,
         trial=inputs.name,
@@ -228,7 +228,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
         findings=(
             *inputs.source.contradictions(),
             *_channels(inputs, filled.trajectories),
-            *exchanged,
+            *swapped,
             *tracked.diagnostics,
         ),
         ambiguous_decisions=tracked.ambiguous_decisions,
@@ -276,7 +276,7 @@ def _write(inputs: TrialInputs, records: Records) -> None:
         tracks=records["track"].tracks,
         trajectories=trajectories,
         judged=inputs.calibrated.figures,
-        pictures=inputs.source.pictures(telling_frames(records["detect"])),
+        pictures=inputs.source.pictures(fullest_frames(records["detect"])),
     )
     if inputs.settings.fill is not None:
         before = measured_of(inputs, records)

@@ -184,7 +184,7 @@ def angles_files(tdc: Path | str, outputs: Sequence[Path | str] = (), *, signed:
 
     Args:
         tdc: markers 1 … 7 first.
-        outputs: any of the three, told by their endings.
+        outputs: any of the three, known by their endings.
         signed: as in `limb_angles`.
 
     Raises:

@@ -1,26 +1,27 @@
-"""Bad samples beside a gap: found against the marker's own habits, and trimmed.
+"""Bad samples beside a gap, found by the marker's own statistics and trimmed.
 
 A marker that is about to vanish is seen by fewer cameras, half hidden or merged with another one, and its last samples
-are often wrong. Let z be the marker's positions less the mean of its `donors` most rigid neighbours, if they are seen,
-else the positions themselves. Away from the gap, b is the last sample that cannot be bad; from the parabola through the
-`past` samples up to b follow, h samples nearer to the gap,
+are often wrong. Let z be the marker's positions less the mean of its `neighbours` most rigid neighbours, if they are
+seen, else the positions themselves. Away from the gap, b is the last sample that cannot be bad; from the parabola
+through the `fit_samples` samples up to b follow, h samples nearer to the gap,
 
     e(b, h) = |z(b + h) − ẑ(b + h)|,      h = 1 … b' − b                                                  (1)
 
 and the same is worked out everywhere in the trial, forward and backward, where no gap is near: E(h), what e is like for
 this marker. A sample is bad if
 
-    e(b, h) > limit · median E(h)  and  e(b, h) > beyond · 99.5th percentile of E(h)  and  e(b, h) > least (2)
+    e(b, h) > median_ratio · median E(h),   > tail_ratio · 99.5th percentile of E(h),   and  > least_error    (2)
 
 The first says that it stands out from the usual, the second that the marker does nothing like it elsewhere (a foot that
 strikes the ground is no error), the third that it matters. Some markers always vanish in the fastest movement of a
 trial, so that what they do there is never seen elsewhere; but then their neighbours are off their own parabolas too.
-What (2) allows is therefore multiplied by how violent the movement is, worked out for the neighbours' positions,
+What (2) allows is therefore multiplied by how fast the movement changes, worked out for the neighbours' positions,
 
-    violence = max( 1, median over neighbours d of  e_d(b, h) / median E_d(h) )                            (3)
+    factor = max( 1, median over neighbours d of  e_d(b, h) / median E_d(h) )                            (3)
 
 b moves towards the gap until the first bad sample; that one
-and all between it and the gap are trimmed, at most `most`. Trimmed samples are missing afterwards: the gap is longer.
+and all between it and the gap are trimmed, at most `most_trimmed`. Trimmed samples are missing afterwards: the gap is
+longer.
 """
 
 from __future__ import annotations
@@ -44,20 +45,22 @@ from .reference_markers import Distances, distances, nearest
 class GapEdges(Method):
     """How samples beside gaps are judged and trimmed."""
 
-    most: int = parameter(5, unit="samples", low=0, meaning="that may be trimmed on each side; 0: no check")
-    past: int = parameter(6, unit="samples", low=4, meaning="that the parabola is fitted to")
-    limit: float = parameter(5.0, unit=ONE, above=0, meaning="a sample is bad from this many times the median error on")
-    beyond: float = parameter(
+    most_trimmed: int = parameter(5, unit="samples", low=0, meaning="that may be trimmed on each side; 0: no check")
+    fit_samples: int = parameter(6, unit="samples", low=4, meaning="that the parabola is fitted to")
+    median_ratio: float = parameter(
+        5.0, unit=ONE, above=0, meaning="a sample is bad from this many times the median error on"
+    )
+    tail_ratio: float = parameter(
         1.3,
         unit=ONE,
         above=0,
         meaning="and from this many times what the marker exceeds in one frame of two hundred on",
     )
-    least: float = parameter(1.0, unit="mm", above=0, meaning="and from this error on")
-    donors: int = parameter(
+    least_error: float = parameter(1.0, unit="mm", above=0, meaning="and from this error on")
+    neighbours: int = parameter(
         3, unit="markers", low=0, meaning="reference markers: neighbours whose mean error is taken off; 0: none"
     )
-    habit: int = parameter(50, unit="errors", low=1, meaning="errors E(h) that must be known for a verdict")
+    fewest_errors: int = parameter(50, unit="errors", low=1, meaning="errors E(h) that must be known for a verdict")
 
 
 class Trimmed(NamedTuple):
@@ -80,12 +83,12 @@ def trim_edges(motion: MarkerArray, gaps: list[Gap], *, method: GapEdges = GapEd
     """Find the bad samples beside gaps and make them missing."""
     before, after = np.zeros((2, len(gaps)), np.int64)
     known = KnownSamples.of(motion)
-    if method.most:
-        far, ladder = distances(known), _ladder(method.past, method.most)
-        habit = cache(lambda marker: _habit(known.x[marker], ladder, method))
+    if method.most_trimmed:
+        far, ladder = distances(known), _ladder(method.fit_samples, method.most_trimmed)
+        error_quantiles = cache(lambda marker: _error_quantiles(known.x[marker], ladder, method))
         for marker in {gap.marker for gap in gaps}:
             own = [i for i, gap in enumerate(gaps) if gap.marker == marker]
-            judge = _Judge.of(known, marker, far, habit, method)
+            judge = _Judge.of(known, marker, far, error_quantiles, method)
             for i in own:
                 before[i] = judge.bad(gaps[i].start - 1, 1)
                 after[i] = judge.bad(gaps[i].stop, -1)
@@ -100,10 +103,10 @@ class _Judge(NamedTuple):
     """What is usual for one marker.
 
     Attributes:
-        z: signals (F, 3), against donors first, then the positions; NaN where missing.
+        z: signals (F, 3), against reference markers first, then the positions; NaN where missing.
         ladder: (most, past) weights of ẑ at h = 1 … most.
         limits: give for each signal, when it is asked for, (most) mm; NaN where too little is known.
-        donors: neighbours' positions (D, F, 3), for (3).
+        references: neighbours' positions (D, F, 3), for (3).
         usual: gives (D, most) mm, median E_d(h), which is only needed where something stands out.
         method: parameters.
     """
@@ -111,57 +114,62 @@ class _Judge(NamedTuple):
     z: list[Floats]
     ladder: Floats
     limits: Sequence[Callable[[], Floats]]
-    donors: Floats
+    references: Floats
     usual: Callable[[], Floats]
     method: GapEdges
 
     @classmethod
     def of(
-        cls, known: KnownSamples, marker: int, far: Distances, habit: Callable[[int], Floats], method: GapEdges
+        cls,
+        known: KnownSamples,
+        marker: int,
+        far: Distances,
+        error_quantiles: Callable[[int], Floats],
+        method: GapEdges,
     ) -> _Judge:
-        """From all the trial; `habit` gives median and 99.5th percentile of E(h) of any marker's positions."""
-        z, limits = [known.x[marker]], [cache(lambda: _limits(habit(marker), method))]
-        ladder = _ladder(method.past, method.most)
+        """From all the trial; `error_quantiles` gives those of E(h), median and 99.5th percentile, of any marker."""
+        z, limits = [known.x[marker]], [cache(lambda: _limits(error_quantiles(marker), method))]
+        ladder = _ladder(method.fit_samples, method.most_trimmed)
         there = known.seen.any(1) & (np.arange(len(known.names)) != marker)
-        donors = nearest(far(marker).sd, there, method.donors)
-        if len(donors):
-            against = known.x[marker] - known.x[donors].mean(0)
+        references = nearest(far(marker).sd, there, method.neighbours)
+        if len(references):
+            against = known.x[marker] - known.x[references].mean(0)
             z.insert(0, against)
-            limits.insert(0, cache(lambda: _limits(_habit(against, ladder, method), method)))
-        least = method.least / method.limit  # noise
-        usual = cache(lambda: np.array([np.maximum(habit(int(d))[0], least) for d in donors]))
-        return cls(z, ladder, limits, known.x[donors], usual, method)
+            limits.insert(0, cache(lambda: _limits(_error_quantiles(against, ladder, method), method)))
+        least = method.least_error / method.median_ratio  # noise
+        usual = cache(lambda: np.array([np.maximum(error_quantiles(int(d))[0], least) for d in references]))
+        return cls(z, ladder, limits, known.x[references], usual, method)
 
     def bad(self, edge: int, toward: int) -> int:
         """How many samples from `edge` away from the gap are bad; the gap lies in the direction `toward` (1 or −1)."""
         for z, limits in zip(self.z, self.limits, strict=True):
-            reach = self.method.past + self.method.most
+            reach = self.method.fit_samples + self.method.most_trimmed
             t = edge - toward * np.arange(reach)[::-1]
             t = t[(t >= 0) & (t < len(z))]
             run = z[t]
             unknown = np.flatnonzero(np.isnan(run[:, 0]))
             t = t[unknown[-1] + 1 :] if len(unknown) else t
-            if len(t) > self.method.past and not np.isnan(limits()).any():
-                return self._first_bad(z[t], self.donors[:, t], limits())
+            if len(t) > self.method.fit_samples and not np.isnan(limits()).any():
+                return self._first_bad(z[t], self.references[:, t], limits())
         return 0
 
     def _first_bad(self, run: Floats, beside: Floats, limits: Floats) -> int:
         """Samples of a run, whose last is beside the gap, from its first bad one on; `beside` its neighbours'."""
-        for b in range(self.method.past, len(run)):
+        for b in range(self.method.fit_samples, len(run)):
             h = len(run) - b
             e = self._error(run, b)
             if (e <= limits[:h]).all():
                 continue  # whatever the violence, which is 1 or more
-            if (bad := np.flatnonzero(e > limits[:h] * self._violence(beside, b))).size:
+            if (bad := np.flatnonzero(e > limits[:h] * self._relative_acceleration(beside, b))).size:
                 return h - int(bad[0])
         return 0
 
     def _error(self, run: Floats, b: int) -> Floats:
         """(1) for the samples from b on, from those before it."""
-        e = run[..., b:, :] - self.ladder[: run.shape[-2] - b] @ run[..., b - self.method.past : b, :]
+        e = run[..., b:, :] - self.ladder[: run.shape[-2] - b] @ run[..., b - self.method.fit_samples : b, :]
         return np.sqrt((e**2).sum(-1))
 
-    def _violence(self, beside: Floats, b: int) -> Floats:
+    def _relative_acceleration(self, beside: Floats, b: int) -> Floats:
         """(3) for the samples from b on; 1 where no neighbour is known."""
         e = self._error(beside, b)
         if not len(e):
@@ -179,13 +187,13 @@ def _ladder(past: int, most: int) -> Floats:
     return np.asarray(on @ np.linalg.pinv(t))
 
 
-def _limits(habit: Floats, method: GapEdges) -> Floats:
+def _limits(error_quantiles: Floats, method: GapEdges) -> Floats:
     """(2): what (1) may be for h = 1 … most."""
-    usual, rare = habit
-    return np.maximum(np.maximum(method.limit * usual, method.beyond * rare), method.least)
+    usual, rare = error_quantiles
+    return np.maximum(np.maximum(method.median_ratio * usual, method.tail_ratio * rare), method.least_error)
 
 
-def _habit(z: Floats, ladder: Floats, method: GapEdges) -> Floats:
+def _error_quantiles(z: Floats, ladder: Floats, method: GapEdges) -> Floats:
     """Median and 99.5th percentile (2, most) of E(h), mm, over all the trial but the neighbourhoods of gaps.
 
     NaN where too little is known.
@@ -197,7 +205,7 @@ def _habit(z: Floats, ladder: Floats, method: GapEdges) -> Floats:
     near = np.concatenate([[0], np.cumsum(_near_gaps(np.isnan(z[:, 0]), n))])
     starts = np.flatnonzero(near[window:] == near[:-window])
     starts = starts[:: max(1, len(starts) // 2000)]
-    if 2 * len(starts) < method.habit:
+    if 2 * len(starts) < method.fewest_errors:
         return np.full((2, n), np.nan)
     runs = z.take(np.arange(window)[:, None] + starts, axis=0).reshape(window, -1)
     one_way = np.hstack([-ladder, np.eye(n)])  # (1) of a run forward; backward it is read from its end

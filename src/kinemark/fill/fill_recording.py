@@ -31,29 +31,29 @@ class Filling(Method):
     )
     ends: bool = parameter(False, meaning="also fill before a marker's first sample and after its last")
     trim: int = parameter(
-        GapEdges().most, unit="samples", low=0,
+        GapEdges().most_trimmed, unit="samples", low=0,
         meaning="so many bad samples may be replaced on each side of a gap; 0: none",
     )  # fmt: skip
     rays: bool = parameter(True, meaning="use images that one camera alone has of a marker in its gap")
 
 
 def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -> Filled:
-    """The trial with its gaps filled, and told by single cameras what they saw in them.
+    """The trial with its gaps filled, also by the images that single cameras have in them.
 
-    The expected error of a gap is that of the method without the cameras' help, as no hidden test has one.
+    The expected error of a gap is that of the method without the cameras' help, as no hold-out gap has one.
     """
-    edges = GapEdges(most=method.trim)
+    edges = GapEdges(most_trimmed=method.trim)
     filled = fill(trajectories, method=method.method, limit_mm=method.limit_mm, ends=method.ends, edges=edges)
     if not method.rays:
         return filled
     paths = {path.name: path for path in filled.trajectories}
     for gap in filled.gaps:
         if gap.method:
-            paths[gap.marker] = _told(paths[gap.marker], gap, rays)
+            paths[gap.marker] = _expected_errors(paths[gap.marker], gap, rays)
     return Filled(replace(filled.trajectories, paths=tuple(paths.values())), filled.gaps)
 
 
-def _told(path: MarkerTrajectory, gap: FilledGap, rays: Rays) -> MarkerTrajectory:
+def _expected_errors(path: MarkerTrajectory, gap: FilledGap, rays: Rays) -> MarkerTrajectory:
     """A marker with what single cameras say of one gap."""
     at = slice(gap.start, gap.stop)
     found = sharpened(path.xyz[at], path.cov[at], gap.start, rays)

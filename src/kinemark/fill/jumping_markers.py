@@ -1,14 +1,14 @@
-"""Donors that can be trusted in a gap: those that do not jump there.
+"""Reference markers that can be trusted in a gap: those that do not jump there.
 
 A marker that is swapped, reflected or half hidden for some frames jumps against the markers of its own body part, and
-what is filled from it jumps along. With D_k(f) the distance of a donor from another marker k, it is left out of a gap
-when for most of the NEAR markers k whose distance from it varies least
+what is filled from it jumps along. With D_k(f) the distance of a reference marker from another marker k, it is left out
+of a gap when for most of the NEAR markers k whose distance from it varies least
 
     max |D_k(f + 1) − D_k(f)| > JUMP   and   > TIMES what that is elsewhere in all but OFTEN of the frames   (1)
     D_k leaves the range that it has elsewhere, in all but OFTEN of the frames, by more than AWAY            (2)
 
 within the gap and at its edges. A fast movement is neither: it takes the neighbours along; (1) alone it may be, in the
-fastest moment of a trial. Only donors whose own path bends by more than JUMP from one frame to the next,
+fastest moment of a trial. Only reference markers whose own path bends by more than JUMP from one frame to the next,
 |x(f − 1) − 2 x(f) + x(f + 1)|, are looked at (3), as a jump of that size is such a bend.
 """
 

@@ -26,7 +26,7 @@ ENOUGH = 600
 """Frames that are enough to learn from; longer trials are thinned evenly; chosen (see benchmarks/gaps.py)."""
 
 
-def possible(xyz: Floats) -> Bools:
+def plausible(xyz: Floats) -> Bools:
     """(M, F) which samples (M, F, 3) mm, NaN where missing, can be true: those within `FAR` of the median of all.
 
     What lies beyond `RESOLVED` is none either, wherever the others lie.
@@ -123,7 +123,7 @@ class KnownSamples(NamedTuple):
     @classmethod
     def of(cls, motion: MarkerArray) -> KnownSamples:
         """What of a trial can be true."""
-        seen = possible(motion.xyz)
+        seen = plausible(motion.xyz)
         x = np.where(seen[..., None], motion.xyz, np.nan) if (motion.seen & ~seen).any() else motion.xyz
         return cls(np.ascontiguousarray(x), seen, motion.rate, motion.names)
 

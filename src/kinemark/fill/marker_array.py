@@ -67,16 +67,16 @@ class Prediction(NamedTuple):
     """What a filler says of one gap of L frames.
 
     Attributes:
-        xyz: (L, 3) mm, NaN where it has nothing to say.
+        xyz: (L, 3) mm, NaN where it has no prediction.
         cov: (L, 3, 3) mm², what the method itself takes its error to be, NaN where it does not say.
-        reason: why it has nothing to say, in words for the user; empty where it has.
-        donors: markers that it was filled from.
+        reason: why it has no prediction, in words for the user; empty where it has.
+        references: markers that it was filled from.
     """
 
     xyz: Floats
     cov: Floats
     reason: str = ""
-    donors: tuple[int, ...] = ()
+    references: tuple[int, ...] = ()
 
     @classmethod
     def none(cls, length: int, reason: str) -> Prediction:

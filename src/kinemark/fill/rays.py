@@ -52,7 +52,7 @@ class Rays(NamedTuple):
         return cls(rig, detections, free)
 
 
-class Sharpened(NamedTuple):
+class RefinedByRays(NamedTuple):
     """Positions (L, 3) mm, covariances (L, 3, 3) mm², and the image (L, C) by which a camera told of each, −1: none."""
 
     xyz: Floats
@@ -61,7 +61,7 @@ class Sharpened(NamedTuple):
 
     @property
     def cameras(self) -> NDArray[np.uint32]:
-        """(L) which cameras told of each, as bits."""
+        """(L) which cameras contributed to each, as bits."""
         return camera_bits(self.view)
 
 
@@ -74,7 +74,7 @@ class _RayImages(NamedTuple):
     S: Floats
 
 
-def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> Sharpened:
+def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> RefinedByRays:
     """A fill of L frames from `start` on, with what single cameras saw in them.
 
     Args:
@@ -95,7 +95,7 @@ def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> Sharpened:
         P = P - gain @ J @ P
         cov[rows] = (P + P.transpose(0, 2, 1)) / 2
         view[rows, c] = found.row[rows]
-    return Sharpened(xyz, cov, view)
+    return RefinedByRays(xyz, cov, view)
 
 
 def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays: Rays) -> _RayImages:

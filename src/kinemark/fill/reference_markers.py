@@ -1,4 +1,4 @@
-"""Which markers tell most of another: donors by measured skill.
+"""Which markers tell most of another: reference markers by measured skill.
 
 Two measures, both over frames where all concerned are seen. *Rigidity*: the standard deviation of the distance between
 two markers; 0 on one rigid body. *Skill in a gap of half length h*: what a linear bridge over it leaves over half way,
@@ -23,10 +23,10 @@ from ..geometry.rigid_pairs import distances_from
 from .known_samples import KnownSamples
 
 INSTANTS = 150
-"""Instants at which donors are judged; chosen (see benchmarks/gaps.py)."""
+"""Instants at which reference markers are judged; chosen (see benchmarks/gaps.py)."""
 
 
-class Apart(NamedTuple):
+class MarkerDistances(NamedTuple):
     """Distances from one marker to all.
 
     Attributes:
@@ -40,7 +40,7 @@ class Apart(NamedTuple):
     together: Ints
 
 
-Distances = Callable[[int], Apart]
+Distances = Callable[[int], MarkerDistances]
 
 
 def distances(known: KnownSamples) -> Distances:
@@ -49,11 +49,11 @@ def distances(known: KnownSamples) -> Distances:
     return cache(lambda marker: _apart(x, marker))
 
 
-def _apart(x: Floats, marker: int) -> Apart:
+def _apart(x: Floats, marker: int) -> MarkerDistances:
     found = distances_from(x, marker)
     mean, sd = np.where(found.frames > 0, found.mean, np.inf), np.where(found.frames > 1, found.spread, np.inf)
     mean[marker], sd[marker] = 0.0, 0.0
-    return Apart(mean, sd, found.frames)
+    return MarkerDistances(mean, sd, found.frames)
 
 
 def nearest(distance: Floats, there: Bools, most: int) -> Ints:
@@ -75,7 +75,7 @@ def triples(known: KnownSamples, half: int) -> Floats:
     return known.at(np.arange(len(known.names))[:, None, None], np.stack([t - h, t, t + h]))
 
 
-def bowed(y: Floats) -> Floats:
+def bridge_error(y: Floats) -> Floats:
     """(1) for y (…, 3, T, 3): (…, T, 3)."""
     return y[..., 1, :, :] - (y[..., 0, :, :] + y[..., 2, :, :]) / 2
 

@@ -1,4 +1,4 @@
-"""Donors in order: those that keep their distance from a marker move with it."""
+"""Reference markers in order: those that keep their distance from a marker move with it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run says of joint angles: figures, what deserves a look, and the verdict."""
+"""What a run says of joint angles: figures, what needs attention, and the verdict."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .verdict import verdict_of
 TOO_STEADY_MM = 0.02
 """An estimated error of markers below this means that they were smoothed before; chosen."""
 LEAST_BEYOND_DEG = 0.5
-"""Beyond its normal range by less, an angle is not told; chosen."""
+"""Beyond its normal range by less, an angle is not reported; chosen."""
 
 
 def angle_figures(
@@ -116,7 +116,7 @@ def _cycles(cycles: Cycles, model: Model) -> dict[str, Any]:
 
 
 def _findings(figures: dict[str, Any]) -> list[Finding]:
-    """What deserves a look, in the order of the page."""
+    """What needs attention, in the order of the page."""
     found = list(_missing(figures["joints"]))
     found += [one for joint in figures["joints"] for one in _locked(joint, figures["first_frame"])]
     for row in figures["angles"]:

@@ -35,9 +35,9 @@ def calibrated_camera(rig: Rig, c: int, evidence: Evidence, grid: VolumeMap) -> 
         "aim_u_px": cover.u,
         "aim_v_px": cover.v,
         "aim_px": cover.aim,
-        "aim_middle_px": cover.aim[cover.aim.shape[0] // 2, cover.aim.shape[1] // 2],
+        "aim_centre_px": cover.aim[cover.aim.shape[0] // 2, cover.aim.shape[1] // 2],
         "aim_corner_px": np.max(cover.aim[[0, 0, -1, -1], [0, -1, 0, -1]]),
-        "aim_volume_worst_px": quantile(cover.aim_volume, 1.0),
+        "aim_volume_max_px": quantile(cover.aim_volume, 1.0),
         "bend": _bend(camera),
         "without": _without(grid, c),
     }

@@ -1,4 +1,4 @@
-"""What deserves a look in a calibration, from its figures: how it fits, and what its cameras see of the volume."""
+"""What needs attention in a calibration, from its figures: how it fits, and what its cameras see of the volume."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ FLAT_DEG = 20
 
 
 def calibration_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Finding]:
-    """What deserves a look, the gravest first; `noted` is what was found while the calibration was made."""
+    """What needs attention, the gravest first; `noted` is what was found while the calibration was made."""
     return gravest_first(list(chain(*(check(figures) for check in CHECKS), noted)))
 
 
@@ -67,9 +67,9 @@ def _residual(figures: Figures) -> Iterator[Finding]:
     high = {name: r for name, r in residuals.items() if r > RESIDUAL_RED_PX}
     fair = {name: r for name, r in residuals.items() if CALIBRATION_AMBER_PX < r <= RESIDUAL_RED_PX}
     if high:
-        yield make_finding("cameras_miss_points", severity="red", cameras=high, worst_px=max(high.values()))
+        yield make_finding("cameras_miss_points", severity="red", cameras=high, max_px=max(high.values()))
     if fair:
-        yield make_finding("cameras_miss_points", severity="amber", cameras=fair, worst_px=max(fair.values()))
+        yield make_finding("cameras_miss_points", severity="amber", cameras=fair, max_px=max(fair.values()))
 
 
 def _unlike_others(figures: Figures) -> Iterator[Finding]:
@@ -103,7 +103,7 @@ def _points(figures: Figures) -> Iterator[Finding]:
         limit = max(RESIDUAL_FLOOR_PX, POINT_RATIO * statistics.median(errors.values()))
         odd = {name: error for name, error in errors.items() if error > limit}
         if odd:
-            yield make_finding("control_points_disagree", points_list=list(odd), worst_px=max(odd.values()))
+            yield make_finding("control_points_disagree", points_list=list(odd), max_px=max(odd.values()))
     share = figures["fit"]["images_left_out_share"]
     if share is not None and share > LEFT_OUT_IMAGES:
         yield make_finding("images_left_out", images_share=share)
@@ -138,12 +138,12 @@ def _image(figures: Figures) -> Iterator[Finding]:
         severity: Severity = "amber" if least < COVERED / 2 else "info"
         yield make_finding("points_cover_part", severity=severity, cameras=little, least_share=least)
     vague = {
-        c["name"]: c["aim_volume_worst_px"]
+        c["name"]: c["aim_volume_max_px"]
         for c in figures["cameras"]
-        if (c["aim_volume_worst_px"] or 0) > max(CORNER_PX, CORNER_RATIO * (c["aim_middle_px"] or math.inf))
+        if (c["aim_volume_max_px"] or 0) > max(CORNER_PX, CORNER_RATIO * (c["aim_centre_px"] or math.inf))
     }
     if vague:
-        yield make_finding("lens_uncertain", cameras=vague, worst_px=max(vague.values()))
+        yield make_finding("lens_uncertain", cameras=vague, max_px=max(vague.values()))
 
 
 def _precision(figures: Figures) -> Iterator[Finding]:

@@ -1,4 +1,4 @@
-"""What deserves a look in the lengths of a calibration: its scale, its wand, and where its cameras stand."""
+"""What needs attention in the lengths of a calibration: its scale, its wand, and where its cameras stand."""
 
 from __future__ import annotations
 

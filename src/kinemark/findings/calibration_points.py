@@ -18,7 +18,7 @@ MOST_POINTS = 500
 
 
 def control_point_figures(rig: Rig, evidence: Evidence) -> list[dict[str, Any]]:
-    """The control points, the worst first."""
+    """The control points, the largest residual first."""
     off = np.linalg.norm(evidence.residual, axis=-1)
     out = evidence.left_out if evidence.left_out.size else np.full(off.shape, np.nan)
     rows = [_point(rig, evidence, off[:, n], out[:, n], n) for n in range(len(evidence.names))]
@@ -29,14 +29,14 @@ def control_point_figures(rig: Rig, evidence: Evidence) -> list[dict[str, Any]]:
 
 def _point(rig: Rig, evidence: Evidence, off: Floats, out: Floats, n: int) -> dict[str, Any]:
     known = np.isfinite(off)
-    worst = int(np.nan_to_num(off, nan=-1.0).argmax())
+    largest = int(np.nan_to_num(off, nan=-1.0).argmax())
     return {
         "name": evidence.names[n],
         "xyz_mm": evidence.xyz[n],
         "cameras": int(known.sum()),
         "residual_rms_px": rms(off),
-        "worst_camera": rig.names[worst] if known.any() else None,
-        "worst_px": off[worst],
+        "max_camera": rig.names[largest] if known.any() else None,
+        "max_px": off[largest],
         "left_out_rms_px": rms(out),
         "left_out_mm": evidence.left_out_mm[n] if len(evidence.left_out_mm) else None,
         "not_used_by": [name for c, name in enumerate(rig.names) if known[c] and not evidence.kept[c, n]],

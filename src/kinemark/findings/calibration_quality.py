@@ -121,7 +121,7 @@ def _precision(grid: VolumeMap, sd: float, rig: Rig, evidence: Evidence) -> dict
         "calibration_known": bool(joint.any()),
         "sd_median_mm": over_volume(grid.sd, 0.5),
         "sd_95_mm": over_volume(grid.sd, 0.95),
-        "worst_direction_95_mm": over_volume(grid.worst, 0.95),
+        "largest_axis_95_mm": over_volume(grid.sd_largest_axis, 0.95),
         "fewer_than_2_cameras_share": share((grid.seen < 2).sum(), grid.seen.size),
         "fewer_than_3_cameras_share": share((grid.seen < 3).sum(), grid.seen.size),
         "angle_median_deg": quantile(grid.angle, 0.5),
@@ -140,7 +140,7 @@ def _fit(rig: Rig, evidence: Evidence) -> dict[str, Any]:
         "residual_rms_px": rms(residual[evidence.kept]) if len(residual) else rms(stated),
         "left_out_rms_px": rms(evidence.left_out[evidence.kept]) if evidence.left_out.size else None,
         "left_out_rms_mm": rms(evidence.left_out_mm),
-        "left_out_worst_mm": quantile(evidence.left_out_mm, 1.0),
+        "left_out_max_mm": quantile(evidence.left_out_mm, 1.0),
     }
 
 

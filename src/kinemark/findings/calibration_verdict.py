@@ -49,7 +49,7 @@ def _statements(figures: Figures) -> Iterator[Finding]:
             centroid_sd_px=precision["centroid_sd_px"],
             calibration_known=precision["calibration_known"],
             sd_mm=precision["sd_95_mm"],
-            worst_direction_mm=precision["worst_direction_95_mm"],
+            largest_axis_mm=precision["largest_axis_95_mm"],
         )
     yield _coverage(figures)
 

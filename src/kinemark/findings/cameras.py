@@ -24,7 +24,7 @@ from ..geometry import project, to_camera
 from .plain import mean, quantile, rms, share
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
-"""Those that the figure of residuals draws as whiskers, box and middle line; chosen."""
+"""Those that the figure of residuals draws as whiskers, box and median line; chosen."""
 
 
 def residuals(rig: Rig, detections: Detections, cloud: Cloud) -> list[Floats]:

@@ -1,4 +1,4 @@
-"""What became of the gaps of a trial: figures, what deserves a look, and the verdict."""
+"""What became of the gaps of a trial: figures, what needs attention, and the verdict."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..data import Finding, Origin, Trajectories, make_finding
 from ..data import MarkerTrajectory as MarkerPath
 from ..data.finding import gravest_first, red_if
 from ..fill import Filled, FilledGap, MarkerArray
-from ..fill.known_samples import possible
+from ..fill.known_samples import plausible
 from ..version import __version__
 from .plain import SCHEMA_VERSION, plain
 from .verdict import verdict_of
@@ -57,7 +57,7 @@ def filling_figures(
         "beyond": sum(_beyond(path) for path in after) - sum(_at_an_end(gap, before) for gap in filled.gaps),
         "replaced": sum(len(gap["trimmed"]) for gap in done),
         "expected_median_mm": float(np.median(tested)) if tested else None,
-        "expected_worst_mm": max((gap["expected_mm"] for gap in known), default=None),
+        "expected_max_mm": max((gap["expected_mm"] for gap in known), default=None),
         "unknown": len(done) - len(known),
         "by_method": dict(Counter(gap["method"] for gap in done).most_common()),
         "never_seen": [path.name for path in after if (path.origin == Origin.MISSING).all()],
@@ -91,11 +91,11 @@ def _at_an_end(gap: FilledGap, before: Trajectories) -> int:
 def _far_away(trajectories: Trajectories) -> int:
     """Samples that cannot be positions."""
     motion = MarkerArray.of(trajectories)
-    return int((motion.seen & ~possible(motion.xyz)).sum())
+    return int((motion.seen & ~plausible(motion.xyz)).sum())
 
 
 def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
-    """One gap; sd_worst_mm: the greatest standard deviation of an axis in it; trimmed: measured frames replaced."""
+    """One gap; sd_max_mm: the greatest standard deviation of an axis in it; trimmed: measured frames replaced."""
     sd = np.zeros(0)
     if gap.method:
         cov = after[gap.marker].cov[gap.start : gap.stop]
@@ -109,27 +109,27 @@ def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
         "frames": gap.length,
         "method": gap.method,
         "expected_mm": gap.expected_mm,
-        "sd_worst_mm": float(np.nanmax(sd)) if np.isfinite(sd).any() else None,
+        "sd_max_mm": float(np.nanmax(sd)) if np.isfinite(sd).any() else None,
         "candidates_mm": dict(gap.candidates),
         "tests": gap.tests,
-        "donors": list(gap.donors),
+        "reference_markers": list(gap.reference_markers),
         "trimmed": [frame + after.first_frame for frame in gap.trimmed] if gap.method else [],
         "reason": gap.reason,
     }
 
 
-def worst_of(gap: dict[str, Any]) -> float:
+def largest_error(gap: dict[str, Any]) -> float:
     """Greatest of what is said of a gap's error, mm."""
-    return max(gap["expected_mm"] or 0.0, gap["sd_worst_mm"] or 0.0)
+    return max(gap["expected_mm"] or 0.0, gap["sd_max_mm"] or 0.0)
 
 
 def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
-    """What deserves a look."""
-    uncertain = [worst_of(gap) for gap in figures["list"] if gap["method"] and worst_of(gap) > UNSURE_MM]
+    """What needs attention."""
+    uncertain = [largest_error(gap) for gap in figures["list"] if gap["method"] and largest_error(gap) > UNSURE_MM]
     if figures["open"]:
         yield make_finding("gaps_open", severity=red_if(not figures["filled"]), gaps=figures["open"])
     if uncertain:
-        yield make_finding("gaps_uncertain", gaps=len(uncertain), limit_mm=UNSURE_MM, worst_mm=max(uncertain))
+        yield make_finding("gaps_uncertain", gaps=len(uncertain), limit_mm=UNSURE_MM, max_mm=max(uncertain))
     if figures["unknown"]:
         yield make_finding("gaps_untested", gaps=figures["unknown"])
     if figures["far_away"]:
@@ -157,10 +157,10 @@ def _statements(figures: dict[str, Any]) -> Iterator[Finding]:
         yield make_finding("no_marker_seen" if _nothing_seen(figures) else "nothing_to_fill")
     if figures["expected_median_mm"] is not None:
         yield make_finding(
-            "expected_gap_error", median_mm=figures["expected_median_mm"], worst_mm=figures["expected_worst_mm"]
+            "expected_gap_error", median_mm=figures["expected_median_mm"], max_mm=figures["expected_max_mm"]
         )
     if n := figures["by_method"].get(STATIC, 0):
-        worst = max(gap["expected_mm"] or 0.0 for gap in figures["list"] if gap["method"] == STATIC)
-        yield make_finding("markers_from_static", count=n, worst_mm=worst)
+        largest = max(gap["expected_mm"] or 0.0 for gap in figures["list"] if gap["method"] == STATIC)
+        yield make_finding("markers_from_static", count=n, max_mm=largest)
     if n := figures["beyond"]:
         yield make_finding("samples_beyond", samples=n)

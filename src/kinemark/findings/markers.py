@@ -58,7 +58,7 @@ def present(trajectories: Trajectories) -> Bools:
 
 
 def unlabelled(trajectories: Trajectories) -> bool:
-    """Whether most trajectories are tracks without a marker's name, `*1`, `*2`, …: pieces of markers."""
+    """Whether most trajectories are tracks without a marker's name, `*1`, `*2`, …: fragments of markers."""
     return sum(path.name.startswith("*") for path in trajectories) > len(trajectories) / 2
 
 

@@ -258,12 +258,12 @@ class GapData(TypedDict):
     method: str
     """Empty where it stayed open."""
     expected_mm: Number
-    sd_worst_mm: Number
+    sd_max_mm: Number
     """Greatest standard deviation of an axis within it."""
     candidates_mm: dict[str, Number]
     """Expected error of each method."""
     tests: Count
-    donors: list[str]
+    reference_markers: list[str]
     """Markers that it was filled from."""
     trimmed: list[int]
     """Measured frames that were replaced."""
@@ -292,7 +292,7 @@ class FillingData(TypedDict):
     """Samples before a marker's first and after its last."""
     replaced: Count
     expected_median_mm: Number
-    expected_worst_mm: Number
+    expected_max_mm: Number
     unknown: Count
     """Filled gaps without an expected error."""
     by_method: dict[str, Count]
@@ -337,5 +337,5 @@ class Quality(TypedDict):
     digitising: NotRequired[DigitisingData]
     """Of trials that an operator digitised."""
     findings: list[FindingData]
-    """What deserves a look, the gravest first."""
+    """What needs attention, the gravest first."""
     verdict: VerdictData

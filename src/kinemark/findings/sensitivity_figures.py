@@ -173,14 +173,14 @@ def _losses(lost: list[dict[str, Any]]) -> Iterator[Finding]:
     if not lost:
         yield make_finding("two_cameras_no_loss")
         return
-    worst = lost[0]
+    first = lost[0]
     yield make_finding(
         "camera_most_missed",
-        cameras=[worst["camera"]],
-        without_mm=worst["mm"],
-        with_mm=worst["all_mm"],
-        lost_share=worst["gone_share"],
+        cameras=[first["camera"]],
+        without_mm=first["mm"],
+        with_mm=first["all_mm"],
+        lost_share=first["gone_share"],
     )
     holes = [row["camera"] for row in lost if row["gone_share"] > MANY_GONE]
-    if holes and worst["mm"] is not None:
+    if holes and first["mm"] is not None:
         yield make_finding("cameras_losing_points", cameras=holes, limit_share=MANY_GONE)

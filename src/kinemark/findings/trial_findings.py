@@ -1,4 +1,4 @@
-"""What deserves a look in a trial, from its figures, and the verdict over the whole."""
+"""What needs attention in a trial, from its figures, and the verdict over the whole."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ COMPLETE_AMBER, COMPLETE_RED = 0.97, 0.8
 """Share of samples that are present while the subject is in view; chosen."""
 STRETCH = 0.06
 """How far the focal lengths along u and v may differ, or differ from 2:1 in fields of interlaced video; chosen."""
-PIECES = 1.3
+FRAGMENTS = 1.3
 """Tracks a marker above which they count as broken; chosen."""
 LONG_GAP_S = 0.2
 """A gap that interpolation should not bridge unseen: a fifth of a gait cycle; chosen."""
@@ -47,7 +47,7 @@ Found = Iterator[Finding]
 
 
 def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Finding]:
-    """What deserves a look, the gravest first.
+    """What needs attention, the gravest first.
 
     Args:
         figures: of `quality`.
@@ -76,12 +76,12 @@ def trial_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:
 
 def _statements(figures: Figures) -> Found:
     recording, markers = figures["recording"], figures["trajectories"]
-    pieces = markers["unlabelled"] and markers["count"] != markers["markers_worn"]
+    fragments = markers["unlabelled"] and markers["count"] != markers["markers_worn"]
     yield make_finding(
         "recorded",
         camera_count=len(figures["cameras"]),
-        marker_count=markers["markers_worn"] if pieces else markers["count"],
-        track_count=markers["count"] if pieces else None,
+        marker_count=markers["markers_worn"] if fragments else markers["count"],
+        track_count=markers["count"] if fragments else None,
         duration_s=recording["duration_s"],
         frame_count=recording["frames"],
         rate_hz=recording["rate_hz"],
@@ -198,18 +198,18 @@ def _incomplete(figures: Figures) -> Found:
     if not trajectories["samples"] or complete >= COMPLETE_AMBER:
         return
     markers = [m for m in trajectories["markers"] if m["completeness_in_view_share"] < COMPLETE_AMBER]
-    worst = [m["name"] for m in sorted(markers, key=lambda m: float(m["completeness_in_view_share"]))]
+    least_complete = [m["name"] for m in sorted(markers, key=lambda m: float(m["completeness_in_view_share"]))]
     yield make_finding(
         "incomplete",
         severity=red_if(complete < COMPLETE_RED),
-        markers=() if trajectories["unlabelled"] else worst,
+        markers=() if trajectories["unlabelled"] else least_complete,
         complete_share=complete,
     )
 
 
 def _pieces(figures: Figures) -> Found:
     tracks, worn = figures["trajectories"]["count"], figures["trajectories"]["markers_worn"]
-    if figures["trajectories"]["unlabelled"] and tracks > PIECES * max(worn, 1):
+    if figures["trajectories"]["unlabelled"] and tracks > FRAGMENTS * max(worn, 1):
         yield make_finding("tracks_broken", tracks=tracks, markers_worn=worn)
 
 
@@ -254,7 +254,7 @@ def _left_over(figures: Figures) -> Found:
 def _close_decisions(figures: Figures) -> Found:
     kinds = [row["kind"] for row in figures["ambiguous_decisions"]]
     if kinds:
-        numbers: dict[str, Any] = {kind: kinds.count(kind) for kind in ("swap", "merge", "ghost", "join")}
+        numbers: dict[str, Any] = {kind: kinds.count(kind) for kind in ("swap", "merge", "ghost", "stitch")}
         yield make_finding("close_decisions", **numbers)
 
 
@@ -269,7 +269,7 @@ def not_square(cameras: Sequence[Figures]) -> list[str]:
     return [name for name, ratio in ratios.items() if min(abs(ratio - 1), abs(ratio - 2)) > STRETCH]
 
 
-def worst_cameras(figures: Figures) -> list[str]:
+def inconsistent_cameras(figures: Figures) -> list[str]:
     """Names of the cameras that disagree with the others, for marking them in tables."""
     return [camera["name"] for camera in _outliers(figures)]
 

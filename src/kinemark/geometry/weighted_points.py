@@ -1,4 +1,4 @@
-"""A point in space from all its images, weighted by what each image is worth, and what is then left open of it.
+"""A point in space from all its images, weighted by their variances, with its covariance.
 
 `triangulate` gives a first guess, and `refine` the answer: it weighs every image by its own covariance and by what the
 calibration of its camera leaves open, and gives the covariance of the point.

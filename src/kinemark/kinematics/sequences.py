@@ -50,7 +50,7 @@ class SignedAngles(Method):
     )
     lock_deg: float = parameter(
         10.0, unit="deg", low=0, below=90,
-        meaning="how near to gimbal lock the middle angle may come before a frame is flagged",
+        meaning="how near to gimbal lock the second angle may come before a frame is flagged",
     )  # fmt: skip
 
 
@@ -60,7 +60,7 @@ class InverseCosines(Method):
 
     lock_deg: float = parameter(
         10.0, unit="deg", low=0, below=90,
-        meaning="how near to gimbal lock the middle angle may come before a frame is flagged",
+        meaning="how near to gimbal lock the second angle may come before a frame is flagged",
     )  # fmt: skip
 
 

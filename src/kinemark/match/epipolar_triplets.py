@@ -8,12 +8,12 @@ first and then compete, so the order of the cameras has no influence:
 
 1. pairs of images within the search band of each other's epipolar lines, at most five for an image and a camera;
 2. each pair's point, projected into every other camera, takes the nearest candidate within the search radius;
-3. a group whose images lie at distances d from the projections of its point has the merit
+3. a group whose images lie at distances d from the projections of its point has the score
 
        m = Σ (ρ² − d²)                                                                  (1)
 
    with the search radius ρ: more cameras are better, and a camera that fits badly adds little;
-4. the group with the highest merit wins its images, the others lose them and are weighed again, until no group with
+4. the group with the highest score takes its images, the others lose them and are scored again, until no group with
    three images is left;
 5. what is left over is matched by pairs, the closest to their epipolar lines first (`pairs`).
 
@@ -116,12 +116,12 @@ def _padded(start: Ints) -> Ints:
 def _match_block(seen: FrameImages, P: Floats, method: EpipolarTriplets) -> tuple[Ints, Floats]:
     """Views (G, C) and costs (G) px of all frames of a block."""
     edges = _edges(seen, P, method)
-    view, merit = _groups(edges, seen, P, method)
+    view, score = _groups(edges, seen, P, method)
     taken = np.zeros(len(seen.uv), bool)
-    won = [_award(view, merit, taken, seen.uv, P, method.search_radius)]
+    chosen = [_assign_images(view, score, taken, seen.uv, P, method.search_radius)]
     if method.pairs != "none":
-        won.append(_pairs(edges, taken, len(P), method))
-    view = np.concatenate(won)
+        chosen.append(_pairs(edges, taken, len(P), method))
+    view = np.concatenate(chosen)
     return view, costs(view, seen.uv, P)
 
 
@@ -167,7 +167,7 @@ def _rank(key: Ints, value: Floats) -> Ints:
 
 
 def _groups(edges: TripletEdges, seen: FrameImages, P: Floats, method: EpipolarTriplets) -> tuple[Ints, Floats]:
-    """Steps 2 and 3: views (H, C) of three or more cameras and their merit (H)."""
+    """Steps 2 and 3: views (H, C) of three or more cameras and their scores (H)."""
     neighbours, base = _neighbours(edges, len(seen.uv), len(P))
     views = []
     for r, s in combinations(range(len(P)), 2):
@@ -180,7 +180,7 @@ def _groups(edges: TripletEdges, seen: FrameImages, P: Floats, method: EpipolarT
             view[:, c] = _nearest(xyz, neighbours[base[i], c], seen.uv, P[c], method.search_radius)
         views.append(view[(view >= 0).sum(1) >= 3])
     view = _distinct(np.concatenate(views))
-    return _weigh(view, seen.uv, P, method.search_radius)
+    return _score_groups(view, seen.uv, P, method.search_radius)
 
 
 def _neighbours(edges: TripletEdges, n: int, n_cameras: int) -> tuple[Ints, Ints]:
@@ -232,8 +232,8 @@ def _fit(view: Ints, uv: Floats, P: Floats) -> tuple[Floats, Floats]:
     return xyz, _squared(images, projected)
 
 
-def _weigh(view: Ints, uv: Floats, P: Floats, radius: float) -> tuple[Ints, Floats]:
-    """Groups of three or more images within the radius, and their merit by (1); an image outside leaves its group."""
+def _score_groups(view: Ints, uv: Floats, P: Floats, radius: float) -> tuple[Ints, Floats]:
+    """Groups of three or more images within the radius, and their scores by (1); an image outside leaves its group."""
     _, squared = _fit(view, uv, P)
     outside = squared > radius**2
     if outside.any():
@@ -242,30 +242,30 @@ def _weigh(view: Ints, uv: Floats, P: Floats, radius: float) -> tuple[Ints, Floa
         view = view.copy()
         view[np.flatnonzero(bad), worst[bad]] = -1
         view = view[(view >= 0).sum(1) >= 3]
-        return _weigh(view, uv, P, radius)
+        return _score_groups(view, uv, P, radius)
     return view, np.nansum(radius**2 - squared, axis=1)
 
 
-def _award(view: Ints, merit: Floats, taken: NDArray[np.bool_], uv: Floats, P: Floats, radius: float) -> Ints:
+def _assign_images(view: Ints, score: Floats, taken: NDArray[np.bool_], uv: Floats, P: Floats, radius: float) -> Ints:
     """Step 4: the winning groups; marks their images in `taken`."""
-    won = [view[:0]]
+    chosen = [view[:0]]
     while len(view):
-        wins = _winners(view, merit, len(uv))
-        won.append(view[wins])
-        taken[view[wins][view[wins] >= 0]] = True
-        view, merit = view[~wins], merit[~wins]
-        robbed = (view >= 0) & taken[view]
-        touched = robbed.any(1)
-        rest = np.where(robbed[touched], -1, view[touched])
-        kept, weight = _weigh(rest[(rest >= 0).sum(1) >= 3], uv, P, radius)
-        view, merit = np.concatenate([view[~touched], kept]), np.concatenate([merit[~touched], weight])
-    return np.concatenate(won)
+        best = _best_groups(view, score, len(uv))
+        chosen.append(view[best])
+        taken[view[best][view[best] >= 0]] = True
+        view, score = view[~best], score[~best]
+        lost = (view >= 0) & taken[view]
+        changed = lost.any(1)
+        rest = np.where(lost[changed], -1, view[changed])
+        kept, weight = _score_groups(rest[(rest >= 0).sum(1) >= 3], uv, P, radius)
+        view, score = np.concatenate([view[~changed], kept]), np.concatenate([score[~changed], weight])
+    return np.concatenate(chosen)
 
 
-def _winners(view: Ints, merit: Floats, n: int) -> NDArray[np.bool_]:
+def _best_groups(view: Ints, score: Floats, n: int) -> NDArray[np.bool_]:
     """Groups (H) that are the best at every one of their images; ties go to the first."""
     place = np.empty(len(view), np.int64)
-    place[np.argsort(-merit, kind="stable")] = np.arange(len(view), 0, -1)
+    place[np.argsort(-score, kind="stable")] = np.arange(len(view), 0, -1)
     best = np.zeros(n + 1, np.int64)
     np.maximum.at(best, view.ravel(), np.repeat(place, view.shape[1]))
     return ((best[view] == place[:, None]) | (view < 0)).all(1)
@@ -280,11 +280,11 @@ def _pairs(edges: TripletEdges, taken: NDArray[np.bool_], n_cameras: int, method
     view[np.arange(len(view)), edges.s] = edges.j
     if method.pairs == "all":
         return view
-    won, merit = [view[:0]], -edges.distance
+    chosen, score = [view[:0]], -edges.distance
     while len(view):
-        wins = _winners(view, merit, len(taken))
-        won.append(view[wins])
-        taken[view[wins][view[wins] >= 0]] = True
+        best = _best_groups(view, score, len(taken))
+        chosen.append(view[best])
+        taken[view[best][view[best] >= 0]] = True
         free = ~((view >= 0) & taken[view]).any(1)
-        view, merit = view[free], merit[free]
-    return np.concatenate(won)
+        view, score = view[free], score[free]
+    return np.concatenate(chosen)

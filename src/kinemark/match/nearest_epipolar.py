@@ -42,8 +42,8 @@ class NearestEpipolar(Method):
         meaning="names of the base camera and of the other one; empty where the rig has just two, the first is the "
         "base",
     )
-    band: float | None = parameter(
-        None, unit="px", above=0,
+    search_band: float | None = parameter(
+        None, former="band", unit="px", above=0,
         meaning="images farther than this from the line are no match; None: no limit, as in the document",
     )  # fmt: skip
 
@@ -64,7 +64,7 @@ def match_nearest(detections: Detections, rig: Rig, *, method: NearestEpipolar =
     check_cameras(detections, rig)
     r, s = two = _two_cameras(rig, method.cameras)
     uv = ideal_pixels(detections, rig, cameras=two)
-    F, band = fundamental(rig.P[r], rig.P[s]), np.inf if method.band is None else method.band
+    F, band = fundamental(rig.P[r], rig.P[s]), np.inf if method.search_band is None else method.search_band
     found = [_frame_pairs(detections, uv, f, two, F, band) for f in range(detections.n_frames)]
     frame = np.repeat(np.arange(detections.n_frames), [len(i) for i, _ in found])
     view = np.full((len(frame), len(rig)), -1)

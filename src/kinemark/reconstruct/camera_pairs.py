@@ -16,7 +16,7 @@ part, and the (n − 1)(n − 2)/2 others stay together. So with
 
 solution p is left out if
 
-    m_p ≥ `excess` · min_q m_q,   m_p > min_q m_q                        (5)
+    m_p ≥ `outlier_ratio` · min_q m_q,   m_p > min_q m_q                        (5)
 
 For n = 3 is k = 1, and (5) is the rule of the paper: if d₃ is the least of three distances, the two solutions that it
 joins have m = d₃, and the third has the smaller of its two distances, which (5) asks to be twice d₃ or more.
@@ -67,8 +67,8 @@ BLOCK = 100_000  # distances between solutions worked on at once, so that they s
 class CameraPairs(Method):
     """Each point as the mean of the solutions of camera pairs that agree: the method of UM²AS."""
 
-    excess: float = parameter(
-        2.0, unit=ONE, low=1,
+    outlier_ratio: float = parameter(
+        2.0, former="excess", unit=ONE, low=1,
         meaning="a solution this many times as far from the others as they are from each other, or farther, is left "
         "out (5); UM²AS: 2",
     )  # fmt: skip
@@ -90,7 +90,7 @@ def reconstruct_pairs(matches: Matches, detections: Detections, rig: Rig, *, met
     seen: Bools = matches.view >= 0
     uv = np.where(seen[..., None], detections.uv[matches.view], np.nan)
     each = solutions(rig, uv)
-    kept = agreeing(each, seen.sum(1), excess=method.excess)
+    kept = agreeing(each, seen.sum(1), outlier_ratio=method.outlier_ratio)
     xyz = _mean(each, kept)
     area = np.where(seen, detections.area[matches.view], np.nan)
     cov = centroid_cov(detections.cov[matches.view], rig, xyz, uv, method.centroid_sd)
@@ -122,7 +122,7 @@ def solutions(rig: Rig, uv: Floats) -> Floats:
     return out
 
 
-def agreeing(each: Floats, views: NDArray[np.int64], *, excess: float = 2.0) -> Bools:
+def agreeing(each: Floats, views: NDArray[np.int64], *, outlier_ratio: float = 2.0) -> Bools:
     """(P, Q) the solutions (P, Q, 3) that are not left out by (5), of points seen by `views` (P) cameras."""
     kept = np.zeros(each.shape[:2], bool)
     step = max(1, BLOCK // max(each.shape[1] ** 2, 1))
@@ -133,7 +133,7 @@ def agreeing(each: Floats, views: NDArray[np.int64], *, excess: float = 2.0) -> 
         k = np.minimum(k, np.maximum(there.sum(1) - 1, 1))  # parallel rays have no solution
         m = _nearest(each[rows], k)
         least = m.min(axis=1, keepdims=True, initial=np.inf)
-        kept[rows] = there & ((m < excess * least) | (m <= least))  # (5)
+        kept[rows] = there & ((m < outlier_ratio * least) | (m <= least))  # (5)
     return kept
 
 
@@ -157,7 +157,7 @@ def _mean(each: Floats, kept: Bools) -> Floats:
 
 def _covariance(rig: Rig, xyz: Floats, kept: Bools, off: Floats, cov: Floats) -> Floats:
     """(P, 3, 3) mm², of the mean of the solutions kept (7), widened by (8)."""
-    pull, normal, image = _pulls(rig, xyz, cov)
+    pull, normal, image = _pair_terms(rig, xyz, cov)
     H = np.zeros_like(pull)  # (P, C, 3, 2)
     used = np.zeros(H.shape[:2], bool)
     for q, (a, b) in enumerate(combinations(range(len(rig)), 2)):
@@ -174,7 +174,7 @@ def _covariance(rig: Rig, xyz: Floats, kept: Bools, off: Floats, cov: Floats) ->
     return np.asarray(np.sum(part, axis=1, where=used[..., None, None]) * widened[:, None, None])  # (7)
 
 
-def _pulls(rig: Rig, xyz: Floats, cov: Floats) -> tuple[Floats, Floats, Floats]:
+def _pair_terms(rig: Rig, xyz: Floats, cov: Floats) -> tuple[Floats, Floats, Floats]:
     """Of (6) and (7), for each point and camera: w² Jᵀ A (P, C, 3, 2), w² Jᵀ J (P, C, 3, 3) and C (P, C, 2, 2)."""
     pull, normal = np.empty((len(xyz), len(rig), 3, 2)), np.empty((len(xyz), len(rig), 3, 3))
     image = cov.copy()

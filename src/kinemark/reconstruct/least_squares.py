@@ -1,4 +1,4 @@
-"""Points from all their images by least squares (KISS 4.2), weighted by what each image is worth.
+"""Points from all their images by least squares (KISS 4.2), weighted by the variance of each image.
 
 The linear solution of KISS eq. 10 is the first guess; `geometry.weighted_points` has the equations (1) to (3), which
 the simultaneous tracker shares.
@@ -26,8 +26,8 @@ class LeastSquares(Method):
         0.01, unit="px", low=0,
         meaning="what the camera model leaves out, a standard deviation that is added to every image's",
     )  # fmt: skip
-    tails: float = parameter(
-        4.0, unit="degrees of freedom", low=0,
+    degrees_of_freedom: float = parameter(
+        4.0, former="tails", unit="degrees of freedom", low=0,
         meaning="ν of (2), of Student's t; small means that outliers are expected; 0 for plain least squares",
     )  # fmt: skip
     within_volume: bool = parameter(True, meaning="drop points outside the rig's control volume, where it has one")
@@ -46,5 +46,5 @@ def reconstruct_least_squares(matches: Matches, detections: Detections, rig: Rig
 
 
 def image_errors(method: LeastSquares) -> ImageErrors:
-    """What the method thinks of the errors of images."""
-    return ImageErrors(method.centroid_sd, method.model_sd, method.tails, method.marker_diameter)
+    """The error model of images that the method states."""
+    return ImageErrors(method.centroid_sd, method.model_sd, method.degrees_of_freedom, method.marker_diameter)

@@ -19,9 +19,9 @@ SILENT = "This method of tracking does not tell which of its decisions were clos
 Decisions = Sequence[dict[str, Any]]
 
 
-def ambiguous_table(decisions: Decisions, *, told: bool) -> str:
-    """A row for each reason about the same markers, the earliest first; `told`: whether the tracking tells any."""
-    if not told:
+def ambiguous_table(decisions: Decisions, *, listed: bool) -> str:
+    """A row for each reason about the same markers, the earliest first; `listed`: whether the tracking tells any."""
+    if not listed:
         return f"<p>{escape(SILENT)}</p>"
     rows = [_row(own) for own in grouped(decisions)]
     more = f"<p>And {len(rows) - MOST_ROWS} more, in quality.json.</p>" if len(rows) > MOST_ROWS else ""

@@ -33,7 +33,7 @@ def calibration_tiles(figures: dict[str, Any]) -> str:
 def fit_table(cameras: list[dict[str, Any]]) -> str:
     """A row a camera: how it fits, and how its image is covered."""
     head = ["camera", "points", "not used", "residual (px)", "left out (px)", "image within points"]
-    head += ["volume within points", "uncertain: middle (px)", "corner (px)"]
+    head += ["volume within points", "uncertain: centre (px)", "corner (px)"]
     return table(head, [_fit(camera) for camera in cameras])
 
 
@@ -43,7 +43,7 @@ def _fit(camera: dict[str, Any]) -> list[str]:
         *(number(camera[key]) for key in ("points", "points_left_out")),
         *(number(camera[key], 3) for key in ("residual_rms_px", "left_out_rms_px")),
         *(percent(camera[key]) for key in ("image_share", "volume_share")),
-        *(number(camera[key], 3) for key in ("aim_middle_px", "aim_corner_px")),
+        *(number(camera[key], 3) for key in ("aim_centre_px", "aim_corner_px")),
     ]
 
 
@@ -72,7 +72,7 @@ def _lens(camera: dict[str, Any], straight: dict[str, dict[str, Any]]) -> list[s
 
 def loss_table(figures: dict[str, Any]) -> str:
     """A row a camera: what remains without it; those on which much rests are tinted."""
-    head = ["camera that is lost", "σ middle (mm)", "σ in 95 % (mm)", "error: times as large", "no longer measured"]
+    head = ["camera that is lost", "σ median (mm)", "σ in 95 % (mm)", "error: times as large", "no longer measured"]
     precision = figures["precision"]
     whole = ["none", number(precision["sd_median_mm"], 3), number(precision["sd_95_mm"], 3), "1", "–"]
     rows = [_loss(camera) for camera in figures["cameras"]]
@@ -92,10 +92,18 @@ def _loss(camera: dict[str, Any]) -> list[str]:
 
 
 def point_table(points: list[dict[str, Any]]) -> str:
-    """A row a control point, the worst first."""
+    """A row a control point, the largest residual first."""
     if not points:
         return ""
-    head = ["point", "x, y, z (mm)", "cameras", "residual RMS (px)", "worst camera", "left out (px)", "left out (mm)"]
+    head = [
+        "point",
+        "x, y, z (mm)",
+        "cameras",
+        "residual RMS (px)",
+        "largest residual (px)",
+        "left out (px)",
+        "left out (mm)",
+    ]
     head += ["not used by"]
     rows = [
         [
@@ -103,7 +111,7 @@ def point_table(points: list[dict[str, Any]]) -> str:
             ", ".join(number(x, 1) for x in p["xyz_mm"]),
             number(p["cameras"]),
             number(p["residual_rms_px"], 3),
-            f"{p['worst_camera'] or '–'} {number(p['worst_px'], 3)}",
+            f"{p['max_camera'] or '–'} {number(p['max_px'], 3)}",
             number(p["left_out_rms_px"], 3),
             number(p["left_out_mm"], 2),
             ", ".join(p["not_used_by"]) or "–",

@@ -10,7 +10,7 @@ from .html_tables import table
 REASONS = {
     "first_two_frames": "in the first two frames",
     "not_found": "markers not found",
-    "in_doubt": "in doubt",
+    "ambiguous": "ambiguous",
     "reference": "reference",
 }
 

@@ -58,13 +58,13 @@ def _all_or_none() -> dict[str, Any]:
 def timeline_figure(trajectories: Trajectories) -> go.Figure:
     """A row a marker, the least complete at the top: measured, filled, edited or missing through time.
 
-    Where a column stands for several frames it shows the worst of them, so that no gap is hidden.
+    Where a column stands for several frames it shows the least certain of them, so that no gap is hidden.
     """
     if not trajectories.n_frames:
         return empty(NO_MARKERS)
-    worst_last = np.array([Origin.MEASURED, Origin.EDITED, Origin.FILLED, Origin.MISSING])
-    rank = np.argsort(worst_last)[np.array([path.origin for path in trajectories])]
-    state = worst_last[np.asarray(blocks(rank, COLUMNS)).max(-1)]
+    measured_first = np.array([Origin.MEASURED, Origin.EDITED, Origin.FILLED, Origin.MISSING])
+    rank = np.argsort(measured_first)[np.array([path.origin for path in trajectories])]
+    state = measured_first[np.asarray(blocks(rank, COLUMNS)).max(-1)]
     order = np.argsort([(path.origin != Origin.MISSING).sum() for path in trajectories], kind="stable")[::-1]
     names = [label(trajectories.names[m]) for m in order]
     k = -(-trajectories.n_frames // state.shape[1])
@@ -88,15 +88,15 @@ def _steps() -> list[list[Any]]:
 
 
 def uncertainty_figure(trajectories: Trajectories) -> go.Figure:
-    """Standard deviation of one axis through time: the middle marker and the band that holds nine of ten markers."""
+    """Standard deviation of one axis through time: the median marker and the band that holds nine of ten markers."""
     sd = np.array([sample_deviation(path) for path in trajectories]).reshape(len(trajectories), trajectories.n_frames)
     known = np.isfinite(sd).any(0)
     if not known.any():
         return empty("The uncertainty of the positions is not known.")
-    low, middle, high = np.full((3, sd.shape[1]), np.nan)
-    low[known], middle[known], high[known] = np.nanquantile(sd[:, known], [0.05, 0.5, 0.95], axis=0)
+    low, median, high = np.full((3, sd.shape[1]), np.nan)
+    low[known], median[known], high[known] = np.nanquantile(sd[:, known], [0.05, 0.5, 0.95], axis=0)
     fig = figure(320, showlegend=True, legend=ABOVE)
-    for values, name, colour in ((high, "95 %", HUES[5]), (middle, "median", HUES[0]), (low, "5 %", HUES[5])):
+    for values, name, colour in ((high, "95 %", HUES[5]), (median, "median", HUES[0]), (low, "5 %", HUES[5])):
         frame, thinned = envelope(values, 2000)
         fig.add_scatter(
             x=frame / trajectories.rate, y=thinned.astype(np.float32), name=name, connectgaps=False,
@@ -108,8 +108,8 @@ def uncertainty_figure(trajectories: Trajectories) -> go.Figure:
 
 
 def exactness_figure(markers: list[dict[str, Any]]) -> go.Figure:
-    """A place a marker, in the trial's order: the standard deviation foretold and the jitter found."""
-    series = (("σ foretold by the covariance", "sd_per_axis_mean_mm"), ("jitter found", "jitter_mm"))
+    """A place a marker, in the trial's order: the predicted standard deviation and the observed jitter."""
+    series = (("predicted σ (covariance)", "sd_per_axis_mean_mm"), ("observed jitter", "jitter_mm"))
     if not any(marker[key] is not None for marker in markers for _, key in series):
         return empty("Neither covariance nor jitter of the markers is known.")
     fig = figure(360, showlegend=True, legend=ABOVE)

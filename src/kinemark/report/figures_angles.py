@@ -110,8 +110,8 @@ def _limits(fig: go.Figure, y: Floats, sd: Floats, row: int) -> None:
     finite = np.isfinite(y)
     if not finite.any():
         return
-    middle = sd[np.isfinite(sd)]
-    edge = 3 + WIDE * (float(np.quantile(middle, 0.95)) if middle.size else 0.0)
+    known = sd[np.isfinite(sd)]
+    edge = 3 + WIDE * (float(np.quantile(known, 0.95)) if known.size else 0.0)
     span = float(np.ptp(y[finite]))
     edge = min(edge, 5 + span)
     fig.update_yaxes(range=[float(y[finite].min()) - edge, float(y[finite].max()) + edge], row=row, col=1)

@@ -114,12 +114,12 @@ def fit_figure(cameras: list[dict[str, Any]]) -> go.Figure:
 
 
 def loss_figure(figures: dict[str, Any]) -> go.Figure:
-    """A mark a camera: the middle σ of the volume without it, with all cameras as a line."""
-    cameras, middle = figures["cameras"], figures["precision"]["sd_median_mm"]
-    if middle is None or len(cameras) < 3:
+    """A mark a camera: the median σ of the volume without it, with all cameras as a line."""
+    cameras, median = figures["cameras"], figures["precision"]["sd_median_mm"]
+    if median is None or len(cameras) < 3:
         return empty("With two cameras nothing is left when one is lost.")
     fig = figure(330, showlegend=True, legend=ABOVE)
-    for name, key, symbol, i in (("middle", "sd_median_mm", "circle", 0), ("95 %", "sd_95_mm", "diamond", 1)):
+    for name, key, symbol, i in (("median", "sd_median_mm", "circle", 0), ("95 %", "sd_95_mm", "diamond", 1)):
         fig.add_scatter(
             x=list(range(len(cameras))), y=[c["without"][key] for c in cameras], mode="markers",
             name=f"{name}, one lost",
@@ -162,7 +162,7 @@ def lost_figure(figures: dict[str, Any]) -> go.Figure:
 
 
 def points_figure(points: list[dict[str, Any]]) -> go.Figure:
-    """A place a control point, the worst first: its residual and its error when left out."""
+    """A place a control point, the largest residual first: its residual and its error when left out."""
     if not points:
         return empty("This calibration was made without surveyed points.")
     shown = points[:MOST_BARS]

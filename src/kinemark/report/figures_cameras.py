@@ -17,7 +17,7 @@ COLUMNS = 600
 
 
 def residual_figure(cameras: list[dict[str, Any]]) -> go.Figure:
-    """A box a camera: middle half and median, whiskers to 5 and 95 %, a diamond at the RMS."""
+    """A box a camera: quartiles and median, whiskers to 5 and 95 %, a diamond at the RMS."""
     shown = [(c, camera) for c, camera in enumerate(cameras) if camera["residual_median_px"] is not None]
     if not shown:
         return empty("No camera's detections were used in a point, so there are no residuals.")
@@ -97,14 +97,14 @@ def timing_figure(timing: dict[str, Any]) -> go.Figure:
     fig = figure(90 + 34 * len(stages), margin={"l": 110, "r": 150})
     fig.add_bar(
         y=list(range(len(stages))), x=[stage["time_s"] for stage in stages], orientation="h", marker={"color": HUES[0]},
-        text=[_pace(stage) for stage in stages], textposition="outside", cliponaxis=False, hoverinfo="skip",
+        text=[_duration_text(stage) for stage in stages], textposition="outside", cliponaxis=False, hoverinfo="skip",
     )  # fmt: skip
     names = [label(stage["stage"]) for stage in stages]
     fig.update_yaxes(tickvals=list(range(len(names))), ticktext=names, autorange="reversed", ticks="", showgrid=False)
     return fig.update_xaxes(title_text="time (s)", rangemode="tozero")
 
 
-def _pace(stage: dict[str, Any]) -> str:
+def _duration_text(stage: dict[str, Any]) -> str:
     pace = f", {number(stage['frames_per_s'], 0)} frames/s" if stage["frames_per_s"] is not None else ""
     return f"{number(stage['time_s'], 2)} s{pace}"
 

@@ -39,7 +39,7 @@ KINDS = {
 """Colour and symbol of each kind of spot, bright on a dark image and different in shape."""
 
 
-def telling_frames(detections: Detections) -> list[int]:
+def fullest_frames(detections: Detections) -> list[int]:
     """The frame of each camera (C) that is shown."""
     if not detections.n_frames:
         return [0] * len(detections.cameras)
@@ -51,11 +51,11 @@ def telling_frames(detections: Detections) -> list[int]:
 def spots_figure(
     detections: Detections, cameras: list[dict[str, Any]], pictures: Sequence[Picture] | None = None
 ) -> go.Figure:
-    """A panel a camera: its picture (H, W) of the frame of `telling_frames`, the spots in it, and all invalid ones."""
+    """A panel a camera: its picture (H, W) of the frame of `fullest_frames`, the spots in it, and all invalid ones."""
     if not len(detections):
         return empty("No camera saw anything.")
     rows, columns = -(-len(cameras) // COLUMNS), min(COLUMNS, len(cameras))
-    shown = telling_frames(detections)
+    shown = fullest_frames(detections)
     titles = [f"{label(camera['name'])}, frame {number(f)}" for camera, f in zip(cameras, shown, strict=True)]
     gaps = {"vertical_spacing": 0.24 / rows, "horizontal_spacing": 0.05}
     fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
@@ -90,7 +90,7 @@ class _Legend:
     """Draws spots, each kind once in the legend."""
 
     def __init__(self, fig: go.Figure) -> None:
-        self.fig, self.told = fig, set[str]()
+        self.fig, self.in_legend = fig, set[str]()
 
     def draw(
         self, detections: Detections, kinds: NDArray[np.str_], rows: NDArray[np.int64], place: dict[str, int]
@@ -102,12 +102,12 @@ class _Legend:
                 continue
             self.fig.add_scatter(
                 x=detections.uv[of_kind, 0].astype(np.float32), y=detections.uv[of_kind, 1].astype(np.float32),
-                mode="markers", name=kind, legendgroup=kind, showlegend=kind not in self.told,
+                mode="markers", name=kind, legendgroup=kind, showlegend=kind not in self.in_legend,
                 marker={"size": 10, "color": colour, "symbol": symbol, "line": {"color": colour, "width": 1.6}},
-                text=[_spoken(detections, int(row)) for row in of_kind],
+                text=[_size_text(detections, int(row)) for row in of_kind],
                 hovertemplate=f"{kind}<br>%{{x:.1f}}, %{{y:.1f}} px<br>%{{text}}<extra></extra>", **place,
             )  # fmt: skip
-            self.told.add(kind)
+            self.in_legend.add(kind)
 
 
 def _elsewhere(fig: go.Figure, detections: Detections, kinds: NDArray[np.str_], c: int, place: dict[str, int]) -> None:
@@ -123,7 +123,7 @@ def _elsewhere(fig: go.Figure, detections: Detections, kinds: NDArray[np.str_], 
     )  # fmt: skip
 
 
-def _spoken(detections: Detections, row: int) -> str:
+def _size_text(detections: Detections, row: int) -> str:
     """Size and brightness of a spot, as far as they are known."""
     area, peak = float(detections.area[row]), float(detections.peak[row])
     return f"area {number(area, 1)} px², peak {number(peak, 0)}" if np.isfinite(area) else ""

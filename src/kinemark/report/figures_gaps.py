@@ -34,7 +34,7 @@ def gap_figure(
     marker: str,
     start: int,
     stop: int,
-    donors: tuple[str, ...] = (),
+    references: tuple[str, ...] = (),
     replaced: Mapping[int, Floats] | None = None,
 ) -> str:
     """Three panels, x, y and z against time, as one SVG.
@@ -42,7 +42,7 @@ def gap_figure(
     Args:
         trajectories: the trial after filling.
         marker: its name; start, stop: its missing frames, stop excluded.
-        donors: markers drawn beside it in grey, moved to where the marker is at the edges of the gap.
+        references: markers drawn beside it in grey, moved to where the marker is at the edges of the gap.
         replaced: what was measured (3) in frames of the gap and is not trusted, drawn as dots.
     """
     path, rate = trajectories[marker], trajectories.rate
@@ -51,7 +51,7 @@ def gap_figure(
     frames = np.unique(
         np.concatenate([frames[:: max(1, len(frames) // MOST)], np.clip([start - 1, stop], 0, frames[-1])])
     )
-    near = [trajectories[name].xyz[frames] for name in donors if name != marker]
+    near = [trajectories[name].xyz[frames] for name in references if name != marker]
     panels = [_panel(path, frames, axis, near, (start, stop), rate, replaced or {}) for axis in range(3)]
     body = "".join(f'<g transform="translate({i * (WIDTH + 8)},0)">{panel}</g>' for i, panel in enumerate(panels))
     width = 3 * WIDTH + 16
@@ -74,8 +74,8 @@ def _panel(
     value, sd = path.xyz[frames, axis], np.sqrt(path.cov[frames, axis, axis])
     filled = path.origin[frames] == Origin.FILLED
     band = np.where(filled, NINETY_FIVE * np.nan_to_num(sd), 0.0)
-    middle = np.nanmedian(value) if np.isfinite(value).any() else 0.0
-    dots = [xyz[axis] for xyz in replaced.values() if abs(xyz[axis] - middle) < SHOWN_MM]
+    median = np.nanmedian(value) if np.isfinite(value).any() else 0.0
+    dots = [xyz[axis] for xyz in replaced.values() if abs(xyz[axis] - median) < SHOWN_MM]
     low, high = _span(np.concatenate([value - band, value + band, dots]))
     x = LEFT + (WIDTH - LEFT) * (frames - frames[0]) / max(frames[-1] - frames[0], 1)
 

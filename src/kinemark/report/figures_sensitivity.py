@@ -31,9 +31,9 @@ def ranked_figure(figures: dict[str, Any]) -> go.Figure:
     """A row a source, the greatest at the top, and the loss of the camera most missed; one frame, and a mean."""
     unit, rows = figures["ranked_by"], list(figures["ranking"])
     if figures["lost"] and figures["lost"][0][f"cost_{unit}"] is not None:
-        worst = figures["lost"][0]
-        cost = worst[f"cost_{unit}"]
-        rows.append({"source": f"if {label(worst['camera'])} were lost", unit: cost, f"mean_{unit}": None})
+        first = figures["lost"][0]
+        cost = first[f"cost_{unit}"]
+        rows.append({"source": f"if {label(first['camera'])} were lost", unit: cost, f"mean_{unit}": None})
     rows.sort(key=lambda row: row[unit] or 0.0)
     fig = figure(110 + 46 * len(rows), showlegend=True, legend=ABOVE, margin={"l": 150, "t": 44, "r": 30, "b": 48})
     names = [row["source"] for row in rows]

@@ -9,7 +9,7 @@ from string import Template
 from typing import Any
 
 from ..data import Trajectories
-from ..findings.gaps import worst_of
+from ..findings.gaps import largest_error
 from ..io.files import replacing
 from .figures_gaps import gap_figure
 from .formatting import count, measure, millimetres, number
@@ -67,7 +67,7 @@ def filling_page(*, figures: dict[str, Any], trajectories: Trajectories, before:
 
 def _certain(gap: dict[str, Any]) -> tuple[bool, float, float]:
     """What gaps are sorted by, those that stayed open first, then the least certain."""
-    return bool(gap["method"]), -worst_of(gap), -(gap["expected_mm"] or 0.0)
+    return bool(gap["method"]), -largest_error(gap), -(gap["expected_mm"] or 0.0)
 
 
 def gap_table(gaps: list[dict[str, Any]]) -> str:
@@ -96,10 +96,10 @@ def gap_table(gaps: list[dict[str, Any]]) -> str:
             gap["method"] or OPEN,
             number(gap["expected_mm"], 2),
             _next_best(gap),
-            number(gap["sd_worst_mm"], 2),
+            number(gap["sd_max_mm"], 2),
             number(gap["tests"]),
             number(len(gap["trimmed"])) if gap["trimmed"] else "–",
-            _few(gap["donors"]),
+            _few(gap["reference_markers"]),
             *([gap["reason"] or "–"] if any(left_open) else []),
         ]
         for gap in gaps
@@ -126,7 +126,7 @@ def _drawing(gap: dict[str, Any], trajectories: Trajectories, before: Trajectori
     """One gap with its title; of a marker that is not in the trial and could not be placed, the title alone."""
     picture = ""
     if gap["marker"] in trajectories.names:
-        start, donors = gap["first_frame"] - trajectories.first_frame, tuple(gap["donors"][:MOST_DONORS])
+        start, donors = gap["first_frame"] - trajectories.first_frame, tuple(gap["reference_markers"][:MOST_DONORS])
         replaced = [] if before is None else [frame - before.first_frame for frame in gap["trimmed"]]
         dots = {frame: before[gap["marker"]].xyz[frame] for frame in replaced} if before is not None else {}
         picture = gap_figure(trajectories, gap["marker"], start, start + gap["frames"], donors, dots)
@@ -144,7 +144,7 @@ def _tiles(figures: dict[str, Any]) -> str:
         (f"{figures['filled']} of {figures['gaps']}", "gaps filled", names or "none"),
         (measure(figures["expected_median_mm"], 2, "mm"), "expected error, middle gap", "mean distance from the truth"),
         (
-            measure(figures["expected_worst_mm"], 2, "mm"),
+            measure(figures["expected_max_mm"], 2, "mm"),
             "expected error, worst gap",
             f"limit {figures['limit_mm']} mm",
         ),

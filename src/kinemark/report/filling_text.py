@@ -9,7 +9,7 @@ from .words import headline_of, sentences_of, text_of
 
 
 def filling_summary(figures: dict[str, Any]) -> str:
-    """The figures as a few lines of text, with what deserves a look and the gaps that stayed open."""
+    """The figures as a few lines of text, with what needs attention and the gaps that stayed open."""
     names = ", ".join(f"{name} {n}" for name, n in figures["by_method"].items())
     lines = [f"{headline_of(figures['verdict'])}{': ' + names if names else ''}", *sentences_of(figures["verdict"])]
     lines += [f"  {TAGS[found['severity']]}: {text_of(found)}" for found in figures["findings"]]

@@ -44,12 +44,12 @@ def _calibrated(camera: dict[str, Any]) -> list[str]:
     ]
 
 
-def camera_table(cameras: list[dict[str, Any]], doubtful: Iterable[str]) -> str:
-    """A row a camera: what it saw and how well it agrees; the doubtful ones are marked."""
+def camera_table(cameras: list[dict[str, Any]], inconsistent: Iterable[str]) -> str:
+    """A row a camera: what it saw and how well it agrees; the inconsistent ones are marked."""
     head = ["camera", "detections", "a frame: mean (least–most)", "frames without", "invalid", "used"]
     head += ["residual: median (px)", "RMS (px)", "95 % (px)", "offset u, v (px)"]
-    doubtful = set(doubtful)
-    return table(head, [_saw(c) for c in cameras], marked=[c["name"] in doubtful for c in cameras])
+    inconsistent = set(inconsistent)
+    return table(head, [_saw(c) for c in cameras], marked=[c["name"] in inconsistent for c in cameras])
 
 
 def spots_table(cameras: list[dict[str, Any]]) -> str:
@@ -145,7 +145,7 @@ def _marker_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
         (complete, "complete in view", f"{whole} of the whole trial"),
         (number(markers["gaps"]), "gaps", longest if markers["gaps"] else "within what was seen"),
         (median, "median residual", f"RMS {rms}"),
-        (sd, "σ of a position, per axis", f"jitter found {jitter}"),
+        (sd, "σ of a position, per axis", f"observed jitter {jitter}"),
     ]
 
 
@@ -169,7 +169,7 @@ def _recording_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
 
 
 def finding_list(findings: Sequence[Mapping[str, Any]]) -> str:
-    """What deserves a look, and what to do."""
+    """What needs attention, and what to do."""
     items = "".join(
         f'<li class="{found["severity"]}"><span class="tag">{TAGS[found["severity"]]}</span>'
         f"<div><b>{escape(text_of(found))}</b><br>{escape(advice_of(found))}</div></li>"

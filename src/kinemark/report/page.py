@@ -14,7 +14,7 @@ from plotly.offline import get_plotlyjs
 
 from ..data import Detections, Rig, Tracks, Trajectories
 from ..findings.cameras import upwards
-from ..findings.trial_findings import LONG_GAP_S, worst_cameras
+from ..findings.trial_findings import LONG_GAP_S, inconsistent_cameras
 from ..io.files import replacing
 from ..track.simultaneous import Simultaneous
 from .ambiguous_table import ambiguous_table
@@ -69,7 +69,7 @@ def write_report(
         quality: the figures from `quality.quality` of the same records.
         rig, detections, tracks, trajectories: what is drawn.
         judged: the figures of the calibration, from `calibration.calibration_figures`.
-        pictures: (C) an image (H, W) of each camera, of its frame in `figures_detections.telling_frames`.
+        pictures: (C) an image (H, W) of each camera, of its frame in `figures_detections.fullest_frames`.
 
     Raises:
         KinemarkError: the folder cannot be written.
@@ -116,10 +116,10 @@ def page(
         calibration_table=calibration_table(quality["cameras"]),
         digitised=digitised_card(quality.get("digitising")),
         spots_table=spots_table(quality["cameras"]),
-        camera_table=camera_table(quality["cameras"], worst_cameras(quality)),
+        camera_table=camera_table(quality["cameras"], inconsistent_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),
         filling=_filling(quality["filling"]),
-        ambiguous_table=ambiguous_table(quality["ambiguous_decisions"], told=_tells(quality["steps"])),
+        ambiguous_table=ambiguous_table(quality["ambiguous_decisions"], listed=_tells(quality["steps"])),
         step_table=step_table(quality["steps"]),
     )
     return framed(main, heading=quality["trial"], below=of_session(quality), nav=NAV)

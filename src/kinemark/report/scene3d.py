@@ -41,7 +41,7 @@ def scene(rig: Rig, tracks: Tracks, trajectories: Trajectories) -> go.Figure:
     for c, camera in enumerate(rig):
         draw_camera(fig, camera, hue(c), target)
     _paths(fig, trajectories)
-    _loose(fig, tracks)
+    _loose_points(fig, tracks)
     if len(seen):
         _markers(fig, trajectories)
     axes = {f"{a}axis": {"title": f"{a} (mm)", "backgroundcolor": "#F7F9FA", "gridcolor": "#DDE3E8"} for a in "xyz"}
@@ -130,7 +130,7 @@ def _paths(fig: go.Figure, trajectories: Trajectories) -> None:
         )  # fmt: skip
 
 
-def _loose(fig: go.Figure, tracks: Tracks) -> None:
+def _loose_points(fig: go.Figure, tracks: Tracks) -> None:
     """Points in no track, faint: ghosts and reflections stand where they arise; hidden until asked for."""
     xyz = tracks.cloud.xyz[(tracks.id < 0) & np.isfinite(tracks.cloud.xyz).all(axis=1)]
     if not len(xyz):

@@ -46,7 +46,7 @@ Chosen."""
 CELLS = (8, 6)  # of an image, across and down; chosen
 FEWEST = 3
 """Images in a cell and half, below which its mean is not used; chosen."""
-WILD = 6.0
+OUTLIER = 6.0
 """Residuals this many times the usual are mistakes of matching or of detection, and not counted; chosen."""
 ROUNDS = 20  # of reweighting at most; chosen
 STRETCH_S = 0.25  # s of a stretch that goes to one half or the other; chosen, longer than noise lasts
@@ -108,7 +108,7 @@ def shown(rig: Rig, xyz: Floats, uv: Floats, time_s: Floats) -> Shown:
     xyz = xyz - origin
     place = refine(plain, xyz, uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)))
     views = np.isfinite(uv[..., 0]).sum(1)
-    used = _tame(place.off, (views >= 3) & np.isfinite(place.xyz).all(1))
+    used = _without_outliers(place.off, (views >= 3) & np.isfinite(place.xyz).all(1))
     seen: Bools = np.isfinite(uv[..., 0]) & used[:, None]
     r = np.where(seen[..., None], place.off, 0.0)
     freedom = int((2 * views[used] - 3).sum())
@@ -174,7 +174,7 @@ def _displacements(rig: Rig, xyz: Floats, uv: Floats, common: _CommonErrors) -> 
     return placed, _common(moves[0], moves[1], placed), _common(bends[0], bends[1], placed)
 
 
-def _tame(off: Floats, usable: Bools) -> Bools:
+def _without_outliers(off: Floats, usable: Bools) -> Bools:
     """The usable points (N) without a residual (N, C, 2) that is beyond all others.
 
     What is usual is found again without those that were left out, until none is: where a third of all images are
@@ -184,7 +184,7 @@ def _tame(off: Floats, usable: Bools) -> Bools:
     left = usable & (size > 0).any(1)
     for _ in range(ROUNDS):
         usual = float(np.median(size[left][size[left] > 0])) if left.any() else np.inf
-        kept = left & (size.max(1, initial=0.0) <= WILD * usual)
+        kept = left & (size.max(1, initial=0.0) <= OUTLIER * usual)
         if (kept == left).all():
             break
         left = kept

@@ -19,7 +19,7 @@ is common, then goes through the cameras that are left. It costs √(σ_c² − 
 still see, and all other points.
 
 Single frames in which cameras hardly determine a point would decide any mean. `typical` is the root mean square of
-all but the worst twentieth, and what is called 95 % is where that begins.
+all but the largest twentieth, and what is called 95 % is where that begins.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ class Ranking:
 
 
 def typical(values: Floats) -> float:
-    """Root mean square of what is known, but for the worst twentieth; NaN where nothing is."""
+    """Root mean square of what is known, but for the largest twentieth; NaN where nothing is."""
     known = values[np.isfinite(values)]
     if not known.size:
         return float("nan")

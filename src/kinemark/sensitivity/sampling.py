@@ -1,4 +1,4 @@
-"""Errors of given size and random direction: what comes of a million of them, and what the worst is.
+"""Errors of given size and random direction: what comes of a million of them, and what the greatest possible is.
 
 UM²AS 4.3 moves every centroid by R in a random direction θ (eq. 4.9, 4.10),
 
@@ -8,9 +8,10 @@ and looks for the greatest error that follows. `sample` does so in batches. Batc
 seeded with (seed, k), and results are put together in the order of batches, so that they do not depend on how many
 workers share the work, nor on which is first.
 
-A million samples do not find the worst: with 16 directions the chance that all point the bad way is nothing. `climb`
-goes on from the worst samples and turns the directions by random amounts, keeping what makes the error greater and
-halving the amounts each round (2), which ends at a true (local) maximum; several starts make it likely the greatest.
+A million samples do not find the greatest error: with 16 directions the chance that all point the bad way is nothing.
+`climb` goes on from the largest samples and turns the directions by random amounts, keeping what makes the error
+greater and halving the amounts each round (2), which ends at a true (local) maximum; several starts make it likely the
+greatest.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from ..data.array_types import Floats
 Error = Callable[[Floats], Floats]
 """From angles θ (S, D) rad to errors (S)."""
 
-STARTS = 8  # worst samples that are followed uphill; chosen
+STARTS = 8  # largest samples that are followed uphill; chosen
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +59,10 @@ class Sampling:
 
 
 class Sampled(NamedTuple):
-    """Errors (S) of all samples in their order; the directions θ (D) of the worst, and of the `STARTS` worst."""
+    """Errors (S) of all samples in their order; the directions θ (D) of the largest, and of the `STARTS` largest."""
 
     error: Floats
-    worst: Floats
+    largest: Floats
     starts: Floats
 
 

@@ -67,7 +67,7 @@ PERTURBED_4_2 = PER_MM * np.array(
         *(-0.0036892, -0.0001282, -0.0000876),
     ]
 )
-"""(11) the same after the worst of a million perturbations; of the thesis."""
+"""(11) the same after the largest of a million perturbations; of the thesis."""
 
 DISTANCE_MM = 2400.0  # mm from camera to the balls; of the thesis' laboratory (UM²AS 4.2)
 FOCAL_PX = (1082.0, 1286.0)  # px, of table 4.2 of the thesis
@@ -116,22 +116,22 @@ class LinearisedErrors:
 
 
 class Moved(NamedTuple):
-    """How far a marker moved in every sample: mm by (2), percent by (3); the worst of them, and the worst there is."""
+    """How far a marker moved in every sample: mm by (2), percent by (3); the largest, and the largest possible."""
 
     sampled: Sampled
     mm: Floats
     percent: Floats
-    worst_mm: float
-    worst_percent: float
+    max_mm: float
+    max_percent: float
 
 
 class Changed(NamedTuple):
-    """Percent by (1) in every sample; the worst sampled, and the worst there is with its parameters L (11)."""
+    """Percent by (1) in every sample; the largest sampled, and the largest possible with its parameters L (11)."""
 
     sampled: Sampled
     percent: Floats
-    worst_percent: float
-    worst_L: Floats
+    max_percent: float
+    max_L: Floats
 
 
 def laboratory(points: Floats = CONTROL_BALLS) -> LinearisedErrors:
@@ -187,8 +187,8 @@ def calibration_experiment(
     error = calibration_error(cameras, c, radius)
     found = sample(error, len(cameras.points), method)
     theta = climb(error, found.starts, turn=method.turn, seed=method.seed)
-    worst = fit_parameters(cameras.points, cameras.uv[c] + circle(theta, radius))
-    return Changed(found, found.error, float(error(theta[None])[0]), worst)
+    largest = fit_parameters(cameras.points, cameras.uv[c] + circle(theta, radius))
+    return Changed(found, found.error, float(error(theta[None])[0]), largest)
 
 
 def marker_error(
@@ -255,8 +255,8 @@ def marker_experiment(
     error = marker_error(cameras, place, radius, L=L, calibration_radius=calibration_radius)
     directions = len(cameras.L) * (1 + (len(cameras.points) if calibration_radius > 0 else 0))
     found = sample(error, directions, method)
-    worst = float(error(climb(error, found.starts, turn=method.turn, seed=method.seed)[None])[0])
-    return Moved(found, found.error, 100 * found.error / size, worst, 100 * worst / size)  # (3)
+    largest = float(error(climb(error, found.starts, turn=method.turn, seed=method.seed)[None])[0])
+    return Moved(found, found.error, 100 * found.error / size, largest, 100 * largest / size)  # (3)
 
 
 def _check_radius(radius: float) -> None:

@@ -30,7 +30,7 @@ class Score:
         chi2: mean of their squared distance in units of that covariance, a third of it: 1 where it is true.
         swaps: times that a track goes over from a path that goes on, or to one that was there before.
         handovers: times that a path goes over from one track to another.
-        pieces: (M) tracks that share each true path.
+        fragments: (M) tracks that share each true path.
         best: (M) share of the samples of each path to be found that its best track has; NaN where there are none.
     """
 
@@ -46,13 +46,13 @@ class Score:
     chi2: float
     swaps: int
     handovers: int
-    pieces: Ints
+    fragments: Ints
     best: Floats
 
     @property
     def found(self) -> int:
         """True paths of which any sample was found."""
-        return int((self.pieces > 0).sum())
+        return int((self.fragments > 0).sum())
 
 
 def score(
@@ -103,7 +103,7 @@ def score(
         chi2=float(squared.mean() / 3) if len(squared) else unknown,
         swaps=len(changes(tracks, owner, truth)),
         handovers=_handovers(tracks, owner),
-        pieces=_pieces(tracks, owner, len(truth)),
+        fragments=_fragments(tracks, owner, len(truth)),
         best=_best(tracks, owner, wanted),
     )
 
@@ -139,7 +139,7 @@ def changes(tracks: Tracks, owner: Ints, truth: Floats) -> list[tuple[int, int, 
     ]
 
 
-def _pieces(tracks: Tracks, owner: Ints, n_paths: int) -> Ints:
+def _fragments(tracks: Tracks, owner: Ints, n_paths: int) -> Ints:
     """(M) how many tracks have a point on each path."""
     near = owner >= 0
     pairs = np.unique(np.column_stack([owner[near], tracks.id[near]]), axis=0)

@@ -5,11 +5,12 @@ Each is a function of tracks alone, so that it can also be called by hand, again
 Two tracks are blended where the second starts within a short time after the first ends, and each one, continued by the
 ladder of `signal.extrapolation`, comes to the other:
 
-    |a(t_b) − b₁| ≤ radius,   |b(t_a) − aₙ| ≤ radius                     (1)
+    |a(t_b) − b₁| ≤ r,   |b(t_a) − aₙ| ≤ r                               (1)
 
 where aₙ, seen at t_a, is the last point of the first track, b₁ at t_b the first point of the second, and a(t), b(t) are
 the polynomials through the last points of the one and the first of the other. A track of a single point has no motion;
-it may be `reach` a frame away. Where there is a choice, the two that agree best go first.
+it may be `max_distance` a frame away, others r = `search_radius`. Where there is a choice, the two that agree best go
+first.
 """
 
 from __future__ import annotations
@@ -33,37 +34,39 @@ class End(NamedTuple):
     xyz: Floats
 
 
-def blend(tracks: Tracks, *, within: float = 0.04, radius: float = 40.0, reach: float = 100.0) -> Tracks:
-    """The tracks, with those joined that go on in each other; they are numbered in the order in which they begin.
+def blend(tracks: Tracks, *, max_gap: float = 0.04, search_radius: float = 40.0, max_distance: float = 100.0) -> Tracks:
+    """The tracks, with those stitched that continue each other; they are numbered in the order in which they begin.
 
     Args:
-        tracks: to be joined.
-        within: longest time from the end of one to the start of the next, s.
-        radius: farthest that they may be off, mm; of (1).
-        reach: farthest that a track of one point may be from the other one, mm a frame.
+        tracks: to be stitched.
+        max_gap: longest time from the end of one to the start of the next, s.
+        search_radius: farthest that they may be off, mm; of (1).
+        max_distance: farthest that a track of one point may be from the other one, mm a frame.
     """
     rows = _rows(tracks)
     ends = [_end(tracks, own[::-1]) for own in rows]
     starts = [_end(tracks, own) for own in rows]
-    longest = int(within * tracks.cloud.rate + 1e-6)
+    longest = int(max_gap * tracks.cloud.rate + 1e-6)
     begin, stop = (np.array([side.frame[0] for side in sides], np.int64) for sides in (starts, ends))
     gap = begin - stop[:, None]
     first, second = np.nonzero((gap > 0) & (gap <= longest))
     pairs = zip(first.tolist(), second.tolist(), strict=True)
-    off = np.array([_disagreement(ends[a], starts[b], radius, reach) for a, b in pairs], np.float64)  # (1)
+    off = np.array(
+        [_disagreement(ends[a], starts[b], search_radius, max_distance) for a, b in pairs], np.float64
+    )  # (1)
     first, second = cheapest_first(first[off <= 1], second[off <= 1], off[off <= 1])
     identity = np.arange(len(rows))
     for k in np.argsort(begin[second], kind="stable"):
-        identity[second[k]] = identity[first[k]]  # a track that goes on in another was itself joined before
+        identity[second[k]] = identity[first[k]]  # a track that continues in another was itself stitched before
     joined = np.full(len(tracks.id), -1)
     for k, own in enumerate(rows):
         joined[own] = identity[k]
     return Tracks(tracks.cloud, _in_order(joined))
 
 
-def without_short(tracks: Tracks, *, shortest: int) -> Tracks:
-    """The tracks; those of fewer than `shortest` points lose their identity."""
-    long = tracks.lengths >= shortest
+def without_short(tracks: Tracks, *, min_points: int) -> Tracks:
+    """The tracks; those of fewer than `min_points` points lose their identity."""
+    long = tracks.lengths >= min_points
     number = np.where(long, np.cumsum(long) - 1, -1)
     return Tracks(tracks.cloud, np.where(tracks.id >= 0, number[tracks.id], -1) if len(long) else tracks.id)
 
@@ -94,13 +97,13 @@ def _end(tracks: Tracks, rows: Ints) -> End:
     return End(frame, tracks.cloud.xyz[rows])
 
 
-def _disagreement(end: End, start: End, radius: float, reach: float) -> float:
-    """The worse of both distances of (1) by its limit: 1 where they just agree."""
+def _disagreement(end: End, start: End, search_radius: float, max_distance: float) -> float:
+    """The larger of both distances of (1) by its limit: 1 where they just agree."""
     gap = float(start.frame[0] - end.frame[0])
     off = []
     for one, other in ((end, start), (start, end)):
         miss = float(np.linalg.norm(_continued(one, int(other.frame[0])) - other.xyz[0]))
-        off.append(miss / (radius if len(one.frame) > 1 else reach * gap))
+        off.append(miss / (search_radius if len(one.frame) > 1 else max_distance * gap))
     return max(off)
 
 

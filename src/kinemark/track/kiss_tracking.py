@@ -9,12 +9,12 @@ Every point of the first frame starts a track. A track is predicted into the nex
 and takes the point nearest to the prediction within the search sphere (1), or, with one point known, the nearest
 neighbour within the distance limit (2). Where two tracks want one point, it goes to the nearer; the paper does not say.
 A track that finds none ends there, and points that no track takes start new ones (3). When all frames are through,
-pieces that end and start within two fields and agree are blended (4), and short tracks, most of them ghosts, removed
+fragments that end and start within two fields and agree are blended (4), and short tracks, most of them ghosts, removed
 (5): `editing`, whose functions can be used alone.
 
 All limits are lengths that fit one rate and one kind of motion; the defaults are for gait at 50 Hz. A track ends at its
-first miss, so where a marker is lost for longer than two fields it comes in pieces, and a ghost within the sphere that
-is nearer than the marker leads a track astray. `ladder` takes its limits from the rate and the covariances.
+first miss, so where a marker is lost for longer than two fields it comes in fragments, and a ghost within the sphere
+that is nearer than the marker leads a track astray. `ladder` takes its limits from the rate and the covariances.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Volume = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 @dataclass(frozen=True, slots=True)
 class KissTracking(Method):
-    """Extrapolation, a search sphere and blending of track pieces: the tracking of the Kiss system.
+    """Extrapolation, a search sphere and blending of fragments: the tracking of the Kiss system.
 
     Of the paper's values only the two fields (of 50 Hz) of blending are known.
     """
@@ -46,16 +46,20 @@ class KissTracking(Method):
     search_radius: float = parameter(
         40.0, unit="mm", above=0, meaning="radius of the search sphere (gate) about a prediction; (1)"
     )
-    distance_limit: float = parameter(
-        100.0, unit="mm", above=0, meaning="farthest nearest neighbour of a track of one point; (2)"
+    max_distance: float = parameter(
+        100.0,
+        former="distance_limit",
+        unit="mm",
+        above=0,
+        meaning="farthest nearest neighbour of a track of one point; (2)",
     )
-    blend_within: float = parameter(
-        0.04, unit="s", low=0, high=60,
+    max_gap: float = parameter(
+        0.04, former="blend_within", unit="s", low=0, high=60,
         meaning="longest time from the end of a track to the start of one that continues it (stitching); (4); 0: "
         "none",
     )  # fmt: skip
-    shortest: int = parameter(
-        10, unit="points", low=1, meaning="tracks of fewer points than this lose their identity; (5)"
+    min_points: int = parameter(
+        10, former="shortest", unit="points", low=1, meaning="tracks of fewer points than this lose their identity; (5)"
     )
     volume: Volume | None = parameter(
         None, unit="mm",
@@ -63,7 +67,7 @@ class KissTracking(Method):
     )  # fmt: skip
 
     def check_together(self) -> None:
-        """Refuse a volume whose corners are exchanged."""
+        """Refuse a volume whose corners are swapped."""
         if self.volume is not None and not all(a < b for a, b in zip(*self.volume, strict=True)):
             raise ValueError(f"volume is {self.volume}, wanted its least corner and then its greatest")
 
@@ -82,12 +86,14 @@ def track_kiss(cloud: Cloud, *, method: KissTracking) -> Tracks:
     if method.volume is not None:
         cloud = cloud.keep(inside_volume(cloud.xyz, method.volume))
     tracks = link(cloud, method=method)
-    blended = blend(tracks, within=method.blend_within, radius=method.search_radius, reach=method.distance_limit)  # (4)
-    return without_short(blended, shortest=method.shortest)  # (5)
+    blended = blend(
+        tracks, max_gap=method.max_gap, search_radius=method.search_radius, max_distance=method.max_distance
+    )  # (4)
+    return without_short(blended, min_points=method.min_points)  # (5)
 
 
 def link(cloud: Cloud, *, method: KissTracking) -> Tracks:
-    """All track pieces, (1) to (3), numbered in the order in which they begin."""
+    """All fragments, (1) to (3), numbered in the order in which they begin."""
     identity = np.full(len(cloud), -1)
     active = ActiveKissTrack(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, PAST, 3)))
     n_tracks = 0
@@ -96,7 +102,7 @@ def link(cloud: Cloud, *, method: KissTracking) -> Tracks:
         points, own = cloud[f], identity[cloud.rows(f)]
         predicted = extrapolate(active.past, active.known)
         off = np.linalg.norm(points - predicted[:, None], axis=-1)
-        limit = np.where(active.known > 1, method.search_radius, method.distance_limit)
+        limit = np.where(active.known > 1, method.search_radius, method.max_distance)
         which, taken = assign_nearest(off, limit)
         own[taken] = active.id[which]
         fresh = np.flatnonzero(own < 0)  # (3)

@@ -9,14 +9,14 @@ prediction is off by the acceleration a that the fit does not know, and the poin
 
     s = a ((n + 1) T)² / 2 + scatter                                     (1)
     S = C_point + C_last Σ w² + s² I                                     (2)
-    |x − x̂|²_S = (x − x̂)ᵀ S⁻¹ (x − x̂) ≤ reach²                          (3)
+    |x − x̂|²_S = (x − x̂)ᵀ S⁻¹ (x − x̂) ≤ gate²                           (3)
 
 with the weights w of the extrapolation. Where good views make a point sure to the millimetre, (3) is a sphere of radius
-reach · s; where two cameras look along nearly the same line, it is long in that direction. A single point, of which
-no motion is known, may move v T a frame: s = (n + 1) v T / reach.
+gate · s; where two cameras look along nearly the same line, it is long in that direction. A single point, of which
+no motion is known, may move v T a frame: s = (n + 1) v T / gate.
 
 KISS ends a track at its first miss and afterwards blends tracks that end and start within two fields. Here a track that
-finds no point follows its own prediction for as long (`patience`), which comes to the same and needs no second pass.
+finds no point coasts on its own prediction for as long (`max_coasting`), which comes to the same without a second pass.
 
 One image is one marker: a point that shares an image with a point of an older track is a ghost of it and starts
 nothing. At the end short tracks, most of them ghosts, lose their identity.
@@ -42,23 +42,37 @@ from .stage import CLOUD, TRACK
 class ExtrapolationLadder(Method):
     """Extrapolation by polynomials of rising order, and the nearest point within what their errors allow."""
 
-    reach: float = parameter(
-        5.0, unit="standard deviations", above=0, meaning="half size of the search region (gate); of (3)"
+    gate: float = parameter(
+        5.0,
+        former="reach",
+        unit="standard deviations",
+        above=0,
+        meaning="half size of the search region (gate); of (3)",
     )
-    speed: float = parameter(
-        5000.0, unit="mm/s", above=0, meaning="greatest speed of a marker of which one point is known; v"
+    max_speed: float = parameter(
+        5000.0,
+        former="speed",
+        unit="mm/s",
+        above=0,
+        meaning="greatest speed of a marker of which one point is known; v",
     )
-    acceleration: float = parameter(
-        10_000.0, unit="mm/s²", low=0, meaning="usual acceleration that the fit does not foresee; a of (1)"
+    acceleration_sd: float = parameter(
+        10_000.0,
+        former="acceleration",
+        unit="mm/s²",
+        low=0,
+        meaning="standard deviation of the acceleration that the fit does not predict; a of (1)",
     )
     scatter: float = parameter(
         3.0, unit="mm", above=0, meaning="scatter of the points about their paths beyond their covariance; of (1)"
     )
-    patience: float = parameter(
-        0.04, unit="s", low=0, high=60,
+    max_coasting: float = parameter(
+        0.04, former="patience", unit="s", low=0, high=60,
         meaning="coasting: how long a track without points goes on; KISS's two fields of 50 Hz are 0.04 s",
     )  # fmt: skip
-    shortest: int = parameter(10, unit="points", low=1, meaning="tracks of fewer points than this lose their identity")
+    min_points: int = parameter(
+        10, former="shortest", unit="points", low=1, meaning="tracks of fewer points than this lose their identity"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,31 +95,31 @@ class ActiveLadderTrack:
 def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
     """The cloud with identities, numbered in the order in which the tracks begin."""
     identity = np.full(len(cloud), -1)
-    active = _none()
-    patience = round(method.patience * cloud.rate)
+    active = _no_tracks()
+    max_missed = round(method.max_coasting * cloud.rate)
     n_tracks = 0
     for f in range(cloud.n_frames):
         tell(f, cloud.n_frames)
         rows = cloud.rows(f)
         points, cov, view = cloud.xyz[rows], cloud.cov[rows], cloud.view[rows]
         predicted = extrapolate(active.past, active.known)
-        which, taken = _claim(active, predicted, points, cov, view, cloud.rate, method)
-        fresh = _unclaimed(view, taken)
+        which, taken = _associate(active, predicted, points, cov, view, cloud.rate, method)
+        fresh = _unassociated(view, taken)
         identity[rows][taken] = active.id[which]
         identity[rows][fresh] = np.arange(n_tracks, n_tracks + len(fresh))
         n_tracks += len(fresh)
-        grown = _advance(active, predicted, points, cov, which, taken, patience)
-        active = _begin(grown, identity[rows][fresh], points[fresh], cov[fresh])
-    return Tracks(cloud, _without_short(identity, method.shortest))
+        grown = _advance(active, predicted, points, cov, which, taken, max_missed)
+        active = _initiate(grown, identity[rows][fresh], points[fresh], cov[fresh])
+    return Tracks(cloud, _without_short(identity, method.min_points))
 
 
-def _none() -> ActiveLadderTrack:
+def _no_tracks() -> ActiveLadderTrack:
     """No tracks."""
     zero = np.zeros(0, np.int64)
     return ActiveLadderTrack(zero, zero, zero, np.zeros((0, PAST, 3)), np.zeros((0, 3, 3)))
 
 
-def _claim(
+def _associate(
     active: ActiveLadderTrack,
     predicted: Floats,
     points: Floats,
@@ -115,12 +129,12 @@ def _claim(
     method: ExtrapolationLadder,
 ) -> tuple[Ints, Ints]:
     """Which tracks take which points; of two that share an image, the younger track goes without."""
-    stray = method.acceleration * ((active.missed + 1) / rate) ** 2 / 2 + method.scatter  # (1)
-    stray = np.where(active.known > 1, stray, method.speed * (active.missed + 1) / rate / method.reach)
-    own = active.cov * gain(active.known)[:, None, None] + np.eye(3) * stray[:, None, None] ** 2
+    sd = method.acceleration_sd * ((active.missed + 1) / rate) ** 2 / 2 + method.scatter  # (1)
+    sd = np.where(active.known > 1, sd, method.max_speed * (active.missed + 1) / rate / method.gate)
+    own = active.cov * gain(active.known)[:, None, None] + np.eye(3) * sd[:, None, None] ** 2
     off = points - predicted[:, None]
     squared = (off * solve3(own[:, None] + cov, off)).sum(-1)  # (3)
-    which, taken = assign(squared, np.full(len(active.id), method.reach**2))
+    which, taken = assign(squared, np.full(len(active.id), method.gate**2))
     oldest = np.argsort(-active.known[which], kind="stable")
     which, taken = which[oldest], taken[oldest]
     alone = _first_users(view[taken])
@@ -139,7 +153,7 @@ def _first_users(view: Ints) -> NDArray[np.bool_]:
     return alone
 
 
-def _unclaimed(view: Ints, taken: Ints) -> Ints:
+def _unassociated(view: Ints, taken: Ints) -> Ints:
     """Points that may start tracks: those without an image of a point that is taken."""
     images = view[taken]
     shared = np.isin(view, images[images >= 0]).any(1)
@@ -147,19 +161,19 @@ def _unclaimed(view: Ints, taken: Ints) -> Ints:
 
 
 def _advance(
-    active: ActiveLadderTrack, predicted: Floats, points: Floats, cov: Floats, which: Ints, taken: Ints, patience: int
+    active: ActiveLadderTrack, predicted: Floats, points: Floats, cov: Floats, which: Ints, taken: Ints, max_missed: int
 ) -> ActiveLadderTrack:
-    """The tracks one frame on: with the point taken or, for as long as `patience` lasts, with the prediction."""
+    """The tracks one frame on: with the point taken or, for at most `max_missed` frames, with the prediction."""
     here, known, missed, last = predicted.copy(), active.known.copy(), active.missed + 1, active.cov.copy()
     here[which], last[which] = points[taken], cov[taken]
     known[which] += 1
     missed[which] = 0
     past = np.concatenate([active.past[:, 1:], here[:, None]], 1)
-    alive = missed <= patience
+    alive = missed <= max_missed
     return ActiveLadderTrack(active.id[alive], known[alive], missed[alive], past[alive], last[alive])
 
 
-def _begin(active: ActiveLadderTrack, identity: Ints, points: Floats, cov: Floats) -> ActiveLadderTrack:
+def _initiate(active: ActiveLadderTrack, identity: Ints, points: Floats, cov: Floats) -> ActiveLadderTrack:
     """The active tracks and new ones of a single point each."""
     n = len(points)
     return ActiveLadderTrack(

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from kinemark.calibrate.bundle import Bundle, Freedom, FreePoints, Held, Sticks, bundle, sticks_through
+from kinemark.calibrate.bundle import Bundle, Freedom, FreePoints, KnownPoints, Sticks, bundle, sticks_through
 from kinemark.calibrate.bundle.adjust import observed
 from kinemark.calibrate.bundle.parts import all_points, slices
 from kinemark.calibrate.bundle.robust_points import robust_points
@@ -31,7 +31,7 @@ def small_state():
         Sticks(at[:4], ahead, np.array([-200.0, 0.0, 300.0])),
         FreePoints(at[4:7]),
         FreePoints(at[7:9], at[7:9] + rng.normal(size=(2, 3)), np.tile(np.eye(3) / 4, (2, 1, 1))),
-        Held(at[9:]),
+        KnownPoints(at[9:]),
     )
     uv = np.stack([project(camera, all_points(parts)) for camera in rig]) + rng.normal(size=(3, 19, 2))
     uv[0, 3] = uv[2, 13] = np.nan
@@ -110,7 +110,7 @@ def test_the_optimum_is_that_of_another_program():
     rig = ring(3, distortion=(-0.1, 0.05, 0, 0, 0))
     scene = waved(rig, 12, noise=0.3)
     begun, sticks = benchmark.disturbed(rig, scene.xyz, np.random.default_rng(1))
-    uv, freedom = scene.uv.reshape(3, -1, 2), Bundle(radial=1, centre=False).freedom
+    uv, freedom = scene.uv.reshape(3, -1, 2), Bundle(radial=1, principal_point=False).freedom
     ours = solve(BundleState(begun.cameras, (sticks,)), observed(uv, None), (freedom,) * 3)
     rival = benchmark.Rival(begun, sticks, uv, freedom)
     start = np.zeros(3 * rival.q + 5 * 12)
@@ -197,11 +197,15 @@ def test_what_is_held_stays_and_known_points_fix_the_world():
     surveyed = at[:8] + 2.0 * rng.normal(size=(8, 3))
     known = bundle(
         begun,
-        (Held(at[:0]), FreePoints(surveyed, surveyed, np.tile(np.eye(3) / 4 * 0.01, (8, 1, 1))), FreePoints(at[8:])),
+        (
+            KnownPoints(at[:0]),
+            FreePoints(surveyed, surveyed, np.tile(np.eye(3) / 4 * 0.01, (8, 1, 1))),
+            FreePoints(at[8:]),
+        ),
         uv,
         freedoms=[pose] * 4,
     )
-    exact = bundle(begun, (Held(at[:8]), FreePoints(at[8:])), uv, freedoms=[pose] * 4)
+    exact = bundle(begun, (KnownPoints(at[:8]), FreePoints(at[8:])), uv, freedoms=[pose] * 4)
     assert np.abs(exact.rig.centres - rig.centres).max() < 3
     assert np.abs(known.rig.centres - rig.centres).max() < 15
     assert (np.diag(exact.joint)[9:15] > 0).all()  # nothing is free to move as a whole, so all have an error

@@ -9,7 +9,7 @@ from kinemark.calibrate import (
     calibrate_control_points,
     control_point_quality,
 )
-from kinemark.calibrate.control_points.mistaken import exchanged, mistaken_points
+from kinemark.calibrate.control_points.mistaken import find_swapped_points, mistaken_points
 from kinemark.data import KinemarkError
 from kinemark.geometry import project, project_all
 from kinemark.synth import ring
@@ -95,9 +95,9 @@ def test_two_exchanged_points_are_named_even_where_no_camera_fits(pair):
     rng, rig = np.random.default_rng(15), ring(3)
     uv = project_all(rig, BOX) + rng.normal(0, 0.2, (3, 8, 2))
     uv[1, list(pair)] = uv[1, list(pair[::-1])]
-    swap = exchanged(BOX, uv[1])
+    swap = find_swapped_points(BOX, uv[1])
     assert [int(i) for i in np.flatnonzero(swap.image_of != np.arange(8))] == sorted(pair) and swap.after < 1
-    assert exchanged(BOX, uv[0]) is None and mistaken_points(BOX, uv[0], "12345678", camera="cam1") is None
+    assert find_swapped_points(BOX, uv[0]) is None and mistaken_points(BOX, uv[0], "12345678", camera="cam1") is None
     names = tuple(str(i + 1) for i in pair)
     with pytest.raises(KinemarkError, match=f"Camera cam2.*control points {names[0]}, {names[1]}") as error:
         control_point_quality(rig.names, [(0, 0)] * 3, BOX, uv)

@@ -377,7 +377,7 @@ def test_all_dots_of_a_real_target_are_named():
     corners = np.array([(-67.5, 30), (67.5, 30), (-67.5, -30), (67.5, -30)])
     picked = np.array([np.abs(xyz[:, :2] - corner).sum(1).argmin() for corner in corners])
     image = read_image(folder / "cal" / "cam2.tif")
-    blobs = detect_frames(image[None], method=Centroids(min_area=50, most_discs=1, hidden=False))
+    blobs = detect_frames(image[None], method=Centroids(min_area=50, max_discs=1, correct_occlusion=False))
     uv = blobs.uv[blobs.validity == 0]
     index = assign_points(uv, xyz, picked=picked, at=np.loadtxt(folder / "man_ori.dat")[:4])
     assert (index >= 0).all() and len(set(index)) == 95

@@ -1,4 +1,4 @@
-"""How good a calibration is: foretold precision against many simulated calibrations, and what the verdict says."""
+"""How good a calibration is: predicted precision against many simulated calibrations, and what the verdict says."""
 
 from dataclasses import replace
 
@@ -39,34 +39,34 @@ def variance(cov):
 
 @pytest.fixture(scope="module")
 def control():
-    """Many calibrations with control points: what each foretold with all cameras and without two of them, and what
+    """Many calibrations with control points: what each predicted with all cameras and without two of them, and what
     came of it, mm² a place."""
-    noise, foretold, found = 0.3, {w: [] for w in LOST}, {w: [] for w in LOST}
+    noise, predicted, found = 0.3, {w: [] for w in LOST}, {w: [] for w in LOST}
     for seed in range(40):
         rng = np.random.default_rng(seed)
         rig = calibrate_control_points(RIG.names, SIZES, POINTS, seen(RIG, POINTS, noise, rng))
         uv = seen(RIG, PLACES, noise, rng)
         for without in LOST:
             cov = predicted_covariance(rig, PLACES, centroid_sd=noise, without=without)
-            foretold[without].append(variance(cov))
+            predicted[without].append(variance(cov))
             left = uv.copy()
             left[list(without)] = np.nan
             found[without].append(((placed(rig, left, noise) - PLACES) ** 2).mean(1))
-    return {w: (np.sqrt(np.mean(foretold[w], 0)), np.sqrt(np.mean(found[w], 0))) for w in LOST}
+    return {w: (np.sqrt(np.mean(predicted[w], 0)), np.sqrt(np.mean(found[w], 0))) for w in LOST}
 
 
 LOST = ((), (0,), (3,))
 
 
 @pytest.mark.parametrize("without", LOST)
-def test_the_precision_foretold_after_control_points_is_the_one_found(control, without):
+def test_the_precision_predicted_after_control_points_is_the_one_observed(control, without):
     """Within 15 %, wherever the place and whichever camera is lost."""
-    foretold, found = control[without]
-    ratio = foretold / found
+    predicted, found = control[without]
+    ratio = predicted / found
     assert 0.9 < ratio.mean() < 1.1
     assert ratio.std() < 0.15
     if without:
-        assert foretold.mean() > 1.1 * control[()][0].mean()
+        assert predicted.mean() > 1.1 * control[()][0].mean()
 
 
 ALONG = np.array([0.0, 500.0])
@@ -89,26 +89,26 @@ def wands():
     return fits
 
 
-def test_the_precision_foretold_after_a_wand_is_the_one_found(wands):
-    noise, foretold, found = 0.1, [], []
+def test_the_precision_predicted_after_a_wand_is_the_one_observed(wands):
+    noise, predicted, found = 0.1, [], []
     for k, fit in enumerate(wands):
-        foretold.append(variance(predicted_covariance(fit.rig, PLACES, centroid_sd=noise, joint=fit.joint)))
+        predicted.append(variance(predicted_covariance(fit.rig, PLACES, centroid_sd=noise, joint=fit.joint)))
         for again in range(4):
             rng = np.random.default_rng(1000 + 10 * k + again)
             found.append(((placed(fit.rig, seen(RIG, PLACES, noise, rng), noise) - PLACES) ** 2).mean(1))
-    ratio = np.sqrt(np.mean(foretold)) / np.sqrt(np.mean(found))
+    ratio = np.sqrt(np.mean(predicted)) / np.sqrt(np.mean(found))
     assert 0.85 < ratio < 1.15
 
 
-def test_losing_a_camera_is_foretold_too():
+def test_losing_a_camera_is_predicted_too():
     noise, found = 0.3, []
     rest = Rig(RIG.cameras[1:])
     for seed in range(60):
         uv = seen(rest, PLACES, noise, np.random.default_rng(seed))
         found.append(((placed(rest, uv, noise) - PLACES) ** 2).mean(1))
-    foretold = variance(predicted_covariance(RIG, PLACES, centroid_sd=noise, without=(0,)))
-    assert np.sqrt(foretold).mean() == pytest.approx(np.sqrt(np.mean(found, 0)).mean(), rel=0.05)
-    assert (foretold > variance(predicted_covariance(RIG, PLACES, centroid_sd=noise))).all()
+    predicted = variance(predicted_covariance(RIG, PLACES, centroid_sd=noise, without=(0,)))
+    assert np.sqrt(predicted).mean() == pytest.approx(np.sqrt(np.mean(found, 0)).mean(), rel=0.05)
+    assert (predicted > variance(predicted_covariance(RIG, PLACES, centroid_sd=noise))).all()
 
 
 def test_without_a_joint_covariance_it_is_that_of_refine():
@@ -176,8 +176,8 @@ def test_the_map_of_a_volume_agrees_with_the_places_it_is_made_of():
     xyz = points_of(grid.axes)
     assert np.allclose(grid.sd.ravel(), deviation(predicted_covariance(RIG, xyz, centroid_sd=0.1)))
     assert grid.sd.shape == grid.seen.shape == grid.without.shape[1:]
-    assert (grid.worst >= grid.sd).all()
-    assert (grid.worst <= np.sqrt(3) * grid.sd * (1 + 1e-9)).all()
+    assert (grid.sd_largest_axis >= grid.sd).all()
+    assert (grid.sd_largest_axis <= np.sqrt(3) * grid.sd * (1 + 1e-9)).all()
     for c in range(len(RIG)):
         assert np.nanmin(grid.without[c] / grid.sd) >= 1
     assert np.array_equal(grid.seen.ravel(), visible(RIG, xyz).sum(0))

@@ -141,7 +141,7 @@ def test_a_rig_finds_what_the_first_reading_left_out_or_mistook():
     rng = np.random.default_rng(0)
     swapped = rng.random(rows.shape[:2]) < 0.05
     rows = np.where(swapped[..., None], rows[..., ::-1], rows)
-    found, xyz = completed(rig, observed.detections, want.use, rows, along, tolerance=3.0)
+    found, xyz = completed(rig, observed.detections, want.use, rows, along, search_radius=3.0)
     off = off_truth(observed, at_rows(observed.detections, found)[0], True)
     assert np.nanmax(off) < 3.0 and (off[np.isfinite(off)] > 0.6).mean() < 0.003
     assert (found >= 0).sum() > 1.8 * first
@@ -345,7 +345,7 @@ def test_lengths_that_are_none(lengths):
         marker_places(lengths)
 
 
-@pytest.mark.parametrize("bad", [{"radial": 4}, {"reject": 1.0}, {"most_poses": 2}, {"tolerance": 0.0},
+@pytest.mark.parametrize("bad", [{"radial": 4}, {"reject": 1.0}, {"most_poses": 2}, {"search_radius": 0.0},
                                  {"marker_diameter": -1.0}], ids=str)  # fmt: skip
 def test_methods_that_are_none(bad):
     with pytest.raises(ValueError, match=next(iter(bad))):

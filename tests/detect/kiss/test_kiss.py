@@ -24,7 +24,13 @@ from support.studies import STUDIES, printed
 
 METHODS = [KissScanning(), KissNearest()]
 BARE = KissScanning(
-    lonely=False, one_wide=False, one_high=False, sub_markers=False, overlaps=False, long_wide=False, sizes=False
+    isolated=False,
+    one_wide=False,
+    one_high=False,
+    sub_markers=False,
+    overlaps=False,
+    long_wide=False,
+    check_sizes=False,
 )
 
 
@@ -131,7 +137,7 @@ SPECKS = {
     ("switched", "removed"),
     [
         ({}, set()),
-        ({"lonely": True}, {"lonely"}),
+        ({"isolated": True}, {"lonely"}),
         ({"one_wide": True}, {"lonely", "one_wide"}),
         ({"one_high": True}, {"lonely", "one_high"}),
         ({"noise_width": 3, "noise_height": 4}, {"lonely", "noise"}),
@@ -159,8 +165,8 @@ def test_a_small_group_joins_the_larger_one_in_whose_rectangle_it_lies():
     }
     assert found["two rows inside"].area[0] == 48 + 48 + 10
     almost = drawn(*hook, (28, 27, 5, 2))  # four of its five columns inside
-    assert len(detect_frames(almost, method=replace(BARE, sub_markers=True, inside=0.8)).uv) == 1
-    assert len(detect_frames(almost, method=replace(BARE, sub_markers=True, inside=0.9)).uv) == 2
+    assert len(detect_frames(almost, method=replace(BARE, sub_markers=True, min_inside=0.8)).uv) == 1
+    assert len(detect_frames(almost, method=replace(BARE, sub_markers=True, min_inside=0.9)).uv) == 2
     assert len(detect_frames(almost, method=replace(BARE, sub_markers=True, small_area=10)).uv) == 2
 
 
@@ -242,7 +248,7 @@ def test_strobes_and_specks_are_kept_undivided_with_their_reason():
     assert (
         np.isnan(found.cov[large]).all() and np.isfinite(found.cov[~large]).all() and (found.peak[~large] == 200).all()
     )
-    assert (detect_frames(image, method=KissScanning(max_area=300, sizes=False)).validity == 0).all()
+    assert (detect_frames(image, method=KissScanning(max_area=300, check_sizes=False)).validity == 0).all()
 
 
 def test_the_former_method_splits_by_the_average_of_the_field():
@@ -313,7 +319,7 @@ def test_sixteen_bits_and_negatives_are_the_same_images(method):
 @pytest.mark.parametrize("method", METHODS)
 def test_a_relative_threshold_does_not_mind_the_lamp_or_the_ground(method):
     image = drawn((20, 20, 12), (50, 40, 10), (30, 65, 11))
-    method = replace(method, relative=0.4)
+    method = replace(method, relative_threshold=0.4)
     plain = detect_frames(image, method=method)
     dimmed = detect_frames((30 + image // 5).astype(np.uint8), method=method)
     negative = detect_frames(255 - image, method=replace(method, inverted=True))
@@ -349,9 +355,9 @@ def test_a_threshold_in_the_noise_is_an_error(method):
         {"near_x": -1},
         {"near_y": 0},
         {"noise_width": -1},
-        {"inside": 0},
+        {"min_inside": 0},
         {"small_rows": 0},
-        {"relative": 1.0},
+        {"relative_threshold": 1.0},
         {"overlap_fill": 1.5},
         {"row_overlap": 0},
         {"min_ratio": 0.9, "max_ratio": 1.2},
@@ -361,7 +367,7 @@ def test_a_threshold_in_the_noise_is_an_error(method):
 def test_impossible_parameters_are_refused(wrong):
     with pytest.raises(ValueError, match="wanted"):
         KissScanning(**wrong)
-    if next(iter(wrong)) in ("threshold", "noise_width", "relative"):
+    if next(iter(wrong)) in ("threshold", "noise_width", "relative_threshold"):
         with pytest.raises(ValueError, match="wanted"):
             KissNearest(**wrong)
     with pytest.raises(ValueError, match="wanted"):
@@ -405,7 +411,7 @@ def test_the_manual_image_has_twelve_markers_that_every_step_needs(monkeypatch):
     """Without any one of the three tests, or of the noise criteria, the number is not the paper's."""
     monkeypatch.syspath_prepend(STUDIES)
     image = importlib.import_module("kiss_detection").manual_image()[None]
-    full = KissScanning(sizes=False)
+    full = KissScanning(check_sizes=False)
     assert len(detect_frames(image, method=full).uv) == 12
     for step in ("sub_markers", "overlaps", "long_wide"):
         assert len(detect_frames(image, method=replace(full, **{step: False})).uv) != 12

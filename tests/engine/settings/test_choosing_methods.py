@@ -14,6 +14,7 @@ from kinemark.apps.commands.listings import methods
 from kinemark.data import KinemarkError, same
 from kinemark.engine.session import Session
 from kinemark.engine.settings import STAGES, methods_figures, methods_text
+from kinemark.engine.settings.method_tables import SETTABLE, method_of
 from kinemark.match import match
 from kinemark.reconstruct import reconstruct
 from kinemark.track import matches_itself, track
@@ -24,16 +25,19 @@ NAMED = {
     "match": {
         "epipolar_triplets": ("search_band", "search_radius", "candidates", "pairs", "pair_band"),
         "kiss_triplets": ("search_band", "search_radius", "candidates", "priority", "all_duals"),
-        "nearest_epipolar": ("cameras", "band"),
+        "nearest_epipolar": ("cameras", "search_band"),
     },
-    "reconstruct": {"least_squares": ("centroid_sd", "model_sd", "tails"), "camera_pairs": ("excess",)},
+    "reconstruct": {
+        "least_squares": ("centroid_sd", "model_sd", "degrees_of_freedom"),
+        "camera_pairs": ("outlier_ratio",),
+    },
     "track": {
-        "simultaneous": ("gate", "wander", "patience", "gap", "worst"),
-        "former_two_cameras": ("window", "markers", "residual_limit", "shortest"),
-        "extrapolation_ladder": ("reach", "patience", "shortest"),
-        "kiss_tracking": ("search_radius", "distance_limit", "blend_within", "shortest", "volume"),
-        "swamidas": ("error", "jerk", "velocity_share", "segment_tolerance", "links", "lengths"),
-        "distance_only": ("begin", "patience"),
+        "simultaneous": ("gate", "process_noise", "max_coasting", "max_gap", "max_sd"),
+        "former_two_cameras": ("window", "n_markers", "max_residual", "min_fields"),
+        "extrapolation_ladder": ("gate", "max_coasting", "min_points"),
+        "kiss_tracking": ("search_radius", "max_distance", "max_gap", "min_points", "volume"),
+        "swamidas": ("measurement_sd", "jerk", "velocity_share", "segment_tolerance", "links", "lengths"),
+        "distance_only": ("initiate_from", "max_coasting"),
     },
 }
 """What the documents name, of each method in a session file."""
@@ -55,9 +59,25 @@ def test_the_list_of_methods_says_what_the_dataclasses_say():
             defaults = {name: p["default"] for name, p in told["parameters"].items() if not p.get("required")}
             assert list(told["parameters"]) == plain
             assert defaults == {name: getattr(method, name) for name in plain if name in defaults}
-    assert "search_radius   40.0   mm      above 0" in methods_text("track")
+    assert "search_radius  40.0   mm      above 0" in methods_text("track")
     with pytest.raises(KinemarkError, match="did you mean 'track'"):
         methods_text("trak")
+
+
+FORMER = [
+    (stage, name, p.former, p.name)
+    for stage, kinds in SETTABLE.items()
+    for name, declared in kinds.items()
+    for p in declared.parameters
+    if p.former
+]
+
+
+@pytest.mark.parametrize(("stage", "name", "former", "now"), FORMER)
+def test_who_uses_the_former_name_of_a_parameter_is_told_the_new_one(stage, name, former, now):
+    assert former not in {field.name for field in fields(STAGES[stage][name].kind)}
+    with pytest.raises(ValueError, match=f"'{former}' of {name} is now called '{now}'"):
+        method_of(stage, {"method": name, former: 1})
 
 
 def by_hand(detections, rig, settings):
@@ -73,11 +93,11 @@ def test_python_toml_and_command_line_are_one(tmp_path, stage):
     """The same method with a parameter of its own, in all three ways, gives the same tracks."""
     odd = {
         "match": {"epipolar_triplets": "pair_band = 0.7", "kiss_triplets": "all_duals = true"},
-        "reconstruct": {"camera_pairs": "excess = 3.0", "least_squares": "model_sd = 0.2"},
+        "reconstruct": {"camera_pairs": "outlier_ratio = 3.0", "least_squares": "model_sd = 0.2"},
         "track": {
             "kiss_tracking": "search_radius = 25.0",
             "swamidas": "jerk = 5000.0",
-            "distance_only": 'begin = "any"',
+            "distance_only": 'initiate_from = "any"',
         },
     }
     for k, (name, parameter) in enumerate(odd[stage].items()):
@@ -98,11 +118,11 @@ def test_python_toml_and_command_line_are_one(tmp_path, stage):
 
 
 def test_a_method_given_leaves_the_files_parameters_of_another_aside(tmp_path):
-    folder, *_ = folder_of(tmp_path, more='[track]\nmethod = "kiss_tracking"\nsearch_radius = 25.0\nshortest = 4\n')
+    folder, *_ = folder_of(tmp_path, more='[track]\nmethod = "kiss_tracking"\nsearch_radius = 25.0\nmin_points = 4\n')
     opened = lambda *given: Session.open(folder, overrides=given).settings.track  # noqa: E731
     assert opened("track.method=swamidas") == STAGES["track"].make("swamidas")
-    assert opened("track.shortest=6") == replace(opened(), shortest=6)
-    assert opened("track.method=kiss_tracking", "track.shortest=6") == replace(opened(), shortest=6)
+    assert opened("track.min_points=6") == replace(opened(), min_points=6)
+    assert opened("track.method=kiss_tracking", "track.min_points=6") == replace(opened(), min_points=6)
     assert opened("track.method=swamidas", "track.links=[[0, 1]]").links == ((0, 1),)
 
 
@@ -136,14 +156,14 @@ def test_the_former_method_is_chosen_with_two_cameras(tmp_path):
 
 def test_methods_are_chosen_by_command(tmp_path):
     folder, *_ = folder_of(tmp_path, n_cameras=2)
-    own = ["track.method=distance_only", "match.method=nearest_epipolar", "match.band=1.5"]
+    own = ["track.method=distance_only", "match.method=nearest_epipolar", "match.search_band=1.5"]
     options = [part for text in own for part in ("--set", text)]
     command = [sys.executable, "-m", "kinemark", "run", str(folder), "--json", *options]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     steps = {step["stage"]: step for step in json.loads(done.stdout)["one"]["steps"]}
     assert (steps["track"]["method"], steps["match"]["method"]) == ("DistanceOnly", "NearestEpipolar")
-    assert steps["match"]["parameters"]["band"] == 1.5
+    assert steps["match"]["parameters"]["search_band"] == 1.5
 
 
 def test_the_methods_are_listed_by_command(capsys):

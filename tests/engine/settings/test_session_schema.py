@@ -30,7 +30,7 @@ RIGHT = {
     "control points": text(BY_POINTS),
     "lenses": text(f"{BY_POINTS}\n{GRID}", '[calibrate]\nmethod = "dlt"\nreject = 4'),
     "control frame": text(FRAME, "[calibrate]\nradial = 2"),
-    "wand": text(f"{BY_WAND}\n{L_FRAME}", "[calibrate]\nsquare = false\nmost_poses = 300"),
+    "wand": text(f"{BY_WAND}\n{L_FRAME}", "[calibrate]\nsquare_pixels = false\nmost_poses = 300"),
     "single marker": text(MARKER, '[calibrate]\nmethod = "bundle"\nseed = 3'),
     "marks": text(f"{FILE}\nreference_marker = {{ c0 = [[1.5, 2]] }}\nmark_reach_px = 3"),
     "masks": text(more='[masks]\nempty = "empty/{camera}.png"\ngrow_px = 2'),

@@ -6,10 +6,18 @@ import numpy as np
 import pytest
 
 from kinemark.fill import Body, Gap, Kalman, LimbAngles, Linear, MarkerArray, Prediction, fill
-from kinemark.fill.fill import FillAnswer, _mean_of_close, _told, affordable, ask, choose, within_time
+from kinemark.fill.fill import (
+    CandidateFill,
+    _expected_errors,
+    _mean_of_close,
+    affordable,
+    choose_candidate,
+    evaluate_candidates,
+    within_time,
+)
 from kinemark.fill.judge.combine import close_ones, mean_prediction, mean_tests, together, weights
-from kinemark.fill.judge.expected_error import LEAST, ErrorCalibration, MeasuredErrors, as_hard
-from kinemark.fill.judge.hold_out import Candidate, HoldOutGap, plan
+from kinemark.fill.judge.expected_error import LEAST, ErrorCalibration, MeasuredErrors, difficulty_weight
+from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult, draw_hold_out_gaps
 from kinemark.fill.methods.angles import fit_model, learned_of
 from kinemark.fill.methods.kriging import Hyper
 from kinemark.fill.methods.stage import filler_of
@@ -21,7 +29,7 @@ def filled_with(errors):
     """One test of one gap after another; (T, L, 3) errors of one method."""
     L = errors.shape[1]
     tests = [HoldOutGap(0, k, Gap(0, 2 * L * k + 10, 2 * L * k + 10 + L), (0, L), True) for k in range(len(errors))]
-    return [Candidate(t, e, np.tile(np.eye(3), (L, 1, 1)), np.ones(L)) for t, e in zip(tests, errors, strict=True)]
+    return [HoldOutResult(t, e, np.tile(np.eye(3), (L, 1, 1)), np.ones(L)) for t, e in zip(tests, errors, strict=True)]
 
 
 class TestWeighing:
@@ -52,13 +60,15 @@ class TestWeighing:
         assert close_ones([1.0, 9.0, 1.2]) == [0, 2]
         assert close_ones([1.0, 9.0]) == [] and close_ones([np.inf, np.inf]) == []
 
-    def test_a_mean_says_what_its_parts_say_and_names_the_donors_of_those_that_count(self):
-        said = [
-            Prediction(np.full((2, 3), float(k)), np.tile(k * np.eye(3), (2, 1, 1)), donors=(k,)) for k in (1, 2, 4)
+    def test_a_mean_says_what_its_parts_say_and_names_the_reference_markers_of_those_that_count(self):
+        prediction = [
+            Prediction(np.full((2, 3), float(k)), np.tile(k * np.eye(3), (2, 1, 1)), references=(k,)) for k in (1, 2, 4)
         ]
-        mean = mean_prediction(said, np.array([0.25, 0.75, 0.0]))
-        assert np.allclose(mean.xyz, 1.75) and np.allclose(mean.cov, 1.75 * np.eye(3)) and mean.donors == (1, 2)
-        silent = mean_prediction([s._replace(cov=np.full((2, 3, 3), np.nan)) for s in said], np.array([0.5, 0.5, 0.0]))
+        mean = mean_prediction(prediction, np.array([0.25, 0.75, 0.0]))
+        assert np.allclose(mean.xyz, 1.75) and np.allclose(mean.cov, 1.75 * np.eye(3)) and mean.references == (1, 2)
+        silent = mean_prediction(
+            [s._replace(cov=np.full((2, 3, 3), np.nan)) for s in prediction], np.array([0.5, 0.5, 0.0])
+        )
         assert np.isnan(silent.cov).all()
 
 
@@ -66,18 +76,18 @@ def test_a_mean_is_judged_in_tests_that_its_weights_were_not_made_from():
     """Four fillers of pure chance in six tests: with weights from the same tests 0.85 of the true error is told."""
     rng = np.random.default_rng(4)
     gap, told, true = Gap(0, 0, 20), [], []
-    said = Prediction(np.zeros((20, 3)), np.tile(np.eye(3), (20, 1, 1)))
+    prediction = Prediction(np.zeros((20, 3)), np.tile(np.eye(3), (20, 1, 1)))
     for _ in range(60):
-        tried = [filled_with(np.tile(e, (1, 20, 1))) for e in rng.normal(0, 1, (4, 6, 1, 3))]
+        results = [filled_with(np.tile(e, (1, 20, 1))) for e in rng.normal(0, 1, (4, 6, 1, 3))]
         answers = [
-            FillAnswer(name, [said], MeasuredErrors(t), ErrorCalibration(t), t)
-            for name, t in zip("abcd", tried, strict=True)
+            CandidateFill(name, [prediction], MeasuredErrors(t), ErrorCalibration(t), t)
+            for name, t in zip("abcd", results, strict=True)
         ]
-        expected, counts = _told(answers, [gap], 0)
+        expected, counts = _expected_errors(answers, [gap], 0)
         mean = _mean_of_close(answers, expected, 0, counts)
         if len(close_ones([mm for _, mm in expected.values()])) == 4:
-            told.append(np.mean([t.mean for t in mean.tried]))
-            w = weights(together(tried), counts)
+            told.append(np.mean([t.mean for t in mean.results]))
+            w = weights(together(results), counts)
             true.append(np.linalg.norm(np.tensordot(w, rng.normal(0, 1, (4, 500, 3)), 1), axis=1).mean())
     assert np.mean(told) == pytest.approx(np.mean(true), rel=0.1)
 
@@ -94,27 +104,27 @@ def test_what_is_learnt_once_for_many_gaps_is_learnt_without_what_the_tests_hide
         return within_time(one, some, learnt_from)
 
     monkeypatch.setattr(sys.modules["kinemark.fill.fill"], "within_time", spy)
-    (answer,) = ask(motion, gaps, [method])
+    (answer,) = evaluate_candidates(motion, gaps, [method])
     (learnt_from,) = seen
-    assert len(answer.tried) >= 40 and isinstance(answer.method, type(method)) and answer.method != method
-    for test in (tried.test for tried in answer.tried):
+    assert len(answer.results) >= 40 and isinstance(answer.method, type(method)) and answer.method != method
+    for test in (results.test for results in answer.results):
         assert np.isnan(learnt_from.xyz[test.window.marker, test.window.start : test.window.stop]).all()
     again = filler_of(method)(motion, gaps, method=answer.method)
-    assert all(np.array_equal(a.xyz, b.xyz, equal_nan=True) for a, b in zip(again, answer.said, strict=True))
+    assert all(np.array_equal(a.xyz, b.xyz, equal_nan=True) for a, b in zip(again, answer.predictions, strict=True))
 
 
 def test_a_gap_in_which_the_methods_agree_is_expected_to_be_as_good_as_the_tests_in_which_they_do():
     rng = np.random.default_rng(5)
     hard = np.where(np.arange(20) % 2, 5.0, 0.5)[:, None, None]
-    tried = [filled_with(hard * rng.normal(0, 1, (20, 20, 3))) for _ in "ab"]
+    results = [filled_with(hard * rng.normal(0, 1, (20, 20, 3))) for _ in "ab"]
     expected = {}
     for apart in (0.5, 5.0):
-        said = [Prediction(k * apart * np.full((20, 3), np.sqrt(2)), np.full((20, 3, 3), np.nan)) for k in (0, 1)]
+        prediction = [Prediction(k * apart * np.full((20, 3), np.sqrt(2)), np.full((20, 3, 3), np.nan)) for k in (0, 1)]
         answers = [
-            FillAnswer(n, [x], MeasuredErrors(t), ErrorCalibration(t), t)
-            for n, x, t in zip("ab", said, tried, strict=True)
+            CandidateFill(n, [x], MeasuredErrors(t), ErrorCalibration(t), t)
+            for n, x, t in zip("ab", prediction, results, strict=True)
         ]
-        expected[apart] = _told(answers, [Gap(0, 0, 20)], 0)[0]["a"][0]
+        expected[apart] = _expected_errors(answers, [Gap(0, 0, 20)], 0)[0]["a"][0]
     usual = np.sqrt(8 / np.pi)  # mean length of a unit normal vector in space
     assert expected[0.5] == pytest.approx(0.5 * usual, rel=0.15) and expected[5.0] == pytest.approx(5 * usual, rel=0.15)
 
@@ -123,9 +133,11 @@ def test_few_tests_make_wider_bands():
     def band(n):
         rng = np.random.default_rng(0)
         tests = [HoldOutGap(0, k, Gap(0, 40 * k + 10, 40 * k + 30), (0, 20), True) for k in range(n)]
-        tried = [Candidate(t, rng.normal(0, 1, (20, 3)), np.tile(np.eye(3), (20, 1, 1)), np.ones(20)) for t in tests]
-        said = Prediction(np.zeros((20, 3)), np.tile(np.eye(3), (20, 1, 1)))
-        return ErrorCalibration(tried).covariance(said, np.ones(20), np.ones(n))[0, 0, 0] ** 0.5
+        results = [
+            HoldOutResult(t, rng.normal(0, 1, (20, 3)), np.tile(np.eye(3), (20, 1, 1)), np.ones(20)) for t in tests
+        ]
+        prediction = Prediction(np.zeros((20, 3)), np.tile(np.eye(3), (20, 1, 1)))
+        return ErrorCalibration(results).covariance(prediction, np.ones(20), np.ones(n))[0, 0, 0] ** 0.5
 
     assert band(100) == pytest.approx(1.0, abs=0.1)
     assert band(2) > 1.4 and 1.0 < band(10) < 1.5
@@ -135,7 +147,7 @@ def test_the_tests_of_an_end_hide_all_to_that_end():
     motion = MarkerArray(segment(200), 100.0, tuple("ABCDE"))
     first, last = Gap(1, 0, 20), Gap(2, 180, 200)
     for gap, end in ((first, "start"), (last, "stop")):
-        tests = plan(motion.hidden([gap]), [gap], per_gap=6, seed=0).tests
+        tests = draw_hold_out_gaps(motion.hidden([gap]), [gap], per_gap=6, seed=0).tests
         assert tests and all(getattr(test.window, end) == getattr(gap, end) for test in tests)
         assert all(test.keep[1] - test.keep[0] == 20 for test in tests)
 
@@ -157,9 +169,9 @@ def test_the_limit_holds_for_markers_of_the_static_trial_too():
 
 
 def answer(name, errors, *, at=0.0, claim=1.0):
-    tried, L = filled_with(errors), errors.shape[1]
-    said = Prediction(np.full((L, 3), at), np.tile(claim * np.eye(3), (L, 1, 1)))
-    return FillAnswer(name, [said], MeasuredErrors(tried), ErrorCalibration(tried), tried)
+    results, L = filled_with(errors), errors.shape[1]
+    prediction = Prediction(np.full((L, 3), at), np.tile(claim * np.eye(3), (L, 1, 1)))
+    return CandidateFill(name, [prediction], MeasuredErrors(results), ErrorCalibration(results), results)
 
 
 def along(axis, sizes):
@@ -177,7 +189,7 @@ def test_what_a_test_counts_is_what_it_counts_for_the_weights():
 
 
 def test_however_easy_or_hard_a_test_it_counts_a_little():
-    assert np.allclose(as_hard(np.array([0.0, 1.0, 1e9]), 1.0), [LEAST, 1, LEAST])
+    assert np.allclose(difficulty_weight(np.array([0.0, 1.0, 1e9]), 1.0), [LEAST, 1, LEAST])
 
 
 def test_how_hard_a_gap_is_the_best_two_tell():
@@ -187,7 +199,7 @@ def test_how_hard_a_gap_is_the_best_two_tell():
         answer(name, hard * rng.normal(0, k, (20, 20, 3)), at=k * x)
         for name, k, x in (("a", 1, 0), ("b", 1, 0.5), ("c", 90, 1))
     )
-    assert np.array_equal(_told([c, a, b], [GAP], 0)[1], _told([a, b], [GAP], 0)[1])
+    assert np.array_equal(_expected_errors([c, a, b], [GAP], 0)[1], _expected_errors([a, b], [GAP], 0)[1])
 
 
 MIXED = [1] * 9 + [2.5] * 3, [1] * 6 + [2.5] * 3 + [1] * 3
@@ -196,20 +208,20 @@ MIXED = [1] * 9 + [2.5] * 3, [1] * 6 + [2.5] * 3 + [1] * 3
 def test_a_mean_is_taken_if_better_by_half_a_standard_error_and_claims_what_it_says():
     """It is better by 2.5 standard errors where errors are across, worse where they are along the same line."""
     across = [answer("a", along(0, MIXED[0])), answer("b", along(1, MIXED[1]), claim=16.0)]
-    found = choose(MOTION, [GAP], 0, across)[0]
-    same = choose(MOTION, [GAP], 0, [across[0], across[1]._replace(said=across[0].said)])[0]
+    found = choose_candidate(MOTION, [GAP], 0, across)[0]
+    same = choose_candidate(MOTION, [GAP], 0, [across[0], across[1]._replace(predictions=across[0].predictions)])[0]
     assert found.method == "a + b" == same.method and list(found.candidates) == ["a", "b", "a + b"]
     assert found.expected_mm == pytest.approx(8.5**0.25 * same.expected_mm)  # half of 1 and 16
     line = [answer("a", along(0, [1, 2] * 4)), answer("b", along(0, [2, 1] * 4))]
-    assert choose(MOTION, [GAP], 0, line)[0].method == "a"
+    assert choose_candidate(MOTION, [GAP], 0, line)[0].method == "a"
 
 
 @pytest.mark.parametrize(("ahead", "aside", "name"), [(0.95, 1.29, "a"), (0.9, 0.995, "a + b")])
 def test_a_mean_is_named_after_those_that_count_and_one_alone_is_no_mean(ahead, aside, name):
     """The other has 0.03 and 0.1 of the weight."""
     both = [answer("a", along(0, [1] * 8)), answer("b", along(0, [ahead] * 8) + along(1, [aside] * 8))]
-    found, said, _ = choose(MOTION, [GAP], 0, both)
-    assert found.method == name and (said is both[0].said[0]) == (name == "a")
+    found, prediction, _ = choose_candidate(MOTION, [GAP], 0, both)
+    assert found.method == name and (prediction is both[0].predictions[0]) == (name == "a")
     assert found.candidates["a"] == pytest.approx(1.0, abs=1e-9)
 
 
@@ -220,20 +232,20 @@ def walker():
 
 def test_the_faster_form_keeps_what_is_given():
     motion, gaps, mine = walker(), [Gap(2, 100, 120)] * 30, Hyper(lam=7.0)
-    quick = within_time(Body(donors=5, frames=20, hyper=mine), gaps, motion)
-    assert quick.hyper == mine and quick.donors == 5 and quick.frames == 20
+    quick = within_time(Body(most_markers=5, training_frames=20, hyper=mine), gaps, motion)
+    assert quick.hyper == mine and quick.most_markers == 5 and quick.training_frames == 20
     for given in (
         LimbAngles(model=fit_model(motion).model),
         LimbAngles(learned=learned_of(motion, method=LimbAngles())),
     ):
         assert within_time(given, gaps, motion) is given
-    assert [within_time(Kalman(history=h), gaps, motion).history for h in (0.1, 2.0)] == [0.1, 0.25]
+    assert [within_time(Kalman(margin=h), gaps, motion).margin for h in (0.1, 2.0)] == [0.1, 0.25]
 
 
 def test_where_the_tests_together_hide_most_of_the_trial_each_copy_is_learnt_from():
     subject = dressed(walking(duration_s=8, rate=50.0, seed=2), 16, seed=2)
     gaps = [Gap(k % 16, 10 + 14 * k, 35 + 14 * k) for k in range(24)]
     motion = MarkerArray(subject.xyz, 50.0, subject.names).hidden(gaps)
-    body, limbs = ask(motion, gaps, [Body(donors=6, frames=40), LimbAngles()])
+    body, limbs = evaluate_candidates(motion, gaps, [Body(most_markers=6, training_frames=40), LimbAngles()])
     assert body.method.hyper is None and limbs.method.learned is None
-    assert np.isfinite([t.mean for t in body.tried]).mean() > 0.8
+    assert np.isfinite([t.mean for t in body.results]).mean() > 0.8

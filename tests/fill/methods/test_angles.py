@@ -116,7 +116,7 @@ def test_one_marker_places_all_that_hang_on_it(hidden):
     found = fill_limb_angles(motion.hidden(gaps), gaps, method=LimbAngles(model=model))
     for off in errors(found, motion, gaps):
         assert off.mean() < 5
-    cold = fill_limb_angles(motion.hidden(gaps), gaps, method=LimbAngles(model=model, edges=0))
+    cold = fill_limb_angles(motion.hidden(gaps), gaps, method=LimbAngles(model=model, edge_samples=0))
     assert np.mean([off[0] for off in errors(cold, motion, gaps)]) > np.mean(
         [off[0] for off in errors(found, motion, gaps)]
     )
@@ -245,7 +245,9 @@ def test_feedback_of_positions_oscillates_and_measured_places_do_not():
     gaps = [Gap(0, 30, 90), Gap(2, 120, 180)]
     rough, off = {}, {}
     for feedback in ("position", "path", "measured", "none"):
-        method = KalmanAngles(feedback, sd=2.54, jerk=10_000.0, limbs=LimbAngles(model=model, turn=False))
+        method = KalmanAngles(
+            feedback, measurement_sd=2.54, jerk=10_000.0, limbs=LimbAngles(model=model, rotate_model=False)
+        )
         found = fill_kalman_angles(motion.hidden(gaps), gaps, method=method)
         wrong = [f.xyz - motion.xyz[g.marker, g.start : g.stop] for f, g in zip(found, gaps, strict=True)]
         rough[feedback] = np.sqrt(np.mean([np.diff(w, 2, axis=0) ** 2 for w in wrong]))
@@ -253,10 +255,18 @@ def test_feedback_of_positions_oscillates_and_measured_places_do_not():
     assert rough["measured"] < rough["position"] / 8
     assert off["measured"] < off["position"] < 20
     assert off["none"] < 20
-    stiff = KalmanAngles("none", stretch=0.05, sd=2.54, jerk=10_000.0, limbs=LimbAngles(model=model, turn=False))
+    stiff = KalmanAngles(
+        "none",
+        segment_tolerance=0.05,
+        measurement_sd=2.54,
+        jerk=10_000.0,
+        limbs=LimbAngles(model=model, rotate_model=False),
+    )
     hand = fill_kalman_angles(motion.hidden(gaps), gaps, method=stiff)[0].xyz
     assert np.abs(np.linalg.norm(hand - motion.xyz[1, 30:90], axis=1) / 260 - 1).max() < 0.051
-    wide = KalmanAngles(tolerance=0.49, sd=2.54, jerk=10_000.0, limbs=LimbAngles(model=model, turn=False))
+    wide = KalmanAngles(
+        phase_tolerance=0.49, measurement_sd=2.54, jerk=10_000.0, limbs=LimbAngles(model=model, rotate_model=False)
+    )
     alone = fill_kalman_angles(motion.hidden(gaps), gaps, method=wide)
     assert np.mean([o.mean() for o in errors(alone, motion, gaps)]) > 2 * off["position"]
 
@@ -302,12 +312,12 @@ def test_degenerate_input_has_reasons(fill, method):
 def test_wrong_parameters_are_named():
     with pytest.raises(ValueError, match="feedback is 'x', wanted position"):
         KalmanAngles("x")
-    with pytest.raises(ValueError, match=r"tolerance is 0\.7"):
-        KalmanAngles(tolerance=0.7)
-    with pytest.raises(ValueError, match="shortest is 3 "):
-        LimbAngles(shortest=3, longest=1)
-    with pytest.raises(ValueError, match="edges is -1"):
-        LimbAngles(edges=-1)
+    with pytest.raises(ValueError, match=r"phase_tolerance is 0\.7"):
+        KalmanAngles(phase_tolerance=0.7)
+    with pytest.raises(ValueError, match="shortest_period is 3 "):
+        LimbAngles(shortest_period=3, longest_period=1)
+    with pytest.raises(ValueError, match="edge_samples is -1"):
+        LimbAngles(edge_samples=-1)
 
 
 def test_weights_fall_towards_what_is_missing_and_the_ends():

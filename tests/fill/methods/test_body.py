@@ -1,4 +1,4 @@
-"""Laws of kriging on the pose: what is left out and averaged, which donors are trusted, what the other side says."""
+"""Laws of kriging on the pose: what is left out and averaged, which reference markers count, what the mirror says."""
 
 import numpy as np
 import pytest
@@ -6,10 +6,10 @@ from scipy.special import gamma, kv
 
 from kinemark.fill import Body, Gap, GapEdges, LocalRegression, MarkerArray, fill, find_gaps
 from kinemark.fill.jumping_markers import JumpingMarkers
-from kinemark.fill.methods.body import _best, _look, _trial, common_hyper
+from kinemark.fill.methods.body import _best, _gap_training, _trial, common_hyper
 from kinemark.fill.methods.kriging import FramePairs, Hyper, covariance, fit, left_out, matern, predict
 from kinemark.fill.methods.stage import filler_of
-from kinemark.fill.methods.training_frames import scene_of, view_of
+from kinemark.fill.methods.training_frames import local_view, training_frames_of
 from kinemark.fill.mirrored_markers import partners
 from kinemark.fill.reference_ranking import Ranks
 from kinemark.io.trial import read_trial
@@ -42,8 +42,8 @@ class TestKriging:
         off = []
         for b in blocks:
             rest = np.setdiff1d(every, b)
-            said, _ = predict(seen.pairs(b, rest), fit(seen.pairs(rest, rest), y[rest], h))
-            off.append(np.linalg.norm(said - y[b], axis=1))
+            predictions, _ = predict(seen.pairs(b, rest), fit(seen.pairs(rest, rest), y[rest], h))
+            off.append(np.linalg.norm(predictions - y[b], axis=1))
         assert np.isclose(left_out(fit(seen.pairs(every, every), y, h), blocks), np.concatenate(off).mean(), rtol=1e-6)
 
     def test_what_is_seen_is_met_and_what_is_far_is_not_known(self):
@@ -77,8 +77,8 @@ def test_a_marker_that_moves_smoothly_by_itself_is_met_in_a_short_gap(noise, mos
     errors = []
     for start in range(40, 240, 20):
         gap = Gap(2, start, start + 15)
-        (said,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body())
-        errors.append(off(said, motion, gap).mean())
+        (predictions,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body())
+        errors.append(off(predictions, motion, gap).mean())
     assert np.median(errors) < most
 
 
@@ -90,7 +90,7 @@ def test_several_frames_and_bends_do_better_than_one():
         gap = Gap(marker, 60, 200)
         one, many = (
             off(filler_of(Body())(motion.hidden([gap]), [gap], method=method)[0], motion, gap).mean()
-            for method in (Body(bases=1, kept=1), Body())
+            for method in (Body(local_frames=1, averaged=1), Body())
         )
         ratio.append(many / one)
     assert np.exp(np.mean(np.log(ratio))) < 0.97
@@ -112,38 +112,38 @@ def mirrored(n, *, seed=3):
 
 def test_the_other_side_teaches_where_little_of_the_stride_is_left():
     """What is seen of the marker is one part of the stride: its mean is not the other side's; and the partner of the
-    marker is no donor, as its own partner is missing."""
+    marker is no reference marker, as its own partner is missing."""
     errors = []
     for seed in (3, 4):
         motion = mirrored(200, seed=seed)
         for marker in range(7):
             gap = Gap(marker, 10, 185)
-            (said,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body())
-            errors.append(off(said, motion, gap).mean())
+            (predictions,) = filler_of(Body())(motion.hidden([gap]), [gap], method=Body())
+            errors.append(off(predictions, motion, gap).mean())
     assert np.median(errors) < 2  # 4.7 mm with the mean of what is left
 
 
 class TestTrust:
     @pytest.mark.parametrize("method", [LocalRegression(), Body()], ids=lambda m: type(m).__name__)
-    def test_a_donor_that_jumps_within_the_gap_hardly_matters(self, method):
+    def test_a_reference_marker_that_jumps_within_the_gap_hardly_matters(self, method):
         motion, gap = moving(400, soft=3.0, noise=0.2), Gap(2, 150, 230)
         hidden = motion.hidden([gap])
         filler = filler_of(method)
         (whole,) = filler(hidden, [gap], method=method)
-        for donor in whole.donors[:3]:
+        for reference in whole.references[:3]:
             bad = hidden.xyz.copy()
-            bad[donor, 170:200] += [30.0, 0, 0]
-            (said,) = filler(hidden._replace(xyz=bad), [gap], method=method)
-            assert donor not in said.donors
-            assert np.linalg.norm(said.xyz - whole.xyz, axis=1).max() < 2
+            bad[reference, 170:200] += [30.0, 0, 0]
+            (predictions,) = filler(hidden._replace(xyz=bad), [gap], method=method)
+            assert reference not in predictions.references
+            assert np.linalg.norm(predictions.xyz - whole.xyz, axis=1).max() < 2
 
-    def test_the_error_said_is_true_although_a_donor_jumps(self):
+    def test_the_error_said_is_true_although_a_reference_marker_jumps(self):
         inside, ratio = [], []
         for seed in range(4):
             motion, gap = moving(400, soft=3.0, noise=0.3, seed=seed), Gap(2, 150, 230)
             hidden = motion.hidden([gap])
             hidden.xyz[5, 170:200] += [30.0, 0, 0]
-            done = fill(trial(hidden), method=Body(), edges=GapEdges(most=0))
+            done = fill(trial(hidden), method=Body(), edges=GapEdges(most_trimmed=0))
             path, at = done.trajectories.paths[2], slice(150, 230)
             error = path.xyz[at] - motion.xyz[2, at]
             sd = np.sqrt(np.diagonal(path.cov[at], axis1=1, axis2=2))
@@ -170,8 +170,10 @@ class TestTrust:
         truth, gaps = (read_trial(folder / f"kinematics_tennis_serve{end}.c3d").trajectories for end in ("", "_nan"))
         motion = MarkerArray.of(gaps)
         worst = next(gap for gap in find_gaps(motion) if gap.start == 192)
-        (said,) = filler_of(Body())(motion, [worst], method=Body())
-        assert off(said, MarkerArray.of(truth), worst).mean() < 10  # of 45 mm with the upper arm as a donor
+        (predictions,) = filler_of(Body())(motion, [worst], method=Body())
+        assert (
+            off(predictions, MarkerArray.of(truth), worst).mean() < 10
+        )  # of 45 mm with the upper arm as a reference marker
 
 
 def test_what_a_frame_varies_by_is_that_of_the_whole_covariance():
@@ -186,12 +188,12 @@ def test_what_a_frame_varies_by_is_that_of_the_whole_covariance():
 
 def test_which_way_the_other_side_faces_does_not_matter():
     motion, gap = mirrored(200), Gap(0, 60, 120)
-    donors, side = np.arange(1, 5), partners(motion.names)
+    references, side = np.arange(1, 5), partners(motion.names)
     hidden = motion.hidden([gap])
-    scene = scene_of(hidden, hidden.seen, gap, donors, partner=side, most=100, hz=30.0)
+    training = training_frames_of(hidden, hidden.seen, gap, references, partner=side, most=100, rate_hz=30.0)
     R = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
-    xyz = np.where((scene.side == 1)[:, None], scene.xyz @ R.T, scene.xyz)
-    one, other = (view_of(s, (1, 2, 3)) for s in (scene, scene._replace(xyz=xyz)))
+    xyz = np.where((training.side == 1)[:, None], training.xyz @ R.T, training.xyz)
+    one, other = (local_view(s, (1, 2, 3)) for s in (training, training._replace(xyz=xyz)))
     assert np.allclose(one.turned, other.turned, atol=1e-9) and np.allclose(one.pose, other.pose, atol=1e-9)
 
 
@@ -210,5 +212,5 @@ def test_hyper_of_many_gaps_is_no_single_ones():
 def test_four_like_gaps_have_the_hyper_of_one():
     for marker in (1, 2, 3, 6):
         motion, gap = mirrored(200, seed=3), Gap(marker, 60, 100)
-        look = _look(_trial(motion.hidden([gap]), Body()), gap, Body())
+        look = _gap_training(_trial(motion.hidden([gap]), Body()), gap, Body())
         assert _best([look] * 4) == _best([look])

@@ -40,7 +40,7 @@ METHODS = {
     "relational": Relational(),
     "pca R1": PCA(strategy="R1"),
     "pca R2": PCA(),
-    "pca alone": PCA(bridged=False),
+    "pca alone": PCA(bridge_residuals=False),
     "low rank": LowRankKalman(),
 }
 OF_OTHERS = ["pattern", "rigid body", "relational", "pca R1", "pca R2", "pca alone", "low rank"]
@@ -98,23 +98,23 @@ def test_a_rigid_body_in_motion_is_filled_exactly(name):
     motion, gaps = body(), [Gap(2, 100, 250), Gap(0, 300, 340), Gap(5, 0, 30)]
     found = fill(name, motion.hidden(gaps), gaps)
     assert max(e.max() for e in errors(motion, gaps, found)) < 1e-6
-    assert all(len(p.donors) >= 3 and g.marker not in p.donors for g, p in zip(gaps, found, strict=True))
+    assert all(len(p.references) >= 3 and g.marker not in p.references for g, p in zip(gaps, found, strict=True))
 
 
-def test_named_donors_are_the_ones_used():
+def test_named_reference_marker_are_the_ones_used():
     motion, gap = walker(), Gap(1, 100, 160)
     hidden = motion.hidden([gap])
-    assert fill("rigid body", hidden, [gap], donors=("M0", "M2", "M3"))[0].donors == (0, 2, 3)
-    assert set(fill("relational", hidden, [gap], markers=("M3", "M0", "M2"))[0].donors) == {0, 2, 3}
-    assert fill("pattern", hidden, [gap], donors=("M9",))[0].donors == (9,)
+    assert fill("rigid body", hidden, [gap], reference_markers=("M0", "M2", "M3"))[0].references == (0, 2, 3)
+    assert set(fill("relational", hidden, [gap], reference_markers=("M3", "M0", "M2"))[0].references) == {0, 2, 3}
+    assert fill("pattern", hidden, [gap], reference_markers=("M9",))[0].references == (9,)
 
 
 @pytest.mark.parametrize("name", ["pattern", "rigid body", "relational", "low rank", "pca R2"])
-def test_donors_are_those_of_the_own_segment(name):
+def test_reference_marker_are_those_of_the_own_segment(name):
     motion, gap = walker(), Gap(5, 200, 260)
-    donors = fill(name, motion.hidden([gap]), [gap])[0].donors
-    assert {4, 6, 7} & set(donors)
-    assert name in ("low rank", "pca R2") or set(donors) <= {4, 6, 7}
+    references = fill(name, motion.hidden([gap]), [gap])[0].references
+    assert {4, 6, 7} & set(references)
+    assert name in ("low rank", "pca R2") or set(references) <= {4, 6, 7}
 
 
 @pytest.mark.parametrize(("name", "degree"), [("linear", 1), ("cubic", 3), ("quintic", 2)])
@@ -135,8 +135,8 @@ def test_lagrange_weights_sum_to_one_and_are_unit_at_the_samples():
 
 def test_a_pattern_with_a_drifting_offset_is_reproduced():
     rng = np.random.default_rng(2)
-    donor = np.cumsum(rng.normal(0, 5, (200, 3)), 0)
-    motion, gap = named([donor, donor + np.linspace([0, 50, 9], [70, 20, 9], 200)]), Gap(1, 60, 140)
+    reference = np.cumsum(rng.normal(0, 5, (200, 3)), 0)
+    motion, gap = named([reference, reference + np.linspace([0, 50, 9], [70, 20, 9], 200)]), Gap(1, 60, 140)
     assert errors(motion, [gap], fill("pattern", motion.hidden([gap]), [gap]))[0].max() < 1e-9
 
 
@@ -154,7 +154,7 @@ def test_cyclic_motion_with_a_steady_walk_is_reproduced(period):
 
 def test_motion_without_a_cycle_is_left_to_others():
     motion, gap = named(np.cumsum(np.random.default_rng(4).normal(0, 3, (5, 400, 3)), 1)), Gap(0, 100, 150)
-    assert "cycle" in fill("cyclic", motion.hidden([gap]), [gap], alike=0.8)[0].reason
+    assert "cycle" in fill("cyclic", motion.hidden([gap]), [gap], min_correlation=0.8)[0].reason
 
 
 @pytest.mark.parametrize("name", ["pca R1", "pca R2", "pca alone", "low rank"])
@@ -165,7 +165,7 @@ def test_motion_of_low_rank_is_reproduced(name):
     shape = rng.normal(0, 150, (10, 1, 3))
     motion = named(shape + np.einsum("fr,mrk->mfk", scores, rng.normal(0, 30, (10, 3, 3))))
     gaps = [Gap(2, 100, 250), Gap(7, 400, 460)]
-    tight = {"tolerance": 1e-9} if name == "low rank" else {"kept": 1 - 1e-9, "missing_weight": 1e-3}
+    tight = {"tolerance": 1e-9} if name == "low rank" else {"component_share": 1 - 1e-9, "missing_weight": 1e-3}
     found = fill(name, motion.hidden(gaps), gaps, **tight)
     worst = max(e.max() for e in errors(motion, gaps, found))
     assert worst < (0.5 if name == "low rank" else 0.1)  # of an amplitude of 100 mm: g₀ and r are not 0
@@ -235,7 +235,7 @@ def degenerate():
     early[:, 100:110] = np.nan
     return {
         "two markers only": ordinary[:2],
-        "no donors": ordinary[:1],
+        "no reference markers": ordinary[:1],
         "one frame": ordinary[:4, :1],
         "two frames": ordinary[:4, :2],
         "three frames": ordinary[:4, :3],
@@ -282,14 +282,14 @@ def test_neighbours_that_come_and_go_in_the_gap(name):
 @pytest.mark.parametrize(
     ("method", "wrong"),
     [
-        (Cubic, {"within": 0}),
+        (Cubic, {"margin": 0}),
         (Quintic, {"margin": -1}),
-        (RigidBody, {"donors": ("A", "B")}),
-        (RigidBody, {"at_most": 2}),
-        (Relational, {"markers": ("A", "B", "A")}),
-        (Cyclic, {"repeats": 0}),
+        (RigidBody, {"reference_markers": ("A", "B")}),
+        (RigidBody, {"most_markers": 2}),
+        (Relational, {"reference_markers": ("A", "B", "A")}),
+        (Cyclic, {"most_cycles": 0}),
         (PCA, {"strategy": "R3"}),
-        (PCA, {"kept": 1.5}),
+        (PCA, {"component_share": 1.5}),
         (LowRankKalman, {"tolerance": 1.0}),
     ],
 )
@@ -301,12 +301,12 @@ def test_impossible_parameters_are_refused(method, wrong):
 @pytest.mark.parametrize(
     ("name", "parameters"),
     [
-        ("pattern", {"donors": ("X",)}),
-        ("rigid body", {"donors": ("X", "M1", "M2")}),
-        ("relational", {"markers": ("X", "M1", "M2")}),
+        ("pattern", {"reference_markers": ("X",)}),
+        ("rigid body", {"reference_markers": ("X", "M1", "M2")}),
+        ("relational", {"reference_markers": ("X", "M1", "M2")}),
     ],
 )
-def test_a_donor_that_is_not_there_is_the_callers_mistake(name, parameters):
+def test_a_reference_marker_that_is_not_there_is_the_callers_mistake(name, parameters):
     with pytest.raises(ValueError, match="X"):
         fill(name, walker(), [Gap(0, 10, 20)], **parameters)
 

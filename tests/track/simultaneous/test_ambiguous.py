@@ -12,20 +12,20 @@ from kinemark.synth.score import score
 from kinemark.track import track
 from kinemark.track.simultaneous import Simultaneous, diagnose, diagnose_tracks, track_detections, track_simultaneously
 from kinemark.track.simultaneous.ambiguous import (
-    SURE_INDEED,
+    WEAK_EVIDENCE,
     AmbiguousDecision,
+    _came_near,
+    _close_stitches,
     _found_again,
-    _joins,
     _jumps,
+    _little_evidence,
     _merged,
-    _near,
-    _weak,
 )
 from kinemark.track.simultaneous.candidate_points import CandidatePoints
 from kinemark.track.simultaneous.initiate import _triples
 from kinemark.track.simultaneous.likelihood import WEAK, evidence
 from kinemark.track.simultaneous.passes import Associations
-from kinemark.track.simultaneous.stitch import CLEAR, Stitch, stitched
+from kinemark.track.simultaneous.stitch import CLEAR_MARGIN, Stitch, stitched
 from support.clouds import points
 from support.laboratory import observe, ring
 from support.motions import dance, in_pieces
@@ -66,15 +66,15 @@ def straight(n=2, frames=20, apart=100.0):
 def test_tracks_nearer_than_their_gates_may_be_swapped(share, found):
     paths, before = straight(), 3.0
     paths[1, 8:12, 1] = share * 2 * METHOD.gate * before / np.sqrt(3)  # (1); elsewhere 100 mm apart
-    doubts = _near(sightings(paths, before=before), METHOD)
-    assert [(d.kind, d.first, d.last, d.tracks) for d in doubts] == [("swap", 8, 11, (0, 1))] * found
+    decisions = _came_near(sightings(paths, before=before), METHOD)
+    assert [(d.kind, d.first, d.last, d.tracks) for d in decisions] == [("swap", 8, 11, (0, 1))] * found
 
 
 def test_a_track_that_was_lost_and_found_is_a_doubt_only_where_its_place_was_hardly_known():
     before = np.ones((2, 20))
-    before[0, 9], before[1, 9] = 1.1 * METHOD.worst, 0.9 * METHOD.worst
-    (doubt,) = _found_again(sightings(straight(), before=before), METHOD)
-    assert (doubt.kind, doubt.first, doubt.last, doubt.tracks) == ("swap", 9, 9, (0,))
+    before[0, 9], before[1, 9] = 1.1 * METHOD.max_sd, 0.9 * METHOD.max_sd
+    (decision,) = _found_again(sightings(straight(), before=before), METHOD)
+    assert (decision.kind, decision.first, decision.last, decision.tracks) == ("swap", 9, 9, (0,))
     rows = np.arange(80).reshape(2, 20, 2)
     rows[0, 9, 1] = -1  # one image alone finds nothing again
     assert _found_again(sightings(straight(), before=before, rows=rows), METHOD) == []
@@ -84,11 +84,11 @@ def test_a_track_that_was_lost_and_found_is_a_doubt_only_where_its_place_was_har
 @pytest.mark.parametrize(("share", "found"), [(0.98, 0), (1.02, 1)])
 def test_a_track_that_bends_more_than_markers_do_jumped(rate, share, found):
     xyz, sd = straight(1)[0], 0.01 / np.sqrt(3)
-    xyz[10:, 2] += share * METHOD.gate * (METHOD.acceleration / rate**2 + 4 * 0.01)  # (3), each point 0.01 mm sure
+    xyz[10:, 2] += share * METHOD.gate * (METHOD.acceleration_sd / rate**2 + 4 * 0.01)  # (3), each point 0.01 mm sure
     cov = np.tile(np.eye(3) * sd**2, (20, 1, 1))
     cloud = Cloud(rate, np.arange(21), xyz, cov, np.zeros(20), np.zeros((20, 2), int))
-    doubts = _jumps(Tracks(cloud, np.zeros(20, np.int64)), METHOD)
-    assert [(d.kind, d.tracks) for d in doubts[:1]] == [("swap", (0,))] * found
+    decisions = _jumps(Tracks(cloud, np.zeros(20, np.int64)), METHOD)
+    assert [(d.kind, d.tracks) for d in decisions[:1]] == [("swap", (0,))] * found
 
 
 def test_a_track_that_lives_on_images_of_others_is_merged():
@@ -109,13 +109,13 @@ def result():
 
 
 def test_a_track_of_little_evidence_may_be_a_ghost(result):
-    assert _weak(result) == []
+    assert _little_evidence(result) == []
     track = int(result.id[0])
     own = np.flatnonzero(result.id[: len(result.evidence)] == track)
     speaks = result.evidence.copy()
-    speaks[own] = (SURE_INDEED - 0.1) / len(own)
-    (doubt,) = _weak(result._replace(evidence=speaks))
-    assert (doubt.kind, doubt.tracks) == ("ghost", (track,))
+    speaks[own] = (WEAK_EVIDENCE - 0.1) / len(own)
+    (decision,) = _little_evidence(result._replace(evidence=speaks))
+    assert (decision.kind, decision.tracks) == ("ghost", (track,))
 
 
 def test_joins_are_doubted_at_their_gap():
@@ -123,26 +123,26 @@ def test_joins_are_doubted_at_their_gap():
     path = np.stack([np.linspace(0, 600, 121), np.zeros(121), np.full(121, 1000.0)], -1)
     pieces = np.stack([path] * 3)
     pieces[0, 40:], pieces[1, :43], pieces[1, 80:], pieces[2, :84] = (np.nan,) * 4
-    found = stitched(points(pieces), 0.01, METHOD).joins
-    assert {(join.last, join.first) for join in found} == {(39, 43), (79, 84)}
-    rest = stitched(points(pieces[:, :, :]), 0.01, replace(METHOD, gap=0.045)).joins
-    assert {(join.last, join.first) for join in rest} == {(39, 43)}
+    found = stitched(points(pieces), 0.01, METHOD).stitches
+    assert {(stitch.last, stitch.first) for stitch in found} == {(39, 43), (79, 84)}
+    rest = stitched(points(pieces[:, :, :]), 0.01, replace(METHOD, max_gap=0.045)).stitches
+    assert {(stitch.last, stitch.first) for stitch in rest} == {(39, 43)}
 
 
 @pytest.mark.parametrize(
     ("margin", "sd", "reason"),
     [
-        (1.5 * CLEAR, 1.0, "joined_with_rival"),
-        (3 * CLEAR, 0.6 * METHOD.worst, "joined_over_wide_gap"),
-        (0.5 * CLEAR, 1.0, "not_joined_with_rival"),
-        (3 * CLEAR, 0.4 * METHOD.worst, None),
+        (1.5 * CLEAR_MARGIN, 1.0, "stitched_with_rival"),
+        (3 * CLEAR_MARGIN, 0.6 * METHOD.max_sd, "stitched_over_wide_gap"),
+        (0.5 * CLEAR_MARGIN, 1.0, "not_stitched_with_rival"),
+        (3 * CLEAR_MARGIN, 0.4 * METHOD.max_sd, None),
     ],
 )
 def test_joins_with_a_rival_or_over_a_wide_gap_are_doubts(result, margin, sd, reason):
-    doubts = _joins(result._replace(joins=[Stitch(0, 1, 2 * margin, margin, sd, 10, 15)]), METHOD)
-    assert [doubt.reason for doubt in doubts] == ([] if reason is None else [reason])
-    assert all(doubt.values == {"margin": margin, "sd_mm": sd} for doubt in doubts)
-    assert [AmbiguousDecision.of(doubt.as_dict()) for doubt in doubts] == doubts
+    decisions = _close_stitches(result._replace(stitches=[Stitch(0, 1, 2 * margin, margin, sd, 10, 15)]), METHOD)
+    assert [decision.reason for decision in decisions] == ([] if reason is None else [reason])
+    assert all(decision.values == {"margin": margin, "sd_mm": sd} for decision in decisions)
+    assert [AmbiguousDecision.of(decision.as_dict()) for decision in decisions] == decisions
 
 
 # What is found of the input
@@ -292,20 +292,20 @@ def test_of_three_frames_the_straightest_and_slowest_begin_a_track():
     assert [k.tolist() for k in _triples(first, *far, T, METHOD)] == [[0], [1], [1]]
 
 
-@pytest.mark.parametrize(("share", "born"), [(0.98, 1), (1.02, 0)])
-def test_three_points_bend_as_far_as_their_covariances_say(share, born):
+@pytest.mark.parametrize(("share", "initiated"), [(0.98, 1), (1.02, 0)])
+def test_three_points_bend_as_far_as_their_covariances_say(share, initiated):
     T, sd = 1e-4, 2.0  # so short that no acceleration matters
-    quick = replace(METHOD, speed=1e9)
+    quick = replace(METHOD, velocity_sd=1e9)
     bend = share * METHOD.gate * np.sqrt(6) * sd
     groups = [places([[0, y, 0]], f, sd) for f, y in enumerate((bend / 4, -bend / 4, bend / 4))]
-    assert len(_triples(*groups, T, quick)[0]) == born
+    assert len(_triples(*groups, T, quick)[0]) == initiated
 
 
 def test_points_less_sure_than_asked_for_are_not_given():
     """Two cameras side by side know the depth poorly."""
     rig = ring(12).select(["c0", "c1"])
     detections, _ = observe(rig, dance(n=8, frames=40), noise=0.3)
-    every, sure = (track_detections(detections, rig, method=Simultaneous(worst=worst)).cloud for worst in (20.0, 2.0))
+    every, sure = (track_detections(detections, rig, method=Simultaneous(max_sd=worst)).cloud for worst in (20.0, 2.0))
     sd = np.sqrt(np.trace(every.cov, axis1=1, axis2=2))
     assert sd.max() > 2.0 and len(sure) < len(every)
     assert (np.sqrt(np.trace(sure.cov, axis1=1, axis2=2)) < 2.0).all()
@@ -316,6 +316,6 @@ def test_a_track_does_not_outlive_what_is_known_of_its_place():
     rig, xyz = ring(6), dance(n=6, frames=110)
     detections, _ = observe(rig, xyz, noise=0.1)
     blind = detections.keep((detections.frame < 30) | (detections.frame >= 80))
-    patient = Simultaneous(patience=2.0, gap=0.011)
+    patient = Simultaneous(max_coasting=2.0, max_gap=0.011)
     tracks = track_detections(blind, rig, method=patient)
-    assert score(tracks, xyz).pieces.tolist() == [2] * 6
+    assert score(tracks, xyz).fragments.tolist() == [2] * 6

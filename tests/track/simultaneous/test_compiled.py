@@ -9,7 +9,7 @@ from kinemark import native
 from kinemark.native import PLAIN
 from kinemark.synth import dressed, observe, ring, walking
 from kinemark.track.simultaneous import (
-    associate as claims,
+    associate as association,
 )
 from kinemark.track.simultaneous import (
     candidate_points as groups,
@@ -79,16 +79,21 @@ def test_places_candidates_and_information(made, all_free):
     n = state.x.shape[-1]
     if n:
         state.x[:3, 0] = 2 * RIG.centres[0] - state.x[:3, 0]  # behind a camera
-    expected = both(claims.predict_images, IMAGES.P, state)
+    expected = both(association.predict_images, IMAGES.P, state)
     frame = rng.integers(0, IMAGES.n_frames, n)
     free = IMAGES.usable & (all_free | (rng.random(len(IMAGES.uv)) < 0.5))
-    expected = claims.PredictedImages(*expected)
-    pairs = claims.TrackImagePairs(*both(claims.candidates, IMAGES, free, frame, expected, 4.0))
+    expected = association.PredictedImages(*expected)
+    pairs = association.TrackImagePairs(*both(association.candidates, IMAGES, free, frame, expected, 4.0))
     assert (pairs.squared < 16).all() and free[pairs.row].all()
     row = np.full((len(RIG), n), -1)
     row.reshape(-1)[pairs.own] = pairs.row
     variance = np.where(row >= 0, IMAGES.variance[row], np.inf)
-    both(claims.information, IMAGES, expected, claims.Association(row, variance, np.zeros(row.shape), row > 1 << 40))
+    both(
+        association.information,
+        IMAGES,
+        expected,
+        association.Association(row, variance, np.zeros(row.shape), row > 1 << 40),
+    )
 
 
 @needs_kernel
@@ -97,8 +102,10 @@ def test_all_candidates_are_found_however_many():
     crowd = read_images(observe(RIG, WALK, false_per_frame=40.0, seed=6).detections, RIG)
     state = motion.KalmanStates(np.zeros((9, 1)), np.eye(9)[..., None] * 1e10)
     state.x[:3, 0] = np.nanmean(WALK.xyz, axis=(0, 1))
-    expected = claims.predict_images(crowd.P, state)
-    pairs = claims.TrackImagePairs(*both(claims.candidates, crowd, crowd.usable, np.array([3]), expected, 4.0))
+    expected = association.predict_images(crowd.P, state)
+    pairs = association.TrackImagePairs(
+        *both(association.candidates, crowd, crowd.usable, np.array([3]), expected, 4.0)
+    )
     assert len(pairs.own) == (crowd.frame[crowd.by_cell.order] == 3).sum() > 4 * len(RIG) + 64
 
 
@@ -108,9 +115,11 @@ def test_images_without_a_camera_are_no_candidates():
     state = motion.KalmanStates(
         np.concatenate([WALK.xyz[:, 4].T, np.zeros((6, 15))]), np.tile(np.eye(9)[..., None], 15)
     )
-    args = IMAGES.usable, np.full(15, 4), claims.predict_images(IMAGES.P, state), 4.0
-    pairs = claims.TrackImagePairs(*both(claims.candidates, less, *args))
-    assert set(IMAGES.camera[pairs.row]) == {0, 2, 4} and len(claims.candidates(IMAGES, *args).row) > len(pairs.row)
+    args = IMAGES.usable, np.full(15, 4), association.predict_images(IMAGES.P, state), 4.0
+    pairs = association.TrackImagePairs(*both(association.candidates, less, *args))
+    assert set(IMAGES.camera[pairs.row]) == {0, 2, 4} and len(association.candidates(IMAGES, *args).row) > len(
+        pairs.row
+    )
 
 
 @needs_kernel

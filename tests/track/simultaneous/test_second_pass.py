@@ -7,16 +7,16 @@ from kinemark.data import Cloud
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import Simultaneous, track_detections
 from kinemark.track.simultaneous import second_pass as second
-from kinemark.track.simultaneous import stitch as joins
+from kinemark.track.simultaneous import stitch as stitch_module
 from kinemark.track.simultaneous.associate import Association, information, predict_images
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.kalman_states import KalmanStates, update
 from kinemark.track.simultaneous.likelihood import FAIR, SURE, evidence
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints
-from kinemark.track.simultaneous.passes import Associations, _without_itself, without_loose
+from kinemark.track.simultaneous.passes import Associations, _off_without_itself, without_outliers
 from kinemark.track.simultaneous.second_pass import second_pass
 from kinemark.track.simultaneous.stitch import stitched
-from kinemark.track.simultaneous.tracker import _strayed, _sure
+from kinemark.track.simultaneous.tracker import _precise_enough, _without_evidence
 from support.laboratory import observe, ring
 from support.motions import dance
 
@@ -31,17 +31,17 @@ def test_an_image_is_judged_by_what_all_the_others_say():
     V = (root @ root.swapaxes(1, 2)).transpose(1, 2, 0) + np.eye(9)[..., None]
     before = KalmanStates(np.concatenate([points.xyz.T + rng.normal(0, 0.5, (3, 3)), np.zeros((6, 3))]), V)
     expected = predict_images(images.P, before)
-    claims = Association(row, images.variance[row], np.zeros(row.shape), row < 0)
-    after = update(before, *information(images, expected, claims))
+    association = Association(row, images.variance[row], np.zeros(row.shape), row < 0)
+    after = update(before, *information(images, expected, association))
     off = images.uv[row].swapaxes(1, 2) - expected.uv - (expected.J * (after.position - before.position)).sum(2)
-    found = _without_itself(off, claims.variance, predict_images(images.P, after).S)
+    found = _off_without_itself(off, association.variance, predict_images(images.P, after).S)
     for c, t in np.ndindex(row.shape):
         out = np.arange(5)[:, None] == c
-        others = claims._replace(row=np.where(out, -1, row), variance=np.where(out, np.inf, claims.variance))
+        others = association._replace(row=np.where(out, -1, row), variance=np.where(out, np.inf, association.variance))
         without = update(before, *information(images, expected, others))
         J = expected.J[c, :, :, t]
         left = images.uv[row[c, t]] - expected.uv[c, :, t] - J @ (without.position - before.position)[:, t]
-        cov = J @ without.cov[..., t] @ J.T + np.eye(2) * claims.variance[c, t]
+        cov = J @ without.cov[..., t] @ J.T + np.eye(2) * association.variance[c, t]
         assert found[c, t] == pytest.approx(left @ np.linalg.solve(cov, left), rel=0.02)
 
 
@@ -61,24 +61,34 @@ def test_what_a_lost_track_finds_must_be_evidence():
     before = [30.0 if 22 <= f <= 24 else 1.0 for f in frame]
     own = np.where(lost, 1, 2)
     seen = sightings(frame, [0] * len(frame), own=own, before=before)
-    assert [f for f, gone in zip(frame, _strayed(seen, seen.row >= 0, 4, METHOD), strict=True) if gone] == [22, 23, 24]
+    assert [f for f, gone in zip(frame, _without_evidence(seen, seen.row >= 0, 4, METHOD), strict=True) if gone] == [
+        22,
+        23,
+        24,
+    ]
     more = sightings(frame, [0] * len(frame), own=np.where(np.array(frame) == 24, 4, own), before=before)
-    assert [f for f, gone in zip(frame, _strayed(more, more.row >= 0, 4, METHOD), strict=True) if gone] == [22, 23]
+    assert [f for f, gone in zip(frame, _without_evidence(more, more.row >= 0, 4, METHOD), strict=True) if gone] == [
+        22,
+        23,
+    ]
     bad = sightings(frame, [0] * len(frame), own=np.where(np.array(frame) > 23, 2, own), before=before, squared=60.0)
     found = {"own": [2] * 4 + [1] * 4 + [2] * 10, "before": [1.0] * 8 + [30.0] + [1.0] * 9, "squared": 60.0}
     longer = sightings(list(range(10, 28)), [0] * 18, **found)
-    assert _strayed(bad, bad.row >= 0, 4, METHOD).any() and not _strayed(longer, longer.row >= 0, 10, METHOD).any()
+    assert (
+        _without_evidence(bad, bad.row >= 0, 4, METHOD).any()
+        and not _without_evidence(longer, longer.row >= 0, 10, METHOD).any()
+    )
     wide = sightings(frame, [0] * len(frame), own=2, before=30.0)
-    assert not _strayed(wide, wide.row >= 0, 4, METHOD).any(), "never lost, its place is only vague"
+    assert not _without_evidence(wide, wide.row >= 0, 4, METHOD).any(), "never lost, its place is only vague"
     backwards = sightings([10, 11, 12, 9, 8, 7, 6], [0] * 7, own=[2, 2, 2, 1, 1, 2, 1], before=[1, 1, 1, 1, 30, 30, 5])
-    assert np.flatnonzero(_strayed(backwards, backwards.row >= 0, 4, METHOD)).tolist() == [4, 5, 6]
+    assert np.flatnonzero(_without_evidence(backwards, backwards.row >= 0, 4, METHOD)).tolist() == [4, 5, 6]
 
 
 @pytest.mark.parametrize(("own", "sd", "given"), [(2, 9.0, True), (2, 11.0, False), (1, 1.9, True), (1, 2.1, False)])
 def test_points_of_merged_images_must_be_known_better(own, sd, given):
     cov = np.eye(3)[None] * sd**2 / 3
     cloud = Cloud(RATE, np.array([0, 1]), np.zeros((1, 3)), cov, np.zeros(1), np.zeros((1, 2), int))
-    assert _sure(cloud, np.array([own]), METHOD).tolist() == [given]
+    assert _precise_enough(cloud, np.array([own]), METHOD).tolist() == [given]
 
 
 def test_two_images_that_agree_half_are_no_marker():
@@ -230,9 +240,9 @@ def test_the_wrong_image_of_four_is_given_back():
         V = np.diag([400.0] * 3 + [1e6] * 6)[..., None]
         before = KalmanStates(np.append(points.xyz[0] + rng.normal(0, 10, 3), np.zeros(6))[:, None], V)
         expected = predict_images(images.P, before)
-        claims = Association(row, images.variance[row], np.ones(row.shape), row < 0)
-        after = update(before, *information(images, expected, claims))
-        kept = without_loose(images, METHOD.gate, before, expected, claims, after).claims.row[:, 0] >= 0
+        association = Association(row, images.variance[row], np.ones(row.shape), row < 0)
+        after = update(before, *information(images, expected, association))
+        kept = without_outliers(images, METHOD.gate, before, expected, association, after).association.row[:, 0] >= 0
         right += (kept == (np.arange(4) != wrong)).all()
     assert right >= 38
 
@@ -301,6 +311,6 @@ def test_joining_in_parts_changes_nothing(monkeypatch):
         frame, np.where(frame < 25, id, id + 6), xyz.reshape(-1, 3), np.tile(np.eye(3) * 0.1, (360, 1, 1))
     )
     whole = stitched(points.take(there), 1 / RATE, METHOD)
-    monkeypatch.setattr(joins, "AT_ONCE", 5)
+    monkeypatch.setattr(stitch_module, "AT_ONCE", 5)
     parts = stitched(points.take(there), 1 / RATE, METHOD)
-    assert len(np.unique(whole.id)) == 6 and (whole.id == parts.id).all() and whole.joins == parts.joins
+    assert len(np.unique(whole.id)) == 6 and (whole.id == parts.id).all() and whole.stitches == parts.stitches

@@ -15,9 +15,9 @@ from kinemark.synth import ring as synth_ring
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import Simultaneous, track_detections
 from kinemark.track.simultaneous.associate import associate, predict_images
-from kinemark.track.simultaneous.candidate_points import _near_lines, _together, fundamentals, intersect
+from kinemark.track.simultaneous.candidate_points import _batches, _near_lines, fundamentals, intersect
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.kalman_states import KalmanStates, at_rest, back, predict, reversed_time, update
+from kinemark.track.simultaneous.kalman_states import KalmanStates, back, initial_states, predict, reversed_time, update
 from kinemark.track.simultaneous.neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of, smoothed
 from support.laboratory import observe, ring
 from support.motions import dance
@@ -46,7 +46,7 @@ def test_finds_all_points_of_a_dance():
     detections, _ = observe(ring(5), xyz, noise=0.1)
     result = score(track_detections(detections, ring(5)), xyz)
     assert result.recall == 1 and result.extra_per_frame == 0 and result.swaps == 0
-    assert (result.pieces == 1).all() and 0.92 < result.coverage < 0.98
+    assert (result.fragments == 1).all() and 0.92 < result.coverage < 0.98
 
 
 def test_order_of_detections_does_not_matter():
@@ -99,7 +99,7 @@ def test_stretches_side_by_side_are_one_track():
     xyz = dance(frames=260)
     detections, _ = observe(ring(4), xyz, noise=0.1)
     result = score(track_detections(detections, ring(4)), xyz)
-    assert result.recall == 1 and (result.pieces == 1).all() and result.swaps == 0
+    assert result.recall == 1 and (result.fragments == 1).all() and result.swaps == 0
 
 
 @pytest.mark.parametrize("per_frame", [10, 25])
@@ -117,7 +117,7 @@ def test_a_stretch_of_one_camera_is_bridged():
     hidden = (truth == 2) & (detections.frame >= 28) & (detections.frame < 34) & (detections.camera > 0)
     tracks = track_detections(detections.keep(~hidden), rig)
     result = score(tracks, xyz)
-    assert len(tracks) == 5 and result.swaps == 0 and (result.pieces == 1).all()
+    assert len(tracks) == 5 and result.swaps == 0 and (result.fragments == 1).all()
     at = tracks.cloud.frame[tracks.id == tracks.id[np.flatnonzero(result.owner == 2)[0]]]
     assert not np.isin(np.arange(28, 34), at).any()  # no point is given of one image
 
@@ -163,7 +163,7 @@ def test_a_body_that_hides_its_markers():
     truth[views < 2] = np.nan
     result = score(tracks, truth)
     assert result.recall > 0.99 and everywhere.extra_per_frame < 0.02 and result.swaps == 0
-    assert result.pieces.mean() < 1.2 and 0.92 < result.coverage < 0.98
+    assert result.fragments.mean() < 1.2 and 0.92 < result.coverage < 0.98
 
 
 def textbook(x, V, T, q, z, R):
@@ -180,7 +180,7 @@ def test_the_filter_is_the_textbooks():
     rng = np.random.default_rng(0)
     n, T, q = 5, 0.01, 4e4
     M = rng.normal(size=(n, 3, 3))
-    motion = at_rest(
+    motion = initial_states(
         rng.normal(size=(3, n)) * 100,
         (M @ M.swapaxes(1, 2) + np.eye(3)).transpose(1, 2, 0),
         speed=1500.0,
@@ -225,7 +225,7 @@ def test_a_smoothed_place_is_that_of_both_sides_and_its_own_images():
 
 def test_forth_and_back_in_time_is_the_same_place():
     rng = np.random.default_rng(1)
-    motion = at_rest(rng.normal(size=(3, 4)), np.eye(3)[..., None] * np.ones(4), speed=1000.0, acceleration=1e4)
+    motion = initial_states(rng.normal(size=(3, 4)), np.eye(3)[..., None] * np.ones(4), speed=1000.0, acceleration=1e4)
     motion = KalmanStates(motion.x + rng.normal(size=(9, 4)), motion.V)
     again = back(predict(motion, 0.02, 1e4), 0.02, 1e4)
     np.testing.assert_allclose(again.x, motion.x, atol=1e-9)
@@ -246,7 +246,7 @@ def test_claims_are_the_best_of_all(seed):
     V = np.zeros((9, 9, 3))
     V[:3, :3] = cov
     expected = predict_images(images.P, KalmanStates(np.concatenate([xyz.T, np.zeros((6, 3))]), V))
-    claims = associate(images, images.usable, np.zeros(3, int), expected, 5.0)
+    association = associate(images, images.usable, np.zeros(3, int), expected, 5.0)
     table = np.zeros((3, 6))  # the last three columns are none
     for t in range(3):
         S = (
@@ -255,11 +255,11 @@ def test_claims_are_the_best_of_all(seed):
         )
         off = images.uv[:3] - expected.uv[0, :, t]
         squared = (off * np.linalg.solve(S, off.T).T).sum(1)
-        worth = images.prior[0] - np.log(np.linalg.det(S)) - squared
-        table[t, :3] = np.where((squared < 25) & (worth > 0), worth, -np.inf)
+        score = images.prior[0] - np.log(np.linalg.det(S)) - squared
+        table[t, :3] = np.where((squared < 25) & (score > 0), score, -np.inf)
     best = max(table[[0, 1, 2], list(way)].sum() for way in permutations(range(6), 3))
-    assert claims.worth[0].sum() == pytest.approx(best)
-    taken = claims.row[0][claims.row[0] >= 0]
+    assert association.score[0].sum() == pytest.approx(best)
+    taken = association.row[0][association.row[0] >= 0]
     assert len(set(taken.tolist())) == len(taken)
 
 
@@ -274,7 +274,7 @@ def test_pairs_near_lines_are_those_of_a_loop_over_all_pairs(at_once, monkeypatc
     detections, _ = observe(rig, xyz + rng.normal(size=xyz.shape), noise=2.0)
     images = read_images(detections, rig)
     F, frames = fundamentals(images.P), [0, 1, 4, 5, 8]
-    found = [_near_lines(images, part, F, 5.0) for part in _together(images.in_frames(frames))]
+    found = [_near_lines(images, part, F, 5.0) for part in _batches(images.in_frames(frames))]
     expected = set()
     for i, j in permutations(range(len(images.uv)), 2):
         a, b = images.camera[[i, j]]
@@ -302,6 +302,6 @@ def test_points_of_pairs_are_those_of_views():
 
 
 def test_parameters_are_checked():
-    for name in ("gate", "wander", "patience", "worst"):
+    for name in ("gate", "process_noise", "max_coasting", "max_sd"):
         with pytest.raises(ValueError, match=name):
             Simultaneous(**{name: -1.0})

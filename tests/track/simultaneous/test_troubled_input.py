@@ -10,9 +10,9 @@ from kinemark.synth.score import changes, score
 from kinemark.track.simultaneous import Simultaneous, diagnose, track_simultaneously, track_with_decisions
 from kinemark.track.simultaneous.candidate_points import fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.measurement_noise import learned
+from kinemark.track.simultaneous.measurement_noise import learn_noise
 from kinemark.track.simultaneous.neighbouring_points import TrackPoints, smoothed
-from kinemark.track.simultaneous.stitch import CLEAR, stitched
+from kinemark.track.simultaneous.stitch import CLEAR_MARGIN, stitched
 from support.clouds import points
 from support.laboratory import observe, ring
 from support.motions import body, dance, in_pieces
@@ -43,7 +43,7 @@ def test_two_that_might_both_be_are_not_joined():
     twin = np.where(np.isfinite(other), other + np.array([0, 2.0, 0]), np.nan)
     both = stitched(points(np.stack([one, other, twin])), 0.01, METHOD)
     assert both.id.tolist() == [0, 1, 2]
-    assert any(join.before == 0 and join.margin < CLEAR for join in both.joins)
+    assert any(stitch.before == 0 and stitch.margin < CLEAR_MARGIN for stitch in both.stitches)
 
 
 def test_smoothing_is_surer_than_the_images_and_as_sure_as_it_says():
@@ -87,7 +87,7 @@ def test_noise_that_nobody_states_is_learned(true):
     rig, xyz = ring(6), dance(n=12, frames=40)
     detections, _ = observe(rig, xyz, noise=true, cov=False)
     images = read_images(detections, rig)
-    images, _ = learned(images, fundamentals(images.P), 5.0)
+    images, _ = learn_noise(images, fundamentals(images.P), 5.0)
     assert np.sqrt(np.median(images.variance)) == pytest.approx(true, rel=0.25)
 
 
@@ -161,7 +161,7 @@ def test_a_swap_is_among_the_doubts():
         for track, frame, *_ in changes(tracks, result.owner, xyz):
             swaps += 1
             assert any(
-                d.kind in ("swap", "join") and track in d.tracks and d.first - 8 <= frame <= d.last + 8 for d in found
+                d.kind in ("swap", "stitch") and track in d.tracks and d.first - 8 <= frame <= d.last + 8 for d in found
             )
     assert swaps > 0
 

@@ -22,7 +22,7 @@ from kinemark.track.swamidas import (
     update,
 )
 from kinemark.track.swamidas.constraints import PredictedPoints, half_size, match_points
-from kinemark.track.swamidas.distance import shortest_first
+from kinemark.track.swamidas.distance_only import shortest_first
 from kinemark.track.swamidas.learning import learn_error
 from kinemark.track.swamidas.segments import LearnedSegments, allowed_points, learn_segments
 from support.clouds import cloud_and_markers as cloud_of
@@ -241,7 +241,7 @@ def test_new_tracks_begin_and_old_ones_end_where_that_is_wanted(follow, method):
     seen[2, :10] = False
     seen[0, 20:] = False
     cloud, marker = cloud_of(xyz, seen)
-    tracks = follow(cloud, method=method(begin="any", patience=0.2))
+    tracks = follow(cloud, method=method(initiate_from="any", max_coasting=0.2))
     np.testing.assert_array_equal(tracks.id, marker)
     first = follow(cloud, method=method())
     assert len(first) == 2
@@ -257,7 +257,7 @@ def test_the_error_is_learned_from_the_first_frames():
     np.testing.assert_array_equal(learn_error(paths[:, :3], np.full(3, 9.0)), 9.0)
     noisy = np.tile(parabolas(30, 30), 1) + rng.normal(0, 0.2, (30, 30, 3))
     cloud, _ = cloud_of(noisy)
-    half = follow_points(cloud, method=Swamidas(error=None, velocity_share=0.0)).expected[15].half
+    half = follow_points(cloud, method=Swamidas(measurement_sd=None, velocity_share=0.0)).expected[15].half
     np.testing.assert_allclose(half, 0.2, rtol=0.4)
 
 
@@ -271,7 +271,7 @@ def test_segments_are_learned_and_refuse_what_does_not_fit():
     points = np.array([[0.0, 0, 0], [102, 0, 0], [120, 0, 0]])
     allowed = allowed_points(points, np.array([[1.0, 0, 0], [60, 0, 0]]), np.array([True, False]), pair, 0.05)
     assert allowed.tolist() == [[True, True, True], [False, True, False]]
-    greedy = Swamidas(error=12.0, learning=0.9)
+    greedy = Swamidas(measurement_sd=12.0, learning_time=0.9)
     fit = replace(greedy, segment_tolerance=0.05)
     seen = np.ones(xyz.shape[:2], bool)
     seen[0, 30:60] = False  # its region grows over the other one
@@ -284,10 +284,10 @@ def test_segments_are_learned_and_refuse_what_does_not_fit():
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"error": 0.0},
+        {"measurement_sd": 0.0},
         {"jerk": -1.0},
         {"velocity_share": -0.1},
-        {"patience": 0.0},
+        {"max_coasting": 0.0},
         {"links": ((1, 1),)},
         {"links": ((0, 1),), "lengths": (1.0, 2.0)},
         {"links": ((0, 1),), "lengths": (-1.0,)},
@@ -371,13 +371,13 @@ def test_the_band_and_validity_keep_points_out():
     rig, xyz = ring(2), swarm(n=4, frames=10)
     detections, _ = observe(rig, xyz, noise=3.0)
     assert len(match_nearest(detections, rig)) == 40
-    near = match_nearest(detections, rig, method=NearestEpipolar(band=1.0))
+    near = match_nearest(detections, rig, method=NearestEpipolar(search_band=1.0))
     assert 0 < len(near) < 40
     assert near.cost.max() < 1.0
     none = replace(detections, validity=np.full(len(detections), Validity.TOO_SMALL, np.uint8))
     assert len(match_nearest(none, rig)) == 0
     with pytest.raises(ValueError, match="band"):
-        NearestEpipolar(band=0.0)
+        NearestEpipolar(search_band=0.0)
     many = Detections.build(rig.names, 50.0, [[1], [1001]], np.zeros((1002, 2)))
     with pytest.raises(KinemarkError, match=r"c1 has 1001 points in frame 0, wanted at most 1000"):
         match_nearest(many, rig)

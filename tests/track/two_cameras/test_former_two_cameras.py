@@ -12,7 +12,7 @@ from kinemark.geometry import epipolar_lines, fundamental, project, to_dlt
 from kinemark.synth.score import score
 from kinemark.track.two_cameras.former_two_cameras import FormerTwoCameras, track_two_cameras
 from kinemark.track.two_cameras.image_paths import Paths, paths_of, start_of
-from kinemark.track.two_cameras.paired_paths import best_interval, paired, residuals, unbranched
+from kinemark.track.two_cameras.paired_paths import best_interval, paired, residuals, without_swaps
 from support.laboratory import observe, ring
 from support.motions import swarm
 
@@ -47,7 +47,7 @@ def test_markers_that_both_cameras_see_are_followed_whole():
     tracks = track_two_cameras(detections, rig, method=METHOD)
     result = score(tracks, points)
     assert (len(tracks), result.recall, result.swaps, result.extra_per_frame) == (15, 1.0, 0, 0.0)
-    assert (result.pieces == 1).all()
+    assert (result.fragments == 1).all()
     assert abs(result.coverage - 0.95) < 0.03
     assert tracks.cloud.residual.max() < 0.5
 
@@ -94,8 +94,8 @@ def test_a_camera_that_never_shows_all_markers_is_refused():
     points[1, 1::2] = np.nan
     detections, _ = observe(rig, points)
     with pytest.raises(KinemarkError, match=r"Camera c0 shows at most 2 of 3 markers.*another camera"):
-        track_two_cameras(detections, rig, method=FormerTwoCameras(markers=3))
-    assert len(track_two_cameras(detections, rig, method=FormerTwoCameras(shortest=5))) <= 2  # so many are followed
+        track_two_cameras(detections, rig, method=FormerTwoCameras(n_markers=3))
+    assert len(track_two_cameras(detections, rig, method=FormerTwoCameras(min_fields=5))) <= 2  # so many are followed
 
 
 def test_paths_go_forward_and_backward_and_do_not_depend_on_the_order_of_images():
@@ -154,7 +154,7 @@ def test_gaps_are_filled_by_prediction_and_the_points_say_so():
     hidden = (detections.camera == 1) & (truth == 2) & (frame >= 30) & (frame < 34)
     filled = track_two_cameras(detections.keep(~hidden), rig, method=METHOD)
     assert score(filled, points).recall == 1.0
-    assert (score(filled, points).pieces == 1).all()
+    assert (score(filled, points).fragments == 1).all()
     guessed = (filled.cloud.view < 0).any(1)
     assert sorted(filled.cloud.frame[guessed]) == [30, 31, 32, 33]
     assert (filled.cloud.view[guessed, 0] >= 0).all()
@@ -168,7 +168,7 @@ def test_where_both_cameras_lose_a_marker_there_is_no_point():
     hidden = (truth == 2) & (detections.frame == 30)
     tracks = track_two_cameras(detections.keep(~hidden), rig, method=METHOD)
     assert len(tracks.cloud) == 6 * 60 - 1
-    assert (score(tracks, points).pieces == 1).all()
+    assert (score(tracks, points).fragments == 1).all()
 
 
 def test_the_residual_is_what_the_fourth_equation_leaves():
@@ -219,12 +219,12 @@ def test_paths_that_branched_wrongly_are_set_right(camera, stretch):
     wrong = [Paths(p.uv.copy(), p.row.copy()) for p in true]
     for part in wrong[camera]:
         part[:, stretch] = part[::-1, stretch]
-    found = unbranched(*wrong, rig.P, limit=2.0, window=10.0)
+    found = without_swaps(*wrong, rig.P, limit=2.0, window=10.0)
     r = residuals(found[0].uv, found[1].uv, rig.P)
     assert min(r[[0, 1], [0, 1]].max(), r[[0, 1], [1, 0]].max()) < 1.0
     assert same(found[1 - camera], true[1 - camera])  # set right where it was wrong
     assert any(np.allclose(found[camera].uv, true[camera].uv[order], atol=1e-6) for order in ([0, 1], [1, 0]))
-    untouched = unbranched(*true, rig.P, limit=2.0, window=10.0)
+    untouched = without_swaps(*true, rig.P, limit=2.0, window=10.0)
     assert same([*untouched], [*true])
 
 
@@ -234,7 +234,7 @@ def test_only_paths_that_came_near_each_other_can_be_exchanged():
     wrong = [Paths(project(c, points), np.arange(80).reshape(2, 40)) for c in rig]
     for part in wrong[0]:
         part[:, 20:] = part[::-1, 20:].copy()
-    assert same([*unbranched(*wrong, rig.P, limit=2.0, window=10.0)], wrong)
+    assert same([*without_swaps(*wrong, rig.P, limit=2.0, window=10.0)], wrong)
     split = paired(residuals(wrong[0].uv, wrong[1].uv, rig.P), limit=2.0, shortest=10)
     assert np.bincount(split.id).tolist() == [20, 20, 20, 20]  # so they are split instead
     assert len(split.frame) == 80
@@ -245,7 +245,7 @@ def test_crossing_markers_come_out_whole():
     points, _ = crossing(rig, 0)
     detections, _ = observe(rig, points, noise=0.05)
     result = score(track_two_cameras(detections, rig, method=METHOD), points)
-    assert (result.swaps, result.pieces.tolist()) == (0, [1, 1])
+    assert (result.swaps, result.fragments.tolist()) == (0, [1, 1])
 
 
 @given(st.lists(st.integers(-5, 5), min_size=1, max_size=12))
@@ -287,7 +287,7 @@ def test_nothing_seen_is_no_error(frames):
     assert (len(tracks), len(tracks.cloud), tracks.cloud.n_frames) == (0, 0, frames)
 
 
-@pytest.mark.parametrize("name", ["window", "markers", "residual_limit", "shortest"])
+@pytest.mark.parametrize("name", ["window", "n_markers", "max_residual", "min_fields"])
 def test_parameters_that_make_no_sense_are_refused(name):
     with pytest.raises(ValueError, match=name):
         FormerTwoCameras(**{name: 0})

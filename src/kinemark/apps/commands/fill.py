@@ -23,7 +23,7 @@ def fill(
     model: Path | None = None,
     limit_mm: float = LIMIT,
     ends: bool = False,
-    trim: int = GapEdges().most,
+    trim: int = GapEdges().most_trimmed,
     static: Path | None = None,
     report: bool = False,
     rate_hz: float | None = None,
@@ -51,7 +51,8 @@ def fill(
     chosen = fill_method(method, set or (), model=model)
     with progress() as tell:
         done = fill_files(
-            (source, *sources), output, report=report, told=lambda n: tell("fill", n, 1 + len(sources)), method=chosen,
+            (source, *sources), output, report=report,
+            on_done=lambda n: tell("fill", n, 1 + len(sources)), method=chosen,
             name=method, limit_mm=limit_mm, ends=ends, trim=trim, static=static, rate_hz=rate_hz,
             length_unit=length_unit,
         )  # fmt: skip

@@ -40,7 +40,7 @@ def run(
             previews = [opened.trial(name).preview(*frames) for name in trials or opened.names]
             done = {trial.name: trial.run(to, progress=tell, threads=threads) for trial in previews}
     if json:
-        print_result({name: trial.told() for name, trial in done.items()})
+        print_result({name: trial.summary() for name, trial in done.items()})
         return
     for trial in done.values():
         did = ", ".join(trial.computed) or "nothing: all is unchanged"

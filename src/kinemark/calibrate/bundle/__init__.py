@@ -12,7 +12,7 @@ covariance     of all cameras together
 
 from .adjust import Bundle, BundleFit, bundle
 from .from_sizes import calibrate_points, calibrate_sticks
-from .parts import FreePoints, Held, Part, Sticks, sticks_through
+from .parts import FreePoints, KnownPoints, Part, Sticks, sticks_through
 from .solver import Freedom
 
 __all__ = [
@@ -20,7 +20,7 @@ __all__ = [
     "BundleFit",
     "FreePoints",
     "Freedom",
-    "Held",
+    "KnownPoints",
     "Part",
     "Sticks",
     "bundle",

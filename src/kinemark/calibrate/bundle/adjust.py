@@ -19,7 +19,7 @@ from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, near_middle, rig_about
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
-from .robust import equations, solve_softly, solve_without_outliers, unknowns
+from .robust import equations, solve_robust, solve_without_outliers, unknowns
 from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
 
 VAGUE = 0.1
@@ -37,8 +37,10 @@ class Bundle(Method):
         2, unit="lens terms", low=0, high=3, meaning="at most so many radial lens terms are fitted: k1, k2, k3"
     )
     tangential: bool = parameter(False, meaning="p1 and p2 are fitted as well")
-    centre: bool = parameter(True, meaning="the principal point is fitted; else it stays at the image's centre")
-    square: bool = parameter(
+    principal_point: bool = parameter(
+        True, meaning="the principal point is fitted; else it stays at the image's centre"
+    )
+    square_pixels: bool = parameter(
         True, meaning="pixels keep their shape, fy / fx, which is 1 unless a start says otherwise; else both are fitted"
     )
     reject: float = parameter(
@@ -51,10 +53,10 @@ class Bundle(Method):
         """The parameters of a camera of which nothing is known."""
         free = np.zeros(15, np.bool_)
         free[[0, 1, *range(9, 15)]] = True
-        free[[2, 3]] = self.centre
+        free[[2, 3]] = self.principal_point
         free[[4, 5, 8][: self.radial]] = True
         free[[6, 7]] = self.tangential
-        return Freedom(free, self.square)
+        return Freedom(free, self.square_pixels)
 
 
 class BundleFit(NamedTuple):
@@ -124,7 +126,7 @@ def adjusted(
     state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, reject: float
 ) -> tuple[BundleState, Bools]:
     """The state near `state` that fits best, and which points (C, N) it was fitted to."""
-    state, scale = solve_softly(state, seen, freedoms)
+    state, scale = solve_robust(state, seen, freedoms)
     return solve_without_outliers(state, seen, freedoms, reject=reject, scale=scale)
 
 
@@ -198,8 +200,8 @@ def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) 
             )
     sd = np.sqrt([max(camera.cov[0, 0], 0.0) for camera in fit.rig]) / [abs(camera.K[0, 0]) for camera in fit.rig]
     if not focus_held and not sd.max() <= VAGUE:
-        worst = fit.rig[int(np.nanargmax(np.where(np.isnan(sd), np.inf, sd)))]
+        least_certain = fit.rig[int(np.nanargmax(np.where(np.isnan(sd), np.inf, sd)))]
         raise KinemarkError(
-            f"The focal length of camera {worst.name} is uncertain by {sd.max():.0%}: it saw too little. Wave "
+            f"The focal length of camera {least_certain.name} is uncertain by {sd.max():.0%}: it saw too little. Wave "
             "nearer to it and farther away, in all its image, turn the stick in all directions, or linearise it first."
         )

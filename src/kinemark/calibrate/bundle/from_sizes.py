@@ -199,19 +199,19 @@ def _check_gaps(cameras: Sequence[Camera], uv: Floats, along: Floats) -> None:
     given, length = np.diff(along[order]), float(np.ptp(along))
     found = np.median(gap / gap.sum(1, keepdims=True), axis=0) * length
     if np.abs(found - given).max() > WRONG_GAP * length:
-        came, told = (" + ".join(f"{mm:.1f}" for mm in gaps) for gaps in (found, given))
+        observed, stated = (" + ".join(f"{mm:.1f}" for mm in gaps) for gaps in (found, given))
         raise KinemarkError(
-            f"The gaps between the markers come out as {came} mm, if they are {length:g} mm in all, and they are given "
-            f"as {told} mm. Measure them again, from centre to centre, and give them in order."
+            f"The gaps between the markers come out as {observed} mm, if they are {length:g} mm in all, and they are "
+            f"given as {stated} mm. Measure them again, from centre to centre, and give them in order."
         )
 
 
 def _check_found(rig: Rig, noise: float) -> None:
     """Raises a KinemarkError where all cameras fit much worse than any two of them do alone, to `noise` px."""
-    worst = max(rig, key=lambda camera: camera.residual)
-    if worst.residual > max(WORSE * noise, FINE):
+    largest = max(rig, key=lambda camera: camera.residual)
+    if largest.residual > max(WORSE * noise, FINE):
         raise KinemarkError(
-            f"Two cameras fit each other within {noise:.2f} px, but all together leave {worst.residual:.2f} px in "
-            f"camera {worst.name}: these are not the cameras. Wave through the whole volume, in depth too, and check "
+            f"Two cameras fit each other within {noise:.2f} px, but all together leave {largest.residual:.2f} px in "
+            f"camera {largest.name}: these are not the cameras. Wave through the whole volume, in depth too, and check "
             "the lengths; a lens that bends lines strongly needs more lens terms, or a linearisation."
         )

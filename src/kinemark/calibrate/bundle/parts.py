@@ -136,7 +136,7 @@ class FreePoints:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Held:
+class KnownPoints:
     """n points at known places.
 
     Attributes:
@@ -157,13 +157,13 @@ class Held:
         """(n, 1, 3, 0): they cannot move."""
         return np.zeros((len(self.at), 1, 3, 0))
 
-    def moved(self, step: Floats) -> Held:
+    def moved(self, step: Floats) -> KnownPoints:
         """The same."""
         return self
 
-    def placed(self, R: Floats, t: Floats, scale: float) -> Held:
+    def placed(self, R: Floats, t: Floats, scale: float) -> KnownPoints:
         """In a world where X is scale · R X + t."""
-        return Held(scale * self.at @ R.T + t)
+        return KnownPoints(scale * self.at @ R.T + t)
 
     def prior(self) -> tuple[Floats, Floats, float]:
         """Nothing that could change."""
@@ -173,12 +173,12 @@ class Held:
         """(n) whether a camera sees them."""
         return np.asarray(views[:, 0] >= 1)
 
-    def take(self, rows: NDArray[np.int64]) -> Held:
+    def take(self, rows: NDArray[np.int64]) -> KnownPoints:
         """Some of the points."""
-        return Held(self.at[rows])
+        return KnownPoints(self.at[rows])
 
 
-Part = Sticks | FreePoints | Held
+Part = Sticks | FreePoints | KnownPoints
 
 
 def complete(x: Floats) -> Bools:

@@ -54,7 +54,7 @@ def noise_scale(d: Floats, state: BundleState, freedoms: tuple[Freedom, ...], us
     return plane_scale(d[used]) * float(np.sqrt(m / nu)) + TINY
 
 
-def solve_softly(
+def solve_robust(
     state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, rounds: int = ROUNDS, steps: int = 10
 ) -> tuple[BundleState, float]:
     """Step 1: the state, and s."""

@@ -111,7 +111,7 @@ def normalised_residuals(state: BundleState, seen: ImageObservations) -> Floats:
 
 def cost(state: BundleState, seen: ImageObservations, soft: float | None = None) -> float:
     """(1) with what is known beforehand; infinite where a used point is behind its camera."""
-    if not all(_believable(camera) for camera in state.cameras):
+    if not all(_finite_camera(camera) for camera in state.cameras):
         return float("inf")
     with np.errstate(all="ignore"):
         total = sum(part.prior()[2] for part in state.parts)
@@ -123,7 +123,7 @@ def cost(state: BundleState, seen: ImageObservations, soft: float | None = None)
     return total if np.isfinite(total) else float("inf")
 
 
-def _believable(camera: Camera) -> bool:
+def _finite_camera(camera: Camera) -> bool:
     """Whether its numbers are not on their way to infinity, as they are where nothing fits."""
     return bool(1 < abs(camera.K[0, 0]) < FARTHEST and (np.abs([*camera.t, *camera.distortion]) < FARTHEST).all())
 

@@ -13,7 +13,7 @@ The slack begins at `tolerance` and grows until the rods are found. Points that 
 cameras, reflections) take part in nothing but failed readings.
 
 A rod that hangs elsewhere than described, or a marker that sits elsewhere on it, is found by no camera, and the others
-suffice. Two rods that hang at each other's places leave too few: then each pair is exchanged in turn, moved across
+suffice. Two rods that hang at each other's places leave too few: then each pair is swapped in turn, moved across
 its direction, and the pair with which a camera fits is named.
 """
 
@@ -50,7 +50,7 @@ TRIALS_FEWER = 40  # the same, with one rod fewer; chosen for speed
 ENOUGH = 5  # assignments that fit, after which the best of them is taken; chosen
 SLACK = (1.0, 3.0, 9.0)  # times the tolerance, tried one after the other; chosen
 TOLERANCE = 3.0  # px by which an image may be off its rod's place; chosen
-DOUBTFUL = 0.15  # of the tolerance, RMS, above which one rod may hang elsewhere; chosen
+UNCERTAIN = 0.15  # of the tolerance, RMS, above which one rod may hang elsewhere; chosen
 MUCH_BETTER = 0.25  # of the RMS, which a fit with one rod fewer must come below to be believed; chosen
 
 
@@ -172,7 +172,7 @@ def identify_markers(uv: NDArray[np.float64], rods: Rods, *, tolerance: float = 
             found = _best(_assignments(read, size), uv, rods, tolerance, slack)
             if found is None:
                 continue
-            if found.rms > DOUBTFUL * tolerance:  # one rod may hang elsewhere, and the others tell better
+            if found.rms > UNCERTAIN * tolerance:  # one rod may hang elsewhere, and the others tell better
                 fewer = _best(
                     _assignments(read, max(size - 1, 3), TRIALS_FEWER), uv, rods, tolerance, slack, sharpest=True
                 )
@@ -191,7 +191,7 @@ def identify_markers(uv: NDArray[np.float64], rods: Rods, *, tolerance: float = 
 def _exchanged(read: list[list[Reading]], uv: NDArray[np.float64], rods: Rods, tolerance: float) -> str:
     """The pairs of rods that may hang at each other's places, as a sentence, if a camera sees them so.
 
-    Rods at the corners of a rectangle look the same after half a turn, with the other two exchanged: both are named.
+    Rods at the corners of a rectangle look the same after half a turn, with the other two swapped: both are named.
     """
     pairs = []
     for a, b in combinations(range(len(rods.names)), 2):

@@ -35,7 +35,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 DEPTH = 4.0  # times as far the far end of a rod may be as its near one; chosen
-WORST = 1e9  # px; stands for an error beyond all limits; a sentinel, by definition
+NO_FIT = 1e9  # px; stands for an error beyond all limits; a sentinel, by definition
 
 
 class Reading(NamedTuple):
@@ -114,7 +114,7 @@ def _best_patterns(
     """For choices at q (U, k) px: the error, and which row of `marks`, k markers at s mm, fits best, either way."""
     forward = np.array(list(combinations(range(len(s)), k)), np.int64)
     marks = np.concatenate([forward, forward[:, ::-1]])
-    best, pattern = np.full(len(q), WORST), np.zeros(len(q), np.int64)
+    best, pattern = np.full(len(q), NO_FIT), np.zeros(len(q), np.int64)
     z, scale = _normalised(q)
     for m, chosen in enumerate(marks):
         error = _errors(s[chosen], z, scale, limit)
@@ -133,7 +133,7 @@ def _best_of_each(row_of: NDArray[np.int64], error: NDArray[np.float64], toleran
 def spacing_errors(
     s: NDArray[np.float64], q: NDArray[np.float64], *, limit: float = float("inf")
 ) -> NDArray[np.float64]:
-    """(3) of points at q (U, k) px as markers at s (k) mm, or `WORST` where it exceeds `limit` or (4) is violated."""
+    """(3) of points at q (U, k) px as markers at s (k) mm, or `NO_FIT` where it exceeds `limit` or (4) is violated."""
     return _errors(s, *_normalised(q), limit)
 
 
@@ -159,6 +159,6 @@ def _errors(
     hopeful = (near > 0) & (far < DEPTH * near) & (scale**2 * left <= (limit * far) ** 2 * max(k - 3, 1))  # (4)
     rows = np.flatnonzero(hopeful)
     off = ((y[rows] + c[rows, None] * w[rows]) @ N.T) / (1 + np.outer(c[rows], s))  # (6)
-    error = np.full(len(z), WORST)
+    error = np.full(len(z), NO_FIT)
     error[rows] = scale[rows] * np.sqrt((off**2).sum(-1) / max(k - 3, 1))
-    return np.where(error <= limit, error, WORST)
+    return np.where(error <= limit, error, NO_FIT)

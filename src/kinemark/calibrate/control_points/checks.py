@@ -30,7 +30,7 @@ studies/calibration_quality.py)."""
 
 
 def labels(points: Sequence[str] | None, n: int) -> tuple[str, ...]:
-    """(N) what to call the points: as told, or their numbers from 1.
+    """(N) names of the points: as given, or their numbers from 1.
 
     Raises:
         ValueError: there are more or fewer names than points.

@@ -123,8 +123,8 @@ def fit_camera(
     while True:
         fitted, fit = fit_all(name, size, xyz, uv, cov, kept, method, lens)
         base = min(fitted.parameters, len(POSE_AND_FOCUS))
-        worst = _outlier(fit, fitted.parameters, base, method.reject)
-        if worst is None:
+        outlier = _outlier(fit, fitted.parameters, base, method.reject)
+        if outlier is None:
             _check_plausible(fit, uv[kept])
             return fitted._replace(camera=about(fitted.camera, -origin))
         if kept.sum() - 1 < max(len(xyz) / 2, base):
@@ -132,7 +132,7 @@ def fit_camera(
                 f"Of {len(xyz)} control points, {(~kept).sum()} did not fit the others and were left out, and the rest "
                 "still disagrees. Check the order of the points and their places, or allow more lens terms."
             )
-        kept[np.flatnonzero(kept)[worst]] = False
+        kept[np.flatnonzero(kept)[outlier]] = False
 
 
 def free_parameters(n: int, method: ControlPoints) -> NDArray[np.bool_]:
@@ -258,5 +258,5 @@ def _outlier(fit: ResectionFit, p: int, base: int, reject: float) -> int | None:
     if n <= base:
         return None
     s = plane_scale(fit.normalised) * np.sqrt(2 * n / (2 * n - p))  # (2)
-    worst = int(fit.normalised.argmax())
-    return worst if fit.normalised[worst] > reject * s + 1e-6 else None
+    largest = int(fit.normalised.argmax())
+    return largest if fit.normalised[largest] > reject * s + 1e-6 else None

@@ -70,10 +70,17 @@ class Judgement(NamedTuple):
 
 def judge_control_points(fit: ControlFit) -> Judgement:
     """Whether a calibration from control points is good, and why not."""
-    findings = [_accuracy(fit), *_cameras(fit), *_noise(fit), *_images(fit), *_loose(fit), *_unseen(fit)]
-    worst = max(map(_grade, findings))
-    if suspicious(fit) or worst > 0:
-        findings[1:1] = _survey(fit, displaced_points(fit), worst)
+    findings = [
+        _accuracy(fit),
+        *_cameras(fit),
+        *_noise(fit),
+        *_images(fit),
+        *_focal_length_findings(fit),
+        *_unseen(fit),
+    ]
+    gravest = max(map(_grade, findings))
+    if suspicious(fit) or gravest > 0:
+        findings[1:1] = _survey(fit, displaced_points(fit), gravest)
     findings = gravest_first(findings)
     return Judgement(GRADES[_grade(findings[0])], tuple(findings))
 
@@ -104,8 +111,8 @@ def scatter(fit: ControlFit, cameras: list[int]) -> tuple[float, int]:
 
 def _accuracy(fit: ControlFit) -> Finding:
     """(1), or (2)."""
-    trusted = ~refused_everywhere(fit) & np.isfinite(fit.left_out_xyz[:, 0])
-    off = np.linalg.norm(fit.left_out_xyz[trusted], axis=1)
+    usable = ~refused_everywhere(fit) & np.isfinite(fit.left_out_xyz[:, 0])
+    off = np.linalg.norm(fit.left_out_xyz[usable], axis=1)
     nu = int(fit.freedom.sum())
     if len(off) < 6:
         return _by_residual(fit)
@@ -117,8 +124,8 @@ def _accuracy(fit: ControlFit) -> Finding:
         "control_points_return",
         severity=WEIGHT[grade],
         rms_mm=rms,
-        worst_point=fit.points[np.flatnonzero(trusted)[off.argmax()]],
-        worst_mm=off.max(),
+        max_point=fit.points[np.flatnonzero(usable)[off.argmax()]],
+        max_mm=off.max(),
         parts=size / max(rms, 1e-9),
         diagonal_m=size / 1000,
         limit_parts=LIMIT[grade],
@@ -236,7 +243,7 @@ def _left_out(fit: ControlFit, c: int, rows: NDArray[np.int64]) -> Finding:
     )
 
 
-def _loose(fit: ControlFit) -> list[Finding]:
+def _focal_length_findings(fit: ControlFit) -> list[Finding]:
     """(7)."""
     shares = [float(np.sqrt(max(c.cov[0, 0], c.cov[1, 1])) / abs(c.K[0, 0])) for c in fit.rig]
     return [
@@ -259,7 +266,7 @@ def _unseen(fit: ControlFit) -> list[Finding]:
     ]
 
 
-def _survey(fit: ControlFit, wrong: Displaced | None, worst: int) -> list[Finding]:
+def _survey(fit: ControlFit, wrong: Displaced | None, gravest: int) -> list[Finding]:
     """Points that all cameras see elsewhere, (6): harmless where no camera used them, else as grave as all the rest."""
     if wrong is None:
         return []
@@ -273,7 +280,7 @@ def _survey(fit: ControlFit, wrong: Displaced | None, worst: int) -> list[Findin
     return [
         make_finding(
             "control_points_displaced",
-            severity=WEIGHT[worst if harmless else max(worst, 1)],
+            severity=WEIGHT[gravest if harmless else max(gravest, 1)],
             where=_elsewhere(fit, wrong.rows[most], wrong.offset[most]),
             points_list=[fit.points[i] for i in wrong.rows[most]],
             shift_mm_list=wrong.offset[most].mean(0),

@@ -1,7 +1,7 @@
 """One control point taken for another in an image: which, and for which.
 
 The DLT's equations of point i with the image u are two rows, M_i(u) their normal matrix, and Σ M_i(u_i) has a
-least eigenvalue of nearly nothing if points and images belong together. With the images of i and j exchanged it is
+least eigenvalue of nearly nothing if points and images belong together. With the images of i and j swapped it is
 
     Σ M_k(u_k) − M_i(u_i) − M_j(u_j) + M_i(u_j) + M_j(u_i)               (1)
 
@@ -28,7 +28,7 @@ from .fit_camera import ControlPoints, fit_all
 
 CHANCE = 1e-3  # probability below which an improvement is not taken for chance; conventional
 MOST_POINTS = 60  # above which all pairs are not tried; chosen for speed
-MOST_EXCHANGES = 3  # pairs that may be exchanged in one camera; chosen (see studies/calibration_quality.py)
+MOST_SWAPS = 3  # pairs that may be swapped in one camera; chosen (see studies/calibration_quality.py)
 CANDIDATES = 4  # pairs, the most promising, that are fitted in full; chosen for speed
 
 
@@ -40,14 +40,14 @@ class SwappedPoints(NamedTuple):
     after: float
 
 
-def exchanged(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> SwappedPoints | None:
+def find_swapped_points(xyz: NDArray[np.float64], uv: NDArray[np.float64]) -> SwappedPoints | None:
     """The exchange of images (N, 2) px among points (N, 3) mm that makes one camera see them much better, if any."""
     n = len(xyz)
     if not FEWEST < n <= MOST_POINTS:
         return None
     image_of = np.arange(n)
     start = total = _start(xyz, uv)
-    for _ in range(MOST_EXCHANGES):
+    for _ in range(MOST_SWAPS):
         tried = [_swapped(image_of, pair) for pair in _best_pairs(xyz, uv[image_of])]
         sums = [sum_of_squares(xyz, uv[t]) for t in tried]
         best = int(np.argmin(sums))
@@ -83,7 +83,7 @@ def mistaken_points(
     """What one camera's images (N, 2) px of points (N, 3) mm say of points taken for one another; None if nothing."""
     if len(xyz) <= FEWEST:
         return None
-    if (swap := exchanged(xyz, uv)) is not None:
+    if (swap := find_swapped_points(xyz, uv)) is not None:
         moved = np.flatnonzero(swap.image_of != np.arange(len(xyz)))
         return make_finding(
             "control_points_swapped",

@@ -65,13 +65,13 @@ def displaced_points(fit: ControlFit) -> Displaced | None:
     if not FEWEST_RIGHT < n <= MOST_POINTS:
         return _named(fit, rejected, fit)
     try:
-        wrong, rest = _trusting(fit, rejected, n)
+        wrong, rest = _contradicted_points(fit, rejected, n)
     except KinemarkError:  # the rest determines no camera
         return _named(fit, rejected, fit)
     return _named(fit, wrong, rest) if wrong.sum() <= MOST_WRONG * n else None
 
 
-def _trusting(fit: ControlFit, rejected: NDArray[np.bool_], n: int) -> tuple[NDArray[np.bool_], ControlFit]:
+def _contradicted_points(fit: ControlFit, rejected: NDArray[np.bool_], n: int) -> tuple[NDArray[np.bool_], ControlFit]:
     """The points (N) that the others contradict, and the calibration without them."""
     many = round(KEPT * n) >= FEWEST_RIGHT + 1
     spared = n - round(KEPT * n) if many else 1

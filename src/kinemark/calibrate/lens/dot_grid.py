@@ -73,7 +73,7 @@ def part_of_grid(uv: Floats) -> Ints:
     boxes = [np.ptp(nodes @ turn.T, axis=0) + 1 for turn in TURNS]
     smallest = min(int(box.prod()) for box in boxes)
     tight = [turn for turn, box in zip(TURNS, boxes, strict=True) if box.prod() == smallest]
-    turn = max(tight, key=lambda turn: _rightness(A, turn))
+    turn = max(tight, key=lambda turn: _row_direction(A, turn))
     q = nodes @ turn.T
     q = q - q.min(0)
     index = np.full(q.max(0) + 1, -1, np.int64)
@@ -105,7 +105,7 @@ def _placed(nodes: Ints, A: Floats, shape: tuple[int, int]) -> tuple[Ints, Ints]
     best: tuple[float, float] = (-1.0, -2.0)
     chosen = (TURNS[0], nodes[0])
     for turn in TURNS:
-        rightness = _rightness(A, turn)
+        rightness = _row_direction(A, turn)
         if rightness < -1:
             continue
         corner, count = _window(nodes @ turn.T, shape)
@@ -114,7 +114,7 @@ def _placed(nodes: Ints, A: Floats, shape: tuple[int, int]) -> tuple[Ints, Ints]
     return chosen
 
 
-def _rightness(A: Floats, turn: Ints) -> float:
+def _row_direction(A: Floats, turn: Ints) -> float:
     """Cosine between +u and the rows as seen once node q is U q; below −1 where the picture would be mirrored."""
     down, right = (A @ np.linalg.inv(turn)).T
     mirrored = right[0] * down[1] - right[1] * down[0] <= 0

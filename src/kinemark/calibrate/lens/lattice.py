@@ -63,7 +63,7 @@ def grow_lattice(uv: Floats, *, enough: int | None = None) -> Ints:
     for seed in _seeds(uv, tree):
         if tried[seed[1, 1]]:
             continue  # it lies in a lattice that has been grown
-        index = settled(_grown(uv, tree, seed), uv, tree)
+        index = confirmed_nodes(_grown(uv, tree, seed), uv, tree)
         tried[index[index >= 0]] = True
         if (index >= 0).sum() > (best >= 0).sum():
             best = index
@@ -122,8 +122,8 @@ def _grown(uv: Floats, tree: scipy.spatial.KDTree, seed: Ints) -> Ints:
         index = np.pad(_trimmed(index), WINDOW + 1, constant_values=-1)
 
 
-def settled(index: Ints, uv: Floats, tree: scipy.spatial.KDTree) -> Ints:
-    """Step 3 for nodes (I, J): places confirmed, exchanged, given up, or filled within the lattice."""
+def confirmed_nodes(index: Ints, uv: Floats, tree: scipy.spatial.KDTree) -> Ints:
+    """Step 3 for nodes (I, J): places confirmed, replaced, given up, or filled within the lattice."""
     for _ in range(3):
         index = np.pad(_trimmed(index), WINDOW + 1, constant_values=-1)
         inner = np.argwhere(np.ones_like(index[WINDOW + 1 : -WINDOW - 1, WINDOW + 1 : -WINDOW - 1])) + WINDOW + 1

@@ -1,8 +1,8 @@
-"""The control volume as a grid of places: how exactly each is known, and what every camera is worth there.
+"""The control volume as a grid of places: how exactly each is known, and what every camera contributes there.
 
 At each place the covariance of `covariance` eq. 3 gives the standard deviation of one axis, σ = √(trace / 3) (1), and
-that in the worst direction, the root of the largest eigenvalue (2). Two rays that meet at the angle α give a depth that
-is 1 / sin α as uncertain as a position across them, so the pair of rays nearest to a right angle,
+that along the largest axis of the covariance, the root of the largest eigenvalue (2). Two rays that meet at the angle α
+give a depth that is 1 / sin α as uncertain as a position across them, so the pair of rays nearest to a right angle,
 
     α = max over pairs of arccos |d_i · d_j|                             (3)
 
@@ -29,15 +29,15 @@ class VolumeMap(NamedTuple):
     """A control volume of X × Y × Z places.
 
     axes: (X), (Y), (Z) mm; seen: (X, Y, Z) how many cameras see the place; angle: (X, Y, Z) deg by (3);
-    sd, worst: (X, Y, Z) mm by (1) and (2); without: (C, X, Y, Z) mm, (1) without that camera. NaN where fewer than two
-    cameras see the place.
+    sd, sd_largest_axis: (X, Y, Z) mm by (1) and (2); without: (C, X, Y, Z) mm, (1) without that camera. NaN where fewer
+    than two cameras see the place.
     """
 
     axes: tuple[Floats, Floats, Floats]
     seen: NDArray[np.int64]
     angle: Floats
     sd: Floats
-    worst: Floats
+    sd_largest_axis: Floats
     without: Floats
 
 
@@ -80,7 +80,7 @@ def map_volume(
         seen=said.seen.sum(0).reshape(shape),
         angle=ray_angle(rig, xyz, said.seen).reshape(shape),
         sd=deviation(cov).reshape(shape),
-        worst=worst_deviation(cov).reshape(shape),
+        sd_largest_axis=largest_axis_deviation(cov).reshape(shape),
         without=np.array(without).reshape(len(rig), *shape),
     )
 
@@ -90,8 +90,8 @@ def deviation(cov: Floats) -> Floats:
     return np.sqrt(np.trace(cov, axis1=-2, axis2=-1) / 3)
 
 
-def worst_deviation(cov: Floats) -> Floats:
-    """Standard deviation (…) mm along the worst direction of covariances (…, 3, 3) mm², by (2)."""
+def largest_axis_deviation(cov: Floats) -> Floats:
+    """Standard deviation (…) mm along the largest axis of covariances (…, 3, 3) mm², by (2)."""
     known = np.asarray(np.isfinite(cov).all((-2, -1)))
     largest = np.linalg.eigvalsh(np.where(known[..., None, None], cov, 0.0))[..., -1]
     return np.where(known, np.sqrt(np.maximum(largest, 0.0)), np.nan)

@@ -49,14 +49,14 @@ class Wand(Method):
         2, unit="lens terms", low=0, high=3, meaning="at most so many radial lens terms are fitted: k1, k2, k3"
     )
     tangential: bool = parameter(False, meaning="p1 and p2 are fitted as well")
-    centre: bool = parameter(
+    principal_point: bool = parameter(
         True, meaning="the principal point is fitted; else it stays in the image's centre, or the lens's"
     )
-    square: bool = parameter(True, meaning="pixels are square, fx = fy")
+    square_pixels: bool = parameter(True, meaning="pixels are square, fx = fy")
     reject: float = parameter(
         5.0, unit="standard deviations", low=3, high=math.inf, meaning="outliers: points so far off are left out"
     )
-    tolerance: float = parameter(
+    search_radius: float = parameter(
         3.0, unit="px", above=0, meaning="how near to its place a marker is looked for once there is a first rig"
     )
     most_poses: int = parameter(
@@ -70,7 +70,7 @@ class Wand(Method):
     @property
     def bundle(self) -> Bundle:
         """What the bundle adjustment fits."""
-        return Bundle(self.radial, self.tangential, self.centre, self.square, self.reject, self.seed)
+        return Bundle(self.radial, self.tangential, self.principal_point, self.square_pixels, self.reject, self.seed)
 
 
 @CALIBRATE.method("wand", Wand, ways=("wand",))
@@ -108,7 +108,7 @@ def calibrate_wand(
     rows = identify_wand(detections, want, along)
     first = _first_rig(detections, thinned(detections, rows, sizes, FIRST_POSES), sizes, along, method, lenses)
     claimed = int(_shared(rows).sum())
-    rows, xyz = completed(first, detections, want.use, rows, along, tolerance=method.tolerance)
+    rows, xyz = completed(first, detections, want.use, rows, along, search_radius=method.search_radius)
     _check_agreement(detections, rows, claimed)
     chosen = thinned(detections, rows, sizes, method.most_poses)
     fit = _final_fit(first, detections, chosen, xyz, along, method, lenses is not None)

@@ -1,12 +1,13 @@
 """All that a rig can find of a waved wand: markers that rows lacked, among strays, and the right ends.
 
-1. Every marker is triangulated from the cameras that claim to see it and agree within `tolerance` (1).
+1. Every marker is triangulated from the cameras that claim to see it and agree within `search_radius` (1).
 2. The stick through the markers p_k of one frame, at s_k along it, is
 
        x_k = p̄ + (s_k − s̄) d,    d ~ Σ (s_k − s̄) (p_k − p̄)             (2)
 
    and the frame is used if no p_k lies further from x_k than `STIFF` of the wand's length (3).
-3. Projected into every camera, each x_k takes the nearest detection within `tolerance`, but not where two markers are
+3. Projected into every camera, each x_k takes the nearest detection within `search_radius`, but not where two markers
+are
    so near each other that both might take one, or run together (4).
 """
 
@@ -29,7 +30,7 @@ APART = 1e5
 
 
 def completed(
-    rig: Rig, detections: Detections, use: NDArray[np.bool_], rows: Ints, along: Floats, *, tolerance: float
+    rig: Rig, detections: Detections, use: NDArray[np.bool_], rows: Ints, along: Floats, *, search_radius: float
 ) -> tuple[Ints, Floats]:
     """The row of each marker (C, F, K), −1 where not seen, from rows (C, F, K) of which most are right.
 
@@ -39,15 +40,15 @@ def completed(
         use: (D) rows that may be taken.
         rows: (C, F, K) a first reading, −1 where there is none.
         along: (K) places of the markers, mm.
-        tolerance: px; the rig's own error included.
+        search_radius: px; the rig's own error included.
 
     Returns:
         The rows, and the wand's markers (F, K, 3) mm; −1 and NaN in frames that show no stick of this length.
     """
     uv, _ = at_rows(detections, rows)
-    points = robust_points(rig, uv.reshape(len(rig), -1, 2), limit=tolerance)
+    points = robust_points(rig, uv.reshape(len(rig), -1, 2), limit=search_radius)
     xyz = stiff(points.reshape(*rows.shape[1:], 3), along)
-    found = [_nearest(_apart(project(camera, xyz), detections, c, tolerance), detections, use, c, tolerance)
+    found = [_nearest(_apart(project(camera, xyz), detections, c, search_radius), detections, use, c, search_radius)
              for c, camera in enumerate(rig)]  # fmt: skip
     return np.stack(found), xyz
 
@@ -59,11 +60,11 @@ def stiff(xyz: Floats, along: Floats) -> Floats:
     return np.where((off < STIFF * (along[-1] - along[0]))[:, None, None], stick, np.nan)  # (3)
 
 
-def _apart(expected: Floats, detections: Detections, c: int, tolerance: float) -> Floats:
+def _apart(expected: Floats, detections: Detections, c: int, search_radius: float) -> Floats:
     """Markers (F, K, 2) px without those that may touch a neighbour, by (4)."""
     width = detections.width[detections.start[c, 0] : detections.start[c, -1]]
     known = np.isfinite(width)
-    least = 2 * tolerance + (float(np.median(width[known])) if known.any() else 0.0)
+    least = 2 * search_radius + (float(np.median(width[known])) if known.any() else 0.0)
     near = np.linalg.norm(np.diff(expected, axis=1), axis=-1) < least
     touching = np.zeros(expected.shape[:2], np.bool_)
     touching[:, 1:] |= near
@@ -71,7 +72,7 @@ def _apart(expected: Floats, detections: Detections, c: int, tolerance: float) -
     return np.where(touching[..., None], np.nan, expected)
 
 
-def _nearest(expected: Floats, detections: Detections, use: NDArray[np.bool_], c: int, tolerance: float) -> Ints:
+def _nearest(expected: Floats, detections: Detections, use: NDArray[np.bool_], c: int, search_radius: float) -> Ints:
     """The row (F, K) of camera c nearest to where each marker (F, K, 2) px should be, −1 where none is near."""
     first = int(detections.start[c, 0])
     mine = first + np.flatnonzero(use[first : detections.start[c, -1]])
@@ -81,6 +82,6 @@ def _nearest(expected: Floats, detections: Detections, use: NDArray[np.bool_], c
     frame = np.broadcast_to(np.arange(len(expected))[:, None], found.shape)
     wanted = np.isfinite(expected).all(-1)
     tree = scipy.spatial.KDTree(np.column_stack([detections.uv[mine], APART * detections.frame[mine]]))
-    _, near = tree.query(np.column_stack([expected[wanted], APART * frame[wanted]]), distance_upper_bound=tolerance)
+    _, near = tree.query(np.column_stack([expected[wanted], APART * frame[wanted]]), distance_upper_bound=search_radius)
     found[wanted] = np.append(mine, -1)[near]  # the tree says its length where nothing is near
     return found

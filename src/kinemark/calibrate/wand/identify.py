@@ -86,7 +86,7 @@ def at_rows(detections: Detections, rows: NDArray[np.int64]) -> tuple[Floats, Fl
 def wanted(detections: Detections) -> Wanted:
     """Steps 1 and 2."""
     use = detections.valid & ~detections.merged
-    still = _standing(detections, use)
+    still = _still_points(detections, use)
     use &= ~still
     camera, frame = detections.camera, detections.frame
     counts = np.zeros((len(detections.cameras), detections.n_frames), np.int64)
@@ -113,7 +113,7 @@ def identify_wand(detections: Detections, want: Wanted, along: Floats) -> NDArra
     return rows
 
 
-def _standing(detections: Detections, use: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _still_points(detections: Detections, use: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """(D) points at a place of the image where one is seen in a large share of the frames.
 
     A square of `CELL` px may cut the place in two, so four grids are tried, shifted by half a square.
@@ -158,8 +158,8 @@ def _check_gaps(ratio: Floats, along: Floats) -> None:
         return
     wanted_ratio = np.log(gaps[0] / gaps[-1])
     off = np.where(np.abs(seen - wanted_ratio) < np.abs(seen + wanted_ratio), seen - wanted_ratio, -seen - wanted_ratio)
-    if abs(middle := float(np.median(off))) > WRONG_GAPS:
-        found = np.exp(middle + wanted_ratio)
+    if abs(median := float(np.median(off))) > WRONG_GAPS:
+        found = np.exp(median + wanted_ratio)
         raise KinemarkError(
             f"Rows of {len(along)} points are seen, but their first gap is {found:.2f} times their last one on the "
             f"median, and the wand's lengths {gaps.tolist()} mm say {np.exp(wanted_ratio):.2f}. Measure the wand "

@@ -24,8 +24,8 @@ class KissScanning(Method):
         meaning="pixels brighter than this, of 8 bits, are white; where inverted, darker ones",
     )  # fmt: skip
     inverted: bool = parameter(False, meaning="the markers are dark on bright ground")
-    relative: float | None = parameter(
-        None, unit=ONE, above=0, below=1,
+    relative_threshold: float | None = parameter(
+        None, former="relative", unit=ONE, above=0, below=1,
         meaning="instead of threshold, the share of the way from a camera's background to its bright level (its "
         "dark one where inverted), as for centroids",
     )  # fmt: skip
@@ -46,7 +46,7 @@ class KissScanning(Method):
     noise_height: int = parameter(
         0, unit="px", low=0, meaning="groups lower than this and narrower than noise_width are noise; 0: none"
     )
-    lonely: bool = parameter(True, meaning="lonely pixels are noise")
+    isolated: bool = parameter(True, former="lonely", meaning="isolated pixels are noise")
     one_wide: bool = parameter(True, meaning="groups one pixel wide are noise")
     one_high: bool = parameter(True, meaning="groups one pixel high are noise")
     sub_markers: bool = parameter(
@@ -60,8 +60,9 @@ class KissScanning(Method):
         2, unit="rows", low=1,
         meaning="most rows of a small group (two in the paper, whose fields show markers six lines high)",
     )  # fmt: skip
-    inside: float = parameter(
+    min_inside: float = parameter(
         0.6,
+        former="inside",
         unit=ONE,
         above=0,
         high=1,
@@ -84,7 +85,7 @@ class KissScanning(Method):
     max_ratio: float = parameter(
         1.5, unit=ONE, above=0, high=math.inf, meaning="height to width above which a group is long"
     )
-    sizes: bool = parameter(True, meaning="groups of a wrong size are invalid")
+    check_sizes: bool = parameter(True, former="sizes", meaning="groups of a wrong size are invalid")
     min_area: int = parameter(4, unit="px²", low=1, meaning="markers with fewer white pixels are TOO_SMALL")
     max_area: int = parameter(2000, unit="px²", low=1, meaning="markers with more white pixels are TOO_LARGE")
 
@@ -111,8 +112,8 @@ class KissNearest(Method):
         meaning="pixels brighter than this, of 8 bits, are white; where inverted, darker ones",
     )  # fmt: skip
     inverted: bool = parameter(False, meaning="the markers are dark on bright ground")
-    relative: float | None = parameter(
-        None, unit=ONE, above=0, below=1,
+    relative_threshold: float | None = parameter(
+        None, former="relative", unit=ONE, above=0, below=1,
         meaning="instead of threshold, the share of the way from a camera's background to its bright level (its "
         "dark one where inverted), as for centroids",
     )  # fmt: skip
@@ -125,7 +126,9 @@ class KissNearest(Method):
     noise_height: int = parameter(
         2, unit="px", low=0, meaning="groups lower than this and narrower than noise_width are noise; 0: none"
     )
-    lonely: bool = parameter(False, meaning="lonely pixels are noise (a criterion of the later method)")
+    isolated: bool = parameter(
+        False, former="lonely", meaning="isolated pixels are noise (a criterion of the later method)"
+    )
     one_wide: bool = parameter(False, meaning="groups one pixel wide are noise (a criterion of the later method)")
     one_high: bool = parameter(False, meaning="groups one pixel high are noise (a criterion of the later method)")
     split: bool = parameter(True, meaning="groups that are too wide or high are split")

@@ -50,7 +50,7 @@ def detect_scanning(images: Images, first: int, *, method: KissScanning) -> Blob
     _check_number(groups, first, n, method.threshold)
     groups = advanced_analysis(_without_noise(groups, method), method, height=height)
     validity = np.zeros(len(groups.frame), np.uint8)
-    if method.sizes:
+    if method.check_sizes:
         validity = size_validity(groups, min_area=method.min_area, max_area=method.max_area, height=height, width=width)
     return _blobs(images, groups, validity, method.inverted)
 
@@ -59,7 +59,7 @@ def advanced_analysis(groups: KissGroups, method: KissScanning, *, height: int) 
     """Sub-marker detection, overlapped markers and the long/wide test, as far as the method asks for them."""
     if method.sub_markers:
         groups = merge_sub_markers(
-            groups, small_area=method.small_area, small_rows=method.small_rows, inside=method.inside, height=height
+            groups, small_area=method.small_area, small_rows=method.small_rows, inside=method.min_inside, height=height
         )
     if method.overlaps:
         groups = separate_overlapped(
@@ -110,7 +110,7 @@ def _without_noise(groups: KissGroups, method: KissScanning | KissNearest) -> Ki
         groups,
         min_width=method.noise_width,
         min_height=method.noise_height,
-        lonely=method.lonely,
+        lonely=method.isolated,
         one_wide=method.one_wide,
         one_high=method.one_high,
     )

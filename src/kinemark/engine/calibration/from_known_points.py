@@ -117,7 +117,7 @@ class Pointed(NamedTuple):
 
 def digitised(task: Task, way: DigitisedPoints) -> Pointed:
     """Control points of a CSV file, at the markers of the images where there are images."""
-    seen = task.look(TargetRecording(images=way.images), "calibrate") if way.images else None
+    seen = task.recorded(TargetRecording(images=way.images), "calibrate") if way.images else None
     file = task.root / way.points
     points = read_control_points(file, task.names, seen.detections if seen else None)
     sizes = seen.sizes if seen else size_of_cameras(task.root, task.settings, task.names)
@@ -129,7 +129,7 @@ def from_control_frame(task: Task) -> Made:
     way = task.settings.calibration.control_frame
     assert way is not None
     rods = read_rods(task.root / way.rods)
-    seen = task.look(TargetRecording(images=way.images), "calibrate")
+    seen = task.recorded(TargetRecording(images=way.images), "calibrate")
     lenses = lenses_of(task)
     method: Any = task.settings.calibrate
     fit = control_frame_quality(seen.detections, rods, sizes=seen.sizes, method=method, lenses=lenses.cameras)

@@ -36,7 +36,7 @@ def from_wand(task: Task) -> Made:
     """A stick with markers in a row, waved through the volume."""
     way = task.settings.calibration.wand
     assert way is not None  # the settings see to it
-    seen, lenses = task.look(way, "wand"), lenses_of(task)
+    seen, lenses = task.recorded(way, "wand"), lenses_of(task)
     _check_sizes(seen.sizes)
     method: Any = task.settings.calibrate
     if way.marker_diameter_mm is not None:
@@ -57,7 +57,7 @@ def from_single_marker(task: Task) -> Made:
     """One marker moved through the volume, and a known distance for the scale."""
     way = task.settings.calibration.single_marker
     assert way is not None
-    seen, lenses = task.look(way, "marker"), lenses_of(task)
+    seen, lenses = task.recorded(way, "marker"), lenses_of(task)
     _check_sizes(seen.sizes)
     uv, cov = _single(seen.detections)
     tell(0, 1)

@@ -65,7 +65,9 @@ def _dots(task: Task, way: LinearisationGrid) -> list[Detections]:
             )
         )
         seen = TargetRecording(images=way.images.replace("{camera}", name))
-        found.append(one.look(seen, "linearise", masked=False).detections)  # the grid may hang before what is masked
+        found.append(
+            one.recorded(seen, "linearise", masked=False).detections
+        )  # the grid may hang before what is masked
     return found
 
 

@@ -59,7 +59,7 @@ def calibrate(
         root: the session's folder.
         results: where what is computed goes.
         settings: what its session.toml says.
-        watch: who is told what is being done, and who may stop it.
+        watch: receives progress, and may cancel.
         threads: how many detection may use; all processors where None.
 
     Raises:

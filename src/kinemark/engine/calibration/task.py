@@ -21,7 +21,7 @@ class Made(NamedTuple):
 
 
 class Task(NamedTuple):
-    """The session's folder and settings, and who is told of progress and may stop the work, and how many threads."""
+    """The session's folder and settings, what receives progress and may cancel, and how many threads."""
 
     root: Path
     settings: Settings
@@ -39,7 +39,7 @@ class Task(NamedTuple):
             raise KinemarkError("[cameras] names is empty. Name the cameras, so that their images can be found.")
         return self.settings.cameras.names
 
-    def look(self, seen: TargetRecording, what: str, *, masked: bool = True) -> Recorded:
-        """What the cameras saw of something, called `what` where progress is told; the session's masks count or not."""
+    def recorded(self, seen: TargetRecording, what: str, *, masked: bool = True) -> Recorded:
+        """What the cameras recorded of a target, called `what` in progress; with the session's masks or without."""
         with listening(self.watch.of(what)):
             return recorded(self.root, self.settings, seen, self.names, masked=masked, threads=self.threads)

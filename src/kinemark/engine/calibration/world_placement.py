@@ -59,7 +59,7 @@ def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> PlacedRig:
 
 def _apart(task: Task, rig: Rig, way: Distance) -> float:
     """The distance of two markers by a rig without scale."""
-    xyz = _markers(task.look(way, "distance").detections, rig)
+    xyz = _markers(task.recorded(way, "distance").detections, rig)
     if len(xyz) != 2:
         raise KinemarkError(
             f"The recording of the known distance shows {len(xyz)} markers, wanted two that two cameras see. Mask "
@@ -70,7 +70,7 @@ def _apart(task: Task, rig: Rig, way: Distance) -> float:
 
 def _l_frame(task: Task, rig: Rig, way: LFrame, unscaled: bool) -> tuple[Floats, Floats]:
     """The L-frame's markers as found and as known, (3, 3) mm each."""
-    xyz = _markers(task.look(way, "world").detections, rig)
+    xyz = _markers(task.recorded(way, "world").detections, rig)
     try:
         known = l_frame(
             rig, xyz, long=max(way.arms_mm), short=min(way.arms_mm), height=way.height_mm, scale=unscaled,

@@ -17,7 +17,7 @@ WIDTH = 118
 """Of a line on the terminal, characters; chosen."""
 
 LONG = 40
-"""Characters above which only the number of a list's elements is told; chosen."""
+"""Characters above which only the number of a list's elements is shown; chosen."""
 
 
 def stages(stage: str | None = None) -> list[Stage]:
@@ -90,9 +90,9 @@ def _stage_text(stage: Stage) -> str:
     if common := COMMON.get(stage.name):
         lines += ["", "  with every method", *_rows(common)]
     for name, declared in stage.items():
-        told = declared.summary + (f" ({declared.source})" if declared.source else "")
+        summary = declared.summary + (f" ({declared.source})" if declared.source else "")
         lines += ["", f'  method = "{name}"{_when(stage, declared)}']
-        lines += wrap(told, WIDTH - 4, initial_indent="    ", subsequent_indent="    ")
+        lines += wrap(summary, WIDTH - 4, initial_indent="    ", subsequent_indent="    ")
         lines += _rows(declared.stateable)
     return "\n".join(lines)
 

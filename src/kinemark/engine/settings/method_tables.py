@@ -82,7 +82,10 @@ def method_of(stage: str, table: dict[str, Any]) -> Any:
 def _made(declared: Declaration, table: dict[str, Any]) -> Any:
     """A method with the parameters of a table."""
     parameters = {p.name: p for p in declared.stateable}
+    renamed = {p.former: p.name for p in declared.stateable if p.former}
     for key in table:
+        if key not in parameters and key in renamed:
+            raise ValueError(f"{key!r} of {declared.name} is now called {renamed[key]!r}")
         if key not in parameters:
             there = f"there {are(list(parameters))}" if parameters else "it has none"
             raise ValueError(f"{key!r} is not a parameter of {declared.name}{guess(key, list(parameters))}; {there}")

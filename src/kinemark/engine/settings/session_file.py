@@ -70,7 +70,7 @@ class MaskTable(Strict):
     )
 
     @model_validator(mode="after")
-    def something(self) -> MaskTable:
+    def not_empty(self) -> MaskTable:
         """An empty table would mask nothing."""
         if self.file is None and self.empty is None:
             raise ValueError("wants file, empty or both")
@@ -128,7 +128,7 @@ class TrialEntry(Strict):
 
     @property
     def operated(self) -> bool:
-        """Whether an operator says which marker is which: UM²AS's files, or images that he digitises."""
+        """Whether an operator says which marker is which: UM²AS's files, or images that they digitise."""
         return self.answers is not None or (self.detections is not None and is_da(self.detections))
 
 

@@ -1,4 +1,4 @@
-"""The method of each gap, chosen by hidden tests.
+"""The method of each gap, chosen by hold-out gaps.
 
 Every candidate is tried in the same tests (`hold_out`); the one that does best in them fills the gap, and what it was
 measured at is the error expected of it (`expected_error`).
@@ -15,7 +15,7 @@ from ..methods.stage import FILL, FillMethod, automatic
 
 @dataclass(frozen=True, slots=True)
 class Auto(Method):
-    """For every gap the method that does best in hidden tests, or the mean of those that do nearly as well."""
+    """For every gap the method that does best in hold-out gaps, or the mean of those that do nearly as well."""
 
     candidates: tuple[Any, ...] = parameter(
         factory=automatic, meaning="methods that are tried, by their names or, in Python, with parameters of their own"

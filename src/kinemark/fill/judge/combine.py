@@ -1,6 +1,6 @@
 """Methods weighed together so that their errors cancel (combination of forecasts: Bates & Granger 1969).
 
-Of methods that do nearly as well in the hidden tests, which is the best is partly chance, and their errors partly
+Of methods that do nearly as well in the hold-out gaps, which is the best is partly chance, and their errors partly
 cancel. With e_j the error of method j in a test, and s the least root mean square of any in it, so that a hard test
 counts no more than an easy one, those within CLOSE of the least typical error get the weights
 
@@ -22,7 +22,7 @@ import scipy
 
 from ...data.array_types import Floats
 from ..marker_array import Prediction
-from .hold_out import Candidate
+from .hold_out import HoldOutResult
 
 CLOSE = 2.0  # times the least typical error; methods within it share the weight; chosen
 HEAVY = 1e3
@@ -36,10 +36,10 @@ def close_ones(typical: Sequence[float]) -> list[int]:
     return order if len(order) > 1 and np.isfinite(min(typical)) else []
 
 
-def together(tried: Sequence[list[Candidate]]) -> Floats:
-    """(T, K, K) ⟨e_j · e_k⟩ / s² of every test; NaN where one of the K methods had nothing to say."""
-    out = np.full((len(tried[0]), len(tried), len(tried)), np.nan)
-    for k, each in enumerate(zip(*tried, strict=True)):
+def together(results: Sequence[list[HoldOutResult]]) -> Floats:
+    """(T, K, K) ⟨e_j · e_k⟩ / s² of every test; NaN where one of the K methods had no prediction."""
+    out = np.full((len(results[0]), len(results), len(results)), np.nan)
+    for k, each in enumerate(zip(*results, strict=True)):
         if all(len(t.error) for t in each):
             errors = np.array([t.error.ravel() for t in each])
             product = errors @ errors.T
@@ -59,20 +59,20 @@ def weights(products: Floats, counts: Floats) -> Floats:
     return np.asarray(w / w.sum())
 
 
-def mean_prediction(said: Sequence[Prediction], w: Floats) -> Prediction:
-    """The weighed mean of predictions, of their covariances too, and the donors of those that count."""
-    used = [one for one, share in zip(said, w, strict=True) if share > 0]
-    xyz = np.tensordot(w, np.array([s.xyz for s in said]), 1)
-    donors = tuple(dict.fromkeys(d for s in used for d in s.donors))
-    return Prediction(xyz, _claim([s.cov for s in said], w), donors=donors)
+def mean_prediction(prediction: Sequence[Prediction], w: Floats) -> Prediction:
+    """The weighed mean of predictions, of their covariances too, and the reference markers of those that count."""
+    used = [one for one, share in zip(prediction, w, strict=True) if share > 0]
+    xyz = np.tensordot(w, np.array([s.xyz for s in prediction]), 1)
+    references = tuple(dict.fromkeys(d for s in used for d in s.references))
+    return Prediction(xyz, _claim([s.cov for s in prediction], w), references=references)
 
 
-def mean_tests(tried: Sequence[list[Candidate]], w: Floats) -> list[Candidate]:
-    """The same of all tests, each with its own weights (T, K); empty errors where a method had nothing to say."""
-    return [_mean_test(each, of) for each, of in zip(zip(*tried, strict=True), w, strict=True)]
+def mean_tests(results: Sequence[list[HoldOutResult]], w: Floats) -> list[HoldOutResult]:
+    """The same of all tests, each with its own weights (T, K); empty errors where a method had no prediction."""
+    return [_mean_test(each, of) for each, of in zip(zip(*results, strict=True), w, strict=True)]
 
 
-def _mean_test(each: Sequence[Candidate], w: Floats) -> Candidate:
+def _mean_test(each: Sequence[HoldOutResult], w: Floats) -> HoldOutResult:
     if not all(len(t.error) for t in each):
         return min(each, key=lambda t: len(t.error))
     error = np.tensordot(w, np.array([t.error for t in each]), 1)

@@ -1,4 +1,4 @@
-"""What hidden tests say of a fill: its expected error, and covariances that are true.
+"""What hold-out gaps say of a fill: its expected error, and covariances that are true.
 
 A test tells most of the gap that it was made for. Others count by how near they are to it in length, and more if they
 are of the same marker:
@@ -52,13 +52,13 @@ import scipy
 
 from ...data.array_types import Floats
 from ..marker_array import Gap, Prediction
-from .hold_out import Candidate, HoldOutGap
+from .hold_out import HoldOutGap, HoldOutResult
 
 SPREAD = 0.5  # of ln length, and of ln distance; chosen; its coverage is that of benchmarks/gaps.py
 MARKER = 0.25  # weight of tests for other gaps of the marker; chosen; its coverage is that of benchmarks/gaps.py
 OTHER = 0.05  # weight of tests for other markers; chosen; its coverage is that of benchmarks/gaps.py
 LEVEL = 0.95  # probability within the interval; conventional
-OMEGA, WORTH = 0.5, 4.0
+OMEGA, PRIOR_TESTS = 0.5, 4.0
 """ω₀ and ν₀ of (6). On 648 gaps of seven trials ω was 0.44 for body, 0.57, 0.60, 0.65 and 0.75 for four others.
 Chosen (see benchmarks/gaps.py)."""
 LEAST = 1e-3
@@ -70,7 +70,7 @@ QUANTILES = (np.arange(40) + 0.5) / 40
 """At which distributions are tabulated; by definition."""
 
 
-def weigh(tests: list[HoldOutGap], of: int, gaps: list[Gap]) -> Floats:
+def hold_out_weights(tests: list[HoldOutGap], of: int, gaps: list[Gap]) -> Floats:
     """(1): what each test counts for the gap of that index."""
     gap = gaps[of]
     about = np.array([(t.of, t.window.marker, t.keep[1] - t.keep[0]) for t in tests], np.int64).reshape(-1, 3)
@@ -78,7 +78,7 @@ def weigh(tests: list[HoldOutGap], of: int, gaps: list[Gap]) -> Floats:
     return share * np.exp(-np.abs(np.log(about[:, 2] / gap.length)) / SPREAD)
 
 
-def as_hard(apart: Floats, here: float) -> Floats:
+def difficulty_weight(apart: Floats, here: float) -> Floats:
     """What (9) makes of each test, from how far the predictions of two methods are apart in it and in the gap, mm."""
     ratio = np.log(np.maximum(apart, LEAST) / max(here, LEAST))
     return np.asarray(np.maximum(np.exp(-np.abs(ratio) / SPREAD), LEAST))
@@ -92,23 +92,23 @@ def size(cov: Floats) -> float:
 class MeasuredErrors:
     """What the tests of one method say of its errors: mean error and claimed size of each, mm."""
 
-    def __init__(self, tried: list[Candidate]) -> None:
-        self.means = np.array([t.mean for t in tried], np.float64)
+    def __init__(self, results: list[HoldOutResult]) -> None:
+        self.means = np.array([t.mean for t in results], np.float64)
         self.logs = np.log(np.maximum(self.means, 1e-9))
-        self.claims = np.array([size(t.cov) for t in tried], np.float64)
-        self.same = same_frames([t.test for t in tried])
+        self.claims = np.array([size(t.cov) for t in results], np.float64)
+        self.same = same_frames([t.test for t in results])
 
-    def expect(self, said: Prediction, weights: Floats) -> tuple[float, float]:
-        """(2) and the geometric mean of e, mm; infinite where it mostly had nothing to say, NaN where no test is."""
+    def expect(self, prediction: Prediction, weights: Floats) -> tuple[float, float]:
+        """(2) and the geometric mean of e, mm; infinite where it mostly had no prediction, NaN where no test is."""
         if not weights.sum():
             return np.nan, np.nan
         able = np.isfinite(self.means) & (weights > 0)
         w = weights[able]
-        if not np.isfinite(said.xyz).all() or w.sum() < 0.5 * weights.sum():
+        if not np.isfinite(prediction.xyz).all() or w.sum() < 0.5 * weights.sum():
             return np.inf, np.inf
         w = w / w.sum()
         usual = float(w @ self.claims[able])
-        here = np.sqrt(size(said.cov) / usual) if usual > 0 else 1.0
+        here = np.sqrt(size(prediction.cov) / usual) if usual > 0 else 1.0
         here = float(np.clip(here, 1 / MOST, MOST)) if np.isfinite(here) else 1.0
         return here * float(w @ self.means[able]), float(np.exp(w @ self.logs[able]))
 
@@ -129,42 +129,42 @@ class MeasuredErrors:
 class ErrorCalibration:
     """What one method's tests say of its covariances; (5) and (7) once for all gaps."""
 
-    def __init__(self, tried: list[Candidate]) -> None:
-        """From all tests of the method in which it had something to say."""
-        self.used = np.array([k for k, t in enumerate(tried) if len(t.error)], np.int64)
-        told = [tried[k] for k in self.used]
-        if not told:
+    def __init__(self, results: list[HoldOutResult]) -> None:
+        """From all tests of the method in which it had a prediction."""
+        self.used = np.array([k for k, t in enumerate(results) if len(t.error)], np.int64)
+        usable = [results[k] for k in self.used]
+        if not usable:
             return
-        errors, cov = np.concatenate([t.error for t in told]), np.concatenate([t.cov for t in told])
-        edge = np.concatenate([t.edge for t in told])
+        errors, cov = np.concatenate([t.error for t in usable]), np.concatenate([t.cov for t in usable])
+        edge = np.concatenate([t.edge for t in usable])
         self.growth = None if np.isfinite(cov).all() else ErrorGrowth(edge, errors)
         if self.growth:
             cov = self.growth.cov(edge)
         ratio = errors / np.sqrt(np.maximum(np.diagonal(cov, axis1=-2, axis2=-1), 1e-12))
-        length = np.array([len(t.error) for t in told])
+        length = np.array([len(t.error) for t in usable])
         square = np.add.reduceat((ratio**2).mean(1), np.cumsum(length) - length) / length
         self.u = 0.5 * np.log(np.maximum(square, 1e-12))  # (5)
         x = np.abs(ratio) / np.repeat(np.exp(self.u), length)[:, None]
         self.within = np.quantile(x, QUANTILES)
-        self.same = same_frames([t.test for t in told])
+        self.same = same_frames([t.test for t in usable])
 
-    def covariance(self, said: Prediction, edge: Floats, weights: Floats) -> Floats:
+    def covariance(self, prediction: Prediction, edge: Floats, weights: Floats) -> Floats:
         """(L, 3, 3) mm² of a prediction, `edge` (L) frames from its nearer edge; NaN where no test can tell.
 
         Args:
-            said: the prediction.
+            prediction: the prediction.
             edge: (L).
-            weights: of all tests, from `weigh`.
+            weights: of all tests, from `hold_out_weights`.
         """
         if not len(self.used) or not (w := weights[self.used]).sum():
-            return np.full_like(said.cov, np.nan)
-        shape = self.growth.cov(edge) if self.growth else said.cov
+            return np.full_like(prediction.cov, np.nan)
+        shape = self.growth.cov(edge) if self.growth else prediction.cov
         w = w / w.sum()
         n = 1 / float(w @ self.same @ w)  # (7)
-        middle = float(w @ self.u)
-        dof = WORTH + n - 1
-        omega = np.sqrt((WORTH * OMEGA**2 + n * float(w @ (self.u - middle) ** 2)) / dof)  # (6)
-        s = np.exp(middle + omega * np.sqrt(1 + 1 / n) * scipy.special.stdtrit(dof, QUANTILES))
+        mean = float(w @ self.u)
+        dof = PRIOR_TESTS + n - 1
+        omega = np.sqrt((PRIOR_TESTS * OMEGA**2 + n * float(w @ (self.u - mean) ** 2)) / dof)  # (6)
+        s = np.exp(mean + omega * np.sqrt(1 + 1 / n) * scipy.special.stdtrit(dof, QUANTILES))
         return shape * (_product_quantile(s, self.within) / Z) ** 2
 
 

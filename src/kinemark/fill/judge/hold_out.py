@@ -1,13 +1,13 @@
-"""Hidden tests: what is known is hidden as the gap hides it, filled, and compared.
+"""Hold-out gaps: what is known is hidden as the gap hides it, filled, and compared.
 
 A test of a gap of L frames in marker m is a window of L frames elsewhere in the same trial where m is known. Shifted by
 s frames to that window goes the whole state of the gap,
 
     hidden(k, f + s) = missing(k, f)        for all markers k and the gap's frames f,                        (1)
 
-so that the filler finds the same donors there and misses the same ones. Windows of several tests that do not overlap
-in time share one copy of the trial, so that one call of a filler serves them all; of one marker at most a tenth is
-hidden in one copy. Before a marker's first sample and after its last, all its samples to that end are hidden (2).
+so that the filler finds the same reference markers there and misses the same ones. Windows of several tests that do not
+overlap in time share one copy of the trial, so that one call of a filler serves them all; of one marker at most a tenth
+is hidden in one copy. Before a marker's first sample and after its last, all its samples to that end are hidden (2).
 
 A short trial may have no room: where hiding the gap's length again would leave less than half of it of the marker to
 learn from, the test is made with the nearest other markers, hidden in the frames of the gap itself (3): the same
@@ -63,19 +63,19 @@ class HoldOutGap(NamedTuple):
     own: bool
 
 
-class HoldOutPlan(NamedTuple):
+class HoldOutGaps(NamedTuple):
     """All tests, and what is hidden in each copy."""
 
     tests: list[HoldOutGap]
     copies: list[list[Gap]]
 
 
-class Candidate(NamedTuple):
+class HoldOutResult(NamedTuple):
     """What one filler did in one test of L frames.
 
     Attributes:
         test: which.
-        error: (L, 3) mm, prediction less truth; empty where it had nothing to say.
+        error: (L, 3) mm, prediction less truth; empty where it had no prediction.
         cov: (L, 3, 3) mm², the filler's own, NaN where it does not say.
         edge: (L) frames to the nearest known sample of the marker.
     """
@@ -91,19 +91,19 @@ class Candidate(NamedTuple):
         return float(np.linalg.norm(self.error, axis=1).mean()) if len(self.error) else np.inf
 
 
-def plan(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, seed: int) -> HoldOutPlan:
+def draw_hold_out_gaps(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, seed: int) -> HoldOutGaps:
     """Tests for all gaps; a gap for which no marker has room at any length has none."""
     rng = np.random.default_rng(seed)
-    made = HoldOutPlan([], [])
+    made = HoldOutGaps([], [])
     seen = motion.seen
-    books = _Books(seen, [], {})
+    occupancy = _Occupancy(seen, [], {})
     order, tight = rng.permutation(len(gaps)), len(gaps) > MANY
     if tight:
         order = order[np.argsort([-gaps[index].length for index in order], kind="stable")]
     for index in order:
-        for start, gap, stop in _windows(motion, seen, gaps[index], per_gap, rng, books if tight else None):
+        for start, gap, stop in _windows(motion, seen, gaps[index], per_gap, rng, occupancy if tight else None):
             shape = Gap(gap.marker, min(start, gap.start), max(stop, gap.stop))
-            copy = books.place(shape)
+            copy = occupancy.place(shape)
             if copy == len(made.copies):
                 made.copies.append([])
             made.copies[copy] += [shape, *_state(motion, seen, gaps[index], gap)]
@@ -112,15 +112,15 @@ def plan(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, seed: int) -> Ho
     return made
 
 
-def run(motion: MarkerArray, planned: HoldOutPlan, filler: Filler, method: Any) -> list[Candidate]:
+def run(motion: MarkerArray, hold_out: HoldOutGaps, filler: Filler, method: Any) -> list[HoldOutResult]:
     """All tests of one method, copy by copy."""
-    found: list[Candidate] = []
-    for number, hide in enumerate(planned.copies):
-        tell(number, len(planned.copies))
-        tests = [test for test in planned.tests if test.copy == number]
+    found: list[HoldOutResult] = []
+    for number, hide in enumerate(hold_out.copies):
+        tell(number, len(hold_out.copies))
+        tests = [test for test in hold_out.tests if test.copy == number]
         copy = motion.hidden(hide)
         filled = filler(copy, [test.window for test in tests], method=method)
-        found += [_compare(motion, test, said) for test, said in zip(tests, filled, strict=True)]
+        found += [_compare(motion, test, prediction) for test, prediction in zip(tests, filled, strict=True)]
     return found
 
 
@@ -132,16 +132,16 @@ def edge_distance(motion: MarkerArray, gap: Gap) -> Floats:
     return np.minimum(before, after)
 
 
-def _compare(motion: MarkerArray, test: HoldOutGap, said: Prediction) -> Candidate:
+def _compare(motion: MarkerArray, test: HoldOutGap, prediction: Prediction) -> HoldOutResult:
     window, (first, last) = test.window, test.keep
-    error = (said.xyz - motion.xyz[window.marker, window.start : window.stop])[first:last]
-    cov, edge = said.cov[first:last], edge_distance(motion, window)[first:last]
+    error = (prediction.xyz - motion.xyz[window.marker, window.start : window.stop])[first:last]
+    cov, edge = prediction.cov[first:last], edge_distance(motion, window)[first:last]
     if not np.isfinite(error).all():
-        return Candidate(test, error[:0], cov[:0], edge[:0])
-    return Candidate(test, error, cov, edge)
+        return HoldOutResult(test, error[:0], cov[:0], edge[:0])
+    return HoldOutResult(test, error, cov, edge)
 
 
-class _Books(NamedTuple):
+class _Occupancy(NamedTuple):
     """Which frames of each copy are taken, and how much of each marker."""
 
     seen: NDArray[np.bool_]
@@ -175,27 +175,32 @@ class _Books(NamedTuple):
 
 
 def _windows(
-    motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, n: int, rng: np.random.Generator, books: _Books | None
+    motion: MarkerArray,
+    seen: NDArray[np.bool_],
+    gap: Gap,
+    n: int,
+    rng: np.random.Generator,
+    occupancy: _Occupancy | None,
 ) -> list[tuple[int, Gap, int]]:
     """Up to n windows (first hidden frame, window compared, last hidden frame + 1) for a gap.
 
-    With `books`, where the copies have room.
+    With `occupancy`, where the copies have room.
     """
     length, F = gap.length, motion.xyz.shape[1]
     while length >= 1:
         own = _starts(seen[gap.marker], length)
         if len(own) and 1.5 * length <= seen[gap.marker].sum():  # half as much is left to learn from
-            own = books.with_room(gap.marker, length, own) if books else own
+            own = occupancy.with_room(gap.marker, length, own) if occupancy else own
             chosen = [Gap(gap.marker, int(a), int(a) + length) for a in _spread(own, n, rng)]
         else:
-            chosen = _twins(motion, seen, gap, length, 2 * n)
+            chosen = _windows_of_neighbours(motion, seen, gap, length, 2 * n)
         if chosen:
             return [(0 if gap.start == 0 else w.start, w, F if gap.stop == F else w.stop) for w in chosen]  # (2)
         length = int(SHORTER * length)
     return []
 
 
-def _twins(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, length: int, n: int) -> list[Gap]:
+def _windows_of_neighbours(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, length: int, n: int) -> list[Gap]:
     """(3): the same frames, or the first so many of them, of the n nearest markers known there and on both sides."""
     window = slice(max(gap.start - 1, 0), gap.start + length + 1)
     known = seen[:, window].all(1) & (seen.sum(1) > length + 2)
@@ -235,16 +240,18 @@ def _state(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, window: Gap) 
     missing = ~seen[:, gap.start : gap.start + length]
     missing[[gap.marker, window.marker]] = False
     others = np.flatnonzero(missing.any(1))
-    alike = _alike(motion, gap.marker, window.marker, others) if window.marker != gap.marker and len(others) else {}
+    corresponding = (
+        _corresponding(motion, gap.marker, window.marker, others) if window.marker != gap.marker and len(others) else {}
+    )
     out = []
     for marker in others:
         runs = true_runs(missing[marker]).tolist()
-        for hidden in {int(marker), alike.get(int(marker), int(marker))}:
+        for hidden in {int(marker), corresponding.get(int(marker), int(marker))}:
             out += [Gap(hidden, window.start + a, window.start + b) for a, b in runs]
     return out
 
 
-def _alike(motion: MarkerArray, marker: int, other: int, missing: NDArray[np.int64]) -> dict[int, int]:
+def _corresponding(motion: MarkerArray, marker: int, other: int, missing: NDArray[np.int64]) -> dict[int, int]:
     """(4): for each missing marker, that which is as many-th nearest to the other marker as it is to this one.
 
     Those as near to the other marker that are missing anyway, this one too, stand for as many.

@@ -1,16 +1,17 @@
 """A marker from the pose of the body part around it and from its own past and future: kriging in local frames.
 
-Three donors carry a local frame (R, c) (`triad`). In it the marker is a function of the pose φ, the donors' local
-coordinates, and a remainder that drifts in time (soft tissue, what the donors do not tell):
+Three reference markers carry a local frame (R, c) (`triad`). In it the marker is a function of the pose φ, the
+reference markers' local coordinates, and a remainder that drifts in time (soft tissue, what the reference markers do
+not tell):
 
     Rᵀ(y − c)(t) = a + f(φ(t)) + r(t) + noise                                                             (1)
 
 All three are Gaussian processes, so that the marker in a gap given all that is seen is a matter of linear algebra
-(`kriging`; regression kriging: Hengl et al. 2007). Which frames are learnt from, and what φ is: `scene`.
+(`kriging`; regression kriging: Hengl et al. 2007). Which frames are learnt from, and what φ is: `training_frames`.
 
 Left and right are alike. The mirrored trial (`mirror`) is a second source of the same function, but not the same one,
-as markers are never put on quite alike: ρ says how alike. In the mirrored trial a donor's part is played by its
-partner: one whose partner is missing in the gap would leave the other side out there, and unless it is of the first
+as markers are never put on quite alike: ρ says how alike. In the mirrored trial a reference marker's part is played by
+its partner: one whose partner is missing in the gap would leave the other side out there, and unless it is of the first
 `FIRSTS` it is not used (2).
 
 How good a model is for a gap is told by two measures. The likelihood p of the n frames learnt from is that of small
@@ -22,13 +23,13 @@ greater
 
 is. λ, ℓ, ν, ρ, θ and the order of r's covariance are those of a small grid with the least J, found one after the
 other: each value in turn takes the place of the best so far if J is less by `MARGIN`. ρ = 0 sets the mirror aside.
-Which three donors carry the frame matters too, and how f may bend. Every base is tried with each of BENDS, and the
-`kept` best are averaged with weights w ∝ exp(−SHARPNESS J) (what is best in the blocks is best in the gap only by so
-much). With y_k and V_k what each predicts, the fill has (law of total covariance)
+Which three reference markers carry the frame matters too, and how f may bend. Every base is tried with each of BENDS,
+and the `kept` best are averaged with weights w ∝ exp(−SHARPNESS J) (what is best in the blocks is best in the gap only
+by so much). With y_k and V_k what each predicts, the fill has (law of total covariance)
 
     ȳ = Σ w y_k,     V = Σ w (V_k + (y_k − ȳ)(y_k − ȳ)ᵀ),     Σ w = 1                                        (4)
 
-A donor that is not seen throughout the gap is not used, nor one that jumps in it (`trusted`).
+A reference marker that is not seen throughout the gap is not used, nor one that jumps in it (`jumping_markers`).
 """
 
 from __future__ import annotations
@@ -51,10 +52,10 @@ from ..mirrored_markers import partners
 from ..reference_ranking import Ranks
 from .kriging import ORDERS, FramePairs, Hyper, fit, left_out, predict
 from .stage import FILL, FillMethod
-from .training_frames import FEWEST, TrainingFrames, View, pairs_of, scene_of, view_of
+from .training_frames import FEWEST, LocalView, TrainingFrames, local_view, pairs_of, training_frames_of
 
 FIRSTS = 4
-"""Donors that are used even where their partner is missing in the gap; chosen (see benchmarks/gaps.py)."""
+"""Reference markers that are used even where their partner is missing in the gap; chosen (see benchmarks/gaps.py)."""
 FEW = 4
 """Gaps that λ, ℓ, ν … of a trial are found from; chosen (see benchmarks/gaps.py)."""
 SHARPNESS = 5.0  # of the weight exp(−SHARPNESS J), without unit; chosen; docs/theory/fill.md has what comes of it
@@ -76,20 +77,22 @@ BENDS = ((1.0, 3.0), (2.0, 0.5), (8.0, 3.0))
 class Body(FillMethod):
     """Kriging on the pose of reference markers, in local frames, with the mirrored side as a second source."""
 
-    donors: int = parameter(16, unit="markers", low=3, meaning="at most so many reference markers")
-    bases: int = parameter(
-        5, unit="triples", low=1, meaning="triples of the first donors that are tried as carriers of the local frame"
+    most_markers: int = parameter(16, unit="markers", low=3, meaning="at most so many reference markers")
+    local_frames: int = parameter(
+        5, unit="frames", low=1, meaning="local frames that are tried, each of three of the first reference markers"
     )
-    kept: int = parameter(5, unit="predictions", low=1, meaning="how many of the best predictions are averaged")
-    frames: int = parameter(
+    averaged: int = parameter(5, unit="predictions", low=1, meaning="how many of the best predictions are averaged")
+    training_frames: int = parameter(
         150, unit="frames", low=FEWEST,
         meaning="training frames at most; half of them beside the gap, half all over the trial",
     )  # fmt: skip
-    hz: float = parameter(30.0, unit="Hz", above=0, high=math.inf, meaning="how densely training frames are taken")
+    training_rate_hz: float = parameter(
+        30.0, unit="Hz", above=0, high=math.inf, meaning="rate at which training frames are taken"
+    )
     mirror: bool = parameter(True, meaning="learn from the other side of the body too")
     hyper: Hyper | None = parameter(
         None,
-        meaning="λ, ℓ, ν … of the trial (`common_hyper`), with which there is one prediction, in the first base; "
+        meaning="λ, ℓ, ν … of the trial (`common_hyper`), with which there is one prediction, in one local frame; "
         "None: each marker's own are found",
     )
 
@@ -99,8 +102,10 @@ class Body(FillMethod):
             raise ValueError(f"the order of the drift is {self.hyper.order}, wanted one of {ORDERS}")
 
     def for_many_gaps(self, gaps: Sequence[Gap], source: MarkerArray | None) -> Body:
-        """Fewer donors and frames, one base, and one set of λ, ℓ, ν … for all gaps, learned from the source."""
-        quick = replace(self, donors=min(self.donors, 12), bases=1, frames=min(self.frames, 75))
+        """Fewer reference markers and frames, one local frame, one set of λ, ℓ, ν … learned from the source."""
+        quick = replace(
+            self, most_markers=min(self.most_markers, 12), local_frames=1, training_frames=min(self.training_frames, 75)
+        )
         if self.hyper or source is None:
             return quick
         return replace(quick, hyper=common_hyper(source, list(gaps), method=quick))
@@ -115,15 +120,15 @@ class _Trial(NamedTuple):
     hypers: dict[tuple[int, bytes], Hyper]
 
 
-class _Look(NamedTuple):
-    donors: Ints
-    scene: TrainingFrames
-    views: list[View]
+class _GapTraining(NamedTuple):
+    references: Ints
+    training: TrainingFrames
+    views: list[LocalView]
 
 
 @FILL.method("body", Body, rank=14, source="Hengl et al. 2007")
 def fill_body(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> list[Prediction]:
-    """Each gap by (4); gaps of one marker with the same donors share λ, ℓ, ν …"""
+    """Each gap by (4); gaps of one marker with the same reference markers share λ, ℓ, ν …"""
     trial = _trial(motion, method)
     return [_fill(trial, gap, method) for gap in gaps]
 
@@ -132,8 +137,8 @@ def common_hyper(motion: MarkerArray, gaps: list[Gap], *, method: Body) -> Hyper
     """λ, ℓ, ν … that are best for `FEW` of the gaps together."""
     trial = _trial(motion, method)
     some = [gaps[k] for k in np.unique(np.linspace(0, len(gaps) - 1, FEW).astype(int))] if gaps else []
-    looks = [look for gap in some if not isinstance(look := _look(trial, gap, method), str)]
-    return _best(looks)
+    each = [found for gap in some if not isinstance(found := _gap_training(trial, gap, method), str)]
+    return _best(each)
 
 
 def _trial(motion: MarkerArray, method: Body) -> _Trial:
@@ -143,77 +148,79 @@ def _trial(motion: MarkerArray, method: Body) -> _Trial:
 
 
 def _fill(trial: _Trial, gap: Gap, method: Body) -> Prediction:
-    look = _look(trial, gap, method)
-    if isinstance(look, str):
-        return Prediction.none(gap.length, look)
-    donors, scene, views = look
+    found = _gap_training(trial, gap, method)
+    if isinstance(found, str):
+        return Prediction.none(gap.length, found)
+    references, training, views = found
     if method.hyper:
         kept = [(1.0, views[0], method.hyper)]
     else:
-        key = gap.marker, donors.tobytes()
+        key = gap.marker, references.tobytes()
         if key not in trial.hypers:
-            trial.hypers[key] = _best([look])
-        kept = _weighed(scene, views, trial.hypers[key])[: method.kept]
-    xyz, cov = _mean(scene, kept)
-    return Prediction(xyz, cov, donors=tuple(int(d) for d in donors))
+            trial.hypers[key] = _best([found])
+        kept = _weighted(training, views, trial.hypers[key])[: method.averaged]
+    xyz, cov = _mean(training, kept)
+    return Prediction(xyz, cov, references=tuple(int(d) for d in references))
 
 
-def _look(trial: _Trial, gap: Gap, method: Body) -> _Look | str:
-    """What there is to fill a gap from, or why there is too little."""
-    donors = _donors(trial, gap, method.donors)
-    if len(donors) < 3:
-        return f"only {len(donors)} other markers are seen throughout the gap; wanted 3"
-    most, hz = method.frames, method.hz
-    scene = scene_of(trial.motion, trial.seen, gap, donors, partner=trial.partner, most=most, hz=hz)
-    if scene is None:
-        return f"fewer than {FEWEST} frames show the marker together with its donors"
-    views = [view for base in _bases(len(donors), method.bases) if (view := view_of(scene, base))]
+def _gap_training(trial: _Trial, gap: Gap, method: Body) -> _GapTraining | str:
+    """Reference markers, training frames and local views of a gap, or why there is too little."""
+    references = _references(trial, gap, method.most_markers)
+    if len(references) < 3:
+        return f"only {len(references)} other markers are seen throughout the gap; wanted 3"
+    most, rate_hz = method.training_frames, method.training_rate_hz
+    training = training_frames_of(
+        trial.motion, trial.seen, gap, references, partner=trial.partner, most=most, rate_hz=rate_hz
+    )
+    if training is None:
+        return f"fewer than {FEWEST} frames show the marker together with its reference markers"
+    views = [view for base in _bases(len(references), method.local_frames) if (view := local_view(training, base))]
     if not views:
-        return "the donors stand on one line or in one point: they carry no local frame"
-    return _Look(donors, scene, views)
+        return "the reference markers stand on one line or in one point: they carry no local frame"
+    return _GapTraining(references, training, views)
 
 
-def _weighed(scene: TrainingFrames, views: list[View], hyper: Hyper) -> list[tuple[float, View, Hyper]]:
-    """Every view with every bend, the least J (3) first, with weights that are not normed yet."""
+def _weighted(training: TrainingFrames, views: list[LocalView], hyper: Hyper) -> list[tuple[float, LocalView, Hyper]]:
+    """Every view with every bend, the least J (3) first, with weights that are not normalised yet."""
     out = []
     for view in views:
-        pairs, y = pairs_of(scene, view, scene.few, scene.few), view.y[scene.few]
+        pairs, y = pairs_of(training, view, training.judged, training.judged), view.y[training.judged]
         for kappa, eta in BENDS:
             bent = hyper._replace(kappa=kappa, eta=eta)
-            out.append((_badness(pairs, y, bent, scene.blocks), view, bent))
+            out.append((_loss(pairs, y, bent, training.blocks), view, bent))
     out.sort(key=lambda each: each[0])
     return [(float(np.exp(-SHARPNESS * (J - out[0][0]))), view, bent) for J, view, bent in out]
 
 
-def _badness(pairs: FramePairs, y: Floats, h: Hyper, blocks: list[Ints]) -> float:
+def _loss(pairs: FramePairs, y: Floats, h: Hyper, blocks: list[Ints]) -> float:
     """J of (3)."""
     found = fit(pairs, y, h)
     missed = np.log(max(left_out(found, blocks), 1e-6)) if blocks else 0.0
     return float(missed - found.likely / (3 * len(y)))
 
 
-def _mean(scene: TrainingFrames, kept: list[tuple[float, View, Hyper]]) -> tuple[Floats, Floats]:
+def _mean(training: TrainingFrames, kept: list[tuple[float, LocalView, Hyper]]) -> tuple[Floats, Floats]:
     """(4)."""
     w = np.array([weight for weight, _, _ in kept])
     w /= w.sum()
-    said = [_laboratory(scene, view, h) for _, view, h in kept]
-    each = np.array([xyz for xyz, _ in said])
+    predictions = [_laboratory(training, view, h) for _, view, h in kept]
+    each = np.array([xyz for xyz, _ in predictions])
     mean = np.tensordot(w, each, 1)
-    cov = np.tensordot(w, np.array([V for _, V in said]), 1)
+    cov = np.tensordot(w, np.array([V for _, V in predictions]), 1)
     return mean, cov + np.einsum("k,kfi,kfj->fij", w, each - mean, each - mean)
 
 
-def _laboratory(scene: TrainingFrames, view: View, h: Hyper) -> tuple[Floats, Floats]:
-    """What one model predicts for the gap, turned back into the laboratory."""
-    seen, wanted = slice(scene.n), slice(scene.n, None)
-    found = fit(pairs_of(scene, view, seen, seen), view.y, h)
-    inside, var = predict(pairs_of(scene, view, wanted, seen), found)
+def _laboratory(training: TrainingFrames, view: LocalView, h: Hyper) -> tuple[Floats, Floats]:
+    """What one model predicts for the gap, rotated back into the laboratory."""
+    seen, wanted = slice(training.n), slice(training.n, None)
+    found = fit(pairs_of(training, view, seen, seen), view.y, h)
+    inside, var = predict(pairs_of(training, view, wanted, seen), found)
     R = view.R[wanted]
     xyz = view.c[wanted] + np.einsum("fij,fj->fi", R, view.mean + inside)
     return xyz, np.einsum("fij,fj,fkj->fik", R, var, R)
 
 
-def _donors(trial: _Trial, gap: Gap, most: int) -> Ints:
+def _references(trial: _Trial, gap: Gap, most: int) -> Ints:
     """The first of the ranked markers that are seen throughout the gap, and leave most frames to learn from."""
     marker = gap.marker
     thin = trial.seen[:, :: max(1, trial.seen.shape[1] // 400)]
@@ -226,35 +233,35 @@ def _donors(trial: _Trial, gap: Gap, most: int) -> Ints:
     missing[marker] = True
     order = trial.ranks.of(marker)[ready[trial.ranks.of(marker)]]
     order = order[(np.arange(len(order)) < FIRSTS) | ~missing[trial.partner[order]]]  # (2)
-    for donor in order:
+    for reference in order:
         if len(chosen) == most:
             break
-        both = together & thin[donor]
+        both = together & thin[reference]
         if (left := np.count_nonzero(both)) >= 0.8 * n:
             together, n = both, left
-            chosen.append(int(donor))
+            chosen.append(int(reference))
     return np.array(chosen, np.int64)
 
 
 @cache
-def _bases(donors: int, n: int) -> list[tuple[int, int, int]]:
-    """n triples of donors, of the lowest ranks first; the marker itself is row 0 of the scene."""
-    triples = combinations(range(1, donors + 1), 3)
+def _bases(references: int, n: int) -> list[tuple[int, int, int]]:
+    """n triples of reference markers, of the lowest ranks first; the marker itself is row 0."""
+    triples = combinations(range(1, references + 1), 3)
     return sorted(triples, key=lambda t: (max(t), sum(t)))[:n]
 
 
-def _best(looks: list[_Look]) -> Hyper:
-    """The best of the grid for the first views of all looks together, one parameter after the other."""
-    first = [(scene, views[0], scene.few) for _, scene, views in looks]
-    seen = [(pairs_of(s, view, few, few), view.y[few], s.blocks) for s, view, few in first]
+def _best(each: list[_GapTraining]) -> Hyper:
+    """The best of the grid for the first views of all gaps together, one parameter after the other."""
+    first = [(training, views[0], training.judged) for _, training, views in each]
+    seen = [(pairs_of(s, view, judged, judged), view.y[judged], s.blocks) for s, view, judged in first]
 
-    def badness(h: Hyper) -> float:
-        return sum(_badness(pairs, y, h, blocks) for pairs, y, blocks in seen)
+    def loss(h: Hyper) -> float:
+        return sum(_loss(pairs, y, h, blocks) for pairs, y, blocks in seen)
 
-    best, at = Hyper(), badness(Hyper())
+    best, at = Hyper(), loss(Hyper())
     for name, values in GRID.items():
         for value in values:
             new = best._replace(**{name: value})
-            if (found := badness(new)) < at - MARGIN * len(looks):
+            if (found := loss(new)) < at - MARGIN * len(each):
                 best, at = new, found
     return best

@@ -43,14 +43,16 @@ INSTANTS = 16
 class Cyclic(FillMethod):
     """The same part of other cycles of a motion that comes again, fitted to the gap's edges."""
 
-    period: float | None = parameter(None, unit="s", above=0, meaning="of the cycle; None: found from the trial")
-    shortest: float = parameter(0.3, unit="s", above=0, meaning="shortest cycle that is looked for")
-    alike: float = parameter(
+    period: float | None = parameter(None, unit="s", above=0, meaning="of the cycle; None: estimated from the trial")
+    shortest_period: float = parameter(0.3, unit="s", above=0, meaning="shortest cycle that is looked for")
+    min_correlation: float = parameter(
         0.4, unit=ONE, low=-1, high=1,
         meaning="least correlation ρ at the peak, below which the motion does not count as cyclic",
     )  # fmt: skip
-    repeats: int = parameter(4, unit="cycles", low=1, meaning="most repeats averaged, the most alike")
-    vary: float = parameter(
+    most_cycles: int = parameter(
+        4, unit="cycles", low=1, meaning="most cycles averaged, those most correlated with the gap's sides"
+    )
+    period_variation: float = parameter(
         0.12, unit=ONE, above=0, meaning="share of itself by which a cycle may be longer or shorter than the mean one"
     )
     margin: float = parameter(0.2, unit="s", above=0, meaning="how much before and after the gap is compared")
@@ -70,14 +72,18 @@ def fill_cyclic(motion: MarkerArray, gaps: list[Gap], *, method: Cyclic = Cyclic
     known = KnownSamples.of(motion)
     if not gaps:
         return []
-    period = method.period * known.rate if method.period else find_period(known, method.shortest, method.alike)
+    period = (
+        method.period * known.rate
+        if method.period
+        else find_period(known, method.shortest_period, method.min_correlation)
+    )
     velocity = np.full_like(known.x, np.nan)
     velocity[:, 1:-1] = (known.x[:, 2:] - known.x[:, :-2]) / 2
     learnt = _LearntCycle(period, velocity, distances(known))
     return [_repeat(known, known.span(gap), learnt, method) for gap in gaps]
 
 
-def find_period(known: KnownSamples, shortest: float, alike: float) -> float:
+def find_period(known: KnownSamples, shortest: float, min_correlation: float) -> float:
     """Frames of one cycle, from (1); 0 where the trial shows no two like cycles."""
     step = max(1, -(-known.n_frames // FINE))
     x = known.x[known.seen.any(1), ::step]
@@ -91,9 +97,9 @@ def find_period(known: KnownSamples, shortest: float, alike: float) -> float:
     rho = _correlation(v, there.astype(np.float64), last + 1)
     k = np.arange(first, last)
     peak = k[(rho[k] >= rho[k - 1]) & (rho[k] > rho[k + 1])]
-    if not len(peak) or not rho[peak].max() >= alike:
+    if not len(peak) or not rho[peak].max() >= min_correlation:
         return 0.0
-    one = int(peak[rho[peak] >= rho[peak].max() - 0.15 * (1 - alike)][0])
+    one = int(peak[rho[peak] >= rho[peak].max() - 0.15 * (1 - min_correlation)][0])
     bend = rho[one - 1] - 2 * rho[one] + rho[one + 1]
     return step * (one + (0.5 * (rho[one - 1] - rho[one + 1]) / bend if bend < 0 else 0.0))
 
@@ -113,11 +119,11 @@ def _repeat(known: KnownSamples, span: Span, learnt: _LearntCycle, method: Cycli
     if not span.edges:
         return Prediction.none(span.length, known.never(span))
     if not learnt.period:
-        return Prediction.none(span.length, "the trial shows no two cycles that are alike")
+        return Prediction.none(span.length, "the trial shows no two cycles that are min_correlation")
     found = _lags(known, span, learnt, method)
     if not found:
         return Prediction.none(span.length, "no other cycle shows this part of the marker's path")
-    found = sorted(found)[: method.repeats]
+    found = sorted(found)[: method.most_cycles]
     weight = 1 / np.maximum([m for m, _ in found], 1e-12 + 1e-3 * found[0][0])
     paths = np.stack([_taken_over(known, span, lag) for _, lag in found])
     mean = np.einsum("k,kti->ti", weight / weight.sum(), paths)
@@ -139,8 +145,11 @@ def _lags(known: KnownSamples, span: Span, learnt: _LearntCycle, method: Cyclic)
     here = learnt.velocity[who, t]
     unseen = np.concatenate([[0], np.cumsum(~known.seen[span.marker])])
     each = []
-    for n in [n for k in range(1, method.repeats + 1) for n in (-k, k)]:
-        lags = np.arange(round((n - method.vary) * learnt.period), round((n + method.vary) * learnt.period) + 1)
+    for n in [n for k in range(1, method.most_cycles + 1) for n in (-k, k)]:
+        lags = np.arange(
+            round((n - method.period_variation) * learnt.period),
+            round((n + method.period_variation) * learnt.period) + 1,
+        )
         lags = lags[(low - lags >= 0) & (high - lags < known.n_frames)]
         lags = lags[unseen[high + 1 - lags] == unseen[low - lags]]
         if len(lags):

@@ -53,7 +53,7 @@ class Kalman(FillMethod):
     mode: Mode = parameter(
         "smoother", meaning="prediction from before the gap, from before and after it, or the Kalman smoother"
     )
-    sd: float | None = parameter(
+    measurement_sd: float | None = parameter(
         None, unit="mm", above=0, meaning="standard deviation of a measured coordinate; None: found from the samples"
     )
     jerk: float | None = parameter(
@@ -61,7 +61,7 @@ class Kalman(FillMethod):
         meaning="process noise: by which acceleration changes in a frame's time, as a rate; U is jerk · T³; None: "
         "found",
     )  # fmt: skip
-    history: float = parameter(1.0, unit="s", above=0, meaning="samples on each side of a gap that count")
+    margin: float = parameter(1.0, unit="s", above=0, meaning="how much of the samples on each side of the gap is used")
     differences: bool = parameter(
         False,
         meaning="as in the thesis, velocity and acceleration by differences counted as measured; not of the smoother",
@@ -74,7 +74,7 @@ class Kalman(FillMethod):
 
     def for_many_gaps(self, gaps: Sequence[Gap], source: MarkerArray | None) -> Kalman:
         """The same from a quarter of a second on each side."""
-        return replace(self, history=min(self.history, 0.25))
+        return replace(self, margin=min(self.margin, 0.25))
 
 
 class _Windows(NamedTuple):
@@ -116,13 +116,13 @@ def _answers(windows: _Windows, method: Kalman) -> list[Inside]:
 def _prediction(x: Floats, variance: Floats, method: Kalman) -> Prediction:
     if not np.isfinite(x).all():
         side = "before" if method.mode == "forward" else "on either side of"
-        return Prediction.none(x.shape[1], f"fewer than {FEWEST} samples within {method.history:g} s {side} the gap")
+        return Prediction.none(x.shape[1], f"fewer than {FEWEST} samples within {method.margin:g} s {side} the gap")
     return Prediction(x.T, variance.T[..., None] * np.eye(3))
 
 
 def _windows(motion: MarkerArray, gaps: Sequence[Gap], method: Kalman) -> _Windows:
     """The samples about each gap; σ and U of its marker."""
-    n_frames, size = motion.xyz.shape[1], max(round(method.history * motion.rate), FEWEST)
+    n_frames, size = motion.xyz.shape[1], max(round(method.margin * motion.rate), FEWEST)
     before, after = np.full((2, len(gaps), 3, size), np.nan)
     sd, jump = np.empty((2, len(gaps), 3))
     known: dict[int, tuple[Floats, Floats]] = {}
@@ -140,7 +140,7 @@ def _windows(motion: MarkerArray, gaps: Sequence[Gap], method: Kalman) -> _Windo
 
 def _noise_and_jump(path: Floats, rate: float, method: Kalman) -> tuple[Floats, Floats]:
     """σ and U of a marker's coordinates (3, F), given or found."""
-    sd = noise_of(path) if method.sd is None else np.full(3, method.sd)
+    sd = noise_of(path) if method.measurement_sd is None else np.full(3, method.measurement_sd)
     if method.jerk is not None:
         return sd, np.full(3, method.jerk / rate**3)
     return sd, jump_of(path, max(round(STRIDE * rate), 1), sd)

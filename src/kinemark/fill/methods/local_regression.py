@@ -1,16 +1,16 @@
 """A marker regressed on the markers around it, in the local frame of its body part.
 
 The base of marker y are the three whose distance from y varies least over the trial, of those seen throughout the gap
-that do not jump in it (`trusted`); its frame is (R, c) (see `frames`). In that frame y and the donors x₁ … x_D have
-local coordinates, so that only what is not rigid is left to explain, and
+that do not jump in it (`jumping_markers`); its frame is (R, c) (see `local_frames`). In that frame y and the reference
+markers x₁ … x_D have local coordinates, so that only what is not rigid is left to explain, and
 
-    Rᵀ(y − c) = a + B φ,        φ = the donors' local coordinates less their means                     (1)
+    Rᵀ(y − c) = a + B φ,        φ = the reference markers' local coordinates less their means                     (1)
 
 has the ridge solution B = (Σ (yφᵀ)) (Σ φφᵀ + λ n I)⁻¹ over the n frames where all are seen (2) (Hoerl & Kennard 1970).
-How many donors and which λ is chosen by skill: the frames are cut into blocks of the length of a gap, and each block is
-predicted from the sums (2) of all frames less its own (3), so that a trial is passed once whatever is tried. Donors are
-ranked by how little their distance from y varies. Last, what remains at both edges of the gap is added, linear between
-them (4).
+How many reference markers and which λ is chosen by skill: the frames are cut into blocks of the length of a gap, and
+each block is predicted from the sums (2) of all frames less its own (3), so that a trial is passed once whatever is
+tried. Reference markers are ranked by how little their distance from y varies. Last, what remains at both edges of the
+gap is added, linear between them (4).
 """
 
 from __future__ import annotations
@@ -38,25 +38,25 @@ MOST = 400
 class LocalRegression(FillMethod):
     """Ridge regression on several reference markers in a local frame."""
 
-    donors: tuple[int, ...] = parameter(
+    marker_counts: tuple[int, ...] = parameter(
         (6, 12), unit="markers", low=1, meaning="numbers of reference markers that are tried"
     )
     ridges: tuple[float, ...] = parameter(
         (0.3, 3.0, 30.0), unit="mm²", above=0, high=math.inf, meaning="λ, weights of the ridge, that are tried"
     )
-    blocks: int = parameter(4, unit="blocks", low=2, meaning="in which the frames are cut to measure skill")
+    folds: int = parameter(4, unit="folds", low=2, meaning="of the cross-validation: blocks of training frames")
 
     def check_together(self) -> None:
         """Refuse empty lists."""
-        if not self.donors or not self.ridges:
-            raise ValueError(f"donors {self.donors} and ridges {self.ridges} must not be empty")
+        if not self.marker_counts or not self.ridges:
+            raise ValueError(f"marker_counts {self.marker_counts} and ridges {self.ridges} must not be empty")
 
 
 class RegressionFit(NamedTuple):
-    """What a marker's regression came to: base, donors in use, their means, weights (1)."""
+    """What a marker's regression came to: base, reference markers in use, their means, weights (1)."""
 
     base: NDArray[np.int64]
-    donors: NDArray[np.int64]
+    references: NDArray[np.int64]
     mean: Floats
     a: Floats
     B: Floats
@@ -64,14 +64,14 @@ class RegressionFit(NamedTuple):
 
 @FILL.method("local_regression", LocalRegression, rank=13, source="Hoerl and Kennard 1970")
 def fill_local_regression(motion: MarkerArray, gaps: list[Gap], *, method: LocalRegression) -> list[Prediction]:
-    """Each gap from the donors that are seen throughout it; gaps of one marker with the same donors share one fit."""
+    """Each gap from the reference markers seen throughout it; gaps of one marker with the same ones share a fit."""
     fits: dict[tuple[int, bytes], RegressionFit | str] = {}
     seen, ranks, out = motion.seen, Ranks(motion), []
     trust = JumpingMarkers(motion, ranks)
     for gap in gaps:
         ready = seen[:, gap.start : gap.stop].all(1) & trust.of(gap)
         order = ranks.of(gap.marker)
-        order = order[ready[order]][: max(3, *method.donors)]
+        order = order[ready[order]][: max(3, *method.marker_counts)]
         key = (gap.marker, order.tobytes())
         if key not in fits:
             fits[key] = _fit(motion, seen, gap.marker, order, method)
@@ -83,31 +83,31 @@ def fill_local_regression(motion: MarkerArray, gaps: list[Gap], *, method: Local
 def _fit(
     motion: MarkerArray, seen: NDArray[np.bool_], marker: int, order: NDArray[np.int64], method: LocalRegression
 ) -> RegressionFit | str:
-    """The best of the numbers of donors and ridges for one marker; a sentence where there is none."""
+    """The best of the numbers of reference markers and ridges for one marker; a sentence where there is none."""
     if len(order) < 3:
         return f"only {len(order)} other markers are seen throughout the gap and often enough beside it; wanted 3"
-    base, donors = order[:3], order[: max(method.donors)]
-    together = np.flatnonzero(seen[[marker, *donors, *base]].all(0))
+    base, references = order[:3], order[: max(method.marker_counts)]
+    together = np.flatnonzero(seen[[marker, *references, *base]].all(0))
     if len(together) < FEWEST:
-        return f"the marker and its donors are seen together in {len(together)} frames only; wanted {FEWEST}"
+        return f"the marker and its reference markers are seen together in {len(together)} frames only; wanted {FEWEST}"
     frames = together[:: -(-len(together) // MOST)]
     R, c = triad(motion.xyz[base[:, None], frames])
     if not np.isfinite(R).all():
         return "the markers around it stand on one line or in one point: they carry no local frame"
     y = local(R, c, motion.xyz[marker, frames])
-    phi = _features(motion, donors, frames, R, c)
+    phi = _features(motion, references, frames, R, c)
     mean, a = phi.mean(0), y.mean(0)
     n, ridge = _most_skilled(phi - mean, y - a, method)
     G, C = _sums(phi[:, : 3 * n] - mean[: 3 * n], y - a)
     B = _solve(G, C, ridge * len(frames))
-    return RegressionFit(base, donors[:n], mean[: 3 * n], a, B)
+    return RegressionFit(base, references[:n], mean[: 3 * n], a, B)
 
 
 def _features(
-    motion: MarkerArray, donors: NDArray[np.int64], frames: NDArray[np.int64], R: Floats, c: Floats
+    motion: MarkerArray, references: NDArray[np.int64], frames: NDArray[np.int64], R: Floats, c: Floats
 ) -> Floats:
-    """(F, 3 D) local coordinates of the donors."""
-    apart = motion.xyz[donors, frames[:, None]] - c[:, None]
+    """(F, 3 D) local coordinates of the reference markers."""
+    apart = motion.xyz[references, frames[:, None]] - c[:, None]
     return (apart @ R).reshape(len(frames), -1)
 
 
@@ -121,16 +121,16 @@ def _solve(G: Floats, C: Floats, ridge: float) -> Floats:
 
 
 def _most_skilled(phi: Floats, y: Floats, method: LocalRegression) -> tuple[int, float]:
-    """Number of donors and ridge that predict blocks of frames best that they have not seen (3)."""
-    N = min(method.blocks, len(y))
+    """Number of reference markers and ridge that predict blocks of frames best that they have not seen (3)."""
+    N = min(method.folds, len(y))
     n = len(y) // N
     phi, y = phi[: N * n].reshape(N, n, -1), y[: N * n].reshape(N, n, 3)
     G, C = phi.mT @ phi, phi.mT @ y
     G, C = G.sum(0) - G, C.sum(0) - C  # (3)
     D, n_left = phi.shape[2] // 3, (N - 1) * n
     way = np.linspace(0, 1, n)[:, None]
-    best, chosen = np.inf, (min(method.donors), method.ridges[-1])
-    for many in sorted({min(number, D) for number in method.donors}):
+    best, chosen = np.inf, (min(method.marker_counts), method.ridges[-1])
+    for many in sorted({min(number, D) for number in method.marker_counts}):
         p = slice(0, 3 * many)
         ridge = n_left * np.array(method.ridges)[:, None, None, None] * np.eye(3 * many)
         rest = y - phi[..., p] @ np.linalg.solve(G[:, p, p] + ridge, C[:, p])  # (2) for each ridge and block
@@ -145,16 +145,16 @@ def _predict(motion: MarkerArray, gap: Gap, fit: RegressionFit) -> Prediction:
     F = motion.xyz.shape[1]
     frames = np.arange(max(gap.start - 1, 0), min(gap.stop + 1, F))
     R, c = triad(motion.xyz[fit.base[:, None], frames])
-    phi = _features(motion, fit.donors, frames, R, c) - fit.mean
+    phi = _features(motion, fit.references, frames, R, c) - fit.mean
     xyz = c + np.einsum("fij,fj->fi", R, fit.a + phi @ fit.B)  # (1)
     rest = motion.xyz[gap.marker, frames] - xyz
-    xyz = xyz + _tie(rest)
+    xyz = xyz + _bridge_residuals(rest)
     inner = slice(gap.start - frames[0], gap.stop - frames[0])
     nothing = np.full((gap.length, 3, 3), np.nan)
-    return Prediction(xyz[inner], nothing, donors=tuple(int(d) for d in fit.donors))
+    return Prediction(xyz[inner], nothing, references=tuple(int(d) for d in fit.references))
 
 
-def _tie(rest: Floats) -> Floats:
+def _bridge_residuals(rest: Floats) -> Floats:
     """(4): residuals known at one or both ends, linear between them; zero where neither is known."""
     known = [e for e in (0, len(rest) - 1) if np.isfinite(rest[e]).all()]
     if not known:

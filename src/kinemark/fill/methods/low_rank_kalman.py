@@ -49,11 +49,11 @@ class LowRankKalman(FillMethod):
         0.01, unit=ONE, above=0, below=1,
         meaning="share of the sum of singular values that the components may leave out (the paper: 0.0025)",
     )  # fmt: skip
-    noise: float | None = parameter(
+    measurement_sd: float | None = parameter(
         None, unit="mm", above=0,
         meaning="standard deviation of the measurements, √r; None: what the components leave over",
     )  # fmt: skip
-    markers: int = parameter(12, unit="markers", low=2, meaning="nearest markers used at most")
+    most_markers: int = parameter(12, unit="markers", low=2, meaning="nearest markers used at most")
 
 
 class Walk(NamedTuple):
@@ -111,8 +111,8 @@ def _smooth(known: KnownSamples, span: Span, learnt: _LearntDynamics, method: Lo
     u, variance = solve(walk.information, i, *beside)
     target = walk.VAW[-3:]
     cov = np.einsum("id,td,jd->tij", target, variance, target) + walk.r * np.eye(3)
-    donors = tuple(int(k) for k in seen.markers)
-    return Prediction(u @ target.T + walk.mean[-3:] + centre, cov, donors=donors)
+    references = tuple(int(k) for k in seen.markers)
+    return Prediction(u @ target.T + walk.mean[-3:] + centre, cov, references=references)
 
 
 def _beside(known: KnownSamples, walk: Walk, frame: int) -> Floats | None:
@@ -171,7 +171,7 @@ def _variance(information: Floats, n: int, *, mirrored: bool) -> Floats:
 def _walk(
     known: KnownSamples, marker: int, there: Bools, learnt: _LearntDynamics, method: LowRankKalman
 ) -> Walk | None:
-    near = nearest(learnt.distances(marker).mean, there, method.markers)
+    near = nearest(learnt.distances(marker).mean, there, method.most_markers)
     key = (marker, near.tobytes())
     if key not in learnt.walks:
         frames = learnt.frames
@@ -191,7 +191,7 @@ def _learn(known: KnownSamples, hood: Neighbourhood, method: LowRankKalman) -> W
     if not d or not len(steps):
         return None
     V = V[:, ::-1][:, :d]
-    r = method.noise**2 if method.noise else max(float((s[d:] ** 2).sum()) / (len(s) - d), 1e-3)
+    r = method.measurement_sd**2 if method.measurement_sd else max(float((s[d:] ** 2).sum()) / (len(s) - d), 1e-3)
     q, A = np.linalg.eigh(steps.T @ steps / len(steps))
     A = A * np.sqrt(np.maximum(q, 1e-9 * q[-1] + 1e-12))
     B = V[: 3 * hood.n_seen] @ A

@@ -42,10 +42,10 @@ def neighbourhood(known: KnownSamples, near: Ints, sought: Ints, *, frames: Ints
     lacking = missing.sum(0)
     while (base & (lacking == 0)).sum() < least and len(use) > 2:
         gained = (missing & (lacking == 1)).sum(1)
-        worst = len(use) - 1 - int(np.argmax(gained[::-1]))
-        lacking = lacking - missing[worst]
-        missing = np.delete(missing, worst, axis=0)
-        use.pop(worst)
+        costliest = len(use) - 1 - int(np.argmax(gained[::-1]))
+        lacking = lacking - missing[costliest]
+        missing = np.delete(missing, costliest, axis=0)
+        use.pop(costliest)
     together = base & (lacking == 0)
     if len(use) < 2 or together.sum() < 3:
         return None

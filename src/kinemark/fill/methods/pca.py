@@ -49,13 +49,13 @@ class PCA(FillMethod):
     )
     scale: float = parameter(200.0, unit="mm", above=0, meaning="ς of (1), the distance over which markers count")
     missing_weight: float = parameter(0.02, unit=ONE, above=0, meaning="g₀ of (1), weight of the missing marker itself")
-    kept: float = parameter(
+    component_share: float = parameter(
         0.99, unit=ONE, above=0, high=1, meaning="share of the sum of singular values that the components hold"
     )
-    markers: int = parameter(
+    most_markers: int = parameter(
         12, unit="markers", low=2, meaning="nearest markers used at most; farther ones weigh next to nothing"
     )
-    bridged: bool = parameter(True, meaning="what is left over beside the gap is carried into it")
+    bridge_residuals: bool = parameter(True, meaning="the residuals beside the gap are carried into it")
 
 
 BLOCKS = 5
@@ -103,7 +103,7 @@ def fill_pca(motion: MarkerArray, gaps: list[Gap], *, method: PCA = PCA()) -> li
 def _reconstruct(known: KnownSamples, span: Span, learnt: _LearntComponents, method: PCA) -> Prediction:
     if not span.edges:
         return Prediction.none(span.length, known.never(span))
-    out, lost, donors = Prediction.none(span.length, ""), list[str](), set[int]()
+    out, lost, references = Prediction.none(span.length, ""), list[str](), set[int]()
     for start, stop in pieces(known, span, least=3):
         there = known.throughout(start, stop, but=span.marker)
         found = _map(known, span.marker, there, learnt, method)
@@ -111,10 +111,12 @@ def _reconstruct(known: KnownSamples, span: Span, learnt: _LearntComponents, met
             lost.append(f"{start + 1} to {stop}")
             continue
         part = slice(start - span.start, stop - span.start)
-        out.xyz[part], out.cov[part] = _apply(known, span, found, np.arange(start, stop), method.bridged)
-        donors |= {int(d) for d in found.hood.markers[: found.hood.n_seen]}
+        out.xyz[part], out.cov[part] = _apply(known, span, found, np.arange(start, stop), method.bridge_residuals)
+        references |= {int(d) for d in found.hood.markers[: found.hood.n_seen]}
     wanted = "needs two markers seen in the gap and, with this one, in other frames"
-    return out._replace(donors=tuple(sorted(donors)), reason=f"frames {', '.join(lost)}: {wanted}" if lost else "")
+    return out._replace(
+        references=tuple(sorted(references)), reason=f"frames {', '.join(lost)}: {wanted}" if lost else ""
+    )
 
 
 def _apply(known: KnownSamples, span: Span, found: Map, frames: Ints, bridged: bool) -> tuple[Floats, Floats]:
@@ -130,10 +132,10 @@ def _apply(known: KnownSamples, span: Span, found: Map, frames: Ints, bridged: b
 
 def _map(known: KnownSamples, marker: int, there: Bools, learnt: _LearntComponents, method: PCA) -> Map | None:
     """The map for a marker with these others at hand; the same for all gaps with the same ones."""
-    near = nearest(learnt.distances(marker).mean, there, method.markers)
+    near = nearest(learnt.distances(marker).mean, there, method.most_markers)
     sought = np.array([marker])
     if method.strategy == "R1":
-        hidden = nearest(learnt.distances(marker).mean, ~there & known.seen.any(1), method.markers)
+        hidden = nearest(learnt.distances(marker).mean, ~there & known.seen.any(1), method.most_markers)
         sought = np.append(hidden[hidden != marker], marker)
     key = (len(near), np.concatenate([near, sought]).tobytes())
     if key not in learnt.maps:
@@ -149,11 +151,11 @@ def _learn(known: KnownSamples, hood: Neighbourhood, learnt: _LearntComponents, 
     distance = np.min([learnt.distances(int(k)).mean[seen] for k in sought], axis=0)
     g = np.append(np.exp(-(distance**2) / (2 * method.scale**2)), np.full(len(sought), method.missing_weight))
     sums = _Sums.of(Y)
-    mean, B = _fit(sums, g, hood.n_seen, method.kept)
+    mean, B = _fit(sums, g, hood.n_seen, method.component_share)
     residual = np.full((len(learnt.frames), 3), np.nan)
     block = BLOCKS * np.arange(len(Y)) // len(Y)
     tried = block % 2 == 1
-    part_mean, part_B = _fit(sums.without(Y[tried]), g, hood.n_seen, method.kept)
+    part_mean, part_B = _fit(sums.without(Y[tried]), g, hood.n_seen, method.component_share)
     off = Y[tried] - part_mean
     residual[np.searchsorted(learnt.frames, hood.frames[tried])] = off[:, -3:] - off[:, : len(B)] @ part_B
     return Map(hood, mean, B, Leftover.of(residual, hood.step))

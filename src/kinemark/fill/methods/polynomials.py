@@ -33,7 +33,7 @@ class Linear(FillMethod):
 class Cubic(FillMethod):
     """The cubic through two samples on each side."""
 
-    within: float = parameter(
+    margin: float = parameter(
         0.1, unit="s", above=0, high=math.inf, meaning="both samples of a side must lie so near to the gap"
     )
 
@@ -41,24 +41,24 @@ class Cubic(FillMethod):
 @FILL.method("linear", Linear, rank=1)
 def fill_linear(motion: MarkerArray, gaps: list[Gap], *, method: Linear = Linear()) -> list[Prediction]:
     """Straight lines; a gap at an end of the marker's path has none."""
-    return _fill(KnownSamples.of(motion), gaps, samples=1, within=np.inf)
+    return _fill(KnownSamples.of(motion), gaps, samples=1, margin=np.inf)
 
 
 @FILL.method("cubic", Cubic, rank=2)
 def fill_cubic(motion: MarkerArray, gaps: list[Gap], *, method: Cubic = Cubic()) -> list[Prediction]:
     """Cubics; a gap needs two samples near each side."""
-    return _fill(KnownSamples.of(motion), gaps, samples=2, within=method.within)
+    return _fill(KnownSamples.of(motion), gaps, samples=2, margin=method.margin)
 
 
-def _fill(known: KnownSamples, gaps: list[Gap], *, samples: int, within: float) -> list[Prediction]:
+def _fill(known: KnownSamples, gaps: list[Gap], *, samples: int, margin: float) -> list[Prediction]:
     measured: dict[tuple[int, int], Floats] = {}
-    return [_bridge(known, known.span(gap), samples, within, measured) for gap in gaps]
+    return [_bridge(known, known.span(gap), samples, margin, measured) for gap in gaps]
 
 
 def _bridge(
-    known: KnownSamples, span: Span, samples: int, within: float, measured: dict[tuple[int, int], Floats]
+    known: KnownSamples, span: Span, samples: int, margin: float, measured: dict[tuple[int, int], Floats]
 ) -> Prediction:
-    t = beside(known, span, samples, max(samples, round(min(within, known.n_frames / known.rate) * known.rate)))
+    t = beside(known, span, samples, max(samples, round(min(margin, known.n_frames / known.rate) * known.rate)))
     if len(t) < 2 * samples:
         some = "a sample" if samples == 1 else f"{samples} samples close by"
         return Prediction.none(span.length, known.never(span) or f"needs {some} on both sides of the gap")

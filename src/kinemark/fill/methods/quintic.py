@@ -26,7 +26,7 @@ MOST = 60
 class Quintic(FillMethod):
     """A quintic smoothing spline through the samples on both sides."""
 
-    margin: float = parameter(0.3, unit="s", above=0, meaning="how much on each side samples are used from")
+    margin: float = parameter(0.3, unit="s", above=0, meaning="how much of the samples on each side of the gap is used")
     smoothing: float | None = parameter(
         None, unit="mm² s⁵", above=0, meaning="p of the spline; None: by generalised cross-validation"
     )

@@ -8,7 +8,8 @@ in which the marker has the coordinates y = [e₁ e₂ e₃]ᵀ (x − O). Acros
 what it is before and after (2): unlike a rigid body, the marker may drift in its frame. At an end of the path it stays.
 
 The three are named by the user, or chosen: of the markers that keep their distance best, every three that make a proper
-triangle are tried, and those taken whose y a linear bridge of this length foretells best (`donors`, equation 1).
+triangle are tried, and those taken whose y a linear bridge of this length predicts best (`reference_markers`, equation
+1).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from ...data.array_types import Floats, Ints
 from ...data.method import parameter
 from ..known_samples import KnownSamples, Span
 from ..marker_array import Gap, MarkerArray, Prediction
-from ..reference_markers import Distances, bowed, covariance, distances, mean_square, nearest, rounded, triples
+from ..reference_markers import Distances, bridge_error, covariance, distances, mean_square, nearest, rounded, triples
 from .stage import FILL, FillMethod
 
 POOL = 5
@@ -37,7 +38,7 @@ LINE = 0.02
 class Relational(FillMethod):
     """The place in the frame of three reference markers, interpolated over the gap."""
 
-    markers: tuple[str, ...] = parameter(
+    reference_markers: tuple[str, ...] = parameter(
         (),
         meaning="reference markers: the origin O, A on the first axis and P in the plane; empty: chosen by measured "
         "skill",
@@ -45,8 +46,10 @@ class Relational(FillMethod):
 
     def check_together(self) -> None:
         """Refuse any other number of markers than three."""
-        if len(self.markers) not in (0, 3) or len(set(self.markers)) != len(self.markers):
-            raise ValueError(f"markers are {list(self.markers)}, wanted three different ones, or none")
+        if len(self.reference_markers) not in (0, 3) or len(set(self.reference_markers)) != len(self.reference_markers):
+            raise ValueError(
+                f"reference_markers are {list(self.reference_markers)}, wanted three different ones, or none"
+            )
 
 
 Chosen = dict[tuple[int, int, bytes], tuple[Ints, Floats]]
@@ -60,7 +63,7 @@ def fill_relational(motion: MarkerArray, gaps: list[Gap], *, method: Relational 
         ValueError: a marker named is not in the trial.
     """
     known = KnownSamples.of(motion)
-    named = np.array(known.places(method.markers), np.int64)
+    named = np.array(known.places(method.reference_markers), np.int64)
     bent: dict[int, Floats] = {}
     chosen: Chosen = {}
     far = distances(known)
@@ -95,11 +98,11 @@ def _lacking(known: KnownSamples, named: Ints) -> str:
 
 
 def _choose(x: Floats, marker: int, sets: list[Ints]) -> tuple[Ints, Floats]:
-    """The best three, and their mean square error half way, in their frame, from x (M, 3, T, 3) of `donors.triples`."""
+    """The best three, and their mean square error half way, in their frame, from x (M, 3, T, 3)."""
     index = np.array(sets)
     R, origin = frames(*(x[index[:, k]] for k in range(3)), sharp=SHARP)
     y = np.einsum("...i,...ij->...j", x[marker] - origin, R)
-    e = bowed(y)
+    e = bridge_error(y)
     best = int(np.argmin(mean_square(e, least=3)))
     return index[best], covariance(e[best])
 
@@ -114,7 +117,7 @@ def _interpolate(known: KnownSamples, span: Span, three: Ints, cov: Floats) -> P
     local = (1 - s) * y[-2] + s * y[-1]  # (2)
     R, origin = R[:-2], origin[:-2]
     xyz = (R @ local[..., None])[..., 0] + origin
-    return Prediction(xyz, span.bow()[:, None, None] * (R @ cov @ R.mT), donors=tuple(int(k) for k in three))
+    return Prediction(xyz, span.bow()[:, None, None] * (R @ cov @ R.mT), references=tuple(int(k) for k in three))
 
 
 def _cross(a: Floats, b: Floats) -> Floats:

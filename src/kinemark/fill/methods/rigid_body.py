@@ -1,16 +1,16 @@
-"""A rigid body of three or more donors carries the marker.
+"""A rigid body of three or more reference markers carries the marker.
 
-The donors' mean shape s (N, 3) and the marker's place p in it are learnt in frames t where all are seen: every frame is
-laid on the middle one, and averaged,
+The reference markers' mean shape s (N, 3) and the marker's place p in it are learnt in frames t where all are seen:
+every frame is laid on the middle one, and averaged,
 
-    s, p = mean of R(t)ᵀ (x(t) − c(t)),     R, c = the rigid motion that lays s on the donors            (1)
+    s, p = mean of R(t)ᵀ (x(t) − c(t)),     R, c = the rigid motion that lays s on the reference markers            (1)
 
 and in the gap the marker is at x̂(t) = R(t) p + c(t) (2). What (2) leaves over beside the gap is carried into it, and
 gives the covariance (`bridge`).
 
-Donors are the markers that keep their distance from the marker best; of the three, four, … most rigid that do not lie
-on a line, the set is taken with the least mean square error of (2) where the marker is seen. Where the trial never
-shows the marker together with three donors, a static trial can give s and p (`static`).
+Reference markers are the markers that keep their distance from the marker best; of the three, four, … most rigid that
+do not lie on a line, the set is taken with the least mean square error of (2) where the marker is seen. Where the trial
+never shows the marker together with three reference markers, a static trial can give s and p (`static`).
 
 Source: Söderkvist & Wedin (1993) for R; the use is common to all systems.
 """
@@ -35,49 +35,51 @@ from .stage import FILL, FillMethod
 LEARN = 160
 """Frames from which a body is learnt; chosen (see benchmarks/gaps.py)."""
 JUDGE = 40
-"""Frames in which sets of donors are compared; chosen (see benchmarks/gaps.py)."""
+"""Frames in which sets of reference markers are compared; chosen (see benchmarks/gaps.py)."""
 
 
 @dataclass(frozen=True, slots=True)
 class RigidBody(FillMethod):
     """The place on a rigid body of three or more reference markers."""
 
-    donors: tuple[str, ...] = parameter(
+    reference_markers: tuple[str, ...] = parameter(
         (),
         meaning="reference markers: at least three markers on the same body; empty: chosen by measured skill",
     )
-    at_most: int = parameter(5, unit="markers", low=3, meaning="most donors, when they are chosen")
-    flat: float = parameter(
+    most_markers: int = parameter(5, unit="markers", low=3, meaning="most reference markers, when they are chosen")
+    min_breadth: float = parameter(
         0.1, unit=ONE, low=0, below=1,
-        meaning="a set of donors counts as lying on a line below this ratio of its breadth to its length",
+        meaning="least ratio of breadth to length of a set of reference markers; below it they lie on a line",
     )  # fmt: skip
     static: StaticShape | None = parameter(
         None, meaning="shape of the body in a static trial, used where the trial itself does not show it"
     )
 
     def check_together(self) -> None:
-        """Refuse fewer than three donors."""
-        if self.donors and len(set(self.donors)) < 3:
-            raise ValueError(f"donors are {list(self.donors)}, wanted at least three different ones, or none")
+        """Refuse fewer than three reference markers."""
+        if self.reference_markers and len(set(self.reference_markers)) < 3:
+            raise ValueError(
+                f"reference_markers are {list(self.reference_markers)}, wanted at least three different ones, or none"
+            )
 
 
 class BodyShape(NamedTuple):
-    """Donors, their shape, the marker in it, and what the body leaves over.
+    """Reference markers, their shape, the marker in it, and what the body leaves over.
 
     Attributes:
-        donors: (N).
+        references: (N).
         shape: (N, 3) mm, about its mean.
         place: (3) mm, of the marker in it.
-        left: residuals where the marker is seen; None where it never is together with the donors.
+        left: residuals where the marker is seen; None where it never is together with the reference markers.
     """
 
-    donors: Ints
+    references: Ints
     shape: Floats
     place: Floats
     left: Leftover | None
 
     def carry(self, points: Floats) -> Floats:
-        """(2): the marker (F, 3) mm from the donors (N, F, 3); NaN where one of them is."""
+        """(2): the marker (F, 3) mm from the reference markers (N, F, 3); NaN where one of them is."""
         out = np.full((points.shape[1], 3), np.nan)
         there = ~np.isnan(points[..., 0]).any(0)
         R, c = rigid_poses(self.shape, points[:, there].swapaxes(0, 1))
@@ -86,7 +88,7 @@ class BodyShape(NamedTuple):
 
 
 class _LearntBody(NamedTuple):
-    """What gaps of a call share: which donors may be used, distances, bodies by marker and donors at hand."""
+    """What gaps of a call share: the reference markers allowed, distances, bodies by marker and what is seen."""
 
     allowed: Bools
     distances: Distances
@@ -95,20 +97,20 @@ class _LearntBody(NamedTuple):
 
 @FILL.method("rigid_body", RigidBody, rank=5, source="Söderkvist and Wedin 1993")
 def fill_rigid_body(motion: MarkerArray, gaps: list[Gap], *, method: RigidBody = RigidBody()) -> list[Prediction]:
-    """Each gap from its own donors, or piece by piece where donors come and go.
+    """Each gap from its own reference markers, or piece by piece where reference markers come and go.
 
     Raises:
-        ValueError: a donor named is not in the trial.
+        ValueError: a reference marker named is not in the trial.
     """
     known = KnownSamples.of(motion)
     allowed = np.zeros(len(known.names), np.bool_)
-    allowed[known.places(method.donors) if method.donors else slice(None)] = True
+    allowed[known.places(method.reference_markers) if method.reference_markers else slice(None)] = True
     learnt = _LearntBody(allowed, distances(known), {})
     return [_carried(known, known.span(gap), learnt, method) for gap in gaps]
 
 
 def _carried(known: KnownSamples, span: Span, learnt: _LearntBody, method: RigidBody) -> Prediction:
-    out, reasons, donors = Prediction.none(span.length, ""), list[str](), set[int]()
+    out, reasons, references = Prediction.none(span.length, ""), list[str](), set[int]()
     for start, stop in pieces(known, span, least=3):
         body = _body(known, span, known.throughout(start, stop, but=span.marker), learnt, method)
         if isinstance(body, str):
@@ -116,13 +118,13 @@ def _carried(known: KnownSamples, span: Span, learnt: _LearntBody, method: Rigid
             continue
         part = slice(start - span.start, stop - span.start)
         out.xyz[part], out.cov[part] = _carry(known, span, body, np.arange(start, stop))
-        donors |= {int(d) for d in body.donors}
-    return out._replace(donors=tuple(sorted(donors)), reason="; ".join(reasons))
+        references |= {int(d) for d in body.references}
+    return out._replace(references=tuple(sorted(references)), reason="; ".join(reasons))
 
 
 def _carry(known: KnownSamples, span: Span, body: BodyShape, frames: Ints) -> tuple[Floats, Floats]:
     at = np.concatenate([frames, [max(span.before, 0), max(span.after, 0)]])
-    xyz = body.carry(known.at(body.donors[:, None], at))
+    xyz = body.carry(known.at(body.references[:, None], at))
     beside = known.x[span.marker, at[-2:]] - xyz[-2:]
     beside[[span.before < 0, span.after < 0]] = np.nan
     xyz = xyz[:-2]
@@ -136,8 +138,8 @@ def _body(known: KnownSamples, span: Span, there: Bools, learnt: _LearntBody, me
     """The body of a marker with these others at hand, or why there is none."""
     there = there & learnt.allowed
     if there.sum() < 3:
-        return f"needs three donors seen in the gap, found {known.called(np.flatnonzero(there)) or 'none'}"
-    most = len(there) if method.donors else method.at_most
+        return f"needs three reference markers seen in the gap, found {known.called(np.flatnonzero(there)) or 'none'}"
+    most = len(there) if method.reference_markers else method.most_markers
     pool = nearest(learnt.distances(span.marker).sd, there, most)
     if len(pool) < 3:  # hardly seen together: whatever a static trial knows
         pool = np.flatnonzero(there)
@@ -149,17 +151,17 @@ def _body(known: KnownSamples, span: Span, there: Bools, learnt: _LearntBody, me
 
 def _best(known: KnownSamples, marker: int, pool: Ints, method: RigidBody) -> BodyShape | str:
     """The body of the best set from a pool, most rigid first."""
-    sets = [pool] if method.donors else [pool[:n] for n in range(3, min(method.at_most, len(pool)) + 1)]
-    if len(sets) > 1 and (judged := _judged(known, marker, sets, method.flat)):
+    sets = [pool] if method.reference_markers else [pool[:n] for n in range(3, min(method.most_markers, len(pool)) + 1)]
+    if len(sets) > 1 and (judged := _judged(known, marker, sets, method.min_breadth)):
         return judged
     few = known.thin(JUDGE)
-    found = [(s, body) for s in sets if (body := learn(known, marker, s, few, method.flat))]
+    found = [(s, body) for s in sets if (body := learn(known, marker, s, few, method.min_breadth))]
     if not found:
-        found = [(s, body) for s in sets if (body := learn(known, marker, s, known.thin(LEARN), method.flat))]
+        found = [(s, body) for s in sets if (body := learn(known, marker, s, known.thin(LEARN), method.min_breadth))]
     if not found:
         return _from_static(known, marker, pool, method)
     best = min(found, key=lambda pair: float(np.trace(pair[1].left.cov)) if pair[1].left else np.inf)
-    return learn(known, marker, best[0], known.thin(LEARN), method.flat) or best[1]
+    return learn(known, marker, best[0], known.thin(LEARN), method.min_breadth) or best[1]
 
 
 def _judged(known: KnownSamples, marker: int, sets: list[Ints], flat: float) -> BodyShape | None:
@@ -172,21 +174,21 @@ def _judged(known: KnownSamples, marker: int, sets: list[Ints], flat: float) -> 
     use = np.arange(len(who) - 1) < np.array([[len(s)] for s in sets])
     share = use / use.sum(1, keepdims=True)
     body = x - (share @ x[:, :-1].reshape(len(x), len(who) - 1, 3)).swapaxes(0, 1)[:, :, None]  # (S, F, N + 1, 3)
-    donors, middle = body[:, :, :-1] * use[:, None, :, None], len(x) // 2
-    size = np.linalg.svd(donors[:, middle], compute_uv=False)
+    references, middle = body[:, :, :-1] * use[:, None, :, None], len(x) // 2
+    size = np.linalg.svd(references[:, middle], compute_uv=False)
     line = ~(size[:, 1] > np.maximum(flat * size[:, 0], 1e-6))
     if line.all():
         return None
-    s = (body @ nearest_rotations(donors.mT @ donors[:, middle, None])).mean(1)  # (1)
-    R = nearest_rotations(donors.mT @ (s[:, None, :-1] * use[:, None, :, None]))
+    s = (body @ nearest_rotations(references.mT @ references[:, middle, None])).mean(1)  # (1)
+    R = nearest_rotations(references.mT @ (s[:, None, :-1] * use[:, None, :, None]))
     off = body[:, :, -1] - (R @ s[:, None, -1, :, None])[..., 0]
     error = np.where(line, np.inf, np.nan_to_num((off**2).sum((1, 2)), nan=np.inf))
     return learn(known, marker, sets[int(np.argmin(error))], known.thin(LEARN), flat)
 
 
-def learn(known: KnownSamples, marker: int, donors: Ints, frames: Ints, flat: float) -> BodyShape | None:
+def learn(known: KnownSamples, marker: int, references: Ints, frames: Ints, flat: float) -> BodyShape | None:
     """(1) from those of the frames, evenly spaced, where all are seen; None where there is none, or a line."""
-    points = known.at(np.append(donors, marker), frames[:, None])
+    points = known.at(np.append(references, marker), frames[:, None])
     there = ~np.isnan(points[..., 0]).any(1)
     if not there.any():
         return None
@@ -199,7 +201,9 @@ def learn(known: KnownSamples, marker: int, donors: Ints, frames: Ints, flat: fl
     R, _ = rigid_poses(s[:-1], x[:, :-1])
     residual = np.full((len(frames), 3), np.nan)
     residual[there] = body[:, -1] - R @ s[-1]
-    return BodyShape(donors, s[:-1], s[-1], Leftover.of(residual, int(frames[1] - frames[0]) if len(frames) > 1 else 1))
+    return BodyShape(
+        references, s[:-1], s[-1], Leftover.of(residual, int(frames[1] - frames[0]) if len(frames) > 1 else 1)
+    )
 
 
 def on_line(shape: Floats, flat: float) -> bool:
@@ -212,12 +216,12 @@ def _from_static(known: KnownSamples, marker: int, pool: Ints, method: RigidBody
     """The body as it lies in the static trial."""
     name = known.names[marker]
     if method.static is None:
-        return f"{name} is never seen together with three donors that do not lie on a line"
+        return f"{name} is never seen together with three reference markers that do not lie on a line"
     at = {own: k for k, own in enumerate(method.static.names)}
     usable = [int(k) for k in pool if known.names[k] in at]
     if name not in at or len(usable) < 3:
-        return f"{name} and three donors are seen together neither in this trial nor in the static one"
+        return f"{name} and three reference markers are seen together neither in this trial nor in the static one"
     shape = method.static.xyz[[at[known.names[k]] for k in usable]]
-    if on_line(shape, method.flat):
-        return f"the donors {known.called(usable)} lie on a line in the static trial"
+    if on_line(shape, method.min_breadth):
+        return f"the reference markers {known.called(usable)} lie on a line in the static trial"
     return BodyShape(np.array(usable), shape - shape.mean(0), method.static.xyz[at[name]] - shape.mean(0), None)

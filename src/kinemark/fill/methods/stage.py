@@ -23,7 +23,7 @@ class FillMethod(Method):
     Attributes:
         automatic: whether `auto` tries it.
         together: its answer for one gap hangs on the others asked with it, as it fills on from those.
-        slow: it looks at the whole trial for each hidden test.
+        slow: it looks at the whole trial for each hold-out gap.
     """
 
     automatic: ClassVar[bool] = True

@@ -1,15 +1,15 @@
-"""What is looked at to fill one gap: frames to learn from, and the pose of the body part in them.
+"""Training frames of one gap, and the pose of the body part in them.
 
 Frames are those at the edges of the gap, half of the rest beside it, half all over the trial; those of the other side,
-mirrored, are a second source. In the local frame (R, c) of three donors, donor d, ranked by how little its distance
-from the marker varies (0 the least), has coordinates x_d. The pose is
+mirrored, are a second source. In the local frame (R, c) of three reference markers, marker d of the references, ranked
+by how little its distance from the marker varies (0 the least), has coordinates x_d. The pose is
 
     φ = ( x_d / (s_d √(1 + rank_d)) for all d,  θ A ) / √(1 + θ²)                                         (1)
 
-s_d being the spread of x_d, the donors' part scaled to unit mean square, as is A = R̄ᵀR, R̄ the rotation nearest to the
-mean of R: how the part is turned in space matters by θ, as what is soft hangs. x_d and A are taken less their mean in
-their own source, and as the donors are seen in the gap too, over all frames of it: what is left of a trial beside a
-long gap may be another part of the stride than the mean of the other side is of (2).
+s_d being the spread of x_d, the reference markers' part scaled to unit mean square, as is A = R̄ᵀR, R̄ the rotation
+nearest to the mean of R: how the part is turned in space matters by θ, as what is soft hangs. x_d and A are taken less
+their mean in their own source, and as the reference markers are seen in the gap too, over all frames of it: what is
+left of a trial beside a long gap may be another part of the stride than the mean of the other side is of (2).
 """
 
 from __future__ import annotations
@@ -38,15 +38,15 @@ STILL = 0.01
 
 
 class TrainingFrames(NamedTuple):
-    """What is looked at for one gap: n frames to learn from, then L to fill.
+    """Of one gap n training frames, then the L frames to fill.
 
     Attributes:
-        xyz: (1 + D, n + L, 3) mm, the marker first, then the donors.
+        xyz: (1 + D, n + L, 3) mm, the marker first, then the reference markers.
         time: (n + L) s.
-        n: frames to learn from.
+        n: training frames.
         side: (n + L) source of each frame; of those learnt from, the marker's own (0) come first.
         shares: (sources, n + L) what each frame counts for the mean of its source (2), 1 in all.
-        few: those of the n that models are judged by.
+        judged: those of the n that models are judged by.
         blocks: of these, the frames of each block that is left out.
     """
 
@@ -55,18 +55,18 @@ class TrainingFrames(NamedTuple):
     n: int
     side: Ints
     shares: Floats
-    few: Ints
+    judged: Ints
     blocks: list[Ints]
 
 
-class View(NamedTuple):
-    """A scene in one local frame.
+class LocalView(NamedTuple):
+    """The training frames in one local frame.
 
     Attributes:
         R, c: the frame, in all n + L frames.
         y: (n, 3) mm, the marker in it, less the mean of its source.
         mean: (3) mm, of the marker's own source.
-        pose, turned: the donors' part of φ and A (1), in all frames.
+        pose, turned: the reference markers' part of φ and A (1), in all frames.
         square: (2, n + L) |·|² of both.
     """
 
@@ -79,33 +79,40 @@ class View(NamedTuple):
     square: Floats
 
 
-def scene_of(
-    motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, donors: Ints, *, partner: Ints, most: int, hz: float
+def training_frames_of(
+    motion: MarkerArray,
+    seen: NDArray[np.bool_],
+    gap: Gap,
+    references: Ints,
+    *,
+    partner: Ints,
+    most: int,
+    rate_hz: float,
 ) -> TrainingFrames | None:
-    """What there is to learn from; None where fewer than `FEWEST` frames show the marker together with its donors.
+    """The training frames; None where fewer than `FEWEST` frames show the marker and its references.
 
     Args:
         motion: of the trial.
         seen: (M, F) of it.
         gap: to fill.
-        donors: their indices.
+        references: their indices.
         partner: (M) each marker's partner on the other side, itself where there is none.
-        most: frames to learn from.
-        hz: how densely they are taken.
+        most: training frames.
+        rate_hz: at which they are taken.
     """
-    rows, step = np.array([gap.marker, *donors]), max(1, round(motion.rate / hz))
+    rows, step = np.array([gap.marker, *references]), max(1, round(motion.rate / rate_hz))
     own = _thin(np.flatnonzero(np.logical_and.reduce(seen[rows])), gap, most, step)
     if len(own) < FEWEST:
         return None
-    other, twins = np.zeros(0, np.int64), partner[rows]
-    if (twins != rows).any():
-        other = np.flatnonzero(np.logical_and.reduce(seen[twins]))
-        other = other[:: max(1, round(1.5 * motion.rate / hz), -(-2 * len(other) // most))]
+    other, mirrored = np.zeros(0, np.int64), partner[rows]
+    if (mirrored != rows).any():
+        other = np.flatnonzero(np.logical_and.reduce(seen[mirrored]))
+        other = other[:: max(1, round(1.5 * motion.rate / rate_hz), -(-2 * len(other) // most))]
     wanted = np.arange(gap.start, gap.stop)
     xyz = np.concatenate(
         [
             motion.xyz[rows[:, None], own],
-            motion.xyz[twins[:, None], other] * REFLECTED,
+            motion.xyz[mirrored[:, None], other] * REFLECTED,
             motion.xyz[rows[:, None], wanted],
         ],
         axis=1,
@@ -114,12 +121,12 @@ def scene_of(
     side = np.repeat([0, 1, 0], [len(own), len(other), len(wanted)])
     time = np.concatenate([own, other, wanted]) / motion.rate
     counts = np.repeat([1.0, 1 / step], [n, len(wanted)]) * (side == np.arange(2 if len(other) else 1)[:, None])
-    few = _few(n)
-    blocks = _blocks(own[few[few < len(own)]], gap)
-    return TrainingFrames(xyz, time, n, side, counts / counts.sum(1, keepdims=True), few, blocks)
+    judged = _frames_to_judge(n)
+    blocks = _blocks(own[judged[judged < len(own)]], gap)
+    return TrainingFrames(xyz, time, n, side, counts / counts.sum(1, keepdims=True), judged, blocks)
 
 
-def _few(n: int) -> Ints:
+def _frames_to_judge(n: int) -> Ints:
     """About SEARCH of n frames, the same ones from both ends."""
     half = np.linspace(0, n - 1, min(n, SEARCH))[: (min(n, SEARCH) + 1) // 2].astype(int)
     return np.unique(np.concatenate([half, n - 1 - half]))
@@ -135,7 +142,7 @@ def _blocks(frames: Ints, gap: Gap) -> list[Ints]:
 
 
 def _thin(frames: Ints, gap: Gap, most: int, step: int) -> Ints:
-    """Frames to learn from: those at the edges, half of the rest beside the gap, half all over the trial."""
+    """Training frames: those at the edges, half of the rest beside the gap, half all over the trial."""
     wanted = frames % step == 0
     wanted[slice(*np.searchsorted(frames, [gap.start - EDGE, gap.stop + EDGE]))] = True
     kept = frames[wanted]
@@ -148,35 +155,35 @@ def _thin(frames: Ints, gap: Gap, most: int, step: int) -> Ints:
     return np.sort(kept[np.concatenate([near, spread])])
 
 
-def view_of(scene: TrainingFrames, base: tuple[int, ...]) -> View | None:
-    """A scene seen from one base; None where its markers ever stand on one line."""
-    R, c = triad(scene.xyz[list(base)])
+def local_view(training: TrainingFrames, base: tuple[int, ...]) -> LocalView | None:
+    """The training frames seen from one base; None where its markers ever stand on one line."""
+    R, c = triad(training.xyz[list(base)])
     if not np.isfinite(R).all():
         return None
-    seen, n, side = local(R, c, scene.xyz), scene.n, scene.side
+    seen, n, side = local(R, c, training.xyz), training.n, training.side
     y, pose = seen[0, :n], seen[1:]
-    mean = np.array([y[side[:n] == s].mean(0) for s in range(len(scene.shares))])
-    pose = pose - (scene.shares @ pose)[:, side]  # (2)
+    mean = np.array([y[side[:n] == s].mean(0) for s in range(len(training.shares))])
+    pose = pose - (training.shares @ pose)[:, side]  # (2)
     spread = np.sqrt((pose[:, :n] ** 2).sum(-1).mean(1))
     weight = 1 / (np.maximum(spread, 1e-3) * np.sqrt(1 + np.arange(len(pose))))  # (1)
     pose = (pose * weight[:, None, None]).transpose(1, 0, 2).reshape(len(R), -1)
     pose /= np.sqrt((pose[:n] ** 2).sum(1).mean()) or 1.0
-    turned = _turned(R, scene)
+    turned = _turned(R, training)
     square = np.stack([(pose**2).sum(1), (turned**2).sum(1)])
-    return View(R, c, y - mean[side[:n]], mean[0], pose, turned, square)
+    return LocalView(R, c, y - mean[side[:n]], mean[0], pose, turned, square)
 
 
-def _turned(R: Floats, scene: TrainingFrames) -> Floats:
-    """(n + L, 9) A of (1), less the mean of each source, in unit mean square over the frames to learn from."""
-    mean = (scene.shares @ R.reshape(len(R), 9)).reshape(-1, 3, 3)
+def _turned(R: Floats, training: TrainingFrames) -> Floats:
+    """(n + L, 9) A of (1), less the mean of each source, in unit mean square over the training frames."""
+    mean = (training.shares @ R.reshape(len(R), 9)).reshape(-1, 3, 3)
     U, _, Vt = np.linalg.svd(mean)
-    flat = ((U @ Vt).swapaxes(1, 2)[scene.side] @ (R - mean[scene.side])).reshape(len(R), 9)
-    return np.asarray(flat / max(np.sqrt((flat[: scene.n] ** 2).sum(1).mean()), STILL))
+    flat = ((U @ Vt).swapaxes(1, 2)[training.side] @ (R - mean[training.side])).reshape(len(R), 9)
+    return np.asarray(flat / max(np.sqrt((flat[: training.n] ** 2).sum(1).mean()), STILL))
 
 
-def pairs_of(scene: TrainingFrames, view: View, rows: Ints | slice, columns: Ints | slice) -> FramePairs:
-    """Of some frames of a scene with some of those learnt from."""
+def pairs_of(training: TrainingFrames, view: LocalView, rows: Ints | slice, columns: Ints | slice) -> FramePairs:
+    """Of some of all frames with some of the training frames."""
     dot = np.stack([part[rows] @ part[columns].T for part in (view.pose, view.turned)])
-    apart = np.abs(scene.time[rows][:, None] - scene.time[columns])
-    own = int((scene.side[rows] == 0).sum()), int((scene.side[columns] == 0).sum())
+    apart = np.abs(training.time[rows][:, None] - training.time[columns])
+    own = int((training.side[rows] == 0).sum()), int((training.side[columns] == 0).sum())
     return FramePairs(dot, view.square[:, rows], view.square[:, columns], apart, own)

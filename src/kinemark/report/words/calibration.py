@@ -41,7 +41,7 @@ def _wrong_here(found: Finding) -> str:
 
 CALIBRATION_WORDS = {
     "cameras_miss_points": Words(
-        "{Cameras} {cameras:misses|miss} the calibration points by up to {worst_px:1} RMS.",
+        "{Cameras} {cameras:misses|miss} the calibration points by up to {max_px:1} RMS.",
         "Check that {cameras:its images are its|their images are their} own and not another camera's, and the places "
         "of the points; then repeat.",
     ),
@@ -56,7 +56,7 @@ CALIBRATION_WORDS = {
     ),
     "control_points_disagree": Words(
         "The other points do not agree with control {points_list:point|points} {points_list}: off by up to "
-        "{worst_px:1} when left out.",
+        "{max_px:1} when left out.",
         "Measure {points_list:its place|their places} again, or check that {points_list:it was not mistaken for "
         "another|they were not mistaken for others}.",
     ),
@@ -76,11 +76,11 @@ CALIBRATION_WORDS = {
     ),
     "lens_uncertain": Words(
         "In parts of the images of {cameras} the lens is hardly determined: places of the volume are uncertain by up "
-        "to {worst_px:1} there.",
+        "to {max_px:1} there.",
         "Use more points near the corners, or fewer lens terms.",
     ),
     "scale_doubtful": Words(
-        "The scale is doubtful: {length} is {known_mm} and comes out as {found_mm} ({error_share} off).",
+        "The scale is uncertain: {length} is {known_mm} and comes out as {found_mm} ({error_share} off).",
         "Measure both lengths again, centre to centre of the markers.",
     ),
     "cameras_distance_implausible": Words(

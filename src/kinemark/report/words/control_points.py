@@ -21,8 +21,8 @@ def _limit(found: Finding) -> str:
 
 def _return(found: Finding) -> str:
     return fill(
-        "Control points that took no part come back {rms_mm:.2g} from where they were surveyed (RMS; worst "
-        "{worst_point}, {worst_mm:.2g}), 1 part in {parts} of the volume's diagonal of {diagonal_m:.2g}.",
+        "Control points that took no part come back {rms_mm:.2g} from where they were surveyed (RMS; farthest "
+        "{max_point}, {max_mm:.2g}), 1 part in {parts} of the volume's diagonal of {diagonal_m:.2g}.",
         found,
     ) + _limit(found)
 

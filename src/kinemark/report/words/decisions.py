@@ -13,10 +13,10 @@ REASONS = {
     "jumped": "jumped by {jump_mm} mm",
     "shared_images": "lived on images in which markers run together",
     "little_evidence": "a marker is only {likelihood_ratio} times likelier than a chance meeting of images",
-    "joined_with_rival": "were joined over a gap, but another join was nearly as likely",
-    "joined_over_wide_gap": "were joined over a gap, but its motion alone leaves {sd_mm} mm open",
-    "not_joined_with_rival": "may be one marker with a gap, but another join was nearly as likely",
-    "not_joined_over_wide_gap": "may be one marker with a gap, but its motion alone leaves {sd_mm} mm open",
+    "stitched_with_rival": "were stitched over a gap, but another stitch was nearly as likely",
+    "stitched_over_wide_gap": "were stitched over a gap, but its motion alone leaves {sd_mm} mm open",
+    "not_stitched_with_rival": "may be one marker with a gap, but another stitch was nearly as likely",
+    "not_stitched_over_wide_gap": "may be one marker with a gap, but its motion alone leaves {sd_mm} mm open",
 }
 """By `AmbiguousDecision.reason`."""
 

@@ -12,18 +12,18 @@ FILLING_WORDS = {
     ),
     "gaps_uncertain": Words(
         "{gaps} {gaps:gap|gaps} may be off by more than {limit_mm:.3g} somewhere: that is {gaps:its|their} expected "
-        "error, or a standard deviation within {gaps:it|them}, the worst {worst_mm}.",
+        "error, or a standard deviation within {gaps:it|them}, at most {max_mm}.",
         "Look at {gaps:its drawing|their drawings}; a lower limit leaves open gaps whose expected error is great.",
     ),
     "gaps_untested": Words(
-        "{gaps} {gaps:gap|gaps} filled by a method that mostly had nothing to say in the hold-out gaps, so that the "
+        "{gaps} {gaps:gap|gaps} filled by a method that mostly had no prediction in the hold-out gaps, so that the "
         "error is not known.",
         "Compare {gaps:it|them} with another method, or give a limit in mm.",
     ),
     "samples_far_away": Words(
         "{samples} {samples:sample|samples} farther than a kilometre from the others: no {samples:position of a "
         "marker|positions of markers}. {samples:It is|They are} missing now, or filled.",
-        "Look where {samples:it comes|they come} from; the file given still has {samples:it|them}.",
+        "Find out where {samples:it comes|they come} from; the file given still has {samples:it|them}.",
     ),
     "samples_replaced": Words(
         "{samples} {samples:sample|samples} measured beside {gaps} {gaps:gap|gaps} stood out from the marker's own "
@@ -58,11 +58,11 @@ ANGLE_WORDS = {
     ),
     "gimbal_lock": Words(
         "The {joint} is in gimbal lock: {frames}.",
-        "Its first and third angle are not told apart there; another sequence may fit better.",
+        "Its first and third angle cannot be separated there; another sequence may fit better.",
     ),
     "angle_beyond_normal": Words(_beyond_normal, "Check that no marker is swapped or misplaced; the angles are kept."),
     "markers_smoothed_before": Words(
-        "The markers hardly tremble ({sd_mm:4}): they were smoothed before, so that the standard deviations of the "
+        "The markers have little noise ({sd_mm:4}): they were smoothed before, so that the standard deviations of the "
         "angles are far too small.",
         "State what the laboratory knows: --marker-sd-mm.",
     ),
@@ -79,17 +79,17 @@ PROPOSAL_WORDS = {
     "nothing_stands_out": Words(
         "Nothing stands out: the brightest pixel has {brightest} of {white}, the background {background} with a noise "
         "of {noise:.2g}.",
-        "Is the light on, are markers in view?",
+        "Check that the light is on and that markers are in view.",
     ),
     "markers_dark": Words("The markers are dark on a bright ground.", "`inverted = true` is part of the proposal."),
     "no_clear_gap": Words(
         "There is no clear gap between noise and markers: only from {low} to {high} of {white} the number of groups is "
         "steady.",
-        "Look at the detections before you trust them.",
+        "Check the detections before using them.",
     ),
     "bright_without_markers": Words(
         "{pixels_share} of the pixels stand out and are no markers: windows, lamps, a bright floor?",
-        "Mask them or raise the threshold; KISS's long/wide test would break them to pieces.",
+        "Mask them or raise the threshold; KISS's long/wide test would split them.",
     ),
     "light_clipped": Words(
         "The light is clipped: {groups_share} of the groups reach the brightest level.", "Shorten the exposure."

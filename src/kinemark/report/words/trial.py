@@ -99,7 +99,9 @@ def _fits_nothing(found: Finding) -> str:
 
 def _close(found: Finding) -> str:
     numbers = {kind: n for kind, n in found.values.items() if isinstance(n, int) and n}
-    kinds = ", ".join(f"{n} possible {kind}{'' if n == 1 else 's'}" for kind, n in numbers.items())
+    kinds = ", ".join(
+        f"{n} possible {kind}{'' if n == 1 else 'es' if kind == 'stitch' else 's'}" for kind, n in numbers.items()
+    )
     total = sum(numbers.values())
     return (
         f"{total} {'decision' if total == 1 else 'decisions'} of the tracking {'was' if total == 1 else 'were'} close"
@@ -115,10 +117,10 @@ TRIAL_WORDS = {
     "no_detections": Words(
         "No camera saw any marker.", "Lower the threshold in [detect], or check exposure and lights."
     ),
-    "no_points": Words("The cameras saw markers, but no marker was found in space.", _no_points),
+    "no_points": Words("The cameras saw markers, but no marker was reconstructed.", _no_points),
     "no_trajectories": Words(
         "3D points were reconstructed, but no trajectory came of them.",
-        "Check the parameters of [track]: shortest, and speed; and rate_hz.",
+        "Check the parameters of [track]: the shortest track, and the speed of markers; and rate_hz.",
     ),
     "camera_sees_nothing": Words(
         "{Cameras} saw nothing in the whole trial.",
@@ -160,10 +162,10 @@ TRIAL_WORDS = {
         "Take them from the recording's own file where every sample counts.",
     ),
     "channels_cut": Words(
-        "{channels} channels go on for {duration_s} beyond the frames; the C3D file does not hold that.",
+        "{channels} channels go on for {duration_s} beyond the frames; the C3D file does not hold the rest.",
         "Take them from the recording's own file where that counts.",
     ),
-    "cameras_swapped": Words(_swapped, "Exchange the files, in the trial or in the calibration."),
+    "cameras_swapped": Words(_swapped, "Swap the files, in the trial or in the calibration."),
     "camera_out_of_sync": Words(_out_of_sync, "Check that all cameras are triggered together."),
     "camera_without_images": Words("{Cameras} has no images at all.", LOOK_AT_CAMERA),
     "camera_stopped": Words(_stopped, "Check whether the camera stopped recording; else leave it out."),
@@ -182,8 +184,8 @@ TRIAL_WORDS = {
         _fits_nothing, "Its calibration is of another place or camera: calibrate it again, or leave it out."
     ),
     "nothing_goes_on": Words(
-        "The cameras agree in single frames, but nothing goes on from one frame to the next: {rate_hz} is probably not "
-        "the frame rate of the recording.",
+        "The cameras agree in single frames, but no track continues from one frame to the next: {rate_hz} is "
+        "probably not the frame rate of the recording.",
         RATE,
     ),
     "speeds_impossible": Words(
@@ -199,7 +201,7 @@ TRIAL_WORDS = {
     "tracks_broken": Words(
         "{tracks} {tracks:track|tracks} for about {markers_worn} {markers_worn:marker|markers}: a marker that was "
         "hidden for long begins a new one.",
-        "Give the pieces of a marker one name, and fill what is missing between them.",
+        "Give the fragments of a marker one name, and fill what is missing between them.",
     ),
     "long_gaps": Words(
         "Gaps longer than {limit_s:.3g} in {markers}.",

@@ -36,10 +36,10 @@ def _good_for(found: Finding) -> str:
 def _recorded(found: Finding) -> str:
     tracks = found.values["track_count"]
     about = "about " if tracks is not None else ""
-    pieces = ", in {track_count} {track_count:track|tracks}," if tracks is not None else ""
+    tracks = ", in {track_count} {track_count:track|tracks}," if tracks is not None else ""
     return fill(
         f"{{camera_count}} {{camera_count:camera|cameras}} followed {about}{{marker_count}} "
-        f"{{marker_count:marker|markers}}{pieces} for {{duration_s}} ({{frame_count}} {{frame_count:frame|frames}} at "
+        f"{{marker_count:marker|markers}}{tracks} for {{duration_s}} ({{frame_count}} {{frame_count:frame|frames}} at "
         "{rate_hz}).",
         found,
     )
@@ -89,7 +89,7 @@ def _predicted(found: Finding) -> str:
     known = "" if found.values["calibration_known"] else " and a calibration without error, since it states none"
     return fill(
         f"With centroids good to {{centroid_sd_px:3}}{known}, the standard deviation of a marker's position is below "
-        "{sd_mm} per axis in 95\u00a0% of the volume, and below {worst_direction_mm} even in its worst direction.",
+        "{sd_mm} per axis in 95\u00a0% of the volume, and below {largest_axis_mm} in its least certain direction.",
         found,
     )
 
@@ -115,17 +115,18 @@ def at_least(mm: object) -> str:
 
 
 def _gap_error(found: Finding) -> str:
-    median, worst = (at_least(found.values[f"{which}_mm"]) for which in ("median", "worst"))
+    median, largest = (at_least(found.values[f"{which}_mm"]) for which in ("median", "max"))
     return (
-        f"In the median gap a filled sample is expected to be {median} off, in the worst {worst}. That was measured on "
-        "this trial: known samples were hidden in gaps of the same length, filled in the same way, and compared."
+        f"In the median gap a filled sample is expected to be {median} off, and {largest} at most. That was "
+        "measured on this trial: known samples were hidden in gaps of the same length, filled in the same way, "
+        "and compared."
     )
 
 
 def _from_static(found: Finding) -> str:
     return fill(
         "{count} {count:marker|markers} that the trial never shows {count:is|are} placed from the static trial, "
-        f"expected to be {at_least(found.values['worst_mm'])} off at worst; how far neighbours move against each other "
+        f"expected to be {at_least(found.values['max_mm'])} off at most; how far neighbours move against each other "
         "tells that.",
         found,
     )
@@ -189,7 +190,7 @@ VERDICT_WORDS = {
         "filled (see --ends)."
     ),
     "angles_good": Words("The angles hold together"),
-    "angles_usable": Words("The angles deserve a look"),
+    "angles_usable": Words("The angles need attention"),
     "angles_missing": Words("A joint has no angles"),
     "angles_computed": Words("Model {model}, {side} side, {frame_count} {frame_count:frame|frames}."),
     "angle_deviations": Words(

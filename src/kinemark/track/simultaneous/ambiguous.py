@@ -1,17 +1,17 @@
-"""Decisions that were close, for the user to look at.
+"""Ambiguous decisions: those that were close, for the operator to review.
 
-| kind  | what happened | when it is a doubt |
-| swap  | two tracks came so near that either could have had the other's images | nearer than their gates (1) |
-| swap  | a track was lost and found again | its place was known no better than `Simultaneous.worst` |
-| swap  | a track jumped | farther than usual accelerations lead (3) |
-| merge | a track lived on images that it shared with another | fewer than two images of its own |
-| ghost | a track of little evidence | less than `SURE_INDEED` |
-| join  | two tracks may be one marker | made or not, another join was nearly as likely, or the gap was wide (2) |
+| kind   | what happened | when it is ambiguous |
+| swap   | two tracks came so near that either could have had the other's images | nearer than their gates (1) |
+| swap   | a track was lost and found again | its standard deviation exceeded `Simultaneous.max_sd` |
+| swap   | a track jumped | farther than usual accelerations lead (3) |
+| merge  | a track used images that it shared with another | fewer than two images of its own |
+| ghost  | a track of little evidence | less than `WEAK_EVIDENCE` |
+| stitch | two tracks may be one marker | made or not, another stitch was nearly as likely, or the gap was wide (2) |
 
-With standard deviations s and s' of where both tracks were expected, in each axis, (1) is |x − x'| < g (s + s'). A gap
-is wide where motion leaves the place more open than half of `worst` (2). A track jumps where it lies farther from where
-its last two points lead to than g a T²/2 (3), with the usual acceleration a and the time T since, and than its points
-are certain.
+With standard deviations s and s' of both predicted positions, in each axis, (1) is |x − x'| < g (s + s'). A gap is
+wide where the standard deviation that motion leaves exceeds half of `max_sd` (2). A track jumps where its distance from
+the line through its last two points exceeds g a T²/2 (3), with a `acceleration_sd` and T the time since, and g times
+the standard deviation of its points.
 """
 
 from __future__ import annotations
@@ -28,28 +28,28 @@ from ...data.finding import plain_value
 from ...numerics.runs import equal_runs
 from .passes import Associations
 from .simultaneous_method import DEFAULT, Simultaneous
-from .stitch import CLEAR
+from .stitch import CLEAR_MARGIN
 from .tracker import TrackingResult, track_simultaneously
 
-SURE_INDEED = float(np.log(1000.0))
+WEAK_EVIDENCE = float(np.log(1000.0))
 """A marker is then a thousand times likelier than chance; chosen."""
 
-CLOSE = 3
+MAX_FRAMES_APART = 3
 """Frames apart that two ambiguous decisions of the same tracks may lie to be one.
 Chosen (see benchmarks/tracking.py)."""
 
 
-DecisionKind = Literal["swap", "merge", "ghost", "join"]
+DecisionKind = Literal["swap", "merge", "ghost", "stitch"]
 DecisionReason = Literal[
     "came_near",
     "found_again",
     "jumped",
     "shared_images",
     "little_evidence",
-    "joined_with_rival",
-    "joined_over_wide_gap",
-    "not_joined_with_rival",
-    "not_joined_over_wide_gap",
+    "stitched_with_rival",
+    "stitched_over_wide_gap",
+    "not_stitched_with_rival",
+    "not_stitched_over_wide_gap",
 ]
 """Why a decision was close; `report.words` says it in words."""
 
@@ -64,7 +64,8 @@ class AmbiguousDecision:
         tracks: that it is about.
         reason: why it was close.
         values: the numbers of the reason: distance_mm, sd_mm or jump_mm, the median over the frames; likelihood_ratio
-            of a marker to a chance meeting of images; margin, how much more likely (logarithm) than the next best join.
+            of a marker to a chance meeting of images; margin, how much more likely (logarithm) than the next best
+            stitch.
     """
 
     kind: DecisionKind
@@ -98,7 +99,7 @@ class AmbiguousDecision:
 def track_with_decisions(
     detections: Detections, rig: Rig, *, method: Simultaneous = DEFAULT
 ) -> tuple[Tracks, list[AmbiguousDecision]]:
-    """Tracks of all markers as `follow` gives them, and the decisions that were close."""
+    """Tracks of all markers as `track_detections` gives them, and the decisions that were close."""
     result = track_simultaneously(detections, rig, method)
     return result.tracks, ambiguous_decisions(result, method)
 
@@ -109,17 +110,17 @@ def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[Am
     seen = seen.take(np.argsort(seen.frame, kind="stable"))
     seen = seen._replace(id=result.id[seen.id])
     found = [
-        *_near(seen, method),
+        *_came_near(seen, method),
         *_found_again(seen, method),
         *_jumps(result.tracks, method),
         *_merged(seen, result.images.merged),
-        *_weak(result),
-        *_joins(result, method),
+        *_little_evidence(result),
+        *_close_stitches(result, method),
     ]
-    return sorted(found, key=lambda doubt: (doubt.first, doubt.last, doubt.tracks))
+    return sorted(found, key=lambda decision: (decision.first, decision.last, decision.tracks))
 
 
-def _near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
+def _came_near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that came nearer than their gates (1), both having images."""
     seen = seen.take(np.flatnonzero((seen.row >= 0).any(0)))
     start = np.searchsorted(seen.frame, np.arange(int(seen.frame.max(initial=-1)) + 2))
@@ -135,16 +136,16 @@ def _near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     other = who[0] != who[1]
     return [
         AmbiguousDecision("swap", a, b, who, "came_near", {"distance_mm": apart})
-        for who, a, b, apart in _spells(who.T[other], seen.frame[rows[0]][other], far[other])
+        for who, a, b, apart in _runs(who.T[other], seen.frame[rows[0]][other], far[other])
     ]
 
 
 def _found_again(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that were lost, and then had two images where their place was hardly known."""
-    again = np.flatnonzero((seen.before > method.worst) & ((seen.row >= 0).sum(0) >= 2))
+    again = np.flatnonzero((seen.before > method.max_sd) & ((seen.row >= 0).sum(0) >= 2))
     return [
         AmbiguousDecision("swap", a, b, who, "found_again", {"sd_mm": sd})
-        for who, a, b, sd in _spells(seen.id[again][:, None], seen.frame[again], seen.before[again])
+        for who, a, b, sd in _runs(seen.id[again][:, None], seen.frame[again], seen.before[again])
     ]
 
 
@@ -154,30 +155,30 @@ def _jumps(tracks: Tracks, method: Simultaneous) -> list[AmbiguousDecision]:
     a, b, c = order[:-2], order[1:-1], order[2:]
     frame, xyz, sd = tracks.cloud.frame, tracks.cloud.xyz, np.sqrt(np.trace(tracks.cloud.cov, axis1=1, axis2=2))
     before, since = frame[b] - frame[a], frame[c] - frame[b]
-    same = (tracks.id[a] == tracks.id[c]) & (since <= method.patience * tracks.cloud.rate)
+    same = (tracks.id[a] == tracks.id[c]) & (since <= method.max_coasting * tracks.cloud.rate)
     ratio = since / np.where(same, before, 1)
     off = np.linalg.norm(xyz[c] - xyz[b] - (xyz[b] - xyz[a]) * ratio[:, None], axis=1)
-    usual = method.acceleration * (since * (since + before)) / tracks.cloud.rate**2 / 2
+    usual = method.acceleration_sd * (since * (since + before)) / tracks.cloud.rate**2 / 2
     sure = sd[c] + sd[b] * (1 + ratio) + sd[a] * ratio
     far = np.flatnonzero(same & (off > method.gate * (usual + sure)))
     return [
         AmbiguousDecision("swap", a, b, who, "jumped", {"jump_mm": jump})
-        for who, a, b, jump in _spells(tracks.id[c[far]][:, None], frame[c[far]], off[far])
+        for who, a, b, jump in _runs(tracks.id[c[far]][:, None], frame[c[far]], off[far])
     ]
 
 
 def _merged(seen: Associations, merged: Bools) -> list[AmbiguousDecision]:
-    """Tracks that lived on images of others."""
+    """Tracks that used images of others."""
     has = seen.row >= 0
     own = (has & ~seen.shared & ~merged[seen.row]).sum(0)
     rows = np.flatnonzero((own < 2) & (has & seen.shared).any(0) & (has.sum(0) >= 2))
     return [
         AmbiguousDecision("merge", a, b, who, "shared_images")
-        for who, a, b, _ in _spells(seen.id[rows][:, None], seen.frame[rows], np.zeros(len(rows)))
+        for who, a, b, _ in _runs(seen.id[rows][:, None], seen.frame[rows], np.zeros(len(rows)))
     ]
 
 
-def _weak(result: TrackingResult) -> list[AmbiguousDecision]:
+def _little_evidence(result: TrackingResult) -> list[AmbiguousDecision]:
     """Tracks of little evidence."""
     cloud, ids = result.tracks.cloud, result.tracks.id
     total = np.zeros(len(result.tracks))
@@ -192,36 +193,36 @@ def _weak(result: TrackingResult) -> list[AmbiguousDecision]:
             "little_evidence",
             {"likelihood_ratio": float(np.exp(total[i]))},
         )
-        for i in np.flatnonzero(total < SURE_INDEED)
+        for i in np.flatnonzero(total < WEAK_EVIDENCE)
     ]
 
 
-def _joins(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
-    """Joins that had a rival, and those over wide gaps."""
+def _close_stitches(result: TrackingResult, method: Simultaneous) -> list[AmbiguousDecision]:
+    """Stitches that had a rival, and those over wide gaps."""
     found = []
-    for join in result.joins:
-        rival, wide = join.margin < 2 * CLEAR, join.sd > method.worst / 2  # (2)
+    for stitch in result.stitches:
+        rival, wide = stitch.margin < 2 * CLEAR_MARGIN, stitch.sd > method.max_sd / 2  # (2)
         if not rival and not wide:
             continue
-        tracks = tuple(dict.fromkeys(int(result.id[i]) for i in (join.before, join.after)))
-        reason = _join_reason(join.margin > CLEAR, rival)
-        values = {"margin": float(join.margin), "sd_mm": float(join.sd)}
-        found.append(AmbiguousDecision("join", join.last, join.first, tracks, reason, values))
+        tracks = tuple(dict.fromkeys(int(result.id[i]) for i in (stitch.before, stitch.after)))
+        reason = _stitch_reason(stitch.margin > CLEAR_MARGIN, rival)
+        values = {"margin": float(stitch.margin), "sd_mm": float(stitch.sd)}
+        found.append(AmbiguousDecision("stitch", stitch.last, stitch.first, tracks, reason, values))
     return found
 
 
-def _join_reason(joined: bool, rival: bool) -> DecisionReason:
-    """Two tracks were joined or not, and another join was nearly as likely, or the gap was wide."""
+def _stitch_reason(stitched: bool, rival: bool) -> DecisionReason:
+    """Two tracks were stitched or not, and another stitch was nearly as likely, or the gap was wide."""
     if rival:
-        return "joined_with_rival" if joined else "not_joined_with_rival"
-    return "joined_over_wide_gap" if joined else "not_joined_over_wide_gap"
+        return "stitched_with_rival" if stitched else "not_stitched_with_rival"
+    return "stitched_over_wide_gap" if stitched else "not_stitched_over_wide_gap"
 
 
-def _spells(who: Ints, frame: Ints, size: Floats) -> list[tuple[tuple[int, ...], int, int, float]]:
-    """Runs of frames in which the same tracks `who` (n, k) are in doubt: they, first, last, the median of `size`."""
+def _runs(who: Ints, frame: Ints, size: Floats) -> list[tuple[tuple[int, ...], int, int, float]]:
+    """Runs of frames in which the same tracks `who` (n, k) are ambiguous: they, first, last, the median of `size`."""
     order = np.lexsort([frame, *who.T[::-1]])
     who, frame, size = who[order], frame[order], size[order]
-    spell = np.cumsum(np.diff(frame, prepend=frame[:1]) > CLOSE)
+    spell = np.cumsum(np.diff(frame, prepend=frame[:1]) > MAX_FRAMES_APART)
     cuts = equal_runs(*who.T, spell)
     return [
         (tuple(int(i) for i in who[a]), int(frame[a]), int(frame[b - 1]), float(np.median(size[a:b])))

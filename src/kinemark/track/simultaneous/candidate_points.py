@@ -4,10 +4,10 @@ Two images of different cameras whose rays pass each other meet in a point; it t
 image where it is expected. A group of n images at distances d from the projections of the point that fits them best,
 their noise s, has
 
-    χ² = Σ d² / s²,   merit = n w − χ²,   w = 2 ln(p / ((1 − p) 2π b s²))                (1)
+    χ² = Σ d² / s²,   score = n w − χ²,   w = 2 ln(p / ((1 − p) 2π b s²))                (1)
 
-where w is what an image is worth by (3) of `claims`. The groups with the greatest merit take their images first, those
-of three and more before pairs; those that lost images are weighed again without them.
+where w is the score of an image by (3) of `associate`. The groups with the greatest score take their images first,
+those of three and more before pairs; those that lost images are scored again without them.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from .kalman_states import KalmanStates
 AT_ONCE = 4000
 """Images of all frames that are paired in one go: fewer waste time on overhead, more take memory; chosen."""
 
-MOST = 1500
+MAX_IMAGES = 1500
 """Images of a frame that are looked at; more than these are noise; chosen (see benchmarks/tracking.py)."""
 
 
 class CandidatePoints(NamedTuple):
-    """G points: frame (G), xyz (3, G) mm, cov (3, 3, G) mm², row (C, G) of their images or −1; χ² and merit (G)."""
+    """G points: frame (G), xyz (3, G) mm, cov (3, 3, G) mm², row (C, G) of their images or −1; χ² and score (G)."""
 
     frame: Ints
     xyz: Floats
     cov: Floats
     row: Ints
     squared: Floats
-    merit: Floats
+    score: Floats
 
     def take(self, which: Ints | Bools) -> CandidatePoints:
         """Only these."""
@@ -49,7 +49,7 @@ class CandidatePoints(NamedTuple):
             self.cov[..., which],
             self.row[:, which],
             self.squared[which],
-            self.merit[which],
+            self.score[which],
         )
 
 
@@ -67,7 +67,7 @@ def fundamentals(P: Floats) -> Floats:
     return np.array([[fundamental(P[r], P[s]) if r != s else np.zeros((3, 3)) for s in range(C)] for r in range(C)])
 
 
-def groups_of(images: Images, free: Bools, F: Floats, frames: list[int], gate: float) -> CandidatePoints:
+def find_candidate_points(images: Images, free: Bools, F: Floats, frames: list[int], gate: float) -> CandidatePoints:
     """The groups of the free images of some frames, sorted by frame.
 
     Most images belong to markers that four and more cameras see, and these are found from pairs of cameras that stand
@@ -75,7 +75,7 @@ def groups_of(images: Images, free: Bools, F: Floats, frames: list[int], gate: f
     """
     free, C = free.copy(), len(images.P)
     rows = [rows[free[rows]] for rows in images.in_frames(frames)]
-    pair = np.concatenate([_near_lines(images, part, F, gate) for part in _together(rows)], -1)
+    pair = np.concatenate([_near_lines(images, part, F, gate) for part in _batches(rows)], -1)
     between = np.abs(np.diff(images.camera[pair], axis=0)[0])
     between = np.minimum(between, C - between)
     won = [_nothing(C)]
@@ -95,16 +95,16 @@ def _nothing(C: int) -> CandidatePoints:
     return CandidatePoints(zero, np.zeros((3, 0)), np.zeros((3, 3, 0)), np.zeros((C, 0), np.int64), none, none)
 
 
-def _together(rows: list[Ints]) -> list[Ints]:
+def _batches(rows: list[Ints]) -> list[Ints]:
     """The rows of frames of at most MOST in parts of about AT_ONCE, each frame a line (f, M) with −1 after its last."""
-    rows = [own for own in rows if 2 <= len(own) <= MOST]
+    rows = [own for own in rows if 2 <= len(own) <= MAX_IMAGES]
     part = np.cumsum([len(own) for own in rows]) // AT_ONCE
-    return [_lines([own for own, p in zip(rows, part, strict=True) if p == k]) for k in np.unique(part)] or [
+    return [_padded([own for own, p in zip(rows, part, strict=True) if p == k]) for k in np.unique(part)] or [
         np.zeros((0, 0), np.int64)
     ]
 
 
-def _lines(rows: list[Ints]) -> Ints:
+def _padded(rows: list[Ints]) -> Ints:
     """Lists one below the other, −1 after the last of each."""
     out = np.full((len(rows), max(len(own) for own in rows)), -1)
     for line, own in zip(out, rows, strict=True):
@@ -156,34 +156,34 @@ def _distinct(view: Ints) -> Ints:
 
 
 def _chosen(images: Images, free: Bools, view: Ints, gate: float, leasts: tuple[int, ...]) -> list[CandidatePoints]:
-    """The groups that win their images, weighed by (1), those of more images first; theirs are free no longer."""
-    left = _weighed(images, view, gate)
+    """The groups that win their images, by their scores (1), those of more images first; theirs are free no longer."""
+    left = _scored(images, view, gate)
     won = []
     for least in leasts:
-        left = left.take(np.argsort(-left.merit, kind="stable"))
-        kept, robbed = _award(left, free, least)
+        left = left.take(np.argsort(-left.score, kind="stable"))
+        kept, displaced = _assign_images(left, free, least)
         won.append(left.take(kept))
         if least != leasts[-1]:
-            view = np.where(free[left.row[:, robbed]], left.row[:, robbed], -1)
-            left = _weighed(images, _distinct(view[:, (view >= 0).sum(0) >= 2]), gate)
+            view = np.where(free[left.row[:, displaced]], left.row[:, displaced], -1)
+            left = _scored(images, _distinct(view[:, (view >= 0).sum(0) >= 2]), gate)
     return won
 
 
-def _award(groups: CandidatePoints, free: Bools, least: int) -> tuple[Ints, Ints]:
+def _assign_images(groups: CandidatePoints, free: Bools, least: int) -> tuple[Ints, Ints]:
     """Places of the groups of `least` and more images, all free, which they are then no longer; and of the others."""
-    kept, robbed = [], []
+    kept, displaced = [], []
     for g, own in enumerate(groups.row.T.tolist()):
         own = [row for row in own if row >= 0]
         if len(own) >= least and free[own].all():
             free[own] = False
             kept.append(g)
         else:
-            robbed.append(g)
-    return np.array(kept, int), np.array(robbed, int)
+            displaced.append(g)
+    return np.array(kept, int), np.array(displaced, int)
 
 
-def _weighed(images: Images, view: Ints, gate: float) -> CandidatePoints:
-    """Points of views (C, H), without images that are too far off, and their merit."""
+def _scored(images: Images, view: Ints, gate: float) -> CandidatePoints:
+    """Points of views (C, H), without outliers, and their scores."""
     point = intersect(images, view)
     while (bad := point.squared.max(0, initial=0.0) > gate**2).any():
         which = np.flatnonzero(bad)
@@ -192,11 +192,11 @@ def _weighed(images: Images, view: Ints, gate: float) -> CandidatePoints:
         view = view[:, (view >= 0).sum(0) >= 2]
         point = intersect(images, view)
     has = view >= 0
-    worth = images.prior[:, None] - 2 * np.log(images.variance[view])
+    image_score = images.prior[:, None] - 2 * np.log(images.variance[view])
     squared = np.where(has, point.squared, 0.0).sum(0)
-    merit = np.where(has, worth, 0.0).sum(0) - squared
+    score = np.where(has, image_score, 0.0).sum(0) - squared
     sure = np.flatnonzero(np.isfinite(point.xyz).all(0) & np.isfinite(point.cov).all((0, 1)))
-    return CandidatePoints(images.frame[view.max(0, initial=0)], point.xyz, point.cov, view, squared, merit).take(sure)
+    return CandidatePoints(images.frame[view.max(0, initial=0)], point.xyz, point.cov, view, squared, score).take(sure)
 
 
 def intersect(images: Images, view: Ints, camera: Ints | None = None) -> PlacedPoints:

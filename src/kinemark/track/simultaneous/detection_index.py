@@ -7,8 +7,8 @@ that of its centroid plus what the calibration of its camera leaves open where t
 
 taken as equal in both axes. Where markers run together, the image is no marker's own; it lies within the blob, so its
 noise is that of a place somewhere in a disc of the blob's size, (r / 2)² in each axis (2). A marker half behind a limb
-has its image beside its place by a part of its radius r. For the claims (HIDDEN r)² is added; the positions are solved
-by a method with heavy tails, which knows of that itself.
+has its image beside its place by a part of its radius r. For the association (HIDDEN r)² is added; the positions are
+solved by a method with heavy tails, which knows of that itself.
 
 The images stand in one long list by frame, camera and u. Those near a place are a piece of it, found by bisection, so
 that looking costs the same whether a camera sees ten markers or a thousand.
@@ -32,7 +32,7 @@ LEAST_SD = 0.05
 """px; no calibration of a real camera is better, whatever it says of itself; chosen (see benchmarks/tracking.py)."""
 
 SEEN = 0.8
-"""p of `claims`, with which a camera sees a marker; it weighs little: between 0.5 and 0.95, what an image is worth
+"""p of `associate`, with which a camera sees a marker; it weighs little: between 0.5 and 0.95, the score of an image
 changes by that of a distance of two standard deviations; chosen (see benchmarks/tracking.py)."""
 
 HIDDEN = 0.1
@@ -49,9 +49,9 @@ class Images(NamedTuple):
         P: (C, 3, 4) projections, scaled so that the third row gives the depth in mm.
         uv: (D, 2) ideal pixels; variance: (D) px² of each axis; radius: (D) px.
         camera, frame: (D); usable: (D) whether it is valid; merged: (D) whether it may be more markers than one.
-        prior: (C) 2 ln(p / ((1 − p) 2π b)) of `claims`, b images per frame and px².
+        prior: (C) 2 ln(p / ((1 − p) 2π b)) of `associate`, b images per frame and px².
         calibration: (C) px², the second term of (1), which is in `variance`.
-        margin: (D) px² that `variance` has for the claims alone.
+        margin: (D) px² that `variance` has for the association alone.
         widest: (F C) px², the greatest variance in each frame and camera.
         stated: whether any source says how noisy its images are; usual: px², of those of which none does.
         size: (C, 2) of the images, px.

@@ -1,4 +1,4 @@
-"""What a run shows of its input: cameras that were moved, exchanged, shifted or stopped, and a rate that cannot be.
+"""What a run shows of its input: cameras that were moved, swapped, shifted or stopped, and a rate that cannot be.
 
 Each camera is compared with what all the others together say. From its images in the tracks, the median of image less
 projection over a tenth of the recording shows a camera that stands otherwise than it is calibrated (1), and since when.
@@ -20,20 +20,20 @@ from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
 from .detection_index import Images
 from .kalman_states import KalmanStates
-from .measurement_noise import DEAF, FAR
+from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE
 from .time_offsets import TimeOffsets, time_offsets
 from .tracker import TrackingResult
 
 PARTS = 10
 """Into which a recording is cut; chosen (see benchmarks/tracking.py)."""
 
-BESIDE = 0.5
+MIN_SHIFT = 0.5
 """px; less is what a usual calibration leaves; chosen (see benchmarks/tracking.py)."""
 
-CERTAIN = 5.0
+MIN_STANDARD_ERRORS = 5.0
 """Standard errors of a delay; chosen (see benchmarks/tracking.py)."""
 
-FASTEST = 15_000.0
+MAX_SPEED = 15_000.0
 """mm/s; markers on people hardly move faster than the hand of a thrower; chosen (see benchmarks/tracking.py)."""
 
 FEW = 30
@@ -44,14 +44,14 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     """What is odd about the input; nothing where nothing is."""
     found, late = [], _not_synchronous(detections, rig, time_offsets(result))
     for c, name in enumerate(rig.names):
-        found += _silent(detections, result, c) or late.get(c) or _beside(result, c, name)
-    found += [_misfit(result, rig, c) for c in result.noise.deaf.tolist()]
+        found += _without_images(detections, result, c) or late.get(c) or _shifted(result, c, name)
+    found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist()]
     return found + _too_fast(result, detections.rate)
 
 
 def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> dict[int, list[Finding]]:
     """About cameras that see at other times than the others, under their numbers."""
-    there = (np.abs(found.delay) > CERTAIN * found.error) & (found.shift > BESIDE)
+    there = (np.abs(found.delay) > MIN_STANDARD_ERRORS * found.error) & (found.shift > MIN_SHIFT)
     return {
         c: [
             make_finding(
@@ -66,7 +66,7 @@ def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> di
     }
 
 
-def _silent(detections: Detections, result: TrackingResult, c: int) -> list[Finding]:
+def _without_images(detections: Detections, result: TrackingResult, c: int) -> list[Finding]:
     """About a camera without images at the end, or the beginning, of the recording, though markers were in its view."""
     n, some, name = detections.n_frames, np.flatnonzero(detections.counts[c]), [detections.cameras[c]]
     if not n or not len(some):
@@ -89,18 +89,18 @@ class Parts(NamedTuple):
     first: Ints
 
 
-def _beside(result: TrackingResult, c: int, name: str) -> list[Finding]:
+def _shifted(result: TrackingResult, c: int, name: str) -> list[Finding]:
     """About a camera whose images lie beside the others', or fit no longer."""
-    if c in result.noise.deaf:
+    if c in result.noise.inconsistent:
         return []
-    parts, end = _parts(result, c), result.tracks.cloud.n_frames - 1
+    parts, end = _parts_of_recording(result, c), result.tracks.cloud.n_frames - 1
     usual = np.nanmax(parts.share, initial=0.0)
     lost = parts.share < 0.1 * usual
-    if usual > DEAF and lost[-1]:  # (2)
+    if usual > MIN_FOUND_SHARE and lost[-1]:  # (2)
         last = len(lost) - int(np.argmin(lost[::-1]))
         return [make_finding("camera_moved", cameras=[name], frames=[(parts.first[last], end)])]
     far = np.linalg.norm(parts.off, axis=1)
-    wrong = np.flatnonzero(far > BESIDE)  # (1)
+    wrong = np.flatnonzero(far > MIN_SHIFT)  # (1)
     if not len(wrong):
         return []
     whole = len(wrong) >= np.isfinite(far).sum() - 1
@@ -109,7 +109,7 @@ def _beside(result: TrackingResult, c: int, name: str) -> list[Finding]:
     return [make_finding("camera_shifted", cameras=[name], frames=since, offset_u_px=u, offset_v_px=v)]
 
 
-def _parts(result: TrackingResult, c: int) -> Parts:
+def _parts_of_recording(result: TrackingResult, c: int) -> Parts:
     """What a camera has where the points of the tracks are, by parts of the recording."""
     cloud, images = result.tracks.cloud, result.images
     first = np.unique(np.linspace(0, cloud.n_frames, PARTS + 1).astype(int))[:-1]
@@ -121,7 +121,7 @@ def _parts(result: TrackingResult, c: int) -> Parts:
     for k in range(len(first)):
         own = (part == k) & inside
         there = own & (near >= 0)
-        if there.sum() >= max(FEW, 2 * DEAF * own.sum()):
+        if there.sum() >= max(FEW, 2 * MIN_FOUND_SHARE * own.sum()):
             off[k] = np.median(images.uv[near[there]] - uv[there], axis=0)
         if own.sum() >= FEW:
             share[k] = (cloud.view[own, c] >= 0).mean()
@@ -148,16 +148,16 @@ def _in_view(result: TrackingResult, c: int, uv: Floats, least: int) -> Bools:
 
 def _nearest(images: Images, frame: Ints, c: int, uv: Floats) -> Ints:
     """(P) rows of the images of camera c nearest to places uv (P, 2), −1 where none is within FAR."""
-    own, row = images.near(frame * len(images.P) + c, uv[:, 0], np.full(len(uv), FAR))
+    own, row = images.near(frame * len(images.P) + c, uv[:, 0], np.full(len(uv), MAX_DISTANCE))
     far = np.linalg.norm(images.uv[row] - uv[own], axis=1)
     order = np.argsort(-far, kind="stable")
-    order = order[far[order] < FAR]
+    order = order[far[order] < MAX_DISTANCE]
     out = np.full(len(uv), -1)
     out[own[order]] = row[order]
     return out
 
 
-def _misfit(result: TrackingResult, rig: Rig, c: int) -> Finding:
+def _inconsistent_camera(result: TrackingResult, rig: Rig, c: int) -> Finding:
     """About a camera whose images fit nothing: which other one it might be (3)."""
     cloud, images = result.tracks.cloud, result.images
     found = np.zeros(len(rig))
@@ -167,7 +167,7 @@ def _misfit(result: TrackingResult, rig: Rig, c: int) -> Finding:
         if inside.any():
             found[other] = (_nearest(images, cloud.frame[inside], c, uv[inside]) >= 0).mean()
     best = int(found.argmax())
-    if best != c and found[best] > 2 * DEAF:
+    if best != c and found[best] > 2 * MIN_FOUND_SHARE:
         return make_finding("camera_takes_place_of_other", cameras=[rig.names[c], rig.names[best]], left_out=True)
     return make_finding("camera_fits_nothing", cameras=[rig.names[c]], left_out=True)
 
@@ -179,8 +179,8 @@ def _too_fast(result: TrackingResult, rate: float) -> list[Finding]:
     xyz, frame, ids = cloud.xyz[order], cloud.frame[order], ids[order]
     next_one = (np.diff(ids) == 0) & (np.diff(frame) == 1)
     speed = np.linalg.norm(np.diff(xyz, axis=0)[next_one], axis=1) * rate
-    if not len(cloud) and (result.noise.found > DEAF).any():
+    if not len(cloud) and (result.noise.found > MIN_FOUND_SHARE).any():
         return [make_finding("nothing_goes_on", rate_hz=rate)]
-    if len(speed) < FEW or np.percentile(speed, 99) < FASTEST:
+    if len(speed) < FEW or np.percentile(speed, 99) < MAX_SPEED:
         return []
     return [make_finding("speeds_impossible", speed_m_s=np.percentile(speed, 99) / 1000, rate_hz=rate)]

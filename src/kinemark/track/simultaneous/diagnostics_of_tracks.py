@@ -10,7 +10,7 @@ from ...data import Detections, Finding, Rig, Tracks
 from .candidate_points import fundamentals
 from .detection_index import read_images
 from .diagnostics import diagnose
-from .measurement_noise import learned
+from .measurement_noise import learn_noise
 from .passes import Associations
 from .simultaneous_method import DEFAULT
 from .tracker import TrackingResult
@@ -25,7 +25,7 @@ def diagnose_tracks(detections: Detections, rig: Rig, tracks: Tracks) -> list[Fi
         tracks: what any method made of it; points without an identity say nothing.
     """
     images = read_images(detections, rig)
-    images, noise = learned(images, fundamentals(images.P), DEFAULT.gate)
+    images, noise = learn_noise(images, fundamentals(images.P), DEFAULT.gate)
     own = tracks.id >= 0
     tracks = Tracks(tracks.cloud.keep(own), tracks.id[own])
     result = TrackingResult(tracks, _not_known(len(rig)), np.zeros(0, np.int64), np.zeros(0), [], images, noise)

@@ -1,11 +1,11 @@
 """New tracks, from images that no track has.
 
-Points (`candidate_points`) of three successive frames make a track where they lie as a point may that moves at the
-usual speed v and acceleration a,
+Points (`candidate_points`) of three successive frames make a track where they fit a motion whose velocity and
+acceleration have the standard deviations v and a,
 
     c² = (x₁ − 2 x₂ + x₃)ᵀ (V₁ + 4 V₂ + V₃ + (a T²)² I)⁻¹ (x₁ − 2 x₂ + x₃) + |x₃ − x₁|² / (2 v T)²    (1)
 
-and of the many threes that might, those of the least c² less the merit of their groups are taken, each group once.
+and of all triples, those of the least c² less the scores of their groups are taken, each group once.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
 from ...native import inverse
-from .candidate_points import CandidatePoints, groups_of
+from .candidate_points import CandidatePoints, find_candidate_points
 from .detection_index import Images
 from .simultaneous_method import Simultaneous
 
@@ -33,18 +33,18 @@ class InitiatedTracks(NamedTuple):
 def initiate(
     images: Images, free: Bools, F: Floats, lasts: list[int], T: float, method: Simultaneous
 ) -> list[InitiatedTracks]:
-    """Tracks that begin in the three frames that end with each of `lasts`, among the free images."""
+    """Tracks that are initiated in the three frames that end with each of `lasts`, among the free images."""
     frames = [last - back for last in lasts for back in (2, 1, 0)]
-    groups = groups_of(images, free, F, frames, method.gate)
-    born = []
+    groups = find_candidate_points(images, free, F, frames, method.gate)
+    initiated = []
     for last in lasts:
         each = [groups.frame == f for f in (last - 2, last - 1, last)]
         if not all(own.any() for own in each):  # mostly so, once all markers have their tracks
             continue
         first, middle, final = (groups.take(own) for own in each)
         i, j, k = _triples(first, middle, final, T, method)
-        born.append(InitiatedTracks((first.take(i), middle.take(j), final.take(k))))
-    return [one for one in born if len(one)]
+        initiated.append(InitiatedTracks((first.take(i), middle.take(j), final.take(k))))
+    return [one for one in initiated if len(one)]
 
 
 def _triples(
@@ -57,10 +57,10 @@ def _triples(
     i, j, k = a[pair], b[pair], c[onward]
     bend = first.xyz[:, i] - 2 * middle.xyz[:, j] + last.xyz[:, k]
     S = first.cov[..., i] + 4 * middle.cov[..., j] + last.cov[..., k]
-    S = S + (method.acceleration * T * T) ** 2 * np.eye(3)[..., None]
+    S = S + (method.acceleration_sd * T * T) ** 2 * np.eye(3)[..., None]
     squared = (bend * np.einsum("ijt,jt->it", inverse(S), bend)).sum(0)  # (1)
-    pace = ((last.xyz[:, k] - first.xyz[:, i]) ** 2).sum(0) / (2 * method.speed * T) ** 2
-    cost = squared + pace - first.merit[i] - middle.merit[j] - last.merit[k]
+    pace = ((last.xyz[:, k] - first.xyz[:, i]) ** 2).sum(0) / (2 * method.velocity_sd * T) ** 2
+    cost = squared + pace - first.score[i] - middle.score[j] - last.score[k]
     fits = np.flatnonzero(squared < method.gate**2)
     order = fits[np.argsort(cost[fits], kind="stable")]
     chosen = _once(np.array([i[order], j[order], k[order]]).T.tolist())
@@ -82,7 +82,7 @@ def _once(triples: list[list[int]]) -> list[int]:
 def _neighbours(one: CandidatePoints, other: CandidatePoints, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
     """Points of successive frames between which a point may have gone: within three times the usual speed."""
     apart = np.linalg.norm(one.xyz[:, :, None] - other.xyz[:, None], axis=0)
-    a, b = np.nonzero(apart < 3 * method.speed * T + _spread(one)[:, None] + _spread(other))
+    a, b = np.nonzero(apart < 3 * method.velocity_sd * T + _spread(one)[:, None] + _spread(other))
     return a, b
 
 

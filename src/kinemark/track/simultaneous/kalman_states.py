@@ -39,7 +39,7 @@ class KalmanStates(NamedTuple):
         return KalmanStates(np.concatenate([self.x, other.x], -1), np.concatenate([self.V, other.V], -1))
 
 
-def at_rest(xyz: Floats, cov: Floats, *, speed: float, acceleration: float) -> KalmanStates:
+def initial_states(xyz: Floats, cov: Floats, *, speed: float, acceleration: float) -> KalmanStates:
     """Points (3, T) of covariance (3, 3, T) of which no motion is known but its usual size, mm/s and mm/s²."""
     x, V = np.zeros((9, xyz.shape[-1])), np.zeros((9, 9, xyz.shape[-1]))
     x[:3], V[:3, :3] = xyz, cov

@@ -19,13 +19,13 @@ import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
 from ...native import inverse
-from .kalman_states import KalmanStates, at_rest, predict, reversed_time, update
+from .kalman_states import KalmanStates, initial_states, predict, reversed_time, update
 from .simultaneous_method import Simultaneous
 
 LOOK = 8
 """Frames from which the motion is known; chosen (see benchmarks/tracking.py)."""
 
-NOWHERE = 1000.0
+UNKNOWN_SD = 1000.0
 """mm, the standard deviation of a position of which nothing is known; chosen (see benchmarks/tracking.py)."""
 
 
@@ -64,10 +64,10 @@ def rows_near(rows: Ints, id: Ints, frame: Ints, way: int) -> Ints:
 def motion_from(points: TrackPoints, near: Ints, around: Floats, T: float, method: Simultaneous) -> KalmanStates:
     """The motion of n tracks in a frame, from their rows `near` (LOOK, n) it; somewhere about `around` (3, n) mm."""
     n = near.shape[1]
-    wide = np.broadcast_to(np.eye(3)[..., None] * NOWHERE**2, (3, 3, n))
-    motion = at_rest(around, wide, speed=method.speed, acceleration=method.acceleration)
+    wide = np.broadcast_to(np.eye(3)[..., None] * UNKNOWN_SD**2, (3, 3, n))
+    motion = initial_states(around, wide, speed=method.velocity_sd, acceleration=method.acceleration_sd)
     for k in range(LOOK - 1, -1, -1):
-        motion = motion if k == LOOK - 1 else predict(motion, T, method.wander)
+        motion = motion if k == LOOK - 1 else predict(motion, T, method.process_noise)
         N = inverse(points.cov[near[k]].transpose(1, 2, 0)) * (near[k] >= 0)
         motion = update(motion, N, np.einsum("ijt,jt->it", N, points.xyz[near[k]].T - motion.position))
     return motion

@@ -14,31 +14,31 @@ from .associate import Association, PredictedImages, associate, information, pre
 from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
 from .initiate import initiate
-from .kalman_states import KalmanStates, at_rest, predict, update
+from .kalman_states import KalmanStates, initial_states, predict, update
 from .simultaneous_method import Simultaneous
 
-LANES = 8
-"""Stretches that are gone through side by side: NumPy's overhead is then shared by eight times as many tracks.
-Chosen."""
+STRETCHES = 8
+"""Stretches of the recording that are tracked side by side: NumPy's overhead is then shared by eight times as many
+tracks. Chosen."""
 
-LANE = 64
-"""Frames of a stretch at least; each begins with all its tracks to be born; chosen (see benchmarks/tracking.py)."""
+MIN_STRETCH = 64
+"""Frames of a stretch at least; each begins by initiating all its tracks; chosen (see benchmarks/tracking.py)."""
 
-LOST = 2.0
-"""A track of which two cameras see nothing ends where its place is known no better than to this many times `worst`: it
-could then be taken up by another marker's images, and whether it goes on is for `joins` to decide, which knows what
-came afterwards; chosen."""
+LOST_FACTOR = 2.0
+"""A track that two cameras do not see is terminated where its standard deviation exceeds this many times `max_sd`: it
+could then take another marker's images. `stitch`, which knows what came afterwards, decides whether it goes on;
+chosen."""
 
-LEFT = 0.05
-"""Of an image's variance, the least that is left beside the place's: an image that alone says where a track is agrees
-with itself; chosen (see benchmarks/tracking.py)."""
+MIN_VARIANCE_SHARE = 0.05
+"""Of an image's variance, the least that is left without the prediction's: an image that alone determines a track
+agrees with itself; chosen (see benchmarks/tracking.py)."""
 
 ROUNDS = 3
-"""Images at most that a track gives back in one frame; chosen (see benchmarks/tracking.py)."""
+"""Images at most that are taken from a track as outliers in one frame; chosen (see benchmarks/tracking.py)."""
 
 
 class ActiveTracks(NamedTuple):
-    """T tracks that go on: id, frame and alone, the frames since two cameras saw them (T) each; and their motion."""
+    """T active tracks: id, frame and alone, the frames since two cameras saw them (T) each; and their states."""
 
     id: Ints
     frame: Ints
@@ -57,14 +57,14 @@ class ActiveTracks(NamedTuple):
 
 
 class Associations(NamedTuple):
-    """S times that a track was looked for.
+    """The images of tracks, S times a track in a frame.
 
     Attributes:
         frame, id: (S).
         row: (C, S) of `Images`, −1 for none; shared: (C, S) whether another track has the image too.
-        squared: (S) how far its own images are off in all, in standard deviations, squared.
-        before: (S) the standard deviation of where it was expected, of all three axes together, mm.
-        xyz, cov: (3, S) mm and (3, 3, S) mm², where it is then thought to be.
+        squared: (S) sum of the squared residuals of its unshared images, in standard deviations.
+        before: (S) the standard deviation of its prediction, of all three axes together, mm.
+        xyz, cov: (3, S) mm and (3, 3, S) mm², the updated position.
     """
 
     frame: Ints
@@ -91,37 +91,37 @@ class Associations(NamedTuple):
 
 
 class PassFit(NamedTuple):
-    """Association, the tracks with them, and how far the images of each are off, as `Associations.squared`."""
+    """Association, the updated tracks, and their squared residuals as `Associations.squared`."""
 
-    claims: Association
+    association: Association
     after: KalmanStates
     squared: Floats
 
 
 class Run:
-    """A run over a recording: its images, which of them are free, and what was seen."""
+    """Both passes over a recording: its images, which of them are free, and the associations so far."""
 
     def __init__(self, images: Images, rate: float, method: Simultaneous) -> None:
         self.images, self.method, self.T = images, method, 1 / rate
         self.free = images.usable.copy()
         self.F = fundamentals(images.P)
         self.seen: list[Associations] = []
-        self.born = self.nobody()
+        self.initiated = self.no_tracks()
         self.n = 0
 
     def whole(self) -> Associations:
-        """All tracks, forwards in each stretch, then backwards from where they began."""
-        stride = max(round(self.method.every / self.T), 1)
+        """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""
+        stride = max(round(self.method.initiation_interval / self.T), 1)
         first = self.stretches()
         length = int(np.diff(first).max())
-        active = self.nobody()
+        active = self.no_tracks()
         for k in range(length):
             tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)
             active = self.step(active.take(active.frame < self.images.n_frames))
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first[:-1] if f + k < self.images.n_frames]))
-        active = self.born
+        active = self.initiated
         while len(active.id):
             tell(length, 2 * length)
             active = active._replace(frame=active.frame - 1)
@@ -131,39 +131,41 @@ class Run:
         return Associations(*(np.concatenate(column, -1) for column in zip(*self.seen, strict=True)))
 
     def stretches(self) -> Ints:
-        """Frames at which the stretches begin that are gone through side by side, and the number of frames."""
+        """First frames of the stretches that are tracked side by side, and the number of frames."""
         n = self.images.n_frames
-        count = int(np.clip(n // LANE, 1, LANES))
+        count = int(np.clip(n // MIN_STRETCH, 1, STRETCHES))
         return np.minimum(np.arange(count + 1) * -(-n // count), n)
 
-    def nobody(self) -> ActiveTracks:
+    def no_tracks(self) -> ActiveTracks:
         """No tracks."""
         zero = np.zeros(0, np.int64)
         return ActiveTracks(zero, zero, zero, KalmanStates(np.zeros((9, 0)), np.zeros((9, 9, 0))))
 
     def begin(self, lasts: list[int]) -> ActiveTracks:
         """New tracks of the three frames that end with each of `lasts`."""
-        active = self.nobody()
-        for born in initiate(self.images, self.free, self.F, lasts, self.T, self.method):
-            ids = np.arange(self.n, self.n + len(born))
-            self.n += len(born)
-            for group in born.groups:
+        active = self.no_tracks()
+        for initiated in initiate(self.images, self.free, self.F, lasts, self.T, self.method):
+            ids = np.arange(self.n, self.n + len(initiated))
+            self.n += len(initiated)
+            for group in initiated.groups:
                 self.free[group.row[group.row >= 0]] = False
                 none = np.zeros(group.row.shape, bool)
                 wide = np.sqrt(np.trace(group.cov))
                 self.seen.append(
                     Associations(group.frame, ids, group.row, none, group.squared, wide, group.xyz, group.cov)
                 )
-            self.born = self.born.plus(self.started(ids, born.groups[::-1]))
-            active = active.plus(self.started(ids, born.groups))
+            self.initiated = self.initiated.plus(self.started(ids, initiated.groups[::-1]))
+            active = active.plus(self.started(ids, initiated.groups))
         return active
 
     def started(self, ids: Ints, groups: tuple[CandidatePoints, ...]) -> ActiveTracks:
         """New tracks at the last of their three points, in the order given."""
         first, *others = groups
-        motion = at_rest(first.xyz, first.cov, speed=self.method.speed, acceleration=self.method.acceleration)
+        motion = initial_states(
+            first.xyz, first.cov, speed=self.method.velocity_sd, acceleration=self.method.acceleration_sd
+        )
         for group in others:
-            motion = predict(motion, self.T, self.method.wander)
+            motion = predict(motion, self.T, self.method.process_noise)
             N = inverse(group.cov)
             motion = update(motion, N, np.einsum("ijt,jt->it", N, group.xyz - motion.position))
         return ActiveTracks(ids, others[-1].frame, np.zeros(len(ids), np.int64), motion)
@@ -173,62 +175,64 @@ class Run:
         if not len(active.id):
             return active
         images, gate = self.images, self.method.gate
-        motion = predict(active.motion, self.T, self.method.wander)
+        motion = predict(active.motion, self.T, self.method.process_noise)
         expected = predict_images(images.P, motion)
-        claims = associate(images, self.free, active.frame, expected, gate)
-        claims = share(images, active.frame, expected, claims, gate)
-        after = update(motion, *information(images, expected, claims))
-        claims, after, squared = without_loose(images, gate, motion, expected, claims, after)
-        has = claims.row >= 0
-        self.free[claims.row[has]] = False
-        own, count = (has & ~claims.shared).sum(0), has.sum(0)
+        association = associate(images, self.free, active.frame, expected, gate)
+        association = share(images, active.frame, expected, association, gate)
+        after = update(motion, *information(images, expected, association))
+        association, after, squared = without_outliers(images, gate, motion, expected, association, after)
+        has = association.row >= 0
+        self.free[association.row[has]] = False
+        own, count = (has & ~association.shared).sum(0), has.sum(0)
         before = np.sqrt(np.trace(motion.cov))
         self.seen.append(
-            Associations(active.frame, active.id, claims.row, claims.shared, squared, before, after.position, after.cov)
+            Associations(
+                active.frame, active.id, association.row, association.shared, squared, before, after.position, after.cov
+            )
         )
         alone = np.where((own >= 1) & (count >= 2), 0, active.alone + 1)
-        lost = np.sqrt(np.trace(after.cov)) > LOST * self.method.worst
-        alive = (alone <= self.method.patience / self.T) & ~((alone > 0) & lost)
+        lost = np.sqrt(np.trace(after.cov)) > LOST_FACTOR * self.method.max_sd
+        alive = (alone <= self.method.max_coasting / self.T) & ~((alone > 0) & lost)
         active = ActiveTracks(active.id, active.frame, alone, after)
         return active if alive.all() else active.take(alive)
 
 
-def without_loose(
+def without_outliers(
     images: Images,
     gate: float,
     before: KalmanStates,
     expected: PredictedImages,
-    claims: Association,
+    association: Association,
     after: KalmanStates,
 ) -> PassFit:
-    """The claims without images that do not fit the others of their track, and the tracks without them."""
+    """The association without images that do not fit the others of their track, and the tracks updated without them."""
     for _ in range(ROUNDS):
-        has = claims.row >= 0
+        has = association.row >= 0
         seen = predict_images(images.P, after)
-        off = np.where(has[:, None], images.uv[claims.row].swapaxes(1, 2) - seen.uv, 0.0)
-        squared = (off * off).sum(1) / claims.variance
-        alone = _without_itself(off, claims.variance, seen.S)
+        off = np.where(has[:, None], images.uv[association.row].swapaxes(1, 2) - seen.uv, 0.0)
+        squared = (off * off).sum(1) / association.variance
+        alone = _off_without_itself(off, association.variance, seen.S)
         loose = (alone > gate**2) & (has.sum(0) >= 2)
         if not loose.any():
             break
-        wrong = (alone == alone.max(0)) | (has.sum(0) == 2)  # of two, nobody knows which it is
+        wrong = (alone == alone.max(0)) | (has.sum(0) == 2)  # of two, it is not known which one it is
         wrong &= has & loose.any(0)
-        row, variance = np.where(wrong, -1, claims.row), np.where(wrong, np.inf, claims.variance)
-        claims = claims._replace(row=row, variance=variance, worth=np.where(row < 0, 0.0, claims.worth))
-        after = update(before, *information(images, expected, claims))
-    not_own = claims.shared | images.merged[claims.row]
-    return PassFit(claims, after, np.where(not_own, 0.0, squared).sum(0))
+        row, variance = np.where(wrong, -1, association.row), np.where(wrong, np.inf, association.variance)
+        association = association._replace(row=row, variance=variance, score=np.where(row < 0, 0.0, association.score))
+        after = update(before, *information(images, expected, association))
+    not_own = association.shared | images.merged[association.row]
+    return PassFit(association, after, np.where(not_own, 0.0, squared).sum(0))
 
 
-def _without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
-    """(C, T) how far images are off what all the others say, squared, in standard deviations.
+def _off_without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
+    """(C, T) squared distances of images from the prediction by all the others, in standard deviations.
 
     off (C, 2, T) px from where they are seen with their own help, which leaves of their variance (C, T) what is not in
     S (C, 3, T), the place's.
     """
     v = np.where(np.isfinite(variance), variance, 1.0)
-    a, b, d = np.maximum(v - S[:, 0], LEFT * v), -S[:, 1], np.maximum(v - S[:, 2], LEFT * v)
-    det = np.maximum(a * d - b * b, (LEFT * v) ** 2)
+    a, b, d = np.maximum(v - S[:, 0], MIN_VARIANCE_SHARE * v), -S[:, 1], np.maximum(v - S[:, 2], MIN_VARIANCE_SHARE * v)
+    det = np.maximum(a * d - b * b, (MIN_VARIANCE_SHARE * v) ** 2)
     x, y = off.swapaxes(0, 1)
     return np.where(np.isfinite(variance), (d * x * x - 2 * b * x * y + a * y * y) / det, 0.0)
 

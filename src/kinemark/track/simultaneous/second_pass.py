@@ -1,16 +1,18 @@
-"""A second look at what the run was not sure of, with the frames before and after at hand.
+"""A second pass over what the first was not sure of, with the frames before and after known.
 
 The run knows of a track only what was before, and looks for new ones not in every frame; so it may miss what two
 cameras see for a moment, or take a wrong image. Once tracks are whole, a frame in question has known points of its
-track before and after it. The motion of each side is taken on to the frame, and where both lead to, by (1) of `paths`,
-images are claimed as in the run (`claims`), among those that no known point has. In question are
+track before and after it. The motion of each side is taken on to the frame, and where both lead to, by (1) of
+`neighbouring_points`, images are associated as in the first pass (`associate`), among those that no known point has. In
+question are
 
 - points of two images, known being those of SOUND and more: they are wrong where they do not lie where both sides lead
-  to, or where SOUND images are claimed instead (1);
+  to, or where SOUND images are associated instead (1);
 - frames without a point between known points, and for a while after a track's last and before its first; these only
-  where three cameras ever saw it, as a chance meeting of two images also goes on. Two claimed images make a point (2).
+  where three cameras ever saw it, as a chance meeting of two images also goes on. Two associated images make a point
+  (2).
 
-What is found leads farther on, so (2) is done LOOKS times.
+What is found leads farther on, so (2) is done ITERATIONS times.
 """
 
 from __future__ import annotations
@@ -27,16 +29,16 @@ from .candidate_points import intersect
 from .detection_index import Images
 from .kalman_states import KalmanStates, predict, reversed_time, update
 from .neighbouring_points import TrackPoints, between, motion_from, rows_near, rows_of
-from .passes import without_loose
+from .passes import without_outliers
 from .simultaneous_method import Simultaneous
 
-LOOKS = 3  # times in turn; chosen: the third finds hardly anything new
+ITERATIONS = 3  # times in turn; chosen: the third finds hardly anything new
 
 SOUND = 3
 """Images of a point that is not in question; chosen (see benchmarks/tracking.py)."""
 
 AT_ONCE = 20_000
-"""Frames of tracks that are looked at in one go, and the rest of the last frame; more would take memory; chosen."""
+"""Frames of tracks that are computed in one go, and the rest of the last frame; more would take memory; chosen."""
 
 
 class SecondPass(NamedTuple):
@@ -47,7 +49,7 @@ class SecondPass(NamedTuple):
     row: Ints
 
 
-class Doubtful(NamedTuple):
+class FramesInQuestion(NamedTuple):
     """N frames of tracks id in question, and the known points before and after each, −1 for none; all (N)."""
 
     id: Ints
@@ -55,32 +57,32 @@ class Doubtful(NamedTuple):
     before: Ints
     after: Ints
 
-    def take(self, which: Bools | Ints) -> Doubtful:
+    def take(self, which: Bools | Ints) -> FramesInQuestion:
         """Only these."""
-        return Doubtful(*(column[which] for column in self))
+        return FramesInQuestion(*(column[which] for column in self))
 
 
 def second_pass(points: TrackPoints, row: Ints, images: Images, T: float, method: Simultaneous) -> SecondPass:
-    """A second look at the tracks of P points with the images row (C, P)."""
+    """The second pass over the tracks of P points with the images row (C, P)."""
     sound = (row >= 0).sum(0) >= SOUND
     kept = ~_wrong(points, sound, row, images, T, method)
     known, view = points.take(kept), row[:, kept]
-    for _ in range(LOOKS):
-        doubtful = _doubtful(known, images.n_frames, T, method)
-        inside = (doubtful.before >= 0) & (doubtful.after >= 0)
-        doubtful = doubtful.take(inside | np.isin(doubtful.id, points.id[sound]))
-        free, claimed = _free(images, view), np.empty((len(row), len(doubtful.id)), np.int64)
-        for part in _parts(doubtful.frame):
+    for _ in range(ITERATIONS):
+        in_question = _in_question(known, images.n_frames, T, method)
+        inside = (in_question.before >= 0) & (in_question.after >= 0)
+        in_question = in_question.take(inside | np.isin(in_question.id, points.id[sound]))
+        free, associated = _free(images, view), np.empty((len(row), len(in_question.id)), np.int64)
+        for part in _parts(in_question.frame):
             tell(1, 2)
-            expected = _expected(known, doubtful.take(part), T, method)
-            claimed[:, part] = _claimed(images, free, doubtful.frame[part], expected, method)
-        place = intersect(images, claimed)
-        new = TrackPoints(doubtful.frame, doubtful.id, place.xyz.T, place.cov.transpose(2, 0, 1))
-        good = ((claimed >= 0).sum(0) >= 2) & np.isfinite(new.xyz).all(1) & np.isfinite(new.cov).all((1, 2))  # (2)
+            expected = _expected(known, in_question.take(part), T, method)
+            associated[:, part] = _associated(images, free, in_question.frame[part], expected, method)
+        place = intersect(images, associated)
+        new = TrackPoints(in_question.frame, in_question.id, place.xyz.T, place.cov.transpose(2, 0, 1))
+        good = ((associated >= 0).sum(0) >= 2) & np.isfinite(new.xyz).all(1) & np.isfinite(new.cov).all((1, 2))  # (2)
         if not good.any():
             break
         known = known.plus(new.take(good))
-        view = np.concatenate([view, claimed[:, good]], 1)
+        view = np.concatenate([view, associated[:, good]], 1)
     old = int(kept.sum())
     return SecondPass(kept, known.take(slice(old, None)), view[:, old:])
 
@@ -88,22 +90,22 @@ def second_pass(points: TrackPoints, row: Ints, images: Images, T: float, method
 def _wrong(points: TrackPoints, sound: Bools, row: Ints, images: Images, T: float, method: Simultaneous) -> Bools:
     """(P) by (1), from the sound points (P)."""
     known, wrong = points.take(sound), np.zeros(len(sound), bool)
-    doubtful = _doubtful(known, images.n_frames, T, method)
-    at = rows_near(rows_of(points), doubtful.id, doubtful.frame, 1)[0]
-    doubtful, at = doubtful.take(at >= 0), at[at >= 0]
+    in_question = _in_question(known, images.n_frames, T, method)
+    at = rows_near(rows_of(points), in_question.id, in_question.frame, 1)[0]
+    in_question, at = in_question.take(at >= 0), at[at >= 0]
     free = _free(images, np.delete(row, at, axis=1))
-    for part in _parts(doubtful.frame):
-        own, expected = at[part], _expected(known, doubtful.take(part), T, method)
+    for part in _parts(in_question.frame):
+        own, expected = at[part], _expected(known, in_question.take(part), T, method)
         off = points.xyz[own].T - expected.position
         N = inverse(expected.cov + points.cov[own].transpose(1, 2, 0))
         elsewhere = (off * np.einsum("ijt,jt->it", N, off)).sum(0) > method.gate**2
-        instead = _claimed(images, free, doubtful.frame[part], expected, method)
+        instead = _associated(images, free, in_question.frame[part], expected, method)
         wrong[own] = elsewhere | ((instead >= 0).sum(0) >= SOUND)
     return wrong
 
 
 def _parts(frame: Ints) -> list[Ints]:
-    """Places of about AT_ONCE of the frames (N), each frame in one part, as its claims are made together."""
+    """Places of about AT_ONCE of the frames (N), each frame in one part, as its images are associated together."""
     order = np.argsort(frame, kind="stable")
     cuts = np.searchsorted(frame[order], frame[order][AT_ONCE::AT_ONCE], "right")
     return [part for part in np.split(order, np.unique(cuts)) if len(part)]
@@ -116,15 +118,15 @@ def _free(images: Images, held: Ints) -> Bools:
     return free
 
 
-def _doubtful(known: TrackPoints, n_frames: int, T: float, method: Simultaneous) -> Doubtful:
+def _in_question(known: TrackPoints, n_frames: int, T: float, method: Simultaneous) -> FramesInQuestion:
     """The frames between known points of a track, and those soon after its last and before its first."""
     order = np.lexsort([known.frame, known.id])
     a, b = order[:-1], order[1:]
     step = known.frame[b] - known.frame[a]
-    near = (known.id[a] == known.id[b]) & (step * T <= method.gap)
+    near = (known.id[a] == known.id[b]) & (step * T <= method.max_gap)
     edge = np.ones(min(len(order), 1), bool)
     last, first = order[np.concatenate([~near, edge])], order[np.concatenate([edge, ~near])]
-    wait = round(method.patience / T)
+    wait = round(method.max_coasting / T)
     none = np.full(len(last), -1)
     before, after = np.concatenate([a[near], last, none]), np.concatenate([b[near], none, first])
     left, right = np.minimum(wait, known.frame[first]), np.minimum(wait, n_frames - 1 - known.frame[last])
@@ -132,30 +134,31 @@ def _doubtful(known: TrackPoints, n_frames: int, T: float, method: Simultaneous)
     k = np.repeat(np.arange(len(count)), count)
     nth = np.arange(len(k)) - np.repeat(np.cumsum(count) - count, count) + 1
     own, way = np.where(before >= 0, before, after)[k], np.where(before >= 0, 1, -1)[k]
-    return Doubtful(known.id[own], known.frame[own] + way * nth, before[k], after[k])
+    return FramesInQuestion(known.id[own], known.frame[own] + way * nth, before[k], after[k])
 
 
-def _expected(known: TrackPoints, doubtful: Doubtful, T: float, method: Simultaneous) -> KalmanStates:
+def _expected(known: TrackPoints, in_question: FramesInQuestion, T: float, method: Simultaneous) -> KalmanStates:
     """What the known points on both sides, or on the only one, say of the motion in the doubtful frames."""
     rows, sides = rows_of(known), []
-    for point, way in ((doubtful.before, -1), (doubtful.after, 1)):
+    for point, way in ((in_question.before, -1), (in_question.after, 1)):
         ends, which = np.unique(point, return_inverse=True)
         near = rows_near(rows, known.id[ends], known.frame[ends], way)
         motion = motion_from(known, near, known.xyz[ends].T, T, method).take(which)
-        sides.append(predict(motion, np.abs(doubtful.frame - known.frame[point]) * T, method.wander))
+        sides.append(predict(motion, np.abs(in_question.frame - known.frame[point]) * T, method.process_noise))
     before, after = sides[0], reversed_time(sides[1])
     both = between(before, after)
-    one_sided = [doubtful.after < 0, doubtful.before < 0]
+    one_sided = [in_question.after < 0, in_question.before < 0]
     return KalmanStates(*(np.select(one_sided, each[:2], each[2]) for each in zip(before, after, both, strict=True)))
 
 
-def _claimed(images: Images, free: Bools, frame: Ints, expected: KalmanStates, method: Simultaneous) -> Ints:
-    """(C, N) the images claimed in frames (N) that fit one another; none where the place is not known to `worst`."""
+def _associated(images: Images, free: Bools, frame: Ints, expected: KalmanStates, method: Simultaneous) -> Ints:
+    """(C, N) the images associated in frames (N) that fit one another; none where the standard deviation exceeds
+    `max_sd`."""
     row = np.full((len(images.P), len(frame)), -1)
-    near = np.sqrt(np.trace(expected.cov)) < method.worst
+    near = np.sqrt(np.trace(expected.cov)) < method.max_sd
     expected = expected.take(near)
     seen = predict_images(images.P, expected)
-    claims = associate(images, free, frame[near], seen, method.gate)
-    after = update(expected, *information(images, seen, claims))
-    row[:, near] = without_loose(images, method.gate, expected, seen, claims, after).claims.row
+    association = associate(images, free, frame[near], seen, method.gate)
+    after = update(expected, *information(images, seen, association))
+    row[:, near] = without_outliers(images, method.gate, expected, seen, association, after).association.row
     return row

@@ -16,24 +16,44 @@ class Simultaneous(Method):
 
     gate: float = parameter(
         5.0, unit="standard deviations", above=0,
-        meaning="gate: farthest that an image may lie from where a track is expected",
+        meaning="largest distance of an image from where a track is predicted, at which it may be associated",
     )  # fmt: skip
-    wander: float = parameter(
-        40_000.0, unit="mm/s² per √s", above=0,
+    process_noise: float = parameter(
+        40_000.0, former="wander", unit="mm/s² per √s", above=0,
         meaning="process noise: how fast the acceleration of a marker changes; q of the motion model",
     )  # fmt: skip
-    speed: float = parameter(
-        1500.0, unit="mm/s", above=0, meaning="usual speed of a marker of which no motion is known"
+    velocity_sd: float = parameter(
+        1500.0,
+        former="speed",
+        unit="mm/s",
+        above=0,
+        meaning="standard deviation of each component of the velocity of a new track",
     )
-    acceleration: float = parameter(15_000.0, unit="mm/s²", above=0, meaning="usual acceleration of such a marker")
-    patience: float = parameter(
-        0.12, unit="s", above=0, meaning="coasting: how long a track goes on that fewer than two cameras see"
+    acceleration_sd: float = parameter(
+        15_000.0,
+        former="acceleration",
+        unit="mm/s²",
+        above=0,
+        meaning="standard deviation of each component of its acceleration",
     )
-    every: float = parameter(0.05, unit="s", above=0, meaning="how often new tracks are initiated")
-    shortest: float = parameter(0.06, unit="s", above=0, meaning="least duration of a track, and at least four points")
-    gap: float = parameter(1.0, unit="s", above=0, meaning="longest gap over which fragments are stitched")
-    worst: float = parameter(
-        10.0, unit="mm", above=0,
+    max_coasting: float = parameter(
+        0.12,
+        former="patience",
+        unit="s",
+        above=0,
+        meaning="coasting: how long a track goes on that fewer than two cameras see",
+    )
+    initiation_interval: float = parameter(
+        0.05, former="every", unit="s", above=0, meaning="how often new tracks are initiated"
+    )
+    min_duration: float = parameter(
+        0.06, former="shortest", unit="s", above=0, meaning="least duration of a track, and at least four points"
+    )
+    max_gap: float = parameter(
+        1.0, former="gap", unit="s", above=0, meaning="longest gap over which fragments are stitched"
+    )
+    max_sd: float = parameter(
+        10.0, former="worst", unit="mm", above=0,
         meaning="standard deviation beyond which a point is not given; a fifth of it where no two cameras have an "
         "image of it alone",
     )  # fmt: skip

@@ -1,22 +1,25 @@
-"""Pieces of one marker's path that lie apart become one track.
+"""Stitching: fragments of one marker's trajectory become one track.
 
-A track that ends goes on by its motion, one that begins goes back by its own, and half way of the gap between them the
-one is compared with the other. With δ the difference of positions and velocities there and S the sum of their
+A track that ends is predicted forwards, one that begins is predicted backwards, and both are compared halfway through
+the gap between them. With δ the difference of positions and velocities there and S the sum of their
 covariances,
 
-    worth = 2 ln(p / ((1 − p) b)) − ln |2π S| − δᵀ S⁻¹ δ                                  (1)
+    score = 2 ln(p / ((1 − p) b)) − ln |2π S| − δᵀ S⁻¹ δ                                  (1)
 
-says how much likelier both are one marker than two, where b tracks per mm³ and (mm/s)³ begin by chance during the gap.
-S grows with the gap, and after some tenths of a second (1) says nothing any more. But most markers sit on something
-rigid. The distance to another track k that is there on both sides was r ± σ before the gap and is r' after it,
+is twice the log-likelihood ratio of one marker to two, where b tracks per mm³ and (mm/s)³ begin by chance during the
+gap. S grows with the gap, and after some tenths of a second (1) decides nothing any more. But most markers sit on
+something rigid. The distance to another track k that is there on both sides was r ± σ before the gap and is r' after
+it,
 
-    worth_k = 2 ln(L / (√(2π) σ)) − (r' − r)² / σ²                                        (2)
+    score_k = 2 ln(L / (√(2π) σ)) − (r' − r)² / σ²                                        (2)
 
 against a distance that could be any of a length L, the usual distance between tracks. The three others of least σ
-count. Where S leaves the place more open than `Simultaneous.worst`, motion alone makes no join: it takes (2) as well.
+count. Where the standard deviation by S exceeds `Simultaneous.max_sd`, motion alone stitches nothing: (2) is needed as
+well.
 
-All joins together are those of the greatest worth. One is only made where it is worth more than any other join of
-either track, and than none, by CLEAR (3); otherwise both tracks stay as they are and the join is a doubt.
+The assignment with the greatest sum of scores gives the stitches to consider. One is only made where its score exceeds
+that of any other stitch of either track, and of none, by CLEAR_MARGIN (3); otherwise both tracks stay as they are and
+the stitch is an ambiguous decision.
 """
 
 from __future__ import annotations
@@ -32,7 +35,7 @@ from .kalman_states import KalmanStates, predict, reversed_time
 from .neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of
 from .simultaneous_method import Simultaneous
 
-CLEAR = 2 * np.log(100.0)
+CLEAR_MARGIN = 2 * np.log(100.0)
 """A hundred times likelier than the next best, in units of (1); chosen."""
 
 NEVER = 1 << 40
@@ -42,7 +45,7 @@ LEAST = 1.0
 """mm; no two markers are held at a distance that is steadier, skin and clothes being what they are.
 Chosen (see benchmarks/tracking.py)."""
 
-MATES = 3
+NEIGHBOURS = 3
 """Other tracks of which (2) counts; chosen (see benchmarks/tracking.py)."""
 
 AT_ONCE = 20_000
@@ -63,12 +66,12 @@ class Ends(NamedTuple):
 
 
 class Stitch(NamedTuple):
-    """Track `before` goes on as track `after`; worth of (1) and (2), and margin over the next best (3);
+    """Track `before` goes on as track `after`; score of (1) and (2), and margin over the next best (3);
     sd of the difference of positions (1), mm; last and first: the frames at both sides of the gap."""
 
     before: int
     after: int
-    worth: float
+    score: float
     margin: float
     sd: float
     last: int
@@ -76,11 +79,11 @@ class Stitch(NamedTuple):
 
 
 class Stitched(NamedTuple):
-    """(N) the identity of each track after the clear joins, that of the first of its pieces; and the joins that were
-    thought of, clear or not."""
+    """(N) the identity of each track after the clear stitches, that of the first of its fragments; and the
+    stitches that were considered, clear or not."""
 
     id: Ints
-    joins: list[Stitch]
+    stitches: list[Stitch]
 
 
 def stitched(points: TrackPoints, T: float, method: Simultaneous) -> Stitched:
@@ -90,15 +93,15 @@ def stitched(points: TrackPoints, T: float, method: Simultaneous) -> Stitched:
     """
     ids, found = np.arange(int(points.id.max(initial=-1)) + 1), []
     for distances in (False, True):
-        best = _best(points._replace(id=ids[points.id]), T, method, distances)
-        found += [join for join in best if distances or join.margin > CLEAR]
-        ids = _followed(ids, best)
+        best = _best_pairs(points._replace(id=ids[points.id]), T, method, distances)
+        found += [stitch for stitch in best if distances or stitch.margin > CLEAR_MARGIN]
+        ids = _identities_after(ids, best)
     return Stitched(ids, found)
 
 
-def _followed(ids: Ints, found: list[Stitch]) -> Ints:
-    """Identities after the clear joins."""
-    before = {join.after: join.before for join in found if join.margin > CLEAR}
+def _identities_after(ids: Ints, found: list[Stitch]) -> Ints:
+    """Identities after the clear stitches."""
+    before = {stitch.after: stitch.before for stitch in found if stitch.margin > CLEAR_MARGIN}
     ids = ids.copy()
     for i in range(len(ids)):
         while int(ids[i]) in before:
@@ -106,18 +109,18 @@ def _followed(ids: Ints, found: list[Stitch]) -> Ints:
     return ids
 
 
-def _best(points: TrackPoints, T: float, method: Simultaneous, distances: bool) -> list[Stitch]:
-    """The joins of the greatest worth together."""
+def _best_pairs(points: TrackPoints, T: float, method: Simultaneous, distances: bool) -> list[Stitch]:
+    """The stitches of the greatest sum of scores."""
     if not len(points.id):
         return []
     ends = _ends(points, T, method)
     a, b = _possible(ends, T, method)
-    worth, sd = _by_motion(points, ends, a, b, T, method)
-    gain = _by_distance(points, a, b, worth) if distances else np.zeros(len(a))
-    worth = np.where((sd < method.worst) | (gain > 0), worth + gain, 0.0)
+    score, sd = _by_motion(points, ends, a, b, T, method)
+    gain = _by_distance(points, a, b, score) if distances else np.zeros(len(a))
+    score = np.where((sd < method.max_sd) | (gain > 0), score + gain, 0.0)
     n = len(ends.first)
     table = np.zeros((n, n))
-    table[a, b] = np.maximum(worth, 0.0)
+    table[a, b] = np.maximum(score, 0.0)
     open_ = np.zeros((n, n))
     open_[a, b] = sd
     before, after = scipy.optimize.linear_sum_assignment(table, maximize=True)
@@ -134,9 +137,9 @@ def _best(points: TrackPoints, T: float, method: Simultaneous, distances: bool) 
 def _possible(ends: Ends, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
     """Pairs of tracks of which the second begins within the gap after the first ends, where it can be by then."""
     gap = ends.first - ends.last[:, None]
-    a, b = np.nonzero((gap > 0) & (gap * T <= method.gap))
+    a, b = np.nonzero((gap > 0) & (gap * T <= method.max_gap))
     apart = np.linalg.norm(ends.begin.position[:, b] - ends.end.position[:, a], axis=0)
-    near = apart < 3 * method.speed * T * gap[a, b] + method.worst
+    near = apart < 3 * method.velocity_sd * T * gap[a, b] + method.max_sd
     return a[near], b[near]
 
 
@@ -163,38 +166,38 @@ def _by_motion(
     if not len(a):
         return np.zeros(0), np.zeros(0)
     extent = np.ptp(np.percentile(points.xyz, [5, 95], axis=0), axis=0) + 100.0
-    begun = max(len(ends.first) * method.gap / (T * (points.frame.max() + 1)), 1.0)
-    prior = 2 * np.log(SEEN / (1 - SEEN) * extent.prod() * (2 * method.speed) ** 3 / begun)
-    worth, sd = np.empty(len(a)), np.empty(len(a))
+    begun = max(len(ends.first) * method.max_gap / (T * (points.frame.max() + 1)), 1.0)
+    prior = 2 * np.log(SEEN / (1 - SEEN) * extent.prod() * (2 * method.velocity_sd) ** 3 / begun)
+    score, sd = np.empty(len(a)), np.empty(len(a))
     for first in range(0, len(a), AT_ONCE):
         part = slice(first, first + AT_ONCE)
         half = gap[part] * T / 2
-        one = predict(ends.end.take(a[part]), half, method.wander)
-        other = reversed_time(predict(ends.begin.take(b[part]), half, method.wander))
+        one = predict(ends.end.take(a[part]), half, method.process_noise)
+        other = reversed_time(predict(ends.begin.take(b[part]), half, method.process_noise))
         delta = (other.x[:6] - one.x[:6]).T
         S = (one.V[:6, :6] + other.V[:6, :6]).transpose(2, 0, 1)
         squared = (delta * np.linalg.solve(S, delta[..., None])[..., 0]).sum(1)
-        worth[part] = prior - np.linalg.slogdet(2 * np.pi * S)[1] - squared
+        score[part] = prior - np.linalg.slogdet(2 * np.pi * S)[1] - squared
         sd[part] = np.sqrt(np.trace(S[:, :3, :3], axis1=1, axis2=2))
-    return worth, sd
+    return score, sd
 
 
 def _by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats) -> Floats:
     """(2) of pairs, 0 where no other track is there on both sides, or where it could not bring (1) above 0."""
     spread = float(np.linalg.norm(points.xyz.std(0)) * np.sqrt(2)) + LEAST
-    most = MATES * 2 * np.log(spread / (np.sqrt(2 * np.pi) * LEAST))
+    most = NEIGHBOURS * 2 * np.log(spread / (np.sqrt(2 * np.pi) * LEAST))
     some = np.flatnonzero(by_motion + most > 0)
     place = rows_of(points)
     known = {i: _distances(points, place, i) for i in np.unique([a[some], b[some]]).tolist()}
-    worth = np.zeros(len(a))
+    score = np.zeros(len(a))
     for pair in some.tolist():
         (r, sd), (r2, sd2) = known[int(a[pair])], known[int(b[pair])]
         sigma = np.hypot(sd, sd2)
-        mates = np.argsort(sigma)[:MATES]
+        mates = np.argsort(sigma)[:NEIGHBOURS]
         mates = mates[np.isfinite(sigma[mates])]
         off = (r2 - r)[mates] / sigma[mates]
-        worth[pair] = (2 * np.log(spread / (np.sqrt(2 * np.pi) * sigma[mates])) - off**2).sum()  # (2)
-    return worth
+        score[pair] = (2 * np.log(spread / (np.sqrt(2 * np.pi) * sigma[mates])) - off**2).sum()  # (2)
+    return score
 
 
 def _distances(points: TrackPoints, place: Ints, i: int) -> tuple[Floats, Floats]:

@@ -31,13 +31,13 @@ from .tracker import TrackingResult
 PARTS = 10
 """k of (3); chosen (see benchmarks/tracking.py)."""
 
-ENOUGH = 300
+MIN_POINTS = 300
 """Points from which something can be said; chosen (see benchmarks/tracking.py)."""
 
-TAILS = 4.0
+OUTLIER = 4.0
 """Images farther off than this many times the median are not used; they belong to something else; chosen."""
 
-STEADY = 0.5
+MAX_VELOCITY_CHANGE = 0.5
 """Of a point's velocity: the most by which it may change in a frame; nothing else says when the point was where.
 Chosen (see benchmarks/tracking.py)."""
 
@@ -67,11 +67,11 @@ def time_offsets(result: TrackingResult) -> TimeOffsets:
     """The delays of the cameras of a run, by (2)."""
     C = len(result.images.P)
     moving = _moving(result)
-    if len(moving.frame) < ENOUGH:
+    if len(moving.frame) < MIN_POINTS:
         return TimeOffsets(*np.full((3, C), np.nan))
     A, b = _sums(moving)
-    without = np.array([_delays(A.sum(0) - A[j], b.sum(0) - b[j]) for j in range(PARTS)])
-    delay, error = _delays(A.sum(0), b.sum(0)), without.std(0) * np.sqrt(PARTS - 1)  # (3)
+    without = np.array([_time_offsets(A.sum(0) - A[j], b.sum(0) - b[j]) for j in range(PARTS)])
+    delay, error = _time_offsets(A.sum(0), b.sum(0)), without.std(0) * np.sqrt(PARTS - 1)  # (3)
     speed = np.quantile(np.linalg.norm(moving.flow, axis=-1), FAST, axis=0)
     return TimeOffsets(delay, error, np.abs(delay) * speed)
 
@@ -85,7 +85,7 @@ def _moving(result: TrackingResult) -> Moving:
     near &= (cloud.view[middle] >= 0).sum(1) >= 3
     ahead, behind = cloud.xyz[after] - cloud.xyz[middle], cloud.xyz[middle] - cloud.xyz[before]
     velocity = (ahead + behind) / 2
-    near &= np.linalg.norm(ahead - behind, axis=1) < STEADY * np.linalg.norm(velocity, axis=1)
+    near &= np.linalg.norm(ahead - behind, axis=1) < MAX_VELOCITY_CHANGE * np.linalg.norm(velocity, axis=1)
     point, velocity = middle[near], velocity[near]
     in_time = np.argsort(cloud.frame[point], kind="stable")
     point, velocity = point[in_time], velocity[in_time]
@@ -101,7 +101,7 @@ def _sums(moving: Moving) -> tuple[Floats, Floats]:
     """DᵀQ D (k, C, C) and DᵀQ off (k, C) of each part of the recording."""
     C = moving.off.shape[1]
     far = np.linalg.norm(moving.off, axis=-1).max(1)
-    good = far <= TAILS * np.median(far)
+    good = far <= OUTLIER * np.median(far)
     J, off = moving.J[good].reshape(-1, 2 * C, 3), moving.off[good].reshape(-1, 2 * C)
     D = (moving.flow[good][..., None] * np.eye(C)[:, None]).reshape(-1, 2 * C, C)
     QD = D - J @ np.linalg.solve(J.transpose(0, 2, 1) @ J, J.transpose(0, 2, 1) @ D)
@@ -111,7 +111,7 @@ def _sums(moving: Moving) -> tuple[Floats, Floats]:
     return A, np.array([np.einsum("nic,ni->c", QD[part], off[part]) for part in parts])
 
 
-def _delays(A: Floats, b: Floats) -> Floats:
+def _time_offsets(A: Floats, b: Floats) -> Floats:
     """(C) frames by (2), less their median; NaN of cameras that saw nothing move."""
     seen = np.diag(A) > 0
     delay = np.full(len(b), np.nan)

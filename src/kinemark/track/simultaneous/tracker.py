@@ -1,15 +1,15 @@
 """Kinemark's own tracker: matching and tracking at once.
 
 The paper of the Kiss system (Shafiq, Tümer and Güler 2001) notes that no method had been reported that does both at the
-same time. Here the tracks, predicted with their covariance (`motion`), claim their images in all cameras (`claims`);
-what nobody claims gives birth to new tracks (`groups`, `births`); tracks go forwards and then backwards (`run`), and
-what their images say of each point is solved as by the other methods (`geometry.weighted_points`). A track is kept
-where there is evidence for it (`evidence`), and so is what it finds after it was lost; pieces of one marker's path
-become one track (`joins`), and what is missing or doubtful in it is looked for again (`second`).
+same time. Here the tracks, predicted with their covariance (`kalman_states`), are associated with images in all cameras
+(`associate`). Images that no track has initiate new tracks (`candidate_points`, `initiate`). Tracks go forwards and
+then backwards (`passes`), and each point is solved from its images as by the other methods
+(`geometry.weighted_points`). A track is confirmed by its evidence (`likelihood`), and so is what it finds after it was
+lost. Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
+points (`second_pass`).
 
-A point of which the images alone say little, as where two cameras look along almost one line or markers run together,
-is known better from its motion. Where the images leave more than VAGUE times as much open as they usually do, the
-smoothed position is given instead (1).
+Where two cameras look along almost one line, or markers run together, a point is known better from its motion than from
+its images. Where its standard deviation exceeds UNCERTAIN times the median, the smoothed position is given instead (1).
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from ...numerics.runs import begins
 from ..stage import DETECTIONS, TRACK
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
-from .likelihood import SURE, evidence, says
-from .measurement_noise import Noise, learned
+from .likelihood import SURE, evidence, point_evidence
+from .measurement_noise import Noise, learn_noise
 from .neighbouring_points import TrackPoints, smoothed
 from .passes import Associations, run
 from .second_pass import second_pass
@@ -37,7 +37,7 @@ from .stitch import Stitch, stitched
 LEAST = 1e-6
 """px² of variance, the least that an image is given; chosen (see benchmarks/tracking.py)."""
 
-VAGUE = 5.0
+UNCERTAIN = 5.0
 """Of the median of the standard deviations; chosen (see benchmarks/tracking.py)."""
 
 
@@ -46,11 +46,11 @@ class TrackingResult(NamedTuple):
 
     Attributes:
         tracks: the tracks.
-        seen: every time that a track was looked for, also of those that were dropped, but for what lost tracks found
-            without evidence and for the second look; its rows are of `images`.
+        seen: the associations of all tracks, also of those that were dropped, but for what lost tracks found without
+            evidence and for the second pass; its rows are of `images`.
         id: (N) the track that each of `seen` became, −1 for none.
         evidence: (N) for each of `seen`.
-        joins: those that were made or thought of, of tracks of `seen`.
+        stitches: those that were made or considered, of tracks of `seen`.
         images: what the cameras saw; noise: what was learned of them.
     """
 
@@ -58,7 +58,7 @@ class TrackingResult(NamedTuple):
     seen: Associations
     id: Ints
     evidence: Floats
-    joins: list[Stitch]
+    stitches: list[Stitch]
     images: Images
     noise: Noise
 
@@ -74,35 +74,37 @@ def track_simultaneously(
 ) -> TrackingResult:
     """Tracks of all markers, their points by the `errors` of images, and how they came about."""
     T = 1 / detections.rate
-    images, noise = learned(images := read_images(detections, rig), fundamentals(images.P), method.gate)
-    least = max(method.shortest / T, 4)
-    every = run(images.without(noise.deaf), detections.rate, method)  # images that fit nothing are left out
-    every = every.take(~_strayed(every, _own(every, images), least, method))
-    seen = _gathered(every, least)
-    own = _own(seen, images)
+    images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
+    least = max(method.min_duration / T, 4)
+    every = run(images.without(noise.inconsistent), detections.rate, method)  # images that fit nothing are left out
+    every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
+    seen = _kept_associations(every, least)
+    own = _unshared(seen, images)
     speaks = evidence(seen, own, method.gate)
     detections = replace(detections, cov=_variance(seen, images)[:, None, None] * np.eye(2))
-    cloud = _surest(_placed(seen.frame, seen.row, seen.xyz, detections, rig, errors), seen, own.sum(0) >= 2, T, method)
-    good = usable_points(cloud, rig) & _sure(cloud, own.sum(0), method) & (speaks > SURE)[seen.id]
+    cloud = _with_smoothed(
+        _solved(seen.frame, seen.row, seen.xyz, detections, rig, errors), seen, own.sum(0) >= 2, T, method
+    )
+    good = usable_points(cloud, rig) & _precise_enough(cloud, own.sum(0), method) & (speaks > SURE)[seen.id]
     cloud, ids = cloud.keep(good), seen.id[good]
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
-    cloud, ids = _looked_again(cloud, whole.id[ids], images, detections, rig, method, errors)
+    cloud, ids = _with_second_pass(cloud, whole.id[ids], images, detections, rig, method, errors)
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
-    return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.joins, images, noise)
+    return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise)
 
 
-def _looked_again(
+def _with_second_pass(
     cloud: Cloud, ids: Ints, images: Images, detections: Detections, rig: Rig, method: Simultaneous, errors: ImageErrors
 ) -> tuple[Cloud, Ints]:
-    """The points and their tracks after a second look."""
+    """The points and their tracks after the second pass."""
     points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
     kept, found, row = second_pass(points, cloud.view.T, images, 1 / detections.rate, method)
     order = np.argsort(found.frame, kind="stable")
     row = row[:, order]
-    new = _placed(found.frame[order], row, found.xyz[order].T, detections, rig, errors)
-    good = usable_points(new, rig) & _sure(new, ((row >= 0) & ~images.merged[row]).sum(0), method)
+    new = _solved(found.frame[order], row, found.xyz[order].T, detections, rig, errors)
+    good = usable_points(new, rig) & _precise_enough(new, ((row >= 0) & ~images.merged[row]).sum(0), method)
     both, ids = (cloud.keep(kept), new.keep(good)), np.concatenate([ids[kept], found.id[order][good]])
     frame = np.concatenate([one.frame for one in both])
     order = np.argsort(frame, kind="stable")
@@ -112,32 +114,33 @@ def _looked_again(
     return Cloud(cloud.rate, start, *columns), ids[order]
 
 
-def _gathered(seen: Associations, least: float) -> Associations:
-    """The sightings in two and more cameras of tracks that have enough of them, by frame."""
+def _kept_associations(seen: Associations, least: float) -> Associations:
+    """The associations in two and more cameras of tracks that have enough of them, by frame."""
     own = np.flatnonzero((seen.row >= 0).sum(0) >= 2)
     own = own[np.bincount(seen.id[own], minlength=1)[seen.id[own]] >= least]
     return seen.take(own[np.lexsort([seen.id[own], seen.frame[own]])])
 
 
-def _own(seen: Associations, images: Images) -> Bools:
-    """(C, S) images that are no other marker's too."""
+def _unshared(seen: Associations, images: Images) -> Bools:
+    """(C, S) images that belong to one marker alone."""
     return (seen.row >= 0) & ~seen.shared & ~images.merged[seen.row]
 
 
-def _strayed(every: Associations, own: Bools, least: float, method: Simultaneous) -> Bools:
-    """(S) sightings of a track after it was lost, its place known no better than `worst`, where nothing says it is it.
+def _without_evidence(every: Associations, own: Bools, least: float, method: Simultaneous) -> Bools:
+    """(S) associations of a track after it was lost, its standard deviation above `max_sd`, without evidence for it.
 
-    What its own images (C, S) say until it is lost again must be evidence of a marker, or last as long as the shortest
-    track. In `every` a track's sightings stand as they were made, forwards from its birth and then backwards.
+    Its unshared images (C, S) until it is lost again must be evidence of a marker, or last as long as the shortest
+    track. In `every` a track's associations stand as they were made, forwards from where it was initiated and then
+    backwards.
     """
     order = np.argsort(every.id, kind="stable")
     id, frame = every.id[order], every.frame[order]
     back = frame < frame[np.searchsorted(id, id)]
     first = begins(id, back)
     anchored = own.sum(0)[order] >= 2
-    lost = (every.before[order] > method.worst) & ~np.roll(anchored, 1)
+    lost = (every.before[order] > method.max_sd) & ~np.roll(anchored, 1)
     spell = np.cumsum(first | lost) - 1
-    said = np.bincount(spell, says(every, own, method.gate)[order])
+    said = np.bincount(spell, point_evidence(every, own, method.gate)[order])
     sure = (np.bincount(spell, first & ~lost) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
     out = np.zeros(len(order), bool)
     out[order] = ~sure[spell]
@@ -145,7 +148,7 @@ def _strayed(every: Associations, own: Bools, least: float, method: Simultaneous
 
 
 def _variance(seen: Associations, images: Images) -> Floats:
-    """(D) px², of all images, those that tracks share being anywhere in their blobs."""
+    """(D) px², of all images, those that tracks share lying anywhere in their blobs."""
     shared = np.zeros(len(images.uv), bool)
     shared[seen.row[seen.shared & (seen.row >= 0)]] = True
     variance = images.variance - images.margin - images.calibration[images.camera]  # `weighted_points` adds them
@@ -153,17 +156,17 @@ def _variance(seen: Associations, images: Images) -> Floats:
     return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
 
 
-def _placed(frame: Ints, row: Ints, guess: Floats, detections: Detections, rig: Rig, errors: ImageErrors) -> Cloud:
-    """The points of images row (C, P), one to one, that are thought to be at guess (3, P) mm."""
+def _solved(frame: Ints, row: Ints, guess: Floats, detections: Detections, rig: Rig, errors: ImageErrors) -> Cloud:
+    """The points of images row (C, P), one to one, with guesses (3, P) mm of their positions."""
     matches = Matches(frame, row.T, np.zeros(len(frame)), detections.n_frames)
     return weighted_points(matches, detections, rig, guess=np.ascontiguousarray(guess.T), errors=errors)
 
 
-def _surest(cloud: Cloud, seen: Associations, sound: Bools, T: float, method: Simultaneous) -> Cloud:
-    """The cloud with the points of which the images say little by their motion (1)."""
+def _with_smoothed(cloud: Cloud, seen: Associations, sound: Bools, T: float, method: Simultaneous) -> Cloud:
+    """The cloud, with uncertain points replaced by their smoothed positions (1)."""
     sd = _sd(cloud.cov)
     known = np.isfinite(cloud.xyz).all(1) & np.isfinite(sd)
-    vague = known & (sd > VAGUE * np.median(sd[known])) if known.any() else known
+    vague = known & (sd > UNCERTAIN * np.median(sd[known])) if known.any() else known
     if not vague.any():
         return cloud
     xyz, cov = cloud.xyz.copy(), cloud.cov.copy()
@@ -184,7 +187,7 @@ def _sd(cov: Floats) -> Floats:
     return np.asarray(np.sqrt(np.trace(cov, axis1=1, axis2=2)))
 
 
-def _sure(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
-    """Whether points are known well enough to be given."""
+def _precise_enough(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
+    """Whether points are precise enough to be given."""
     sd = _sd(cloud.cov)
-    return ((own >= 2) | (sd < method.worst / 5)) & (sd < method.worst)
+    return ((own >= 2) | (sd < method.max_sd / 5)) & (sd < method.max_sd)

@@ -2,8 +2,8 @@
 
 from ...signal.kalman import KalmanState, predict, start, update
 from .constraints import Constraint
-from .distance import DistanceOnly, track_distance
-from .parameters import Swamidas
+from .distance_only import DistanceOnly, track_distance
+from .swamidas_method import Swamidas
 from .tracking import SwamidasResult, follow_points, track_swamidas
 
 __all__ = [

@@ -15,16 +15,18 @@ from ...data import Cloud, Tracks
 from ...data.array_types import Floats, Ints
 from ...data.progress import tell
 from ..stage import CLOUD, TRACK
-from .active import ActiveSwamidasTracks, advance, begin, expect, none
+from .active_tracks import ActiveSwamidasTracks, advance, initiate, no_tracks, predict_points
 from .constraints import Constraint, PredictedPoints, match_points
-from .learning import Knowledge, before_learning
-from .parameters import DEFAULT, Swamidas
+from .learning import LearnedParameters, stated_parameters
 from .segments import allowed_points
+from .swamidas_method import DEFAULT, Swamidas
 
-BEGINNING = 3  # frames with points in which tracks begin where begin = "first": the first three measurements; chosen
+INITIATION_FRAMES = (
+    3  # frames with points in which tracks begin where begin = "first": the first three measurements; chosen
+)
 
 
-class Expectation(NamedTuple):
+class PredictedFrame(NamedTuple):
     """One frame before its points were looked at: T tracks' id (T), xyz (T, 3) mm and half (T, 3) mm of the box."""
 
     id: Ints
@@ -40,7 +42,7 @@ class SwamidasResult(NamedTuple):
 
     tracks: Tracks
     by: Ints
-    expected: list[Expectation]
+    expected: list[PredictedFrame]
 
     def path(self, identity: int) -> Floats:
         """(F, 3) mm the points of a track, and its predictions where it has none; NaN before it began."""
@@ -65,31 +67,31 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
     """As `track_swamidas`, with all predictions and the constraints that decided."""
     identity, by = np.full(len(cloud), -1), np.full(len(cloud), int(Constraint.NONE))
     jump = method.jerk / cloud.rate**3
-    patience = np.inf if method.patience is None else method.patience * cloud.rate
-    lesson = max(round(method.learning * cloud.rate), BEGINNING)
-    known, active, frames, with_points = before_learning(cloud, method), none(), [], 0
+    max_missed = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
+    learning_frames = max(round(method.learning_time * cloud.rate), INITIATION_FRAMES)
+    known, active, frames, with_points = stated_parameters(cloud, method), no_tracks(), [], 0
     for f in range(cloud.n_frames):
         tell(f, cloud.n_frames)
         rows = cloud.rows(f)
         points, mine, why = cloud.xyz[rows], identity[rows], by[rows]
-        expected = expect(active, known.error, method.velocity_share)
-        frames.append(Expectation(active.id, expected.xyz, expected.half))
+        expected = predict_points(active, known.error, method.velocity_share)
+        frames.append(PredictedFrame(active.id, expected.xyz, expected.half))
         taken, reason = match_points(expected, points, _allowed(active, expected, points, known, method))
         hit = taken >= 0
         mine[taken[hit]], why[taken[hit]] = active.id[hit], reason[hit]
         active = advance(active, taken, points, sd=known.sd, jump=jump)
         with_points += len(points) > 0
-        if method.begin == "any" or with_points <= BEGINNING:
-            fresh = np.flatnonzero(mine < 0)
-            mine[fresh], why[fresh] = int(identity.max(initial=-1)) + 1 + np.arange(len(fresh)), Constraint.BEGIN
-            active = begin(active, mine[fresh], points[fresh])
-        active = active.keep(active.missed <= patience)
-        known.listen(mine, points, lesson, method)
+        if method.initiate_from == "any" or with_points <= INITIATION_FRAMES:
+            new = np.flatnonzero(mine < 0)
+            mine[new], why[new] = int(identity.max(initial=-1)) + 1 + np.arange(len(new)), Constraint.BEGIN
+            active = initiate(active, mine[new], points[new])
+        active = active.keep(active.missed <= max_missed)
+        known.learn(mine, points, learning_frames, method)
     return SwamidasResult(Tracks(cloud, identity), by, frames)
 
 
 def _allowed(
-    active: ActiveSwamidasTracks, expected: PredictedPoints, points: Floats, known: Knowledge, method: Swamidas
+    active: ActiveSwamidasTracks, expected: PredictedPoints, points: Floats, known: LearnedParameters, method: Swamidas
 ) -> NDArray[np.bool_]:
     """(T, N) pairs that the segments do not forbid; before they are learned, all."""
     if not (method.segment_tolerance and len(known.segments.link)):

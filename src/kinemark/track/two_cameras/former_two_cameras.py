@@ -18,7 +18,7 @@ from ...geometry import distort, refine, triangulate, undistort
 from ...geometry.weighted_points import FALLBACK_SD
 from ..stage import DETECTIONS, TRACK
 from .image_paths import Paths, paths_of
-from .paired_paths import Paired, paired, residuals, unbranched
+from .paired_paths import Paired, paired, residuals, without_swaps
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,17 +31,21 @@ class FormerTwoCameras(Method):
     window: float = parameter(
         10.0, unit="px", above=0, meaning="half width of the association window (gate) about a prediction"
     )
-    markers: int | None = parameter(
-        None, unit="markers", low=1,
+    n_markers: int | None = parameter(
+        None, former="markers", unit="markers", low=1,
         meaning="how many there are; following starts in fields that show so many; None: the most that a camera "
         "shows in two successive fields",
     )  # fmt: skip
-    residual_limit: float = parameter(
-        2.0, unit="px", above=0,
+    max_residual: float = parameter(
+        2.0, former="residual_limit", unit="px", above=0,
         meaning="greatest residual of the fourth DLT equation in a field in which two paths are one marker",
     )  # fmt: skip
-    shortest: int = parameter(
-        10, unit="fields", low=1, meaning="in how many fields two paths must be one marker to become a track"
+    min_fields: int = parameter(
+        10,
+        former="shortest",
+        unit="fields",
+        low=1,
+        meaning="in how many fields two paths must be one marker to become a track",
     )
 
 
@@ -64,9 +68,9 @@ def track_two_cameras(detections: Detections, rig: Rig, *, method: FormerTwoCame
             'rig.select([…]), or another method, as "simultaneous".'
         )
     paths = [_camera_paths(detections, rig, c, method) for c in range(2)]
-    limit, P = method.residual_limit, rig.P
-    one, other = unbranched(paths[0], paths[1], P, limit=limit, window=method.window)
-    pairs = paired(residuals(one.uv, other.uv, P), limit=limit, shortest=method.shortest)
+    limit, P = method.max_residual, rig.P
+    one, other = without_swaps(paths[0], paths[1], P, limit=limit, window=method.window)
+    pairs = paired(residuals(one.uv, other.uv, P), limit=limit, shortest=method.min_fields)
     return _tracks(detections, rig, one, other, pairs, method.window)
 
 
@@ -78,7 +82,7 @@ def _camera_paths(detections: Detections, rig: Rig, c: int, method: FormerTwoCam
     rows = rows[detections.valid[start[0] : start[-1]] & np.isfinite(uv).all(1)]
     fields = np.split(rows, np.searchsorted(rows, start[1:-1] - start[0]))
     try:
-        paths = paths_of(uv, fields, size=rig[c].size, window=method.window, markers=method.markers)
+        paths = paths_of(uv, fields, size=rig[c].size, window=method.window, markers=method.n_markers)
     except ValueError as error:
         raise KinemarkError(f"Camera {rig.names[c]} shows {error}") from error
     return Paths(paths.uv, np.where(paths.row >= 0, paths.row + start[0], -1))

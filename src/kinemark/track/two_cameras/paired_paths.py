@@ -74,7 +74,7 @@ def residuals(one: Floats, other: Floats, P: Floats) -> Floats:
     return np.where(ahead & np.isfinite(r), r, np.inf)
 
 
-def unbranched(one: Paths, other: Paths, P: Floats, *, limit: float, window: float) -> tuple[Paths, Paths]:
+def without_swaps(one: Paths, other: Paths, P: Floats, *, limit: float, window: float) -> tuple[Paths, Paths]:
     """The paths, with those exchanged that went on in each other's place, (4) and (5).
 
     Args:
@@ -92,10 +92,10 @@ def unbranched(one: Paths, other: Paths, P: Floats, *, limit: float, window: flo
         a, b = assign_nearest(r.mean(2), np.full(len(r), FAR))
         pairs = sorted(zip(a.tolist(), b.tolist(), strict=True))
         found = (_crosswise(r, two) for two in combinations(pairs, 2))
-        for exchange in sorted(found, key=lambda e: -e.gain):
-            if exchange.gain <= 4 * limit:
+        for swap in sorted(found, key=lambda e: -e.gain):
+            if swap.gain <= 4 * limit:
                 return one, other
-            if _exchanged(one, other, exchange, 2 * window):
+            if _swap_paths(one, other, swap, 2 * window):
                 break
         else:
             return one, other
@@ -104,17 +104,17 @@ def unbranched(one: Paths, other: Paths, P: Floats, *, limit: float, window: flo
 
 def paired(r: Floats, *, limit: float, shortest: int) -> Paired:
     """The tracks by (6), from residuals (A, B, F) px, numbered in the order in which they begin."""
-    worth = limit - np.minimum(r, 2 * limit)
+    margin = limit - np.minimum(r, 2 * limit)
     points: list[tuple[int, int, int]] = []
-    while worth.size:
-        total, first, stop = best_interval(worth)
+    while margin.size:
+        total, first, stop = best_interval(margin)
         a, b = np.unravel_index(int(total.argmax()), total.shape)
         own = np.arange(first[a, b], stop[a, b])
-        own = own[worth[a, b, own] > 0]
+        own = own[margin[a, b, own] > 0]
         if len(own) < shortest:
             break
         points += [(int(f), int(a), int(b)) for f in own]
-        worth[a, :, own] = worth[:, b, own] = -limit
+        margin[a, :, own] = margin[:, b, own] = -limit
     frame, one, other = np.array(sorted(points), np.int64).reshape(-1, 3).T
     pair = one * r.shape[1] + other
     known, begin = np.unique(pair, return_index=True)
@@ -141,11 +141,11 @@ def _crosswise(r: Floats, pairs: tuple[tuple[int, int], tuple[int, int]]) -> Pat
     return PathSwap(float(gain), int(first), int(stop), pairs)
 
 
-def _exchanged(one: Paths, other: Paths, exchange: PathSwap, near: float) -> bool:
+def _swap_paths(one: Paths, other: Paths, swap: PathSwap, near: float) -> bool:
     """Exchange two paths in the camera in which they were closer (5); False where they were not near in either."""
-    (a, b), (c, d) = exchange.pairs
+    (a, b), (c, d) = swap.pairs
     n_fields = one.uv.shape[1]
-    ends = [f for f in (exchange.first, exchange.stop) if 0 < f < n_fields]
+    ends = [f for f in (swap.first, swap.stop) if 0 < f < n_fields]
     apart = [
         max((_least_apart(paths, i, j, f) for f in ends), default=np.inf)
         for paths, i, j in ((one, a, c), (other, b, d))
@@ -153,7 +153,7 @@ def _exchanged(one: Paths, other: Paths, exchange: PathSwap, near: float) -> boo
     if min(apart) > near:
         return False
     paths, i, j = (one, a, c) if apart[0] <= apart[1] else (other, b, d)
-    own = slice(exchange.first, exchange.stop)
+    own = slice(swap.first, swap.stop)
     for column in paths:
         column[[i, j], own] = column[[j, i], own]
     return True

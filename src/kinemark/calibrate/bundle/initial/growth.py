@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from ....data import Camera, KinemarkError
 from ....data.array_types import Floats
 from ..parts import FreePoints, Part, all_points, complete, sticks_through, supported
-from ..robust import solve_softly
+from ..robust import solve_robust
 from ..robust_points import robust_points
 from ..solver import BundleState, placed
-from .rough_resection import alike, resected, rough_freedom
+from .rough_resection import equal_covariances, resected, rough_freedom
 from .seeds import Seed, known_focus_seed, point_seeds, stick_seeds
 from .unknown_optics import UnknownOptics
 from .view_pairs import FEWEST_COMMON, Pair, common_points, find_pairs
@@ -173,7 +173,7 @@ def _adjusted(
     points = (rows[:, None] * views.markers + np.arange(views.markers)).ravel()
     freedoms = tuple(rough_freedom(views.optics[c], focus_held=focus_held) for c in order)
     state = BundleState(tuple(cameras[c] for c in order), (part.take(rows),))
-    state, scale = solve_softly(state, alike(views.uv[order][:, points]), freedoms)
+    state, scale = solve_robust(state, equal_covariances(views.uv[order][:, points]), freedoms)
     return dict(zip(order, state.cameras, strict=True)), scale
 
 

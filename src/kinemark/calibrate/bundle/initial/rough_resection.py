@@ -14,8 +14,8 @@ from ....data import Camera, KinemarkError
 from ....data.array_types import Floats
 from ....geometry import decompose
 from ....numerics.robust import cauchy_weight
-from ..parts import Held, complete
-from ..robust import SOFT, solve_softly
+from ..parts import KnownPoints, complete
+from ..robust import SOFT, solve_robust
 from ..solver import BundleState, Freedom, ImageObservations
 from .seeds import projections
 from .unknown_optics import UnknownOptics
@@ -34,7 +34,7 @@ def rough_freedom(optics: UnknownOptics, *, focus_held: bool = False) -> Freedom
     return Freedom(free, True, optics.lens)
 
 
-def alike(uv: Floats) -> ImageObservations:
+def equal_covariances(uv: Floats) -> ImageObservations:
     """Points (C, N, 2) that all weigh the same."""
     return ImageObservations(uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)), complete(uv))
 
@@ -48,9 +48,9 @@ def resected(optics: UnknownOptics, xyz: Floats, uv: Floats) -> Camera:
         raise KinemarkError(f"Camera {optics.camera.name} sees the others' points mirrored. Check their order.")
     f = f0 * float(np.clip(np.sqrt(K[0, 0] * K[1, 1]), FOCUS[0], FOCUS[1]))
     t = _translation(R, xyz, optics.ideal(uv) / f)
-    state = BundleState((optics.with_focus(f, R, t),), (Held(xyz),))
+    state = BundleState((optics.with_focus(f, R, t),), (KnownPoints(xyz),))
     for freedom in (Freedom(POSE), rough_freedom(optics)):
-        state, _ = solve_softly(state, alike(uv[None]), (freedom,), steps=15)
+        state, _ = solve_robust(state, equal_covariances(uv[None]), (freedom,), steps=15)
     return state.cameras[0]
 
 

@@ -69,9 +69,9 @@ def stick_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, along: Floa
     length = np.log(np.linalg.norm(xyz[:, : len(rows)] - xyz[:, len(rows) :], axis=-1))
     behind = np.isnan(length).mean(1)
     length = np.where(np.isnan(length), 0.0, length)
-    middle = np.median(length, axis=1)
-    spread = np.median(np.abs(length - middle[:, None]), axis=1) + behind  # (1)
-    size = float(np.ptp(along)) / np.exp(middle)
+    median = np.median(length, axis=1)
+    spread = np.median(np.abs(length - median[:, None]), axis=1) + behind  # (1)
+    size = float(np.ptp(along)) / np.exp(median)
     chosen = _minima(spread.reshape(len(FOCI), len(FOCI)))[:best]
     return [Seed(pair, (float(f1[g]), float(f2[g])), R[g], size[g] * t[g], float(spread[g])) for g in chosen]
 
@@ -86,7 +86,7 @@ def point_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, *, best: in
         rows = _evenly(np.flatnonzero(seen[c]))
         x, y = (optics[i].ideal(uv[i, rows]) for i in (pair.a, pair.b))
         f1, f2, R, t, xyz = _poses(optics, pair, x, y)
-        score += oddness(projections(xyz, optics[c].ideal(uv[c, rows]) / _width(optics[c]))) / len(others)
+        score += pixel_shape_error(projections(xyz, optics[c].ideal(uv[c, rows]) / _width(optics[c]))) / len(others)
     chosen = _minima(score.reshape(len(FOCI), len(FOCI)))[:best] if others else []
     return [Seed(pair, (float(f1[g]), float(f2[g])), R[g], t[g], float(score[g])) for g in chosen]
 
@@ -132,7 +132,7 @@ def projections(xyz: Floats, xy: Floats) -> Floats:
     return np.asarray(P @ T)
 
 
-def oddness(P: Floats) -> Floats:
+def pixel_shape_error(P: Floats) -> Floats:
     """(2) of projections (G, 3, 4)."""
     M = P[..., :3]
     M = M / np.linalg.norm(M[..., 2:, :], axis=-1, keepdims=True)

@@ -77,16 +77,16 @@ class KalmanAngles(FillMethod):
     feedback: Feedback = parameter(
         "position", meaning="how a correction enters the predictor, see the module; position is the thesis'"
     )
-    tolerance: float = parameter(
+    phase_tolerance: float = parameter(
         0.05, unit="cycles", low=0, below=0.5,
         meaning="of (1): an angle passes that the model has within this of the present phase",
     )  # fmt: skip
-    stretch: float | None = parameter(
+    segment_tolerance: float | None = parameter(
         None, unit=ONE, above=0,
         meaning="share by which a segment may be longer or shorter than it is before it fails; None: only angles "
         "are checked, as in the thesis, so that a marker that strays along its segment is not noticed",
     )  # fmt: skip
-    sd: float | None = parameter(
+    measurement_sd: float | None = parameter(
         None, unit="mm", above=0,
         meaning="standard deviation of a measured coordinate; None: found (the thesis' sensors have 2.54)",
     )  # fmt: skip
@@ -94,7 +94,7 @@ class KalmanAngles(FillMethod):
         None, unit="mm/s³", above=0,
         meaning="process noise of the predictor; None: found, the mean of all markers",
     )  # fmt: skip
-    history: float = parameter(1.0, unit="s", above=0, meaning="samples before a gap that count")
+    margin: float = parameter(1.0, unit="s", above=0, meaning="how much of the samples before the gap is used")
     limbs: LimbAngles = parameter(factory=LimbAngles, meaning="the model and how it is made; its edges play no part")
 
 
@@ -135,7 +135,7 @@ def _near(motion: MarkerArray, gaps: Sequence[Gap], method: KalmanAngles) -> Boo
     """(F) frames in gaps and shortly before."""
     use = np.zeros(motion.xyz.shape[1], bool)
     for gap in gaps:
-        use[max(gap.start - max(round(method.history * motion.rate), 3), 0) : gap.stop] = True
+        use[max(gap.start - max(round(method.margin * motion.rate), 3), 0) : gap.stop] = True
     return use
 
 
@@ -153,7 +153,7 @@ def _noise_and_jump(motion: MarkerArray, method: KalmanAngles) -> tuple[float, f
     """σ and U, given or found, one for all markers."""
     y = motion.xyz.transpose(0, 2, 1).reshape(-1, motion.xyz.shape[1])
     noise = noise_of(y)
-    sd = float(np.sqrt((noise**2).mean())) if method.sd is None else method.sd
+    sd = float(np.sqrt((noise**2).mean())) if method.measurement_sd is None else method.measurement_sd
     if method.jerk is not None:
         return sd, method.jerk / motion.rate**3
     return sd, float(np.sqrt((jump_of(y, max(round(STRIDE * motion.rate), 1), noise) ** 2).mean()))
@@ -238,13 +238,13 @@ class _Sides:
 
     def __init__(self, model: AngleModel, phase: Floats, method: KalmanAngles) -> None:
         steps = model.direction.shape[1]
-        self._link, self._length, self._stretch = model.links, model.length, method.stretch or np.inf
+        self._link, self._length, self._stretch = model.links, model.length, method.segment_tolerance or np.inf
         self._way = template_of(model)[0](phase).reshape(len(phase), -1, 3)
         self._way *= (self._length / np.linalg.norm(self._way, axis=-1))[..., None]
         self._step = np.rint(phase * steps).astype(np.int64) % steps
         variance = np.nan_to_num(np.trace(model.cov, axis1=2, axis2=3) / 3, nan=0.01)
         self._variance = model.length[:, None] ** 2 * variance + model.spread[:, None] ** 2
-        width = 2 * round(method.tolerance * steps) + 1
+        width = 2 * round(method.phase_tolerance * steps) + 1
         self._low, self._high = (
             f(model.angles, width, axis=1, mode="wrap")
             for f in (scipy.ndimage.minimum_filter1d, scipy.ndimage.maximum_filter1d)

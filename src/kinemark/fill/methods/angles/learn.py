@@ -107,7 +107,7 @@ def columns(xyz: Floats, link: Ints) -> Floats:
 
 def _own_phase(y: Floats, T: float) -> CyclePhase:
     """Steps 2 to 4."""
-    some = y[:, telling(y)]
+    some = y[:, most_moving(y)]
     phase = CyclePhase(np.arange(len(y)) / T, np.nan)
     for _ in range(ROUNDS):
         phase = _better_phase(some, phase, T)
@@ -124,7 +124,7 @@ def _spread_out(phase: CyclePhase, step: int, n_frames: int) -> CyclePhase:
     )
 
 
-def telling(y: Floats) -> Ints:
+def most_moving(y: Floats) -> Ints:
     """Columns of y (F, K) of segments that move most and are seen most, three each and `MOST` in all, for time's
     sake."""
     there = ~np.isnan(y)
@@ -146,7 +146,7 @@ def _better_phase(y: Floats, phase: CyclePhase, T: float) -> CyclePhase:
 
 def _period(xyz: Floats, link: Ints, rate: float, shortest: float, longest: float) -> float:
     """Frames of a cycle, found from the segments that tell most."""
-    some = telling(columns(xyz[:, :: max(1, xyz.shape[1] // LONG)], link))[::3] // 3
+    some = most_moving(columns(xyz[:, :: max(1, xyz.shape[1] // LONG)], link))[::3] // 3
     middle, reach = xyz.shape[1] // 2, math.ceil(min(ENOUGH * longest * rate, xyz.shape[1]) / 2)
     y = columns(xyz[:, max(middle - reach, 0) : middle + reach], link[some])
     T = cycle_length(y.T, shortest=shortest * rate, longest=min(longest * rate, xyz.shape[1] / WHOLE))

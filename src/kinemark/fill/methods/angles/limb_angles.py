@@ -63,15 +63,15 @@ class LimbAngles(FillMethod):
         (), meaning="groups of markers on one rigid body; where links are empty too: found"
     )
     period: float | None = parameter(None, unit="s", above=0, meaning="of a cycle; None: found")
-    shortest: float = parameter(0.3, unit="s", above=0, meaning="shortest cycle that is looked for")
-    longest: float = parameter(6.0, unit="s", above=0, meaning="longest cycle that is looked for")
-    edges: int = parameter(
+    shortest_period: float = parameter(0.3, unit="s", above=0, meaning="shortest cycle that is looked for")
+    longest_period: float = parameter(6.0, unit="s", above=0, meaning="longest cycle that is looked for")
+    edge_samples: int = parameter(
         5, unit="samples", low=0,
         meaning="on each side of a gap from which the error is carried over; 0: the bare model, as in the thesis",
     )  # fmt: skip
-    turn: bool = parameter(
+    rotate_model: bool = parameter(
         True,
-        meaning="another trial's model may be turned about the vertical to fit, as for a subject who walks back",
+        meaning="another trial's model may be rotated about the vertical to fit, as for a subject who walks back",
     )
     learned: Learned | None = parameter(
         None, meaning="of this trial, to be used in several fills of it; None: made of the trial in each"
@@ -79,8 +79,11 @@ class LimbAngles(FillMethod):
 
     def check_together(self) -> None:
         """Refuse a shortest cycle that is not below the longest."""
-        if self.shortest >= self.longest:
-            raise ValueError(f"shortest is {self.shortest} and longest {self.longest}, wanted shortest below longest")
+        if self.shortest_period >= self.longest_period:
+            raise ValueError(
+                f"shortest_period is {self.shortest_period} and longest_period {self.longest_period}, "
+                "wanted the first below the second"
+            )
 
     def for_many_gaps(self, gaps: Sequence[Gap], source: MarkerArray | None) -> LimbAngles:
         """The same with what it learns from the source."""
@@ -111,7 +114,7 @@ def fit_model(motion: MarkerArray, *, method: LimbAngles = LimbAngles()) -> Plac
         ValueError: links or banks name markers that are not there.
     """
     if method.model is not None:
-        model, phase = _foreign(motion, method.model, method.turn)
+        model, phase = _foreign(motion, method.model, method.rotate_model)
         return Placer(motion.xyz, model, phase, cycle=_cycle(phase, model.period * motion.rate), own=False)
     learned = method.learned or _learn(motion, method)
     return Placer(motion.xyz, learned.model, learned.phase, cycle=learned.model.period * motion.rate, own=True)
@@ -129,7 +132,7 @@ def _learn(motion: MarkerArray, method: LimbAngles) -> Learned:
     segments = connect(motion.xyz, names=motion.names, links=method.links, banks=method.banks)
     return learn_model(
         motion.xyz, rate=motion.rate, names=motion.names, segments=segments,
-        period=method.period, shortest=method.shortest, longest=method.longest,
+        period=method.period, shortest=method.shortest_period, longest=method.longest_period,
     )  # fmt: skip
 
 
@@ -192,7 +195,7 @@ class _Filling:
     """Rounds over the gaps: those that have seen neighbours first, then from these."""
 
     def __init__(self, motion: MarkerArray, gaps: Sequence[Gap], placer: Placer, method: LimbAngles) -> None:
-        self._motion, self._gaps, self._placer, self._edges = motion, gaps, placer, method.edges
+        self._motion, self._gaps, self._placer, self._edges = motion, gaps, placer, method.edge_samples
         self._reach = max(round(placer.cycle / 4), 1)
         self._filled = motion.xyz.copy()
         self._cov: dict[int, list[tuple[Gap, Floats]]] = {}

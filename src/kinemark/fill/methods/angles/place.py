@@ -42,7 +42,7 @@ from ....data.array_types import Bools, Floats, Ints
 from ....geometry import polar_rotations
 from ....signal.phase import CyclePhase, CycleTemplate, information, variance_at
 from ....signal.smoother import noise_of
-from .learn import LONG, CycleInterpolation, columns, telling, template_of, weights
+from .learn import LONG, CycleInterpolation, columns, most_moving, template_of, weights
 
 SKIN = 3.0
 """σ of (2), mm; chosen (see studies/missing_markers.py)."""
@@ -165,7 +165,7 @@ class Placer:
     def _information(self) -> Floats:
         """(F) what the segments that tell most say of the phase."""
         thin = self.xyz[:, :: max(1, self.xyz.shape[1] // LONG)]
-        some = telling(columns(thin, self.model.links))
+        some = most_moving(columns(thin, self.model.links))
         gone = np.isnan(self.xyz[..., 0])[self.model.links[some // 3].T]
         there = ~(gone[0] | gone[1]).T
         return information(there, self._curve.some(some), self._spread[some], self.phase.cycles, cycle=self.cycle)
@@ -259,7 +259,7 @@ class Placer:
         spaced[..., self._apart] = usual
         noise = np.sqrt((noise_of(spaced.reshape(3 * len(usual), -1)) ** 2).reshape(-1, 3).mean(1))
         both = there[:, self._now] & there[:, self._then]
-        tau = lasting(off[..., self._now], off[..., self._then], both, self._lag, noise)
+        tau = correlation_time(off[..., self._now], off[..., self._then], both, self._lag, noise)
         few = n < FEWEST
         mean[few], cov[few] = 0.0, np.eye(3) * ((UNKNOWN * length[few]) ** 2)[:, None, None]
         tau[few], noise[few] = self.cycle / 10, 0.0
@@ -297,7 +297,7 @@ def taper(there: Bools, reach: float) -> Floats:
     return np.minimum(np.minimum(frames - before, after - frames) / max(reach, 1.0), 1.0)
 
 
-def lasting(now: Floats, then: Floats, both: Bools, lag: int, noise: Floats) -> Floats:
+def correlation_time(now: Floats, then: Floats, both: Bools, lag: int, noise: Floats) -> Floats:
     """(K) τ of (5), frames, from the correlation of r (K, 3, N), 0 where unknown, with what it is `lag` frames on, both
     (K, N) known; its noise (K) left out."""
     n = both.sum(1)

@@ -1,6 +1,6 @@
 """An image as an operator and a search see it: white pixels, and the marker that each belongs to.
 
-An operator points at any white pixel of a marker, and its centroid is what he means (UM²AS 3.4). The markers are those
+An operator points at any white pixel of a marker, and its centroid is what they mean (UM²AS 3.4). The markers are those
 of the stage `detect`, with its centroids; a white pixel belongs to the marker of the group of touching pixels that it
 lies in, and where a group was separated into several markers, to that with the nearest centre (1).
 
@@ -29,7 +29,7 @@ AROUND = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Look:
+class ImageMarkers:
     """What can be pointed at in one image of H × W pixels with B markers.
 
     Attributes:
@@ -48,13 +48,13 @@ class Look:
         return self.owner.shape[1], self.owner.shape[0]
 
 
-def look_at(
+def find_markers(
     image: NDArray[np.uint8 | np.uint16],
     *,
     method: Centroids | None = None,
     mask: NDArray[np.bool_] | None = None,
     v_offset: float = 0.0,
-) -> Look:
+) -> ImageMarkers:
     """An image (H, W) of grey levels, ready to be pointed at.
 
     Args:
@@ -76,7 +76,7 @@ def look_at(
         blobs = masked(blobs, mask)
     white = np.zeros(image.shape, np.bool_) if ready is None else _white(image, ready)
     usable = ~np.isin(blobs.validity, (Validity.TOO_LARGE, Validity.MASKED))
-    return Look(_owners(white, blobs), blobs.uv + np.array([0.0, v_offset]), usable)
+    return ImageMarkers(_owners(white, blobs), blobs.uv + np.array([0.0, v_offset]), usable)
 
 
 def _white(image: NDArray[np.uint8 | np.uint16], method: Centroids) -> NDArray[np.bool_]:
@@ -120,17 +120,17 @@ def _window(values: NDArray[np.int32], uv: Floats, half: int) -> tuple[NDArray[n
     return values[top : max(v + half + 1, 0), left : max(u + half + 1, 0)], left, top
 
 
-def clicked(look: Look, uv: Floats) -> int:
+def clicked(image_markers: ImageMarkers, uv: Floats) -> int:
     """The marker of the white pixel that an operator points at, (2,) px.
 
     Raises:
         KinemarkError: the place is outside the image, or no marker's.
     """
-    width, height = look.size
+    width, height = image_markers.size
     u, v = (float(x) for x in uv)
     if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
         raise KinemarkError(f"({u:g}, {v:g}) is outside the image of {width} × {height} px. Point into it.")
-    owner = int(look.owner[round(v), round(u)])
+    owner = int(image_markers.owner[round(v), round(u)])
     if owner < 0:
         raise KinemarkError(
             f"There is no white pixel of a marker at ({u:g}, {v:g}). Point at one, or say that the marker is not "
@@ -139,11 +139,13 @@ def clicked(look: Look, uv: Floats) -> int:
     return owner
 
 
-def nearest_free(look: Look, uv: Floats, *, free: NDArray[np.bool_], side: int) -> tuple[float, int] | None:
+def nearest_free(
+    image_markers: ImageMarkers, uv: Floats, *, free: NDArray[np.bool_], side: int
+) -> tuple[float, int] | None:
     """The marker by (2) among those that are `free` (B), in a square of `side` px, and how far it is, px."""
     if not np.isfinite(uv).all():
         return None
-    window, left, top = _window(look.owner, uv, side // 2)
+    window, left, top = _window(image_markers.owner, uv, side // 2)
     v, u = np.nonzero(np.append(free, False)[window])
     if not len(u):
         return None

@@ -19,8 +19,8 @@ class Swamidas(Method):
     its sensors, 0.1 inch.
     """
 
-    error: float | None = parameter(
-        SENSORS, unit="mm", above=0,
+    measurement_sd: float | None = parameter(
+        SENSORS, former="error", unit="mm", above=0,
         meaning="standard deviation of a measured position; None: estimated from the first frames",
     )  # fmt: skip
     jerk: float = parameter(
@@ -32,13 +32,18 @@ class Swamidas(Method):
         meaning="share of the way that the last velocity makes in a frame, by which a region of acceptance (gate) "
         "grows a frame",
     )  # fmt: skip
-    begin: Literal["first", "any"] = parameter(
+    initiate_from: Literal["first", "any"] = parameter(
         "first",
+        former="begin",
         meaning="which points begin tracks: first, those of the first three frames that have any, or any, those "
         "that no track takes",
     )
-    patience: float | None = parameter(
-        None, unit="s", above=0, meaning="coasting: how long a track without points goes on; None: for ever"
+    max_coasting: float | None = parameter(
+        None,
+        former="patience",
+        unit="s",
+        above=0,
+        meaning="coasting: how long a track without points goes on; None: for ever",
     )
     segment_tolerance: float = parameter(
         0.0, unit=ONE, low=0,
@@ -53,8 +58,8 @@ class Swamidas(Method):
     lengths: tuple[float, ...] = parameter(
         (), unit="mm", above=0, meaning="lengths of these segments; empty: learned from the first frames"
     )
-    learning: float = parameter(
-        0.3, unit="s", above=0, meaning="what the first frames are, for error, links and lengths"
+    learning_time: float = parameter(
+        0.3, former="learning", unit="s", above=0, meaning="what the first frames are, for error, links and lengths"
     )
 
     def check_together(self) -> None:

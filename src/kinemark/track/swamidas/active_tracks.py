@@ -50,13 +50,13 @@ class ActiveSwamidasTracks:
         )
 
 
-def none() -> ActiveSwamidasTracks:
+def no_tracks() -> ActiveSwamidasTracks:
     """No tracks."""
     zero, cube = np.zeros(0, np.int64), np.zeros((0, 3, 3))
     return ActiveSwamidasTracks(zero, zero, zero, np.zeros(0, bool), cube, np.zeros((0, 3)), KalmanState(cube, cube))
 
 
-def expect(active: ActiveSwamidasTracks, error: Floats, share: float) -> PredictedPoints:
+def predict_points(active: ActiveSwamidasTracks, error: Floats, share: float) -> PredictedPoints:
     """What the tracks expect in the frame that comes."""
     line = np.where(active.seen[:, None] >= 2, active.past[:, 0] - active.past[:, 1], 0.0)
     steps, going = active.missed + 1, active.going[:, None]
@@ -97,7 +97,7 @@ def _next_state(
     return new
 
 
-def begin(active: ActiveSwamidasTracks, identity: Ints, points: Floats) -> ActiveSwamidasTracks:
+def initiate(active: ActiveSwamidasTracks, identity: Ints, points: Floats) -> ActiveSwamidasTracks:
     """The active tracks and new ones of a single point each."""
     n = len(points)
     cube = np.zeros((n, 3, 3))

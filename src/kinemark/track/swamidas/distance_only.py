@@ -26,13 +26,18 @@ class DistanceOnly(Method):
     The document's method has no parameters; these are ours.
     """
 
-    begin: Literal["first", "any"] = parameter(
+    initiate_from: Literal["first", "any"] = parameter(
         "first",
+        former="begin",
         meaning="which points begin tracks: first, those of the first frame that has any, or any, those that no "
         "track takes",
     )
-    patience: float | None = parameter(
-        None, unit="s", above=0, meaning="coasting: how long a track without points waits; None: for ever"
+    max_coasting: float | None = parameter(
+        None,
+        former="patience",
+        unit="s",
+        above=0,
+        meaning="coasting: how long a track without points waits; None: for ever",
     )
 
 
@@ -40,7 +45,7 @@ class DistanceOnly(Method):
 def track_distance(cloud: Cloud, *, method: DistanceOnly = DistanceOnly()) -> Tracks:
     """The cloud with identities, numbered as the tracks begin; within a frame in the order of its points."""
     identity = np.full(len(cloud), -1)
-    patience = np.inf if method.patience is None else method.patience * cloud.rate
+    max_missed = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
     own, last, missed = np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, np.int64)
     n_tracks = 0
     for f in range(cloud.n_frames):
@@ -52,14 +57,14 @@ def track_distance(cloud: Cloud, *, method: DistanceOnly = DistanceOnly()) -> Tr
         last[track] = points[point]
         missed += 1
         missed[track] = 0
-        if method.begin == "any" or not n_tracks:
+        if method.initiate_from == "any" or not n_tracks:
             fresh = np.setdiff1d(np.arange(len(points)), point)
             new = np.arange(n_tracks, n_tracks + len(fresh))
             identity[rows][fresh] = new
             own, last = np.concatenate([own, new]), np.concatenate([last, points[fresh]])
             missed = np.concatenate([missed, np.zeros(len(fresh), np.int64)])
             n_tracks += len(fresh)
-        alive = missed <= patience
+        alive = missed <= max_missed
         own, last, missed = own[alive], last[alive], missed[alive]
     return Tracks(cloud, identity)
 

@@ -110,21 +110,30 @@ class Run:
 
     def whole(self) -> Associations:
         """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""
-        stride = max(round(self.method.initiation_interval / self.T), 1)
         first = self.stretches()
         length = int(np.diff(first).max())
+        self.forwards(first[:-1], length)
+        active = self.initiated
+        while len(active.id):
+            tell(length, 2 * length)
+            active = active._replace(frame=active.frame - 1)
+            active = self.step(active.take(active.frame >= 0))
+        return self.associations()
+
+    def forwards(self, first: Ints, length: int) -> Associations:
+        """Associations forwards in stretches of so many frames that begin at frames `first`."""
+        stride = max(round(self.method.initiation_interval / self.T), 1)
         active = self.no_tracks()
         for k in range(length):
             tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)
             active = self.step(active.take(active.frame < self.images.n_frames))
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
-                active = active.plus(self.begin([int(f) + k for f in first[:-1] if f + k < self.images.n_frames]))
-        active = self.initiated
-        while len(active.id):
-            tell(length, 2 * length)
-            active = active._replace(frame=active.frame - 1)
-            active = self.step(active.take(active.frame >= 0))
+                active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
+        return self.associations()
+
+    def associations(self) -> Associations:
+        """All that were made."""
         if not self.seen:
             return _nothing(len(self.images.P))
         return Associations(*(np.concatenate(column, -1) for column in zip(*self.seen, strict=True)))

@@ -57,6 +57,9 @@ class Simultaneous(Method):
         meaning="standard deviation beyond which a point is not given; a fifth of it where no two cameras have an "
         "image of it alone",
     )  # fmt: skip
+    learn_motion: bool = parameter(
+        True, meaning="raise process_noise and velocity_sd to what the recording has, where that is more"
+    )
 
 
 DEFAULT = Simultaneous()

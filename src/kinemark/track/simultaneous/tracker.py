@@ -28,6 +28,7 @@ from .candidate_points import fundamentals
 from .detection_index import Images, read_images
 from .likelihood import SURE, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise
+from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints, smoothed
 from .passes import Associations, run
 from .second_pass import second_pass
@@ -76,7 +77,9 @@ def track_simultaneously(
     T = 1 / detections.rate
     images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
     least = max(method.min_duration / T, 4)
-    every = run(images.without(noise.inconsistent), detections.rate, method)  # images that fit nothing are left out
+    consistent = images.without(noise.inconsistent)  # images that fit nothing are left out
+    method = with_learned_motion(consistent, detections.rate, method)
+    every = run(consistent, detections.rate, method)
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
     seen = _kept_associations(every, least)
     own = _unshared(seen, images)

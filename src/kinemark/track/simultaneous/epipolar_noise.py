@@ -30,7 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from .candidate_points import batches, near_lines
 from .detection_index import Images
 
@@ -70,10 +70,26 @@ class CameraNoise(NamedTuple):
 
 
 class Residuals(NamedTuple):
-    """(H) residuals of (1) px, the cameras r and s of each (2, H), and w of r in (2)."""
+    """H pairs of images.
+
+    Attributes:
+        off: (H) residuals of (1), px.
+        camera: (2, H) r and s; row: (2, H) the images.
+        line: (2, H, 2) l and l′ over the root of (1): the change of the residual, px a px that the image moves.
+    """
 
     off: Floats
     camera: Ints
+    row: Ints
+    line: Floats
+
+
+class Mixture(NamedTuple):
+    """v (n) px² of (3) and the number (n) of residuals that are one marker's, of n groups; weight (H) of each residual in
+    v, 0 where it is two markers' for certain."""
+
+    variance: Floats
+    count: Floats
     weight: Floats
 
 
@@ -82,10 +98,15 @@ def epipolar_noise(images: Images, F: Floats, frames: list[int]) -> CameraNoise:
     C = len(images.P)
     some = residuals(images, F, frames)
     number = some.camera[0] * C + some.camera[1]
-    variance, count = mixture(some.off, number, C * C)
-    usable = np.flatnonzero((count >= MIN_PAIRS) & (variance < MAX_SD**2))
-    weight = np.bincount(number, some.weight, C * C)[usable] / np.bincount(number, minlength=C * C)[usable]
-    return _by_camera(variance[usable], count[usable], weight, np.array(divmod(usable, C)), C)
+    fit = mixture(some.off, number, C * C)
+    usable = np.flatnonzero(peaked(fit))
+    share = np.bincount(number, (some.line[0] ** 2).sum(-1), C * C)[usable] / np.bincount(number, minlength=C * C)[usable]
+    return _by_camera(fit.variance[usable], fit.count[usable], share, np.array(divmod(usable, C)), C)
+
+
+def peaked(fit: Mixture) -> Bools:
+    """(n) whether a group has residuals of single markers enough, and so near that they are seen among the others."""
+    return (fit.count >= MIN_PAIRS) & (fit.variance < MAX_SD**2)
 
 
 def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
@@ -99,11 +120,12 @@ def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
     back = np.einsum("hij,hi->hj", F[r, s], other)
     size, back_size = (line[:, :2] ** 2).sum(1), (back[:, :2] ** 2).sum(1)
     both = np.maximum((size + back_size) / 2, np.finfo(float).tiny)
-    return Residuals((line * other).sum(1) / np.sqrt(both), np.array([r, s]), back_size / both)  # (1)
+    lines = np.array([back[:, :2], line[:, :2]]) / np.sqrt(both)[:, None]
+    return Residuals((line * other).sum(1) / np.sqrt(both), np.array([r, s]), np.array([i, j]), lines)  # (1)
 
 
-def mixture(off: Floats, group: Ints, n: int) -> tuple[Floats, Floats]:
-    """v px² of (3) and the number of residuals (H) px that are one marker's, in each of n groups (H)."""
+def mixture(off: Floats, group: Ints, n: int) -> Mixture:
+    """(3) of residuals (H) px in n groups (H)."""
     total = np.maximum(np.bincount(group, minlength=n), 1)
     variance, share = np.full(n, (WINDOW / 4) ** 2), np.full(n, 0.5)
     squared = off * off
@@ -116,7 +138,7 @@ def mixture(off: Floats, group: Ints, n: int) -> tuple[Floats, Floats]:
         count = np.bincount(group, core + wider, n)
         moment = np.bincount(group, (core + wider / WIDER**2) * squared, n)
         variance, share = np.maximum(moment / np.maximum(count, 1e-9), 1e-6), count / total
-    return variance, count
+    return Mixture(variance, count, core + wider / WIDER**2)
 
 
 def _normal(squared: Floats, variance: Floats) -> Floats:

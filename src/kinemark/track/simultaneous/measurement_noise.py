@@ -54,10 +54,12 @@ class Noise(NamedTuple):
 
     Attributes:
         added: (C) a of (1), px.
+        least: (C) px², the variance that an image has at least, 0 where what is stated holds.
         found: (C) share of expected places with an image; NaN where not known.
     """
 
     added: Floats
+    least: Floats
     found: Floats
 
     @property
@@ -66,23 +68,31 @@ class Noise(NamedTuple):
         return np.flatnonzero(self.found < MIN_FOUND_SHARE)
 
 
+def sampled_frames(images: Images) -> list[int]:
+    """Frames all over the recording with about SAMPLED_IMAGES images."""
+    n = images.n_frames
+    count = int(np.clip(SAMPLED_IMAGES * n // max(len(images.by_cell.order), 1), 2, max(n // FRAME_STEP, 2)))
+    return np.unique(np.linspace(0, n - 1, count + 2)[1:-1].astype(int)).tolist() if n else []
+
+
 def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     """The images with the noise that their cameras really have, and that noise."""
-    C, n = len(images.P), images.n_frames
-    if not n:
-        return images, Noise(np.zeros(C), np.full(C, np.nan))
-    n_frames_read = int(np.clip(SAMPLED_IMAGES * n // max(len(images.by_cell.order), 1), 2, max(n // FRAME_STEP, 2)))
-    frames = np.unique(np.linspace(0, n - 1, n_frames_read + 2)[1:-1].astype(int)).tolist()
+    C, frames = len(images.P), sampled_frames(images)
+    if not frames:
+        return images, Noise(np.zeros(C), np.zeros(C), np.full(C, np.nan))
     stated = images if images.stated else images.noisier(np.full(C, LEAST_SD**2) - images.usual)
-    added = _missing(stated, epipolar_noise(stated, F, frames))
+    noise = epipolar_noise(stated, F, frames)
+    added = _missing(stated, noise)
     known = np.isfinite(added)
     if not known.any():
-        return images, Noise(np.zeros(C), np.full(C, np.nan))
+        return images, Noise(np.zeros(C), np.zeros(C), np.full(C, np.nan))
     noisy = stated.noisier(np.where(known, added, np.median(added[known])))
     groups = find_candidate_points(noisy, images.usable, F, frames, gate)
     groups = groups.take((groups.row >= 0).sum(0) >= 3)
     found = np.array([_found_share(noisy, groups, c) for c in range(C)])
-    return noisy, Noise(np.sqrt(np.where(known, added, 0.0)), found)
+    total = np.where(known, noise.variance, np.nanmedian(noise.variance))
+    least = np.where((added > 0) | (not images.stated), total, 0.0)
+    return noisy, Noise(np.sqrt(np.where(known, added, 0.0)), least, found)
 
 
 def _missing(images: Images, noise: CameraNoise) -> Floats:

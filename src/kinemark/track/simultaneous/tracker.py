@@ -10,6 +10,9 @@ points (`second_pass`).
 
 Where two cameras look along almost one line, or markers run together, a point is known better from its motion than from
 its images. Where its standard deviation exceeds UNCERTAIN times the median, the smoothed position is given instead (1).
+
+Images are associated with an adjusted rig (`adjusted_rig`), where they agree better with it (2). Positions are those of
+the rig as given.
 """
 
 from __future__ import annotations
@@ -24,10 +27,11 @@ from ...data.array_types import Bools, Floats, Ints
 from ...geometry.weighted_points import USUAL, ImageErrors, usable_points, weighted_points
 from ...numerics.runs import begins
 from ..stage import DETECTIONS, TRACK
+from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
 from .likelihood import SURE, evidence, point_evidence
-from .measurement_noise import Noise, learn_noise
+from .measurement_noise import Noise, learn_noise, sampled_frames
 from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints, smoothed
 from .passes import Associations, run
@@ -40,6 +44,14 @@ LEAST = 1e-6
 
 UNCERTAIN = 5.0
 """Of the median of the standard deviations; chosen (see benchmarks/tracking.py)."""
+
+GIVEN_FACTOR = 10.0
+"""Times `max_sd`: a point of which less is known is not given, as it says nothing; chosen
+(see benchmarks/tracking_scenes.py)."""
+
+WORTH_ADJUSTING = 0.7
+"""Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
+(see benchmarks/tracking_scenes.py)."""
 
 
 class TrackingResult(NamedTuple):
@@ -76,26 +88,66 @@ def track_simultaneously(
     """Tracks of all markers, their points by the `errors` of images, and how they came about."""
     T = 1 / detections.rate
     images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
+    working = _working(detections, rig, images, noise, method)
+    method = with_learned_motion(working.images, detections.rate, method)
     least = max(method.min_duration / T, 4)
-    consistent = images.without(noise.inconsistent)  # images that fit nothing are left out
-    method = with_learned_motion(consistent, detections.rate, method)
-    every = run(consistent, detections.rate, method)
+    every = run(working.images, detections.rate, method)
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
     seen = _kept_associations(every, least)
     own = _unshared(seen, images)
     speaks = evidence(seen, own, method.gate)
-    detections = replace(detections, cov=_variance(seen, images)[:, None, None] * np.eye(2))
-    cloud = _with_smoothed(
-        _solved(seen.frame, seen.row, seen.xyz, detections, rig, errors), seen, own.sum(0) >= 2, T, method
-    )
+    precise = _with_variance(detections, _variance(seen, working.images, working.noise))
+    cloud = _solved(seen.frame, seen.row, seen.xyz, precise, working.rig, errors)
+    cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method)
     good = usable_points(cloud, rig) & _precise_enough(cloud, own.sum(0), method) & (speaks > SURE)[seen.id]
     cloud, ids = cloud.keep(good), seen.id[good]
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
-    cloud, ids = _with_second_pass(cloud, whole.id[ids], images, detections, rig, method, errors)
+    cloud, ids = _with_second_pass(cloud, whole.id[ids], working.images, precise, working.rig, method, errors)
+    if working.rig is not rig:
+        given = _with_variance(detections, _variance(seen, images, noise))
+        cloud = _on_given_rig(cloud, given, rig, errors)
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise)
+
+
+class Working(NamedTuple):
+    """The rig by which images are associated, the images in it, and their noise."""
+
+    rig: Rig
+    images: Images
+    noise: Noise
+
+
+def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, method: Simultaneous) -> Working:
+    """The adjusted rig where its images agree better than those of the rig as given (2), otherwise that.
+
+    Cameras whose images fit nothing are left out.
+    """
+    given = Working(rig, images.without(noise.inconsistent), noise)
+    adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
+    moved = read_images(detections, adjusted)
+    moved, left = learn_noise(moved, fundamentals(moved.P), method.gate)
+    if np.median(moved.variance) > WORTH_ADJUSTING * np.median(images.variance):
+        return given
+    return Working(adjusted, moved.without(left.inconsistent), left)
+
+
+def _on_given_rig(cloud: Cloud, detections: Detections, rig: Rig, errors: ImageErrors) -> Cloud:
+    """The points solved with the rig as it was given; those of which the images say little keep their positions."""
+    given = _solved(cloud.frame, cloud.view.T, cloud.xyz.T, detections, rig, errors)
+    sd = _sd(given.cov)
+    known = np.isfinite(given.xyz).all(1) & np.isfinite(sd)
+    clear = known & (sd <= UNCERTAIN * np.median(sd[known])) if known.any() else known
+    xyz = np.where(clear[:, None], given.xyz, cloud.xyz)
+    cov = np.where(clear[:, None, None], given.cov, cloud.cov)
+    return replace(given, xyz=xyz, cov=cov, residual=np.where(clear, given.residual, cloud.residual))
+
+
+def _with_variance(detections: Detections, variance: Floats) -> Detections:
+    """The detections with the variance (D) px² in both axes."""
+    return replace(detections, cov=variance[:, None, None] * np.eye(2))
 
 
 def _with_second_pass(
@@ -150,12 +202,12 @@ def _without_evidence(every: Associations, own: Bools, least: float, method: Sim
     return out
 
 
-def _variance(seen: Associations, images: Images) -> Floats:
+def _variance(seen: Associations, images: Images, noise: Noise) -> Floats:
     """(D) px², of all images, those that tracks share lying anywhere in their blobs."""
     shared = np.zeros(len(images.uv), bool)
     shared[seen.row[seen.shared & (seen.row >= 0)]] = True
     variance = images.variance - images.margin - images.calibration[images.camera]  # `weighted_points` adds them
-    variance = np.maximum(variance, LEAST)
+    variance = np.maximum(variance, np.maximum(noise.least[images.camera], LEAST))
     return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
 
 
@@ -193,4 +245,4 @@ def _sd(cov: Floats) -> Floats:
 def _precise_enough(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
     """Whether points are precise enough to be given."""
     sd = _sd(cloud.cov)
-    return ((own >= 2) | (sd < method.max_sd / 5)) & (sd < method.max_sd)
+    return ((own >= 2) | (sd < method.max_sd / 5)) & (sd < GIVEN_FACTOR * method.max_sd)

@@ -101,7 +101,7 @@ def _missing(images: Images, noise: CameraNoise) -> Floats:
     stated = np.array([_median(images.variance[own & (images.camera == c)]) for c in range(len(images.P))])
     a = noise.variance - stated
     a = np.where((a < MIN_MISSING_SHARE * stated) | (a < 3 * noise.error), 0.0, a) if images.stated else np.maximum(a, 0)
-    return np.where(np.isfinite(noise.variance), np.maximum(a, np.nanmedian(a)), np.nan)
+    return np.where(np.isfinite(noise.variance), np.maximum(a, _median(a[np.isfinite(a)])), np.nan)
 
 
 def _found_share(images: Images, groups: CandidatePoints, c: int) -> float:

@@ -11,7 +11,7 @@ from ...data.array_types import Bools, Floats, Ints
 from ...data.progress import tell
 from ...native import inverse
 from .associate import Association, PredictedImages, associate, information, predict_images, share
-from .candidate_points import CandidatePoints, fundamentals, intersect
+from .candidate_points import CandidatePoints, fundamentals
 from .detection_index import Images
 from .initiate import initiate
 from .kalman_states import KalmanStates, initial_states, predict, update
@@ -25,8 +25,8 @@ MIN_STRETCH = 64
 """Frames of a stretch at least; each begins by initiating all its tracks; chosen (see benchmarks/tracking.py)."""
 
 LOST_FACTOR = 2.0
-"""A track that two cameras do not see is terminated where its standard deviation exceeds this many times `max_sd`: it
-could then take another marker's images. `stitch`, which knows what came afterwards, decides whether it goes on;
+"""A track that two cameras do not see is terminated where its standard deviation exceeds this many times `uncertain_sd`:
+it could then take another marker's images. `stitch`, which knows what came afterwards, decides whether it goes on;
 chosen."""
 
 MIN_VARIANCE_SHARE = 0.05
@@ -62,7 +62,7 @@ class Associations(NamedTuple):
     Attributes:
         frame, id: (S).
         row: (C, S) of `Images`, −1 for none; shared: (C, S) whether another track has the image too.
-        squared: (S) `disagreement` of its unshared images.
+        squared: (S) sum of the squared residuals of its unshared images, in standard deviations.
         before: (S) the standard deviation of its prediction, of all three axes together, mm.
         xyz, cov: (3, S) mm and (3, 3, S) mm², the updated position.
     """
@@ -91,10 +91,11 @@ class Associations(NamedTuple):
 
 
 class PassFit(NamedTuple):
-    """Association and the updated tracks."""
+    """Association, the updated tracks, and their squared residuals as `Associations.squared`."""
 
     association: Association
     after: KalmanStates
+    squared: Floats
 
 
 class Run:
@@ -188,11 +189,10 @@ class Run:
         association = associate(images, self.free, active.frame, expected, gate)
         association = share(images, active.frame, expected, association, gate)
         after = update(motion, *information(images, expected, association))
-        association, after = without_outliers(images, gate, motion, expected, association, after)
+        association, after, squared = without_outliers(images, gate, motion, expected, association, after)
         has = association.row >= 0
         self.free[association.row[has]] = False
         own, count = (has & ~association.shared).sum(0), has.sum(0)
-        squared = disagreement(images, np.where(association.shared | images.merged[association.row], -1, association.row))
         before = np.sqrt(np.trace(motion.cov))
         self.seen.append(
             Associations(
@@ -200,7 +200,7 @@ class Run:
             )
         )
         alone = np.where((own >= 1) & (count >= 2), 0, active.alone + 1)
-        lost = np.sqrt(np.trace(after.cov)) > LOST_FACTOR * self.method.max_sd
+        lost = np.sqrt(np.trace(after.cov)) > LOST_FACTOR * self.method.uncertain_sd
         alive = (alone <= self.method.max_coasting / self.T) & ~((alone > 0) & lost)
         active = ActiveTracks(active.id, active.frame, alone, after)
         return active if alive.all() else active.take(alive)
@@ -219,6 +219,7 @@ def without_outliers(
         has = association.row >= 0
         seen = predict_images(images.P, after)
         off = np.where(has[:, None], images.uv[association.row].swapaxes(1, 2) - seen.uv, 0.0)
+        squared = (off * off).sum(1) / association.variance
         alone = _off_without_itself(off, association.variance, seen.S)
         loose = (alone > gate**2) & (has.sum(0) >= 2)
         if not loose.any():
@@ -228,16 +229,8 @@ def without_outliers(
         row, variance = np.where(wrong, -1, association.row), np.where(wrong, np.inf, association.variance)
         association = association._replace(row=row, variance=variance, score=np.where(row < 0, 0.0, association.score))
         after = update(before, *information(images, expected, association))
-    return PassFit(association, after)
-
-
-def disagreement(images: Images, row: Ints) -> Floats:
-    """(T) sum of the squared residuals, in standard deviations, of images row (C, T) from the points that fit them best.
-
-    The track's motion has no say in it: n images leave 2n − 3 distances free, whatever was predicted.
-    """
-    squared = np.where(row >= 0, intersect(images, row).squared, 0.0).sum(0)
-    return np.where((row >= 0).sum(0) >= 2, np.nan_to_num(squared, nan=np.inf, posinf=np.inf), 0.0)
+    not_own = association.shared | images.merged[association.row]
+    return PassFit(association, after, np.where(not_own, 0.0, squared).sum(0))
 
 
 def _off_without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:

@@ -30,7 +30,7 @@ from ..stage import DETECTIONS, TRACK
 from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
-from .likelihood import SURE, evidence, point_evidence
+from .likelihood import SURE, disagreement, evidence, point_evidence
 from .measurement_noise import Noise, learn_noise, sampled_frames
 from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints, smoothed
@@ -45,9 +45,8 @@ LEAST = 1e-6
 UNCERTAIN = 5.0
 """Of the median of the standard deviations; chosen (see benchmarks/tracking.py)."""
 
-GIVEN_FACTOR = 10.0
-"""Times `max_sd`: a point of which less is known is not given, as it says nothing; chosen
-(see benchmarks/tracking_scenes.py)."""
+VOLUME_MARGIN = 100.0
+"""mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
 
 WORTH_ADJUSTING = 0.7
 """Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
@@ -65,6 +64,7 @@ class TrackingResult(NamedTuple):
         evidence: (N) for each of `seen`.
         stitches: those that were made or considered, of tracks of `seen`.
         images: what the cameras saw; noise: what was learned of them.
+        outside: (K, 3) mm, points that were left out as they lie outside the volume.
     """
 
     tracks: Tracks
@@ -74,6 +74,7 @@ class TrackingResult(NamedTuple):
     stitches: list[Stitch]
     images: Images
     noise: Noise
+    outside: Floats
 
 
 @TRACK.method("simultaneous", Simultaneous, takes=DETECTIONS)
@@ -83,9 +84,18 @@ def simultaneous_tracks(detections: Detections, rig: Rig, *, method: Simultaneou
 
 
 def track_simultaneously(
-    detections: Detections, rig: Rig, method: Simultaneous, *, errors: ImageErrors = USUAL
+    detections: Detections,
+    rig: Rig,
+    method: Simultaneous,
+    *,
+    errors: ImageErrors = USUAL,
+    volume_margin: float | None = VOLUME_MARGIN,
 ) -> TrackingResult:
-    """Tracks of all markers, their points by the `errors` of images, and how they came about."""
+    """Tracks of all markers, their points by the `errors` of images, and how they came about.
+
+    Points farther than `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None
+    keeps all.
+    """
     T = 1 / detections.rate
     images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
     working = _working(detections, rig, images, noise, method)
@@ -95,21 +105,25 @@ def track_simultaneously(
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
     seen = _kept_associations(every, least)
     own = _unshared(seen, images)
-    speaks = evidence(seen, own, method.gate)
+    off = disagreement(working.images, np.where(own, seen.row, -1))
+    speaks = evidence(seen._replace(squared=off), own, method.gate)
     precise = _with_variance(detections, _variance(seen, working.images, working.noise))
     cloud = _solved(seen.frame, seen.row, seen.xyz, precise, working.rig, errors)
     cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method)
-    good = usable_points(cloud, rig) & _precise_enough(cloud, own.sum(0), method) & (speaks > SURE)[seen.id]
+    good = usable_points(cloud, rig, margin=None) & _precise_enough(cloud, own.sum(0), method)
+    good &= (speaks > SURE)[seen.id]
     cloud, ids = cloud.keep(good), seen.id[good]
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
     cloud, ids = _with_second_pass(cloud, whole.id[ids], working.images, precise, working.rig, method, errors)
     if working.rig is not rig:
         given = _with_variance(detections, _variance(seen, images, noise))
         cloud = _on_given_rig(cloud, given, rig, errors)
+    inside = usable_points(cloud, rig, margin=volume_margin)
+    outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
-    return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise)
+    return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise, outside)
 
 
 class Working(NamedTuple):
@@ -126,6 +140,8 @@ def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, met
     Cameras whose images fit nothing are left out.
     """
     given = Working(rig, images.without(noise.inconsistent), noise)
+    if not len(images.by_cell.order):
+        return given
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
     moved = read_images(detections, adjusted)
     moved, left = learn_noise(moved, fundamentals(moved.P), method.gate)
@@ -159,7 +175,7 @@ def _with_second_pass(
     order = np.argsort(found.frame, kind="stable")
     row = row[:, order]
     new = _solved(found.frame[order], row, found.xyz[order].T, detections, rig, errors)
-    good = usable_points(new, rig) & _precise_enough(new, ((row >= 0) & ~images.merged[row]).sum(0), method)
+    good = usable_points(new, rig, margin=None) & _precise_enough(new, ((row >= 0) & ~images.merged[row]).sum(0), method)
     both, ids = (cloud.keep(kept), new.keep(good)), np.concatenate([ids[kept], found.id[order][good]])
     frame = np.concatenate([one.frame for one in both])
     order = np.argsort(frame, kind="stable")
@@ -182,7 +198,8 @@ def _unshared(seen: Associations, images: Images) -> Bools:
 
 
 def _without_evidence(every: Associations, own: Bools, least: float, method: Simultaneous) -> Bools:
-    """(S) associations of a track after it was lost, its standard deviation above `max_sd`, without evidence for it.
+    """(S) associations of a track after it was lost, its standard deviation above `uncertain_sd`, without evidence for
+    it.
 
     Its unshared images (C, S) until it is lost again must be evidence of a marker, or last as long as the shortest
     track. In `every` a track's associations stand as they were made, forwards from where it was initiated and then
@@ -193,7 +210,7 @@ def _without_evidence(every: Associations, own: Bools, least: float, method: Sim
     back = frame < frame[np.searchsorted(id, id)]
     first = begins(id, back)
     anchored = own.sum(0)[order] >= 2
-    lost = (every.before[order] > method.max_sd) & ~np.roll(anchored, 1)
+    lost = (every.before[order] > method.uncertain_sd) & ~np.roll(anchored, 1)
     spell = np.cumsum(first | lost) - 1
     said = np.bincount(spell, point_evidence(every, own, method.gate)[order])
     sure = (np.bincount(spell, first & ~lost) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
@@ -245,4 +262,4 @@ def _sd(cov: Floats) -> Floats:
 def _precise_enough(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
     """Whether points are precise enough to be given."""
     sd = _sd(cloud.cov)
-    return ((own >= 2) | (sd < method.max_sd / 5)) & (sd < GIVEN_FACTOR * method.max_sd)
+    return ((own >= 2) | (sd < method.uncertain_sd / 5)) & (sd < method.max_sd)

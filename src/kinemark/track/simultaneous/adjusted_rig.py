@@ -32,7 +32,7 @@ from .epipolar_noise import Residuals, mixture, peaked, residuals
 USUAL_ERROR = np.array([1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3])
 """θ₀ of (2): ω in rad and s, about two pixels; chosen (see benchmarks/tracking_scenes.py)."""
 
-ROUNDS = 6
+ROUNDS = 5
 """Of (2), in which the mixture narrows; chosen (see benchmarks/tracking_scenes.py)."""
 
 

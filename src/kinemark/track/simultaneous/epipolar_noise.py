@@ -41,8 +41,8 @@ WINDOW = 10.0
 WIDER_SHARE, WIDER = 0.1, 4.0
 """ε and k of (3): one residual in ten, four times as wide; chosen (see benchmarks/tracking_scenes.py)."""
 
-ROUNDS = 100
-"""Of expectation and maximisation, a number; chosen: v then changes by less than a hundredth."""
+ROUNDS, SETTLED = 100, 0.02
+"""Of expectation and maximisation at most, a number, and the relative change of v at which no more are made; chosen."""
 
 MIN_PAIRS = 10
 """Pairs of images, by their probabilities, from which two cameras say something; chosen
@@ -131,19 +131,19 @@ def mixture(off: Floats, group: Ints, n: int) -> Mixture:
     squared = off * off
     for _ in range(ROUNDS):
         v, p = variance[group], share[group]
-        core = p * (1 - WIDER_SHARE) * _normal(squared, v)
-        wider = p * WIDER_SHARE * _normal(squared, WIDER**2 * v)
+        root = np.exp(-squared / (2 * WIDER**2 * v))
+        height = p / np.sqrt(2 * np.pi * v)
+        core = height * (1 - WIDER_SHARE) * root ** WIDER**2
+        wider = height * WIDER_SHARE / WIDER * root
         whole = core + wider + (1 - p) / (2 * WINDOW)
         core, wider = core / whole, wider / whole
         count = np.bincount(group, core + wider, n)
         moment = np.bincount(group, (core + wider / WIDER**2) * squared, n)
-        variance, share = np.maximum(moment / np.maximum(count, 1e-9), 1e-6), count / total
+        before, variance = variance, np.maximum(moment / np.maximum(count, 1e-9), 1e-6)
+        share = count / total
+        if (np.abs(variance - before) <= SETTLED * before)[count > MIN_PAIRS].all():
+            break
     return Mixture(variance, count, core + wider / WIDER**2)
-
-
-def _normal(squared: Floats, variance: Floats) -> Floats:
-    """Density of a normal distribution with mean zero."""
-    return np.exp(-squared / (2 * variance)) / np.sqrt(2 * np.pi * variance)
 
 
 def _by_camera(variance: Floats, count: Floats, weight: Floats, camera: Ints, C: int) -> CameraNoise:

@@ -27,7 +27,7 @@ from .neighbouring_points import TrackPoints, rows_of
 from .passes import Associations, Run
 from .simultaneous_method import Simultaneous
 
-WINDOWS, MIN_WINDOW, WINDOW = 8, 24, 0.24
+WINDOWS, MIN_WINDOW, WINDOW = 4, 24, 0.24
 """Windows, frames of each at least, and s of each at least; chosen: they are gone through side by side, which takes the
 time of one."""
 
@@ -46,6 +46,9 @@ MAX_PROCESS_NOISE, MAX_VELOCITY_SD = 400_000.0, 6000.0
 
 RUNNING_PROCESS_NOISE, RUNNING_VELOCITY_SD, GAIN = 150_000.0, 4000.0, 1.05
 """mm/s² per √s and mm/s of runners, and the number of (4); chosen (see benchmarks/tracking_scenes.py)."""
+
+MOST = 0.75
+"""Share of the images in tracks from which on nobody runs unseen; chosen: the others are false or one camera's."""
 
 MIN_POINTS = 100
 """Third differences from which something can be said; chosen."""
@@ -66,9 +69,9 @@ def with_learned_motion(images: Images, rate: float, method: Simultaneous) -> Si
     if not method.learn_motion:
         return method
     seen = _windows(images, rate, method)
-    running = _windows(images, rate, _raised(method, RUNNING_PROCESS_NOISE, RUNNING_VELOCITY_SD))
-    if (running.row >= 0).sum() > GAIN * (seen.row >= 0).sum():  # (4)
-        seen = running
+    if _share(images, seen) < MOST:
+        running = _windows(images, rate, _raised(method, RUNNING_PROCESS_NOISE, RUNNING_VELOCITY_SD))
+        seen = running if (running.row >= 0).sum() > GAIN * (seen.row >= 0).sum() else seen  # (4)
     for _ in range(ROUNDS):
         faster = _raised(method, *movement(images, seen, rate))
         if faster == method:
@@ -76,6 +79,12 @@ def with_learned_motion(images: Images, rate: float, method: Simultaneous) -> Si
         method = faster
         seen = _windows(images, rate, method)
     return method
+
+
+def _share(images: Images, seen: Associations) -> float:
+    """Share of the usable images of the frames that were looked at that tracks have."""
+    looked_at = images.usable & np.isin(images.frame, seen.frame)
+    return len(np.unique(seen.row[seen.row >= 0])) / max(int(looked_at.sum()), 1)
 
 
 def _raised(method: Simultaneous, process_noise: float, velocity_sd: float) -> Simultaneous:

@@ -1,4 +1,4 @@
-"""The default tracker on scenes of a second generator (`tests/support/scenes`), which was made without looking at `synth`.
+"""The default tracker on scenes of a second generator, `tests/support/scenes`, which shares no code with `synth`.
 
     python benchmarks/tracking_scenes.py                 development seeds; a line a scene, and the table
     python benchmarks/tracking_scenes.py 3 17 40-49      these seeds
@@ -25,9 +25,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import numpy as np
 from metrics import Metric
-from support.scenes import DEVELOPMENT, FINAL, Scene, Tally, make, scene, tally
 
 from kinemark.track.simultaneous import track_with_decisions
+from support.scenes import DEVELOPMENT, FINAL, Scene, Tally, make, scene, tally
 
 SHORT = (4, 11, 14, 21, 38)
 
@@ -72,7 +72,9 @@ def metrics() -> list[Metric]:
     for seed in SHORT:
         t = counted(scene(seed))
         found += [
-            Metric(f"recall: scene {seed}", share(t.two_found + t.more_found, t.two + t.more), "%", "more", absolute=0.1),
+            Metric(
+                f"recall: scene {seed}", share(t.two_found + t.more_found, t.two + t.more), "%", "more", absolute=0.1
+            ),
             Metric(f"ghosts: scene {seed}", t.ghosts / t.frames, "a frame", "less", absolute=0.005),
             Metric(f"unlisted swaps: scene {seed}", t.unlisted, "", "less"),
         ]

@@ -4,9 +4,9 @@ Where the optical axes (c, d) of the cameras meet, the place X nearest to all of
 
     Σ (I − d dᵀ) (X − c) = 0                                             (1)
 
-is in the middle of their views. Axes of cameras that are toed out, or stand in a row, meet behind them or nowhere, though
-the cameras see much in common. Then rays through a grid of pixels of each camera are followed to several depths, and of
-the places reached that most cameras have in their images, X is the one in the middle (2).
+is in the middle of their views. Axes of cameras that are toed out, or stand in a row, meet behind them or nowhere,
+though the cameras see much in common. Then rays through a grid of pixels of each camera are followed to several depths,
+and of the places reached that most cameras have in their images, X is the one in the middle (2).
 """
 
 from __future__ import annotations

@@ -142,8 +142,10 @@ def posed(kind, t, rng, treadmill):
 def walker(kind, n, t, rng, treadmill):
     """A body with n markers on its skin."""
     begin, end, radius, axes = posed(kind, t, rng, treadmill)
-    own = np.array([*range(len(radius)), *rng.choice(len(radius), max(n - len(radius), 0), p=radius / radius.sum())])[:n]
-    xyz, local = [], []
+    own = np.array([*range(len(radius)), *rng.choice(len(radius), max(n - len(radius), 0), p=radius / radius.sum())])[
+        :n
+    ]
+    xyz = []
     for s in own:
         for _ in range(200):
             along, angle = rng.uniform(0.08, 0.95), rng.uniform(0, 2 * np.pi)

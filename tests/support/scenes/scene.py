@@ -16,7 +16,7 @@ FRAMES = 240  # at most, so that a table of all scenes takes minutes
 
 
 class Scene(NamedTuple):
-    """Markers, cameras and their placement, motion, rate in Hz, seconds, optics, px that the calibration file is off."""
+    """Markers, cameras and their placement, motion, rate in Hz, seconds, optics, px that the file is off."""
 
     seed: int
     markers: int

@@ -15,8 +15,8 @@ SLACK = 5  # frames that a decision may lie beside the swap that it is about
 
 
 class Tally(NamedTuple):
-    """Counts: wanted and found samples that two cameras see, and that more see; ghosts, frames; swaps, and those that no
-    decision lists; pieces, and markers that have any; squared errors in mm² of points, their number."""
+    """Counts: wanted and found samples that two cameras see, and that more see; ghosts, frames; swaps, and those that
+    no decision lists; pieces, and markers that have any; squared errors in mm² of points, their number."""
 
     two: int
     two_found: int

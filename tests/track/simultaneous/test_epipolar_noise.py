@@ -52,7 +52,7 @@ def test_a_normal_distribution_among_uniform_residuals(sd, share):
     off = np.where(rng.random(4000) < share, sd * rng.normal(size=4000), rng.uniform(-WINDOW, WINDOW, 4000))
     fit = mixture(off, np.zeros(4000, int), 1)
     assert np.sqrt(fit.variance[0]) == pytest.approx(sd, rel=0.15)
-    assert fit.count[0] / 4000 == pytest.approx(share, abs=0.06)
+    assert fit.number[0] / 4000 == pytest.approx(share, abs=0.06)
 
 
 def test_residuals_change_with_the_images_as_their_lines_say():

@@ -37,4 +37,8 @@ def test_each_parameter_far_from_its_default(name, value):
 @given(st.fixed_dictionaries({name: st.floats(-3, 3) for name in NUMBERS}), st.booleans())
 def test_parameters_together(powers, learn_motion):
     defaults = {p.name: p.default for p in parameters_of(Simultaneous)}
-    sound(Simultaneous(**{name: defaults[name] * 10.0**power for name, power in powers.items()}, learn_motion=learn_motion))
+    sound(
+        Simultaneous(
+            **{name: defaults[name] * 10.0**power for name, power in powers.items()}, learn_motion=learn_motion
+        )
+    )

@@ -15,7 +15,7 @@ from kinemark.synth import ring as synth_ring
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import Simultaneous, track_detections
 from kinemark.track.simultaneous.associate import associate, predict_images
-from kinemark.track.simultaneous.candidate_points import batches, near_lines, fundamentals, intersect
+from kinemark.track.simultaneous.candidate_points import batches, fundamentals, intersect, near_lines
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.kalman_states import KalmanStates, back, initial_states, predict, reversed_time, update
 from kinemark.track.simultaneous.neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of, smoothed

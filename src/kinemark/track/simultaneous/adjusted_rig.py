@@ -1,9 +1,9 @@
 """The rig turned and refocused a little, so that the images of each marker meet.
 
 A calibration is off by some tenths of a pixel, often by one. Images of one marker then pass each other by the same
-distance for as long as the marker stays where it is, while images of two markers may meet. For association, each camera
-is turned about its centre by a small angle ω and its focal lengths changed by the factor 1 + s, which moves the image of
-a point at normalised (x, y) by
+distance for as long as the marker stays where it is, while images of two markers may meet. For association, each
+camera is turned about its centre by a small angle ω and its focal lengths changed by the factor 1 + s, which moves the
+image of a point at normalised (x, y) by
 
     δx = −x y ω_x + (1 + x²) ω_y − y ω_z + s x
     δy = −(1 + y²) ω_x + x y ω_y + x ω_z + s y                                            (1)
@@ -12,8 +12,8 @@ and the epipolar residual e of two images (`epipolar_noise`) by − l δ − l�
 
     Σ g (e − J θ)² / v + Σ (θ / θ₀)²                                                      (2)
 
-with g and v of the mixture that the residuals are, θ₀ what calibrations are usually off. What the images do not tell, as
-a turn of the whole rig, stays as it was by the second term. Positions are solved with the rig as it was given.
+with g and v of the mixture that the residuals are, θ₀ what calibrations are usually off. What the images do not tell,
+as a turn of the whole rig, stays as it was by the second term. Positions are solved with the rig as it was given.
 """
 
 from __future__ import annotations

@@ -9,8 +9,9 @@
 | stitch | two tracks may be one marker | made or not, another stitch was nearly as likely, or the gap was wide (2) |
 
 With standard deviations s and s' of both predicted positions, in each axis, (1) is |x − x'| < g (s + s'). A gap is
-wide where the standard deviation that motion leaves exceeds half of `uncertain_sd` (2). A track jumps where its distance from
-the line through its last two points exceeds g a T²/2 (3), with a `acceleration_sd` and T the time since, and g times
+wide where the standard deviation that motion leaves exceeds half of `uncertain_sd` (2). A track jumps where its
+distance from the line through its last two points exceeds g a T²/2 (3), with a `acceleration_sd` and T the time since,
+and g times
 the standard deviation of its points.
 """
 

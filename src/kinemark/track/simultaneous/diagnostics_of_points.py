@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from ...data import Finding, make_finding
@@ -29,7 +31,7 @@ def diagnose_points(result: TrackingResult, method: Simultaneous, volume_margin:
     if len(uncertain):
         frame = np.unique(cloud.frame[uncertain])
         cuts = equal_runs(frame - np.arange(len(frame)))
-        spans = [(frame[a], frame[b - 1]) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+        spans = [(frame[a], frame[b - 1]) for a, b in pairwise(cuts)]
         found.append(
             make_finding(
                 "positions_uncertain",

@@ -8,15 +8,15 @@ in px. If both are one marker, e has the variance
 
     v = w σ_r² + w′ σ_s²,   w = 2 |l|² / (|l|² + |l′|²),   w + w′ = 2                         (2)
 
-with σ² the variance of an image, whatever it comes from. If they are two markers, e is anything within the window W. So
-the residuals of two cameras are a mixture,
+with σ² the variance of an image, whatever it comes from. If they are two markers, e is anything within the window W.
+So the residuals of two cameras are a mixture,
 
     p(e) = π [(1 − ε) N(e; 0, v) + ε N(e; 0, k² v)] + (1 − π) / 2W                            (3)
 
 where the share ε of wider residuals are images that are partly hidden or run together (Tukey 1960, the contaminated
 normal). v and π follow by expectation and maximisation (Dempster, Laird & Rubin 1977). A calibration that is off shifts
-the residuals of two cameras together, so their v is known no better than by a factor, τ in its logarithm; and cameras of
-one rig are alike, to ρ in the logarithm of their σ². So σ² = exp a minimises
+the residuals of two cameras together, so their v is known no better than by a factor, τ in its logarithm; and cameras
+of one rig are alike, to ρ in the logarithm of their σ². So σ² = exp a minimises
 
     Σ (ln v − ln(w exp a_r + w′ exp a_s))² / (τ² + 2/n) + Σ (a_c − ā)² / ρ²                   (4)
 
@@ -85,11 +85,11 @@ class Residuals(NamedTuple):
 
 
 class Mixture(NamedTuple):
-    """v (n) px² of (3) and the number (n) of residuals that are one marker's, of n groups; weight (H) of each residual in
-    v, 0 where it is two markers' for certain."""
+    """v (n) px² of (3) and the number (n) of residuals that are one marker's, of n groups; weight (H) of each residual
+    in v, 0 where it is two markers' for certain."""
 
     variance: Floats
-    count: Floats
+    number: Floats
     weight: Floats
 
 
@@ -100,13 +100,15 @@ def epipolar_noise(images: Images, F: Floats, frames: list[int]) -> CameraNoise:
     number = some.camera[0] * C + some.camera[1]
     fit = mixture(some.off, number, C * C)
     usable = np.flatnonzero(peaked(fit))
-    share = np.bincount(number, (some.line[0] ** 2).sum(-1), C * C)[usable] / np.bincount(number, minlength=C * C)[usable]
-    return _by_camera(fit.variance[usable], fit.count[usable], share, np.array(divmod(usable, C)), C)
+    share = (
+        np.bincount(number, (some.line[0] ** 2).sum(-1), C * C)[usable] / np.bincount(number, minlength=C * C)[usable]
+    )
+    return _by_camera(fit.variance[usable], fit.number[usable], share, np.array(divmod(usable, C)), C)
 
 
 def peaked(fit: Mixture) -> Bools:
     """(n) whether a group has residuals of single markers enough, and so near that they are seen among the others."""
-    return (fit.count >= MIN_PAIRS) & (fit.variance < MAX_SD**2)
+    return (fit.number >= MIN_PAIRS) & (fit.variance < MAX_SD**2)
 
 
 def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
@@ -127,13 +129,13 @@ def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
 def mixture(off: Floats, group: Ints, n: int) -> Mixture:
     """(3) of residuals (H) px in n groups (H)."""
     total = np.maximum(np.bincount(group, minlength=n), 1)
-    variance, share = np.full(n, (WINDOW / 4) ** 2), np.full(n, 0.5)
+    variance, share, count = np.full(n, (WINDOW / 4) ** 2), np.full(n, 0.5), np.zeros(n)
     squared = off * off
     for _ in range(ROUNDS):
         v, p = variance[group], share[group]
         root = np.exp(-squared / (2 * WIDER**2 * v))
         height = p / np.sqrt(2 * np.pi * v)
-        core = height * (1 - WIDER_SHARE) * root ** WIDER**2
+        core = height * (1 - WIDER_SHARE) * root**WIDER**2
         wider = height * WIDER_SHARE / WIDER * root
         whole = core + wider + (1 - p) / (2 * WINDOW)
         core, wider = core / whole, wider / whole

@@ -48,7 +48,7 @@ def point_evidence(seen: Associations, own: Bools, gate: float) -> Floats:
 
 
 def disagreement(images: Images, row: Ints) -> Floats:
-    """(S) q of (1): the squared residuals, in standard deviations, of images row (C, S) from the points that fit them best.
+    """(S) q of (1): how far images row (C, S) are off the points that fit them best, in standard deviations, squared.
 
     What the track's motion predicts has no say in it: it holds the place of the track, so that of two images more than
     the one distance would be free.

@@ -7,12 +7,12 @@ recording the variance σ² of the images of each camera is found from their dis
 
     a² = σ² − σ_stated²                                                                   (1)
 
-is added to all images of the camera, where it is more than MIN_MISSING_SHARE of what is stated and three standard errors
-(2). No camera is taken to lack less than the median of all (3).
+is added to all images of the camera, where it is more than MIN_MISSING_SHARE of what is stated and three standard
+errors (2). No camera is taken to lack less than the median of all (3).
 
 Images are then grouped (`candidate_points`). Where three and more agree, each camera is compared with what the others
-say without it. A camera of which hardly any image is where one is expected is `Noise.inconsistent`: its calibration does
-not hold.
+say without it. A camera of which hardly any image is where one is expected is `Noise.inconsistent`: its calibration
+does not hold.
 """
 
 from __future__ import annotations
@@ -100,7 +100,11 @@ def _missing(images: Images, noise: CameraNoise) -> Floats:
     own = images.usable & ~images.merged
     stated = np.array([_median(images.variance[own & (images.camera == c)]) for c in range(len(images.P))])
     a = noise.variance - stated
-    a = np.where((a < MIN_MISSING_SHARE * stated) | (a < 3 * noise.error), 0.0, a) if images.stated else np.maximum(a, 0)
+    a = (
+        np.where((a < MIN_MISSING_SHARE * stated) | (a < 3 * noise.error), 0.0, a)
+        if images.stated
+        else np.maximum(a, 0)
+    )
     return np.where(np.isfinite(noise.variance), np.maximum(a, _median(a[np.isfinite(a)])), np.nan)
 
 

@@ -8,9 +8,9 @@ difference of a marker whose acceleration changes by white noise q has in each a
 as 11/20 is the integral of the squared quadratic B-spline. The process noise is the q that explains the share INNER of
 all d, |d|² being χ² with three degrees of freedom in units of (1) (2). The standard deviation of velocities is that of
 which the 99th percentile of speeds is USUAL_REACH (3). Both are only ever raised: a part may be quieter than the whole.
-What was not followed the first time may be followed then, so this is done up to ROUNDS times; and as runners whom no new
-track keeps up with leave no track at all, windows are also tracked as if all were runners, which counts where tracks
-then have GAIN times as many images (4).
+What was not followed the first time may be followed then, so this is done up to ROUNDS times; and as runners whom no
+new track keeps up with leave no track at all, windows are also tracked as if all were runners, which counts where
+tracks then have GAIN times as many images (4).
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ MIN_STRETCH = 64
 """Frames of a stretch at least; each begins by initiating all its tracks; chosen (see benchmarks/tracking.py)."""
 
 LOST_FACTOR = 2.0
-"""A track that two cameras do not see is terminated where its standard deviation exceeds this many times `uncertain_sd`:
+"""A track that two cameras do not see is terminated where its standard deviation exceeds so many times `uncertain_sd`:
 it could then take another marker's images. `stitch`, which knows what came afterwards, decides whether it goes on;
 chosen."""
 

@@ -124,7 +124,9 @@ def _in_question(known: TrackPoints, n_frames: int, T: float, method: Simultaneo
     a, b = order[:-1], order[1:]
     step = known.frame[b] - known.frame[a]
     wait = round(method.max_coasting / T)
-    short = (step * T <= method.max_gap) | (step <= 2 * wait + 1)  # the frames after one and before the other would meet
+    short = (step * T <= method.max_gap) | (
+        step <= 2 * wait + 1
+    )  # the frames after one and before the other would meet
     near = (known.id[a] == known.id[b]) & short
     edge = np.ones(min(len(order), 1), bool)
     last, first = order[np.concatenate([~near, edge])], order[np.concatenate([edge, ~near])]

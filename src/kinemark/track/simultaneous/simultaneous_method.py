@@ -55,8 +55,8 @@ class Simultaneous(Method):
     uncertain_sd: float = parameter(
         10.0, unit="mm", above=0,
         meaning="standard deviation beyond which a position is uncertain: such points are counted in the findings, "
-        "and a track whose position is more uncertain goes on only with evidence; a fifth of it is the most for a point "
-        "that no two cameras have an image of alone",
+        "and a track whose position is more uncertain goes on only with evidence; a fifth of it is the most for a "
+        "point that no two cameras have an image of alone",
     )  # fmt: skip
     max_sd: float = parameter(
         100.0, former="worst", unit="mm", above=0, meaning="standard deviation beyond which a point is not given"

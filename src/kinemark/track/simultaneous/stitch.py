@@ -14,8 +14,8 @@ it,
     score_k = 2 ln(L / (√(2π) σ)) − (r' − r)² / σ²                                        (2)
 
 against a distance that could be any of a length L, the usual distance between tracks. The three others of least σ
-count. Where the standard deviation by S exceeds `Simultaneous.uncertain_sd`, motion alone stitches nothing: (2) is needed as
-well.
+count. Where the standard deviation by S exceeds `Simultaneous.uncertain_sd`, motion alone stitches nothing: (2) is
+needed as well.
 
 The assignment with the greatest sum of scores gives the stitches to consider. One is only made where its score exceeds
 that of any other stitch of either track, and of none, by CLEAR_MARGIN (3); otherwise both tracks stay as they are and

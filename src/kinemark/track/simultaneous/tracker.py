@@ -140,8 +140,8 @@ def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, met
     Cameras whose images fit nothing are left out.
     """
     given = Working(rig, images.without(noise.inconsistent), noise)
-    if not len(images.by_cell.order):
-        return given
+    if not len(images.by_cell.order) or (images.stated and not noise.added.any()):
+        return given  # nothing seen, or images that agree as well as they say
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
     moved = read_images(detections, adjusted)
     moved, left = learn_noise(moved, fundamentals(moved.P), method.gate)
@@ -175,7 +175,9 @@ def _with_second_pass(
     order = np.argsort(found.frame, kind="stable")
     row = row[:, order]
     new = _solved(found.frame[order], row, found.xyz[order].T, detections, rig, errors)
-    good = usable_points(new, rig, margin=None) & _precise_enough(new, ((row >= 0) & ~images.merged[row]).sum(0), method)
+    good = usable_points(new, rig, margin=None) & _precise_enough(
+        new, ((row >= 0) & ~images.merged[row]).sum(0), method
+    )
     both, ids = (cloud.keep(kept), new.keep(good)), np.concatenate([ids[kept], found.id[order][good]])
     frame = np.concatenate([one.frame for one in both])
     order = np.argsort(frame, kind="stable")

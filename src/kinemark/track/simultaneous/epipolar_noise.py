@@ -139,7 +139,7 @@ def mixture(off: Floats, group: Ints, n: int) -> Mixture:
         wider = height * WIDER_SHARE / WIDER * root
         whole = core + wider + (1 - p) / (2 * WINDOW)
         core, wider = core / whole, wider / whole
-        count = np.bincount(group, core + wider, n)
+        count = np.asarray(np.bincount(group, core + wider, n), np.float64)
         moment = np.bincount(group, (core + wider / WIDER**2) * squared, n)
         before, variance = variance, np.maximum(moment / np.maximum(count, 1e-9), 1e-6)
         share = count / total

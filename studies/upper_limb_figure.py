@@ -1,4 +1,4 @@
-"""The figure of `docs/kinematics.md`: what inverse cosines lose, and skin against bone.
+"""The figure of `docs/theory/kinematics.md`: what inverse cosines lose, and skin against bone.
 
 Run: python studies/upper_limb_figure.py FILE.svg
 """

@@ -37,7 +37,7 @@ NO_POSITIONS = {
         calibrate.rows_of_points calibrate.straightness calibrate.thinned calibrate.unknown_optics
         calibrate.wand_points detect.combined_masks detect.detect detect.detect_frames detect.detect_nearest
         detect.detect_scanning detect.learn_masks detect.propose digitise.clicked digitise.identified
-        digitise.look_at digitise.nearest_free io.open_images io.read_da io.read_da_set io.read_detections_csv
+        digitise.find_markers digitise.nearest_free io.open_images io.read_da io.read_da_set io.read_detections_csv
         io.read_rf io.write_da io.write_detections_csv io.write_rf""",
     "cameras found from images alone, in a world of their own": """
         calibrate.calibrate_points calibrate.calibrate_sticks calibrate.calibrate_wand calibrate.start""",
@@ -57,11 +57,12 @@ NO_POSITIONS = {
         data.make_finding reconstruct.image_errors io.camera_number
         io.load_model io.on_frames io.siblings io.with_parameters data.named
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
-        engine.calibrate_method engine.is_da engine.method_of engine.methods_text engine.methods_figures
-        engine.methods_table_markdown engine.session_schema track.matches_itself
+        engine.calibrate_method engine.frame_of engine.source_of engine.is_da engine.method_of engine.methods_text
+        engine.methods_figures engine.methods_table_markdown engine.session_schema track.matches_itself
         engine.read_settings signal.gain signal.weights synth.focal_pixels""",
     "findings and their words": """
-        report.advice_of report.headline_of report.reason_text report.sentences_of report.text_of report.with_words""",
+        report.advice_of report.headline_of report.open_gap_text
+        report.reason_text report.sentences_of report.text_of report.with_words""",
     "compiled parts of functions that have a case": """
         native.candidates native.find_runs native.group_runs native.index_images native.information native.intersect
         native.inverse native.library native.predict native.project native.status native.sum_pixels native.update""",

@@ -129,7 +129,7 @@ def test_groups_and_sums_are_those_of_numpy_to_the_last_bit(film):
 def test_detections_are_those_of_numpy(film, shot, min_width):
     images, level = film
     threshold = level / (257 if images.dtype == np.uint16 else 1)
-    method = replace(SINGLE, threshold=threshold, shot=shot, min_area=2, min_width=min_width)
+    method = replace(SINGLE, threshold=threshold, shot_noise=shot, min_area=2, min_width=min_width)
     assert_alike(detect_frames(images, method=method), plainly(detect_frames, images, method=method))
 
 

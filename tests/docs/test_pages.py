@@ -110,3 +110,9 @@ def test_the_site_tells_what_a_page_would_load(tmp_path):
     )
     (tmp_path / "c.css").write_text('@font-face { src: url("https://x.org/f.woff") }')
     assert len(list(offline.remote(tmp_path))) == 3
+
+
+def test_pages_that_the_sources_name_exist():
+    programs = [path for part in ("src", "studies", "benchmarks") for path in sorted((ROOT / part).rglob("*.py"))]
+    named = {page for path in programs for page in re.findall(r"\bdocs/[\w/-]+\.md", path.read_text(encoding="utf-8"))}
+    assert named and not [page for page in sorted(named) if not (ROOT / page).is_file()]

@@ -235,7 +235,7 @@ def test_a_static_trial_of_other_markers_says_what_it_cannot_place(tmp_path):
     static = tmp_path / "static.c3d"
     done = fill_file(a, tmp_path / "o.c3d", static=static, report=tmp_path / "o.html", trim=0, **QUICK)
     assert done.figures["filled"] == 1 and done.figures["open"] == 5
-    assert all(gap["reason"] for gap in done.figures["list"] if not gap["method"])
+    assert all(gap["state"] != "filled" for gap in done.figures["list"] if not gap["method"])
     assert done.trial.trajectories.names == ("A", "B", "C", "D", "E") and (tmp_path / "o.html").is_file()
 
 

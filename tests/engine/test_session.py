@@ -355,7 +355,7 @@ def test_a_bts_file_is_a_whole_session(tmp_path):
     assert trial.trajectories.rate == 250
     assert len(trial.plates) == 2
     assert "Fz1" in trial.analog[0].names
-    assert Path(tmp_path / "results/one/report.html").stat().st_size > 1_000_000
+    assert Path(tmp_path / "results/one/report.html").stat().st_size < 1_000_000
 
 
 def test_another_rate_is_another_input(folder):

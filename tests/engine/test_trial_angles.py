@@ -19,6 +19,7 @@ from kinemark.io.trial import read_trial
 from kinemark.kinematics import joint_angles, with_marker_sd
 from kinemark.kinematics.chain import points_of
 from kinemark.report.angles_page import angles_page
+from kinemark.report.drawing_library import library_name
 from kinemark.report.figures_angles import joint_figure
 from kinemark.report.stick import MOST_FRAMES, stick_data
 from kinemark.synth.arm import arm
@@ -118,7 +119,9 @@ def test_the_page_needs_nothing_else_and_tells_what_it_knows(written):
     result, _ = written
     html = (result.folder / "angles.html").read_text(encoding="utf-8")
     body = re.sub(r"<script>.*?</script>", "", html, flags=re.S)
-    assert not re.search(r"""(?:src|href)=["'](?!#)""", body) and "@import" not in body
+    addresses = re.findall(r"""(?:src|href)=["'](?!#)([^"']*)""", body)
+    assert addresses == [f"assets/{library_name()}"] and "@import" not in body
+    assert (result.folder / addresses[0]).is_file()
     assert "default-src 'none'" in html and html.count('id="stick"') == 1
     for text in (
         "15 frames without angles of: shoulder, elbow, wrist",

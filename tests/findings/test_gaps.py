@@ -148,7 +148,7 @@ def test_open_gaps_and_the_least_certain_are_drawn_first():
     gaps = (
         replace(gap, expected_mm=1.25),
         replace(gap, expected_mm=7.25),
-        replace(gap, method="", reason="because of this", expected_mm=np.nan),
+        replace(gap, method="", state="not_predicted", reason="because of this", expected_mm=np.nan),
     )
     figures = filling_figures(filled._replace(gaps=gaps), before, source="s", method="l", limit_mm=20.0)
     drawn = filling_page(figures=figures, trajectories=filled.trajectories).split('<section id="drawings">')[1]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from kinemark.numerics.levenberg_marquardt import Tries, damped_step, minimise, minimise_many
+from kinemark.numerics.levenberg_marquardt import NIELSEN, Damping, Tries, damped_step, minimise, minimise_many
 from kinemark.numerics.robust import (
     MEDIAN_OF_NORMAL,
     SD_PER_MEDIAN,
@@ -82,21 +82,26 @@ def curves(n, seed=0):
 
 
 START = np.array([1.0, 0.2, 0.0])
+DAMPINGS = pytest.mark.parametrize(
+    "damping", [NIELSEN, Damping(1e-3, fixed=(0.2, 10.0)), Damping(fixed=(0.1, 10.0), hold=True)]
+)
 
 
+@DAMPINGS
 @pytest.mark.parametrize("data", curves(8))
-def test_one_problem_ends_where_scipy_does(data):
+def test_one_problem_ends_where_scipy_does(data, damping):
     theirs = least_squares(lambda p: data - decay(p)[0], START, xtol=1e-15, ftol=1e-15, gtol=1e-15)
-    ours = minimise(Decay(data), START, steps=100, relative=1e-14)
+    ours = minimise(Decay(data), START, steps=100, relative=1e-14, damping=damping)
     assert Decay(data).cost(ours) <= 2 * theirs.cost * (1 + 1e-9)
     assert ours == pytest.approx(theirs.x, rel=1e-5)
 
 
-def test_many_problems_end_where_each_does_alone():
+@DAMPINGS
+def test_many_problems_end_where_each_does_alone(damping):
     data = curves(50, seed=1)
     many = Decays(data)
-    found = minimise_many(many, many.at(np.tile(START, (50, 1)), np.arange(50)), steps=100)
-    alone = [minimise(Decay(one), START, steps=100, relative=1e-14) for one in data]
+    found = minimise_many(many, many.at(np.tile(START, (50, 1)), np.arange(50)), steps=100, damping=damping)
+    alone = [minimise(Decay(one), START, steps=100, relative=1e-14, damping=damping) for one in data]
     assert found.cost == pytest.approx([Decay(one).cost(p) for one, p in zip(data, alone, strict=True)], rel=1e-9)
     assert found.parameters == pytest.approx(np.array(alone), rel=1e-4)
 
@@ -122,12 +127,36 @@ def test_the_unit_of_a_parameter_changes_nothing():
         assert other * unit == pytest.approx(minimise(Decay(data), START, steps=steps), rel=1e-6)
 
 
-def test_the_cost_never_rises_and_an_impossible_start_is_left():
+@DAMPINGS
+def test_the_cost_never_rises_and_an_impossible_start_is_left(damping):
     problem, p = Decay(curves(1)[0]), np.array([30.0, -3.0, 20.0])
-    costs = [problem.cost(minimise(problem, p, steps=n)) for n in range(12)]
+    costs = [problem.cost(minimise(problem, p, steps=n, damping=damping)) for n in range(12)]
     assert (np.diff(costs) <= 0).all() and costs[-1] < 1e-3 * costs[0]
     nowhere = np.array([1.0, 60.0, 0.0])
-    assert minimise(problem, nowhere, steps=5) is nowhere
+    assert minimise(problem, nowhere, steps=5, damping=damping) is nowhere
+
+
+def test_fixed_factors_change_the_damping_as_they_say():
+    eager, held = (Damping(1.0, fixed=(0.1, 10.0), hold=hold) for hold in (False, True))
+    found = []
+    for damping in (eager, held):
+        values = []
+        for fell in (1.0, -1.0, -1.0, 1.0, 1.0):
+            damping = damping.after(fell, 1.0)
+            values.append(float(damping.value))
+        found.append(values)
+    assert found[0] == pytest.approx([0.1, 1, 10, 1, 0.1])
+    assert found[1] == pytest.approx([0.1, 1, 10, 10, 1])
+    many = held.of_many(3).after(np.array([1.0, -1.0, -1.0]), np.ones(3))
+    assert many.take(np.array([False, True, True])).after(np.array([1.0, -1.0]), 1.0).value == pytest.approx([10, 100])
+
+
+def test_nielsens_damping_follows_what_was_promised():
+    assert [float(NIELSEN.after(fell, 1.0).value / NIELSEN.value) for fell in (1.0, 0.75, 0.5, 0.0)] == pytest.approx(
+        [0.1, 0.875, 1, 2]
+    )
+    failed = NIELSEN.after(-1.0, 1.0)
+    assert float(failed.after(-1.0, 1.0).value / NIELSEN.value) == pytest.approx(8)
 
 
 def test_a_step_out_of_bounds_is_only_a_failed_try():

@@ -2,8 +2,15 @@
 
 import pytest
 
-from kinemark.report.ambiguous_table import SILENT, ambiguous_table, grouped
+from kinemark.report.ambiguous_table import SILENT, grouped
+from kinemark.report.ambiguous_table import ambiguous_table as plain_table
+from kinemark.report.templating import environment
 from kinemark.report.words import decisions as words
+
+
+def ambiguous_table(decisions, *, listed):
+    """The table as the page has it."""
+    return str(environment().get_template("pieces.html").module.table(plain_table(decisions, listed=listed)))
 
 
 def decision(kind, at, who, reason, **values):

@@ -3,15 +3,17 @@
 import json
 import re
 from string import Formatter
+from typing import get_args
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinemark.data import KINDS, SEVERITIES, Finding, make_finding
+from kinemark.fill.fill import GapState
 from kinemark.report.page import page
 from kinemark.report.terminal_summary import summary
-from kinemark.report.words import WORDS, advice_of, headline_of, sentences_of, text_of, with_words
+from kinemark.report.words import WORDS, advice_of, headline_of, open_gap_text, sentences_of, text_of, with_words
 from kinemark.report.words.template import Words, fill, listed, shown
 from support.captures import capture, judge, ring, walk
 from support.findings import found
@@ -182,3 +184,13 @@ def test_words_are_added_once_and_never_read_back():
     assert found(stale, "camera_moved") == noted
     assert figures["verdict"]["headline"] == headline_of(figures["verdict"])
     assert figures["verdict"]["sentences"] == sentences_of(figures["verdict"])
+
+
+def test_each_state_of_an_open_gap_says_why():
+    gap = {"candidates_mm": {"linear": 31.04, "body": 40.0}, "expected_mm": 31.04, "reason": "needs six samples"}
+    said = {state: open_gap_text(gap | {"state": state}, 20.0) for state in get_args(GapState)}
+    assert said["above_limit"] == (
+        "the best method (linear) is expected to be off by 31.0 mm, more than the limit of 20 mm"
+    )
+    assert said["not_predicted"] == "needs six samples" and "no hold-out gap" in said["no_hold_out"]
+    assert said["filled"] == "–"

@@ -117,11 +117,11 @@ def _(by):
     image = np.full((1024, 1280), 10, np.uint8)
     u, v = (round(float(x)) for x in geometry.project(rig()[0], walk().xyz[2, 0]))
     image[v - 4 : v + 5, u - 4 : u + 5] = 220
-    look, uv = digitise.look_at(image), geometry.project_all(rig(), walk().xyz[:, :1])
+    markers, uv = digitise.find_markers(image), geometry.project_all(rig(), walk().xyz[:, :1])
     views = OtherViews(moved(rig(), by), 0, uv)
-    free, still = np.ones(len(look.uv), bool), np.zeros(2)
+    free, still = np.ones(len(markers.uv), bool), np.zeros(2)
     method = digitise.SemiAutomatic(walk().names)
-    options = {"shift": still, "expected": uv[0, 2, 0], "look": look, "free": free, "method": method}
+    options = {"shift": still, "expected": uv[0, 2, 0], "image_markers": markers, "free": free, "method": method}
     found = propose(views, 0, 2, **options), propose(replace(views, uv=np.where(two(uv), uv, np.nan)), 0, 2, **options)
     paths = kinemark.to_trajectories(moved(tracks(), by), moved(rig(), by))
     named = digitise.called(paths, [f"m{k}" for k in range(len(paths) + 1)], paths.n_frames)

@@ -71,10 +71,13 @@ class Demonstration:
         )
 
 
-def demo(folder: Path, *, scene: Scene | None = None, progress: Progress = silent) -> Demonstration:
+def demo(
+    folder: Path, *, scene: Scene | None = None, self_contained: bool = False, progress: Progress = silent
+) -> Demonstration:
     """Simulate a laboratory in a folder, run its session, and compare with the truth.
 
-    A folder that holds a session of an earlier demonstration is run again without simulating it anew.
+    A folder that holds a session of an earlier demonstration is run again without simulating it anew. Where
+    `self_contained`, each page holds the drawing library.
 
     Raises:
         KinemarkError: the folder holds something else, or the session cannot be run.
@@ -83,7 +86,7 @@ def demo(folder: Path, *, scene: Scene | None = None, progress: Progress = silen
     fresh = not (folder / FILE).is_file() or not (folder / "truth.npz").is_file()
     if fresh:
         simulate(folder, scene=scene, progress=progress)
-    session = Session.open(folder)
+    session = Session.open(folder, self_contained=self_contained)
     results = next(iter(session.run(progress=progress).values()))
     with np.load(folder / "truth.npz", allow_pickle=False) as truth:
         xyz = truth["xyz"]

@@ -17,6 +17,10 @@ errors = Console(stderr=True)
 
 LengthUnit = Literal["mm", "cm", "m", "in"] | None
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the results for a machine.")]
+SelfContained = Annotated[
+    bool,
+    Parameter(negative="", help="Put the drawing library into the page, for mailing; otherwise pages share one file."),
+]
 Set = Annotated[
     list[str] | None,
     Parameter(

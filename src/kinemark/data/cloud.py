@@ -20,7 +20,8 @@ class Cloud:
         xyz: (P, 3) mm.
         cov: (P, 3, 3) mm².
         residual: (P) RMS reprojection error, px.
-        view: (P, C) row in `Detections` of each camera's image, −1 where it does not see the point.
+        view: (P, C) detection index of each camera: the row of its image in `Detections`; −1 where it does not see
+            the point.
     """
 
     rate: float

@@ -18,7 +18,8 @@ class Fills:
     Attributes:
         marker, frame: (N) which, both from 0.
         xyz: (N, 3) mm; cov: (N, 3, 3) mm².
-        view: (N, C) row in `Detections` of the image by which a camera, which saw it alone, told of it; −1 for none.
+        view: (N, C) detection index: the row in `Detections` of the image by which a camera, which saw it alone,
+            told of it; −1 for none.
         told: of each gap, filled or not, what is to be said, as JSON.
     """
 

@@ -16,7 +16,7 @@ class Matches:
 
     Attributes:
         frame: (G) frame of the group.
-        view: (G, C) row in `Detections`, or −1 where the camera does not see it.
+        view: (G, C) detection index: the row in `Detections`, −1 where the camera does not see it.
         cost: (G) RMS distance of its images from its reprojection, px.
         n_frames: F of the recording.
     """

@@ -16,7 +16,7 @@ class SampleImages(NamedTuple):
     """The images of one sample.
 
     Attributes:
-        row: (C) row in `Detections` of each camera's image, −1 for none.
+        row: (C) detection index: the row in `Detections` of each camera's image, −1 for none.
         uv: (C, 2) px where they are, as the lens drew them; NaN for none.
         cov: (C, 2, 2) px², NaN where unknown.
     """

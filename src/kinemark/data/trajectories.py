@@ -33,7 +33,8 @@ class MarkerTrajectory:
         origin: (F) an `Origin` each.
         residual: (F) how far the rays of its cameras pass from it, RMS, mm; as a C3D file states it; NaN where unknown.
         cameras: (F) bit c is set when camera c saw the marker; 0 where unknown. From `view` where that is known.
-        view: (F, C) row in `Detections` of each camera's image, −1 where it has none of this sample; (F, 0) where the
+        view: (F, C) detection index: the row in `Detections` of each camera's image, −1 where it has none of this
+            sample; (F, 0) where the
             images are not known, as in files of other systems.
     """
 

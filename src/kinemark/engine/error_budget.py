@@ -39,6 +39,7 @@ def error_budget(
     markers: Path | None = None,
     rate_hz: float | None = None,
     length_unit: str | None = None,
+    self_contained: bool = False,
     progress: Progress = silent,
 ) -> ErrorBudgetResult:
     """What limits the accuracy of a trial, ranked; runs the session as far as it was not run before.
@@ -50,6 +51,7 @@ def error_budget(
         model: of `kinemark.io.model_toml`, its name or file, for joint angles; directions of segments without.
         markers: a file of the same recording whose markers have names, as a model wants them; any of trajectories.
         rate_hz, length_unit: of that file, where it does not say it.
+        self_contained: the page holds the drawing library, as where the session's file says so.
         progress: called with each step.
 
     Raises:
@@ -65,8 +67,9 @@ def error_budget(
     ranking = rank(rig, there, method=method, angles=angles)
     figures = with_words(sensitivity_figures(ranking, session=opened.settings.name, trial=name))
     write_quality(results.folder / "sensitivity.json", figures)
-    write_sensitivity_page(results.folder / "sensitivity.html", figures=figures, ranking=ranking, rig=rig)
-    return ErrorBudgetResult(figures, results.folder / "sensitivity.html")
+    page, assets = results.folder / "sensitivity.html", None if self_contained else opened.assets
+    write_sensitivity_page(page, figures=figures, ranking=ranking, rig=rig, assets=assets)
+    return ErrorBudgetResult(figures, page)
 
 
 def _there(results: OpenTrial, named: Trajectories | None, frames: int) -> SampledFrames:

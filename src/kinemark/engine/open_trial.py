@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from ..data import Detections, KinemarkError, Rig, Step, Tracks, Trajectories
+from ..report.drawing_library import ASSETS, relink
 from .calibration.calibrated import Calibrated
 from .graph import Graph
 from .progress import Cancel, Progress, Watch, check_threads, one_blas_thread, silent
 from .settings import TrialEntry
 from .sources import Frames, Recording, TrialSource, source_of
 from .store import Store
-from .trial_graph import TrialInputs, filled_of, trial_graph
+from .trial_graph import REPORT, TrialInputs, filled_of, trial_graph
 from .workspace import Workspace
 
 PREVIEW = "preview"
@@ -100,8 +101,10 @@ class OpenTrial:
         calibrated = self.workspace.calibrate(progress=progress, cancel=cancel, threads=threads)
         source, graph = self.source(calibrated.rig), self._graph(calibrated)
         with one_blas_thread(), Store.open(self.folder, self._lock, watch.of("wait")) as store:
-            inputs = TrialInputs(self.name, self.folder, self.workspace.settings, source, calibrated, store, threads)
+            s = self.workspace
+            inputs = TrialInputs(self.name, self.folder, s.settings, source, calibrated, store, threads, s.assets)
             graph.run(to, inputs, store, watch)
+            relink(self.folder / REPORT, s.results / ASSETS, self_contained=s.assets is None)
             return replace(self, steps=tuple(store.steps), computed=tuple(store.computed))
 
     def state(self) -> dict[str, bool]:

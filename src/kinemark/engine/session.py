@@ -15,7 +15,7 @@ from .digitising import Digitising
 from .open_trial import OpenTrial
 from .progress import Cancel, Progress, silent
 from .session_name import FILE
-from .settings import ADVICE, TrialEntry, read_settings
+from .settings import ADVICE, ReportTable, TrialEntry, read_settings
 from .sources import OperatedImages
 from .workspace import Workspace
 
@@ -25,13 +25,21 @@ class Session(Workspace):
     """An open session; a plain value, so that it can be sent to another process."""
 
     @classmethod
-    def open(cls, path: Path | str, *, overrides: Sequence[str] = (), results: Path | str | None = None) -> Session:
+    def open(
+        cls,
+        path: Path | str,
+        *,
+        overrides: Sequence[str] = (),
+        results: Path | str | None = None,
+        self_contained: bool = False,
+    ) -> Session:
         """The session in a folder, or of a session file.
 
         Args:
             path: of the folder or the file.
             overrides: methods and parameters instead of the file's, as "track.method=kiss_tracking".
             results: where everything computed goes; `results` in the session's folder where None.
+            self_contained: each page holds the drawing library, as `[report] self_contained` says it.
 
         Raises:
             KinemarkError: there is none, or its settings are not understood.
@@ -41,6 +49,8 @@ class Session(Workspace):
         if file.is_file() and file.suffix.lower() != ".toml":
             raise KinemarkError(f"{file} is a recording, not a session: write a {FILE} that names it. {ADVICE}")
         settings = read_settings(file, overrides=overrides)
+        if self_contained:
+            settings = settings.model_copy(update={"report": ReportTable(self_contained=True)})
         return cls(file.parent, settings, Path(results) if results else file.parent / "results")
 
     @property

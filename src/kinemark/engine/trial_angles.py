@@ -33,6 +33,7 @@ from ..kinematics import (
 )
 from ..kinematics.chain import Points, chosen, complete, points_of
 from ..report.angles_page import write_angles_page
+from ..report.drawing_library import assets_for
 from ..report.words import with_words
 
 
@@ -145,8 +146,11 @@ def _axis(k: int, motion: JointMotion | None) -> str:
     return f"angle {k + 1}" if motion is None else motion.positive
 
 
-def write_trial_angles(trial: Trial, result: TrialAngles, folder: Path) -> TrialAngles:
+def write_trial_angles(trial: Trial, result: TrialAngles, folder: Path, *, self_contained: bool = False) -> TrialAngles:
     """Write angles.csv, angles.html, angles.json, the trial with its angles as C3D, and cycles.csv if there are some.
+
+    The page shares the drawing library of the results that it lies in, or of its own folder, unless it is to be
+    self-contained.
 
     Raises:
         KinemarkError: the folder cannot be written, or a marker is called as a joint is.
@@ -165,6 +169,7 @@ def write_trial_angles(trial: Trial, result: TrialAngles, folder: Path) -> Trial
         model=model,
         points=result.points,
         cycles=result.cycles,
+        assets=None if self_contained else assets_for(folder),
     )
     return result._replace(folder=folder)
 
@@ -177,6 +182,7 @@ def angles_of_file(
     static: Path | None = None,
     functional: Path | None = None,
     settings: AngleSettings | None = None,
+    self_contained: bool = False,
 ) -> TrialAngles:
     """Read a trial, take its joint angles, and write them.
 
@@ -186,6 +192,7 @@ def angles_of_file(
         folder: of the results; beside the trial, its name and `_angles`, where none is given.
         static: trial that shows the points which clusters carry; functional: motion that shows joint centres.
         settings: all else.
+        self_contained: the page holds the drawing library.
 
     Raises:
         KinemarkError: as `trial_angles` and `write_trial_angles`, or a file cannot be read.
@@ -203,7 +210,8 @@ def angles_of_file(
         moving = None if functional is None else read(functional).trajectories
         still = static_template(read(static).trajectories, chain, functional=moving)
     result = trial_angles(trial, model=chain, template=still, settings=settings)
-    return write_trial_angles(trial, result, folder or path.with_name(f"{path.stem}_angles"))
+    into = folder or path.with_name(f"{path.stem}_angles")
+    return write_trial_angles(trial, result, into, self_contained=self_contained)
 
 
 def _smoothed(raw: Trajectories, settings: AngleSettings) -> Trajectories:

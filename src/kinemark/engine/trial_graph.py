@@ -76,6 +76,7 @@ class TrialInputs:
         calibrated: the cameras, and how good they are.
         store: of the results, which knows how the stages were done.
         threads: how many detection may use; None leaves it to the machine.
+        assets: folder of what pages share; None where each page is to hold it.
     """
 
     name: str
@@ -85,6 +86,7 @@ class TrialInputs:
     calibrated: Calibrated
     store: Store
     threads: int | None = None
+    assets: Path | None = None
 
     @property
     def rig(self) -> Rig:
@@ -280,6 +282,7 @@ def _write(inputs: TrialInputs, records: Records) -> None:
         trajectories=trajectories,
         judged=inputs.calibrated.figures,
         pictures=inputs.source.pictures(fullest_frames(records["detect"])),
+        assets=inputs.assets,
     )
     if inputs.settings.fill is not None:
         before = measured_of(inputs, records)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..report.drawing_library import ASSETS
 from .calibration import calibrate
 from .calibration.calibrated import Calibrated
 from .progress import Cancel, Progress, Watch, silent
@@ -24,6 +25,11 @@ class Workspace:
     root: Path
     settings: Settings
     results: Path
+
+    @property
+    def assets(self) -> Path | None:
+        """Folder of what pages share; None where each page is to hold it."""
+        return None if self.settings.report.self_contained else self.results / ASSETS
 
     def calibrate(
         self, *, progress: Progress = silent, cancel: Cancel | None = None, threads: int | None = None

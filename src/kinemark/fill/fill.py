@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -31,7 +31,7 @@ ENOUGH = 60
 """Hold-out gaps of one method that tell how far off it is; more are made to choose one for each gap.
 Chosen (see benchmarks/gaps.py)."""
 FIRST = "body"
-"""The method that is best in most trials (docs/fill.md)."""
+"""The method that is best in most trials (docs/theory/fill.md)."""
 MOSTLY = 0.6
 """Of what is known must be left where all tests are hidden at once, for methods to learn from that.
 Chosen (see benchmarks/gaps.py)."""
@@ -39,6 +39,11 @@ LITTLE = 0.05
 """Of the weight of a mean, below which a method is not named; chosen."""
 NOT_PREDICTED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
 """Stands where a method was tried in the tests, but not asked about the gap itself; by definition."""
+
+
+GapState = Literal["filled", "not_predicted", "no_hold_out", "above_limit"]
+"""What became of a gap: filled; open, since no method has a prediction, since no hold-out gap could be made that would
+tell the error, or since more error is expected than is allowed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +59,8 @@ class FilledGap:
         tests: number of hold-out gaps made for this gap; some have none of their own where there is one method alone.
         reference_markers: those that it was filled from.
         trimmed: frames of the gap that had been measured and are taken to be wrong; filled too, unless it stays open.
-        reason: why it stays open; empty when it is filled.
+        state: filled, or why it stays open.
+        reason: what the method lacked where it has no prediction; else empty.
     """
 
     marker: str
@@ -66,6 +72,7 @@ class FilledGap:
     tests: int = 0
     reference_markers: tuple[str, ...] = ()
     trimmed: tuple[int, ...] = ()
+    state: GapState = "filled"
     reason: str = ""
 
     @property
@@ -244,17 +251,10 @@ def _predictions(motion: MarkerArray, gaps: list[Gap], method: Any) -> list[Pred
 
 
 def _within(found: FilledGap, limit_mm: float) -> FilledGap:
-    """The same, open with a reason where no error or too great a one is expected."""
-    if found.reason or (found.expected_mm <= limit_mm and np.isfinite(found.expected_mm)):
+    """The same, open where no error or too great a one is expected."""
+    if found.state != "filled" or (found.expected_mm <= limit_mm and np.isfinite(found.expected_mm)):
         return found
-    if not np.isfinite(found.expected_mm):
-        reason = "no hold-out gap could be made: too little of the trial is known to estimate the error of a fill"
-    else:
-        reason = (
-            f"the best method ({found.method}) is expected to be off by {found.expected_mm:.1f} mm, "
-            f"more than the limit of {limit_mm:g} mm"
-        )
-    return replace(found, method="", reason=reason)
+    return replace(found, method="", state="above_limit" if np.isfinite(found.expected_mm) else "no_hold_out")
 
 
 def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Filled:
@@ -272,7 +272,7 @@ def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Fille
             reference_markers=placed.references,
             reason=placed.reason,
         )
-        found = _within(replace(found, method="") if placed.reason else found, limit_mm)
+        found = _within(replace(found, method="", state="not_predicted") if placed.reason else found, limit_mm)
         done.append(found)
         if found.method:
             path = MarkerTrajectory.measured(placed.name, placed.xyz, cov=placed.cov)
@@ -298,7 +298,8 @@ def choose_candidate(
     found = FilledGap(motion.names[gap.marker], gap.start, gap.stop, best.name, expected[best.name], expected, tests)
     if not np.isfinite(prediction.xyz).all():
         why = prediction.reason or "no method has a prediction here"
-        return replace(found, method="", expected_mm=np.nan, reason=why), prediction, prediction.cov
+        missing = replace(found, method="", expected_mm=np.nan, state="not_predicted", reason=why)
+        return missing, prediction, prediction.cov
     references = tuple(motion.names[d] for d in prediction.references)
     cov = best.calibration.covariance(prediction, edge_distance(motion, gap), weights)
     return replace(found, reference_markers=references), prediction, cov

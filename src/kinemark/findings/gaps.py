@@ -114,6 +114,7 @@ def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
         "tests": gap.tests,
         "reference_markers": list(gap.reference_markers),
         "trimmed": [frame + after.first_frame for frame in gap.trimmed] if gap.method else [],
+        "state": gap.state,
         "reason": gap.reason,
     }
 

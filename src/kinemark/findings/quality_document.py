@@ -267,8 +267,11 @@ class GapData(TypedDict):
     """Markers that it was filled from."""
     trimmed: list[int]
     """Measured frames that were replaced."""
+    state: Literal["filled", "not_predicted", "no_hold_out", "above_limit"]
+    """Filled; or open, since no method has a prediction, no hold-out gap could be made, or more error is expected than
+    `limit_mm`."""
     reason: str
-    """Why it stayed open, in words."""
+    """What the method lacked where it has no prediction; else empty."""
 
 
 @documented

@@ -220,12 +220,11 @@ def decode_images(paths: tuple[Path, ...]) -> Iterator[Image]:
         yield image
 
 
-def write_png(path: Path | str, image: Image) -> None:
-    """Write grey values (H, W), uint8 or uint16, as PNG.
+def png_bytes(image: Image) -> bytes:
+    """Grey values (H, W), uint8 or uint16, as a PNG file has them.
 
     Raises:
         ValueError: `image` has another shape or dtype.
-        KinemarkError: the file cannot be written.
     """
     if image.ndim != 2 or image.dtype not in (np.uint8, np.uint16) or not image.size:
         raise ValueError(f"image must be (height, width) of uint8 or uint16, found {image.dtype} {image.shape}")
@@ -235,5 +234,16 @@ def write_png(path: Path | str, image: Image) -> None:
     context.pix_fmt, context.time_base = depth, Fraction(1)
     pixels: Any = np.ascontiguousarray(image)
     packets = [*context.encode(av.VideoFrame.from_ndarray(pixels, format=depth)), *context.encode(None)]
+    return b"".join(map(bytes, packets))
+
+
+def write_png(path: Path | str, image: Image) -> None:
+    """Write grey values (H, W), uint8 or uint16, as PNG.
+
+    Raises:
+        ValueError: `image` has another shape or dtype.
+        KinemarkError: the file cannot be written.
+    """
+    content = png_bytes(image)
     with replacing(path) as beside:
-        beside.write_bytes(b"".join(map(bytes, packets)))
+        beside.write_bytes(content)

@@ -26,7 +26,7 @@ def write_masks(path: Path | str, masks: Masks) -> None:
         KinemarkError: the file cannot be written.
     """
     document = tomlkit.document()
-    document.add(tomlkit.comment("What is masked in the images of each camera, px; see docs/detect.md."))
+    document.add(tomlkit.comment("What is masked in the images of each camera, px; see docs/how-to/masks.md."))
     document["camera"] = tables = tomlkit.aot()
     for name, size, polygons in zip(masks.cameras, masks.sizes, masks.polygons, strict=True):
         lines = tomlkit.array().multiline(True)
@@ -45,7 +45,7 @@ def read_masks(path: Path | str) -> Masks:
     try:
         table = tomllib.loads(read_text(path))
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise KinemarkError(f"{path} is no TOML: {error}. docs/detect.md shows a file of masks.") from None
+        raise KinemarkError(f"{path} is no TOML: {error}. docs/how-to/masks.md shows a file of masks.") from None
     entries = table.get("camera", [])
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise KinemarkError(f"{path}: camera must be tables [[camera]] with name, size and polygons.")

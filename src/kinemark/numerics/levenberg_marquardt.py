@@ -19,10 +19,15 @@ With ϱ the decrease that was found, divided by the one that (3) promised, the d
     χ² rose:           λ ← λ ν,                           ν ← 2 ν         (4)
 
 with 1/10 (Marquardt's) where Nielsen has 1/3. Where the model holds (ϱ near 1) λ soon vanishes, and the steps are Gauss
-and Newton's; where tries fail, λ grows faster and faster.
+and Newton's; where tries fail, λ grows faster and faster. Where only a few tries can be paid for, fixed factors as
+Marquardt has them get farther
+
+    χ² did not rise:   λ ← λ down,      χ² rose:   λ ← λ up               (5)
+
+In a long valley every other step of (5) fails. There `hold` keeps λ at the first success after a failure (6).
 
 `minimise` solves one problem, whatever its state is made of and in whatever way it solves (2); `minimise_many` many
-small problems of one kind at once. Both change λ by (4), and nothing else in the package does.
+small problems of one kind at once. Both change λ by (4), (5) or (6), and nothing else in the package does.
 """
 
 from __future__ import annotations
@@ -48,17 +53,42 @@ Equations = TypeVar("Equations")
 
 
 class Damping(NamedTuple):
-    """λ and ν of (4), one each or (n) of many problems."""
+    """λ and ν of (4), one each or (n) of many problems.
+
+    Attributes:
+        value: λ.
+        growth: ν; 2 where the try before did not fail.
+        fixed: the factors down and up of (5), which then holds instead of (4).
+        hold: (6).
+    """
 
     value: Any = START
     growth: Any = 2.0
+    fixed: tuple[float, float] | None = None
+    hold: bool = False
 
     def after(self, fell: Any, promised: Any) -> Damping:
         """After tries that lowered χ² by `fell`, where (3) had promised `promised`."""
-        with np.errstate(invalid="ignore", over="ignore"):
-            ratio = np.clip(fell / np.maximum(promised, 1e-300), 0.0, 1.0)
-            factor = np.where(fell >= 0, np.maximum(LEAST_FACTOR, 1 - (2 * ratio - 1) ** 3), self.growth)
-        return Damping(self.value * factor, np.where(fell >= 0, 2.0, 2 * self.growth))  # (4)
+        if self.fixed is None:
+            with np.errstate(invalid="ignore", over="ignore"):
+                ratio = np.clip(fell / np.maximum(promised, 1e-300), 0.0, 1.0)
+            down, up = np.maximum(LEAST_FACTOR, 1 - (2 * ratio - 1) ** 3), self.growth  # (4)
+        else:
+            down, up = self.fixed  # (5)
+            down = np.where(self.hold & (np.asarray(self.growth) > 2), 1.0, down)  # (6)
+        factor, growth = np.where(fell >= 0, down, up), np.where(fell >= 0, 2.0, 2 * self.growth)
+        return self._replace(value=self.value * factor, growth=growth)
+
+    def of_many(self, n: int) -> Damping:
+        """The same for each of n problems."""
+        return self._replace(value=np.full(n, self.value), growth=np.full(n, self.growth))
+
+    def take(self, which: Bools) -> Damping:
+        """That of some of many problems."""
+        return self._replace(value=self.value[which], growth=self.growth[which])
+
+
+NIELSEN = Damping()  # (4) from `START`, without unit; Nielsen's, whose numbers stand above
 
 
 class Problem(Protocol[State, Equations]):
@@ -75,7 +105,13 @@ class Problem(Protocol[State, Equations]):
 
 
 def minimise(
-    problem: Problem[State, Equations], start: State, *, steps: int, relative: float = 0.0, absolute: float = 0.0
+    problem: Problem[State, Equations],
+    start: State,
+    *,
+    steps: int,
+    relative: float = 0.0,
+    absolute: float = 0.0,
+    damping: Damping = NIELSEN,
 ) -> State:
     """The state near `start` with the least cost; `start` itself where its cost is not finite.
 
@@ -88,8 +124,9 @@ def minimise(
         steps: at most so many tries.
         relative: without unit.
         absolute: in the unit of the cost.
+        damping: λ at first, and how it changes.
     """
-    state, cost, damping, small = start, problem.cost(start), Damping(), 0
+    state, cost, small = start, problem.cost(start), 0
     equations: Equations | None = None
     for _ in range(steps if np.isfinite(cost) else 0):
         equations = problem.equations(state) if equations is None else equations
@@ -146,15 +183,16 @@ class Problems(Protocol):
         """(b) whether what was found by the step is good enough; only asked where χ² did not rise."""
 
 
-def minimise_many(problems: Problems, start: Tries, *, steps: int) -> Tries:
+def minimise_many(problems: Problems, start: Tries, *, steps: int, damping: Damping = NIELSEN) -> Tries:
     """The states near `start` with the least cost, each changed until it is settled; `start` is written over.
 
     Args:
         problems: what is minimised.
         start: where to begin.
         steps: at most so many tries of each.
+        damping: λ at first, and how it changes.
     """
-    damping, busy = Damping(np.full(len(start.cost), START), np.full(len(start.cost), 2.0)), np.arange(len(start.cost))
+    damping, busy = damping.of_many(len(start.cost)), np.arange(len(start.cost))
     for _ in range(steps):
         if not len(busy):
             break
@@ -165,5 +203,5 @@ def minimise_many(problems: Problems, start: Tries, *, steps: int) -> Tries:
         damping = damping.after(fell, promised)
         done = (better & problems.settled(busy, now, tried)) | (damping.value > GIVEN_UP)
         start.put(busy, tried, better)
-        busy, damping = busy[~done], Damping(damping.value[~done], damping.growth[~done])
+        busy, damping = busy[~done], damping.take(~done)
     return start

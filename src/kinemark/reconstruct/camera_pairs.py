@@ -5,9 +5,9 @@ linear one of `geometry.triangulate` with these two alone (UM²AS eq. 2.5),
 
     X_mn = (BᵀB)⁻¹ Bᵀ D                                                  (1)
 
-A marker that one camera or none sees has no position (eq. 2.6); with two cameras X_mn is the position (2) (eq. 2.7).
-With three there are three solutions. One of them is left out if it is at least twice as far from both others as they
-are from each other (figure 2.9), and the mean of what is left is the position (3) (eq. 2.8).
+A marker that one camera or none sees has no position (UM²AS eq. 2.6); with two cameras X_mn is the position (2) (UM²AS
+eq. 2.7). With three there are three solutions. One of them is left out if it is at least twice as far from both others
+as they are from each other (figure 2.9), and the mean of what is left is the position (3), UM²AS eq. 2.8.
 
 **More cameras.** With n cameras there are n(n − 1)/2 solutions. One bad camera spoils those n − 1 in which it takes
 part, and the (n − 1)(n − 2)/2 others stay together. So with

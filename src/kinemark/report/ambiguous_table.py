@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 from typing import Any
 
 from .formatting import number
-from .html_tables import table
+from .tables import Table
 from .words import reason_text
 
 MOST_ROWS = 200  # shown; chosen for the page's size
@@ -19,14 +18,12 @@ SILENT = "This method of tracking does not tell which of its decisions were clos
 Decisions = Sequence[dict[str, Any]]
 
 
-def ambiguous_table(decisions: Decisions, *, listed: bool) -> str:
+def ambiguous_table(decisions: Decisions, *, listed: bool) -> Table:
     """A row for each reason about the same markers, the earliest first; `listed`: whether the tracking tells any."""
-    if not listed:
-        return f"<p>{escape(SILENT)}</p>"
-    rows = [_row(own) for own in grouped(decisions)]
-    more = f"<p>And {len(rows) - MOST_ROWS} more, in quality.json.</p>" if len(rows) > MOST_ROWS else ""
+    rows = [_row(own) for own in grouped(decisions)] if listed else []
+    more = f"And {len(rows) - MOST_ROWS} more, in quality.json." if len(rows) > MOST_ROWS else ""
     head = ["trajectories", "possible", "times", "when (s)", "what was seen"]
-    return f'<div class="texts">{table(head, rows[:MOST_ROWS])}</div>{more}' if rows else "<p>None.</p>"
+    return Table(head, rows[:MOST_ROWS], absent="None." if listed else SILENT, note=more, texts=True)
 
 
 def grouped(decisions: Decisions) -> list[Decisions]:

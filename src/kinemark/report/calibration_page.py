@@ -1,11 +1,8 @@
-"""The calibration as one HTML page that needs nothing else, in the style of the report."""
+"""The calibration as one HTML page, in the style of the report."""
 
 from __future__ import annotations
 
-from html import escape
-from importlib.resources import files
 from pathlib import Path
-from string import Template
 from typing import Any
 
 import numpy as np
@@ -15,7 +12,6 @@ from ..calibrate.quality import Evidence
 from ..data import Rig
 from ..data.array_types import Floats
 from ..findings.cameras import upwards
-from ..io.files import replacing
 from .calibration_tables import (
     calibration_tiles,
     change_table,
@@ -25,6 +21,7 @@ from .calibration_tables import (
     place_table,
     point_table,
 )
+from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures_calibration import (
     fit_figure,
     lens_figure,
@@ -37,9 +34,8 @@ from .figures_calibration import (
 )
 from .figures_images import images_figure
 from .formatting import measure, number
-from .html_tables import finding_list, paragraphs
-from .page import figure_html, framed, of_session
-from .words import headline_of, sentences_of
+from .page import of_session
+from .templating import render, write_text
 
 NAV = {
     "verdict": "Verdict",
@@ -49,58 +45,53 @@ NAV = {
     "terms": "Terms",
 }
 """Sections of the page, in their order."""
-WAND = (
-    "Error of the wand's length against where it was, a dot a pose, for poses that took no part in the fit; orange "
-    "lines are means. A slope or a bow means that the scale changes across the volume."
-)
-POINTS = (
-    "The worst first. A point whose error left out stands far above the others was surveyed or read wrongly; tinted "
-    "ones were not used by some camera."
-)
 MOST_POINTS = 600
 """Drawn in space; chosen."""
 
 
-def write_calibration_page(path: Path | str, *, figures: dict[str, Any], rig: Rig, evidence: Evidence) -> None:
+def write_calibration_page(
+    path: Path | str, *, figures: dict[str, Any], rig: Rig, evidence: Evidence, assets: Path | None = None
+) -> None:
     """Write the page, whole or not at all.
 
     Args:
         path: of the page, usually `calibration.html`.
         figures: of `calibration.calibration_figures` from the same rig and evidence.
         rig, evidence: what is drawn.
+        assets: folder of the drawing library that pages share; None puts it inside the page.
 
     Raises:
         KinemarkError: the folder cannot be written.
     """
-    html = calibration_page(figures=figures, rig=rig, evidence=evidence)
-    with replacing(path) as beside:
-        beside.write_text(html, encoding="utf-8")
+    library = drawing_library(path, assets)
+    write_text(path, calibration_page(figures=figures, rig=rig, evidence=evidence, library=library))
 
 
-def calibration_page(*, figures: dict[str, Any], rig: Rig, evidence: Evidence) -> str:
-    """The page as text."""
-    template = Template(files(__package__).joinpath("calibration.html").read_text(encoding="utf-8"))
-    drawn = {name: figure_html(name, fig) for name, fig in drawings(figures, rig, evidence).items()}
-    main = template.substitute(
-        {f"figure_{name}": html for name, html in drawn.items()},
-        grade=figures["verdict"]["grade"],
-        headline=escape(headline_of(figures["verdict"])),
-        sentences=paragraphs(sentences_of(figures["verdict"])),
+def calibration_page(
+    *, figures: dict[str, Any], rig: Rig, evidence: Evidence, library: DrawingLibrary | None = None
+) -> str:
+    """The page as text; the drawing library is inside where `library` is None."""
+    lost, change = figures["map"]["lost"], figures["change"]
+    return render(
+        "calibration.html",
+        library=library or inside(),
+        heading="Calibration",
+        below=of_session(figures),
+        nav=NAV,
+        figures=figures,
+        drawn=drawings(figures, rig, evidence),
         tiles=calibration_tiles(figures),
-        warnings=finding_list(figures["findings"]),
         fit_table=fit_table(figures["cameras"]),
         loss_table=loss_table(figures),
-        wand_card=_card("The wand by place", WAND, drawn["wand"], place_table(figures["wand"])),
-        point_card=_card("The control points", POINTS, drawn["points"], point_table(figures["points"])),
+        wand_table=place_table(figures["wand"]),
+        point_table=point_table(figures["points"]),
         lens_table=lens_table(figures),
-        change_table=change_table(figures["change"]),
-        method=escape(figures["method"] or "not stated"),
-        centroid=escape(measure(figures["precision"]["centroid_sd_px"], 3, "px")),
-        version=escape(figures["kinemark"]),
-        volume=escape(_volume(figures["volume"])),
-        level=escape(f"{'xyz'[figures['map']['lost']['axis']]} = {number(figures['map']['lost']['level_mm'], 0)} mm"),
+        change_table=change_table(change),
+        world_moved=measure(change and change["world_moved_mm"], 1, "mm"),
+        centroid=measure(figures["precision"]["centroid_sd_px"], 3, "px"),
+        volume=_volume(figures["volume"]),
+        level=f"{'xyz'[lost['axis']]} = {number(lost['level_mm'], 0)} mm",
     )
-    return framed(main, heading="Calibration", below=of_session(figures), nav=NAV)
 
 
 def drawings(figures: dict[str, Any], rig: Rig, evidence: Evidence) -> dict[str, go.Figure]:
@@ -116,13 +107,6 @@ def drawings(figures: dict[str, Any], rig: Rig, evidence: Evidence) -> dict[str,
         "wand": wand_figure(figures["wand"]),
         "lens": lens_figure(figures["cameras"]),
     }
-
-
-def _card(title: str, text: str, figure: str, rows: str) -> str:
-    """A part of the page that only calibrations with such rows have."""
-    if not rows:
-        return ""
-    return f'<div class="card long"><h3>{escape(title)}</h3><p>{escape(text)}</p>{figure}{rows}</div>'
 
 
 def _few(xyz: Floats) -> Floats:

@@ -2,39 +2,35 @@
 
 from __future__ import annotations
 
-from html import escape
 from typing import Any
 
 from .formatting import count, measure, millimetres, number, percent
-from .html_tables import table
+from .tables import Table, Tile
 
 
-def calibration_tiles(figures: dict[str, Any]) -> str:
-    """The key figures, each with its meaning below."""
+def calibration_tiles(figures: dict[str, Any]) -> list[Tile]:
+    """The key figures."""
     fit, precision, wand = figures["fit"], figures["precision"], figures["wand"]
     left = measure(fit["left_out_rms_px"], 3, "px")
     cells = [
-        (millimetres(precision["sd_95_mm"]), "σ per axis in 95 % of the volume",
+        Tile(millimetres(precision["sd_95_mm"]), "σ per axis in 95 % of the volume",
          f"half of it {millimetres(precision['sd_median_mm'])}"),
-        (measure(fit["residual_rms_px"], 3, "px"), "residual RMS", f"of {count(fit['images'], 'image')}"),
-        (left, "RMS on points left out", f"in space {millimetres(fit['left_out_rms_mm'])}"),
-        (percent(1 - precision["fewer_than_3_cameras_share"]), "seen by three cameras or more",
+        Tile(measure(fit["residual_rms_px"], 3, "px"), "residual RMS", f"of {count(fit['images'], 'image')}"),
+        Tile(left, "RMS on points left out", f"in space {millimetres(fit['left_out_rms_mm'])}"),
+        Tile(percent(1 - precision["fewer_than_3_cameras_share"]), "seen by three cameras or more",
          f"by two {percent(1 - precision['fewer_than_2_cameras_share'])}"),
     ]  # fmt: skip
     if wand:
         error = millimetres(wand["error_abs_mean_mm"])
-        cells[2] = (error, "wand's length, mean error", f"{count(wand['poses'], 'pose')} left out")
-    return "".join(
-        f'<div class="tile"><b>{escape(value)}</b><span>{escape(name)}</span><small>{escape(more)}</small></div>'
-        for value, name, more in cells
-    )
+        cells[2] = Tile(error, "wand's length, mean error", f"{count(wand['poses'], 'pose')} left out")
+    return cells
 
 
-def fit_table(cameras: list[dict[str, Any]]) -> str:
+def fit_table(cameras: list[dict[str, Any]]) -> Table:
     """A row a camera: how it fits, and how its image is covered."""
     head = ["camera", "points", "not used", "residual (px)", "left out (px)", "image within points"]
     head += ["volume within points", "uncertain: centre (px)", "corner (px)"]
-    return table(head, [_fit(camera) for camera in cameras])
+    return Table(head, [_fit(camera) for camera in cameras])
 
 
 def _fit(camera: dict[str, Any]) -> list[str]:
@@ -47,12 +43,12 @@ def _fit(camera: dict[str, Any]) -> list[str]:
     ]
 
 
-def lens_table(figures: dict[str, Any]) -> str:
+def lens_table(figures: dict[str, Any]) -> Table:
     """A row a camera: what it is."""
     straight = {row["name"]: row for row in figures["straightness"]}
     head = ["camera", "image (px)", "position x, y, z (mm)", "focal length x, y (px)", "± (px)", "principal point (px)"]
     head += ["k1", "k2", "p1", "p2", "k3", *(["rows bent before, after (px)"] if straight else [])]
-    return table(head, [_lens(camera, straight) for camera in figures["cameras"]])
+    return Table(head, [_lens(camera, straight) for camera in figures["cameras"]])
 
 
 def _lens(camera: dict[str, Any], straight: dict[str, dict[str, Any]]) -> list[str]:
@@ -70,14 +66,14 @@ def _lens(camera: dict[str, Any], straight: dict[str, dict[str, Any]]) -> list[s
     ]
 
 
-def loss_table(figures: dict[str, Any]) -> str:
+def loss_table(figures: dict[str, Any]) -> Table:
     """A row a camera: what remains without it; those on which much rests are tinted."""
     head = ["camera that is lost", "σ median (mm)", "σ in 95 % (mm)", "error: times as large", "no longer measured"]
     precision = figures["precision"]
     whole = ["none", number(precision["sd_median_mm"], 3), number(precision["sd_95_mm"], 3), "1", "–"]
     rows = [_loss(camera) for camera in figures["cameras"]]
     ratios = [camera["without"]["ratio_median"] or 0 for camera in figures["cameras"]]
-    return table(head, [whole, *rows], marked=[False, *(ratio > 2 for ratio in ratios)])
+    return Table(head, [whole, *rows], marked=[False, *(ratio > 2 for ratio in ratios)])
 
 
 def _loss(camera: dict[str, Any]) -> list[str]:
@@ -91,10 +87,8 @@ def _loss(camera: dict[str, Any]) -> list[str]:
     ]
 
 
-def point_table(points: list[dict[str, Any]]) -> str:
+def point_table(points: list[dict[str, Any]]) -> Table:
     """A row a control point, the largest residual first."""
-    if not points:
-        return ""
     head = [
         "point",
         "x, y, z (mm)",
@@ -118,13 +112,11 @@ def point_table(points: list[dict[str, Any]]) -> str:
         ]
         for p in points
     ]
-    return table(head, rows, marked=[bool(p["not_used_by"]) for p in points])
+    return Table(head, rows, marked=[bool(p["not_used_by"]) for p in points])
 
 
-def place_table(wand: dict[str, Any] | None) -> str:
+def place_table(wand: dict[str, Any] | None) -> Table:
     """A row a part of the volume: the wand's length there."""
-    if not wand:
-        return ""
     head = ["about x, y, z (mm)", "poses", "mean error (mm)", "SD (mm)", "95 % (mm)"]
     rows = [
         [
@@ -132,15 +124,13 @@ def place_table(wand: dict[str, Any] | None) -> str:
             number(cell["poses"]),
             *(number(cell[key], 2) for key in ("error_mean_mm", "error_sd_mm", "error_95_mm")),
         ]
-        for cell in wand["by_place"]
+        for cell in (wand["by_place"] if wand else [])
     ]
-    return table(head, rows)
+    return Table(head, rows)
 
 
-def change_table(change: dict[str, Any] | None) -> str:
+def change_table(change: dict[str, Any] | None) -> Table:
     """A row a camera: how it differs from the calibration before."""
-    if change is None:
-        return "<p>There was no other calibration in this session before.</p>"
     head = ["camera", "moved (mm)", "turned (°)", "focal length (%)", "image shifted (px)"]
     rows = [
         [
@@ -150,8 +140,6 @@ def change_table(change: dict[str, Any] | None) -> str:
             number(None if c["focal_share"] is None else 100 * c["focal_share"], 2),
             number(c["image_px"], 2),
         ]
-        for c in change["cameras"]
+        for c in (change["cameras"] if change else [])
     ]
-    world = f"the world as a whole by {measure(change['world_moved_mm'], 1, 'mm')}"
-    words = f"<p>Against {escape(change['since'])}, with both worlds laid on each other ({world}).</p>"
-    return words + table(head, rows)
+    return Table(head, rows)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .formatting import count, number, percent
-from .html_tables import table
+from .tables import Table
 
 REASONS = {
     "first_two_frames": "in the first two frames",
@@ -27,10 +27,8 @@ def digitised_line(digitising: dict[str, Any]) -> str:
     )
 
 
-def digitised_card(digitising: dict[str, Any] | None) -> str:
-    """The sentence with a row a camera; nothing where nobody digitised, or elsewhere."""
-    if not digitising:
-        return ""
+def digitised_table(digitising: dict[str, Any]) -> Table:
+    """A row a camera."""
     head = ["camera", "frames", "markers", "questions", *REASONS.values()]
     head += ["proposals taken", "without a question", "corrected", "not present"]
     keys = ("proposals_confirmed", "proposals_taken_unasked", "corrected", "not_present")
@@ -43,7 +41,4 @@ def digitised_card(digitising: dict[str, Any] | None) -> str:
         ]
         for name, camera in digitising["cameras"].items()
     ]
-    return (
-        f'<div class="card long"><h3>Digitised by an operator</h3><p>{digitised_line(digitising)} Proposals are of the '
-        f"cameras that were digitised before.</p>{table(head, rows)}</div>"
-    )
+    return Table(head, rows)

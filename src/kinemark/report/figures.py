@@ -13,7 +13,7 @@ from ..findings.markers import sample_deviation
 from .theme import HUES, STATES, axis_style, empty, figure, hue, label
 from .thin import blocks, envelope, short
 
-SAMPLES = 180_000
+SAMPLES = 36_000
 """Most samples in the figure of trajectories, all markers and axes together; chosen."""
 COLUMNS = 1200
 """Most columns in the timeline; chosen."""

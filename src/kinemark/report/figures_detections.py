@@ -6,6 +6,7 @@ in which most spots are invalid or were separated from others; the earliest of s
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from ..data import Detections, Validity
+from ..io.images import png_bytes
 from .formatting import number
 from .theme import INK, axis_style, empty, figure, label
 
@@ -24,6 +26,8 @@ LOOKED_AT = 100  # frames of a camera among which one is chosen; for speed
 COLUMNS = 3  # pictures side by side; chosen
 WIDEST = 320
 """Columns of a picture in the page; of each block of pixels the brightest is shown, so that no spot is lost; chosen."""
+LEVELS = 15
+"""Grey levels above black of such a picture; noise below a step is not kept, which makes it small; chosen."""
 MOST_FAULTS = 400
 """Invalid spots of other frames that are drawn a camera; chosen."""
 VALID, SEPARATED = "valid", "valid, separated from another"
@@ -74,7 +78,7 @@ def spots_figure(
         legends.draw(detections, kinds, here, place)
         plain = {**axis_style(), "showgrid": False, "zeroline": False}
         fig.update_xaxes(**plain, range=[-0.5, extent[0] - 0.5], **place)
-        fig.update_yaxes(**plain, range=[extent[1] - 0.5, -0.5], **place)
+        fig.update_yaxes(**plain, range=[extent[1] - 0.5, -0.5], scaleanchor=False, **place)
     return fig
 
 
@@ -130,13 +134,14 @@ def _size_text(detections: Detections, row: int) -> str:
 
 
 def _picture(fig: go.Figure, picture: Picture, place: dict[str, int]) -> None:
-    """The image in grey, coarser where it is large."""
+    """The image in grey, coarser where it is large, and in few levels, as a compressed picture."""
     k = max(1, -(-picture.shape[1] // WIDEST))
     grey = brightest(picture, k)
-    fig.add_heatmap(
-        z=(255.0 * grey / max(int(grey.max()), 1)).astype(np.uint8), x0=(k - 1) / 2, dx=k, y0=(k - 1) / 2, dy=k,
-        zmin=0, zmax=255, colorscale=[[0, "#000000"], [1, "#FFFFFF"]], showscale=False, hoverinfo="skip", **place,
-    )  # fmt: skip
+    level = np.rint(LEVELS * (grey / max(int(grey.max()), 1))).astype(np.uint8)
+    data = base64.b64encode(png_bytes(level * np.uint8(255 // LEVELS))).decode()
+    fig.add_image(
+        source=f"data:image/png;base64,{data}", x0=(k - 1) / 2, dx=k, y0=(k - 1) / 2, dy=k, hoverinfo="skip", **place
+    )
 
 
 def brightest(picture: Picture, k: int) -> Picture:

@@ -6,18 +6,21 @@ There may be hundreds of gaps in a trial, so these are plain SVG, a few kilobyte
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Floats
 from ..numerics.runs import true_runs
 from .formatting import number
+from .templating import render
 from .theme import FAINT, GRID, INK, STATES
 
-WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 360, 110, 46, 6, 16
-"""px; of a panel, and of its margins; chosen."""
+WIDTH, HEIGHT, LEFT, TOP, BOTTOM, APART = 360, 110, 46, 6, 16, 8
+"""px; of a panel, of its margins, and between panels; chosen."""
 CONTEXT = 1.0
 """Of the gap's length shown on either side, and at least CONTEXT_S; chosen."""
 CONTEXT_S = 0.25  # s shown on either side at least; chosen
@@ -29,6 +32,35 @@ SHOWN_MM = 1000.0
 """From the curve; a replaced sample farther off is outside the panel, so that the curve can still be seen; chosen."""
 
 
+class Line(NamedTuple):
+    """An SVG path with its colour and width, px."""
+
+    d: str
+    colour: str
+    width: float
+
+
+class Label(NamedTuple):
+    """Text at a place, px, and which end of it is there."""
+
+    x: float
+    y: float
+    text: str
+    anchor: str
+    colour: str = FAINT
+
+
+class Panel(NamedTuple):
+    """One axis: the gap's first and last place, px, lines, bands (polygons), dots and labels."""
+
+    first: float
+    last: float
+    lines: list[Line]
+    bands: list[str]
+    dots: list[tuple[float, float]]
+    labels: list[Label]
+
+
 def gap_figure(
     trajectories: Trajectories,
     marker: str,
@@ -36,7 +68,7 @@ def gap_figure(
     stop: int,
     references: tuple[str, ...] = (),
     replaced: Mapping[int, Floats] | None = None,
-) -> str:
+) -> Markup:
     """Three panels, x, y and z against time, as one SVG.
 
     Args:
@@ -53,12 +85,9 @@ def gap_figure(
     )
     near = [trajectories[name].xyz[frames] for name in references if name != marker]
     panels = [_panel(path, frames, axis, near, (start, stop), rate, replaced or {}) for axis in range(3)]
-    body = "".join(f'<g transform="translate({i * (WIDTH + 8)},0)">{panel}</g>' for i, panel in enumerate(panels))
-    width = 3 * WIDTH + 16
-    return (
-        f'<svg viewBox="0 0 {width} {HEIGHT}" width="100%" role="img" font-size="10" fill="none" '
-        f'font-family="system-ui, sans-serif">{body}</svg>'
-    )
+    sizes = {"width": WIDTH, "height": HEIGHT, "left": LEFT, "top": TOP, "bottom": HEIGHT - BOTTOM, "apart": APART}
+    colours = {"grid": GRID, "ink": INK, "filled": STATES["filled"]}
+    return render("gap.html", panels=panels, whole=3 * WIDTH + 2 * APART, **sizes, **colours)
 
 
 def _panel(
@@ -69,7 +98,7 @@ def _panel(
     gap: tuple[int, int],
     rate: float,
     replaced: Mapping[int, Floats],
-) -> str:
+) -> Panel:
     """One axis."""
     value, sd = path.xyz[frames, axis], np.sqrt(path.cov[frames, axis, axis])
     filled = path.origin[frames] == Origin.FILLED
@@ -82,26 +111,26 @@ def _panel(
     def y(v: Floats) -> Floats:
         return np.clip(TOP + (HEIGHT - TOP - BOTTOM) * (high - v) / (high - low), -HEIGHT, 2 * HEIGHT)
 
-    def dot(frame: int, xyz: Floats) -> str:
-        at = np.interp(frame, frames, x)
-        return f'<circle cx="{at:.1f}" cy="{float(y(xyz[axis])):.1f}" r="1.8" fill="{INK}" fill-opacity="0.6"/>'
-
-    first, last = np.interp([gap[0] - 0.5, gap[1] - 0.5], frames, x)
-    parts = [
-        f'<path d="M{first:.1f} {TOP}V{HEIGHT - BOTTOM}H{last:.1f}V{TOP}Z" fill="#F5F7F8"/>',
-        f'<path d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{WIDTH}" stroke="{GRID}"/>',
+    lines = [
         *(_line(x, y(other[:, axis] - _offset(other[:, axis], value)), NEIGHBOUR, 0.7) for other in near),
-        *(_band(x[run], y(value + band)[run], y(value - band)[run]) for run in _runs(filled, np.isfinite(value))),
         _line(x, y(np.where(filled, np.nan, value)), STATES["measured"], 1.6),
         _line(x, y(np.where(_widened(filled), value, np.nan)), STATES["filled"], 1.8),
-        *(dot(frame, xyz) for frame, xyz in replaced.items()),
-        _text(LEFT - 4, TOP + 8, number(high, 0), "end"),
-        _text(LEFT - 4, HEIGHT - BOTTOM, number(low, 0), "end"),
-        _text(LEFT - 4, (HEIGHT - BOTTOM + TOP) / 2 + 4, f"{'xyz'[axis]} mm", "end", INK),
-        _text(LEFT, HEIGHT - 4, f"{frames[0] / rate:.2f} s", "start"),
-        _text(WIDTH, HEIGHT - 4, f"{frames[-1] / rate:.2f} s", "end"),
     ]
-    return "".join(parts)
+    bands = [_band(x[run], y(value + band)[run], y(value - band)[run]) for run in _runs(filled, np.isfinite(value))]
+    return Panel(
+        float(np.interp(gap[0] - 0.5, frames, x)),
+        float(np.interp(gap[1] - 0.5, frames, x)),
+        [line for line in lines if line.d],
+        [points for points in bands if points],
+        [(float(np.interp(frame, frames, x)), float(y(xyz[axis]))) for frame, xyz in replaced.items()],
+        [
+            Label(LEFT - 4, TOP + 8, number(high, 0), "end"),
+            Label(LEFT - 4, HEIGHT - BOTTOM, number(low, 0), "end"),
+            Label(LEFT - 4, (HEIGHT - BOTTOM + TOP) / 2 + 4, f"{'xyz'[axis]} mm", "end", INK),
+            Label(LEFT, HEIGHT - 4, f"{frames[0] / rate:.2f} s", "start"),
+            Label(WIDTH, HEIGHT - 4, f"{frames[-1] / rate:.2f} s", "end"),
+        ],
+    )
 
 
 def _span(values: Floats) -> tuple[float, float]:
@@ -131,21 +160,16 @@ def _widened(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return out
 
 
-def _line(x: Floats, y: Floats, colour: str, width: float) -> str:
+def _line(x: Floats, y: Floats, colour: str, width: float) -> Line:
     """A line that is broken where it is not known."""
     known = np.isfinite(y)
     steps = np.where(np.concatenate([[True], ~known[:-1]]), "M", "L")
     d = "".join(f"{s}{a:.1f} {b:.1f}" for s, a, b in zip(steps[known], x[known], y[known], strict=True))
-    return f'<path d="{d}" stroke="{colour}" stroke-width="{width}" stroke-linejoin="round"/>' if d else ""
+    return Line(d, colour, width)
 
 
 def _band(x: Floats, upper: Floats, lower: Floats) -> str:
-    """The area between two lines."""
+    """The corners of the area between two lines; none of a single place."""
     if len(x) < 2:
         return ""
-    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip([*x, *x[::-1]], [*upper, *lower[::-1]], strict=True))
-    return f'<polygon points="{points}" fill="{STATES["filled"]}" fill-opacity="0.25"/>'
-
-
-def _text(x: float, y: float, text: str, anchor: str, colour: str = FAINT) -> str:
-    return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}" fill="{colour}">{text}</text>'
+    return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip([*x, *x[::-1]], [*upper, *lower[::-1]], strict=True))

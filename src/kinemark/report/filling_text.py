@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .html_tables import TAGS
-from .words import headline_of, sentences_of, text_of
+from .words import TAGS, headline_of, open_gap_text, sentences_of, text_of
 
 
 def filling_summary(figures: dict[str, Any]) -> str:
@@ -16,5 +15,5 @@ def filling_summary(figures: dict[str, Any]) -> str:
     for gap in figures["list"]:
         if not gap["method"]:
             frames = f"frames {gap['first_frame']} to {gap['last_frame']}"
-            lines.append(f"  open: {gap['marker']}, {frames}: {gap['reason']}")
+            lines.append(f"  open: {gap['marker']}, {frames}: {open_gap_text(gap, figures['limit_mm'])}")
     return "\n".join(lines)

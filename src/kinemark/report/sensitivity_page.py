@@ -1,16 +1,13 @@
-"""What limits a recording as one HTML page that needs nothing else, in the style of the report."""
+"""What limits a recording as one HTML page, in the style of the report."""
 
 from __future__ import annotations
 
-from html import escape
-from importlib.resources import files
 from pathlib import Path
-from string import Template
 from typing import Any
 
 from ..data import Rig
-from ..io.files import replacing
 from ..sensitivity import Ranking
+from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures_sensitivity import (
     angle_figure,
     cycles_figure,
@@ -20,9 +17,10 @@ from .figures_sensitivity import (
     ranked_figure,
 )
 from .formatting import degrees, millimetres, number, percent
-from .html_tables import paragraphs, table
-from .page import figure_html, framed, of_session
-from .words import SOURCE_ADVICE, headline_of, sentences_of
+from .page import of_session
+from .tables import Table, Tile
+from .templating import render, write_text
+from .words import SOURCE_ADVICE
 
 NAV = {
     "verdict": "Verdict",
@@ -32,28 +30,30 @@ NAV = {
     "terms": "Terms",
 }
 """Sections of the page, in their order."""
-BY_SEGMENTS = "A segment is a line between two markers that keep their distance; name a model to rank joint angles."
 
 
-def write_sensitivity_page(path: Path | str, *, figures: dict[str, Any], ranking: Ranking, rig: Rig) -> None:
+def write_sensitivity_page(
+    path: Path | str, *, figures: dict[str, Any], ranking: Ranking, rig: Rig, assets: Path | None = None
+) -> None:
     """Write the page, whole or not at all.
 
     Args:
         path: of the page, usually `sensitivity.html`.
         figures: of `sensitivity.sensitivity_figures` from the same ranking.
         ranking, rig: what is drawn.
+        assets: folder of the drawing library that pages share; None puts it inside the page.
 
     Raises:
         KinemarkError: the folder cannot be written.
     """
-    html = sensitivity_page(figures=figures, ranking=ranking, rig=rig)
-    with replacing(path) as beside:
-        beside.write_text(html, encoding="utf-8")
+    library = drawing_library(path, assets)
+    write_text(path, sensitivity_page(figures=figures, ranking=ranking, rig=rig, library=library))
 
 
-def sensitivity_page(*, figures: dict[str, Any], ranking: Ranking, rig: Rig) -> str:
-    """The page as text."""
-    template = Template(files(__package__).joinpath("sensitivity.html").read_text(encoding="utf-8"))
+def sensitivity_page(
+    *, figures: dict[str, Any], ranking: Ranking, rig: Rig, library: DrawingLibrary | None = None
+) -> str:
+    """The page as text; the drawing library is inside where `library` is None."""
     drawn = {
         "ranked": ranked_figure(figures),
         "cycles": cycles_figure(figures),
@@ -62,24 +62,23 @@ def sensitivity_page(*, figures: dict[str, Any], ranking: Ranking, rig: Rig) -> 
         "field": field_figure(ranking, rig),
         "loss": loss_figure(figures),
     }
-    main = template.substitute(
-        {f"figure_{name}": figure_html(name, fig) for name, fig in drawn.items()},
-        grade=figures["verdict"]["grade"],
-        headline=escape(headline_of(figures["verdict"])),
-        sentences=paragraphs(sentences_of(figures["verdict"])),
+    return render(
+        "sensitivity.html",
+        library=library or inside(),
+        heading=f"Sensitivity of {figures['trial']}",
+        below=of_session(figures),
+        nav=NAV,
+        figures=figures,
+        drawn=drawn,
         tiles=_tiles(figures),
-        angles=escape(figures["angles"]),
-        model="" if ranking.by_model else BY_SEGMENTS,
+        by_model=ranking.by_model,
         ranking_table=ranking_table(figures),
-        advice=_advice(figures["ranking"]),
+        source_advice=SOURCE_ADVICE,
         lost_table=lost_table(figures["lost"]),
-        version=escape(figures["kinemark"]),
     )
-    heading = f"Sensitivity of {figures['trial']}"
-    return framed(main, heading=heading, below=of_session(figures), nav=NAV)
 
 
-def ranking_table(figures: dict[str, Any]) -> str:
+def ranking_table(figures: dict[str, Any]) -> Table:
     """A row a source, the greatest first, and all together."""
     n = figures["cycles"]
     head = ["source", "image (px)", "marker σ (mm)", "95 % (mm)", "angle σ (°)", "95 % (°)", f"mean of {n} (°)"]
@@ -113,20 +112,10 @@ def ranking_table(figures: dict[str, Any]) -> str:
             "",
         ]
     )
-    return table(head, rows, marked=[True])
+    return Table(head, rows, marked=[True])
 
 
-def _advice(rows: list[dict[str, Any]]) -> str:
-    """For each source how it is known, and what helps."""
-    items = (
-        f"<dt>{escape(row['source'].capitalize())}</dt>"
-        f"<dd>Known by: {escape(row['origin'])}. {escape(SOURCE_ADVICE[row['source']])}</dd>"
-        for row in rows
-    )
-    return f"<dl>{''.join(items)}</dl>"
-
-
-def lost_table(lost: list[dict[str, Any]]) -> str:
+def lost_table(lost: list[dict[str, Any]]) -> Table:
     """A row a camera, the one most missed first."""
     head = [
         "camera",
@@ -139,23 +128,17 @@ def lost_table(lost: list[dict[str, Any]]) -> str:
     ]
     keys = ("mm", "all_mm", "deg", "cost_mm", "cost_deg")
     rows = [[row["camera"], *(number(row[key], 2) for key in keys), percent(row["gone_share"])] for row in lost]
-    return table(head, rows) if rows else ""
+    return Table(head, rows)
 
 
-def _tiles(figures: dict[str, Any]) -> str:
+def _tiles(figures: dict[str, Any]) -> list[Tile]:
+    """The key figures."""
     total = figures["total"]
     first = figures["lost"][0] if figures["lost"] else None
-    tiles = [
-        (degrees(total["mean_deg"], 1), "an angle, mean of cycles", f"{degrees(total['deg'], 1)} in a frame"),
-        (degrees(total["cameras_deg"]), "of it by the cameras", "without the placement of markers"),
-        (millimetres(total["cameras_mm"]), "a marker's position", "σ along each axis, by the cameras"),
-        (
-            first["camera"] if first else "–",
-            "camera most missed",
-            f"without it {millimetres(first['mm'])}" if first else "there are two",
-        ),
+    without = f"without it {millimetres(first['mm'])}" if first else "there are two"
+    return [
+        Tile(degrees(total["mean_deg"], 1), "an angle, mean of cycles", f"{degrees(total['deg'], 1)} in a frame"),
+        Tile(degrees(total["cameras_deg"]), "of it by the cameras", "without the placement of markers"),
+        Tile(millimetres(total["cameras_mm"]), "a marker's position", "σ along each axis, by the cameras"),
+        Tile(first["camera"] if first else "–", "camera most missed", without),
     ]
-    return "".join(
-        f'<div class="tile"><b>{escape(value)}</b><span>{escape(name)}</span><small>{escape(more)}</small></div>'
-        for value, name, more in tiles
-    )

@@ -1,4 +1,4 @@
-"""The limb as a stick figure that moves and can be seen from any side, drawn by a few lines of script in the page.
+"""The limb as a stick figure that moves and can be seen from any side, drawn by the script of `stick.html`.
 
 Points are given along the laboratory's forward, right and up, whatever its axes are called, so that "from the front"
 means the same in every laboratory. The script turns and draws them; no library and no graphics card is needed.
@@ -6,9 +6,6 @@ means the same in every laboratory. The script turns and draws them; no library 
 
 from __future__ import annotations
 
-import json
-from importlib.resources import files
-from string import Template
 from typing import Any
 
 import numpy as np
@@ -24,13 +21,6 @@ MOST_FRAMES = 900
 """Frames drawn; more are thinned evenly; chosen."""
 TAIL_S = 0.7
 """How long a path stays behind its marker; chosen."""
-
-
-def stick_html(points: Points, angles: Angles, model: Model, *, first_frame: int = 1) -> str:
-    """The figure with its controls and data, for the page; points (F, 3) mm by name."""
-    text = json.dumps(stick_data(points, angles, model, first_frame=first_frame), separators=(",", ":"))
-    safe = text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
-    return Template(files(__package__).joinpath("stick.html").read_text(encoding="utf-8")).substitute(data=safe)
 
 
 def stick_data(points: Points, angles: Angles, model: Model, *, first_frame: int = 1) -> dict[str, Any]:

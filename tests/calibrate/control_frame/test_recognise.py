@@ -10,7 +10,7 @@ from kinemark.calibrate import (
     recognise_control_frame,
 )
 from kinemark.calibrate.control_frame import control_frame_quality
-from kinemark.calibrate.control_frame.spacing import WORST, spacing_errors
+from kinemark.calibrate.control_frame.spacing import NO_FIT, spacing_errors
 from kinemark.data import Detections, KinemarkError, Rig, Rods, Validity
 from kinemark.geometry import project, project_all
 from kinemark.io.rods_toml import rods_from_toml
@@ -77,7 +77,7 @@ def test_a_projective_map_leaves_spacings_without_error_and_no_other_rod_has_the
         errors = [spacing_errors(RODS.along[r], q[None])[0] for r in range(4)]
         assert errors[rod] < 1e-6 and min(errors[:rod] + errors[rod + 1 :]) > 5
         assert spacing_errors(s, q[None, ::-1])[0] > 5
-    assert spacing_errors(s, 1 / (s - s.mean() + 1)[None])[0] == WORST  # half of the rod behind the camera
+    assert spacing_errors(s, 1 / (s - s.mean() + 1)[None])[0] == NO_FIT  # half of the rod behind the camera
 
 
 def test_two_rods_or_none_are_refused_with_the_number_found():

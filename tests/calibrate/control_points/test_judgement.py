@@ -7,6 +7,7 @@ from kinemark.calibrate import ControlPoints, Dlt, control_point_quality, judge_
 from kinemark.calibrate.control_points.judgement import BAD, GOOD, grade_of, limits
 from kinemark.calibrate.control_points.survey import displaced_points, distance, refused_everywhere
 from kinemark.geometry import project_all
+from kinemark.report.words import text_of
 from kinemark.synth import ring
 from kinemark.synth.targets import calibration_box, control_frame
 from support.shared import shared_data
@@ -133,6 +134,9 @@ def test_a_whole_rod_that_hangs_elsewhere_is_named():
     said = reasons["control_points_displaced"].values
     assert (said["points_list"], said["where"]) == (("B1", "B2", "B3", "B4", "B5", "B6"), "alike")
     assert said["shift_mm_list"] == pytest.approx((-15, 0, 0), abs=5)
+    away = np.linalg.norm(said["shift_mm_list"])  # the distance in words is that of the shift beside it
+    words = text_of(reasons["control_points_displaced"]).replace("\u00a0", " ")
+    assert f"at the surveyed places but {away:.3g} mm away, by (" in words
 
 
 def test_one_of_eight_control_balls_measured_wrong_is_named():

@@ -165,7 +165,7 @@ def test_the_limit_holds_for_markers_of_the_static_trial_too():
     before, static = trial_of(xyz).trajectories, trial_of(truth[:, :10]).trajectories
     (placed,) = fill(before, static=static).gaps
     (tight,) = fill(before, static=static, limit_mm=placed.expected_mm / 2).gaps
-    assert placed.method == "static" and tight.method == "" and "more than the limit" in tight.reason
+    assert placed.method == "static" and tight.method == "" and tight.state == "above_limit"
 
 
 def answer(name, errors, *, at=0.0, claim=1.0):

@@ -13,7 +13,7 @@ from ...engine.trial_angles import AngleSettings, angles_of_file
 from ...report.angles_text import angle_summary
 from ...report.sensitivity_text import sensitivity_summary
 from ...sensitivity import ErrorBudget
-from ..output import Json, LengthUnit, print_result, progress
+from ..output import Json, LengthUnit, SelfContained, print_result, progress
 
 
 def angles(
@@ -24,6 +24,7 @@ def angles(
     static: Path | None = None,
     functional: Path | None = None,
     settings: Annotated[AngleSettings | None, Parameter(name="*")] = None,
+    self_contained: SelfContained = False,
     json: Json = False,
 ) -> None:
     """Joint angles of a trial with their standard deviation: CSV, C3D, a page with curves and a moving stick figure.
@@ -35,9 +36,13 @@ def angles(
         static: trial that shows the points which clusters of markers carry.
         functional: trial whose motion shows the joint centres of the model.
         settings: how angles are taken.
+        self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
-    result = angles_of_file(trial, model=model, folder=output, static=static, functional=functional, settings=settings)
+    result = angles_of_file(
+        trial, model=model, folder=output, static=static, functional=functional, settings=settings,
+        self_contained=self_contained,
+    )  # fmt: skip
     if json:
         print_result(result.figures)
         return
@@ -55,6 +60,7 @@ def sensitivity(
     markers: Path | None = None,
     rate_hz: float | None = None,
     length_unit: LengthUnit = None,
+    self_contained: SelfContained = False,
     json: Json = False,
 ) -> None:
     """Say what limits the accuracy of a trial: noise, lenses, calibration, marker placement, or a camera that is lost.
@@ -70,6 +76,7 @@ def sensitivity(
             model wants.
         rate_hz: of the markers' file, where it does not say it.
         length_unit: of the markers' file, where it does not say it.
+        self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
     try:
@@ -79,6 +86,6 @@ def sensitivity(
     with progress() as tell:
         found = error_budget(
             session, trial=trial, method=asked, model=model, markers=markers, rate_hz=rate_hz,
-            length_unit=length_unit, progress=tell,
+            length_unit=length_unit, self_contained=self_contained, progress=tell,
         )  # fmt: skip
     print_result(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")

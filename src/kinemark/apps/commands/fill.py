@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from ...data import KinemarkError
 from ...engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ...fill import LIMIT, GapEdges
-from ..output import Json, LengthUnit, print_result, progress
+from ..output import Json, LengthUnit, SelfContained, print_result, progress
 
 
 def fill(
@@ -26,6 +26,7 @@ def fill(
     trim: int = GapEdges().most_trimmed,
     static: Path | None = None,
     report: bool = False,
+    self_contained: SelfContained = False,
     rate_hz: float | None = None,
     length_unit: LengthUnit = None,
     json: Json = False,
@@ -44,6 +45,7 @@ def fill(
         trim: so many bad samples may be replaced on each side of a gap; 0 keeps all that was measured.
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
+        self_contained: as of other commands; this page always is, since its drawings need no library.
         rate_hz: of a CSV or TDC file that does not say it.
         length_unit: of a C3D file that does not say it.
         json: print what became of every gap for a machine.

@@ -7,7 +7,7 @@ from pathlib import Path
 from ...engine.session import Session
 from ...report.calibration_text import calibration_summary
 from ...report.terminal_summary import summary
-from ..output import Json, Set, print_result, progress
+from ..output import Json, SelfContained, Set, print_result, progress
 
 
 def run(
@@ -18,6 +18,7 @@ def run(
     frames: tuple[int, int] | None = None,
     results: Path | None = None,
     threads: int | None = None,
+    self_contained: SelfContained = False,
     json: Json = False,
 ) -> None:
     """Process a session: calibrate, detect, match, reconstruct, track, and write C3D and report.
@@ -30,9 +31,10 @@ def run(
         frames: only frames FIRST LAST, counted from 1, as a preview; its results go into a folder of their own.
         results: folder for everything computed; results in the session's folder where none is given.
         threads: how many detection may use; as many as there are processors where none is given.
+        self_contained: put the drawing library into each page, for mailing.
         json: print the figures for a machine.
     """
-    opened = Session.open(session, overrides=set or (), results=results)
+    opened = Session.open(session, overrides=set or (), results=results, self_contained=self_contained)
     with progress() as tell:
         if frames is None:
             done = opened.run(trials, to=to, progress=tell, threads=threads)
@@ -67,16 +69,18 @@ def status(session: Path, *trials: str, json: Json = False) -> None:
         print_result(f"{name}: {done} done" + (f"; to do: {left}" if left else ""))
 
 
-def calibrate(session: Path, *, set: Set = None, json: Json = False) -> None:
+def calibrate(session: Path, *, set: Set = None, self_contained: SelfContained = False, json: Json = False) -> None:
     """Calibrate a session's cameras, judge the calibration, and write rig.toml and calibration.html.
 
     Args:
         session: a folder with a session.toml, or such a file.
         set: methods and parameters instead of the file's, as calibrate.method=dlt.
+        self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
+    opened = Session.open(session, overrides=set or (), self_contained=self_contained)
     with progress() as tell:
-        result = Session.open(session, overrides=set or ()).calibrate(progress=tell)
+        result = opened.calibrate(progress=tell)
     if json:
         print_result(result.figures)
         return

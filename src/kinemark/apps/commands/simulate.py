@@ -11,18 +11,19 @@ from ...data import KinemarkError
 from ...engine.simulate import Scene
 from ...engine.simulate import simulate as simulate_session
 from ..demo import demo as run_demo
-from ..output import Json, print_result, progress
+from ..output import Json, SelfContained, print_result, progress
 
 
-def demo(folder: Path = Path("demo"), *, json: Json = False) -> None:
+def demo(folder: Path = Path("demo"), *, self_contained: SelfContained = False, json: Json = False) -> None:
     """Simulate a gait laboratory, process its images, and compare with the truth.
 
     Args:
         folder: where the session goes.
+        self_contained: put the drawing library into each page, for mailing.
         json: print the figures for a machine.
     """
     with progress() as tell:
-        result = run_demo(folder, progress=tell)
+        result = run_demo(folder, self_contained=self_contained, progress=tell)
     print_result(result.figures() if json else result.text())
     if not result.passed:
         raise KinemarkError("The demo did not reach what it should; see the figures above.")

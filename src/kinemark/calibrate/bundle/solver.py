@@ -24,13 +24,15 @@ import numpy as np
 from ...data import Camera
 from ...data.array_types import Bools, Floats
 from ...geometry import parameter_jacobian, project
-from ...numerics.levenberg_marquardt import minimise
+from ...numerics.levenberg_marquardt import Damping, minimise
 from ...numerics.robust import cauchy_loss, cauchy_weight
 from ...numerics.schur import BlockEquations, block_step
 from ..resection import moved
 from .parts import Part, all_points, complete, slices
 
 STEPS = 200  # tries at most; chosen, far more than `benchmarks/bundle.py start` ever takes
+DAMPING = Damping(fixed=(0.1, 10.0), hold=True)
+"""Without unit; which points a rough fit leaves out hangs on its path: `studies/self_calibration.py` has this one's."""
 SETTLED = 1e-7
 """Share of the cost that two tries in turn must neither promise nor bring; chosen (see benchmarks/bundle.py)."""
 FARTHEST = 1e9  # mm, px, or of a lens term: where numbers run away to infinity; chosen (see benchmarks/bundle.py)
@@ -90,7 +92,7 @@ def solve(
 
     `soft` is c; None means ρ = |r|².
     """
-    return minimise(_Adjustment(seen, freedoms, soft), state, steps=steps, relative=settled)
+    return minimise(_Adjustment(seen, freedoms, soft), state, steps=steps, relative=settled, damping=DAMPING)
 
 
 def residuals(state: BundleState, uv: Floats) -> Floats:

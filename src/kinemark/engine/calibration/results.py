@@ -26,6 +26,7 @@ from ...io.files import replacing
 from ...io.rig_toml import read_rig_toml, write_rig_toml
 from ...io.um2as import siblings
 from ...report.calibration_page import write_calibration_page
+from ...report.drawing_library import ASSETS, relink
 from ...report.words import with_words
 from ..keys import code_key, digest, file_key, rig_key
 from ..progress import SILENT, Watch, check_threads, one_blas_thread
@@ -82,6 +83,7 @@ def calibrate(
             save=_save,
             load=_load,
         )
+        relink(results / PAGE, results / ASSETS, self_contained=settings.report.self_contained)
         return Calibrated(rig, figures, tuple(store.steps), bool(store.computed), results)
 
 
@@ -115,7 +117,8 @@ def _made(task: Task, results: Path) -> tuple[Rig, dict[str, Any]]:
         )
     since, change = _put_aside(results, rig, evidence)
     figures = with_words(calibration_figures(rig, evidence, session=task.settings.name, change=change, since=since))
-    write_calibration_page(results / PAGE, figures=figures, rig=rig, evidence=evidence)
+    assets = None if task.settings.report.self_contained else results / ASSETS
+    write_calibration_page(results / PAGE, figures=figures, rig=rig, evidence=evidence, assets=assets)
     write_quality(results / FIGURES, figures)
     return rig, figures
 

@@ -5,7 +5,7 @@ from .listing import methods_figures, methods_table_markdown, methods_text
 from .method_tables import SETTABLE, STAGES, calibrate_method, method_of
 from .read import ADVICE, read_settings
 from .schema import session_schema
-from .session_file import Cameras, MaskTable, Settings, TrialEntry, is_da
+from .session_file import Cameras, MaskTable, ReportTable, Settings, TrialEntry, is_da
 
 __all__ = [
     "ADVICE",
@@ -18,6 +18,7 @@ __all__ = [
     "LFrame",
     "LinearisationGrid",
     "MaskTable",
+    "ReportTable",
     "Settings",
     "TargetRecording",
     "TrialEntry",

@@ -23,7 +23,7 @@ from .table import Strict
 A_METHOD = WithJsonSchema({"type": "object"})
 """Stands in the model's schema for what `schema.stage_schema` says of a stage."""
 
-RESERVED = (".", "..", "rig.toml", "steps.json", "calibration.json", "calibration.html", "calibrations")
+RESERVED = (".", "..", "rig.toml", "steps.json", "calibration.json", "calibration.html", "calibrations", "assets")
 """What a trial cannot be called, since results are kept by these names."""
 
 
@@ -132,6 +132,16 @@ class TrialEntry(Strict):
         return self.answers is not None or (self.detections is not None and is_da(self.detections))
 
 
+class ReportTable(Strict):
+    """`[report]`: how pages are written."""
+
+    self_contained: bool = Field(
+        default=False,
+        description="each page holds the drawing library, 5 MB, so that it can be mailed alone; otherwise pages share "
+        "one file in results/assets",
+    )
+
+
 class Settings(Strict):
     """The whole file."""
 
@@ -150,6 +160,7 @@ class Settings(Strict):
     calibration: CalibrationTable = Field(description="what the cameras are calibrated with")
     trials: tuple[TrialEntry, ...] = Field(min_length=1, description="the recordings")
     masks: MaskTable | None = Field(default=None, description="parts of the images to leave out")
+    report: ReportTable = Field(default=ReportTable(), description="how pages are written")
     calibrate: Annotated[InstanceOf[Method], A_METHOD] = Field(default=None, validate_default=True)
     detect: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=DETECT.make)
     match: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=MATCH.make)

@@ -119,7 +119,7 @@ def _repeat(known: KnownSamples, span: Span, learnt: _LearntCycle, method: Cycli
     if not span.edges:
         return Prediction.none(span.length, known.never(span))
     if not learnt.period:
-        return Prediction.none(span.length, "the trial shows no two cycles that are min_correlation")
+        return Prediction.none(span.length, "no two cycles of the trial resemble each other")
     found = _lags(known, span, learnt, method)
     if not found:
         return Prediction.none(span.length, "no other cycle shows this part of the marker's path")

@@ -1,4 +1,4 @@
-"""C3D, the format in which laboratories exchange recordings: see `docs/files-c3d.md`."""
+"""C3D, the format in which laboratories exchange recordings: see `docs/reference/files-c3d.md`."""
 
 from .analog_rates import on_frames
 from .document import C3D, with_parameters

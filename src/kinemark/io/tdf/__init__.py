@@ -1,7 +1,7 @@
 """TDF, the file of BTS Bioengineering's systems: calibration, 2D, 3D, force plates, EMG and events of one trial.
 
-The layouts stand in `docs/files.md`. Those of plates, EMG and events are what BTS's own MATLAB readers and the
-Biomechanical ToolKit (Barré and Armand, 2014) take them for, and were checked on a recorded gait trial.
+The layouts stand in `docs/reference/files.md`. Those of plates, EMG and events are what BTS's own MATLAB readers and
+the Biomechanical ToolKit (Barré and Armand, 2014) take them for, and were checked on a recorded gait trial.
 """
 
 from __future__ import annotations

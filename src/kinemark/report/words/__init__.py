@@ -13,6 +13,7 @@ from ...data import Finding
 from .calibration import CALIBRATION_WORDS
 from .control_points import CONTROL_POINT_WORDS
 from .decisions import reason_text
+from .open_gaps import open_gap_text
 from .stages import ANGLE_WORDS, FILLING_WORDS, PROPOSAL_WORDS, SOURCE_ADVICE
 from .template import Words
 from .trial import TRIAL_WORDS
@@ -20,14 +21,19 @@ from .verdicts import VERDICT_WORDS
 
 __all__ = [
     "SOURCE_ADVICE",
+    "TAGS",
     "WORDS",
     "advice_of",
     "headline_of",
+    "open_gap_text",
     "reason_text",
     "sentences_of",
     "text_of",
     "with_words",
 ]
+
+TAGS = {"green": "good", "amber": "look", "red": "stop", "info": "note"}
+"""What stands beside a finding, by its severity."""
 
 WORDS: dict[str, Words] = {
     **TRIAL_WORDS,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from itertools import zip_longest
+from typing import cast
 
 from ...data import Finding
 from .template import Words, fill, listed, shown
@@ -72,7 +74,9 @@ def _displaced(found: Finding) -> str:
     if found.values["where"] == "other":
         text += "each at that of the other"
     elif found.values["where"] == "alike":
-        text += "{greatest_mm:.3g} away, by ({shift_mm_list:1})"
+        shift = cast("tuple[float, ...]", found.values["shift_mm_list"])
+        away = shown(math.hypot(*shift), "mm", ".3g")
+        text += f"{away} away, by ({{shift_mm_list:1}})"
     else:
         text += "{least_mm:.3g} to {greatest_mm:.3g} away"
     less = zip_longest(_items(found, "less_points_list"), _items(found, "less_mm_list"))

@@ -1,35 +1,53 @@
-"""The tables and small pieces of the page; everything that comes from the user is escaped."""
+"""The tables and key figures of the report, as plain texts."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
-from html import escape
-from typing import Any
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 from .formatting import count, measure, number, percent
-from .words import advice_of, text_of
-
-TAGS = {"green": "good", "amber": "look", "red": "stop", "info": "note"}
-"""What stands beside a finding, by its severity."""
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, marked: Sequence[bool] = ()) -> str:
-    """An HTML table of plain texts, the first column being the rows' heading; marked rows are tinted."""
-    top = "".join(f'<th scope="col">{escape(text)}</th>' for text in head)
-    body = []
-    for i, (first, *cells) in enumerate(rows):
-        tint = ' class="marked"' if i < len(marked) and marked[i] else ""
-        inner = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
-        body.append(f'<tr{tint}><th scope="row">{escape(first)}</th>{inner}</tr>')
-    return f'<div class="scroll"><table><thead><tr>{top}</tr></thead><tbody>{"".join(body)}</tbody></table></div>'
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table of plain texts.
+
+    Attributes:
+        head: of the columns; the first column is the rows' heading.
+        rows: of cells.
+        marked: which rows are tinted; those beyond its end are not.
+        absent: what stands in place of a table without rows.
+        note: below it.
+        texts: whether the cells are words, which begin on the left.
+    """
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    marked: Sequence[bool] = ()
+    absent: str = ""
+    note: str = ""
+    texts: bool = False
+
+    def is_marked(self, row: int) -> bool:
+        """Whether a row is tinted."""
+        return row < len(self.marked) and self.marked[row]
 
 
-def calibration_table(cameras: list[dict[str, Any]]) -> str:
+class Tile(NamedTuple):
+    """A key figure, what it is, and what else there is to say."""
+
+    value: str
+    name: str
+    more: str
+
+
+def calibration_table(cameras: list[dict[str, Any]]) -> Table:
     """A row a camera: what it is and where it stands."""
     head = ["camera", "image (px)", "position x, y, z (mm)", "focal length x, y (px)", "calibration RMS (px)"]
     head += ["1 px at the subject (mm)"]
-    return table(head, [_calibrated(camera) for camera in cameras])
+    return Table(head, [_calibrated(camera) for camera in cameras])
 
 
 def _calibrated(camera: dict[str, Any]) -> list[str]:
@@ -44,15 +62,15 @@ def _calibrated(camera: dict[str, Any]) -> list[str]:
     ]
 
 
-def camera_table(cameras: list[dict[str, Any]], inconsistent: Iterable[str]) -> str:
+def camera_table(cameras: list[dict[str, Any]], inconsistent: Iterable[str]) -> Table:
     """A row a camera: what it saw and how well it agrees; the inconsistent ones are marked."""
     head = ["camera", "detections", "a frame: mean (least–most)", "frames without", "invalid", "used"]
     head += ["residual: median (px)", "RMS (px)", "95 % (px)", "offset u, v (px)"]
     inconsistent = set(inconsistent)
-    return table(head, [_saw(c) for c in cameras], marked=[c["name"] in inconsistent for c in cameras])
+    return Table(head, [_saw(c) for c in cameras], marked=[c["name"] in inconsistent for c in cameras])
 
 
-def spots_table(cameras: list[dict[str, Any]]) -> str:
+def spots_table(cameras: list[dict[str, Any]]) -> Table:
     """A row a camera: how many spots, how many of them valid, and the others by reason."""
     reasons = list(cameras[0]["invalid"]) if cameras else []
     head = ["camera", "spots", "valid", "of them separated", *(reason.replace("_", " ") for reason in reasons)]
@@ -66,7 +84,7 @@ def spots_table(cameras: list[dict[str, Any]]) -> str:
         ]
         for camera in cameras
     ]
-    return table(head, rows)
+    return Table(head, rows)
 
 
 def _saw(camera: dict[str, Any]) -> list[str]:
@@ -84,12 +102,12 @@ def _saw(camera: dict[str, Any]) -> list[str]:
     ]
 
 
-def marker_table(markers: list[dict[str, Any]], *, gap_s: float) -> str:
+def marker_table(markers: list[dict[str, Any]], *, gap_s: float) -> Table:
     """A row a marker; those never seen or with a gap longer than `gap_s` are marked."""
     head = ["marker", "samples", "missing", "filled", "edited", "complete", "in view", "seen from–to (s)"]
     head += ["gaps", "longest", "σ (mm)", "σ 95 % (mm)", "jitter (mm)", "residual (mm)", "cameras"]
     marked = [not marker["samples"] or marker["longest_gap_s"] > gap_s for marker in markers]
-    return table(head, [_marker(marker) for marker in markers], marked=marked)
+    return Table(head, [_marker(marker) for marker in markers], marked=marked)
 
 
 def _marker(marker: dict[str, Any]) -> list[str]:
@@ -102,7 +120,7 @@ def _marker(marker: dict[str, Any]) -> list[str]:
     return [marker["name"], *samples, *shares, span, number(marker["gaps"]), longest if marker["gaps"] else "–", *exact]
 
 
-def step_table(steps: list[dict[str, Any]]) -> str:
+def step_table(steps: list[dict[str, Any]]) -> Table:
     """A row a step with its parameters, so that it can be run again."""
     rows = [
         [
@@ -115,7 +133,7 @@ def step_table(steps: list[dict[str, Any]]) -> str:
         ]
         for step in steps
     ]
-    return table(["stage", "method", "parameters", "Kinemark", "input (hash)", "time (s)"], rows)
+    return Table(["stage", "method", "parameters", "Kinemark", "input (hash)", "time (s)"], rows)
 
 
 def _parameters(parameters: dict[str, Any]) -> str:
@@ -127,29 +145,26 @@ def _list(values: Sequence[float | None], decimals: int) -> str:
     return ", ".join(number(value, decimals) for value in values) if known else "–"
 
 
-def tiles(quality: dict[str, Any]) -> str:
-    """The key figures, each with its meaning below."""
-    return "".join(
-        f'<div class="tile"><b>{escape(value)}</b><span>{escape(name)}</span><small>{escape(more)}</small></div>'
-        for value, name, more in (*_marker_tiles(quality), *_recording_tiles(quality))
-    )
+def tiles(quality: dict[str, Any]) -> list[Tile]:
+    """The key figures."""
+    return [*_marker_tiles(quality), *_recording_tiles(quality)]
 
 
-def _marker_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
+def _marker_tiles(quality: dict[str, Any]) -> list[Tile]:
     markers, points = quality["trajectories"], quality["points"]
     complete, whole = (percent(markers[f"completeness_{key}share"]) for key in ("in_view_", ""))
     longest = f"longest {measure(markers['longest_gap_s'], 2, 's')}, {count(markers['longest_gap_frames'], 'frame')}"
     median, rms = (measure(points[f"residual_{key}_px"], 2, "px") for key in ("median", "rms"))
     sd, jitter = (measure(markers[key], 2, "mm") for key in ("sd_per_axis_mean_mm", "jitter_median_mm"))
     return [
-        (complete, "complete in view", f"{whole} of the whole trial"),
-        (number(markers["gaps"]), "gaps", longest if markers["gaps"] else "within what was seen"),
-        (median, "median residual", f"RMS {rms}"),
-        (sd, "σ of a position, per axis", f"observed jitter {jitter}"),
+        Tile(complete, "complete in view", f"{whole} of the whole trial"),
+        Tile(number(markers["gaps"]), "gaps", longest if markers["gaps"] else "within what was seen"),
+        Tile(median, "median residual", f"RMS {rms}"),
+        Tile(sd, "σ of a position, per axis", f"observed jitter {jitter}"),
     ]
 
 
-def _recording_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
+def _recording_tiles(quality: dict[str, Any]) -> list[Tile]:
     recording, points, timing = quality["recording"], quality["points"], quality["timing"]
     tracks = f"{count(quality['tracks']['count'], 'track')}, {number(points['per_frame_mean'], 1)} points a frame"
     trajectories = quality["trajectories"]
@@ -157,27 +172,12 @@ def _recording_tiles(quality: dict[str, Any]) -> list[tuple[str, str, str]]:
     few = f"{percent(points['fewer_than_3_cameras_share'])} of points in fewer than three"
     frames = f"{count(recording['frames'], 'frame')} at {number(recording['rate_hz'])} Hz"
     return [
-        (number(worn), "markers", tracks),
-        (number(len(quality["cameras"])), "cameras", few),
-        (measure(recording["duration_s"], 2, "s"), "recorded", frames),
-        (
+        Tile(number(worn), "markers", tracks),
+        Tile(number(len(quality["cameras"])), "cameras", few),
+        Tile(measure(recording["duration_s"], 2, "s"), "recorded", frames),
+        Tile(
             measure(timing["total_s"] or None, 1, "s"),
             "of computing",
             f"{number(timing['frames_per_s'], 0)} frames a second",
         ),
     ]
-
-
-def finding_list(findings: Sequence[Mapping[str, Any]]) -> str:
-    """What needs attention, and what to do."""
-    items = "".join(
-        f'<li class="{found["severity"]}"><span class="tag">{TAGS[found["severity"]]}</span>'
-        f"<div><b>{escape(text_of(found))}</b><br>{escape(advice_of(found))}</div></li>"
-        for found in findings
-    )
-    return f'<ul class="warnings">{items}</ul>' if items else "<p>Nothing asks for attention.</p>"
-
-
-def paragraphs(texts: Iterable[str]) -> str:
-    """One paragraph a text."""
-    return "".join(f"<p>{escape(text)}</p>" for text in texts)

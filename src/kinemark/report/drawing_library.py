@@ -1,0 +1,84 @@
+"""The drawing library, plotly.js: one file that the pages of a folder share, or inside a page for mailing."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import NamedTuple
+from urllib.parse import quote
+
+from markupsafe import Markup
+from plotly.offline import get_plotlyjs, get_plotlyjs_version
+
+from ..io.files import replacing
+from .templating import render, write_text
+
+ASSETS = "assets"
+"""Folder, in that of the results, of what pages share."""
+FARTHEST = 3
+"""Folders above a page in which a library that is already there is looked for; chosen."""
+
+
+class DrawingLibrary(NamedTuple):
+    """What a page draws with: the address of a file, or the library's text."""
+
+    address: str = ""
+    text: Markup = Markup()
+
+
+def library_name() -> str:
+    """Of the file; pages of an older version of the library keep their own."""
+    return f"plotly-{get_plotlyjs_version()}.min.js"
+
+
+def drawing_library(page: Path | str, assets: Path | None) -> DrawingLibrary:
+    """What a page links to, written where it is not there yet; the library itself where `assets` is None.
+
+    Raises:
+        KinemarkError: the folder cannot be written.
+    """
+    if assets is None:
+        return inside()
+    file = assets / library_name()
+    _put(file)
+    return _linked(Path(page), file)
+
+
+def inside() -> DrawingLibrary:
+    """The library itself, for a page that needs no other file."""
+    return DrawingLibrary(text=Markup(get_plotlyjs()))
+
+
+def relink(page: Path, assets: Path, *, self_contained: bool) -> None:
+    """Make a page that was written before share the library, or hold it; one that does stays as it is.
+
+    Raises:
+        KinemarkError: the folder cannot be written.
+    """
+    if not page.is_file():
+        return
+    shared = drawing_library(page, assets) if not self_contained else _linked(page, assets / library_name())
+    old, new = (render("library.html", library=way) for way in (shared, inside()))
+    if not self_contained:
+        old, new = new, old
+    text = page.read_text("utf-8")
+    if old in text:
+        write_text(page, text.replace(old, new))
+
+
+def _linked(page: Path, file: Path) -> DrawingLibrary:
+    return DrawingLibrary(address=quote(Path(os.path.relpath(file, page.parent)).as_posix()))
+
+
+def _put(file: Path) -> None:
+    """Write the library, whole or not at all; a file that is whole stays."""
+    text = get_plotlyjs().encode()
+    if not file.is_file() or file.stat().st_size != len(text):
+        with replacing(file) as beside:
+            beside.write_bytes(text)
+
+
+def assets_for(folder: Path) -> Path:
+    """The assets of a folder of pages: those of a folder above that has the library, else its own."""
+    above = [folder.absolute(), *folder.absolute().parents][: FARTHEST + 1]
+    return next((near / ASSETS for near in above if (near / ASSETS / library_name()).is_file()), folder / ASSETS)

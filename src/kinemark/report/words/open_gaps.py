@@ -1,0 +1,23 @@
+"""Why a gap stays open."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+
+def open_gap_text(gap: Mapping[str, Any], limit_mm: float) -> str:
+    """Of a gap in the figures of a filling; a dash where it is filled."""
+    match gap["state"]:
+        case "above_limit":
+            expected = {name: mm for name, mm in gap["candidates_mm"].items() if mm == gap["expected_mm"]}
+            which = f"the best method ({', '.join(expected)})" if expected else "it"
+            return (
+                f"{which} is expected to be off by {gap['expected_mm']:.1f} mm, more than the limit of {limit_mm:g} mm"
+            )
+        case "no_hold_out":
+            return "no hold-out gap could be made: too little of the trial is known to estimate the error of a fill"
+        case "not_predicted":
+            return str(gap["reason"])
+        case _:
+            return "–"

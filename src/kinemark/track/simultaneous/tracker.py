@@ -45,6 +45,9 @@ LEAST = 1e-6
 UNCERTAIN = 5.0
 """Of the median of the standard deviations; chosen (see benchmarks/tracking.py)."""
 
+AT_ONCE = 20_000
+"""Points that are solved in one go; chosen: more would take memory and no less time."""
+
 VOLUME_MARGIN = 100.0
 """mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
 
@@ -232,8 +235,15 @@ def _variance(seen: Associations, images: Images, noise: Noise) -> Floats:
 
 def _solved(frame: Ints, row: Ints, guess: Floats, detections: Detections, rig: Rig, errors: ImageErrors) -> Cloud:
     """The points of images row (C, P), one to one, with guesses (3, P) mm of their positions."""
-    matches = Matches(frame, row.T, np.zeros(len(frame)), detections.n_frames)
-    return weighted_points(matches, detections, rig, guess=np.ascontiguousarray(guess.T), errors=errors)
+    parts = []
+    for first in range(0, max(len(frame), 1), AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        matches = Matches(frame[part], row[:, part].T, np.zeros(len(frame[part])), detections.n_frames)
+        near = np.ascontiguousarray(guess[:, part].T)
+        parts.append(weighted_points(matches, detections, rig, guess=near, errors=errors))
+    start = np.searchsorted(frame, np.arange(detections.n_frames + 1))
+    columns = (np.concatenate([getattr(one, name) for one in parts]) for name in ("xyz", "cov", "residual", "view"))
+    return Cloud(detections.rate, start, *columns)
 
 
 def _with_smoothed(cloud: Cloud, seen: Associations, sound: Bools, T: float, method: Simultaneous) -> Cloud:

@@ -28,6 +28,7 @@ import recording
 import startup
 import tomlkit
 import tracking
+import tracking_scenes
 from metrics import Metric, is_worse
 
 from kinemark.version import __version__
@@ -37,6 +38,7 @@ SUITE: dict[str, Callable[[], list[Metric]]] = {
     "detection": detection.metrics,
     "recording": recording.metrics,
     "tracking": tracking.metrics,
+    "tracking_scenes": tracking_scenes.metrics,
     "bundle": bundle.metrics,
     "gaps": gaps.metrics,
     "startup": startup.metrics,

@@ -11,7 +11,7 @@ from kinemark.geometry.weighted_points import usable_points, weighted_points
 from kinemark.match import MATCH, NearestEpipolar
 from kinemark.reconstruct import RECONSTRUCT, LeastSquares
 from kinemark.track import TRACK, Swamidas, blend, swamidas, track, within_volume, without_short
-from kinemark.track.simultaneous import FormerTwoCameras, Simultaneous, track_with_decisions
+from kinemark.track.simultaneous import FormerTwoCameras, Simultaneous, diagnose_points, track_with_decisions
 from support.shift_law import OPEN, Answer, law, moved
 from support.shift_scene import cloud, matches, observed, rig, tracks, walk
 
@@ -60,6 +60,7 @@ def _(by, parameter):
     kinemark.ambiguous_decisions,
     kinemark.diagnose,
     kinemark.diagnose_tracks,
+    diagnose_points,
     track_with_decisions,
     mm=1e-6,
     share=OPEN,
@@ -69,6 +70,7 @@ def _(by):
     found = kinemark.track_simultaneously(seen, cameras, Simultaneous())
     tracks, decisions = track_with_decisions(seen, cameras)
     words = kinemark.diagnose(seen, cameras, found), kinemark.diagnose_tracks(seen, cameras, tracks)
+    words = *words, diagnose_points(found, Simultaneous(), None)
     again = kinemark.ambiguous_decisions(found, Simultaneous())
     rest = found.id, found.evidence, found.stitches, found.noise, decisions, again, words
     return Answer((found.tracks.cloud.xyz, tracks.cloud.xyz), rest)

@@ -60,6 +60,13 @@ TRIAL_KINDS = (
          "frame rate may be wrong.", {"rate_hz": "Hz"}),
     Kind("speeds_impossible", "track", "amber", "Markers move faster than people can: the frame rate may be wrong.",
          {"speed_m_s": "m/s", "rate_hz": "Hz"}),
+    Kind("points_dropped_outside", "track", "amber", "Tracked points farther than `volume_margin` outside the control "
+         "volume were left out; between which corners they lie.",
+         {"points": "count", "points_share": "share", "margin_mm": "mm", "least_mm_list": "mm",
+          "greatest_mm_list": "mm"}),
+    Kind("positions_uncertain", "track", "info", "Positions whose standard deviation exceeds a limit, as where two "
+         "cameras look along almost one line; frames in which there are any.",
+         {"points": "count", "points_share": "share", "limit_mm": "mm"}),
     # Markers and tracks
     Kind("markers_never_seen", "track", "amber", "Markers without any sample."),
     Kind("incomplete", "track", "amber", "Few of the markers' positions are there while the subject is in view; the "

@@ -47,6 +47,7 @@ from ..track.simultaneous import (
     Simultaneous,
     ambiguous_decisions,
     diagnose,
+    diagnose_points,
     diagnose_tracks,
     track_detections,
     track_simultaneously,
@@ -196,8 +197,10 @@ def _from_detections(inputs: TrialInputs, records: Records) -> Tracked:
     if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
         tracks = track_detections(detections, rig, method=method)
         return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
-    result = track_simultaneously(detections, rig, method, errors=image_errors(place))
-    return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), tuple(diagnose(detections, rig, result)))
+    margin = place.volume_margin if place.within_volume else None
+    result = track_simultaneously(detections, rig, method, errors=image_errors(place), volume_margin=margin)
+    found = *diagnose(detections, rig, result), *diagnose_points(result, method, margin)
+    return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), found)
 
 
 def _from_points(inputs: TrialInputs, records: Records) -> Tracked:

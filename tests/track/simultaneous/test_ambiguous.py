@@ -72,7 +72,7 @@ def test_tracks_nearer_than_their_gates_may_be_swapped(share, found):
 
 def test_a_track_that_was_lost_and_found_is_a_doubt_only_where_its_place_was_hardly_known():
     before = np.ones((2, 20))
-    before[0, 9], before[1, 9] = 1.1 * METHOD.max_sd, 0.9 * METHOD.max_sd
+    before[0, 9], before[1, 9] = 1.1 * METHOD.uncertain_sd, 0.9 * METHOD.uncertain_sd
     (decision,) = _found_again(sightings(straight(), before=before), METHOD)
     assert (decision.kind, decision.first, decision.last, decision.tracks) == ("swap", 9, 9, (0,))
     rows = np.arange(80).reshape(2, 20, 2)
@@ -133,9 +133,9 @@ def test_joins_are_doubted_at_their_gap():
     ("margin", "sd", "reason"),
     [
         (1.5 * CLEAR_MARGIN, 1.0, "stitched_with_rival"),
-        (3 * CLEAR_MARGIN, 0.6 * METHOD.max_sd, "stitched_over_wide_gap"),
+        (3 * CLEAR_MARGIN, 0.6 * METHOD.uncertain_sd, "stitched_over_wide_gap"),
         (0.5 * CLEAR_MARGIN, 1.0, "not_stitched_with_rival"),
-        (3 * CLEAR_MARGIN, 0.4 * METHOD.max_sd, None),
+        (3 * CLEAR_MARGIN, 0.4 * METHOD.uncertain_sd, None),
     ],
 )
 def test_joins_with_a_rival_or_over_a_wide_gap_are_doubts(result, margin, sd, reason):

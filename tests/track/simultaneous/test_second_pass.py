@@ -84,7 +84,7 @@ def test_what_a_lost_track_finds_must_be_evidence():
     assert np.flatnonzero(_without_evidence(backwards, backwards.row >= 0, 4, METHOD)).tolist() == [4, 5, 6]
 
 
-@pytest.mark.parametrize(("own", "sd", "given"), [(2, 9.0, True), (2, 11.0, False), (1, 1.9, True), (1, 2.1, False)])
+@pytest.mark.parametrize(("own", "sd", "given"), [(2, 90.0, True), (2, 110.0, False), (1, 1.9, True), (1, 2.1, False)])
 def test_points_of_merged_images_must_be_known_better(own, sd, given):
     cov = np.eye(3)[None] * sd**2 / 3
     cloud = Cloud(RATE, np.array([0, 1]), np.zeros((1, 3)), cov, np.zeros(1), np.zeros((1, 2), int))

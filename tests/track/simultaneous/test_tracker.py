@@ -15,7 +15,7 @@ from kinemark.synth import ring as synth_ring
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import Simultaneous, track_detections
 from kinemark.track.simultaneous.associate import associate, predict_images
-from kinemark.track.simultaneous.candidate_points import _batches, _near_lines, fundamentals, intersect
+from kinemark.track.simultaneous.candidate_points import batches, fundamentals, intersect, near_lines
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.kalman_states import KalmanStates, back, initial_states, predict, reversed_time, update
 from kinemark.track.simultaneous.neighbouring_points import LOOK, TrackPoints, motion_from, rows_near, rows_of, smoothed
@@ -274,7 +274,7 @@ def test_pairs_near_lines_are_those_of_a_loop_over_all_pairs(at_once, monkeypatc
     detections, _ = observe(rig, xyz + rng.normal(size=xyz.shape), noise=2.0)
     images = read_images(detections, rig)
     F, frames = fundamentals(images.P), [0, 1, 4, 5, 8]
-    found = [_near_lines(images, part, F, 5.0) for part in _batches(images.in_frames(frames))]
+    found = [near_lines(images, part, F, 5.0) for part in batches(images.in_frames(frames))]
     expected = set()
     for i, j in permutations(range(len(images.uv)), 2):
         a, b = images.camera[[i, j]]

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...data import KinemarkError, Rig
 from ...data.array_types import Floats
+from ...geometry.common_view import common_place
 from .predicted_covariance import block_diagonal, covariance_from, views
 
 PLACES = 1000  # points of the volume that are looked at, about; chosen for speed
@@ -109,22 +110,16 @@ def ray_angle(rig: Rig, xyz: Floats, seen: NDArray[np.bool_]) -> Floats:
 
 
 def view_volume(rig: Rig) -> Floats:
-    """(2, 3) mm a box that at least two cameras look at, for a rig that states none: about where their axes meet.
+    """(2, 3) mm a box that at least two cameras look at, for a rig that states none: about `common_place`.
 
-    The place X nearest to all axes (c, d) solves Σ (I − d dᵀ) (X − c) = 0; the box reaches from it a quarter of the
-    middle distance of the cameras to each side.
+    The box reaches from there a quarter of the median depth of the cameras to each side.
 
     Raises:
-        KinemarkError: the axes are parallel, or meet behind the cameras.
+        KinemarkError: no two cameras have a place in common in their images.
     """
-    axes = np.array([camera.R[2] for camera in rig]).reshape(-1, 3)
-    across = np.eye(3) - axes[:, :, None] * axes[:, None]
-    try:
-        middle = np.linalg.solve(across.sum(0), np.einsum("cij,cj->i", across, rig.centres))
-    except np.linalg.LinAlgError:
-        middle = np.full(3, np.nan)
-    depth = np.einsum("ci,ci->c", axes, middle - rig.centres)
-    if not (depth > 0).sum() >= 2:
+    middle = common_place(rig)
+    if middle is None:
         raise KinemarkError("No two cameras look at a common place. Set volume_mm in session.toml, or calibrate again.")
+    depth = np.einsum("ci,ci->c", np.array([camera.R[2] for camera in rig]), middle - rig.centres)
     reach = float(np.median(depth[depth > 0])) / 4
     return np.stack([middle - reach, middle + reach])

@@ -195,6 +195,15 @@ TRIAL_WORDS = {
     "speeds_impossible": Words(
         "Markers move at {speed_m_s}: {rate_hz} is probably not the frame rate of the recording.", RATE
     ),
+    "points_dropped_outside": Words(
+        "{points} tracked points ({points_share}) lie more than {margin_mm} outside the control volume and were left "
+        "out, at x, y, z from {least_mm_list} to {greatest_mm_list}.",
+        "Enlarge volume_mm, or set within_volume = false under [reconstruct], if the subject was there.",
+    ),
+    "positions_uncertain": Words(
+        "{points} positions ({points_share}) have a standard deviation above {limit_mm}.",
+        "Their covariance says in which direction; add a camera from another side.",
+    ),
     "markers_never_seen": Words(
         "Never seen: {markers}.",
         "Check that {markers:it was|they were} worn and labelled, or take {markers:it|them} out of the marker set.",

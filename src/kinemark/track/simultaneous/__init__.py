@@ -3,6 +3,7 @@
 from ..two_cameras.former_two_cameras import FormerTwoCameras
 from .ambiguous import AmbiguousDecision, ambiguous_decisions, track_with_decisions
 from .diagnostics import diagnose
+from .diagnostics_of_points import diagnose_points
 from .diagnostics_of_tracks import diagnose_tracks
 from .methods import track_detections
 from .simultaneous_method import Simultaneous
@@ -15,6 +16,7 @@ __all__ = [
     "TrackingResult",
     "ambiguous_decisions",
     "diagnose",
+    "diagnose_points",
     "diagnose_tracks",
     "track_detections",
     "track_simultaneously",

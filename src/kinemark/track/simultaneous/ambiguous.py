@@ -2,15 +2,16 @@
 
 | kind   | what happened | when it is ambiguous |
 | swap   | two tracks came so near that either could have had the other's images | nearer than their gates (1) |
-| swap   | a track was lost and found again | its standard deviation exceeded `Simultaneous.max_sd` |
+| swap   | a track was lost and found again | its standard deviation exceeded `Simultaneous.uncertain_sd` |
 | swap   | a track jumped | farther than usual accelerations lead (3) |
 | merge  | a track used images that it shared with another | fewer than two images of its own |
 | ghost  | a track of little evidence | less than `WEAK_EVIDENCE` |
 | stitch | two tracks may be one marker | made or not, another stitch was nearly as likely, or the gap was wide (2) |
 
 With standard deviations s and s' of both predicted positions, in each axis, (1) is |x − x'| < g (s + s'). A gap is
-wide where the standard deviation that motion leaves exceeds half of `max_sd` (2). A track jumps where its distance from
-the line through its last two points exceeds g a T²/2 (3), with a `acceleration_sd` and T the time since, and g times
+wide where the standard deviation that motion leaves exceeds half of `uncertain_sd` (2). A track jumps where its
+distance from the line through its last two points exceeds g a T²/2 (3), with a `acceleration_sd` and T the time since,
+and g times
 the standard deviation of its points.
 """
 
@@ -142,7 +143,7 @@ def _came_near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecisi
 
 def _found_again(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that were lost, and then had two images where their place was hardly known."""
-    again = np.flatnonzero((seen.before > method.max_sd) & ((seen.row >= 0).sum(0) >= 2))
+    again = np.flatnonzero((seen.before > method.uncertain_sd) & ((seen.row >= 0).sum(0) >= 2))
     return [
         AmbiguousDecision("swap", a, b, who, "found_again", {"sd_mm": sd})
         for who, a, b, sd in _runs(seen.id[again][:, None], seen.frame[again], seen.before[again])
@@ -201,7 +202,7 @@ def _close_stitches(result: TrackingResult, method: Simultaneous) -> list[Ambigu
     """Stitches that had a rival, and those over wide gaps."""
     found = []
     for stitch in result.stitches:
-        rival, wide = stitch.margin < 2 * CLEAR_MARGIN, stitch.sd > method.max_sd / 2  # (2)
+        rival, wide = stitch.margin < 2 * CLEAR_MARGIN, stitch.sd > method.uncertain_sd / 2  # (2)
         if not rival and not wide:
             continue
         tracks = tuple(dict.fromkeys(int(result.id[i]) for i in (stitch.before, stitch.after)))

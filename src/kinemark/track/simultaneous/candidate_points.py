@@ -75,7 +75,7 @@ def find_candidate_points(images: Images, free: Bools, F: Floats, frames: list[i
     """
     free, C = free.copy(), len(images.P)
     rows = [rows[free[rows]] for rows in images.in_frames(frames)]
-    pair = np.concatenate([_near_lines(images, part, F, gate) for part in _batches(rows)], -1)
+    pair = np.concatenate([near_lines(images, part, F, gate) for part in batches(rows)], -1)
     between = np.abs(np.diff(images.camera[pair], axis=0)[0])
     between = np.minimum(between, C - between)
     won = [_nothing(C)]
@@ -95,7 +95,7 @@ def _nothing(C: int) -> CandidatePoints:
     return CandidatePoints(zero, np.zeros((3, 0)), np.zeros((3, 3, 0)), np.zeros((C, 0), np.int64), none, none)
 
 
-def _batches(rows: list[Ints]) -> list[Ints]:
+def batches(rows: list[Ints]) -> list[Ints]:
     """The rows of frames of at most MOST in parts of about AT_ONCE, each frame a line (f, M) with −1 after its last."""
     rows = [own for own in rows if 2 <= len(own) <= MAX_IMAGES]
     part = np.cumsum([len(own) for own in rows]) // AT_ONCE
@@ -112,7 +112,7 @@ def _padded(rows: list[Ints]) -> Ints:
     return out
 
 
-def _near_lines(images: Images, rows: Ints, F: Floats, gate: float) -> Ints:
+def near_lines(images: Images, rows: Ints, F: Floats, gate: float) -> Ints:
     """Pairs (2, H) of images, of one frame of `rows` (f, M) and of two cameras, each near the other's line."""
     camera, variance = np.where(rows >= 0, images.camera[rows], len(F)), images.variance[rows] * gate**2
     h = np.concatenate([images.uv[rows], np.ones((*rows.shape, 1))], -1)

@@ -1,7 +1,7 @@
 """What the cameras saw, as the tracker reads it: ideal pixels, their uncertainty, and which lie near a place.
 
 Every image counts as seen by a pinhole camera, its lens undone once for the whole recording. The noise of an image is
-that of its centroid plus what the calibration of its camera leaves open where the optical axes meet,
+that of its centroid plus what the calibration of its camera leaves open at a place in the middle of their views,
 
     C = C_centroid + J_θ C_θ J_θᵀ                                        (1)
 
@@ -23,6 +23,7 @@ import numpy as np
 from ...data import Camera, Detections, Rig
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry import parameter_jacobian, undistort
+from ...geometry.common_view import common_place
 from ...native import ImageIndex, index_images
 
 USUAL_SD = 0.2
@@ -108,7 +109,7 @@ def read_images(detections: Detections, rig: Rig) -> Images:
     usable = detections.valid & np.isfinite(uv[:, 0]) & np.isfinite(uv[:, 1])
     size = np.array([extent(camera, uv[detections.camera == c]) for c, camera in enumerate(rig)])
     clutter = np.maximum(detections.counts.sum(1) / max(detections.n_frames, 1), 1.0) / size.prod(1)
-    middle = meeting(rig)
+    middle = common_place(rig)
     calibration = np.array([_open(camera, middle) for camera in rig])
     centroid = np.trace(detections.cov, axis1=1, axis2=2) / 2
     known = np.isfinite(centroid)
@@ -157,16 +158,9 @@ def extent(camera: Camera, uv: Floats) -> Floats:
     return np.maximum(seen.max(0, initial=1.0), 64.0)
 
 
-def meeting(rig: Rig) -> Floats:
-    """(3) mm, the point that lies nearest to all optical axes."""
-    axes = np.array([camera.R[2] for camera in rig])
-    across = np.eye(3) - axes[:, :, None] * axes[:, None]
-    return np.linalg.lstsq(across.sum(0), (across @ rig.centres[..., None]).sum(0)[:, 0], rcond=None)[0]
-
-
-def _open(camera: Camera, xyz: Floats) -> float:
+def _open(camera: Camera, xyz: Floats | None) -> float:
     """px², the second term of (1) at a point (3) mm, the mean of both axes."""
-    if not camera.cov.any() or (camera.R @ xyz + camera.t)[2] <= 0:
+    if xyz is None or not camera.cov.any() or (camera.R @ xyz + camera.t)[2] <= 0:
         return 0.0
     J = parameter_jacobian(camera, xyz[None])[0]
     return float(np.trace(J @ camera.cov @ J.T) / 2)

@@ -28,7 +28,9 @@ def diagnose_tracks(detections: Detections, rig: Rig, tracks: Tracks) -> list[Fi
     images, noise = learn_noise(images, fundamentals(images.P), DEFAULT.gate)
     own = tracks.id >= 0
     tracks = Tracks(tracks.cloud.keep(own), tracks.id[own])
-    result = TrackingResult(tracks, _not_known(len(rig)), np.zeros(0, np.int64), np.zeros(0), [], images, noise)
+    result = TrackingResult(
+        tracks, _not_known(len(rig)), np.zeros(0, np.int64), np.zeros(0), [], images, noise, np.zeros((0, 3))
+    )
     return [_nobody_left_out(found) for found in diagnose(detections, rig, result)]
 
 

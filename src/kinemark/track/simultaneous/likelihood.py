@@ -19,8 +19,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...data.array_types import Bools, Floats
+from ...data.array_types import Bools, Floats, Ints
 from ...numerics.robust import student_log_likelihood
+from .candidate_points import intersect
+from .detection_index import Images
 from .passes import Associations
 
 DEGREES_OF_FREEDOM = 4.0
@@ -43,6 +45,16 @@ def point_evidence(seen: Associations, own: Bools, gate: float) -> Floats:
     free = 2 * np.maximum(n, 1.5) - 3
     said = free * _perfect(gate) + student_log_likelihood(seen.squared, DEGREES_OF_FREEDOM, free)  # (1)
     return np.where(n >= 2, np.maximum(said, np.log(WEAK)), 0.0)  # (2)
+
+
+def disagreement(images: Images, row: Ints) -> Floats:
+    """(S) q of (1): how far images row (C, S) are off the points that fit them best, in standard deviations, squared.
+
+    What the track's motion predicts has no say in it: it holds the place of the track, so that of two images more than
+    the one distance would be free.
+    """
+    squared = np.where(row >= 0, intersect(images, row).squared, 0.0).sum(0)
+    return np.where((row >= 0).sum(0) >= 2, np.nan_to_num(squared, nan=np.inf, posinf=np.inf), 0.0)
 
 
 def evidence(seen: Associations, own: Bools, gate: float) -> Floats:

@@ -25,8 +25,8 @@ MIN_STRETCH = 64
 """Frames of a stretch at least; each begins by initiating all its tracks; chosen (see benchmarks/tracking.py)."""
 
 LOST_FACTOR = 2.0
-"""A track that two cameras do not see is terminated where its standard deviation exceeds this many times `max_sd`: it
-could then take another marker's images. `stitch`, which knows what came afterwards, decides whether it goes on;
+"""A track that two cameras do not see is terminated where its standard deviation exceeds so many times `uncertain_sd`:
+it could then take another marker's images. `stitch`, which knows what came afterwards, decides whether it goes on;
 chosen."""
 
 MIN_VARIANCE_SHARE = 0.05
@@ -111,21 +111,30 @@ class Run:
 
     def whole(self) -> Associations:
         """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""
-        stride = max(round(self.method.initiation_interval / self.T), 1)
         first = self.stretches()
         length = int(np.diff(first).max())
+        self.forwards(first[:-1], length)
+        active = self.initiated
+        while len(active.id):
+            tell(length, 2 * length)
+            active = active._replace(frame=active.frame - 1)
+            active = self.step(active.take(active.frame >= 0))
+        return self.associations()
+
+    def forwards(self, first: Ints, length: int) -> Associations:
+        """Associations forwards in stretches of so many frames that begin at frames `first`."""
+        stride = max(round(self.method.initiation_interval / self.T), 1)
         active = self.no_tracks()
         for k in range(length):
             tell(k, 2 * length)
             active = active._replace(frame=active.frame + 1)
             active = self.step(active.take(active.frame < self.images.n_frames))
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
-                active = active.plus(self.begin([int(f) + k for f in first[:-1] if f + k < self.images.n_frames]))
-        active = self.initiated
-        while len(active.id):
-            tell(length, 2 * length)
-            active = active._replace(frame=active.frame - 1)
-            active = self.step(active.take(active.frame >= 0))
+                active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
+        return self.associations()
+
+    def associations(self) -> Associations:
+        """All that were made."""
         if not self.seen:
             return _nothing(len(self.images.P))
         return Associations(*(np.concatenate(column, -1) for column in zip(*self.seen, strict=True)))
@@ -191,7 +200,7 @@ class Run:
             )
         )
         alone = np.where((own >= 1) & (count >= 2), 0, active.alone + 1)
-        lost = np.sqrt(np.trace(after.cov)) > LOST_FACTOR * self.method.max_sd
+        lost = np.sqrt(np.trace(after.cov)) > LOST_FACTOR * self.method.uncertain_sd
         alive = (alone <= self.method.max_coasting / self.T) & ~((alone > 0) & lost)
         active = ActiveTracks(active.id, active.frame, alone, after)
         return active if alive.all() else active.take(alive)

@@ -123,10 +123,13 @@ def _in_question(known: TrackPoints, n_frames: int, T: float, method: Simultaneo
     order = np.lexsort([known.frame, known.id])
     a, b = order[:-1], order[1:]
     step = known.frame[b] - known.frame[a]
-    near = (known.id[a] == known.id[b]) & (step * T <= method.max_gap)
+    wait = round(method.max_coasting / T)
+    short = (step * T <= method.max_gap) | (
+        step <= 2 * wait + 1
+    )  # the frames after one and before the other would meet
+    near = (known.id[a] == known.id[b]) & short
     edge = np.ones(min(len(order), 1), bool)
     last, first = order[np.concatenate([~near, edge])], order[np.concatenate([edge, ~near])]
-    wait = round(method.max_coasting / T)
     none = np.full(len(last), -1)
     before, after = np.concatenate([a[near], last, none]), np.concatenate([b[near], none, first])
     left, right = np.minimum(wait, known.frame[first]), np.minimum(wait, n_frames - 1 - known.frame[last])
@@ -153,9 +156,9 @@ def _expected(known: TrackPoints, in_question: FramesInQuestion, T: float, metho
 
 def _associated(images: Images, free: Bools, frame: Ints, expected: KalmanStates, method: Simultaneous) -> Ints:
     """(C, N) the images associated in frames (N) that fit one another; none where the standard deviation exceeds
-    `max_sd`."""
+    `uncertain_sd`."""
     row = np.full((len(images.P), len(frame)), -1)
-    near = np.sqrt(np.trace(expected.cov)) < method.max_sd
+    near = np.sqrt(np.trace(expected.cov)) < method.uncertain_sd
     expected = expected.take(near)
     seen = predict_images(images.P, expected)
     association = associate(images, free, frame[near], seen, method.gate)

@@ -52,11 +52,18 @@ class Simultaneous(Method):
     max_gap: float = parameter(
         1.0, former="gap", unit="s", above=0, meaning="longest gap over which fragments are stitched"
     )
-    max_sd: float = parameter(
-        10.0, former="worst", unit="mm", above=0,
-        meaning="standard deviation beyond which a point is not given; a fifth of it where no two cameras have an "
-        "image of it alone",
+    uncertain_sd: float = parameter(
+        10.0, unit="mm", above=0,
+        meaning="standard deviation beyond which a position is uncertain: such points are counted in the findings, "
+        "and a track whose position is more uncertain goes on only with evidence; a fifth of it is the most for a "
+        "point that no two cameras have an image of alone",
     )  # fmt: skip
+    max_sd: float = parameter(
+        100.0, former="worst", unit="mm", above=0, meaning="standard deviation beyond which a point is not given"
+    )
+    learn_motion: bool = parameter(
+        True, meaning="raise process_noise and velocity_sd to what the recording has, where that is more"
+    )
 
 
 DEFAULT = Simultaneous()

@@ -14,8 +14,8 @@ it,
     score_k = 2 ln(L / (√(2π) σ)) − (r' − r)² / σ²                                        (2)
 
 against a distance that could be any of a length L, the usual distance between tracks. The three others of least σ
-count. Where the standard deviation by S exceeds `Simultaneous.max_sd`, motion alone stitches nothing: (2) is needed as
-well.
+count. Where the standard deviation by S exceeds `Simultaneous.uncertain_sd`, motion alone stitches nothing: (2) is
+needed as well.
 
 The assignment with the greatest sum of scores gives the stitches to consider. One is only made where its score exceeds
 that of any other stitch of either track, and of none, by CLEAR_MARGIN (3); otherwise both tracks stay as they are and
@@ -117,7 +117,7 @@ def _best_pairs(points: TrackPoints, T: float, method: Simultaneous, distances: 
     a, b = _possible(ends, T, method)
     score, sd = _by_motion(points, ends, a, b, T, method)
     gain = _by_distance(points, a, b, score) if distances else np.zeros(len(a))
-    score = np.where((sd < method.max_sd) | (gain > 0), score + gain, 0.0)
+    score = np.where((sd < method.uncertain_sd) | (gain > 0), score + gain, 0.0)
     n = len(ends.first)
     table = np.zeros((n, n))
     table[a, b] = np.maximum(score, 0.0)
@@ -139,7 +139,7 @@ def _possible(ends: Ends, T: float, method: Simultaneous) -> tuple[Ints, Ints]:
     gap = ends.first - ends.last[:, None]
     a, b = np.nonzero((gap > 0) & (gap * T <= method.max_gap))
     apart = np.linalg.norm(ends.begin.position[:, b] - ends.end.position[:, a], axis=0)
-    near = apart < 3 * method.velocity_sd * T * gap[a, b] + method.max_sd
+    near = apart < 3 * method.velocity_sd * T * gap[a, b] + method.uncertain_sd
     return a[near], b[near]
 
 

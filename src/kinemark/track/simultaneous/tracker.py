@@ -10,6 +10,9 @@ points (`second_pass`).
 
 Where two cameras look along almost one line, or markers run together, a point is known better from its motion than from
 its images. Where its standard deviation exceeds UNCERTAIN times the median, the smoothed position is given instead (1).
+
+Images are associated with an adjusted rig (`adjusted_rig`), where they agree better with it (2). Positions are those of
+the rig as given.
 """
 
 from __future__ import annotations
@@ -24,10 +27,12 @@ from ...data.array_types import Bools, Floats, Ints
 from ...geometry.weighted_points import USUAL, ImageErrors, usable_points, weighted_points
 from ...numerics.runs import begins
 from ..stage import DETECTIONS, TRACK
+from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
-from .likelihood import SURE, evidence, point_evidence
-from .measurement_noise import Noise, learn_noise
+from .likelihood import SURE, disagreement, evidence, point_evidence
+from .measurement_noise import Noise, learn_noise, sampled_frames
+from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints, smoothed
 from .passes import Associations, run
 from .second_pass import second_pass
@@ -39,6 +44,16 @@ LEAST = 1e-6
 
 UNCERTAIN = 5.0
 """Of the median of the standard deviations; chosen (see benchmarks/tracking.py)."""
+
+AT_ONCE = 20_000
+"""Points that are solved in one go; chosen: more would take memory and no less time."""
+
+VOLUME_MARGIN = 100.0
+"""mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
+
+WORTH_ADJUSTING = 0.7
+"""Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
+(see benchmarks/tracking_scenes.py)."""
 
 
 class TrackingResult(NamedTuple):
@@ -52,6 +67,7 @@ class TrackingResult(NamedTuple):
         evidence: (N) for each of `seen`.
         stitches: those that were made or considered, of tracks of `seen`.
         images: what the cameras saw; noise: what was learned of them.
+        outside: (K, 3) mm, points that were left out as they lie outside the volume.
     """
 
     tracks: Tracks
@@ -61,6 +77,7 @@ class TrackingResult(NamedTuple):
     stitches: list[Stitch]
     images: Images
     noise: Noise
+    outside: Floats
 
 
 @TRACK.method("simultaneous", Simultaneous, takes=DETECTIONS)
@@ -70,29 +87,86 @@ def simultaneous_tracks(detections: Detections, rig: Rig, *, method: Simultaneou
 
 
 def track_simultaneously(
-    detections: Detections, rig: Rig, method: Simultaneous, *, errors: ImageErrors = USUAL
+    detections: Detections,
+    rig: Rig,
+    method: Simultaneous,
+    *,
+    errors: ImageErrors = USUAL,
+    volume_margin: float | None = VOLUME_MARGIN,
 ) -> TrackingResult:
-    """Tracks of all markers, their points by the `errors` of images, and how they came about."""
+    """Tracks of all markers, their points by the `errors` of images, and how they came about.
+
+    Points farther than `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None
+    keeps all.
+    """
     T = 1 / detections.rate
     images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
+    working = _working(detections, rig, images, noise, method)
+    method = with_learned_motion(working.images, detections.rate, method)
     least = max(method.min_duration / T, 4)
-    every = run(images.without(noise.inconsistent), detections.rate, method)  # images that fit nothing are left out
+    every = run(working.images, detections.rate, method)
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
     seen = _kept_associations(every, least)
     own = _unshared(seen, images)
-    speaks = evidence(seen, own, method.gate)
-    detections = replace(detections, cov=_variance(seen, images)[:, None, None] * np.eye(2))
-    cloud = _with_smoothed(
-        _solved(seen.frame, seen.row, seen.xyz, detections, rig, errors), seen, own.sum(0) >= 2, T, method
-    )
-    good = usable_points(cloud, rig) & _precise_enough(cloud, own.sum(0), method) & (speaks > SURE)[seen.id]
+    off = disagreement(working.images, np.where(own, seen.row, -1))
+    speaks = evidence(seen._replace(squared=off), own, method.gate)
+    precise = _with_variance(detections, _variance(seen, working.images, working.noise))
+    cloud = _solved(seen.frame, seen.row, seen.xyz, precise, working.rig, errors)
+    cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method)
+    good = usable_points(cloud, rig, margin=None) & _precise_enough(cloud, own.sum(0), method)
+    good &= (speaks > SURE)[seen.id]
     cloud, ids = cloud.keep(good), seen.id[good]
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
-    cloud, ids = _with_second_pass(cloud, whole.id[ids], images, detections, rig, method, errors)
+    cloud, ids = _with_second_pass(cloud, whole.id[ids], working.images, precise, working.rig, method, errors)
+    if working.rig is not rig:
+        given = _with_variance(detections, _variance(seen, images, noise))
+        cloud = _on_given_rig(cloud, given, rig, errors)
+    inside = usable_points(cloud, rig, margin=volume_margin)
+    outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
-    return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise)
+    return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise, outside)
+
+
+class Working(NamedTuple):
+    """The rig by which images are associated, the images in it, and their noise."""
+
+    rig: Rig
+    images: Images
+    noise: Noise
+
+
+def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, method: Simultaneous) -> Working:
+    """The adjusted rig where its images agree better than those of the rig as given (2), otherwise that.
+
+    Cameras whose images fit nothing are left out.
+    """
+    given = Working(rig, images.without(noise.inconsistent), noise)
+    if not len(images.by_cell.order) or (images.stated and not noise.added.any()):
+        return given  # nothing seen, or images that agree as well as they say
+    adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
+    moved = read_images(detections, adjusted)
+    moved, left = learn_noise(moved, fundamentals(moved.P), method.gate)
+    if np.median(moved.variance) > WORTH_ADJUSTING * np.median(images.variance):
+        return given
+    return Working(adjusted, moved.without(left.inconsistent), left)
+
+
+def _on_given_rig(cloud: Cloud, detections: Detections, rig: Rig, errors: ImageErrors) -> Cloud:
+    """The points solved with the rig as it was given; those of which the images say little keep their positions."""
+    given = _solved(cloud.frame, cloud.view.T, cloud.xyz.T, detections, rig, errors)
+    sd = _sd(given.cov)
+    known = np.isfinite(given.xyz).all(1) & np.isfinite(sd)
+    clear = known & (sd <= UNCERTAIN * np.median(sd[known])) if known.any() else known
+    xyz = np.where(clear[:, None], given.xyz, cloud.xyz)
+    cov = np.where(clear[:, None, None], given.cov, cloud.cov)
+    return replace(given, xyz=xyz, cov=cov, residual=np.where(clear, given.residual, cloud.residual))
+
+
+def _with_variance(detections: Detections, variance: Floats) -> Detections:
+    """The detections with the variance (D) px² in both axes."""
+    return replace(detections, cov=variance[:, None, None] * np.eye(2))
 
 
 def _with_second_pass(
@@ -104,7 +178,9 @@ def _with_second_pass(
     order = np.argsort(found.frame, kind="stable")
     row = row[:, order]
     new = _solved(found.frame[order], row, found.xyz[order].T, detections, rig, errors)
-    good = usable_points(new, rig) & _precise_enough(new, ((row >= 0) & ~images.merged[row]).sum(0), method)
+    good = usable_points(new, rig, margin=None) & _precise_enough(
+        new, ((row >= 0) & ~images.merged[row]).sum(0), method
+    )
     both, ids = (cloud.keep(kept), new.keep(good)), np.concatenate([ids[kept], found.id[order][good]])
     frame = np.concatenate([one.frame for one in both])
     order = np.argsort(frame, kind="stable")
@@ -127,7 +203,8 @@ def _unshared(seen: Associations, images: Images) -> Bools:
 
 
 def _without_evidence(every: Associations, own: Bools, least: float, method: Simultaneous) -> Bools:
-    """(S) associations of a track after it was lost, its standard deviation above `max_sd`, without evidence for it.
+    """(S) associations of a track after it was lost, its standard deviation above `uncertain_sd`, without evidence for
+    it.
 
     Its unshared images (C, S) until it is lost again must be evidence of a marker, or last as long as the shortest
     track. In `every` a track's associations stand as they were made, forwards from where it was initiated and then
@@ -138,7 +215,7 @@ def _without_evidence(every: Associations, own: Bools, least: float, method: Sim
     back = frame < frame[np.searchsorted(id, id)]
     first = begins(id, back)
     anchored = own.sum(0)[order] >= 2
-    lost = (every.before[order] > method.max_sd) & ~np.roll(anchored, 1)
+    lost = (every.before[order] > method.uncertain_sd) & ~np.roll(anchored, 1)
     spell = np.cumsum(first | lost) - 1
     said = np.bincount(spell, point_evidence(every, own, method.gate)[order])
     sure = (np.bincount(spell, first & ~lost) > 0) | (said > SURE) | (np.bincount(spell, anchored) >= least)
@@ -147,19 +224,26 @@ def _without_evidence(every: Associations, own: Bools, least: float, method: Sim
     return out
 
 
-def _variance(seen: Associations, images: Images) -> Floats:
+def _variance(seen: Associations, images: Images, noise: Noise) -> Floats:
     """(D) px², of all images, those that tracks share lying anywhere in their blobs."""
     shared = np.zeros(len(images.uv), bool)
     shared[seen.row[seen.shared & (seen.row >= 0)]] = True
     variance = images.variance - images.margin - images.calibration[images.camera]  # `weighted_points` adds them
-    variance = np.maximum(variance, LEAST)
+    variance = np.maximum(variance, np.maximum(noise.least[images.camera], LEAST))
     return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
 
 
 def _solved(frame: Ints, row: Ints, guess: Floats, detections: Detections, rig: Rig, errors: ImageErrors) -> Cloud:
     """The points of images row (C, P), one to one, with guesses (3, P) mm of their positions."""
-    matches = Matches(frame, row.T, np.zeros(len(frame)), detections.n_frames)
-    return weighted_points(matches, detections, rig, guess=np.ascontiguousarray(guess.T), errors=errors)
+    parts = []
+    for first in range(0, max(len(frame), 1), AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        matches = Matches(frame[part], row[:, part].T, np.zeros(len(frame[part])), detections.n_frames)
+        near = np.ascontiguousarray(guess[:, part].T)
+        parts.append(weighted_points(matches, detections, rig, guess=near, errors=errors))
+    start = np.searchsorted(frame, np.arange(detections.n_frames + 1))
+    columns = (np.concatenate([getattr(one, name) for one in parts]) for name in ("xyz", "cov", "residual", "view"))
+    return Cloud(detections.rate, start, *columns)
 
 
 def _with_smoothed(cloud: Cloud, seen: Associations, sound: Bools, T: float, method: Simultaneous) -> Cloud:
@@ -190,4 +274,4 @@ def _sd(cov: Floats) -> Floats:
 def _precise_enough(cloud: Cloud, own: Ints, method: Simultaneous) -> Bools:
     """Whether points are precise enough to be given."""
     sd = _sd(cloud.cov)
-    return ((own >= 2) | (sd < method.max_sd / 5)) & (sd < method.max_sd)
+    return ((own >= 2) | (sd < method.uncertain_sd / 5)) & (sd < method.max_sd)

@@ -1,0 +1,79 @@
+"""The rig turned and refocused a little, so that the images of each marker meet.
+
+A calibration is off by some tenths of a pixel, often by one. Images of one marker then pass each other by the same
+distance for as long as the marker stays where it is, while images of two markers may meet. For association, each
+camera is turned about its centre by a small angle ω and its focal lengths changed by the factor 1 + s, which moves the
+image of a point at normalised (x, y) by
+
+    δx = −x y ω_x + (1 + x²) ω_y − y ω_z + s x
+    δy = −(1 + y²) ω_x + x y ω_y + x ω_z + s y                                            (1)
+
+and the epipolar residual e of two images (`epipolar_noise`) by − l δ − l′ δ′. The parameters of all cameras minimise
+
+    Σ g (e − J θ)² / v + Σ (θ / θ₀)²                                                      (2)
+
+with g and v of the mixture that the residuals are, θ₀ what calibrations are usually off. What the images do not tell,
+as a turn of the whole rig, stays as it was by the second term. Positions are solved with the rig as it was given.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ...data import Camera, Rig
+from ...data.array_types import Floats
+from .candidate_points import fundamentals
+from .detection_index import Images
+from .epipolar_noise import Residuals, mixture, peaked, residuals
+
+USUAL_ERROR = np.array([1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3])
+"""θ₀ of (2): ω in rad and s, about two pixels; chosen (see benchmarks/tracking_scenes.py)."""
+
+ROUNDS = 5
+"""Of (2), in which the mixture narrows; chosen (see benchmarks/tracking_scenes.py)."""
+
+
+def adjusted_rig(images: Images, rig: Rig, frames: list[int]) -> Rig:
+    """The rig by (2), from the images of some frames, whose pixels are those of ideal lenses."""
+    C, theta = len(rig), np.zeros((len(rig), 4))
+    for _ in range(ROUNDS):
+        moved = _moved(rig, theta)
+        some = residuals(images, fundamentals(moved.P), frames)
+        group = some.camera[0] * C + some.camera[1]
+        fit = mixture(some.off, group, C * C)
+        weight = np.where(peaked(fit)[group], np.sqrt(fit.weight / fit.variance[group]), 0.0)
+        J = _jacobian(images, moved, some) * weight[:, None]
+        prior = 1 / np.tile(USUAL_ERROR, C)
+        normal = J.T @ J + np.diag(prior**2)
+        pull = J.T @ (some.off * weight) - prior**2 * theta.ravel()
+        theta = theta + np.linalg.solve(normal, pull).reshape(C, 4)
+    return _moved(rig, theta)
+
+
+def _jacobian(images: Images, rig: Rig, some: Residuals) -> Floats:
+    """J (H, 4 C) of (2), px."""
+    J = np.zeros((len(some.off), len(rig), 4))
+    K = np.array([camera.K for camera in rig])
+    for camera, row, line in zip(some.camera, some.row, some.line, strict=True):
+        fx, fy = K[camera, 0, 0], K[camera, 1, 1]
+        y = (images.uv[row, 1] - K[camera, 1, 2]) / fy
+        x = (images.uv[row, 0] - K[camera, 0, 2] - K[camera, 0, 1] * y) / fx
+        dx = np.stack([-x * y, 1 + x * x, -y, x], -1) * fx[:, None]  # (1)
+        dy = np.stack([-1 - y * y, x * y, x, y], -1) * fy[:, None]
+        J[np.arange(len(row)), camera] += line[:, :1] * dx + line[:, 1:] * dy
+    return J.reshape(len(some.off), -1)
+
+
+def _moved(rig: Rig, theta: Floats) -> Rig:
+    """The rig with each camera changed by its θ (C, 4)."""
+    return replace(rig, cameras=tuple(_turned(camera, own) for camera, own in zip(rig, theta, strict=True)))
+
+
+def _turned(camera: Camera, theta: Floats) -> Camera:
+    """The camera turned about its centre by ω rad, its focal lengths times 1 + s."""
+    turn = Rotation.from_rotvec(theta[:3]).as_matrix()
+    K = camera.K * np.array([[1 + theta[3]] * 2 + [1.0]] * 2 + [[1.0] * 3])
+    return replace(camera, K=K, R=turn @ camera.R, t=turn @ camera.t)

@@ -1,0 +1,170 @@
+"""The noise of each camera from the distances between images and epipolar lines.
+
+Image x of camera r and image x′ of camera s in the same frame leave the residual
+
+    e = x′ᵀ F x / √((|l|² + |l′|²) / 2),   l′ = F x,   l = Fᵀ x′   (first two components)    (1)
+
+in px. If both are one marker, e has the variance
+
+    v = w σ_r² + w′ σ_s²,   w = 2 |l|² / (|l|² + |l′|²),   w + w′ = 2                         (2)
+
+with σ² the variance of an image, whatever it comes from. If they are two markers, e is anything within the window W.
+So the residuals of two cameras are a mixture,
+
+    p(e) = π [(1 − ε) N(e; 0, v) + ε N(e; 0, k² v)] + (1 − π) / 2W                            (3)
+
+where the share ε of wider residuals are images that are partly hidden or run together (Tukey 1960, the contaminated
+normal). v and π follow by expectation and maximisation (Dempster, Laird & Rubin 1977). A calibration that is off shifts
+the residuals of two cameras together, so their v is known no better than by a factor, τ in its logarithm; and cameras
+of one rig are alike, to ρ in the logarithm of their σ². So σ² = exp a minimises
+
+    Σ (ln v − ln(w exp a_r + w′ exp a_s))² / (τ² + 2/n) + Σ (a_c − ā)² / ρ²                   (4)
+
+over the pairs of cameras, each with n residuals. No image is grouped, no camera needs another's noise first, and two
+cameras suffice.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Bools, Floats, Ints
+from .candidate_points import batches, near_lines
+from .detection_index import Images
+
+WINDOW = 10.0
+"""W in px of (3): farther from the line, no image is the one that belongs to it; chosen
+(see benchmarks/tracking_scenes.py)."""
+
+WIDER_SHARE, WIDER = 0.1, 4.0
+"""ε and k of (3): one residual in ten, four times as wide; chosen (see benchmarks/tracking_scenes.py)."""
+
+ROUNDS, SETTLED = 100, 0.02
+"""Of expectation and maximisation at most, a number, and the relative change of v at which no more are made; chosen."""
+
+MIN_PAIRS = 10
+"""Pairs of images, by their probabilities, from which two cameras say something; chosen
+(see benchmarks/tracking_scenes.py)."""
+
+MAX_SD = 3.0
+"""px: a mixture that is wider than this has no peak; chosen (see benchmarks/tracking_scenes.py)."""
+
+PAIR_LOG_SD = 0.5
+"""τ of (4), a natural logarithm of variances; chosen (see benchmarks/tracking_scenes.py)."""
+
+CAMERA_LOG_SD = 1.0
+"""ρ of (4), a natural logarithm of variances; chosen (see benchmarks/tracking_scenes.py)."""
+
+STEPS = 20
+"""Gauss–Newton steps to the least of (4), a number; chosen: it hardly moves after ten."""
+
+
+class CameraNoise(NamedTuple):
+    """Variance (C) px² of the images of each camera, and its standard error (C) px² by the number of
+    residuals; NaN where nothing is known."""
+
+    variance: Floats
+    error: Floats
+
+
+class Residuals(NamedTuple):
+    """H pairs of images.
+
+    Attributes:
+        off: (H) residuals of (1), px.
+        camera: (2, H) r and s; row: (2, H) the images.
+        line: (2, H, 2) l and l′ over the root of (1): the change of the residual, px a px that the image moves.
+    """
+
+    off: Floats
+    camera: Ints
+    row: Ints
+    line: Floats
+
+
+class Mixture(NamedTuple):
+    """v (n) px² of (3) and the number (n) of residuals that are one marker's, of n groups; weight (H) of each residual
+    in v, 0 where it is two markers' for certain."""
+
+    variance: Floats
+    number: Floats
+    weight: Floats
+
+
+def epipolar_noise(images: Images, F: Floats, frames: list[int]) -> CameraNoise:
+    """The noise of the images in some frames; merged images say nothing."""
+    C = len(images.P)
+    some = residuals(images, F, frames)
+    number = some.camera[0] * C + some.camera[1]
+    fit = mixture(some.off, number, C * C)
+    usable = np.flatnonzero(peaked(fit))
+    share = (
+        np.bincount(number, (some.line[0] ** 2).sum(-1), C * C)[usable] / np.bincount(number, minlength=C * C)[usable]
+    )
+    return _by_camera(fit.variance[usable], fit.number[usable], share, np.array(divmod(usable, C)), C)
+
+
+def peaked(fit: Mixture) -> Bools:
+    """(n) whether a group has residuals of single markers enough, and so near that they are seen among the others."""
+    return (fit.number >= MIN_PAIRS) & (fit.variance < MAX_SD**2)
+
+
+def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
+    """(1) of all pairs of images that lie within WINDOW of each other's lines."""
+    rows = [own[~images.merged[own]] for own in images.in_frames(frames)]
+    wide = images._replace(variance=np.full(len(images.uv), WINDOW**2 / 2))
+    i, j = np.concatenate([near_lines(wide, part, F, 1.0) for part in batches(rows)], -1)
+    r, s = images.camera[i], images.camera[j]
+    x, other = (np.column_stack([images.uv[row], np.ones(len(row))]) for row in (i, j))
+    line = np.einsum("hij,hj->hi", F[r, s], x)
+    back = np.einsum("hij,hi->hj", F[r, s], other)
+    size, back_size = (line[:, :2] ** 2).sum(1), (back[:, :2] ** 2).sum(1)
+    both = np.maximum((size + back_size) / 2, np.finfo(float).tiny)
+    lines = np.array([back[:, :2], line[:, :2]]) / np.sqrt(both)[:, None]
+    return Residuals((line * other).sum(1) / np.sqrt(both), np.array([r, s]), np.array([i, j]), lines)  # (1)
+
+
+def mixture(off: Floats, group: Ints, n: int) -> Mixture:
+    """(3) of residuals (H) px in n groups (H)."""
+    total = np.maximum(np.bincount(group, minlength=n), 1)
+    variance, share, count = np.full(n, (WINDOW / 4) ** 2), np.full(n, 0.5), np.zeros(n)
+    squared = off * off
+    for _ in range(ROUNDS):
+        v, p = variance[group], share[group]
+        root = np.exp(-squared / (2 * WIDER**2 * v))
+        height = p / np.sqrt(2 * np.pi * v)
+        core = height * (1 - WIDER_SHARE) * root**WIDER**2
+        wider = height * WIDER_SHARE / WIDER * root
+        whole = core + wider + (1 - p) / (2 * WINDOW)
+        core, wider = core / whole, wider / whole
+        count = np.asarray(np.bincount(group, core + wider, n), np.float64)
+        moment = np.bincount(group, (core + wider / WIDER**2) * squared, n)
+        before, variance = variance, np.maximum(moment / np.maximum(count, 1e-9), 1e-6)
+        share = count / total
+        if (np.abs(variance - before) <= SETTLED * before)[count > MIN_PAIRS].all():
+            break
+    return Mixture(variance, count, core + wider / WIDER**2)
+
+
+def _by_camera(variance: Floats, count: Floats, weight: Floats, camera: Ints, C: int) -> CameraNoise:
+    """(4) for C cameras, from pairs of cameras (2, K) with v (K) px², numbers of residuals and w (K)."""
+    out, error = np.full(C, np.nan), np.full(C, np.nan)
+    known, own = np.unique(camera, return_inverse=True)
+    if not len(known):
+        return CameraNoise(out, error)
+    (r, s), k, n = own.reshape(2, -1), np.arange(len(variance)), len(known)
+    certain = 1 / np.sqrt(PAIR_LOG_SD**2 + 2 / count)
+    alike = (np.eye(n) - 1 / n) / CAMERA_LOG_SD
+    a = np.full(n, np.log(np.median(variance) / 2))
+    for _ in range(STEPS):
+        parts = np.array([weight * np.exp(a[r]), (2 - weight) * np.exp(a[s])])
+        J = np.zeros((len(k), n))
+        J[k, r], J[k, s] = parts / parts.sum(0)
+        missing = np.log(variance) - np.log(parts.sum(0))
+        A = np.vstack([J * certain[:, None], alike])
+        a = a + np.linalg.lstsq(A, np.concatenate([missing * certain, -alike @ a]), rcond=None)[0]
+    out[known] = np.exp(a)
+    error[known] = np.exp(a) * np.sqrt(4 / np.bincount(own.ravel(), np.tile(count, 2)))
+    return CameraNoise(out, error)

@@ -1,0 +1,134 @@
+"""How fast the markers of a recording move, learned from parts of it.
+
+Tracks are made in WINDOWS short windows. Of four points of a track a time h apart, of covariances V, the third
+difference of a marker whose acceleration changes by white noise q has in each axis the variance
+
+    d = x₃ − 3 x₂ + 3 x₁ − x₀,   var d = 11/20 q² h⁵ + (V₃ + 9 V₂ + 9 V₁ + V₀)           (1)
+
+as 11/20 is the integral of the squared quadratic B-spline. The process noise is the q that explains the share INNER of
+all d, |d|² being χ² with three degrees of freedom in units of (1) (2). The standard deviation of velocities is that of
+which the 99th percentile of speeds is USUAL_REACH (3). Both are only ever raised: a part may be quieter than the whole.
+What was not followed the first time may be followed then, so this is done up to ROUNDS times; and as runners whom no
+new track keeps up with leave no track at all, windows are also tracked as if all were runners, which counts where
+tracks then have GAIN times as many images (4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Floats, Ints
+from .candidate_points import intersect
+from .detection_index import Images
+from .neighbouring_points import TrackPoints, rows_of
+from .passes import Associations, Run
+from .simultaneous_method import Simultaneous
+
+WINDOWS, MIN_WINDOW, WINDOW = 4, 24, 0.24
+"""Windows, frames of each at least, and s of each at least; chosen: they are gone through side by side, which takes the
+time of one."""
+
+SPACING = 0.04
+"""h of (1), s, and one frame at least: short beside a movement, and long enough that noise does not hide it; chosen
+(see benchmarks/tracking_scenes.py)."""
+
+INNER, INNER_CHI2 = 0.97, 8.947
+"""Share of (2) and the quantile of χ² with three degrees of freedom; chosen (see benchmarks/tracking_scenes.py)."""
+
+USUAL_REACH = 2.5
+"""Of (3): new tracks are looked for within three standard deviations; chosen (see benchmarks/tracking_scenes.py)."""
+
+MAX_PROCESS_NOISE, MAX_VELOCITY_SD = 400_000.0, 6000.0
+"""mm/s² per √s and mm/s: more than the feet of a sprinter; chosen (see benchmarks/tracking_scenes.py)."""
+
+RUNNING_PROCESS_NOISE, RUNNING_VELOCITY_SD, GAIN = 150_000.0, 4000.0, 1.05
+"""mm/s² per √s and mm/s of runners, and the number of (4); chosen (see benchmarks/tracking_scenes.py)."""
+
+MOST = 0.75
+"""Share of the images in tracks from which on nobody runs unseen; chosen: the others are false or one camera's."""
+
+MIN_POINTS = 100
+"""Third differences from which something can be said; chosen."""
+
+ROUNDS = 3
+"""Times that parts are tracked; chosen (see benchmarks/tracking_scenes.py)."""
+
+
+class Movement(NamedTuple):
+    """Process noise in mm/s² per √s by (2) and standard deviation of velocities in mm/s by (3)."""
+
+    process_noise: float
+    velocity_sd: float
+
+
+def with_learned_motion(images: Images, rate: float, method: Simultaneous) -> Simultaneous:
+    """The method with more process noise and velocity, where the recording has them."""
+    if not method.learn_motion:
+        return method
+    seen = _windows(images, rate, method)
+    if _share(images, seen) < MOST:
+        running = _windows(images, rate, _raised(method, RUNNING_PROCESS_NOISE, RUNNING_VELOCITY_SD))
+        seen = running if (running.row >= 0).sum() > GAIN * (seen.row >= 0).sum() else seen  # (4)
+    for _ in range(ROUNDS):
+        faster = _raised(method, *movement(images, seen, rate))
+        if faster == method:
+            break
+        method = faster
+        seen = _windows(images, rate, method)
+    return method
+
+
+def _share(images: Images, seen: Associations) -> float:
+    """Share of the usable images of the frames that were looked at that tracks have."""
+    looked_at = images.usable & np.isin(images.frame, seen.frame)
+    return len(np.unique(seen.row[seen.row >= 0])) / max(int(looked_at.sum()), 1)
+
+
+def _raised(method: Simultaneous, process_noise: float, velocity_sd: float) -> Simultaneous:
+    """The method with so much process noise and velocity, where it has less."""
+    return replace(
+        method,
+        process_noise=max(method.process_noise, min(process_noise, MAX_PROCESS_NOISE)),
+        velocity_sd=max(method.velocity_sd, min(velocity_sd, MAX_VELOCITY_SD)),
+    )
+
+
+def _windows(images: Images, rate: float, method: Simultaneous) -> Associations:
+    """Tracks in short windows all over the recording, forwards only."""
+    n = images.n_frames
+    length = min(max(MIN_WINDOW, round(WINDOW * rate)), n)
+    count = int(np.clip(n // max(length, 1), 1, WINDOWS))
+    first = np.linspace(0, n - length, count).astype(int)
+    return Run(images, rate, method).forwards(first, length)
+
+
+def movement(images: Images, seen: Associations, rate: float) -> Movement:
+    """How the tracks move, 0 where there are too few points."""
+    points = _points(images, seen)
+    if not len(points.id):
+        return Movement(0.0, 0.0)
+    rows, k = rows_of(points), max(round(SPACING * rate), 1)
+    four = np.array([rows[:, i * k : rows.shape[1] - (3 - i) * k] for i in range(4)])
+    four = four[:, (four >= 0).all(0)] if rows.shape[1] > 3 * k else np.zeros((4, 0), int)
+    if four.shape[1] < MIN_POINTS:
+        return Movement(0.0, 0.0)
+    h = k / rate
+    x, V = points.xyz[four], np.trace(points.cov[four], axis1=-2, axis2=-1)
+    d = ((x[3] - 3 * x[2] + 3 * x[1] - x[0]) ** 2).sum(-1)
+    noise = V[3] + 9 * V[2] + 9 * V[1] + V[0]
+    squared = (d / INNER_CHI2 - noise / 3) / (11 / 20 * h**5)  # (1)
+    speed = np.linalg.norm(np.diff(x, axis=0), axis=-1) / h
+    q = float(np.sqrt(max(np.quantile(squared, INNER), 0.0)))  # (2)
+    return Movement(q, float(np.percentile(speed, 99)) / USUAL_REACH)  # (3)
+
+
+def _points(images: Images, seen: Associations) -> TrackPoints:
+    """The points of the tracks by their images alone, as a filter would smooth what it does not expect."""
+    row: Ints = np.where(seen.shared | images.merged[seen.row], -1, seen.row)
+    placed = intersect(images, row)
+    cov: Floats = placed.cov.transpose(2, 0, 1)
+    good = ((row >= 0).sum(0) >= 2) & np.isfinite(placed.xyz).all(0) & np.isfinite(cov).all((1, 2))
+    return TrackPoints(seen.frame, seen.id, placed.xyz.T, cov).take(good)

@@ -1,0 +1,107 @@
+"""The noise of cameras from epipolar distances, and the rig that is adjusted by them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.track.simultaneous import Simultaneous, track_simultaneously
+from kinemark.track.simultaneous.adjusted_rig import adjusted_rig
+from kinemark.track.simultaneous.candidate_points import fundamentals
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.epipolar_noise import WINDOW, epipolar_noise, mixture, residuals
+from kinemark.track.simultaneous.measurement_noise import learn_noise, sampled_frames
+from support.laboratory import observe, ring
+from support.motions import dance
+from support.scenes.placements import off
+
+
+def learned(rig, detections):
+    """Standard deviation (C) px of the images of each camera."""
+    images = read_images(detections, rig)
+    return np.sqrt(epipolar_noise(images, fundamentals(images.P), sampled_frames(images)).variance)
+
+
+@pytest.mark.parametrize("cameras", [2, 3, 4, 8])
+@pytest.mark.parametrize("noise", [0.1, 0.5])
+def test_the_noise_is_found_with_two_cameras_and_more(cameras, noise):
+    rig = ring(8).select([f"c{i}" for i in range(cameras)])
+    detections, _ = observe(rig, dance(n=30, frames=40), noise=noise, cov=False)
+    assert learned(rig, detections) == pytest.approx(noise, rel=0.3)
+
+
+def test_few_markers_are_enough():
+    rig = ring(8).select(["c0", "c1"])
+    detections, _ = observe(rig, dance(n=6, frames=60), noise=0.3, cov=False)
+    assert learned(rig, detections) == pytest.approx(0.3, rel=0.35)
+
+
+def test_one_camera_that_is_worse_is_told_from_the_others():
+    rig = ring(6)
+    detections, _ = observe(rig, dance(n=30, frames=40), noise=0.1, cov=False)
+    wrong = (detections.camera == 2)[:, None] * np.random.default_rng(0).normal(size=detections.uv.shape) * 0.8
+    found = learned(rig, replace(detections, uv=detections.uv + wrong))
+    assert found[2] == pytest.approx(0.8, rel=0.2)
+    assert np.delete(found, 2) == pytest.approx(0.1, rel=0.5)
+
+
+@pytest.mark.parametrize("sd", [0.05, 0.3, 1.5])
+@pytest.mark.parametrize("share", [0.3, 0.8])
+def test_a_normal_distribution_among_uniform_residuals(sd, share):
+    rng = np.random.default_rng(1)
+    off = np.where(rng.random(4000) < share, sd * rng.normal(size=4000), rng.uniform(-WINDOW, WINDOW, 4000))
+    fit = mixture(off, np.zeros(4000, int), 1)
+    assert np.sqrt(fit.variance[0]) == pytest.approx(sd, rel=0.15)
+    assert fit.number[0] / 4000 == pytest.approx(share, abs=0.06)
+
+
+def test_residuals_change_with_the_images_as_their_lines_say():
+    rig = ring(3)
+    detections, _ = observe(rig, dance(n=5, frames=4), noise=0.3)
+    images = read_images(detections, rig)
+    F = fundamentals(images.P)
+    before = residuals(images, F, [0, 1, 2, 3])
+    step = 1e-4 * np.random.default_rng(0).normal(size=images.uv.shape)
+    after = residuals(images._replace(uv=images.uv + step), F, [0, 1, 2, 3])
+    change = sum((line * step[row]).sum(1) for line, row in zip(before.line, before.row, strict=True))
+    near = np.abs(before.off) < 2
+    assert np.abs(after.off - before.off - change)[near].max() < 2e-6
+
+
+@pytest.mark.parametrize("cameras", [2, 4, 8])
+def test_a_calibration_that_is_off_is_adjusted(cameras):
+    rig = ring(8).select([f"c{i}" for i in range(cameras)])
+    detections, _ = observe(rig, dance(n=30, frames=60), noise=0.1, cov=False)
+    wrong = off(rig, 1.0, np.random.default_rng(4))
+    images = read_images(detections, wrong)
+    better = adjusted_rig(images, wrong, sampled_frames(images))
+    assert np.median(learned(wrong, detections)) > 0.4
+    assert np.median(learned(better, detections)) < 0.2
+
+
+def test_a_good_calibration_is_left_alone():
+    rig = ring(6)
+    detections, _ = observe(rig, dance(n=20, frames=60), noise=0.1)
+    images = read_images(detections, rig)
+    better = adjusted_rig(images, rig, sampled_frames(images))
+    turned = max(np.abs(one.R - other.R).max() for one, other in zip(rig, better, strict=True))
+    assert turned * 1200 < 0.2, "px"
+
+
+@pytest.mark.parametrize(("cameras", "recall"), [(2, 0.98), (3, 0.99), (4, 0.99)])
+def test_markers_are_found_with_a_calibration_one_pixel_off(cameras, recall):
+    rig, xyz = ring(8).select([f"c{i}" for i in range(cameras)]), dance(n=12, frames=60)
+    detections, marker = observe(rig, xyz, noise=0.1, cov=False)
+    result = track_simultaneously(detections, off(rig, 1.0, np.random.default_rng(2)), Simultaneous())
+    seen = np.zeros(xyz.shape[:2], int)
+    np.add.at(seen, (marker, detections.frame), 1)
+    assert len(result.tracks.cloud) >= recall * (seen >= 2).sum()
+    assert len(np.unique(result.tracks.id)) <= 14
+
+
+def test_the_images_are_given_at_least_the_noise_that_was_learned():
+    rig = ring(3)
+    detections, _ = observe(rig, dance(n=20, frames=60), noise=0.3, cov=False)
+    images = read_images(detections, rig)
+    _, noise = learn_noise(images, fundamentals(images.P), 5.0)
+    assert np.sqrt(noise.least) == pytest.approx(0.3, rel=0.3)

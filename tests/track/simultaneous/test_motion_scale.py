@@ -1,0 +1,73 @@
+"""Process noise and velocities that a recording has."""
+
+import numpy as np
+import pytest
+
+from kinemark.synth.score import score
+from kinemark.track.simultaneous import Simultaneous, track_simultaneously
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.motion_scale import with_learned_motion
+from kinemark.track.simultaneous.passes import run
+from support.laboratory import observe, ring
+from support.motions import dance
+
+RATE = 100.0
+
+
+def fast(n=10, frames=100, *, accelerations=80_000.0, seed=0):
+    """Paths (n, F, 3) mm whose accelerations (mm/s²) swing as those of a sprinter's feet."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(frames) / RATE
+    w = 2 * np.pi * rng.uniform(2.0, 3.0, (n, 1, 3))
+    start = rng.uniform([-700, -700, 500], [700, 700, 1500], (n, 3))
+    return start[:, None] + accelerations / w**2 * np.sin(w * t[:, None] + rng.uniform(0, 6, (n, 1, 3)))
+
+
+def scale(xyz, *, rate=RATE, **options):
+    detections, _ = observe(ring(6), xyz, noise=0.2, rate=rate)
+    return with_learned_motion(read_images(detections, ring(6)), rate, Simultaneous(**options))
+
+
+def test_slow_motion_is_tracked_as_it_was():
+    assert scale(dance(n=10, frames=100)) == Simultaneous()
+
+
+def test_fast_motion_raises_process_noise_and_only_where_asked():
+    assert scale(fast()).process_noise > 2 * Simultaneous().process_noise
+    assert scale(fast(), learn_motion=False) == Simultaneous(learn_motion=False)
+
+
+@pytest.mark.parametrize("q", [100_000.0, 300_000.0])
+def test_the_process_noise_of_a_motion_that_has_one(q):
+    """White noise of jerk about a place to which a spring and a damper hold the marker."""
+    rng, T, steps = np.random.default_rng(0), 1 / RATE, 20
+    x, v, a, path = np.zeros((12, 3)), np.zeros((12, 3)), np.zeros((12, 3)), []
+    for k in range(120 * steps):
+        h = T / steps
+        if k % steps == 0:
+            path.append(x.copy())
+        a = a + q * np.sqrt(h) * rng.normal(size=a.shape) - h * (30 * a + 400 * v + 3000 * x)
+        v = v + h * a
+        x = x + h * v
+    start = rng.uniform([-700, -700, 500], [700, 700, 1500], (12, 3))
+    xyz = start[:, None] + np.array(path).swapaxes(0, 1)
+    assert scale(xyz).process_noise == pytest.approx(q, rel=0.5)
+
+
+def test_a_fast_motion_is_followed():
+    xyz = fast()
+    detections, _ = observe(ring(6), xyz, noise=0.2)
+    found = score(track_simultaneously(detections, ring(6), Simultaneous()).tracks, xyz)
+    assert found.recall > 0.99 and found.swaps == 0
+    before = score(track_simultaneously(detections, ring(6), Simultaneous(learn_motion=False)).tracks, xyz)
+    assert before.recall < 0.99 or before.fragments.sum() > len(xyz)
+
+
+def test_a_sprinter_crosses():
+    """Everything moves at 8 m/s, faster than new tracks are looked for."""
+    xyz = dance(n=10, frames=60) + (np.arange(60)[:, None] / RATE * 8000.0 - 2000) * np.array([1.0, 0, 0])
+    detections, _ = observe(ring(6, focal=700.0), xyz, noise=0.2)
+    images = read_images(detections, ring(6, focal=700.0))
+    method = with_learned_motion(images, RATE, Simultaneous())
+    assert method.velocity_sd * 3 > 8000
+    assert len(run(images, RATE, method).id) > len(run(images, RATE, Simultaneous()).id)

@@ -59,6 +59,7 @@ class FilledGap:
         tests: number of hold-out gaps made for this gap; some have none of their own where there is one method alone.
         reference_markers: those that it was filled from.
         trimmed: frames of the gap that had been measured and are taken to be wrong; filled too, unless it stays open.
+        suspicious: measured frames beside the gap that stand out from the marker's own motion; kept as they are.
         state: filled, or why it stays open.
         reason: what the method lacked where it has no prediction; else empty.
     """
@@ -72,6 +73,7 @@ class FilledGap:
     tests: int = 0
     reference_markers: tuple[str, ...] = ()
     trimmed: tuple[int, ...] = ()
+    suspicious: tuple[int, ...] = ()
     state: GapState = "filled"
     reason: str = ""
 
@@ -106,20 +108,22 @@ def fill(
     limit_mm: float = LIMIT,
     ends: bool = False,
     edges: GapEdges | None = None,
+    trim: int = 0,
     static: Trajectories | None = None,
     seed: int = 0,
 ) -> Filled:
     """Fill the gaps of a trial.
 
-    Samples more than a kilometre from the median of all become missing; bad ones beside gaps are filled (`GapEdges`).
+    What was measured stays as it is. The exceptions are samples more than a kilometre from the median of all, which are
+    no positions and become missing, and suspicious ones beside gaps where `trim` asks for that.
 
     Args:
         trajectories: the trial; what is filled already counts as seen.
         method: one of `FILL`; `Auto()` when None.
         limit_mm: gaps with a greater expected mean error stay open; infinite fills all that can be filled.
         ends: also fill before a marker's first sample and after its last.
-        edges: how samples beside gaps are judged and trimmed; `GapEdges()` when None; `GapEdges(most_trimmed=0)`
-            trims none.
+        edges: how samples beside gaps are judged; `GapEdges()` when None; `GapEdges(most_trimmed=0)` judges none.
+        trim: so many suspicious samples on each side of a gap may be replaced; 0: they are listed and kept.
         static: another trial of the same markers; those that this trial never shows are placed from it.
         seed: of the places of the hold-out gaps.
 
@@ -135,7 +139,9 @@ def fill(
     motion = without_outliers(MarkerArray.of(trajectories))
     written = TrialCopy(trajectories)
     written.drop(~motion.seen)
-    motion = trim_edges(motion, find_gaps(motion), method=edges or GapEdges()).motion
+    edges = edges or GapEdges()
+    judged = trim_edges(motion, find_gaps(motion), method=replace(edges, most_trimmed=trim) if trim else edges)
+    motion, suspicious = (judged.motion, {}) if trim else (motion, judged.suspicious())
     gaps = find_gaps(motion, ends=ends)
     if isinstance(method, Auto):
         candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
@@ -145,7 +151,8 @@ def fill(
     done = []
     for index, gap in enumerate(gaps):
         found, prediction, cov = choose_candidate(motion, gaps, index, answers)
-        found = _within(replace(found, trimmed=written.measured(gap)), limit_mm)
+        found = replace(found, trimmed=written.measured(gap), suspicious=suspicious.get(gap, ()))
+        found = _within(found, limit_mm)
         done.append(found)
         if found.method:
             written.put(gap, prediction.xyz, cov)

@@ -267,6 +267,8 @@ class GapData(TypedDict):
     """Markers that it was filled from."""
     trimmed: list[int]
     """Measured frames that were replaced."""
+    suspicious: list[int]
+    """Measured frames beside it that stand out from the marker's own motion and were kept."""
     state: Literal["filled", "not_predicted", "no_hold_out", "above_limit"]
     """Filled; or open, since no method has a prediction, no hold-out gap could be made, or more error is expected than
     `limit_mm`."""
@@ -294,6 +296,8 @@ class FillingData(TypedDict):
     beyond: Count
     """Samples before a marker's first and after its last."""
     replaced: Count
+    suspicious: Count
+    """Measured samples beside gaps that stand out from the marker's own motion and were kept."""
     expected_median_mm: Number
     expected_max_mm: Number
     unknown: Count

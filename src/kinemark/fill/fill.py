@@ -10,6 +10,7 @@ import numpy as np
 
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Floats
+from ..numerics.blas_threads import one_blas_thread
 from .edges import GapEdges, trim_edges
 from .judge.auto import Auto
 from .judge.combine import close_ones, mean_prediction, mean_tests, together
@@ -101,6 +102,7 @@ class CandidateFill(NamedTuple):
     method: Any = None
 
 
+@one_blas_thread()
 def fill(
     trajectories: Trajectories,
     *,

@@ -1,5 +1,7 @@
 """Matrix products have one thread in a fill, whatever the environment says, and as many as before afterwards."""
 
+import sys
+
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -30,7 +32,9 @@ def test_threads_are_limited_within_and_restored_after_also_after_an_error(two_t
 
 def test_fill_limits_them_itself(two_threads, monkeypatch):
     seen = []
-    monkeypatch.setattr("kinemark.fill.fill.without_outliers", lambda motion: seen.append(blas_threads()) or motion)
+    monkeypatch.setattr(
+        sys.modules[fill.__module__], "without_outliers", lambda motion: seen.append(blas_threads()) or motion
+    )
     trajectories = trial_of(with_gap(segment())).trajectories
     assert fill(trajectories, method=Linear(), limit_mm=np.inf).gaps[0].method == "linear"
     assert seen == [{THREADS}] and blas_threads() == {2}

@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from threadpoolctl import threadpool_limits
 
 THREADS = 1
-"""BLAS threads in calibrations, runs and fills; chosen: in `fill` of 224 gaps of 41 markers two took twice the processor's
-time of one, and no less of the clock's."""
+"""BLAS threads in calibrations, runs and fills; chosen: in `fill` of 224 gaps of 41 markers two took twice the
+processor's time of one, and no less of the clock's."""
 
 
 @contextmanager

@@ -15,6 +15,7 @@ from .edges import GapEdges, trim_edges
 from .judge.auto import Auto
 from .judge.combine import close_ones, mean_prediction, mean_tests, together
 from .judge.combine import weights as best_weights
+from .judge.contradiction import contradicts_jump, contradicts_sd, largest_jump, largest_sd
 from .judge.expected_error import ErrorCalibration, MeasuredErrors, difficulty_weight, hold_out_weights
 from .judge.hold_out import MANY, HoldOutResult, draw_hold_out_gaps, edge_distance, run
 from .known_samples import plausible
@@ -42,9 +43,10 @@ NOT_PREDICTED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
 """Stands where a method was tried in the tests, but not asked about the gap itself; by definition."""
 
 
-GapState = Literal["filled", "not_predicted", "no_hold_out", "above_limit"]
+GapState = Literal["filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts"]
 """What became of a gap: filled; open, since no method has a prediction, since no hold-out gap could be made that would
-tell the error, or since more error is expected than is allowed."""
+tell the error, since more error is expected than is allowed, or since the largest standard deviation in it or a jump
+contradicts the error expected (`judge.contradiction`)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +62,8 @@ class FilledGap:
         tests: number of hold-out gaps made for this gap; some have none of their own where there is one method alone.
         reference_markers: those that it was filled from.
         trimmed: frames of the gap that had been measured and are taken to be wrong; filled too, unless it stays open.
+        sd_mm: largest standard deviation of an axis in it; NaN where none is known.
+        jump_mm: by how much the fill jumps more than the marker and its reference markers do.
         suspicious: measured frames beside the gap that stand out from the marker's own motion; kept as they are.
         state: filled, or why it stays open.
         reason: what the method lacked where it has no prediction; else empty.
@@ -75,6 +79,8 @@ class FilledGap:
     reference_markers: tuple[str, ...] = ()
     trimmed: tuple[int, ...] = ()
     suspicious: tuple[int, ...] = ()
+    sd_mm: float = np.nan
+    jump_mm: float = 0.0
     state: GapState = "filled"
     reason: str = ""
 
@@ -153,7 +159,11 @@ def fill(
     done = []
     for index, gap in enumerate(gaps):
         found, prediction, cov = choose_candidate(motion, gaps, index, answers)
-        found = replace(found, trimmed=written.measured(gap), suspicious=suspicious.get(gap, ()))
+        beside = suspicious.get(gap, ())
+        jump = (
+            0.0 if beside else largest_jump(motion, gap, prediction.xyz, prediction.references)
+        )  # none to a bad sample
+        found = replace(found, trimmed=written.measured(gap), suspicious=beside, jump_mm=jump)
         found = _within(found, limit_mm)
         done.append(found)
         if found.method:
@@ -260,10 +270,19 @@ def _predictions(motion: MarkerArray, gaps: list[Gap], method: Any) -> list[Pred
 
 
 def _within(found: FilledGap, limit_mm: float) -> FilledGap:
-    """The same, open where no error or too great a one is expected."""
-    if found.state != "filled" or (found.expected_mm <= limit_mm and np.isfinite(found.expected_mm)):
+    """The same, open where no error or too great a one is expected, or the fill contradicts what is expected."""
+    if found.state != "filled":
         return found
-    return replace(found, method="", state="above_limit" if np.isfinite(found.expected_mm) else "no_hold_out")
+    expected, state = found.expected_mm, found.state
+    if not np.isfinite(expected):
+        state = "no_hold_out"
+    elif expected > limit_mm:
+        state = "above_limit"
+    elif contradicts_sd(found.sd_mm, expected, limit_mm):
+        state = "sd_contradicts"
+    elif contradicts_jump(found.jump_mm, expected, limit_mm):
+        state = "jump_contradicts"
+    return found if state == "filled" else replace(found, method="", state=state)
 
 
 def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Filled:
@@ -311,7 +330,7 @@ def choose_candidate(
         return missing, prediction, prediction.cov
     references = tuple(motion.names[d] for d in prediction.references)
     cov = best.calibration.covariance(prediction, edge_distance(motion, gap), weights)
-    return replace(found, reference_markers=references), prediction, cov
+    return replace(found, reference_markers=references, sd_mm=largest_sd(cov)), prediction, cov
 
 
 def _expected_errors(

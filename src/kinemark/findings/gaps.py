@@ -100,7 +100,7 @@ def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
 
     Suspicious samples of a gap that was to be trimmed and stays open are kept.
     """
-    sd = np.zeros(0)
+    sd = np.array([gap.sd_mm])
     if gap.method:
         cov = after[gap.marker].cov[gap.start : gap.stop]
         sd = np.sqrt(np.diagonal(cov, axis1=1, axis2=2).max(1))
@@ -114,6 +114,7 @@ def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
         "method": gap.method,
         "expected_mm": gap.expected_mm,
         "sd_max_mm": float(np.nanmax(sd)) if np.isfinite(sd).any() else None,
+        "jump_mm": gap.jump_mm,
         "candidates_mm": dict(gap.candidates),
         "tests": gap.tests,
         "reference_markers": list(gap.reference_markers),

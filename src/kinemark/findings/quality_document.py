@@ -259,7 +259,9 @@ class GapData(TypedDict):
     """Empty where it stayed open."""
     expected_mm: Number
     sd_max_mm: Number
-    """Greatest standard deviation of an axis within it."""
+    """Greatest standard deviation of an axis within it, also of a fill that was not kept."""
+    jump_mm: float
+    """By how much the fill jumps more than the marker and its reference markers do."""
     candidates_mm: dict[str, Number]
     """Expected error of each method."""
     tests: Count
@@ -269,9 +271,9 @@ class GapData(TypedDict):
     """Measured frames that were replaced."""
     suspicious: list[int]
     """Measured frames beside it that stand out from the marker's own motion and were kept."""
-    state: Literal["filled", "not_predicted", "no_hold_out", "above_limit"]
-    """Filled; or open, since no method has a prediction, no hold-out gap could be made, or more error is expected than
-    `limit_mm`."""
+    state: Literal["filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts"]
+    """Filled; or open, since no method has a prediction, no hold-out gap could be made, more error is expected than
+    `limit_mm`, or `sd_max_mm` or `jump_mm` contradicts the error expected."""
     reason: str
     """What the method lacked where it has no prediction; else empty."""
 

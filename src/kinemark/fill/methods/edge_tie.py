@@ -2,8 +2,8 @@
 
 A reference marker that is missing beside a gap takes those frames from what is learnt, and nothing ties the fill f to
 the marker's last sample before the gap, or the first after it. Let x be the measured sample at such an edge, s the step
-to it from the one before, and f₀, f₁ the fill's frames next to it. A smooth motion goes on with the mean of the steps on
-both sides, so the fill is off there by
+to it from the one before, and f₀, f₁ the fill's frames next to it. A smooth motion goes on with the mean of the steps
+on both sides, so the fill is off there by
 
     o = x + (s + f₁ − f₀)/2 − f₀                                                                          (1)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, cast
 
 import numpy as np
 
@@ -273,7 +273,8 @@ def _within(found: FilledGap, limit_mm: float) -> FilledGap:
     """The same, open where no error or too great a one is expected, or the fill contradicts what is expected."""
     if found.state != "filled":
         return found
-    expected, state = found.expected_mm, found.state
+    expected = found.expected_mm
+    state = cast(GapState, found.state)
     if not np.isfinite(expected):
         state = "no_hold_out"
     elif expected > limit_mm:

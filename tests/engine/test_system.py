@@ -41,6 +41,7 @@ def test_the_command_says_what_runs():
         "runs": "numpy", "path": None, "version": None, "reason": "the environment variable KINEMARK_PLAIN is set",
     }  # fmt: skip
     assert found["thread_limits"]["OPENBLAS_NUM_THREADS"] == "1" and found["blas_threads"] in (1, None)
+    assert found["work_threads"] == 1
     assert not done.stderr
 
 

@@ -41,8 +41,9 @@ def trimmed_file(tmp_path):
 
 def test_replaced_samples_are_told_drawn_and_kept_on_request(tmp_path):
     source, truth = trimmed_file(tmp_path)
-    done = fill_file(source, tmp_path / "out.c3d", method=RigidBody(), report=tmp_path / "out.html")
+    done = fill_file(source, tmp_path / "out.c3d", method=RigidBody(), trim=5, report=tmp_path / "out.html")
     (gap,) = done.figures["list"]
+    assert gap["suspicious"] == [] and done.figures["suspicious"] == 0
     assert gap["trimmed"] == [103, 104] and done.figures["replaced"] == 2  # the file counts from 5
     assert np.abs(read_c3d(tmp_path / "out.c3d").trajectories["A"].xyz[98:100] - truth[0, 98:100]).max() < 3
     (replaced,) = found(done.figures, "samples_replaced")
@@ -50,22 +51,45 @@ def test_replaced_samples_are_told_drawn_and_kept_on_request(tmp_path):
     assert done.figures["verdict"]["grade"] == "green"  # a note is no doubt
     page = (tmp_path / "out.html").read_text()
     assert page.count("<circle") == 6 and "2 samples measured beside 1 gap" in filled_text({source: done})
-    kept = fill_file(source, tmp_path / "kept.c3d", method=RigidBody(), trim=0)
-    assert kept.figures["replaced"] == 0 and kept.figures["list"][0]["trimmed"] == []
-    assert np.array_equal(kept.trial.trajectories["A"].xyz[98:100], read_c3d(source).trajectories["A"].xyz[98:100])
+
+
+def test_nothing_measured_is_replaced_by_default_and_what_is_suspicious_is_listed(tmp_path):
+    source, _ = trimmed_file(tmp_path)
+    kept = fill_file(source, tmp_path / "kept.c3d", method=RigidBody(), limit_mm=np.inf, report=tmp_path / "kept.html")
+    (gap,) = kept.figures["list"]
+    assert (kept.figures["replaced"], gap["trimmed"]) == (0, [])
+    assert gap["suspicious"] == [103, 104] and kept.figures["suspicious"] == 2  # the file counts from 5
+    (listed,) = found(kept.figures, "samples_suspicious")
+    assert (listed.markers, listed.frames) == (("A",), ((103, 104),))
+    assert dict(listed.values) == {"samples": 2, "gaps": 1, "where_list": ("A 103–104",)}
+    page = (tmp_path / "kept.html").read_text()
+    assert "A 103–104" in filled_text({source: kept}) and "A 103–104" in page
+    assert page.count("<circle") == 6 and "--trim 5 (trim = 5 in a session)" in page
+    check_findings(kept.figures)
+    before = read_c3d(source).trajectories
+    for stored in (kept.trial.trajectories, read_c3d(tmp_path / "kept.c3d").trajectories):
+        for path, was in zip(stored, before, strict=True):
+            measured = was.origin == Origin.MEASURED
+            assert path.xyz[measured].tobytes() == was.xyz[measured].tobytes()
+            assert (path.origin[measured] == Origin.MEASURED).all()
 
 
 def test_trim_is_the_same_in_a_session_in_python_and_on_the_command_line(tmp_path):
     source, _ = trimmed_file(tmp_path)
-    assert filling_of({"method": "linear", "trim": 0}).trim == 0 and filling_of({}).trim == 5
+    assert filling_of({"method": "linear", "trim": 0}).trim == 0 and filling_of({"trim": 5}).trim == 5
+    assert filling_of({}).trim == Filling().trim == 0
     assert filling_of({"method": "linear"}).name == "linear" and filling_of({}).name == "auto"
     for bad in ({"trim": -1}, {"trim": "x"}, {"limit_mm": np.nan}):
         with pytest.raises(ValueError):
             filling_of(bad)
     app(["fill", str(source), "-o", str(tmp_path / "o.c3d"), "--method", "rigid_body", "--trim", "0"],
         result_action="return_value")  # fmt: skip
-    filled = read_c3d(tmp_path / "o.c3d").trajectories["A"].origin == Origin.FILLED
-    assert np.flatnonzero(filled).tolist() == list(range(100, 130))
+    app(["fill", str(source), "-o", str(tmp_path / "d.c3d"), "--method", "rigid_body"], result_action="return_value")
+    app(["fill", str(source), "-o", str(tmp_path / "t.c3d"), "--method", "rigid_body", "--trim", "5"],
+        result_action="return_value")  # fmt: skip
+    filled = {name: read_c3d(tmp_path / f"{name}.c3d").trajectories["A"].origin == Origin.FILLED for name in "odt"}
+    assert np.flatnonzero(filled["o"]).tolist() == np.flatnonzero(filled["d"]).tolist() == list(range(100, 130))
+    assert np.flatnonzero(filled["t"]).tolist() == list(range(98, 130))
 
 
 # What is said
@@ -238,13 +262,13 @@ def test_a_recording_is_filled_as_its_settings_say(tmp_path):
     told = {}
     for name, options in (
         ("usual", {}),
-        ("untrimmed", {"trim": 0}),
-        ("ends", {"ends": True}),
+        ("trimmed", {"trim": 5}),
+        ("ends", {"ends": True, "trim": 5}),
         ("tight", {"limit_mm": 1e-6}),
     ):
         told[name] = fill_recording(trial, rays, method=Filling(RigidBody(), "rigid_body", rays=False, **options)).gaps
-    assert [(g.start, g.length) for g in told["usual"]] == [(98, 32)]
-    assert [(g.start, g.length) for g in told["untrimmed"]] == [(100, 30)]
+    assert [(g.start, g.length) for g in told["trimmed"]] == [(98, 32)]
+    assert [(g.start, g.length, g.suspicious) for g in told["usual"]] == [(100, 30, (98, 99))]
     assert {g.start for g in told["ends"]} == {98, 0} and told["tight"][0].method == ""
 
 

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from ..data import AngleModel, KinemarkError, Trial
 from ..data.progress import listening
-from ..fill import LIMIT, Auto, Filled, GapEdges, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
+from ..fill import LIMIT, Auto, Filled, KalmanAngles, LimbAngles, MarkerArray, fill, fit_model
 from ..findings.gaps import filling_figures
 from ..io.angle_model_csv import FIRST, read_angle_model
 from ..io.formats import endings
@@ -50,7 +50,7 @@ def fill_file(
     name: str = "auto",
     limit_mm: float = LIMIT,
     ends: bool = False,
-    trim: int = GapEdges().most_trimmed,
+    trim: int = 0,
     static: Path | None = None,
     report: Path | None = None,
     rate_hz: float | None = None,
@@ -65,7 +65,7 @@ def fill_file(
         method: one of `fill.FILL`, with its parameters; `Auto()` where None. name: what the report calls it.
         limit_mm: gaps whose expected mean error is greater stay open.
         ends: also fill before a marker's first sample and after its last.
-        trim: so many bad samples may be replaced on each side of a gap; 0: none.
+        trim: so many suspicious samples may be replaced on each side of a gap; 0: they are listed and kept.
         static: a trial in which the markers are seen that are not seen in this one.
         report: a page to write on every gap; an existing one is replaced.
         rate_hz, length_unit: of a file that does not say it. partial: read what there is of a damaged one.
@@ -74,7 +74,7 @@ def fill_file(
         KinemarkError: a file is absent, damaged or holds no trajectories, the target exists, or a number is not one
             that it can be.
     """
-    edges = _checked(limit_mm, trim)
+    _check(limit_mm, trim)
 
     def reader(file: Path) -> Trial:
         return read_trial(file, rate_hz=rate_hz, length_unit=length_unit, partial=partial)
@@ -88,7 +88,7 @@ def fill_file(
     if not len(positions):
         raise KinemarkError(f"{source} has no markers, so there is nothing to fill.")
     still = reader(static).trajectories if static else None
-    filled = fill(positions, method=method, limit_mm=limit_mm, ends=ends, edges=edges, static=still)
+    filled = fill(positions, method=method, limit_mm=limit_mm, ends=ends, trim=trim, static=still)
     figures = with_words(filling_figures(filled, positions, source=source.name, method=name, limit_mm=limit_mm))
     figures["identity"] = identity_of_file(trial, source)
     whole = replace(trial, trajectories=filled.trajectories)
@@ -217,14 +217,9 @@ def _with_model(method: Any, name: str, model: AngleModel) -> Any:
     raise KinemarkError(f"{name} takes no model. Those that do are limb_angles, kalman_angles and auto.")
 
 
-def _checked(limit_mm: float, trim: int) -> GapEdges:
-    """How edges are trimmed.
-
-    Raises:
-        KinemarkError: a number is not one that it can be.
-    """
+def _check(limit_mm: float, trim: int) -> None:
+    """Raises a KinemarkError where a number is not one that it can be."""
     if not limit_mm > 0:
         raise KinemarkError(f"The limit is {limit_mm} mm. Wanted is one above 0; inf fills all that can be filled.")
     if trim < 0:
         raise KinemarkError(f"trim is {trim}. Wanted is a number of samples, 0 for none.")
-    return GapEdges(most_trimmed=trim)

@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from ..data import Detections, KinemarkError, Rig, Step, Tracks, Trajectories
+from ..numerics.blas_threads import one_blas_thread
 from ..report.drawing_library import ASSETS, relink
 from .calibration.calibrated import Calibrated
 from .graph import Graph
-from .progress import Cancel, Progress, Watch, check_threads, one_blas_thread, silent
+from .progress import Cancel, Progress, Watch, check_threads, silent
 from .settings import TrialEntry
 from .sources import Frames, Recording, TrialSource, source_of
 from .store import Store

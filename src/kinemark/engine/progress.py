@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
-
-from threadpoolctl import threadpool_limits
 
 from ..data import KinemarkError
 from ..data.progress import Cancelled, Listener
@@ -53,16 +50,6 @@ class Watch:
 
 SILENT = Watch()
 """No progress is shown, and nothing cancels the run."""
-
-
-@contextmanager
-def one_blas_thread() -> Iterator[None]:
-    """Matrix products in one thread: ours are small, and threads that wait for work cost more than they bring.
-
-    In `fill` they took 3.8 times the processor's time (trials of 41 markers, two cores).
-    """
-    with threadpool_limits(1, user_api="blas"):
-        yield
 
 
 def check_threads(threads: int | None) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from .. import native
+from ..numerics.blas_threads import THREADS
 from ..version import __version__
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -39,7 +40,8 @@ class System:
         platform: operating system and machine.
         processors: that this process may use.
         blas: name and version of NumPy's BLAS.
-        blas_threads: it uses; None where it does not say.
+        blas_threads: it uses outside of Kinemark's own work; None where it does not say.
+        work_threads: it uses in calibrations, runs and fills, whatever the environment says.
         thread_limits: the `THREAD_VARIABLES` that are set.
         native: whether the compiled library runs, its path and version, or why NumPy does its work.
     """
@@ -52,6 +54,7 @@ class System:
     processors: int
     blas: str
     blas_threads: int | None
+    work_threads: int
     thread_limits: dict[str, str]
     native: native.Status
 
@@ -73,7 +76,7 @@ class System:
             "Python": self.python,
             "NumPy": self.numpy,
             "SciPy": self.scipy,
-            "BLAS": f"{self.blas}, threads: {threads}{limits}",
+            "BLAS": f"{self.blas}, threads: {threads}{limits}; {self.work_threads} in calibrate, run and fill",
             "processors": self.processors,
             "platform": self.platform,
         }
@@ -93,6 +96,7 @@ def system() -> System:
         processors=_processors(),
         blas=_blas(),
         blas_threads=_blas_threads(),
+        work_threads=THREADS,
         thread_limits={name: os.environ[name] for name in THREAD_VARIABLES if name in os.environ},
         native=native.status(),
     )

@@ -1,4 +1,4 @@
-"""Bad samples beside a gap, found by the marker's own statistics and trimmed.
+"""Bad samples beside a gap, found by the marker's own statistics.
 
 A marker that is about to vanish is seen by fewer cameras, half hidden or merged with another one, and its last samples
 are often wrong. Let z be the marker's positions less the mean of its `neighbours` most rigid neighbours, if they are
@@ -20,8 +20,9 @@ What (2) allows is therefore multiplied by how fast the movement changes, worked
     factor = max( 1, median over neighbours d of  e_d(b, h) / median E_d(h) )                            (3)
 
 b moves towards the gap until the first bad sample; that one
-and all between it and the gap are trimmed, at most `most_trimmed`. Trimmed samples are missing afterwards: the gap is
-longer.
+and all between it and the gap are suspicious, at most `most_trimmed`. `fill` lists them; where it is asked to trim
+them, they are missing afterwards and the gap is longer. Some of them are good samples of a rare movement: nothing is
+trimmed unasked.
 """
 
 from __future__ import annotations
@@ -43,9 +44,9 @@ from .reference_markers import Distances, distances, nearest
 
 @dataclass(frozen=True, slots=True)
 class GapEdges(Method):
-    """How samples beside gaps are judged and trimmed."""
+    """How samples beside gaps are judged."""
 
-    most_trimmed: int = parameter(5, unit="samples", low=0, meaning="that may be trimmed on each side; 0: no check")
+    most_trimmed: int = parameter(5, unit="samples", low=0, meaning="that may be bad on each side; 0: no check")
     fit_samples: int = parameter(6, unit="samples", low=4, meaning="that the parabola is fitted to")
     median_ratio: float = parameter(
         5.0, unit=ONE, above=0, meaning="a sample is bad from this many times the median error on"
@@ -77,6 +78,15 @@ class Trimmed(NamedTuple):
     gaps: list[Gap]
     before: Ints
     after: Ints
+
+    def suspicious(self) -> dict[Gap, tuple[int, ...]]:
+        """The frames that would be trimmed, by the gap as it was before; gaps that have none are left out."""
+        out = {}
+        for longer, before, after in zip(self.gaps, self.before.tolist(), self.after.tolist(), strict=True):
+            gap = Gap(longer.marker, longer.start + before, longer.stop - after)
+            if before or after:
+                out[gap] = (*range(longer.start, gap.start), *range(gap.stop, longer.stop))
+        return out
 
 
 def trim_edges(motion: MarkerArray, gaps: list[Gap], *, method: GapEdges = GapEdges()) -> Trimmed:

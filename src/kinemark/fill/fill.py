@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, cast
 
 import numpy as np
 
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Floats
+from ..numerics.blas_threads import one_blas_thread
 from .edges import GapEdges, trim_edges
 from .judge.auto import Auto
 from .judge.combine import close_ones, mean_prediction, mean_tests, together
 from .judge.combine import weights as best_weights
+from .judge.contradiction import contradicts_jump, contradicts_sd, largest_jump, largest_sd
 from .judge.expected_error import ErrorCalibration, MeasuredErrors, difficulty_weight, hold_out_weights
 from .judge.hold_out import MANY, HoldOutResult, draw_hold_out_gaps, edge_distance, run
 from .known_samples import plausible
@@ -41,9 +43,10 @@ NOT_PREDICTED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
 """Stands where a method was tried in the tests, but not asked about the gap itself; by definition."""
 
 
-GapState = Literal["filled", "not_predicted", "no_hold_out", "above_limit"]
+GapState = Literal["filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts"]
 """What became of a gap: filled; open, since no method has a prediction, since no hold-out gap could be made that would
-tell the error, or since more error is expected than is allowed."""
+tell the error, since more error is expected than is allowed, or since the largest standard deviation in it or a jump
+contradicts the error expected (`judge.contradiction`)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +62,9 @@ class FilledGap:
         tests: number of hold-out gaps made for this gap; some have none of their own where there is one method alone.
         reference_markers: those that it was filled from.
         trimmed: frames of the gap that had been measured and are taken to be wrong; filled too, unless it stays open.
+        sd_mm: largest standard deviation of an axis in it; NaN where none is known.
+        jump_mm: by how much the fill jumps more than the marker and its reference markers do.
+        suspicious: measured frames beside the gap that stand out from the marker's own motion; kept as they are.
         state: filled, or why it stays open.
         reason: what the method lacked where it has no prediction; else empty.
     """
@@ -72,6 +78,9 @@ class FilledGap:
     tests: int = 0
     reference_markers: tuple[str, ...] = ()
     trimmed: tuple[int, ...] = ()
+    suspicious: tuple[int, ...] = ()
+    sd_mm: float = np.nan
+    jump_mm: float = 0.0
     state: GapState = "filled"
     reason: str = ""
 
@@ -99,6 +108,7 @@ class CandidateFill(NamedTuple):
     method: Any = None
 
 
+@one_blas_thread()
 def fill(
     trajectories: Trajectories,
     *,
@@ -106,20 +116,22 @@ def fill(
     limit_mm: float = LIMIT,
     ends: bool = False,
     edges: GapEdges | None = None,
+    trim: int = 0,
     static: Trajectories | None = None,
     seed: int = 0,
 ) -> Filled:
     """Fill the gaps of a trial.
 
-    Samples more than a kilometre from the median of all become missing; bad ones beside gaps are filled (`GapEdges`).
+    What was measured stays as it is. The exceptions are samples more than a kilometre from the median of all, which are
+    no positions and become missing, and suspicious ones beside gaps where `trim` asks for that.
 
     Args:
         trajectories: the trial; what is filled already counts as seen.
         method: one of `FILL`; `Auto()` when None.
         limit_mm: gaps with a greater expected mean error stay open; infinite fills all that can be filled.
         ends: also fill before a marker's first sample and after its last.
-        edges: how samples beside gaps are judged and trimmed; `GapEdges()` when None; `GapEdges(most_trimmed=0)`
-            trims none.
+        edges: how samples beside gaps are judged; `GapEdges()` when None; `GapEdges(most_trimmed=0)` judges none.
+        trim: so many suspicious samples on each side of a gap may be replaced; 0: they are listed and kept.
         static: another trial of the same markers; those that this trial never shows are placed from it.
         seed: of the places of the hold-out gaps.
 
@@ -135,7 +147,9 @@ def fill(
     motion = without_outliers(MarkerArray.of(trajectories))
     written = TrialCopy(trajectories)
     written.drop(~motion.seen)
-    motion = trim_edges(motion, find_gaps(motion), method=edges or GapEdges()).motion
+    edges = edges or GapEdges()
+    judged = trim_edges(motion, find_gaps(motion), method=replace(edges, most_trimmed=trim) if trim else edges)
+    motion, suspicious = (judged.motion, {}) if trim else (motion, judged.suspicious())
     gaps = find_gaps(motion, ends=ends)
     if isinstance(method, Auto):
         candidates = tuple(affordable(candidates, len(gaps), trajectories.n_frames))
@@ -145,7 +159,12 @@ def fill(
     done = []
     for index, gap in enumerate(gaps):
         found, prediction, cov = choose_candidate(motion, gaps, index, answers)
-        found = _within(replace(found, trimmed=written.measured(gap)), limit_mm)
+        beside = suspicious.get(gap, ())
+        jump = (
+            0.0 if beside else largest_jump(motion, gap, prediction.xyz, prediction.references)
+        )  # none to a bad sample
+        found = replace(found, trimmed=written.measured(gap), suspicious=beside, jump_mm=jump)
+        found = _within(found, limit_mm)
         done.append(found)
         if found.method:
             written.put(gap, prediction.xyz, cov)
@@ -251,10 +270,20 @@ def _predictions(motion: MarkerArray, gaps: list[Gap], method: Any) -> list[Pred
 
 
 def _within(found: FilledGap, limit_mm: float) -> FilledGap:
-    """The same, open where no error or too great a one is expected."""
-    if found.state != "filled" or (found.expected_mm <= limit_mm and np.isfinite(found.expected_mm)):
+    """The same, open where no error or too great a one is expected, or the fill contradicts what is expected."""
+    if found.state != "filled":
         return found
-    return replace(found, method="", state="above_limit" if np.isfinite(found.expected_mm) else "no_hold_out")
+    expected = found.expected_mm
+    state = cast(GapState, found.state)
+    if not np.isfinite(expected):
+        state = "no_hold_out"
+    elif expected > limit_mm:
+        state = "above_limit"
+    elif contradicts_sd(found.sd_mm, expected, limit_mm):
+        state = "sd_contradicts"
+    elif contradicts_jump(found.jump_mm, expected, limit_mm):
+        state = "jump_contradicts"
+    return found if state == "filled" else replace(found, method="", state=state)
 
 
 def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Filled:
@@ -302,7 +331,7 @@ def choose_candidate(
         return missing, prediction, prediction.cov
     references = tuple(motion.names[d] for d in prediction.references)
     cov = best.calibration.covariance(prediction, edge_distance(motion, gap), weights)
-    return replace(found, reference_markers=references), prediction, cov
+    return replace(found, reference_markers=references, sd_mm=largest_sd(cov)), prediction, cov
 
 
 def _expected_errors(

@@ -10,7 +10,6 @@ import numpy as np
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.fills import view_of
 from ..data.method import Method, parameter
-from .edges import GapEdges
 from .fill import LIMIT, Filled, FilledGap, fill
 from .judge.auto import Auto
 from .rays import Rays, sharpened
@@ -31,8 +30,8 @@ class Filling(Method):
     )
     ends: bool = parameter(False, meaning="also fill before a marker's first sample and after its last")
     trim: int = parameter(
-        GapEdges().most_trimmed, unit="samples", low=0,
-        meaning="so many bad samples may be replaced on each side of a gap; 0: none",
+        0, unit="samples", low=0,
+        meaning="so many suspicious samples may be replaced on each side of a gap; 0: they are listed and kept",
     )  # fmt: skip
     rays: bool = parameter(True, meaning="use images that one camera alone has of a marker in its gap")
 
@@ -42,8 +41,7 @@ def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -
 
     The expected error of a gap is that of the method without the cameras' help, as no hold-out gap has one.
     """
-    edges = GapEdges(most_trimmed=method.trim)
-    filled = fill(trajectories, method=method.method, limit_mm=method.limit_mm, ends=method.ends, edges=edges)
+    filled = fill(trajectories, method=method.method, limit_mm=method.limit_mm, ends=method.ends, trim=method.trim)
     if not method.rays:
         return filled
     paths = {path.name: path for path in filled.trajectories}

@@ -56,6 +56,7 @@ def filling_figures(
         "missing_after": _missing(after),
         "beyond": sum(_beyond(path) for path in after) - sum(_at_an_end(gap, before) for gap in filled.gaps),
         "replaced": sum(len(gap["trimmed"]) for gap in done),
+        "suspicious": len({(gap["marker"], frame) for gap in gaps for frame in gap["suspicious"]}),
         "expected_median_mm": float(np.median(tested)) if tested else None,
         "expected_max_mm": max((gap["expected_mm"] for gap in known), default=None),
         "unknown": len(done) - len(known),
@@ -95,8 +96,11 @@ def _far_away(trajectories: Trajectories) -> int:
 
 
 def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
-    """One gap; sd_max_mm: the greatest standard deviation of an axis in it; trimmed: measured frames replaced."""
-    sd = np.zeros(0)
+    """One gap; sd_max_mm: the greatest standard deviation of an axis in it; trimmed: measured frames replaced.
+
+    Suspicious samples of a gap that was to be trimmed and stays open are kept.
+    """
+    sd = np.array([gap.sd_mm])
     if gap.method:
         cov = after[gap.marker].cov[gap.start : gap.stop]
         sd = np.sqrt(np.diagonal(cov, axis1=1, axis2=2).max(1))
@@ -110,10 +114,12 @@ def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
         "method": gap.method,
         "expected_mm": gap.expected_mm,
         "sd_max_mm": float(np.nanmax(sd)) if np.isfinite(sd).any() else None,
+        "jump_mm": gap.jump_mm,
         "candidates_mm": dict(gap.candidates),
         "tests": gap.tests,
         "reference_markers": list(gap.reference_markers),
         "trimmed": [frame + after.first_frame for frame in gap.trimmed] if gap.method else [],
+        "suspicious": [frame + after.first_frame for frame in gap.suspicious],
         "state": gap.state,
         "reason": gap.reason,
     }
@@ -138,11 +144,35 @@ def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
     if figures["replaced"]:
         gaps = sum(bool(gap["trimmed"]) for gap in figures["list"])
         yield make_finding("samples_replaced", samples=figures["replaced"], gaps=gaps)
+    if figures["suspicious"]:
+        yield _suspicious(figures)
     if figures["much_filled"]:
         yield make_finding("markers_mostly_filled", markers=figures["much_filled"], limit_share=MUCH)
     if figures["never_seen"]:
         markers = figures["never_seen"]
         yield make_finding("markers_absent", severity=red_if(_nothing_seen(figures)), markers=markers)
+
+
+def _suspicious(figures: dict[str, Any]) -> Finding:
+    """Measured samples beside gaps that stand out and were kept: how many, of which markers, in which frames."""
+    about = [gap for gap in figures["list"] if gap["suspicious"]]
+    spans = [(gap["marker"], *span) for gap in about for span in _spans(gap["suspicious"])]
+    return make_finding(
+        "samples_suspicious",
+        markers=dict.fromkeys(gap["marker"] for gap in about),
+        frames=[(first, last) for _, first, last in spans],
+        samples=figures["suspicious"],
+        gaps=len(about),
+        where_list=[
+            f"{marker} {first}–{last}" if last > first else f"{marker} {first}" for marker, first, last in spans
+        ],
+    )
+
+
+def _spans(frames: list[int]) -> list[tuple[int, int]]:
+    """First and last of each run of successive frames, which are in rising order."""
+    starts = [k for k, frame in enumerate(frames) if k == 0 or frame > frames[k - 1] + 1]
+    return [(frames[a], frames[b - 1]) for a, b in zip(starts, [*starts[1:], len(frames)], strict=True)]
 
 
 def _nothing_seen(figures: dict[str, Any]) -> bool:

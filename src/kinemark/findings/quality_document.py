@@ -259,7 +259,9 @@ class GapData(TypedDict):
     """Empty where it stayed open."""
     expected_mm: Number
     sd_max_mm: Number
-    """Greatest standard deviation of an axis within it."""
+    """Greatest standard deviation of an axis within it, also of a fill that was not kept."""
+    jump_mm: float
+    """By how much the fill jumps more than the marker and its reference markers do."""
     candidates_mm: dict[str, Number]
     """Expected error of each method."""
     tests: Count
@@ -267,9 +269,11 @@ class GapData(TypedDict):
     """Markers that it was filled from."""
     trimmed: list[int]
     """Measured frames that were replaced."""
-    state: Literal["filled", "not_predicted", "no_hold_out", "above_limit"]
-    """Filled; or open, since no method has a prediction, no hold-out gap could be made, or more error is expected than
-    `limit_mm`."""
+    suspicious: list[int]
+    """Measured frames beside it that stand out from the marker's own motion and were kept."""
+    state: Literal["filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts"]
+    """Filled; or open, since no method has a prediction, no hold-out gap could be made, more error is expected than
+    `limit_mm`, or `sd_max_mm` or `jump_mm` contradicts the error expected."""
     reason: str
     """What the method lacked where it has no prediction; else empty."""
 
@@ -294,6 +298,8 @@ class FillingData(TypedDict):
     beyond: Count
     """Samples before a marker's first and after its last."""
     replaced: Count
+    suspicious: Count
+    """Measured samples beside gaps that stand out from the marker's own motion and were kept."""
     expected_median_mm: Number
     expected_max_mm: Number
     unknown: Count

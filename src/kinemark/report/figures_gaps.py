@@ -75,7 +75,7 @@ def gap_figure(
         trajectories: the trial after filling.
         marker: its name; start, stop: its missing frames, stop excluded.
         references: markers drawn beside it in grey, moved to where the marker is at the edges of the gap.
-        replaced: what was measured (3) in frames of the gap and is not trusted, drawn as dots.
+        replaced: what was measured (3) in or beside the gap and is replaced or suspicious, drawn as dots.
     """
     path, rate = trajectories[marker], trajectories.rate
     margin = round(max(CONTEXT * (stop - start), CONTEXT_S * rate, 2))

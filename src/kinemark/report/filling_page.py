@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from markupsafe import Markup
 
 from ..data import Trajectories
+from ..data.array_types import Floats
 from ..findings.gaps import largest_error
 from .figures_gaps import gap_figure
 from .formatting import count, measure, millimetres, number
@@ -89,6 +90,7 @@ def gap_table(gaps: list[dict[str, Any]], limit_mm: float) -> Table:
         "largest σ (mm)",
         "tests",
         "replaced",
+        "suspicious",
         "from markers",
         *(["why it is open"] if any(left_open) else []),
     ]
@@ -104,6 +106,7 @@ def gap_table(gaps: list[dict[str, Any]], limit_mm: float) -> Table:
             number(gap["sd_max_mm"], 2),
             number(gap["tests"]),
             number(len(gap["trimmed"])) if gap["trimmed"] else "–",
+            number(len(gap["suspicious"])) if gap["suspicious"] else "–",
             _few(gap["reference_markers"]),
             *([open_gap_text(gap, limit_mm)] if any(left_open) else []),
         ]
@@ -134,14 +137,19 @@ def _drawing(
     picture = Markup()
     if gap["marker"] in trajectories.names:
         start, references = gap["first_frame"] - trajectories.first_frame, tuple(gap["reference_markers"][:MOST_LISTED])
-        replaced = [] if before is None else [frame - before.first_frame for frame in gap["trimmed"]]
-        dots = {frame: before[gap["marker"]].xyz[frame] for frame in replaced} if before is not None else {}
+        dots = {} if before is None else _dots(before, gap)
         picture = gap_figure(trajectories, gap["marker"], start, start + gap["frames"], references, dots)
     what = f"{gap['method']}, expected {millimetres(gap['expected_mm'])}"
     if not gap["method"]:
         what = f"{OPEN}: {open_gap_text(gap, limit_mm)}"
     when = f"{number(gap['first_s'], 2)} s, {count(gap['frames'], 'frame')}"
     return GapDrawing(gap["marker"], when, what, picture)
+
+
+def _dots(before: Trajectories, gap: dict[str, Any]) -> dict[int, Floats]:
+    """What was measured in the frames that were replaced or are suspicious."""
+    frames = [frame - before.first_frame for frame in (*gap["trimmed"], *gap["suspicious"])]
+    return {frame: before[gap["marker"]].xyz[frame] for frame in frames} if gap["marker"] in before.names else {}
 
 
 def _tiles(figures: dict[str, Any]) -> list[Tile]:

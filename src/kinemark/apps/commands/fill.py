@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ...engine.fill_files import fill_files, fill_method, filled_figures, filled_text
-from ...fill import LIMIT, GapEdges
+from ...fill import LIMIT
 from ..output import FailOn, Json, LengthUnit, Partial, Rate, SelfContained, exit_by_verdict, print_result
 from ..progress import progress
 
@@ -24,7 +24,7 @@ def fill(
     model: Path | None = None,
     limit_mm: float = LIMIT,
     ends: bool = False,
-    trim: int = GapEdges().most_trimmed,
+    trim: int = 0,
     static: Path | None = None,
     report: bool = False,
     self_contained: SelfContained = False,
@@ -34,7 +34,7 @@ def fill(
     fail_on: FailOn = "red",
     json: Json = False,
 ) -> None:
-    """Fill the gaps of a trial's markers, each with an expected error; all else in the file stays as it was.
+    """Fill the gaps of a trial's markers, each with an expected error; what was measured stays as it was.
 
     Args:
         source: a file of trajectories: C3D, TDF, TRC, CSV, HDF5 or TDC.
@@ -45,7 +45,8 @@ def fill(
         model: an angle model (CSV) or another trial of the same motion, for limb_angles, kalman_angles and auto.
         limit_mm: gaps whose expected mean error is greater stay open; inf leaves none open for that.
         ends: also fill before a marker's first sample and after its last.
-        trim: so many bad samples may be replaced on each side of a gap; 0 keeps all that was measured.
+        trim: so many suspicious samples may be replaced on each side of a gap; 0 lists them and keeps all that was
+            measured.
         static: a trial in which markers are seen that this one never shows.
         report: write a page beside the output on which every gap is drawn.
         self_contained: as of other commands; this page always is, since its drawings need no library.

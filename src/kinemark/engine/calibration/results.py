@@ -25,12 +25,13 @@ from ...findings.quality import write_quality
 from ...io.files import replacing
 from ...io.rig_toml import read_rig_toml, write_rig_toml
 from ...io.um2as import siblings
+from ...numerics.blas_threads import one_blas_thread
 from ...report.calibration_page import write_calibration_page
 from ...report.drawing_library import ASSETS, relink
 from ...report.words import with_words
 from ..identities import stated_identity
 from ..keys import code_key, digest, file_key, rig_key
-from ..progress import SILENT, Watch, check_threads, one_blas_thread
+from ..progress import SILENT, Watch, check_threads
 from ..recordings import files_of, masks_key
 from ..settings import Settings
 from ..store import Store

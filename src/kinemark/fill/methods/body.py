@@ -29,7 +29,8 @@ by so much). With y_k and V_k what each predicts, the fill has (law of total cov
 
     ȳ = Σ w y_k,     V = Σ w (V_k + (y_k − ȳ)(y_k − ȳ)ᵀ),     Σ w = 1                                        (4)
 
-A reference marker that is not seen throughout the gap is not used, nor one that jumps in it (`jumping_markers`).
+A reference marker that is not seen throughout the gap is not used, nor one that jumps in it (`jumping_markers`). Where
+one is missing beside the gap, the fill is tied to the marker's sample there (`edge_tie`).
 """
 
 from __future__ import annotations
@@ -50,6 +51,7 @@ from ..jumping_markers import JumpingMarkers
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..mirrored_markers import partners
 from ..reference_ranking import Ranks
+from .edge_tie import edge_offsets, tied
 from .kriging import ORDERS, FramePairs, Hyper, fit, left_out, predict
 from .stage import FILL, FillMethod
 from .training_frames import FEWEST, LocalView, TrainingFrames, local_view, pairs_of, training_frames_of
@@ -160,7 +162,15 @@ def _fill(trial: _Trial, gap: Gap, method: Body) -> Prediction:
             trial.hypers[key] = _best([found])
         kept = _weighted(training, views, trial.hypers[key])[: method.averaged]
     xyz, cov = _mean(training, kept)
+    learnt = {frame: bool(trial.seen[references, frame].all()) for frame in _beside(trial, gap)}
+    offsets = edge_offsets(trial.motion.xyz[gap.marker], gap, xyz, learnt)
+    xyz = tied(xyz, gap, offsets, rate=trial.motion.rate, hyper=kept[0][2])
     return Prediction(xyz, cov, references=tuple(int(d) for d in references))
+
+
+def _beside(trial: _Trial, gap: Gap) -> list[int]:
+    """The frame before a gap and that after it, where the trial has them."""
+    return [frame for frame in (gap.start - 1, gap.stop) if 0 <= frame < trial.seen.shape[1]]
 
 
 def _gap_training(trial: _Trial, gap: Gap, method: Body) -> _GapTraining | str:

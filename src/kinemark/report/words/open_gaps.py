@@ -15,6 +15,16 @@ def open_gap_text(gap: Mapping[str, Any], limit_mm: float) -> str:
             return (
                 f"{which} is expected to be off by {gap['expected_mm']:.1f} mm, more than the limit of {limit_mm:g} mm"
             )
+        case "sd_contradicts":
+            return (
+                f"the largest standard deviation of the fill, {gap['sd_max_mm']:.1f} mm, contradicts "
+                f"the error expected, {gap['expected_mm']:.1f} mm"
+            )
+        case "jump_contradicts":
+            return (
+                f"the fill jumps by {gap['jump_mm']:.1f} mm more than the marker does elsewhere, which contradicts the "
+                f"error expected, {gap['expected_mm']:.1f} mm"
+            )
         case "no_hold_out":
             return "no hold-out gap could be made: too little of the trial is known to estimate the error of a fill"
         case "not_predicted":

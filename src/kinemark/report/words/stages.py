@@ -28,7 +28,12 @@ FILLING_WORDS = {
     "samples_replaced": Words(
         "{samples} {samples:sample|samples} measured beside {gaps} {gaps:gap|gaps} stood out from the marker's own "
         "motion and {samples:was|were} replaced ({samples:a dot|dots} in the drawings).",
-        "Where the motion was right as it was measured, fill again with --trim 0 (trim = 0 in a session).",
+        "Where the motion was right as it was measured, fill again without --trim (trim = 0 in a session).",
+    ),
+    "samples_suspicious": Words(
+        "{samples} {samples:sample|samples} measured beside {gaps} {gaps:gap|gaps} {samples:stands|stand} out from the "
+        "marker's own motion and {samples:was|were} kept ({samples:a dot|dots} in the drawings): {where_list}.",
+        "Where they are wrong, fill again with --trim 5 (trim = 5 in a session): they are replaced then.",
     ),
     "markers_mostly_filled": Words(
         "{Markers}: more than {limit_share} of the trial is filled.",

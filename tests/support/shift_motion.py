@@ -32,10 +32,17 @@ from support.shift_law import Answer, law, moved, on_grid
 from support.shift_scene import found_gaps, motion, observed, rig, tracks, trial, walk
 
 
+def jumps(gaps, by):
+    """The jumps of gaps as places so far from the origin, since the rounding of places is theirs; the gaps without."""
+    places = np.array([[gap.jump_mm] * 3 for gap in gaps]).reshape(-1, 3) + by
+    return places, [replace(gap, jump_mm=0.0) for gap in gaps]
+
+
 @law(fill, each=FILL, mm=1e-6, share=1e-7)
 def _(by, parameter):
     filled, gaps = fill(moved(trial(), by), method=parameter.kind(), ends=True, limit_mm=np.inf)
-    return Answer(filled.xyz, ([p.cov for p in filled], [p.origin for p in filled], gaps))
+    places, gaps = jumps(gaps, by)
+    return Answer((filled.xyz, places), ([p.cov for p in filled], [p.origin for p in filled], gaps))
 
 
 @law(trim_edges)
@@ -64,7 +71,8 @@ def _(by):
     paths = tuple(MarkerTrajectory.measured(p.name, p.xyz[:60], cov=p.cov[:60]) for p in trial())
     short = replace(trial(), paths=paths)
     filled, gaps = fill_recording(moved(short, by), rays, method=Filling(limit_mm=1e9))
-    return Answer(filled.xyz, ([p.cov for p in filled], [p.cameras for p in filled], gaps))
+    places, gaps = jumps(gaps, by)
+    return Answer((filled.xyz, places), ([p.cov for p in filled], [p.cameras for p in filled], gaps))
 
 
 @law(fit_model, angles.connect, angles.directions, angles.learn_model, angles.learned_of, share=1e-7)

@@ -25,7 +25,7 @@ def errors() -> Console:
 
 
 BAD_VERDICT = 3
-"""Exit status where all was computed and the verdict is bad; 1 is an error, 2 a wrong command."""
+"""Exit status where all was computed and the verdict is bad; 1 is an error, 2 a wrong command; chosen."""
 
 LengthUnit = Annotated[
     Literal["mm", "cm", "m", "in"] | None,

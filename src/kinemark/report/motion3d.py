@@ -22,7 +22,7 @@ MOST_PLACES = 6000
 MOST_FRAMES = 400  # that are played; chosen
 FINEST = 0.1  # mm; step of a coordinate; chosen
 GREATEST = 32000
-"""Of the whole numbers in (1), a little less than sixteen bits hold."""
+"""Of the whole numbers in (1), without unit; a little less than sixteen bits hold, by definition."""
 
 
 def motion(trajectories: Trajectories, up: int, *, trace: int) -> dict[str, Any]:

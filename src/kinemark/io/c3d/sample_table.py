@@ -33,7 +33,7 @@ START = "SAMPLES_START"
 MARK = b"KINEMARK SAMPLES"
 HEAD = struct.Struct("<16sII")
 UPPER = np.triu_indices(3)
-"""Rows and columns of the six numbers of a covariance, in the order of the table; by definition."""
+"""Rows and columns, without unit, of the six numbers of a covariance, in the order of the table; by definition."""
 
 
 def section_in(doc: C3D, raw: bytes, stop: int) -> tuple[bytes, int]:

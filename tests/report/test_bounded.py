@@ -52,7 +52,8 @@ def test_a_page_of_a_thousand_gaps_stays_below_a_megabyte():
     listed = [
         {
             "marker": path.name, "first_frame": 100 + k, "last_frame": 110 + k, "frames": 11, "first_s": k / 50,
-            "length_s": 0.22, "method": "body", "expected_mm": 1.0, "sd_max_mm": 1.0, "tests": 5, "trimmed": [],
+            "length_s": 0.22, "method": "body", "expected_mm": 1.0, "sd_max_mm": 1.0, "tests": 5,
+            "trimmed": [], "suspicious": [],
             "reference_markers": list(donors), "state": "filled", "candidates_mm": {"body": 1.0, "spline": 2.0},
         }
         for path in before for k in range(0, 1000, 200)

@@ -41,6 +41,25 @@ def test_import_brings_nothing_heavy():
     assert said(f"import sys, kinemark; print([m for m in {heavy} if m in sys.modules])") == "[]"
 
 
+def test_parts_of_scipy_come_when_they_are_used():
+    """Each takes a fifth of a second or more: `import scipy`, then `scipy.fft.rfft`."""
+    parts = (
+        "detect",
+        "calibrate",
+        "match",
+        "reconstruct",
+        "track",
+        "fill",
+        "kinematics",
+        "digitise",
+        "sensitivity",
+        "io",
+    )
+    code = "".join(f"import kinemark.{part}\n" for part in parts)
+    named = ("fft", "interpolate", "linalg", "ndimage", "optimize", "signal", "sparse", "spatial", "special", "stats")
+    assert said(f"{code}import sys; print([n for n in {named} if f'scipy.{{n}}' in sys.modules])") == "[]"
+
+
 def test_help_brings_no_stage():
     code = """
 import sys

@@ -395,7 +395,6 @@ def _proposed(
     """What other cameras say of the marker asked for; they do not see the reference marker as it shifts."""
     if proposer is None or state.marker == method.fixed:
         return None
-    image_markers = images(state.frame)
+    image_markers, shift = images(state.frame), _shift(state, method)
     free = image_markers.usable & ~images_taken(state.draft, image_markers)
-    shift = _shift(state, method)
     return proposer(state.frame, state.marker, shift, expected(state, method)[state.marker], image_markers, free)

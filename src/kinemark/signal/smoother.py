@@ -28,7 +28,7 @@ it has the variance U² h⁵ ∫ B² with B the quadratic spline of unit knots, 
 
 The acceleration of a body does not walk at random: over long times it comes back, and U by (7) falls with h. The
 state at the edge of a gap hangs on the short times; h of a twentieth of a second makes predictions of half a second
-as far off as foretold (8). Over one and two frames motion is smooth, Δₕ³ ~ h³:
+as far off as predicted (8). Over one and two frames motion is smooth, Δₕ³ ~ h³:
 
     20 σ² = (64 E[(Δ₁³ y)²] − E[(Δ₂³ y)²]) / 63                                                   (9)
 

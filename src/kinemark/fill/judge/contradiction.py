@@ -1,6 +1,6 @@
 """Fills that contradict the error expected of them.
 
-The hidden tests tell the expected error ē of a gap. Two figures of the fill itself say when it cannot be true. One is
+The hold-out gaps tell the expected error ē of a gap. Two figures of the fill itself say when it cannot be true. One is
 the largest standard deviation of an axis in it, σ: the gap stays open where
 
     σ > SD_RATIO ē   and   σ > the limit                                                                  (1)

@@ -21,7 +21,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ...data import Camera, Rig
 from ...data.array_types import Floats
@@ -74,6 +74,6 @@ def _moved(rig: Rig, theta: Floats) -> Rig:
 
 def _turned(camera: Camera, theta: Floats) -> Camera:
     """The camera turned about its centre by ω rad, its focal lengths times 1 + s."""
-    turn = Rotation.from_rotvec(theta[:3]).as_matrix()
+    turn = scipy.spatial.transform.Rotation.from_rotvec(theta[:3]).as_matrix()
     K = camera.K * np.array([[1 + theta[3]] * 2 + [1.0]] * 2 + [[1.0] * 3])
     return replace(camera, K=K, R=turn @ camera.R, t=turn @ camera.t)

@@ -88,3 +88,44 @@ def test_pages_print_with_their_drawings(folder):
 def test_the_library_is_left_alone_until_something_is_drawn(tmp_path):
     library = drawing_library(tmp_path / "page.html", tmp_path / ASSETS)
     assert not re.match("https?:", library.address)
+
+
+CONTRASTS = """
+(() => {  // of every text with the ground behind it, by WCAG 2.2: [ratio, text]
+  const parts = text => { const p = text.match(/[\\d.]+/g).map(Number); return p.length < 4 ? [...p, 1] : p; };
+  const linear = v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
+  const lit = rgb => { const [r, g, b] = rgb.slice(0, 3).map(v => linear(v / 255));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b; };
+  const ground = e => { for (; e; e = e.parentElement) {
+    const p = parts(getComputedStyle(e).backgroundColor); if (p[3] > 0.5) return p; } return [255, 255, 255, 1]; };
+  const found = [];
+  for (const e of document.querySelectorAll("body *")) {
+    const own = [...e.childNodes].filter(n => n.nodeType === 3).map(n => n.data.trim()).join("");
+    const hidden = !e.getClientRects().length || e.matches("script, style, option, .modebar *");
+    if (hidden || !/[\\p{L}\\d]/u.test(own)) continue;
+    const style = getComputedStyle(e), svg = e instanceof SVGElement, ink = parts(svg ? style.fill : style.color);
+    if (svg && +style.fillOpacity === 0) continue;
+    const [a, b] = [lit(ink), lit(ground(e))];
+    found.push([(Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05), own.slice(0, 40)]);
+  }
+  return found;
+})()
+"""
+
+
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+@pytest.mark.parametrize("name", PAGES)
+def test_every_text_can_be_read_in_both_themes(folder, name, dark):
+    with opened(folder / f"{name}.html", dark=dark) as page:
+        assert (page.ask("getComputedStyle(document.body).backgroundColor") == "rgb(20, 27, 33)") == dark
+        faint = [(round(ratio, 2), text) for ratio, text in page.ask(CONTRASTS) if ratio < 4.5]
+        assert faint == [] and page.errors == []
+
+
+def test_a_page_changes_its_theme_while_it_is_open_and_prints_light(folder):
+    grounds = "[...document.querySelectorAll('.plot')].map(place => place.layout.paper_bgcolor)"
+    with opened(folder / "walk 01/report.html", dark=True) as page:
+        assert set(page.ask(grounds)) == {"#1d262e"}
+        page.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
+        page.until(f"{grounds}.every(ground => ground === '#FFFFFF')")
+        assert page.errors == []

@@ -148,6 +148,8 @@ CAMERAS = [{"name": "a", "size_px": [640, 480]}, {"name": "b", "size_px": None}]
 def test_the_frame_that_is_shown_is_the_one_with_most_to_tell():
     assert fullest_frames(spots()) == [2, 0]
     long = Detections.build(("a",), 50.0, np.ones((1, 500)), np.zeros((500, 2)), validity=np.arange(500) >= 400)
+    filling = Detections.build(("a",), 50.0, [[0, 2, 5, 4]], np.zeros((11, 2)))
+    assert fullest_frames(filling) == [2]  # where no spot is faulty, the one with most spots
     assert fullest_frames(long) == [0]  # nobody decodes a whole video for one picture
     assert fullest_frames(Detections.build(("a", "b"), 50.0, np.zeros((2, 0)), np.zeros((0, 2)))) == [0, 0]
 

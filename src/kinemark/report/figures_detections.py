@@ -18,11 +18,13 @@ from plotly.subplots import make_subplots
 from ..data import Detections, Validity
 from ..io.images import png_bytes
 from .formatting import number
-from .theme import INK, axis_style, empty, figure, labels
+from .theme import axis_style, empty, figure, labels
 
 Picture = NDArray[np.uint8 | np.uint16]
 
 LOOKED_AT = 100  # frames of a camera among which one is chosen; for speed
+DARK = "rgb(28,39,51)"
+"""Behind the spots, like a dark image; written so that dark pages leave it as it is (they recolour #RRGGBB)."""
 COLUMNS = 3  # pictures side by side; chosen
 WIDEST = 320
 """Columns of a picture in the page; of each block of pixels the brightest is shown, so that no spot is lost; chosen."""
@@ -43,18 +45,19 @@ KINDS = {
     "too large": ("#FF6A3D", "square-open"),
     "not round": ("#E78AC3", "cross-thin-open"),
     "at edge": ("#F0E442", "triangle-up-open"),
-    "masked": ("#AEB8C2", "x-open"),
+    "masked": ("rgb(174,184,194)", "x-open"),
 }
 """Colour and symbol of each kind of spot, bright on a dark image and different in shape."""
 
 
 def fullest_frames(detections: Detections) -> list[int]:
-    """The frame of each camera (C) that is shown."""
+    """The frame of each camera (C) that is shown: most spots that are invalid or merged, then most spots."""
     if not detections.n_frames:
         return [0] * len(detections.cameras)
     faulty = np.zeros(detections.counts.shape, np.int64)
     np.add.at(faulty, (detections.camera, detections.frame), ~detections.valid | detections.merged)
-    return [int(f) for f in faulty[:, :LOOKED_AT].argmax(1)]
+    fullness = faulty * (detections.counts.max(initial=0) + 1) + detections.counts
+    return [int(f) for f in fullness[:, :LOOKED_AT].argmax(1)]
 
 
 def spots_figure(
@@ -71,7 +74,7 @@ def spots_figure(
     fig = go.Figure(make_subplots(rows=rows, cols=columns, subplot_titles=titles, **gaps))
     legend = {"orientation": "h", "y": -0.1 / rows, "yanchor": "top", "x": 0, "bgcolor": "#E4E8EC"}
     style = figure(110 + 290 * rows, margin={"l": 50, "r": 20, "t": 60, "b": 60}, legend=legend, showlegend=True).layout
-    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")}, plot_bgcolor=INK)
+    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")}, plot_bgcolor=DARK)
     kinds = kinds_of(detections)
     legends = _Legend(fig)
     for c, camera in enumerate(cameras):

@@ -17,7 +17,7 @@ from ..data.array_types import Floats
 from ..numerics.runs import true_runs
 from .formatting import number
 from .templating import render
-from .theme import FAINT, GRID, INK, STATES
+from .theme import STATES
 
 WIDTH, HEIGHT, LEFT, TOP, BOTTOM, APART = 360, 110, 46, 6, 16, 8
 """px; of a panel, of its margins, and between panels; chosen."""
@@ -47,7 +47,7 @@ class Label(NamedTuple):
     y: float
     text: str
     anchor: str
-    colour: str = FAINT
+    colour: str = "var(--faint)"  # of the page
 
 
 class Panel(NamedTuple):
@@ -86,8 +86,7 @@ def gap_figure(
     near = [trajectories[name].xyz[frames] for name in references if name != marker]
     panels = [_panel(path, frames, axis, near, (start, stop), rate, replaced or {}) for axis in range(3)]
     sizes = {"width": WIDTH, "height": HEIGHT, "left": LEFT, "top": TOP, "bottom": HEIGHT - BOTTOM, "apart": APART}
-    colours = {"grid": GRID, "ink": INK, "filled": STATES["filled"]}
-    return render("gap.html", panels=panels, whole=3 * WIDTH + 2 * APART, **sizes, **colours)
+    return render("gap.html", panels=panels, whole=3 * WIDTH + 2 * APART, filled=STATES["filled"], **sizes)
 
 
 def _panel(
@@ -126,7 +125,7 @@ def _panel(
         [
             Label(LEFT - 4, TOP + 8, number(high, 0), "end"),
             Label(LEFT - 4, HEIGHT - BOTTOM, number(low, 0), "end"),
-            Label(LEFT - 4, (HEIGHT - BOTTOM + TOP) / 2 + 4, f"{'xyz'[axis]} mm", "end", INK),
+            Label(LEFT - 4, (HEIGHT - BOTTOM + TOP) / 2 + 4, f"{'xyz'[axis]} mm", "end", "var(--ink)"),
             Label(LEFT, HEIGHT - 4, f"{frames[0] / rate:.2f} s", "start"),
             Label(WIDTH, HEIGHT - 4, f"{frames[-1] / rate:.2f} s", "end"),
         ],

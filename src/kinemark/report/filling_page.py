@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -152,6 +153,11 @@ def _dots(before: Trajectories, gap: dict[str, Any]) -> dict[int, Floats]:
     return {frame: before[gap["marker"]].xyz[frame] for frame in frames} if gap["marker"] in before.names else {}
 
 
+def _limit(limit_mm: float | None) -> str:
+    """What the largest expected error is held against; JSON has no infinity and says None."""
+    return "no limit" if limit_mm is None or math.isinf(limit_mm) else f"limit {limit_mm:g} mm"
+
+
 def _tiles(figures: dict[str, Any]) -> list[Tile]:
     """The key figures."""
     names = ", ".join(f"{name} {n}" for name, n in figures["by_method"].items())
@@ -160,6 +166,6 @@ def _tiles(figures: dict[str, Any]) -> list[Tile]:
     return [
         Tile(f"{figures['filled']} of {figures['gaps']}", "gaps filled", names or "none"),
         Tile(typical, "expected error, median gap", "mean distance from the truth"),
-        Tile(largest, "expected error, largest", f"limit {figures['limit_mm']} mm"),
+        Tile(largest, "expected error, largest", _limit(figures["limit_mm"])),
         Tile(number(figures["missing_after"]), "samples still missing", missing),
     ]

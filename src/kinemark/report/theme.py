@@ -19,7 +19,8 @@ LONGEST = 24
 """Most letters of a name in a figure, as far as names differ in them; chosen."""
 KEPT = 6
 """Letters before the first difference that are still shown; chosen."""
-INK, FAINT, GRID = "#1C2733", "#66727F", "#E4E8EC"
+INK, FAINT, GRID, PAPER = "#1C2733", "#66727F", "#E4E8EC", "#FFFFFF"
+"""On light pages; on dark ones the page itself recolours what it draws (`templates/frame.html`)."""
 STATES = {"missing": "#D9DEE3", "measured": "#0072B2", "filled": "#E69F00", "edited": "#CC79A7"}
 """Colour of each `Origin`, in its order."""
 
@@ -92,12 +93,12 @@ def figure(height: int, **layout: Any) -> go.Figure:
         "template": "none",
         "height": height,
         "margin": {"l": 60, "r": 20, "t": 24, "b": 48},
-        "paper_bgcolor": "white",
-        "plot_bgcolor": "white",
+        "paper_bgcolor": PAPER,
+        "plot_bgcolor": PAPER,
         "font": {"family": "system-ui, 'Segoe UI', Roboto, Helvetica, Arial, sans-serif", "size": 13, "color": INK},
         "xaxis": axis_style(),
         "yaxis": axis_style(),
-        "hoverlabel": {"bgcolor": "white", "font": {"color": INK}},
+        "hoverlabel": {"bgcolor": PAPER, "font": {"color": INK}},
         "legend": {"itemsizing": "constant", "font": {"size": 12}},
         "showlegend": False,
     }

@@ -1,4 +1,4 @@
-"""The world of a rig: a similarity changes no image, covariances go along, and an L-frame is recognised."""
+"""The world of a rig: a similarity changes no image, covariances go along."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from kinemark.calibrate.bundle import FreePoints, bundle
-from kinemark.calibrate.world_frame import fit_moved_to, fit_scaled, l_frame, moved_to, scaled, similarity
+from kinemark.calibrate.world_frame import fit_moved_to, fit_scaled, moved_to, scaled, similarity
 from kinemark.data import KinemarkError, Rig
 from kinemark.geometry import parameter_jacobian, project, project_all
 from support.laboratory import ring
@@ -107,41 +107,3 @@ def test_too_little_to_fix_a_world_is_refused(rig):
         moved_to(rig, np.array([[0.0, 0, 0], [1, 0, 0], [np.nan, 1, 1]]), np.eye(3))
     with pytest.raises(ValueError, match="wanted \\(points, 3\\)"):
         moved_to(rig, line, line[:2])
-
-
-FRAME = np.array([[0.0, 0, 20], [200, 0, 20], [600, 0, 20], [0, 400, 20]])
-
-
-@pytest.mark.parametrize("scale", [1.0, 0.002])
-@pytest.mark.parametrize("side", [1, -1])
-def test_an_l_frame_is_recognised_in_any_order(rig, scale, side):
-    """Whatever world the rig stands in, however the short arm lies: X along the long arm, Z to the cameras."""
-    rng = np.random.default_rng(4)
-    frame = FRAME * [1, side, 1]
-    clutter = np.array([[900.0, 500, 1000], [-300, 800, 600]])
-    order = rng.permutation(6)
-    seen = np.concatenate([frame, clutter])[order]
-    world = moved_to(rig, np.eye(3), scale * np.eye(3) @ A.T + B, scale=True)
-    known = l_frame(world, scale * seen @ A.T + B, long=(200, 600), short=400, height=20, scale=scale != 1)
-    wanted = np.concatenate([frame, np.full((2, 3), np.nan)])[order]
-    assert np.allclose(known, wanted, equal_nan=True)
-    back = moved_to(world, scale * seen @ A.T + B, known, scale=True)
-    assert np.allclose(back.centres, rig.centres, atol=1e-6)
-    below = l_frame(world, scale * seen @ A.T + B, long=(200, 600), short=400, scale=scale != 1, cameras_above=False)
-    assert np.nanmax(below[:, 1] * side) <= 0  # seen from below the other way round
-
-
-def test_an_l_frame_survives_noise_and_three_markers(rig):
-    noisy = FRAME[[3, 0, 2]] + np.random.default_rng(5).normal(size=(3, 3))
-    assert np.array_equal(l_frame(rig, noisy, long=600, short=400, height=20), FRAME[[3, 0, 2]])
-
-
-def test_an_l_frame_that_cannot_be_told_is_refused(rig):
-    with pytest.raises(KinemarkError, match="has 3 markers"):
-        l_frame(rig, FRAME[:2], long=600, short=400)
-    with pytest.raises(KinemarkError, match=r"off by 1\d\d\.\d mm"):
-        l_frame(rig, FRAME[[0, 1, 3]], long=350, short=390)
-    with pytest.raises(KinemarkError, match="in two ways"):
-        l_frame(rig, FRAME[[0, 2, 3]] * [400 / 600 * 1.004, 1, 1], long=402, short=400)
-    with pytest.raises(ValueError, match="wanted different distances"):
-        l_frame(rig, FRAME, long=400, short=400)

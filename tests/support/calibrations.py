@@ -61,9 +61,9 @@ def of_control_points(uv, rig=RIG):
     return fit.rig, evidence
 
 
-def detected(xyz, rig=SMALL, *, seed=0):
+def detected(xyz, rig=SMALL, *, noise=0.05, seed=0):
     """Detections of points (M, F, 3) mm."""
-    return observe(rig, xyz, noise=0.05, seed=seed)[0]
+    return observe(rig, xyz, noise=noise, seed=seed)[0]
 
 
 def session(folder, calibration, head=HEAD):

@@ -16,16 +16,11 @@ A, b and s are those that lay seen points on known ones with the least squares (
 means, x and y, Σ y xᵀ = U D Vᵀ,
 
     A = U diag(1, 1, |U Vᵀ|) Vᵀ,   s = trace(D diag(1, 1, |U Vᵀ|)) / Σ |x|²   (4)
-
-An L-frame lies on the floor, a corner marker and one or more on each of two arms at right angles. Which marker is which
-follows from the distances between them. X runs along the long arm, Z up, to the side where the cameras are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
-from itertools import permutations
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,7 +31,6 @@ from ..numerics.vectors import cross_matrix
 from .bundle import BundleFit
 
 MISFIT = 0.1  # of the frame's size; points that are laid on each other worse are not the same; chosen
-MOST = 12  # points in which the frame is looked for at most; chosen, as all orders are tried
 CLEAR = 1e-3  # of the longest extent; thinner, points lie on a line and give no frame; chosen
 
 
@@ -104,83 +98,6 @@ def similarity(seen: Floats, known: Floats, *, scale: bool = False) -> tuple[Flo
             f"Their sizes are as {grown:.3g} to 1. Check which point is which, the units, and whether scale is free."
         )
     return A, b.mean(0) - s * A @ a.mean(0), s
-
-
-def l_frame(
-    rig: Rig,
-    xyz: Floats,
-    *,
-    long: float | Sequence[float],
-    short: float | Sequence[float],
-    height: float = 0.0,
-    tolerance: float = 0.02,
-    scale: bool = False,
-    cameras_above: bool = True,
-) -> Floats:
-    """Where the markers of an L-frame are in its world, (M, 3) mm, for `moved_to`; NaN for points that are none of it.
-
-    Args:
-        rig: the cameras; most of them are above the floor.
-        xyz: (M, 3) points that were seen, of which some are the L-frame's.
-        long: distance of the marker on the long arm from the corner, or of several, mm. X runs along it.
-        short: the same of the short arm.
-        height: of the markers' centres above the floor, mm.
-        tolerance: share of the longest distance by which the others may be off.
-        scale: whether only the distances' proportions are right, as after `calibrate_points`.
-        cameras_above: whether Z points to the side of the L-frame's plane on which the cameras are, else away.
-
-    Raises:
-        ValueError: a distance is not positive, or the arms have markers at the same distances.
-        KinemarkError: the L-frame is not among the points, or more than once.
-    """
-    arms = np.atleast_1d(np.asarray(long, np.float64)), np.atleast_1d(np.asarray(short, np.float64))
-    if any(not (arm > 0).all() or len(np.unique(arm)) < len(arm) for arm in arms) or set(arms[0]) == set(arms[1]):
-        raise ValueError(f"arms are {arms[0].tolist()} and {arms[1].tolist()} mm, wanted different distances above 0")
-    model = np.zeros((1 + len(arms[0]) + len(arms[1]), 3))
-    model[1 : 1 + len(arms[0]), 0] = arms[0]
-    model[1 + len(arms[0]) :, 1] = arms[1]
-    rows = _recognised(xyz, model, tolerance, scale)
-    A, b, s = similarity(xyz[rows], model, scale=scale)
-    centres = s * rig.centres @ A.T + b
-    if (np.median(centres[:, 2]) > 0) != cameras_above:
-        model[:, 1] *= -1  # the short arm lies to the other side
-    known = np.full((len(xyz), 3), np.nan)
-    known[rows] = model + np.array([0.0, 0.0, height])
-    return known
-
-
-def _recognised(xyz: Floats, model: Floats, tolerance: float, scale: bool) -> list[int]:
-    """Which points (M, 3) are the model's (m, 3), by the distances between them."""
-    there = np.flatnonzero(np.isfinite(xyz).all(1))
-    if not len(model) <= len(there) <= MOST:
-        raise KinemarkError(
-            f"{len(there)} points are seen, and the L-frame has {len(model)} markers. Show it to the cameras alone "
-            f"(at most {MOST} points)."
-        )
-    wanted = _distances(model)
-    choices = np.array(list(permutations(there, len(model))))
-    found = _distances(xyz[choices])
-    if scale:
-        found = found * ((found * wanted).sum(-1) / np.maximum((found**2).sum(-1), 1e-300))[:, None]
-    off = np.abs(found - wanted).max(-1) / wanted.max()
-    best = np.argsort(off)[:2]
-    if not off[best[0]] <= tolerance:
-        raise KinemarkError(
-            f"No {len(model)} of {len(there)} points have the L-frame's distances: the best are off by "
-            f"{off[best[0]] * wanted.max():.1f} mm. Check its lengths, and that all its markers are seen."
-        )
-    if len(best) > 1 and off[best[1]] <= tolerance:
-        raise KinemarkError(
-            "The L-frame's markers can be taken in two ways: its distances are too much alike, or there are points "
-            "beside it. Use arms of unequal lengths, or a smaller tolerance."
-        )
-    return [int(i) for i in choices[best[0]]]
-
-
-def _distances(points: Floats) -> Floats:
-    """(…, m (m − 1) / 2) between all pairs of points (…, m, 3)."""
-    i, j = np.triu_indices(points.shape[-2], 1)
-    return np.asarray(np.linalg.norm(points[..., i, :] - points[..., j, :], axis=-1))
 
 
 def carried(camera: Camera, A: ArrayLike, b: ArrayLike, s: float) -> tuple[Camera, Floats]:

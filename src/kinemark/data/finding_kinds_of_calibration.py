@@ -71,6 +71,11 @@ CALIBRATION_KINDS = (
          {"rms_mm": "mm"}),
     Kind("wand_length_wrong_here", "calibrate", "amber", "The wand's length is wrong about one place.",
          {"place_mm_list": "mm", "error_mm": "mm"}),
+    Kind("wand_gaps_differ", "calibrate", "amber", "The images show other gaps between the wand's markers than stated; "
+         "theirs were taken, the length as a whole as stated. Info below 0.2 % of the length.",
+         {"stated_mm_list": "mm", "seen_mm_list": "mm"}),
+    Kind("l_frame_moved", "calibrate", "amber", "The L-frame, or something taken for it, stood elsewhere in some "
+         "frames, which were left out.", {"frame_count": "count", "read_frames": "count", "off_mm": "mm"}),
     Kind("precision_low", "calibrate", "amber", "Standard deviation of a position per axis in 95 % of the volume; red "
          "above 10 mm.", {"sd_mm": "mm"}),
     Kind("rays_nearly_parallel", "calibrate", "amber", "In that share of the volume all rays meet at a small angle.",

@@ -19,7 +19,7 @@ from kinemark.geometry import project_all
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.images import write_png
 from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
-from kinemark.synth import Optics, control_frame, dot_grid, render, write_calibration
+from kinemark.synth import Optics, control_frame, dot_grid, render, wand, write_calibration
 from kinemark.synth.score import score
 from support.calibrations import (
     BY_POINTS,
@@ -333,3 +333,42 @@ def test_a_simulated_laboratory_can_have_a_wand(tmp_path):
     assert (settings.way, settings.wand.lengths_mm, settings.l_frame.arms_mm) == ("wand", (500.0,), (800.0, 600.0))
     assert {p.name for p in (tmp_path / "s/wand").iterdir()} == {"cam1.mkv", "cam2.mkv"}
     assert {p.name for p in (tmp_path / "s/lframe").iterdir()} == {"cam1.png", "cam2.png"}
+
+
+def three_markers(folder, *, frames=25, pushed=0):
+    """A session's wand of 200 + 300 mm, and an L-frame over some frames, pushed aside in the last ones."""
+    folder.mkdir()
+    write_detections_csv(folder / "wand.csv", detected(wand((0.0, 200.0, 500.0), duration_s=48.0, rate=2.5).xyz))
+    corner = np.array([[0, 0, 12.5], [800, 0, 12.5], [0, 600, 12.5]], float)
+    places = np.repeat(corner[:, None], frames, 1)
+    places[:, frames - pushed :] += np.array([60.0, 25.0, 0.0])
+    write_detections_csv(folder / "lframe.csv", detected(places, noise=0.4, seed=1))
+    return folder
+
+
+def test_gaps_of_a_wand_that_are_measured_wrong_are_said_and_the_calibration_goes_on(tmp_path):
+    folder = three_markers(tmp_path / "s")
+    by_wand = 'wand = {{ lengths_mm = {}, detections = "wand.csv" }}\n'
+    right = session(folder, by_wand.format([200.0, 300.0]) + L_FRAME).calibrate()
+    wrong = session(folder, by_wand.format([201.8, 298.2]) + L_FRAME).calibrate()
+    assert "wand_gaps_differ" not in kinds(right.figures)
+    (said,) = found(wrong.figures, "wand_gaps_differ")
+    assert said.severity == "amber"
+    assert list(said.values["seen_mm_list"]) == pytest.approx([200.0, 300.0], abs=0.15)
+    assert np.abs(wrong.rig.centres - right.rig.centres).max() < 1.0  # mm
+    check_findings(wrong.figures)
+
+
+def test_the_world_rests_on_all_frames_of_the_l_frame(tmp_path):
+    one = session(three_markers(tmp_path / "one", frames=1), BY_WAND.replace("500.0", "200.0, 300.0") + "\n" + L_FRAME)
+    many = session(
+        three_markers(tmp_path / "many", pushed=4), BY_WAND.replace("500.0", "200.0, 300.0") + "\n" + L_FRAME
+    )
+    off = {}
+    for name, opened in (("one", one), ("many", many)):
+        made = opened.calibrate()
+        off[name] = np.abs(made.figures["checks"][0]["found_mm"] - 800)
+        assert [one.values["frame_count"] for one in found(made.figures, "l_frame_moved")] == (
+            [4] if name == "many" else []
+        )
+    assert off["many"] < 0.6 * off["one"]

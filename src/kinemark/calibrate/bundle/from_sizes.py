@@ -19,21 +19,20 @@ from ..stage import CALIBRATE
 from .adjust import Bundle, BundleFit, adjusted, check_calibration, completed, observed
 from .initial import TargetViews, start
 from .initial.unknown_optics import UnknownOptics, unknown_optics
-from .parts import complete
-from .robust_points import robust_points
+from .parts import Sticks, complete
 from .solver import BundleState, Freedom, placed
+from .stick_gaps import seen_places
 
 BASE = 1000.0  # mm between the first two cameras where nothing has a length; a convention
 WORSE = 3.0  # right calibrations, of real files too, have at most 1.5 times the residual of two cameras alone; chosen
 FINE = 0.3  # px of residual, below which no camera is suspected; chosen (see benchmarks/bundle.py)
-FAR_OFF = 0.01
-"""Of the image's diagonal; what a first guess, by wrong lengths too, is off at most; chosen (see
-benchmarks/bundle.py)."""
 OTHER_ORDER = 0.5
 """Of the images; a projection keeps the order, but for wrong points and sticks seen end on; chosen (see
 benchmarks/bundle.py)."""
-WRONG_GAP = 0.002  # of the stick's length; chosen (see benchmarks/bundle.py)
-FEWEST = 12  # sticks of which all markers are seen, to judge the gaps by; chosen (see benchmarks/bundle.py)
+ROUGH = 0.002
+"""Of a stick's length; how well cameras of the first guess tell its gaps; chosen (see benchmarks/bundle.py)."""
+FINAL = 0.0002
+"""The same of adjusted cameras, whose centroids may all be off alike; chosen (see benchmarks/bundle.py)."""
 
 
 def calibrate_sticks(
@@ -47,6 +46,9 @@ def calibrate_sticks(
     lenses: Sequence[Camera] | None = None,
 ) -> BundleFit:
     """A rig from F poses of a stick with K markers in a row, in the frame of its first camera, mm.
+
+    Where the images show other gaps between three markers or more than stated, theirs are taken, and the whole length
+    as stated (`stick_gaps`): `stick_gaps.places_of(fit.xyz.reshape(F, K, 3))` are the places that were fitted.
 
     Args:
         names: (C).
@@ -126,12 +128,16 @@ def _calibrated(
         _check_order(uv, along)
     first, noise = start(TargetViews(optics, uv, along), seed=method.seed, focal_known=held)
     if along is not None and len(along) > 2:
-        _check_gaps(first.cameras, uv, along)
+        places = seen_places(first.cameras, uv, along, least=ROUGH)
+        if places is not along:
+            first, noise = start(TargetViews(optics, uv, places), seed=method.seed, focal_known=held)
     seen = observed(uv, cov)
     freedoms = tuple(_freedom(o, method, held) for o in optics)
     if lenses is None and method.radial == 0:  # the first guess has k1
         first = first._replace(cameras=tuple(replace(camera, distortion=np.zeros(5)) for camera in first.cameras))
     state, kept = adjusted(first, seen, freedoms, reject=method.reject)
+    if (regapped := _with_seen_gaps(state, uv)) is not state:
+        state, kept = adjusted(regapped, seen, freedoms, reject=method.reject)
     state = _in_place(state, along is None)
     what = "bundle adjustment of " + ("single points" if along is None else "sticks")
     fit = completed(state, seen, freedoms, kept, what=what)
@@ -187,23 +193,13 @@ def _check_order(uv: Floats, along: Floats) -> None:
         )
 
 
-def _check_gaps(cameras: Sequence[Camera], uv: Floats, along: Floats) -> None:
-    """Markers seen at uv (C, N, 2) and placed each on its own have the stick's gaps, in proportion."""
-    order = np.argsort(along)
-    limit = [FAR_OFF * np.hypot(*camera.size) for camera in cameras]
-    xyz = robust_points(cameras, uv, limit=limit).reshape(-1, len(along), 3)[:, order]
-    gap = np.linalg.norm(np.diff(xyz, axis=1), axis=2)
-    gap = gap[np.isfinite(gap).all(1)]
-    if len(gap) < FEWEST:
-        return
-    given, length = np.diff(along[order]), float(np.ptp(along))
-    found = np.median(gap / gap.sum(1, keepdims=True), axis=0) * length
-    if np.abs(found - given).max() > WRONG_GAP * length:
-        observed, stated = (" + ".join(f"{mm:.1f}" for mm in gaps) for gaps in (found, given))
-        raise KinemarkError(
-            f"The gaps between the markers come out as {observed} mm, if they are {length:g} mm in all, and they are "
-            f"given as {stated} mm. Measure them again, from centre to centre, and give them in order."
-        )
+def _with_seen_gaps(state: BundleState, uv: Floats) -> BundleState:
+    """The state with the sticks' gaps as its cameras see them at uv (C, N, 2), or the state itself."""
+    (part,) = state.parts
+    if not isinstance(part, Sticks) or len(part.along) < 3:
+        return state
+    places = seen_places(state.cameras, uv, part.along, least=FINAL)
+    return state if places is part.along else state._replace(parts=(replace(part, along=places),))
 
 
 def _check_found(rig: Rig, noise: float) -> None:

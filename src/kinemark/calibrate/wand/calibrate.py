@@ -31,6 +31,7 @@ from ..bundle import Bundle, BundleFit, Freedom, bundle, calibrate_sticks, stick
 from ..bundle.adjust import check_calibration
 from ..bundle.parts import complete
 from ..bundle.solver import placed
+from ..bundle.stick_gaps import places_of
 from ..stage import CALIBRATE
 from .completion import completed
 from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, wanted
@@ -106,7 +107,7 @@ def calibrate_wand(
         raise ValueError(f"sizes has shape {sizes.shape}, wanted ({len(detections.cameras)}, 2)")
     want = wanted(detections)
     rows = identify_wand(detections, want, along)
-    first = _first_rig(detections, thinned(detections, rows, sizes, FIRST_POSES), sizes, along, method, lenses)
+    first, along = _first_rig(detections, thinned(detections, rows, sizes, FIRST_POSES), sizes, along, method, lenses)
     claimed = int(_shared(rows).sum())
     rows, xyz = completed(first, detections, want.use, rows, along, search_radius=method.search_radius)
     _check_agreement(detections, rows, claimed)
@@ -159,10 +160,12 @@ def _first_rig(
     along: Floats,
     method: Wand,
     lenses: Sequence[Camera] | None,
-) -> Rig:
+) -> tuple[Rig, Floats]:
+    """The cameras, and where the markers are along the wand by them (K) mm."""
     uv, cov = at_rows(detections, rows)
     names = detections.cameras
-    return calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=method.bundle, lenses=lenses).rig
+    fit = calibrate_sticks(names, sizes, uv, along=along, cov=cov, method=method.bundle, lenses=lenses)
+    return fit.rig, places_of(fit.xyz.reshape(-1, len(along), 3))
 
 
 def _final_fit(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -9,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...calibrate.bundle import BundleFit, calibrate_points
+from ...calibrate.bundle.stick_gaps import places_of
 from ...calibrate.quality.calibration_evidence import Evidence
 from ...calibrate.quality.wand import LeftOutPoses, image_errors, judge_poses, seen_by
 from ...calibrate.wand import calibrate_wand
-from ...data import Detections, KinemarkError
+from ...data import Detections, Finding, KinemarkError, Severity, make_finding
 from ...data.array_types import Floats
 from ...data.progress import tell
 from .lens_grids import Lenses, lenses_of
@@ -21,6 +23,9 @@ from .world_placement import placed_in_world
 
 FEWEST_FRAMES = 20
 """In which two cameras each see one marker; chosen."""
+SAME_MM = 1e-6  # mm; gaps that differ by less are the same but for rounding; by numerical necessity
+WRONG_GAP = 0.002
+"""Of a wand's length; gaps measured with care, from centre to centre, are not off by more; chosen."""
 
 
 class FittedRig(NamedTuple):
@@ -45,12 +50,26 @@ def from_wand(task: Task) -> Made:
     fit = calibrate_wand(
         seen.detections, lengths=way.lengths_mm, sizes=seen.sizes, method=method, lenses=lenses.cameras
     )
-    along = np.concatenate([[0.0], np.cumsum(way.lengths_mm)])
+    stated = np.array(way.lengths_mm)
+    gaps = np.diff(places_of(fit.xyz.reshape(seen.detections.n_frames, -1, 3)))
+    gaps = np.where(np.abs(gaps - stated) > SAME_MM, gaps, stated)
+    along = np.concatenate([[0.0], np.cumsum(gaps)])
     judged = judge_poses(fit, along, method=method.bundle, lens_held=lenses.cameras is not None)
     tell(1, 1)
-    gaps = " + ".join(f"{mm:g}" for mm in way.lengths_mm)
-    made = _placed(task, FittedRig(fit, along, judged, lenses), f"a wand of {gaps} mm")
-    return made._replace(evidence=replace(made.evidence, known=np.diff(along), lengths=judged.lengths))
+    way_text = f"a wand of {' + '.join(f'{mm:g}' for mm in stated)} mm"
+    made = _placed(task, FittedRig(fit, along, judged, lenses), way_text)
+    found = (*made.evidence.findings, *_changed(stated, gaps))
+    return made._replace(evidence=replace(made.evidence, known=gaps, lengths=judged.lengths, findings=found))
+
+
+def _changed(stated: Floats, gaps: Floats) -> Iterator[Finding]:
+    """Says where the images contradict the gaps that were measured."""
+    off = float(np.abs(gaps - stated).max())
+    if off > 0:
+        severity: Severity = "amber" if off > WRONG_GAP * stated.sum() else "info"
+        yield make_finding(
+            "wand_gaps_differ", severity=severity, stated_mm_list=stated.tolist(), seen_mm_list=gaps.tolist()
+        )
 
 
 def from_single_marker(task: Task) -> Made:

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...calibrate.bundle import BundleFit
+from ...calibrate.l_frame import RestingLFrame, resting_l_frame
 from ...calibrate.quality import Check
-from ...calibrate.world_frame import fit_moved_to, fit_scaled, l_frame
+from ...calibrate.world_frame import fit_moved_to, fit_scaled
 from ...data import Detections, Finding, KinemarkError, Rig, make_finding
 from ...data.array_types import Floats
 from ...geometry import triangulate, undistort
@@ -38,12 +39,14 @@ def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> PlacedRig:
         KinemarkError: these are not seen, or the control volume is given in a world that is not.
     """
     calibration = task.settings.calibration
+    findings: tuple[Finding, ...] = ()
     distance = calibration.single_marker.distance if calibration.single_marker else None
     if distance is not None:
         fit, unscaled = fit_scaled(fit, distance.mm / _apart(task, fit.rig, distance)), False
     if calibration.l_frame:
-        seen, known = _l_frame(task, fit.rig, calibration.l_frame, unscaled)
-        what = "The long arm of the L-frame"
+        frame = _l_frame(task, fit.rig, calibration.l_frame, unscaled)
+        what, seen, known = "The long arm of the L-frame", frame.seen, frame.known
+        findings = _moved(frame)
     elif calibration.world_points:
         what, seen, known = _world_points(task, fit.rig)
     elif task.settings.volume_mm is not None:
@@ -54,33 +57,45 @@ def placed_in_world(task: Task, fit: BundleFit, *, unscaled: bool) -> PlacedRig:
     else:
         return PlacedRig(fit, findings=(make_finding("world_of_first_camera"),))
     checks = () if unscaled else _checks(what, seen, known)
-    return PlacedRig(fit_moved_to(fit, seen, known, scale=unscaled), checks)
+    return PlacedRig(fit_moved_to(fit, seen, known, scale=unscaled), checks, findings)
+
+
+def _moved(frame: RestingLFrame) -> tuple[Finding, ...]:
+    """Says in how many frames the L-frame did not rest."""
+    if not frame.moved:
+        return ()
+    apart = _distances_of(frame.known) / _distances_of(frame.seen)
+    return (make_finding("l_frame_moved", frame_count=frame.moved, read_frames=frame.frames, off_mm=frame.off * apart),)
+
+
+def _distances_of(points: Floats) -> float:
+    """The longest distance between any two."""
+    return float(np.linalg.norm(points[:, None] - points, axis=-1).max())
 
 
 def _apart(task: Task, rig: Rig, way: Distance) -> float:
-    """The distance of two markers by a rig without scale."""
-    xyz = _markers(task.recorded(way, "distance").detections, rig)
-    if len(xyz) != 2:
+    """The distance of two markers by a rig without scale: the median over the frames that show just two."""
+    frames = _markers(task.recorded(way, "distance").detections, rig)
+    apart = [float(np.linalg.norm(xyz[1] - xyz[0])) for xyz in frames if len(xyz) == 2]
+    if not apart:
+        most = max(map(len, frames), default=0)
         raise KinemarkError(
-            f"The recording of the known distance shows {len(xyz)} markers, wanted two that two cameras see. Mask "
-            "reflections, see [masks]."
+            f"No frame of the recording of the known distance shows two markers that two cameras see; the fullest one "
+            f"shows {most}. Mask reflections, see [masks]."
         )
-    return float(np.linalg.norm(xyz[1] - xyz[0]))
+    return float(np.median(apart))
 
 
-def _l_frame(task: Task, rig: Rig, way: LFrame, unscaled: bool) -> tuple[Floats, Floats]:
-    """The L-frame's markers as found and as known, (3, 3) mm each."""
-    xyz = _markers(task.recorded(way, "world").detections, rig)
+def _l_frame(task: Task, rig: Rig, way: LFrame, unscaled: bool) -> RestingLFrame:
+    """The L-frame's markers as found and as known."""
+    frames = _markers(task.recorded(way, "world").detections, rig)
     try:
-        known = l_frame(
-            rig, xyz, long=max(way.arms_mm), short=min(way.arms_mm), height=way.height_mm, scale=unscaled,
+        return resting_l_frame(
+            rig, frames, long=max(way.arms_mm), short=min(way.arms_mm), height=way.height_mm, scale=unscaled,
             tolerance=TOLERANCE,
         )  # fmt: skip
     except KinemarkError as error:
         raise KinemarkError(f"The L-frame of [calibration] is not recognised. {error}") from error
-    its = np.isfinite(known).all(1)
-    order = np.argsort(np.linalg.norm(known[its, :2], axis=1))
-    return xyz[its][order], known[its][order]
 
 
 def _world_points(task: Task, rig: Rig) -> tuple[str, Floats, Floats]:
@@ -105,9 +120,8 @@ def _checks(what: str, seen: Floats, known: Floats) -> tuple[Check, ...]:
     return (Check(what, float(apart[n]), float(np.linalg.norm(seen[n] - seen[0]))),)
 
 
-def _markers(detections: Detections, rig: Rig) -> Floats:
-    """The markers (n, 3) of the first frame in which any are reconstructed."""
-    one = detections.frames(0, 1)
-    matches = match(one, rig, method=EpipolarTriplets(pairs="best"))
-    cloud = reconstruct(matches, one, rig, method=LeastSquares(within_volume=False))
-    return np.asarray(cloud.xyz)
+def _markers(detections: Detections, rig: Rig) -> list[Floats]:
+    """The markers (n, 3) of every frame, as far as two cameras see them."""
+    matches = match(detections, rig, method=EpipolarTriplets(pairs="best"))
+    cloud = reconstruct(matches, detections, rig, method=LeastSquares(within_volume=False))
+    return [np.asarray(cloud[f]) for f in range(cloud.n_frames)]

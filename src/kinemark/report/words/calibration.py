@@ -93,6 +93,16 @@ CALIBRATION_WORDS = {
         "Wave it through the whole volume again, slowly; check synchronisation and lengths_mm.",
     ),
     "wand_length_wrong_here": Words(_wrong_here, "Use more poses there, or a better lens correction."),
+    "wand_gaps_differ": Words(
+        "The gaps between the wand's markers are given as {stated_mm_list:.5g} and come out as {seen_mm_list:.5g}. "
+        "These were used, with the whole length as it is given.",
+        "Measure them again, from centre to centre, and the whole length too: the scale rests on it.",
+    ),
+    "l_frame_moved": Words(
+        "In {frame_count} of {read_frames} frames the L-frame stood elsewhere, by up to {off_mm:.2g}. "
+        "They were left out.",
+        "Record it once more, lying still on the floor, if these are many.",
+    ),
     "precision_low": Words(
         "The standard deviation of a position reaches {sd_mm} per axis within 95\u00a0% of the volume.",
         "Set cameras wider apart or nearer, and use more calibration points.",

@@ -1,0 +1,169 @@
+"""An L-frame on the floor, which says where the world is: a corner marker and one or more on each arm.
+
+The arms are at right angles. Which marker is which follows from the distances between them. X runs along the long arm,
+Z up, to the side where the cameras are.
+
+It stands still while it is recorded. A marker's place in F frames has the error of one frame, and their mean 1/√F of
+what noise it has; so every frame is read, those in which it stands elsewhere than in most are left out, and the rest
+is averaged (`resting_l_frame`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import permutations
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data import KinemarkError, Rig
+from ..data.array_types import Bools, Floats, Ints
+from .world_frame import similarity
+
+MOST = 12  # points in which the frame is looked for at most; chosen, as all orders are tried
+MOST_FRAMES = 200
+"""Frames that are read, evenly spread; more would not make a mean better than the calibration is; chosen for speed."""
+MOVED = 5.0
+"""Times the median distance of its markers from their medians: the L-frame, or what is taken for it, was moved.
+Chosen."""
+STILL = 0.002  # of its longest distance; smaller movements do no harm; chosen
+
+
+class RestingLFrame(NamedTuple):
+    """An L-frame over F frames.
+
+    seen: (m, 3) its markers in the rig's world, the mean over frames; known: (m, 3) mm, where they are in its own;
+    frames: in how many it was recognised; moved: in how many of these it stood elsewhere; off: how far at most, in the
+    rig's units.
+    """
+
+    seen: Floats
+    known: Floats
+    frames: int
+    moved: int
+    off: float
+
+
+def l_frame(
+    rig: Rig,
+    xyz: Floats,
+    *,
+    long: float | Sequence[float],
+    short: float | Sequence[float],
+    height: float = 0.0,
+    tolerance: float = 0.02,
+    scale: bool = False,
+    cameras_above: bool = True,
+) -> Floats:
+    """Where the markers of an L-frame are in its world, (M, 3) mm, for `moved_to`; NaN for points that are none of it.
+
+    Args:
+        rig: the cameras; most of them are above the floor.
+        xyz: (M, 3) points that were seen, of which some are the L-frame's.
+        long: distance of the marker on the long arm from the corner, or of several, mm. X runs along it.
+        short: the same of the short arm.
+        height: of the markers' centres above the floor, mm.
+        tolerance: share of the longest distance by which the others may be off.
+        scale: whether only the distances' proportions are right, as after `calibrate_points`.
+        cameras_above: whether Z points to the side of the L-frame's plane on which the cameras are, else away.
+
+    Raises:
+        ValueError: a distance is not positive, or the arms have markers at the same distances.
+        KinemarkError: the L-frame is not among the points, or more than once.
+    """
+    model = _model(long, short)
+    rows = _recognised(xyz, model, tolerance, scale)
+    known = np.full((len(xyz), 3), np.nan)
+    known[rows] = _facing(rig, xyz[rows], model, scale, cameras_above) + np.array([0.0, 0.0, height])
+    return known
+
+
+def resting_l_frame(
+    rig: Rig,
+    frames: Sequence[Floats],
+    *,
+    long: float | Sequence[float],
+    short: float | Sequence[float],
+    height: float = 0.0,
+    tolerance: float = 0.02,
+    scale: bool = False,
+) -> RestingLFrame:
+    """An L-frame that rests over F frames, from the points (n, 3) seen in each; the rest as in `l_frame`.
+
+    Raises:
+        ValueError: as `l_frame`.
+        KinemarkError: as `l_frame`, of the first frame, where no frame shows it.
+    """
+    model = _model(long, short)
+    read, trouble = [], KinemarkError("No frame shows any marker.")
+    for f in _spread(len(frames)):
+        try:
+            read.append(frames[f][_recognised(frames[f], model, tolerance, scale)])
+        except KinemarkError as error:
+            trouble = error if not read else trouble
+    if not read:
+        raise trouble
+    places = np.array(read)
+    off = np.linalg.norm(places - np.median(places, axis=0), axis=2).max(1)
+    rests: Bools = off <= max(MOVED * float(np.median(off)), STILL * float(_distances(places).max()))
+    seen = places[rests].mean(0)
+    known = _facing(rig, seen, model, scale, cameras_above=True) + np.array([0.0, 0.0, height])
+    return RestingLFrame(seen, known, len(places), int((~rests).sum()), float(off.max()))
+
+
+def _spread(n: int) -> Ints:
+    """Frames of n that are read."""
+    return np.unique(np.linspace(0, n - 1, min(n, MOST_FRAMES)).astype(np.int64)) if n else np.zeros(0, np.int64)
+
+
+def _model(long: float | Sequence[float], short: float | Sequence[float]) -> Floats:
+    """The markers (m, 3) mm on the floor, the corner first, the short arm along +Y."""
+    arms = np.atleast_1d(np.asarray(long, np.float64)), np.atleast_1d(np.asarray(short, np.float64))
+    if any(not (arm > 0).all() or len(np.unique(arm)) < len(arm) for arm in arms) or set(arms[0]) == set(arms[1]):
+        raise ValueError(f"arms are {arms[0].tolist()} and {arms[1].tolist()} mm, wanted different distances above 0")
+    model = np.zeros((1 + len(arms[0]) + len(arms[1]), 3))
+    model[1 : 1 + len(arms[0]), 0] = arms[0]
+    model[1 + len(arms[0]) :, 1] = arms[1]
+    return model
+
+
+def _facing(rig: Rig, seen: Floats, model: Floats, scale: bool, cameras_above: bool) -> Floats:
+    """The model (m, 3) as it was seen (m, 3): with the short arm along −Y where else the cameras were below."""
+    A, b, s = similarity(seen, model, scale=scale)
+    centres = s * rig.centres @ A.T + b
+    turned = (np.median(centres[:, 2]) > 0) != cameras_above
+    return model * np.array([1.0, -1.0 if turned else 1.0, 1.0])
+
+
+def _recognised(xyz: Floats, model: Floats, tolerance: float, scale: bool) -> list[int]:
+    """Which points (M, 3) are the model's (m, 3), by the distances between them."""
+    there = np.flatnonzero(np.isfinite(xyz).all(1))
+    if not len(model) <= len(there) <= MOST:
+        raise KinemarkError(
+            f"{len(there)} points are seen, and the L-frame has {len(model)} markers. Show it to the cameras alone "
+            f"(at most {MOST} points)."
+        )
+    wanted = _distances(model)
+    choices = np.array(list(permutations(there, len(model))))
+    found = _distances(xyz[choices])
+    if scale:
+        found = found * ((found * wanted).sum(-1) / np.maximum((found**2).sum(-1), 1e-300))[:, None]
+    off = np.abs(found - wanted).max(-1) / wanted.max()
+    best = np.argsort(off)[:2]
+    if not off[best[0]] <= tolerance:
+        raise KinemarkError(
+            f"No {len(model)} of {len(there)} points have the L-frame's distances: the best are off by "
+            f"{off[best[0]] * wanted.max():.1f} mm. Check its lengths, and that all its markers are seen."
+        )
+    if len(best) > 1 and off[best[1]] <= tolerance:
+        raise KinemarkError(
+            "The L-frame's markers can be taken in two ways: its distances are too much alike, or there are points "
+            "beside it. Use arms of unequal lengths, or a smaller tolerance."
+        )
+    return [int(i) for i in choices[best[0]]]
+
+
+def _distances(points: Floats) -> Floats:
+    """(…, m (m − 1) / 2) between all pairs of points (…, m, 3)."""
+    i, j = np.triu_indices(points.shape[-2], 1)
+    return np.asarray(np.linalg.norm(points[..., i, :] - points[..., j, :], axis=-1))

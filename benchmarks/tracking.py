@@ -93,7 +93,7 @@ def made(scene: Scene, seed: int = 0) -> Made:
     )
     low, high = rig.volume if np.isfinite(rig.volume).all() else (np.full(3, -np.inf), np.full(3, np.inf))
     inside = ((subject.xyz >= low) & (subject.xyz <= high)).all(-1)
-    return Made(subject, rig, observed, (observed.own_views >= 2) & inside)
+    return Made(subject, rig, observed, (observed.unmerged_views >= 2) & inside)
 
 
 def person(

@@ -52,7 +52,7 @@ OF_DETECTIONS = {"simultaneous": Simultaneous(), "former_two_cameras": FormerTwo
 def _(by, parameter):
     seen = first_cameras(2) if isinstance(parameter, FormerTwoCameras) else observed().detections
     found = kinemark.track_detections(seen, moved(rig().select(seen.cameras), by), method=parameter)
-    return Answer(found.cloud.xyz, (found.id, found.cloud.cov, found.cloud.residual, found.cloud.view))
+    return Answer(found.cloud.xyz, (found.id, found.cloud.cov, found.cloud.residual, found.cloud.detection))
 
 
 @law(

@@ -54,10 +54,10 @@ def test_two_people_hide_each_others_markers():
         together(WALK, walking(duration_s=0.4, rate=100.0))
 
 
-def test_own_views_count_the_images_of_one_marker_alone():
+def test_unmerged_views_count_the_images_of_one_marker_alone():
     rig = ring(6)
     seen = observe(rig, WALK, merge_px=15.0)
-    assert (seen.own_views <= 6).all()
+    assert (seen.unmerged_views <= 6).all()
     whole = observe(rig, WALK)
-    np.testing.assert_array_equal(whole.own_views, (whole.sight.visible >= 0.5).sum(0))
-    assert (seen.own_views <= whole.own_views).all() and (seen.own_views < whole.own_views).any()
+    np.testing.assert_array_equal(whole.unmerged_views, (whole.sight.visible >= 0.5).sum(0))
+    assert (seen.unmerged_views <= whole.unmerged_views).all() and (seen.unmerged_views < whole.unmerged_views).any()

@@ -163,7 +163,7 @@ def filled_of(inputs: TrialInputs, records: Records) -> Filled:
     if "fill" not in records:
         return Filled(measured, ())
     fills: Fills = records["fill"]
-    return Filled(fills.on(measured), tuple(FilledGap(**json.loads(text)) for text in fills.told))
+    return Filled(fills.on(measured), tuple(FilledGap(**json.loads(text)) for text in fills.gaps))
 
 
 def _detect(inputs: TrialInputs, records: Records) -> Detections:

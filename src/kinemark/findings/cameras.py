@@ -32,7 +32,7 @@ def residuals(rig: Rig, detections: Detections, cloud: Cloud) -> list[Floats]:
     offsets = []
     for c, camera in enumerate(rig):
         seen = _seen(cloud, c)
-        offsets.append(detections.uv[cloud.view[seen, c]] - project(camera, cloud.xyz[seen]))  # (1)
+        offsets.append(detections.uv[cloud.detection[seen, c]] - project(camera, cloud.xyz[seen]))  # (1)
     return offsets
 
 
@@ -42,7 +42,7 @@ def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list
     rows = detections.camera
     return [
         _calibrated(camera)
-        | _detected(counts[c], detections.validity[rows == c], cloud.view[_seen(cloud, c), c])
+        | _detected(counts[c], detections.validity[rows == c], cloud.detection[_seen(cloud, c), c])
         | {"separated": int((detections.merged & detections.valid & (rows == c)).sum())}
         | _reprojected(offsets[c])
         | {"pixel_at_subject_mm": _pixel(camera, cloud.xyz[_seen(cloud, c)])}
@@ -52,7 +52,7 @@ def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list
 
 def _seen(cloud: Cloud, c: int) -> NDArray[np.int64]:
     """Rows of the cloud that camera c sees; a cloud without points may have no columns."""
-    return np.flatnonzero(cloud.view[:, c] >= 0) if len(cloud) else np.zeros(0, np.int64)
+    return np.flatnonzero(cloud.detection[:, c] >= 0) if len(cloud) else np.zeros(0, np.int64)
 
 
 def _calibrated(camera: Camera) -> dict[str, Any]:

@@ -89,15 +89,15 @@ def weighted_points(
             solution, which takes longer.
         errors: of the images.
     """
-    seen: Bools = matches.view >= 0
-    uv = np.where(seen[..., None], detections.uv[matches.view], np.nan)
+    seen: Bools = matches.detection >= 0
+    uv = np.where(seen[..., None], detections.uv[matches.detection], np.nan)
     steps = 1 if guess is not None else 2
     guess = _linear(rig, uv) if guess is None else guess
     if errors.marker_diameter is not None:
         uv = uv - _sphere_offsets(rig, guess, errors.marker_diameter)  # (3)
         guess = guess if steps == 1 else _linear(rig, uv)
-    area = np.where(seen, detections.area[matches.view], np.nan)
-    cov = centroid_cov(detections.cov[matches.view], rig, guess, uv, errors.centroid_sd)
+    area = np.where(seen, detections.area[matches.detection], np.nan)
+    cov = centroid_cov(detections.cov[matches.detection], rig, guess, uv, errors.centroid_sd)
     variances = np.einsum("pcii->pci", cov)  # a view of both, in every image
     variances += (hidden_variance(rig, guess, area) + errors.model_sd**2)[..., None]
     point = _robust(rig, guess, uv, cov, errors.tails, steps)
@@ -107,7 +107,7 @@ def weighted_points(
         xyz=point.xyz,
         cov=point.cov,
         residual=np.sqrt(np.nansum(point.off**2, axis=(1, 2)) / seen.sum(1)),
-        view=matches.view,
+        detection=matches.detection,
     )
 
 

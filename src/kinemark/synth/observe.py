@@ -56,7 +56,7 @@ class ObservedImages:
     sight: Sight
 
     @property
-    def own_views(self) -> NDArray[np.int64]:
+    def unmerged_views(self) -> NDArray[np.int64]:
         """(M, F) cameras that have an image of the marker alone, not run together with others."""
         own = (self.marker >= 0) & (self.merged == 1)
         views = np.zeros(self.sight.uv.shape[1:3], np.int64)

@@ -307,7 +307,7 @@ def test_a_state_is_plain_data():
 
 
 def truth_of(matches, marker):
-    return [tuple(marker[view[view >= 0]]) for view in matches.view]
+    return [tuple(marker[detection[detection >= 0]]) for detection in matches.detection]
 
 
 def test_two_cameras_match_all_markers_without_noise():
@@ -329,7 +329,7 @@ def test_unequal_numbers_never_pair_twice_and_the_rest_is_left():
     matches = match_nearest(some, rig)
     assert len(matches) == 5 * 30
     assert all(a == b for a, b in truth_of(matches, marker[~gone]))
-    used = matches.view[matches.view >= 0]
+    used = matches.detection[matches.detection >= 0]
     assert len(np.unique(used)) == len(used)
 
 
@@ -352,11 +352,11 @@ def test_a_pair_is_named_among_more_cameras_and_the_base_may_be_either():
     rig, xyz = ring(4), swarm(n=5, frames=6)
     detections, marker = observe(rig, xyz, noise=0.0)
     matches = match_nearest(detections, rig, method=NearestEpipolar(cameras=("c3", "c1")))
-    assert (matches.view[:, [0, 2]] == -1).all()
-    assert (matches.view[:, [1, 3]] >= 0).all()
+    assert (matches.detection[:, [0, 2]] == -1).all()
+    assert (matches.detection[:, [1, 3]] >= 0).all()
     assert all(a == b for a, b in truth_of(matches, marker))
-    assert (detections.camera[matches.view[:, 1]] == 1).all()
-    assert (detections.frame[matches.view[:, 3]] == matches.frame).all()
+    assert (detections.camera[matches.detection[:, 1]] == 1).all()
+    assert (detections.frame[matches.detection[:, 3]] == matches.frame).all()
     with pytest.raises(KinemarkError, match="Name two of them"):
         match_nearest(detections, rig)
     with pytest.raises(KinemarkError, match="not among"):

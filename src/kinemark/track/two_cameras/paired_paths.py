@@ -84,7 +84,7 @@ def without_swaps(one: Paths, other: Paths, P: Floats, *, limit: float, window: 
         limit: of the residual, px.
         window: two paths can only have been mistaken for each other within twice this, px.
     """
-    one, other = (Paths(paths.uv.copy(), paths.row.copy()) for paths in (one, other))
+    one, other = (Paths(paths.uv.copy(), paths.detection.copy()) for paths in (one, other))
     if not len(one.uv) or not len(other.uv):
         return one, other
     for _ in range(4 * len(one.uv)):  # each exchange lessens the sum of residuals; the bound is only a bound

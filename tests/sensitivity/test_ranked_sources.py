@@ -58,7 +58,7 @@ def test_of_what_is_stated_and_what_residuals_show_the_greater_counts():
     sure = replace(believed, cameras=tuple(replace(camera, cov=1e-12 * np.eye(15)) for camera in believed))
     ranking = rank(sure, recorded(sure, moved_cameras(believed), noise=0.05))
     source = next(s for s in ranking.sources if s.name == "calibration")
-    assert "residuals" in source.origin
+    assert source.evidence == "residuals_of_cameras"
     assert typical(source.mm) == pytest.approx(ranking.shown_mm) and ranking.shown_mm > 100 * ranking.stated_mm
 
 

@@ -70,7 +70,7 @@ def _detection(trajectories: Trajectories, marker: str, detections: Detections) 
         return np.full((len(detection), n), -1, np.int64)
     if detection.shape[1] != n or detection.max(initial=-1) >= len(detections):
         raise ValueError(
-            f"marker {marker} has images of {detection.shape[1]} cameras up to index {detection.max(initial=-1)}; there "
+            f"marker {marker} has images of {detection.shape[1]} cameras up to {detection.max(initial=-1)}; there "
             f"are {len(detections)} detections of {n} cameras. Give those that the trajectories were made of"
         )
     return detection

@@ -17,9 +17,9 @@ from ..data.method import Method
 from .blobs import Blobs, joined
 from .centroids_method import Centroids
 from .detect_frames import detect_frames
+from .frame_source import FrameSource, prefetched
 from .levels import levelled
 from .masks import masked
-from .source import FrameSource, ahead
 from .stage import DETECT
 
 
@@ -106,7 +106,7 @@ def _detect_camera(
     """
     parts, first, size = [_none(0)], 0, None
     ready = None
-    for images in ahead(source):
+    for images in prefetched(source):
         if size is None:
             size = images.shape[1:]
             _check_mask(mask, size, name)

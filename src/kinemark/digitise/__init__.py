@@ -20,7 +20,7 @@ from ..data.answers import (
     parse_answer,
 )
 from .drive import DigitisedImages, DigitisingStopped, Operator, drive, result
-from .identity import Identified, called, identified, identified_matches, identified_tracks
+from .identified_markers import Identified, called, identified, identified_matches, identified_tracks
 from .image_markers import ImageMarkers, clicked, find_markers, nearest_free
 from .machine import advance, begin, question_of
 from .other_views import OtherViews, propose

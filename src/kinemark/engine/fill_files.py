@@ -20,7 +20,7 @@ from ..io.number_text import read_text
 from ..io.trial import read_trial, write_trial
 from ..report.filling_page import write_filling_page
 from ..report.filling_text import filling_summary
-from ..report.words import with_words
+from ..report.words import file_note_text, with_words
 from .identities import identity_of_file
 from .progress import Progress, Watch, silent
 from .settings.method_tables import method_of
@@ -161,7 +161,7 @@ def filled_text(done: Mapping[Path, FilledFile | KinemarkError]) -> str:
             else [
                 *([f"{source}"] if len(done) > 1 else []),
                 filling_summary(found.figures),
-                *(f"note:     {note}" for note in found.notes),
+                *(f"note:     {file_note_text(note)}" for note in found.notes),
                 f"results:  {', '.join(map(str, found.written))}",
             ]
         )

@@ -85,7 +85,7 @@ class TripletFrame(NamedTuple):
     """The N images of one frame, counted from 0.
 
     detection: (N) index in `Detections`; camera: of each; uv: px; lines: lines[s][i], the epipolar line of image i in
-    camera s; near: near[i][s], the images of camera s within the band of image i, with their distances, the nearest first.
+    camera s; near: near[i][s], the images of camera s within the band of image i and distances, the nearest first.
     """
 
     detection: Ints

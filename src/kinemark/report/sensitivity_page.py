@@ -20,7 +20,7 @@ from .formatting import degrees, millimetres, number, percent
 from .page import of_session
 from .tables import Table, Tile
 from .templating import render, write_text
-from .words import SOURCE_ADVICE
+from .words import SOURCE_ADVICE, evidence_text
 
 NAV = {
     "verdict": "Verdict",
@@ -74,6 +74,7 @@ def sensitivity_page(
         by_model=ranking.by_model,
         ranking_table=ranking_table(figures),
         source_advice=SOURCE_ADVICE,
+        evidence_text=evidence_text,
         lost_table=lost_table(figures["lost"]),
     )
 

@@ -12,6 +12,7 @@ from ...engine.error_budget import error_budget
 from ...engine.trial_angles import AngleSettings, angles_of_file
 from ...report.angles_text import angle_summary
 from ...report.sensitivity_text import sensitivity_summary
+from ...report.words import file_note_text
 from ...sensitivity import ErrorBudget
 from ..output import Json, LengthUnit, Partial, Rate, SelfContained, print_result
 from ..progress import progress
@@ -47,7 +48,7 @@ def angles(
     if json:
         print_result(result.figures)
         return
-    notes = "".join(f"\nnote:     {note}" for note in result.notes)
+    notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
     print_result(f"{angle_summary(result.figures)}{notes}\nresults:  {result.folder}")
 
 

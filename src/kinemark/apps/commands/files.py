@@ -13,6 +13,7 @@ from ...engine.describe import describe, described
 from ...engine.formats import convert as convert_file
 from ...engine.system import system as describe_system
 from ...io.formats import Said
+from ...report.words import file_note_text
 from ..output import Json, LengthUnit, Partial, Rate, print_result
 
 
@@ -69,5 +70,5 @@ def convert(
         what: which part, where the names do not tell.
     """
     for note in convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz, partial=partial):
-        print_result(f"note: {note}")
+        print_result(f"note: {file_note_text(note)}")
     print_result(f"{target} is written. What it holds: kinemark info {target}")

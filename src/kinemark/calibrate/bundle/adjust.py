@@ -1,6 +1,6 @@
 """What a bundle adjustment fits, what comes out of it, and `bundle`, from near the truth.
 
-Wrong points are held at bay and then left out (`robust`), by Levenberg and Marquardt's method with the Schur complement
+Wrong points are held at bay and then left out (`robust_adjustment`), by Levenberg and Marquardt's method with the Schur complement
 (`solver`); then follows the joint covariance of all cameras (`covariance`).
 """
 
@@ -19,7 +19,7 @@ from ...data.method import ONE, Method, parameter
 from ...geometry import joint_about, near_middle, rig_about
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
-from .robust import equations, solve_robust, solve_without_outliers, unknowns
+from .robust_adjustment import equations, solve_robust, solve_without_outliers, unknowns
 from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
 
 VAGUE = 0.1

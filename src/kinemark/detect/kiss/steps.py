@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ...data import KinemarkError, Validity
 from ..blobs import Blobs, joined
 from ..centroids_method import grey_scale
-from ..runs import Runs
+from ..pixel_runs import Runs
 from ..stage import DETECT
 from .kiss_methods import KissNearest, KissScanning
 from .long_wide import split_long_and_wide

@@ -14,7 +14,7 @@ from ...io.tdf import read_tdf
 from ..keys import digest, file_key
 from .excerpt import cut, within
 from .recording import Recording
-from .source import OperatorIdentities
+from .trial_source import OperatorIdentities
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from ..recordings import masks_key, masks_of
 from .excerpt import pictures_of, within
 from .images import other_rates
 from .recording import Recording, places_of
-from .source import OperatorIdentities
+from .trial_source import OperatorIdentities
 
 
 @dataclass(frozen=True, slots=True)

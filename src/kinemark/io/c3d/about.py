@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .document import C3D, with_parameters
+from .parameter_tables import with_text
 from .parameters import Parameter
 from .provenance import GROUP
-from .tables import with_text
 
 ABOUT = "ABOUT"
 BETWEEN = ": "

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...data import Origin, Trajectories
 from ...numerics.runs import true_runs
 from .document import C3D
-from .tables import with_numbers, with_text
+from .parameter_tables import with_numbers, with_text
 
 GROUP, POINTS, FRAMES = "KINEMARK", "FILLED_POINTS", "FILLED_FRAMES"
 LAST = np.array([0, 1])

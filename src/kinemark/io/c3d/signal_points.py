@@ -19,10 +19,10 @@ from ...data.signals import XYZ
 from ..notes import FileNote
 from .analog_rates import SAME_RATE, SAME_TIME, seconds_beyond
 from .document import C3D, with_parameters
+from .parameter_tables import with_text
 from .parameters import Parameter
 from .points import kinds_of
 from .provenance import GROUP
-from .tables import with_text
 
 SD = " SD"
 TYPES = {"angle": "ANGLES", "force": "FORCES", "moment": "MOMENTS", "power": "POWERS", "scalar": "SCALARS"}

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ...data import KinemarkError, Origin, Trajectories, Trial
 from ..notes import FileNote
 from .document import C3D, HALF
+from .parameter_tables import matched, with_descriptions, with_text
 from .points import LENGTH, Samples, mm_per_unit, point_names, samples_of
 from .provenance import with_filled
 from .signal_points import SD, SignalPoint, points_of, with_listed, with_told
-from .tables import matched, with_descriptions, with_text
 
 MOST_COUNTS = 32767  # of a signed word of 16 bits; of the format
 FULL_SCALE = 32000.0  # counts that the farthest coordinate gets; chosen: a little room below 32 767

@@ -50,7 +50,7 @@ class PredictedImages(NamedTuple):
 
 
 class Association(NamedTuple):
-    """Images of tracks: detection (C, T) index in `Images`, −1 for none; variance (C, T) px², inf for none; score (C, T)
+    """Images of tracks: detection (C, T) index, −1 for none; variance (C, T) px², inf for none; score (C, T)
     of (3); shared (C, T) whether another track has it too."""
 
     detection: Ints

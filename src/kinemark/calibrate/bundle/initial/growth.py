@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ....data import Camera, KinemarkError
 from ....data.array_types import Floats
 from ..parts import FreePoints, Part, all_points, complete, sticks_through, supported
-from ..robust import solve_robust
+from ..robust_adjustment import solve_robust
 from ..robust_points import robust_points
 from ..solver import BundleState, placed
 from .rough_resection import equal_covariances, resected, rough_freedom

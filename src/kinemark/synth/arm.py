@@ -16,8 +16,8 @@ The markers are the arm's skeleton:
     7 = M − hand · y₃                                      third metacarpal's head                       (5)
 
 so that the axes built from the markers by A.9–A.20 give these angles back exactly. Those axes make three of the nine
-angles vanish: θ₂ because the forearm lies in the plane of arm and forearm, and ψ₃ because x₃ is square to the rod:
-R₁₃ = −cos θ₃ sin ψ₃ = 0. Shoulder three, elbow two, wrist two and ψ₃ ≡ 0 are the eight of the model.
+angles vanish: θ₂ because the forearm lies in the plane of arm and forearm, and ψ₃ because x₃ is perpendicular to the
+rod: R₁₃ = −cos θ₃ sin ψ₃ = 0. Shoulder three, elbow two, wrist two and ψ₃ ≡ 0 are the eight of the model.
 
 The marker at the shoulder is where the arm pivots, and those at elbow and wrist lie on the limb's line as A.12–A.20
 take them to; the limbs that hide markers run beside that line, under the skin.

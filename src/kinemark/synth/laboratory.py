@@ -188,7 +188,7 @@ def write_grids(
     """`grid/{camera}/1.png` … in an existing folder; returns what `[calibration]` says of it.
 
     All cameras have the same grid, of as many dots as the smallest image can show apart. It hangs before each camera,
-    so near that it takes up most of the image: square to it, and turned by `GRID_TURN_DEG` about two axes, as one view
+    so near that it takes up most of the image: facing it, and turned by `GRID_TURN_DEG` about two axes, as one view
     leaves open where the lens has its middle.
     """
     room = GRID_SHARE * np.array([camera.size for camera in rig]).min(0)

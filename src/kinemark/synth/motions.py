@@ -11,7 +11,7 @@ With the hand at distance d from the shoulder, along the unit vector a, the elbo
 
     B = C + s a + h n,    s = (u² − f² + d²) / 2d,    h = √(u² − s²)                             (1)
 
-where n is the unit vector square to a that points down most.
+where n is the unit vector perpendicular to a that points down most.
 """
 
 from __future__ import annotations

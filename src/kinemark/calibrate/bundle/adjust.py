@@ -1,7 +1,7 @@
 """What a bundle adjustment fits, what comes out of it, and `bundle`, from near the truth.
 
-Wrong points are held at bay and then left out (`robust_adjustment`), by Levenberg and Marquardt's method with the Schur complement
-(`solver`); then follows the joint covariance of all cameras (`covariance`).
+Wrong points are held at bay and then left out (`robust_adjustment`), by Levenberg and Marquardt's method with the Schur
+complement (`solver`); then follows the joint covariance of all cameras (`covariance`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from ...data import KinemarkError, Rig
 from ...data.array_types import Bools, Floats
 from ...data.method import ONE, Method, parameter
-from ...geometry import joint_about, near_middle, rig_about
+from ...geometry import joint_about, origin_near, rig_about
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
 from .robust_adjustment import equations, solve_robust, solve_without_outliers, unknowns
@@ -114,7 +114,7 @@ def bundle(
         raise ValueError(
             f"uv has shape {uv.shape} and there are {len(free)} freedoms, wanted ({len(rig)}, {n}, 2) and {len(rig)}"
         )
-    seen, origin = observed(uv, cov), near_middle(all_points(parts))
+    seen, origin = observed(uv, cov), origin_near(all_points(parts))
     near = tuple(part.placed(np.eye(3), -origin, 1.0) for part in parts)
     state, kept = adjusted(BundleState(rig_about(rig, origin).cameras, near), seen, free, reject=method.reject)
     fit = completed(state, seen, free, kept, what="bundle adjustment")

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats
-from ...numerics.vectors import across
+from ...numerics.vectors import perpendicular_pair
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +48,7 @@ class Sticks:
 
     def tangents(self) -> Floats:
         """(n, K, 3, 5) of (2)."""
-        turns = across(self.ahead)
+        turns = perpendicular_pair(self.ahead)
         J = np.zeros((len(self.middle), len(self.along), 3, 5))
         J[..., :3] = np.eye(3)
         J[..., 3:] = self.along[:, None, None] * turns[:, None]
@@ -56,7 +56,7 @@ class Sticks:
 
     def moved(self, step: Floats) -> Sticks:
         """After steps (n, 5)."""
-        ahead = self.ahead + np.einsum("nij,nj->ni", across(self.ahead), step[:, 3:])
+        ahead = self.ahead + np.einsum("nij,nj->ni", perpendicular_pair(self.ahead), step[:, 3:])
         ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
         return replace(self, middle=self.middle + step[:, :3], ahead=ahead)
 

@@ -62,7 +62,7 @@ def solve_robust(
     seen = seen._replace(used=used)
     scale = noise_scale(normalised_residuals(state, seen), state, freedoms, used) if used.any() else np.inf
     for _ in range(rounds if used.any() else 0):
-        state = solve(state, seen, freedoms, soft=SOFT * scale, steps=steps, settled=ROUGH)
+        state = solve(state, seen, freedoms, soft=SOFT * scale, steps=steps, tolerance=ROUGH)
         before, scale = scale, noise_scale(normalised_residuals(state, seen), state, freedoms, used)
         if scale > SETTLED * before:
             break

@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from ...data import Camera, KinemarkError
 from ...data.method import Method, parameter
-from ...geometry import about, decompose, fit_dlt, from_dlt, near_middle, parameter_jacobian, project, undistort
+from ...geometry import camera_about, decompose, fit_dlt, from_dlt, origin_near, parameter_jacobian, project, undistort
 from ...numerics.robust import plane_scale
 from ...numerics.scaled import scaled_inverse
 from ..resection import ResectionFit, lens_covariance, resect
@@ -118,7 +118,7 @@ def fit_camera(
     Raises:
         KinemarkError: as in `calibrate_control_points`, without the camera's name.
     """
-    kept, origin = np.ones(len(xyz), np.bool_), near_middle(xyz)
+    kept, origin = np.ones(len(xyz), np.bool_), origin_near(xyz)
     xyz = xyz - origin
     while True:
         fitted, fit = fit_all(name, size, xyz, uv, cov, kept, method, lens)
@@ -126,7 +126,7 @@ def fit_camera(
         outlier = _outlier(fit, fitted.parameters, base, method.reject)
         if outlier is None:
             _check_plausible(fit, uv[kept])
-            return fitted._replace(camera=about(fitted.camera, -origin))
+            return fitted._replace(camera=camera_about(fitted.camera, -origin))
         if kept.sum() - 1 < max(len(xyz) / 2, base):
             raise KinemarkError(
                 f"Of {len(xyz)} control points, {(~kept).sum()} did not fit the others and were left out, and the rest "

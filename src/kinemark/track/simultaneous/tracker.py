@@ -24,7 +24,7 @@ import numpy as np
 
 from ...data import Cloud, Detections, Matches, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
-from ...geometry.weighted_points import USUAL, ImageErrors, usable_points, weighted_points
+from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors, usable_points, weighted_points
 from ...numerics.runs import begins
 from ..stage import DETECTIONS, TRACK
 from .adjusted_rig import adjusted_rig
@@ -91,7 +91,7 @@ def track_simultaneously(
     rig: Rig,
     method: Simultaneous,
     *,
-    errors: ImageErrors = USUAL,
+    errors: ImageErrors = DEFAULT_ERRORS,
     volume_margin: float | None = VOLUME_MARGIN,
 ) -> TrackingResult:
     """Tracks of all markers, their points by the `errors` of images, and how they came about.

@@ -102,7 +102,7 @@ def _tracks(detections: Detections, rig: Rig, one: Paths, other: Paths, pairs: P
         start=np.searchsorted(pairs.frame, np.arange(detections.n_frames + 1)),
         xyz=point.xyz,
         cov=point.cov,
-        residual=np.sqrt(np.nansum(point.off**2, axis=(1, 2)) / 2),
+        residual=np.sqrt(np.nansum(point.residual**2, axis=(1, 2)) / 2),
         detection=detection,
     )
     good = np.asarray(seen.any(1) & np.isfinite(point.xyz).all(1) & np.isfinite(point.cov).all((1, 2)))

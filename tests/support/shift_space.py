@@ -174,7 +174,7 @@ def _(by):
 )
 def _(by):
     there, few = moved(frame(), by), Rig(true_rig().cameras[:2])
-    seen = synth.observe(few, synth.hung(frame()), noise_px=0.05, seed=2).detections
+    seen = synth.observe(few, synth.rods_subject(frame()), noise_px=0.05, seed=2).detections
     sizes = [camera.size for camera in few]
     fit = control_frame.control_frame_quality(seen, there, sizes=sizes)
     uv = seen.uv[seen.rows(0, 0)]

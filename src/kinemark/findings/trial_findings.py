@@ -9,7 +9,7 @@ from itertools import chain
 from typing import Any
 
 from ..data import Finding, Severity, make_finding
-from ..data.finding import gravest_first, red_if
+from ..data.finding import most_severe_first, red_if
 from .verdict import Verdict, verdict_of
 
 RESIDUAL_RATIO = 3.0
@@ -49,7 +49,7 @@ Found = Iterator[Finding]
 
 
 def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Finding]:
-    """What needs attention, the gravest first.
+    """What needs attention, the most severe first.
 
     Args:
         figures: of `quality`.
@@ -66,7 +66,7 @@ def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Find
         _close_decisions(figures),
         _not_square(figures),
     )
-    return gravest_first(list(found))
+    return most_severe_first(list(found))
 
 
 def trial_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:

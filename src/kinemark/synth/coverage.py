@@ -82,7 +82,7 @@ def disc(camera: Camera, ball: Ball, xy: Floats, turn: Floats, n: int) -> tuple[
     return np.where(np.isnan(share), 0.0, share), np.sqrt(np.clip(g / (1 - edge), 0, 1))
 
 
-def unhidden(camera: Camera, ball: Ball, xy: Floats, limbs: Limbs, n: int) -> Floats | float:
+def visible_share(camera: Camera, ball: Ball, xy: Floats, limbs: Limbs, n: int) -> Floats | float:
     """Share of each cell (N, S) that no limb hides (4)."""
     if not len(limbs.radius):
         return 1.0

@@ -63,7 +63,7 @@ def visible_fraction(centre: Floats, xyz: Floats, radius: Floats, a: Floats, b: 
 
 
 def _sight_lines(centre: Floats, xyz: Floats, radius: Floats) -> Floats:
-    """(7, M, F, 3) from the camera to the middle of each marker and to six points around it."""
+    """(7, M, F, 3) from the camera to the centre of each marker and to six points around it."""
     line = xyz - centre
     forward = line / np.linalg.norm(line, axis=-1, keepdims=True)
     side = perpendicular(forward)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from kinemark import native
 from kinemark.native import PLAIN
-from kinemark.synth import dressed, observe, ring, walking
+from kinemark.synth import observe, ring, walking, with_markers
 from kinemark.track.simultaneous import (
     associate as association,
 )
@@ -26,7 +26,7 @@ from support.examples import examples
 needs_kernel = pytest.mark.skipif(native.library() is None, reason="the tracker was installed without a compiler")
 some = settings(max_examples=examples(40), deadline=None)
 RIG = ring(5, focal_px=1100.0)
-WALK = dressed(walking(duration_s=0.3, rate=100.0, seed=5, speed_mm_s=1000.0), 15, seed=5)
+WALK = with_markers(walking(duration_s=0.3, rate=100.0, seed=5, speed_mm_s=1000.0), 15, seed=5)
 SEEN = observe(RIG, WALK, noise_px=0.2, false_per_frame=5.0, merge_px=8.0, seed=5)
 IMAGES: Images = read_images(SEEN.detections, RIG)
 

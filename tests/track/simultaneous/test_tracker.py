@@ -9,9 +9,9 @@ import pytest
 from kinemark.data import Detections, KinemarkError, Rig
 from kinemark.geometry import project
 from kinemark.native import inverse
-from kinemark.synth import dressed, walking
 from kinemark.synth import observe as seen_by
 from kinemark.synth import ring as synth_ring
+from kinemark.synth import walking, with_markers
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import Simultaneous, track_detections
 from kinemark.track.simultaneous.associate import associate, predict_images
@@ -151,7 +151,7 @@ def test_a_merged_image_serves_two_tracks():
 
 
 def test_a_body_that_hides_its_markers():
-    subject = dressed(walking(duration_s=0.7, rate=100.0, seed=1, middle=(1200.0, 700.0)), 39, seed=1)
+    subject = with_markers(walking(duration_s=0.7, rate=100.0, seed=1, middle=(1200.0, 700.0)), 39, seed=1)
     rig = synth_ring(6)
     seen = seen_by(rig, subject, noise_px=0.1, false_per_frame=2.0, merge_px=8.0, least_visible=0.3, seed=1)
     tracks = track_detections(seen.detections, rig)

@@ -81,7 +81,7 @@ def _check_masks(masks: Masks | None, cameras: Sequence[str]) -> None:
     if masks and (unknown := [name for name in masks.cameras if name not in cameras]):
         raise KinemarkError(
             f"There are masks of {', '.join(unknown)}, and the recording has {', '.join(cameras)}. "
-            "Call the cameras alike in both, or leave those masks out."
+            "Give the cameras the same names in both, or leave those masks out."
         )
 
 

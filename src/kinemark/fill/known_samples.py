@@ -183,11 +183,11 @@ class KnownSamples(NamedTuple):
         return ", ".join(self.names[k] for k in markers)
 
 
-def pieces(known: KnownSamples, span: Span, *, least: int, most: int = 12) -> list[tuple[int, int]]:
+def sections(known: KnownSamples, span: Span, *, least: int, most: int = 12) -> list[tuple[int, int]]:
     """Frames (start, stop) into which a gap is cut where too few of its neighbours are seen throughout it.
 
     It stays whole where at least `least` markers, and seven in ten of those seen on average, are seen throughout. Else
-    it is cut wherever a marker comes or goes, or evenly where that makes more than `most` pieces.
+    it is cut wherever a marker comes or goes, or evenly where that makes more than `most` sections.
     """
     seen = known.seen[:, span.start : span.stop]
     whole = seen.all(1).sum()

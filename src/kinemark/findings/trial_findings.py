@@ -186,7 +186,7 @@ def _unused(figures: Figures, named: set[str]) -> Found:
         )
 
 
-def _few_views(figures: Figures) -> Found:
+def _few_cameras(figures: Figures) -> Found:
     few = figures["points"]["fewer_than_3_cameras_share"] or 0
     if few > TWO_CAMERAS:
         yield make_finding("two_camera_points", points_share=few)
@@ -213,7 +213,7 @@ def _incomplete(figures: Figures) -> Found:
     )
 
 
-def _pieces(figures: Figures) -> Found:
+def _broken(figures: Figures) -> Found:
     tracks, worn = figures["trajectories"]["count"], figures["trajectories"]["markers_worn"]
     if figures["trajectories"]["unlabelled"] and tracks > FRAGMENTS * max(worn, 1):
         broken = tracks > FRAGMENTS_RED * max(worn, 1)
@@ -283,5 +283,5 @@ def inconsistent_cameras(figures: Figures) -> list[str]:
 
 CAMERA_CHECKS = (_blind, _unlike_others, _residual, _calibration, _judged)
 MARKER_CHECKS = (
-    *(_few_views, _absent, _incomplete, _pieces, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
+    *(_few_cameras, _absent, _incomplete, _broken, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
 )

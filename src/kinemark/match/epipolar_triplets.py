@@ -239,10 +239,10 @@ def _score_groups(detection: Ints, uv: Floats, P: Floats, radius: float) -> tupl
     _, squared = _fit(detection, uv, P)
     outside = squared > radius**2
     if outside.any():
-        worst = np.where(np.isnan(squared), -1.0, squared).argmax(1)
+        largest = np.where(np.isnan(squared), -1.0, squared).argmax(1)
         bad = outside.any(1)
         detection = detection.copy()
-        detection[np.flatnonzero(bad), worst[bad]] = -1
+        detection[np.flatnonzero(bad), largest[bad]] = -1
         detection = detection[(detection >= 0).sum(1) >= 3]
         return _score_groups(detection, uv, P, radius)
     return detection, np.nansum(radius**2 - squared, axis=1)

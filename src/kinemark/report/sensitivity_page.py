@@ -95,10 +95,10 @@ def ranking_table(figures: dict[str, Any]) -> Table:
         ]
         for row in figures["ranking"]
     ]
-    for worst in figures["lost"][:1]:
-        cost = [number(worst["cost_mm"], 2), "–", number(worst["cost_deg"], 2), "–", "–", "–", "–"]
-        at = sum((row[unit] or 0.0) > (worst[f"cost_{unit}"] or 0.0) for row in figures["ranking"])
-        rows.insert(at, [f"{worst['camera']}, if lost", "–", *cost])
+    for largest in figures["lost"][:1]:
+        cost = [number(largest["cost_mm"], 2), "–", number(largest["cost_deg"], 2), "–", "–", "–", "–"]
+        at = sum((row[unit] or 0.0) > (largest[f"cost_{unit}"] or 0.0) for row in figures["ranking"])
+        rows.insert(at, [f"{largest['camera']}, if lost", "–", *cost])
     total = figures["total"]
     rows.append(
         [

@@ -96,7 +96,7 @@ def bundle(
 
     Args:
         rig: C cameras to begin with.
-        parts: sticks, single points and known points, with their first places; N markers in all, piece by piece.
+        parts: sticks, single points and known points, with their first places; N markers in all, body by body.
         uv: (C, N, 2) where they are seen, px; NaN where not.
         cov: (C, N, 2, 2) covariance of `uv`, px²; right in proportion.
         freedoms: what may change in each camera; without it what `method` says.

@@ -109,9 +109,9 @@ def _points_follow(
         there = used[at].reshape(part.xyz.shape[:2])
         B = np.where(there[..., None, None], _point_motions(np.nan_to_num(part.xyz), middle) @ motions, 0.0)
         tangents = np.where(there[..., None, None], part.tangents(), 0.0)
-        by_piece = np.einsum("nkxg,nkxd->ngd", B, tangents)
-        follow -= np.einsum("ngd,ndq->gq", by_piece @ inverse, W)
-        noise += np.einsum("ngd,nhd->gh", by_piece @ inverse, by_piece)
+        by_body = np.einsum("nkxg,nkxd->ngd", B, tangents)
+        follow -= np.einsum("ngd,ndq->gq", by_body @ inverse, W)
+        noise += np.einsum("ngd,nhd->gh", by_body @ inverse, by_body)
         BtB += np.einsum("nkxg,nkxh->gh", B, B)
     return follow, noise, BtB
 

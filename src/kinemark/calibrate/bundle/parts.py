@@ -1,6 +1,6 @@
 """What a bundle adjustment's points belong to: sticks, single points, points at known places.
 
-Each part consists of n pieces with K markers and D degrees of freedom. A stick with markers at s_k mm along it has
+Each part consists of n bodies with K markers and D degrees of freedom. A stick with markers at s_k mm along it has
 
     X_k = m + s_k a,   |a| = 1                                           (1)
 
@@ -73,7 +73,7 @@ class Sticks:
         return Sticks(scale * self.middle @ R.T + t, self.ahead @ R.T, scale * self.along)
 
     def take(self, rows: NDArray[np.int64]) -> Sticks:
-        """Some of the pieces."""
+        """Some of the bodies."""
         return replace(self, middle=self.middle[rows], ahead=self.ahead[rows])
 
 
@@ -187,7 +187,7 @@ def complete(x: Floats) -> Bools:
 
 
 def all_points(parts: tuple[Part, ...]) -> Floats:
-    """(N, 3) the points of all parts, one piece after the other, mm."""
+    """(N, 3) the points of all parts, one body after the other, mm."""
     return np.concatenate([part.xyz.reshape(-1, 3) for part in parts])
 
 
@@ -198,7 +198,7 @@ def slices(parts: tuple[Part, ...]) -> list[slice]:
 
 
 def supported(parts: tuple[Part, ...], seen: Bools) -> Bools:
-    """`seen` (C, N) without the points of pieces that too few cameras see."""
+    """`seen` (C, N) without the points of bodies that too few cameras see."""
     good = []
     for part, at in zip(parts, slices(parts), strict=True):
         n, K = part.xyz.shape[:2]

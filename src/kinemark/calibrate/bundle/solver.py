@@ -1,8 +1,8 @@
 """Least squares over all cameras and all points at once, by Levenberg–Marquardt with the Schur complement.
 
 With r the residual of one image point (px, divided by its standard deviation), A its derivative by the q free
-parameters of the camera and B by the D of the piece it belongs to, the normal equations are those of `numerics.schur`:
-δ are the parameters of all cameras, and each piece is a block. Minimised is
+parameters of the camera and B by the D of the body it belongs to, the normal equations are those of `numerics.schur`:
+δ are the parameters of all cameras, and each body is a block. Minimised is
 
     Σ ρ(|r|²),   ρ = |r|²,  or  c² ln(1 + |r|²/c²)                       (1)
 
@@ -133,7 +133,7 @@ def _finite_camera(camera: Camera) -> bool:
 def normal_equations(
     state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, soft: float | None = None
 ) -> BlockEquations:
-    """(1) of `numerics.schur`, all of a camera's points of one kind and place in their pieces at a time."""
+    """(1) of `numerics.schur`, all of a camera's points of one kind and place in their bodies at a time."""
     T = [freedom.columns(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True)]
     at = np.cumsum([0] + [t.shape[1] for t in T])
     U, g = np.zeros((at[-1], at[-1])), np.zeros(at[-1])
@@ -190,11 +190,11 @@ class _Adjustment:
         return cost(state, self.seen, self.soft)
 
     def equations(self, state: BundleState) -> BlockEquations:
-        """One block a piece."""
+        """One block a body."""
         return normal_equations(state, self.seen, self.freedoms, soft=self.soft)
 
     def step(self, state: BundleState, equations: BlockEquations, damping: float) -> tuple[BundleState, float]:
-        """Cameras and pieces after the step."""
+        """Cameras and bodies after the step."""
         delta, epsilon, predicted = block_step(equations, damping)
         parts = tuple(part.moved(step) for part, step in zip(state.parts, epsilon, strict=True))
         ends = np.cumsum([f.columns(c).shape[1] for f, c in zip(self.freedoms, state.cameras, strict=True)])[:-1]

@@ -15,7 +15,7 @@ A point whose residual exceeds `reject` standard deviations, estimated from the 
 
     s² = median(d²) / (2 ln 2) · 2 n / (2 n − p)                         (2)
 
-(half of all χ² of two degrees of freedom are below 2 ln 2), was misread or mistaken for another: the worst one
+(half of all χ² of two degrees of freedom are below 2 ln 2), was misread or mistaken for another: the largest one
 is left out and the camera fitted again, until none is left or too few would remain to judge by.
 
 The DLT's covariance: the eleventh parameter, an angle of the pixel axes other than 90°, has no place among those of a

@@ -110,7 +110,7 @@ def _without_noise(groups: KissGroups, method: KissScanning | KissNearest) -> Ki
         groups,
         min_width=method.noise_width,
         min_height=method.noise_height,
-        lonely=method.isolated,
+        isolated=method.isolated,
         one_wide=method.one_wide,
         one_high=method.one_high,
     )

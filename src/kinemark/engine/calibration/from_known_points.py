@@ -20,7 +20,7 @@ from ...io.dlt_csv import read_dlt_csv
 from ...io.rig_toml import read_rig_toml
 from ...io.rods_toml import read_rods
 from ...io.tdf import read_tdf
-from ...io.um2as import read_cp_set, siblings
+from ...io.um2as import files_of_set, read_cp_set
 from ...io.units import MM
 from ..recordings import size_of_cameras
 from ..settings import DigitisedPoints, TargetRecording
@@ -42,7 +42,7 @@ def from_file(task: Task) -> Made:
     elif is_cp(file):
         if unit not in (None, "cm"):
             raise KinemarkError(f"{file} is in cm, and length_unit says {unit}. Leave length_unit out.")
-        rig = rig_of_cp(siblings(file, "cp"), names=s.cameras.names)
+        rig = rig_of_cp(files_of_set(file, "cp"), names=s.cameras.names)
     else:
         rig = read_rig_toml(file, unit)
     if s.cameras.names:

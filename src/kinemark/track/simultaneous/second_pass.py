@@ -141,7 +141,7 @@ def _in_question(known: TrackPoints, n_frames: int, T: float, method: Simultaneo
 
 
 def _expected(known: TrackPoints, in_question: FramesInQuestion, T: float, method: Simultaneous) -> KalmanStates:
-    """What the known points on both sides, or on the only one, say of the motion in the doubtful frames."""
+    """What the known points on both sides, or on the only one, say of the motion in the frames in question."""
     rows, sides = rows_of(known), []
     for point, way in ((in_question.before, -1), (in_question.after, 1)):
         ends, which = np.unique(point, return_inverse=True)

@@ -51,7 +51,7 @@ AT_ONCE = 20_000
 VOLUME_MARGIN = 100.0
 """mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
 
-WORTH_ADJUSTING = 0.7
+ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
 (see benchmarks/tracking_scenes.py)."""
 
@@ -148,7 +148,7 @@ def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, met
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
     moved = read_images(detections, adjusted)
     moved, left = learn_noise(moved, fundamentals(moved.P), method.gate)
-    if np.median(moved.variance) > WORTH_ADJUSTING * np.median(images.variance):
+    if np.median(moved.variance) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance):
         return given
     return Working(adjusted, moved.without(left.inconsistent), left)
 

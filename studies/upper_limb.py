@@ -205,7 +205,7 @@ def bone_truth(path: Path) -> None:
 
 
 def segment_errors(skin: Trajectories, bone: Trajectories, model: Model, template: Template) -> str:
-    """How far each segment's axes are turned from those of its bone, RMS, and what its cluster's misfit foretells."""
+    """How far each segment's axes are turned from those of its bone, RMS, and what its cluster's misfit predicts."""
     bare = replace(model, clusters=())
     found = segment_axes(points_of(chosen(skin, model, template)), model, template)
     true = segment_axes(points_of(bone), bare)

@@ -13,7 +13,7 @@ machine does so by itself, frame by frame.
 
        p = c₂ + (c₂ − c₁) (f − f₂) / (f₂ − f₁) + s                       (3)
 
-   With `memory` 2 these are the two frames before, f₂ = f − 1 and f₁ = f − 2, and a marker that was not in both is not
+   With `history` 2 these are the two frames before, f₂ = f − 1 and f₁ = f − 2, and a marker that was not in both is not
    looked for.
 3. **The search** takes the white pixel nearest to p on a square of 5 × 5, which grows to 10 × 10, 15 × 15 and so on up
    to 50 × 50 (4). Of all pairs of a marker and an image that a square holds, the nearest is settled first, and an

@@ -178,6 +178,16 @@ class KnownSamples(NamedTuple):
             raise ValueError(f"no markers {', '.join(lost)}; there are {', '.join(self.names)}")
         return [self.names.index(name) for name in names]
 
+    def among(self, names: Sequence[str]) -> Bools:
+        """(M) which markers have one of these names; all where there are none.
+
+        Raises:
+            ValueError: a name is not there.
+        """
+        chosen = np.full(len(self.names), not names)
+        chosen[self.places(names)] = True
+        return chosen
+
     def called(self, markers: Iterable[int]) -> str:
         """Names of markers, for messages."""
         return ", ".join(self.names[k] for k in markers)

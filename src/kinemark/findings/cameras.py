@@ -41,7 +41,8 @@ def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list
     counts = detections.counts
     rows = detections.camera
     return [
-        _calibrated(camera)
+        camera_description(camera)
+        | {"calibration_residual_px": camera.residual}
         | _detected(counts[c], detections.validity[rows == c], cloud.detection[_seen(cloud, c), c])
         | {"separated": int((detections.merged & detections.valid & (rows == c)).sum())}
         | _reprojected(offsets[c])
@@ -55,14 +56,14 @@ def _seen(cloud: Cloud, c: int) -> NDArray[np.int64]:
     return np.flatnonzero(cloud.detection[:, c] >= 0) if len(cloud) else np.zeros(0, np.int64)
 
 
-def _calibrated(camera: Camera) -> dict[str, Any]:
+def camera_description(camera: Camera) -> dict[str, Any]:
+    """Name, image, place and focal lengths of a camera."""
     known = bool((camera.size > 0).all())
     return {
         "name": camera.name,
         "size_px": camera.size if known else None,
         "position_mm": camera.centre,
         "focal_px": [abs(camera.K[0, 0]), abs(camera.K[1, 1])],
-        "calibration_residual_px": camera.residual,
     }
 
 

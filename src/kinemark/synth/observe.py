@@ -4,7 +4,7 @@
 `observe` makes detections from that, with the faults that real images have: noise, images that run together, points
 that come from nowhere, markers hidden or dropped. It knows which marker each detection is, so that matching and
 tracking can be judged. Noise is about the projected centre; a sphere's image has its centre a few thousandths of a
-pixel farther out (`sphere`, equation 3), which images made by `render` do show.
+pixel farther out (`sphere_image`, equation 3), which images made by `render` do show.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ parts              sticks, single points, points at known places
 solver             least squares with the Schur complement
 robust_adjustment  wrong points held at bay, then left out
 robust_points      points in space from cameras of which some see them in the wrong place
-covariance         of all cameras together
+parameter_covariance   of all cameras together
 """
 
 from .adjust import Bundle, BundleFit, bundle

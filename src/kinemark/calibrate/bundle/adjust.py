@@ -1,7 +1,7 @@
 """What a bundle adjustment fits, what comes out of it, and `bundle`, from near the truth.
 
 Wrong points are held at bay and then left out (`robust_adjustment`), by Levenberg and Marquardt's method with the Schur
-complement (`solver`); then follows the joint covariance of all cameras (`covariance`).
+complement (`solver`); then follows the joint covariance of all cameras (`parameter_covariance`).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Cameras from a wand waved through the volume, from what they see of it alone.
 
-1. Which detection is which marker, without a rig (`points`).
+1. Which detection is which marker, without a rig (`identify`).
 2. A first rig from some poses, spread over the images, by bundle adjustment from the image sizes (`bundle`).
 3. With it, markers that the first reading had to leave out (`completion`), and the offset between the centroid of
-   a sphere's image and the projection of its centre (`geometry.sphere`), where the spheres' diameter is known.
+   a sphere's image and the projection of its centre (`geometry.sphere_offset`), where the spheres' diameter is known.
 4. The rig from these, by bundle adjustment that goes on from the first.
 
 Thousands of poses in the middle of the volume tell no more than hundreds, and nothing about the corners of the images.

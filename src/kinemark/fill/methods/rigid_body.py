@@ -103,8 +103,7 @@ def fill_rigid_body(motion: MarkerArray, gaps: list[Gap], *, method: RigidBody =
         ValueError: a reference marker named is not in the trial.
     """
     known = KnownSamples.of(motion)
-    allowed = np.zeros(len(known.names), np.bool_)
-    allowed[known.places(method.reference_markers) if method.reference_markers else slice(None)] = True
+    allowed = known.among(method.reference_markers)
     learnt = _LearntBody(allowed, distances(known), {})
     return [_carried(known, known.span(gap), learnt, method) for gap in gaps]
 

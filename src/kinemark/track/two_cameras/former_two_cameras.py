@@ -1,7 +1,7 @@
 """The former two-camera method of the Kiss system (Shafiq, Tümer and Güler 2001, section 4).
 
-Each camera is followed on its own, in its image (`former_paths`), and afterwards the paths of the two cameras are
-brought together in space (`former_pairs`). Made for one side of the body, with both cameras placed so that they see all
+Each camera is followed on its own, in its image (`image_paths`), and afterwards the paths of the two cameras are
+brought together in space (`paired_paths`). Made for one side of the body, with both cameras placed so that they see all
 markers at all times. What its authors found is what it does: it works for well separated markers, and with markers that
 come and go it fails, since only those that are seen at the start are followed at all.
 """

@@ -28,7 +28,15 @@ from .question_text import words
 from .replay import Replay, given
 from .semi_automatic import SemiAutomatic
 from .stage import DIGITISE
-from .state import AskedQuestion, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
+from .state import (
+    AskedQuestion,
+    DigitisedFrame,
+    DigitisingPhase,
+    DigitisingState,
+    MarkerStatus,
+    PlaceProposal,
+    Question,
+)
 
 __all__ = [
     "DIGITISE",
@@ -42,10 +50,10 @@ __all__ = [
     "DigitisingPhase",
     "DigitisingState",
     "DigitisingStopped",
-    "Found",
     "Given",
     "Identified",
     "ImageMarkers",
+    "MarkerStatus",
     "No",
     "Operator",
     "OtherViews",

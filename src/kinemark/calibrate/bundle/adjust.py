@@ -26,7 +26,7 @@ VAGUE = 0.1
 """A focal length is not known if its standard deviation is more than this share of it; chosen (see
 benchmarks/bundle.py)."""
 MOST_LOST = 0.3  # of a camera's points that may be left out; chosen (see benchmarks/bundle.py)
-ABSURD = 0.01  # of the image's diagonal; chosen (see benchmarks/bundle.py)
+IMPLAUSIBLE = 0.01  # of the image's diagonal; chosen (see benchmarks/bundle.py)
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,7 +191,7 @@ def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) 
     there = seen & complete(fit.xyz)
     for c, camera in enumerate(fit.rig):
         lost = 1 - fit.kept[c].sum() / max(there[c].sum(), 1)
-        if not camera.residual < ABSURD * np.hypot(*camera.size) or lost > MOST_LOST:
+        if not camera.residual < IMPLAUSIBLE * np.hypot(*camera.size) or lost > MOST_LOST:
             raise KinemarkError(
                 f"Camera {camera.name} does not fit the others: {lost:.0%} of its points were left out"
                 + (f", and the rest is {camera.residual:.2f} px off. " if lost < 1 else ". ")

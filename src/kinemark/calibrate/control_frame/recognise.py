@@ -255,7 +255,7 @@ def _assignments(read: list[list[Reading]], size: int, most: int = TRIALS) -> It
     return iter(chosen[:most])
 
 
-class _Found(NamedTuple):
+class _AssignedPoints(NamedTuple):
     """Row of the points for each marker (R, K), −1 where it is not seen, and how far off the camera's are, RMS px."""
 
     markers: NDArray[np.int64]
@@ -269,9 +269,9 @@ def _best(
     tolerance: float,
     slack: float,
     sharpest: bool = False,
-) -> _Found | None:
+) -> _AssignedPoints | None:
     """Of the first few right assignments the one that finds most markers, the first that finds all; or the sharpest."""
-    best: _Found | None = None
+    best: _AssignedPoints | None = None
     right = 0
     for assignment in assignments:
         found = _completed(assignment, uv, rods, tolerance, slack)
@@ -288,7 +288,7 @@ def _best(
 
 def _completed(
     assignment: tuple[Reading, ...], uv: NDArray[np.float64], rods: Rods, tolerance: float, slack: float
-) -> _Found | None:
+) -> _AssignedPoints | None:
     """All markers that one camera sees if the assignment is right, or None if it is not."""
     index = np.full(rods.xyz.shape[:2], -1, np.int64)
     for reading in assignment:
@@ -301,7 +301,7 @@ def _completed(
             return None
         rms = camera.residual
         index = _nearest(project(camera, rods.xyz.reshape(-1, 3)), uv, 2 * tolerance).reshape(index.shape)
-    return _Found(index, rms) if (index >= 0).sum() >= fewest else None
+    return _AssignedPoints(index, rms) if (index >= 0).sum() >= fewest else None
 
 
 def _camera(xyz: NDArray[np.float64], uv: NDArray[np.float64], tolerance: float, slack: float) -> Camera | None:

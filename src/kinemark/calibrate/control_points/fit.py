@@ -1,9 +1,9 @@
 """Cameras from control points, markers whose places in the laboratory were surveyed (UM²AS 2.3.3, 2.4, B).
 
 Each camera is fitted by itself (`camera`). The centroid of a sphere's image is not the image of its centre
-(`geometry.sphere_offset`), by an offset that depends on the camera sought; so cameras and offsets are found in turn, the
-offsets from the cameras before (1). Twice is enough, as an offset is a small part of a pixel and a change
-of the camera that it brings a still smaller part.
+(`geometry.sphere_offset`), by an offset that depends on the camera sought; so cameras and offsets are found in turn,
+the offsets from the cameras before (1). Twice is enough, as an offset is a small part of a pixel and a change of the
+camera that it brings a still smaller part.
 
 `control_point_quality` gives besides what a judgement of the calibration needs (`judgement`): residuals of all points,
 and their errors in images and in space where they took no part (`left_out`).

@@ -42,7 +42,9 @@ from ..stage import CALIBRATE
 
 RADIAL = (4, 5, 8)  # places of k1, k2, k3 in `data.PARAMETERS`; by definition
 TANGENTIAL = (6, 7)  # places of p1, p2 in `data.PARAMETERS`; by definition
-ABSURD = 0.1  # of the images' spread; a residual beyond is no calibration; chosen (see studies/calibration_quality.py)
+IMPLAUSIBLE = (
+    0.1  # of the images' spread; a residual beyond is no calibration; chosen (see studies/calibration_quality.py)
+)
 POSE_AND_FOCUS = (0, 1, 2, 3, 9, 10, 11, 12, 13, 14)  # places in `data.PARAMETERS`; by definition
 ZOOM_AND_POSE = (0, 1, 9, 10, 11, 12, 13, 14)  # places in `data.PARAMETERS`; by definition
 
@@ -245,7 +247,7 @@ def _with_covariance(camera: Camera, xyz: NDArray[np.float64], uv: NDArray[np.fl
 def _check_plausible(fit: ResectionFit, uv: NDArray[np.float64]) -> None:
     """No lens and no surveyor is so bad that a camera is further off its points than this."""
     spread = float(np.sqrt(uv.var(0).sum()))
-    if fit.camera.residual > ABSURD * spread:
+    if fit.camera.residual > IMPLAUSIBLE * spread:
         raise KinemarkError(
             f"The best camera misses its control points by {fit.camera.residual:.1f} px RMS, and they spread over only "
             f"{spread:.0f} px. Check the order of the points and their places."

@@ -38,12 +38,12 @@ from ..store import Store
 from .calibrated import Calibrated
 from .from_known_points import from_control_frame, from_control_points, from_file, is_cp
 from .from_moved_target import from_single_marker, from_wand
-from .task import Made, Task
+from .task import RigWithEvidence, Task
 
 RIG, FIGURES, PAGE, FORMER = "rig.toml", "calibration.json", "calibration.html", "calibrations"
 LOCK = ".calibration.lock"
 
-WAYS: dict[str, Callable[[Task], Made]] = {
+WAYS: dict[str, Callable[[Task], RigWithEvidence]] = {
     "file": from_file,
     "control_points": from_control_points,
     "control_frame": from_control_frame,

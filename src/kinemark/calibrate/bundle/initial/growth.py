@@ -189,7 +189,7 @@ def _part(views: TargetViews, cameras: dict[int, Camera]) -> Part:
     sticks = sticks_through(markers, views.along)
     off = np.linalg.norm(sticks.xyz - markers, axis=-1)
     wrong = ~(np.where(np.isnan(off), 0.0, off).max(1) <= LONGER * np.ptp(views.along))
-    return type(sticks)(np.where(wrong[:, None], np.nan, sticks.middle), sticks.ahead, sticks.along)
+    return type(sticks)(np.where(wrong[:, None], np.nan, sticks.centre), sticks.direction, sticks.along)
 
 
 def _some_bodies(part: Part, uv: Floats) -> NDArray[np.int64]:

@@ -55,7 +55,7 @@ EXACT = 1e-3  # px of residual, below which images are simulated ones; chosen
 WEIGHT: tuple[Severity, ...] = ("info", "amber", "red")
 """Of a reason that allows each of `GRADES` at best."""
 LIMIT = (None, GOOD, BAD)
-"""1 part in how many each grade is told to have missed."""
+"""1 part in how many: the limit that each grade is said to have missed."""
 
 
 class Judgement(NamedTuple):

@@ -27,10 +27,10 @@ from kinemark.engine.trial_angles import AngleSettings, angles_of_file
 from kinemark.fill import Linear
 from kinemark.io.detections_csv import write_detections_csv
 from kinemark.io.formats import FORMATS, endings
+from kinemark.io.notes import file_note_text
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.io.trial import read_trial, write_trial
-from kinemark.report.words import file_note_text
 from kinemark.synth import observe, ring
 from kinemark.synth.arm import arm
 from support.tdf_files import tracks_block, write

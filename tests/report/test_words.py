@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from kinemark.data import KINDS, SEVERITIES, Finding, make_finding
 from kinemark.fill.fill import GapState
-from kinemark.io.notes import FileNote, Kind
+from kinemark.io.notes import FileNote, Kind, file_note_text
 from kinemark.report.page import page
 from kinemark.report.terminal_summary import summary
 from kinemark.report.words import (
@@ -19,7 +19,6 @@ from kinemark.report.words import (
     WORDS,
     advice_of,
     evidence_text,
-    file_note_text,
     headline_of,
     open_gap_text,
     sentences_of,

@@ -15,12 +15,12 @@ from ..fill import LIMIT, Auto, Filled, KalmanAngles, LimbAngles, MarkerArray, f
 from ..findings.gaps import filling_figures
 from ..io.angle_model_csv import FIRST, read_angle_model
 from ..io.formats import endings
-from ..io.notes import FileNote, read_notes
+from ..io.notes import FileNote, file_note_text, read_notes
 from ..io.number_text import read_text
 from ..io.trial import read_trial, write_trial
 from ..report.filling_page import write_filling_page
 from ..report.filling_text import filling_summary
-from ..report.words import file_note_text, with_words
+from ..report.words import with_words
 from .identities import identity_of_file
 from .progress import Progress, Watch, silent
 from .settings.method_tables import method_of

@@ -1,4 +1,4 @@
-"""What a file could not hold as it was: values that `report.words` puts into words."""
+"""What a file could not hold as it was: as values, and their words: here, so that a conversion imports no report."""
 
 from __future__ import annotations
 
@@ -31,3 +31,20 @@ class FileNote:
 def read_notes(notes: Iterable[str]) -> tuple[FileNote, ...]:
     """What was odd in a source, among the notes of what became of it."""
     return tuple(FileNote("read", note) for note in notes)
+
+
+TEMPLATES = {
+    "resampled": "{who}: resampled from {rate_hz:g} to {stored_rate_hz:g} Hz.",
+    "cut": "{who}: {seconds:.3g} s beyond the frames are not in the file.",
+    "not_written": "{who}: not in the file, as its format has no place for it. HDF5 (.h5) keeps all.",
+    "incomplete": "{who}: samples of which only some components are known are missing in the file.",
+    "read": "in the source: {who}.",
+}
+"""By `FileNote.kind`."""
+
+
+def file_note_text(note: FileNote) -> str:
+    """A note as a sentence."""
+    who = note.what + (f" {', '.join(note.names)}" if note.names else "")
+    who = who.rstrip(".") if note.kind == "read" else who
+    return TEMPLATES[note.kind].format(who=who, **note.values)

@@ -10,9 +10,9 @@ from cyclopts import Parameter
 from ...data import KinemarkError
 from ...engine.error_budget import error_budget
 from ...engine.trial_angles import AngleSettings, angles_of_file
+from ...io.notes import file_note_text
 from ...report.angles_text import angle_summary
 from ...report.sensitivity_text import sensitivity_summary
-from ...report.words import file_note_text
 from ...sensitivity import ErrorBudget
 from ..output import Json, LengthUnit, Partial, Rate, SelfContained, print_result
 from ..progress import progress

@@ -13,7 +13,7 @@ from ...engine.describe import describe, described
 from ...engine.formats import convert as convert_file
 from ...engine.system import system as describe_system
 from ...io.formats import ReadOptions
-from ...report.words import file_note_text
+from ...io.notes import file_note_text
 from ..output import Json, LengthUnit, Partial, Rate, print_result
 
 

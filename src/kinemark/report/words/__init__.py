@@ -14,7 +14,6 @@ from .calibration import CALIBRATION_WORDS
 from .control_points import CONTROL_POINT_WORDS
 from .decisions import reason_text
 from .error_sources import SOURCE_ADVICE, evidence_text
-from .file_notes import file_note_text
 from .open_gaps import open_gap_text
 from .stages import ANGLE_WORDS, FILLING_WORDS, PROPOSAL_WORDS
 from .template import Words
@@ -27,7 +26,6 @@ __all__ = [
     "WORDS",
     "advice_of",
     "evidence_text",
-    "file_note_text",
     "headline_of",
     "open_gap_text",
     "reason_text",

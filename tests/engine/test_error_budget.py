@@ -134,7 +134,7 @@ def test_two_cameras_have_nothing_to_lose():
     ranking = rank(rig, recorded(rig, hide=0.0))
     assert ranking.lost == ()
     told = sensitivity_figures(ranking, session="s", trial="t")
-    assert "assumed" in next(r for r in told["ranking"] if r["source"] == "centroid noise")["evidence_text"]
+    assert next(r for r in told["ranking"] if r["source"] == "centroid noise")["evidence"] == "usual_noise"
     assert kinds(told)[-1] == "two_cameras_no_loss" and told["verdict"]["statements"][-1] == told["findings"][-1]
     assert "<html" in sensitivity_page(figures=told, ranking=ranking, rig=rig)
 

@@ -110,12 +110,12 @@ class Rival:
         steps = x[: self.q * len(self.rig)].reshape(len(self.rig), -1)
         cameras = [self.freedom.moved(camera, step) for camera, step in zip(self.rig, steps, strict=True)]
         y = x[steps.size :].reshape(-1, 5)
-        b = self.sticks.ahead + np.einsum("nij,nj->ni", self.across, y[:, 3:])
+        b = self.sticks.direction + np.einsum("nij,nj->ni", self.across, y[:, 3:])
         size = np.linalg.norm(b, axis=1)[:, None]
         a = b / size
         turn = (self.across - a[..., None] * np.einsum("ni,nij->nj", a, self.across)[:, None]) / size[..., None]  # (1)
         along = self.sticks.along[:, None]
-        xyz = (self.sticks.middle + y[:, :3])[:, None] + along * a[:, None]
+        xyz = (self.sticks.centre + y[:, :3])[:, None] + along * a[:, None]
         return cameras, xyz.reshape(-1, 3), (along[..., None] * turn[:, None]).reshape(-1, 3, 2)
 
     def residual(self, x: Floats) -> Floats:
@@ -141,7 +141,7 @@ class Rival:
 
     def solved(self) -> tuple[Floats, float]:
         """The solution and half its cost."""
-        start = np.zeros(self.q * len(self.rig) + 5 * len(self.sticks.middle))
+        start = np.zeros(self.q * len(self.rig) + 5 * len(self.sticks.centre))
         found = least_squares(self.residual, start, jac=self.jacobian, x_scale="jac", ftol=1e-8, xtol=1e-12, gtol=1e-12)
         return found.x, float(found.cost)
 

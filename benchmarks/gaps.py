@@ -34,7 +34,7 @@ from kinemark.fill.fill import CandidateFill, choose_candidate, evaluate_candida
 from kinemark.fill.judge.hold_out import distances
 from kinemark.fill.reference_ranking import ranked
 from kinemark.io.trial import read_trial
-from kinemark.synth import dressed, observe, ring, walking
+from kinemark.synth import observe, ring, walking, with_markers
 
 ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data")) / "mocap3d"
 LENGTHS = (0.1, 0.25, 0.5, 1.0, 2.0)
@@ -80,7 +80,7 @@ def trial(name: str) -> MarkerArray:
         FileNotFoundError: the file is not on this machine.
     """
     if name == "synthetic walk":
-        subject = dressed(walking(duration_s=10, rate=100.0, wobble_mm=1.0, seed=3), 39, seed=3)
+        subject = with_markers(walking(duration_s=10, rate=100.0, wobble_mm=1.0, seed=3), 39, seed=3)
         noise = np.random.default_rng(3).normal(0, 0.3, subject.xyz.shape)
         return MarkerArray(subject.xyz + noise, subject.rate, subject.names)
     file, wanted = TRIALS[name]
@@ -120,7 +120,9 @@ def _company(motion: MarkerArray, marker: int, how: str) -> list[int]:
 def _occluded(motion: MarkerArray, seed: int) -> Gaps:
     """Gaps of up to 2 s that limbs make in a walker's markers, laid on this trial's by height."""
     M, F = motion.xyz.shape[:2]
-    subject = dressed(walking(duration_s=F / motion.rate + 0.1, rate=motion.rate, seed=seed), max(M, 16), seed=seed)
+    subject = with_markers(
+        walking(duration_s=F / motion.rate + 0.1, rate=motion.rate, seed=seed), max(M, 16), seed=seed
+    )
     seen = observe(ring(5), subject, seed=seed).sight.visible[..., :F].sum(0) >= 2
     height = np.argsort(np.nanmean(subject.xyz[..., 2], 1))[np.linspace(0, len(subject.names) - 1, M).astype(int)]
     mask = np.zeros((M, F), bool)
@@ -180,7 +182,7 @@ def table(found: dict[str, list[Result]]) -> None:
 
 def speed(names: list[str]) -> None:
     """Seconds for 200 gaps of 0.1 to 2 s in 60 s of 40 markers at 100 Hz, hold-out gaps and all."""
-    subject = dressed(walking(duration_s=60, rate=100.0, wobble_mm=1.0, seed=5), 40, seed=5)
+    subject = with_markers(walking(duration_s=60, rate=100.0, wobble_mm=1.0, seed=5), 40, seed=5)
     rng = np.random.default_rng(5)
     xyz = subject.xyz + rng.normal(0, 0.3, subject.xyz.shape)
     gaps = {

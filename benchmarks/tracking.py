@@ -29,7 +29,7 @@ from kinemark.data import Detections, Rig, Tracks
 from kinemark.data.method import Method
 from kinemark.match import EpipolarTriplets, KissTriplets, match
 from kinemark.reconstruct import reconstruct
-from kinemark.synth import ObservedImages, Subject, dressed, observe, ring, together, walking
+from kinemark.synth import ObservedImages, Subject, combined_subjects, observe, ring, walking, with_markers
 from kinemark.synth.score import Score, score
 from kinemark.track import ExtrapolationLadder, KissTracking, track
 from kinemark.track.simultaneous import Simultaneous, track_detections
@@ -76,11 +76,11 @@ class Made(NamedTuple):
 def made(scene: Scene, seed: int = 0) -> Made:
     """The scene, with this seed."""
     if scene.people == 1:
-        subject = dressed(person(scene, seed), scene.markers, seed=seed)
+        subject = with_markers(person(scene, seed), scene.markers, seed=seed)
     else:
         each = [person(scene, seed, (1200.0, 400.0)), person(scene, seed + 7, (1200.0, 1000.0), phase=0.2, speed=900.0)]
         counts = (scene.markers // 2, scene.markers - scene.markers // 2)
-        subject = together(*(dressed(one, n, seed=seed + n) for one, n in zip(each, counts, strict=True)))
+        subject = combined_subjects(*(with_markers(one, n, seed=seed + n) for one, n in zip(each, counts, strict=True)))
     rig = ring(scene.cameras, sweep_deg=scene.sweep, focal_px=1100.0)
     observed = observe(
         rig,
@@ -93,7 +93,7 @@ def made(scene: Scene, seed: int = 0) -> Made:
     )
     low, high = rig.volume if np.isfinite(rig.volume).all() else (np.full(3, -np.inf), np.full(3, np.inf))
     inside = ((subject.xyz >= low) & (subject.xyz <= high)).all(-1)
-    return Made(subject, rig, observed, (observed.own_views >= 2) & inside)
+    return Made(subject, rig, observed, (observed.unmerged_views >= 2) & inside)
 
 
 def person(

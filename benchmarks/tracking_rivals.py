@@ -234,7 +234,7 @@ def ptv_points(detections: Detections, ptv: Ptv, names: list[str]) -> Cloud:
         xyz=xyz,
         cov=np.full((len(xyz), 3, 3), np.nan),
         residual=np.full(len(xyz), np.nan),
-        view=np.concatenate(views),
+        detection=np.concatenate(views),
     )
 
 

@@ -85,8 +85,8 @@ def points(
     ideal = np.full((len(cloud), len(rig), 2), np.nan)
     radius = np.full((len(cloud), len(rig)), np.nan)
     for c, camera in enumerate(rig):
-        seen = cloud.view[:, c] >= 0
-        uv = detections.uv[cloud.view[seen, c]]
+        seen = cloud.detection[:, c] >= 0
+        uv = detections.uv[cloud.detection[seen, c]]
         ideal[seen, c] = inverse(camera, uv)
         radius[seen, c] = np.linalg.norm(normalised(camera, uv), axis=-1)
     xyz = triangulate(ideal, rig.P)
@@ -127,8 +127,8 @@ def extras(tracks: Tracks, near: NDArray[np.bool_]) -> tuple[float, float]:
 def by_chance(rig: Rig, detections: Detections, tracks: Tracks, near: NDArray[np.bool_], method: TrialMethod) -> float:
     """Points a frame that the method makes of the images left over, the cameras shifted against each other."""
     used = np.zeros(len(detections), bool)
-    view = tracks.cloud.view[near & (tracks.id >= 0)]
-    used[view[view >= 0]] = True
+    detection = tracks.cloud.detection[near & (tracks.id >= 0)]
+    used[detection[detection >= 0]] = True
     shifted = shift_cameras(detections.keep(~used), round(SHIFT * detections.rate))
     again = run(method, shifted, rig)
     return float((again.id >= 0).sum() / detections.n_frames)
@@ -180,12 +180,12 @@ def bent(rig: Rig, detections: Detections, tracks: Tracks, found: Score, referen
     xyz, off, _ = points(rig, detections, tracks.cloud, division)
     ours = np.sqrt(np.nanmean(off**2, axis=1))
     some = disputed(tracks, xyz, found, reference)
-    view = tracks.cloud.view[some.point]
-    ideal = np.full((*view.shape, 2), np.nan)
+    detection = tracks.cloud.detection[some.point]
+    ideal = np.full((*detection.shape, 2), np.nan)
     for c, camera in enumerate(rig):
-        ideal[view[:, c] >= 0, c] = division(camera, detections.uv[view[view[:, c] >= 0, c]])
+        ideal[detection[:, c] >= 0, c] = division(camera, detections.uv[detection[detection[:, c] >= 0, c]])
     theirs = np.sqrt(np.nanmean(beside(rig, ideal, reference[some.marker, some.frame]) ** 2, axis=1))
-    agreed = ((view >= 0).sum(1) >= 3) & (ours[some.point] < AGREE)
+    agreed = ((detection >= 0).sum(1) >= 3) & (ours[some.point] < AGREE)
     return int((agreed & (theirs > 2 * ours[some.point])).sum()) / int(np.isfinite(reference[..., 0]).sum())
 
 
@@ -307,7 +307,7 @@ def lens_table(rig: Rig, detections: Detections, cloud: Cloud) -> None:
     print("Which inverse of the lens fits the images themselves? Median distance from the reprojection, px,")
     print("of points that four or more cameras see, by the image's distance from the optical axis:")
     print(" " * 32 + "".join(f"{f'{a:.1f}–{b:.1f}':>10}" for a, b in RINGS))
-    four = (cloud.view >= 0).sum(1) >= 4
+    four = (cloud.detection >= 0).sum(1) >= 4
     for name, inverse in LENSES.items():
         _, off, radius = points(rig, detections, cloud, inverse)
         row = [np.nanmedian(off[four][(radius[four] >= a) & (radius[four] < b)]) for a, b in RINGS]

@@ -43,11 +43,11 @@ from kinemark.synth import (
     control_frame,
     dot_grid,
     film,
-    hung,
     look_at,
     place_camera,
     render,
     ring,
+    rods_subject,
     truth,
     walking,
 )
@@ -148,7 +148,7 @@ def grid_image() -> tuple[Images, Floats]:
 
 def frame_image() -> tuple[Images, Floats]:
     """(1, 582, 752) px the control frame and the strobe of the opposite camera; the 24 markers (24, 2) px."""
-    rig, rods = ring(4, size=(752, 582), focal_px=770.0), hung(control_frame())
+    rig, rods = ring(4, size=(752, 582), focal_px=770.0), rods_subject(control_frame())
     optics, strobe = Optics(read_noise=3.0), rig.centres[2:3]
     image = render(rig[0], rods.xyz[:, 0], rods.radius_mm, strobes=strobe, optics=optics, rng=np.random.default_rng(2))
     return image[None], project(rig[0], rods.xyz[:, 0])

@@ -61,8 +61,8 @@ def images(rig: Rig, run: Run, noise: tuple[float, float] = (0.0, 0.0), seed: in
 
 def wrong_share(rig: Rig, seen: Images) -> float:
     """Share of the pairs that are not one marker, %."""
-    view = match_nearest(seen.detections, rig).view
-    return 100 * float((seen.marker[view[:, 0]] != seen.marker[view[:, 1]]).mean())
+    detection = match_nearest(seen.detections, rig).detection
+    return 100 * float((seen.marker[detection[:, 0]] != seen.marker[detection[:, 1]]).mean())
 
 
 def matching(rig: Rig, unit: float, rounds: int = 3) -> dict[tuple[int, int], float]:

@@ -90,6 +90,6 @@ def cloud_of(
         xyz=np.concatenate(points),
         cov=np.broadcast_to(np.eye(3), (n, 3, 3)),
         residual=np.zeros(n),
-        view=np.full((n, 2), -1),
+        detection=np.full((n, 2), -1),
     )
     return cloud, np.concatenate(marker)

@@ -151,7 +151,7 @@ def drawing(changed: Sequence[Floats], right: Floats, anew: Floats) -> str:
     )
 
 
-def panel(named: dict[str, tuple[Floats, str]], top: float, step: float, title: str, thesis_worst: float) -> str:
+def panel(named: dict[str, tuple[Floats, str]], top: float, step: float, title: str, thesis_max: float) -> str:
     """Histograms as lines over 0 … top, with the thesis' maximum as a dotted one."""
     width, height = PANEL
     edges = np.linspace(0, top, 121)
@@ -165,7 +165,7 @@ def panel(named: dict[str, tuple[Floats, str]], top: float, step: float, title: 
         line = "L".join(f"{a:.1f} {height * (1 - b / high):.1f}" for a, b in zip(x, shares[name], strict=True))
         parts.append(f'<path d="M{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
         parts.append(f'<text x="{clear}" y="{32 + 18 * i}" fill="{colour}">{name}</text>')
-    at = thesis_worst * width / top
+    at = thesis_max * width / top
     parts.append(f'<path d="M{at:.1f} 0V{height}" stroke="{FAINT}" stroke-dasharray="2 4"/>')
     parts.append(f'<text x="{at - 5:.1f}" y="12" fill="{FAINT}" text-anchor="end">maximum of the thesis</text>')
     for tick in np.arange(0, top + step / 2, step):

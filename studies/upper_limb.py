@@ -34,7 +34,7 @@ from kinemark.kinematics import (
     estimated_sd,
     joint_angles,
     joint_centre,
-    named,
+    named_angles,
     rotation_covariance,
     segment_axes,
     static_template,
@@ -196,7 +196,7 @@ def bone_truth(path: Path) -> None:
     print(f"  the arm hangs in gimbal lock in {n - free.sum()} frames; the others:")
     head = ("range of bone", "mean error", "SD of error", "RMS", "SD: trembling", "SD: misfit", "within 2 SD of misfit")
     print("  " + " " * 28 + "  ".join(head))
-    for j, t, motion in named(model):
+    for j, t, motion in named_angles(model):
         y, s, q = true.deg[j, free, t], deforming.sd[j, free, t], trembling.sd[j, free, t]
         e = np.remainder(deforming.deg[j, free, t] - y + 180, 360) - 180
         values = (np.ptp(y), e.mean(), e.std(), np.sqrt((e**2).mean()), np.median(q), np.median(s))
@@ -205,7 +205,7 @@ def bone_truth(path: Path) -> None:
 
 
 def segment_errors(skin: Trajectories, bone: Trajectories, model: Model, template: Template) -> str:
-    """How far each segment's axes are turned from those of its bone, RMS, and what its cluster's misfit foretells."""
+    """How far each segment's axes are turned from those of its bone, RMS, and what its cluster's misfit predicts."""
     bare = replace(model, clusters=())
     found = segment_axes(points_of(chosen(skin, model, template)), model, template)
     true = segment_axes(points_of(bone), bare)
@@ -282,7 +282,7 @@ def box_lift(path: Path) -> None:
     print(f"\narm_box_lift_gaps: {trial.n_frames} frames; estimated error of a marker {_median_sd(trial):.3f} mm")
     head = ("frames, bare", "frames, clusters", "SD, bare", "SD, clusters", "RMS difference")
     print("  " + " " * 42 + "  ".join(head))
-    for j, t, motion in named(model):
+    for j, t, motion in named_angles(model):
         a, b = bare.deg[j, :, t], whole.deg[j, :, t]
         d = np.remainder(a - b + 180, 360) - 180
         sds = [np.nanmedian(angles.sd[j, :, t]) for angles in (bare, whole)]

@@ -21,7 +21,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 class _Package(ModuleType):
-    """`kinemark.detect` is the function, although the package that it lives in is called alike.
+    """`kinemark.detect` is the function, although the package that it lives in has the same name.
 
     The import system would bind the package to that name as soon as anything in it is imported.
     """

@@ -41,7 +41,7 @@ def test_a_sample_solved_again_from_its_images_is_where_it_was(made):
         matches = matches_of(trajectories, path.name, seen)
         cloud = reconstruct(matches, seen, RIG)
         measured = np.flatnonzero(path.origin == Origin.MEASURED)
-        several = (path.view[measured] >= 0).sum(1) >= 2
+        several = (path.detection[measured] >= 0).sum(1) >= 2
         assert several.mean() > 0.9 and np.array_equal(np.unique(cloud.frame), measured[several])
         assert np.abs(cloud.xyz - path.xyz[cloud.frame]).max() < 0.05  # mm
 
@@ -53,14 +53,14 @@ def test_a_sample_is_shown_at_its_place_in_every_image(made):
         for f in range(0, trajectories.n_frames, 7):
             images = images_of(trajectories, name, f, seen)
             for c in range(len(seen.cameras)):
-                if images.row[c] < 0:
+                if images.detection[c] < 0:
                     assert np.isnan(images.uv[c]).all()
                 else:
-                    assert seen.camera[images.row[c]] == c and seen.frame[images.row[c]] == f
-                    assert np.array_equal(images.uv[c], seen.uv[images.row[c]])
-            assert path.cameras[f] == sum(1 << c for c in np.flatnonzero(images.row >= 0))
-    rows = np.sort(np.concatenate([p.view[p.view >= 0] for p in trajectories]))
-    own = tracks.cloud.view[tracks.id >= 0]
+                    assert seen.camera[images.detection[c]] == c and seen.frame[images.detection[c]] == f
+                    assert np.array_equal(images.uv[c], seen.uv[images.detection[c]])
+            assert path.cameras[f] == sum(1 << c for c in np.flatnonzero(images.detection >= 0))
+    rows = np.sort(np.concatenate([p.detection[p.detection >= 0] for p in trajectories]))
+    own = tracks.cloud.detection[tracks.id >= 0]
     assert np.array_equal(rows, np.sort(own[own >= 0]))
 
 
@@ -83,17 +83,19 @@ def test_an_edit_copies_one_marker_and_shares_the_others(made):
     first = trajectories.paths[0]
     edited = replace(trajectories, paths=(replace(first, xyz=first.xyz + 1), *trajectories.paths[1:]))
     assert all(a is b for a, b in zip(edited.paths[1:], trajectories.paths[1:], strict=True))
-    assert np.shares_memory(edited.paths[0].view, first.view) and np.array_equal(edited.paths[0].cameras, first.cameras)
+    assert np.shares_memory(edited.paths[0].detection, first.detection) and np.array_equal(
+        edited.paths[0].cameras, first.cameras
+    )
 
 
 def test_cameras_follow_from_the_images_where_these_are_known():
-    view = np.array([[3, -1, 9], [-1, -1, -1], [0, 1, 2]])
-    path = MarkerTrajectory.measured("a", np.ones((3, 3)), view=view, cameras=[7, 7, 7])
+    detection = np.array([[3, -1, 9], [-1, -1, -1], [0, 1, 2]])
+    path = MarkerTrajectory.measured("a", np.ones((3, 3)), detection=detection, cameras=[7, 7, 7])
     assert path.cameras.tolist() == [5, 0, 7]
     assert MarkerTrajectory.measured("b", np.ones((3, 3)), cameras=[7, 0, 1]).cameras.tolist() == [7, 0, 1]
-    assert MarkerTrajectory.measured("b", np.ones((3, 3))).view.shape == (3, 0)
-    with pytest.raises(ValueError, match="view has shape"):
-        MarkerTrajectory.measured("c", np.ones((3, 3)), view=np.zeros((2, 4)))
+    assert MarkerTrajectory.measured("b", np.ones((3, 3))).detection.shape == (3, 0)
+    with pytest.raises(ValueError, match="detection has shape"):
+        MarkerTrajectory.measured("c", np.ones((3, 3)), detection=np.zeros((2, 4)))
 
 
 def test_other_detections_are_refused(made):
@@ -103,7 +105,7 @@ def test_other_detections_are_refused(made):
     with pytest.raises(ValueError, match="Give those"):
         matches_of(trajectories, "*1", seen.keep(np.arange(len(seen)) < 5))
     unknown = Trajectories((MarkerTrajectory.measured("a", np.ones((3, 3))),), 100.0)
-    assert (images_of(unknown, "a", 0, seen).row == -1).all() and not len(matches_of(unknown, "a", seen))
+    assert (images_of(unknown, "a", 0, seen).detection == -1).all() and not len(matches_of(unknown, "a", seen))
 
 
 def test_filled_samples_have_the_images_that_told_of_them_and_no_others():
@@ -118,12 +120,12 @@ def test_filled_samples_have_the_images_that_told_of_them_and_no_others():
     told = 0
     for path, other, before in zip(filled, plain, measured, strict=True):
         new = path.origin == Origin.FILLED
-        assert np.array_equal(path.view[~new], before.view[~new])
-        assert (other.view[other.origin == Origin.FILLED] == -1).all()
-        known = path.view[new] >= 0
+        assert np.array_equal(path.detection[~new], before.detection[~new])
+        assert (other.detection[other.origin == Origin.FILLED] == -1).all()
+        known = path.detection[new] >= 0
         assert not known[:, [0, 2, 3, 4]].any()
         told += known.sum()
     assert told > 20
     fills = Fills.between(measured, filled)
     assert same(fills.on(measured).xyz, filled.xyz)
-    assert all(same(a.view, b.view) for a, b in zip(fills.on(measured), filled, strict=True))
+    assert all(same(a.detection, b.detection) for a, b in zip(fills.on(measured), filled, strict=True))

@@ -55,7 +55,8 @@ NO_POSITIONS = {
     "numbers, matrices, settings, models, names": """
         calibrate.centroid_deviation calibrate.free_parameters calibrate.marker_places data.same
         data.make_finding reconstruct.image_errors io.camera_number
-        io.load_model io.on_frames io.siblings io.subject_of io.with_parameters data.named
+        io.load_model io.on_frames io.files_of_set io.subject_of io.with_parameters data.named_angles
+        report.evidence_text
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
         engine.calibrate_method engine.frame_of engine.source_of engine.is_da engine.method_of engine.methods_text
         engine.methods_figures engine.methods_table_markdown engine.session_schema track.matches_itself

@@ -8,7 +8,7 @@ from kinemark.data import KinemarkError, Validity, same
 from kinemark.detect import Centroids, detect, detect_frames
 from kinemark.detect.background_noise import background
 from kinemark.detect.grouping import group_runs
-from kinemark.detect.runs import Runs
+from kinemark.detect.pixel_runs import Runs
 from kinemark.native.pixel_runs import bright_cells, white_runs
 from support.discs import SIDE, blotches, disc, discs
 

@@ -13,7 +13,7 @@ from kinemark import native
 from kinemark.detect import Centroids, centroids, detect_frames, sums
 from kinemark.detect.blobs import Blobs
 from kinemark.detect.grouping import group_runs
-from kinemark.detect.runs import Runs, find_runs
+from kinemark.detect.pixel_runs import Runs, find_runs
 from kinemark.detect.sums import pixel_sums
 from kinemark.native import PLAIN, pixel_runs
 from support.examples import examples

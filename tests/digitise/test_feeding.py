@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from kinemark.digitise import DigitisingPhase, Found, OtherViews, SemiAutomatic, drive, propose, result
+from kinemark.digitise import DigitisingPhase, MarkerStatus, OtherViews, SemiAutomatic, drive, propose, result
 from support.eating import Knowing, footage, image_source
 
 FRAMES = 40
@@ -80,7 +80,7 @@ def test_the_lamp_hides_markers_from_two_cameras():
 def test_what_is_hidden_from_none_is_never_asked_for():
     done = digitised(2)[1]
     assert done.figures["questions"] == 16 and done.figures["corrected"] == 0
-    assert (done.found[:, 2:] == Found.AUTOMATIC).all()
+    assert (done.found[:, 2:] == MarkerStatus.AUTOMATIC).all()
 
 
 def test_the_number_of_questions_is_one_in_ten_at_most():

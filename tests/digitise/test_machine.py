@@ -10,8 +10,8 @@ from kinemark.digitise import (
     Accept,
     ByHand,
     DigitisingPhase,
-    Found,
     Given,
+    MarkerStatus,
     No,
     Point,
     Replay,
@@ -81,7 +81,7 @@ def test_what_moves_in_a_straight_line_is_asked_for_in_the_first_two_frames_only
     assert operator.pointed() == [(0, 0), (0, 1), (1, 0), (1, 1)]
     np.testing.assert_allclose(done.uv, paths, atol=0.02)
     assert done.figures["questions"] == 4 and done.figures["questions_by_reason"]["not_found"] == 0
-    assert (done.found[:, 2:] == Found.AUTOMATIC).all() and (done.found[:, :2] == Found.POINTED).all()
+    assert (done.found[:, 2:] == MarkerStatus.AUTOMATIC).all() and (done.found[:, :2] == MarkerStatus.POINTED).all()
 
 
 @pytest.mark.parametrize(
@@ -109,7 +109,7 @@ def test_a_hidden_marker_does_not_take_its_neighbours_image():
     later = [(f, m) for f, m in operator.pointed() if f >= 2]
     assert later == [(6, 0), (7, 0), (8, 0), (9, 0), (10, 0)]  # hidden, and until it was seen in two frames again
     np.testing.assert_allclose(done.uv, paths, atol=0.02)
-    assert (done.found[0, 6:9] == Found.NOT_PRESENT).all()
+    assert (done.found[0, 6:9] == MarkerStatus.NOT_PRESENT).all()
 
 
 def test_a_longer_memory_asks_less_after_a_gap():
@@ -215,7 +215,7 @@ def test_nothing_is_saved_before_it_is_accepted():
     state = advance(state, Point(42, 41), images, method=m)
     dropped = advance(state, Revisit(0), images, method=m)  # what is known of the second frame is given up
     again = advance(dropped, Accept(), images, method=m)
-    assert again.frame == 1 and (again.draft.found == Found.OPEN).all()
+    assert again.frame == 1 and (again.draft.found == MarkerStatus.OPEN).all()
 
 
 def test_taking_back_is_the_state_before():
@@ -248,7 +248,7 @@ def test_a_marker_is_corrected_to_the_very_place_and_the_others_stay():
         state = advance(state, answer, images, method=m)
     assert state.phase is DigitisingPhase.REVIEW and not same(state.saved[0], state.draft)
     np.testing.assert_array_equal(state.draft.uv, [before.uv[0], (101.25, 77.5)])
-    assert state.draft.found[1] == Found.PLACED
+    assert state.draft.found[1] == MarkerStatus.PLACED
     state = advance(state, Accept(), images, method=m)
     np.testing.assert_array_equal(state.saved[0].uv[1], (101.25, 77.5))
     assert state.frame == 1  # it goes on where it was

@@ -184,11 +184,11 @@ def test_named_detections_are_matched_by_their_names():
     matches = identified_matches(*seen)
     views = np.isfinite(uv[..., 0]).sum(0)
     assert len(matches) == (views >= 2).sum()
-    for frame, view in zip(matches.frame, matches.view, strict=True):
-        markers = {int(seen.marker[row]) for row in view if row >= 0}
+    for frame, detection in zip(matches.frame, matches.detection, strict=True):
+        markers = {int(seen.marker[row]) for row in detection if row >= 0}
         assert len(markers) == 1
         m = markers.pop()
-        for c, row in enumerate(view):
+        for c, row in enumerate(detection):
             assert (row < 0) == np.isnan(uv[c, m, frame, 0])
             if row >= 0:
                 np.testing.assert_array_equal(seen.detections.uv[row], uv[c, m, frame])

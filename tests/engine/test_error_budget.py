@@ -114,7 +114,7 @@ def test_a_stated_calibration_counts_where_it_is_more():
     rig = Rig(tuple(replace(camera, cov=np.diag(sd**2)) for camera in ring(5)))
     ranking = rank(rig, recorded(rig, noise=0.05))
     source = next(s for s in ranking.sources if s.name == "calibration")
-    assert source.origin == "covariance of the calibration"
+    assert source.evidence == "calibration_covariance"
     assert typical(source.mm) == pytest.approx(ranking.stated_mm) and ranking.stated_mm > ranking.shown_mm
 
 
@@ -134,7 +134,7 @@ def test_two_cameras_have_nothing_to_lose():
     ranking = rank(rig, recorded(rig, hide=0.0))
     assert ranking.lost == ()
     told = sensitivity_figures(ranking, session="s", trial="t")
-    assert "assumed" in next(r for r in told["ranking"] if r["source"] == "centroid noise")["origin"]
+    assert next(r for r in told["ranking"] if r["source"] == "centroid noise")["evidence"] == "usual_noise"
     assert kinds(told)[-1] == "two_cameras_no_loss" and told["verdict"]["statements"][-1] == told["findings"][-1]
     assert "<html" in sensitivity_page(figures=told, ranking=ranking, rig=rig)
 

@@ -16,7 +16,7 @@ from kinemark.io.angle_model_csv import write_angle_model
 from kinemark.io.c3d import read_c3d, write_c3d
 from kinemark.io.c3d.document import with_parameters
 from kinemark.io.c3d.parameters import Parameter
-from kinemark.io.c3d.provenance import told_filled
+from kinemark.io.c3d.provenance import stated_filled
 from kinemark.io.c3d.writing import write_document
 from kinemark.io.trc import read_trc, write_trc
 from kinemark.io.trial import read_trial, write_trial
@@ -217,14 +217,14 @@ def test_marks_of_samples_that_another_program_measured_anew_or_that_do_not_fit_
     word = doc.word.copy()
     word[45:50, 0] = 3.0
     assert np.array_equal(
-        told_filled(replace(doc, word=word), ("A",))[0].nonzero()[0], [*range(40, 45), *range(50, 60)]
+        stated_filled(replace(doc, word=word), ("A",))[0].nonzero()[0], [*range(40, 45), *range(50, 60)]
     )
     for runs in ([[100, 125]], [[4, 6]], [[60, 50]]):  # the file has the frames 5 to 124
         frames = Parameter.real("FILLED_FRAMES", np.array(runs, float))
-        assert not told_filled(with_parameters(doc, "KINEMARK", [frames]), ("A",)).any()
+        assert not stated_filled(with_parameters(doc, "KINEMARK", [frames]), ("A",)).any()
     frames = Parameter.real("FILLED_FRAMES", np.array([[124, 124]], float))
-    assert told_filled(with_parameters(doc, "KINEMARK", [frames]), ("A",))[0].nonzero()[0].tolist() == [119]
-    assert not told_filled(doc, ("B",)).any()
+    assert stated_filled(with_parameters(doc, "KINEMARK", [frames]), ("A",))[0].nonzero()[0].tolist() == [119]
+    assert not stated_filled(doc, ("B",)).any()
 
 
 # A static trial

@@ -36,7 +36,7 @@ from kinemark.fill.methods.local_regression import fill_local_regression
 from kinemark.fill.methods.stage import filler_of
 from kinemark.fill.mirrored_markers import REFLECTED, partners
 from kinemark.io.trial import read_trial
-from kinemark.synth import dressed, walking
+from kinemark.synth import walking, with_markers
 from support.filling import moving, off, trial
 from support.shared import shared_data
 
@@ -337,8 +337,8 @@ def test_a_real_walk_is_filled_to_millimetres_and_says_so():
     assert find_gaps(motion) == []
 
 
-def test_a_dressed_walker_with_many_gaps():
-    subject = dressed(walking(duration_s=4, rate=100.0, seed=5), 24, seed=5)
+def test_a_walker_with_24_markers_and_many_gaps():
+    subject = with_markers(walking(duration_s=4, rate=100.0, seed=5), 24, seed=5)
     motion = MarkerArray(subject.xyz, subject.rate, subject.names)
     rng = np.random.default_rng(0)
     gaps = [Gap(k, int(a), int(a) + 30) for k, a in enumerate(rng.integers(10, 350, 24))]
@@ -380,7 +380,7 @@ def test_one_method_is_tested_on_some_gaps_of_every_marker():
 
 
 def test_few_tests_tell_the_error_of_one_method_in_all_gaps():
-    subject = dressed(walking(duration_s=20, rate=50.0, wobble_mm=1.0, seed=5), 24, seed=5)
+    subject = with_markers(walking(duration_s=20, rate=50.0, wobble_mm=1.0, seed=5), 24, seed=5)
     motion = MarkerArray(subject.xyz, subject.rate, subject.names)
     rng = np.random.default_rng(0)
     gaps = {Gap(k % 24, int(a), int(a) + 5 + k // 4) for k, a in enumerate(rng.integers(10, 950, 90))}

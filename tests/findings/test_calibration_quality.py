@@ -42,9 +42,9 @@ def test_a_good_calibration_is_called_good_and_says_for_what(good):
 
 def test_the_verdict_reveals_exchanged_and_repeated_images(good):
     rig, evidence = good
-    exchanged = Rig((replace(rig[1], name="cam1"), replace(rig[0], name="cam2"), *rig.cameras[2:]))
-    residual = evidence.uv - project_all(exchanged, POINTS)
-    figures = calibration_figures(exchanged, replace(evidence, residual=residual))
+    swapped = Rig((replace(rig[1], name="cam1"), replace(rig[0], name="cam2"), *rig.cameras[2:]))
+    residual = evidence.uv - project_all(swapped, POINTS)
+    figures = calibration_figures(swapped, replace(evidence, residual=residual))
     assert figures["verdict"]["grade"] == "red"
     (missed,) = (one for one in found(figures, "cameras_miss_points") if one.severity == "red")
     assert missed.cameras == ("cam1", "cam2")

@@ -81,10 +81,10 @@ def test_detections_are_counted_used_and_refused():
     seen = records["detections"]
     validity = np.zeros(len(seen), np.uint8)
     validity[:10] = Validity.TOO_SMALL  # in cam1
-    view = records["tracks"].cloud.view.copy()
-    view[np.isin(view, np.arange(10))] = -1
+    detection = records["tracks"].cloud.detection.copy()
+    detection[np.isin(detection, np.arange(10))] = -1
     records["detections"] = replace(seen, validity=validity)
-    records["tracks"] = Tracks(replace(records["tracks"].cloud, view=view), records["tracks"].id)
+    records["tracks"] = Tracks(replace(records["tracks"].cloud, detection=detection), records["tracks"].id)
     figures = judge(rig, records)
     first = figures["cameras"][0]
     assert first["detections"] == 40

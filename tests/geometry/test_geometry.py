@@ -332,8 +332,8 @@ def test_refining_many_points_is_refining_each(calibrated, steps):
     here, there = refine(rig, guess, uv, cov, steps=steps), dense_refine(rig, guess, uv, cov, steps=steps)
     assert np.abs(here.xyz - there[0]).max() < 1e-8
     assert (np.abs(here.cov - there[1]).max((1, 2)) < 1e-9 * np.abs(there[1]).max((1, 2))).all()
-    assert np.abs(here.off - there[2])[~np.isnan(uv)].max() < 1e-9
-    assert (np.isnan(here.off) == np.isnan(uv)).all()
+    assert np.abs(here.residual - there[2])[~np.isnan(uv)].max() < 1e-9
+    assert (np.isnan(here.residual) == np.isnan(uv)).all()
 
 
 def test_what_refine_says_of_a_small_step_is_what_it_says_exactly():
@@ -346,7 +346,7 @@ def test_what_refine_says_of_a_small_step_is_what_it_says_exactly():
     near = refine(rig, xyz, uv, cov).xyz + rng.normal(0, 1.0, (200, 3))
     quick, exact = (refine(rig, near, uv, cov, steps=1, exact=how) for how in (False, True))
     assert np.array_equal(quick.xyz, exact.xyz)
-    assert np.abs(quick.off - exact.off).max() < 2e-3
+    assert np.abs(quick.residual - exact.residual).max() < 2e-3
     assert np.abs(quick.cov - exact.cov).max() < 0.01 * np.abs(exact.cov).max()
 
 

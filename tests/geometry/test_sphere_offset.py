@@ -111,8 +111,8 @@ def seen_spheres(rig, xyz, diameter, rng, sd=0.02):
         uv.reshape(-1, 2),
         np.broadcast_to(np.eye(2) * sd**2, (uv.size // 2, 2, 2)),
     )
-    view = np.arange(len(rig) * n).reshape(len(rig), n).T
-    return detections, Matches(np.zeros(n, np.int64), view, np.zeros(n), 1)
+    detection = np.arange(len(rig) * n).reshape(len(rig), n).T
+    return detections, Matches(np.zeros(n, np.int64), detection, np.zeros(n), 1)
 
 
 def growth(found, true):

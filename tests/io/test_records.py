@@ -25,7 +25,7 @@ from kinemark.data import (
     Trial,
     same,
 )
-from kinemark.io.records import load, save, seal
+from kinemark.io.records import FORMER, load, save, seal
 
 
 def detections(rng, n_frames=5):
@@ -63,7 +63,7 @@ def tracks(rng):
 
 def trajectories(rng, n=7):
     """One marker whose images are known, one whose are not."""
-    seen = MarkerTrajectory.measured("a é", rng.normal(size=(n, 3)), view=rng.integers(-1, 9, (n, 4)))
+    seen = MarkerTrajectory.measured("a é", rng.normal(size=(n, 3)), detection=rng.integers(-1, 9, (n, 4)))
     xyz = np.where(np.arange(n)[:, None] == 2, np.nan, rng.normal(size=(n, 3)))
     other = MarkerTrajectory.measured("b", xyz, cov=rng.normal(size=(n, 3, 3)), residual=rng.random(n), cameras=[5] * n)
     return Trajectories((seen, other), 59.94, 12)
@@ -125,8 +125,30 @@ def test_the_file_says_what_it_holds(tmp_path):
     with h5py.File(tmp_path / "r.h5") as file:
         assert (file.attrs["format"], file.attrs["version"], file.attrs["record"]) == ("kinemark", 1, "Tracks")
         units = {name: data.attrs["unit"] for name, data in file["cloud"].items()}
-        assert units == {"xyz": "mm", "cov": "mm2", "residual": "px", "view": "1", "start": "1"}
+        assert units == {"xyz": "mm", "cov": "mm2", "residual": "px", "detection": "1", "start": "1"}
         assert file["cloud"].attrs["rate_Hz"] == 250.0
+
+
+def former_names(group):
+    for name, former in FORMER.items():
+        if name in group:
+            group.move(name, former)
+        if name in group.attrs:
+            group.attrs[former] = group.attrs[name]
+            del group.attrs[name]
+    for inner in filter(lambda one: isinstance(one, h5py.Group), group.values()):
+        former_names(inner)
+
+
+@pytest.mark.parametrize("make", [cloud, matches, tracks, trajectories, fills, trial])
+def test_a_file_with_former_names_of_fields_is_read(tmp_path, make):
+    record, path = make(np.random.default_rng(0)), tmp_path / "r.h5"
+    save(path, record)
+    with h5py.File(path, "r+") as file:
+        former_names(file)
+    assert path.read_bytes().count(b"view") + path.read_bytes().count(b"told") > 0
+    seal(path)
+    assert same(load(path), record)
 
 
 @pytest.mark.parametrize("make", MAKERS)

@@ -7,6 +7,7 @@ import pytest
 
 from kinemark.data import KinemarkError
 from kinemark.io.um2as import (
+    files_of_set,
     read_angles,
     read_cp,
     read_cp_set,
@@ -15,7 +16,6 @@ from kinemark.io.um2as import (
     read_msr,
     read_rf,
     read_tdc,
-    siblings,
     write_angles,
     write_cp,
     write_da,
@@ -178,9 +178,9 @@ def test_dates_of_two_digits_are_of_a_hundred_years_from_1980(tmp_path):
 def test_the_files_of_a_set_are_found(tmp_path):
     for name in ("a.da1", "a.da2", "a.da10", "b.da3", "a.cp3", "a.dat"):
         wrote(tmp_path / name, "1 2\n")
-    assert [p.name for p in siblings(tmp_path / "a.da2", "da")] == ["a.da1", "a.da2", "a.da10"]
+    assert [p.name for p in files_of_set(tmp_path / "a.da2", "da")] == ["a.da1", "a.da2", "a.da10"]
     with pytest.raises(KinemarkError, match="not a file"):
-        siblings(tmp_path / "a.da4", "da")
+        files_of_set(tmp_path / "a.da4", "da")
 
 
 def test_blanks_and_empty_lines_do_no_harm(tmp_path):

@@ -18,7 +18,7 @@ from kinemark.kinematics import (
     inverse_cosines,
     joint_angles,
     joint_matrices,
-    named,
+    named_angles,
     outside,
     principal,
     turned,
@@ -26,7 +26,7 @@ from kinemark.kinematics import (
 )
 from kinemark.kinematics.chain import chosen, complete, points_of
 from kinemark.kinematics.sequences import followed, read_angles
-from kinemark.synth.arm import RANGES, Build, arm, skeleton
+from kinemark.synth.arm import RANGES, ArmDimensions, arm, skeleton
 from support.examples import examples
 
 SEQUENCES = [a + b + c for a in "xyz" for b in "xyz" for c in "xyz" if b not in (a, c)]
@@ -40,7 +40,7 @@ def trial_of(xyz, rate=50.0, names=NAMES):
 
 def limb(deg):
     """The seven markers of joint angles (3, F, 3) deg."""
-    return trial_of(skeleton(np.asarray(deg, float), np.zeros((len(deg[0]), 3)), Build(), 17.0)[0])
+    return trial_of(skeleton(np.asarray(deg, float), np.zeros((len(deg[0]), 3)), ArmDimensions(), 17.0)[0])
 
 
 def posed(*, phi1=0.0, theta1=0.0, psi1=0.0, phi2=60.0, psi2=0.0, phi3=0.0, theta3=0.0):
@@ -243,8 +243,8 @@ def test_the_elbow_of_the_thesis_is_unsure_near_extension():
 
 
 def test_ranges_mark_and_do_not_hide():
-    assert {m.positive for _, _, m in named(UM2AS)} >= {"flexion", "adduction", "pronation", "ulnar deviation"}
-    for j, t, motion in named(UM2AS):
+    assert {m.positive for _, _, m in named_angles(UM2AS)} >= {"flexion", "adduction", "pronation", "ulnar deviation"}
+    for j, t, motion in named_angles(UM2AS):
         low, high = list(RANGES.values())[j][t]
         assert motion.normal == ((low, high) if low < high else (-5.0, 5.0))
     trial = posed(phi1=np.array([0.0, -65.0]), phi2=np.array([140.0, 155.0]), phi3=np.array([0.0, 81.0]))

@@ -22,7 +22,7 @@ def test_an_image_has_no_more_candidates_than_asked_for_both_ways(most):
     rig = ring(2)
     detections, _ = observe(rig, swarm(n=40, frames=4), noise=0.5)
     pairs = match(detections, rig, method=EpipolarTriplets(candidates=most, pair_band=2.0))
-    uses = np.bincount(pairs.view[pairs.view >= 0])
+    uses = np.bincount(pairs.detection[pairs.detection >= 0])
     assert uses.max() == most
 
 
@@ -41,7 +41,7 @@ def test_the_best_pair_is_the_nearest_to_its_line(offsets):
     rig = ring(2, lens=IDEAL)
     detections = lines_and_images(rig, offsets)
     best = match(detections, rig, method=EpipolarTriplets(pairs="best"))
-    assert best.view.tolist() == [[0, 1 + int(np.argmin(np.abs(offsets)))]]
+    assert best.detection.tolist() == [[0, 1 + int(np.argmin(np.abs(offsets)))]]
     assert len(match(detections, rig, method=EpipolarTriplets(pairs="all"))) == 2
 
 
@@ -52,19 +52,19 @@ def images_of(rig, moved):
 
 def test_more_cameras_are_better_even_if_one_fits_badly():
     rig = ring(5, lens=IDEAL)
-    uv, view = images_of(rig, [[0, 0], [0, 0], [0, 0], [0, 0], [0.8, -0.8]])
-    without = view.copy()
+    uv, detection = images_of(rig, [[0, 0], [0, 0], [0, 0], [0, 0], [0.8, -0.8]])
+    without = detection.copy()
     without[0, 4] = -1
-    assert _score_groups(view, uv, rig.P, 2.0)[1] > _score_groups(without, uv, rig.P, 2.0)[1] > 0
+    assert _score_groups(detection, uv, rig.P, 2.0)[1] > _score_groups(without, uv, rig.P, 2.0)[1] > 0
 
 
 def test_an_image_outside_the_circle_leaves_its_group():
     rig = ring(5, lens=IDEAL)
-    uv, view = images_of(rig, [[0, 0], [0, 0], [0, 0], [0, 0], [4.0, 3.0]])
-    left, score = _score_groups(view, uv, rig.P, 2.0)
+    uv, detection = images_of(rig, [[0, 0], [0, 0], [0, 0], [0, 0], [4.0, 3.0]])
+    left, score = _score_groups(detection, uv, rig.P, 2.0)
     assert left.tolist() == [[0, 1, 2, 3, -1]]
     assert score[0] == pytest.approx(4 * 2.0**2, abs=1e-6)
-    assert len(_score_groups(view[:, [0, 4]], uv, rig.P[[0, 4]], 0.01)[0]) == 0
+    assert len(_score_groups(detection[:, [0, 4]], uv, rig.P[[0, 4]], 0.01)[0]) == 0
 
 
 def test_a_point_behind_a_camera_has_no_image_there():
@@ -88,7 +88,7 @@ def test_images_that_are_taken_make_room_for_other_candidates():
     uv = np.array([[project(camera, x) for x in (other, POINT)] for camera in rig])
     uv[1, 1] += 0.6 * line[:2]  # so the other's image is the nearer one
     matches = match(seen_by(rig, uv), rig, method=KissTriplets(candidates=1))
-    assert sorted(map(tuple, matches.view.tolist())) == [(0, 2, 4), (1, 3, 5)]
+    assert sorted(map(tuple, matches.detection.tolist())) == [(0, 2, 4), (1, 3, 5)]
 
 
 @pytest.mark.parametrize("taken", [False, True])
@@ -101,7 +101,7 @@ def test_candidate_cameras_are_ranked_by_their_nearest_image_or_their_angle(take
     detections = seen_by(rig, uv)
     F = np.array([[fundamental(a, b) if a is not b else np.zeros((3, 3)) for b in rig.P] for a in rig.P])
     frame = _frame(np.arange(len(detections)), detections.uv, detections, F, 2.0)
-    free, steep = [True] * len(frame.row), crossings(rig)
+    free, steep = [True] * len(frame.detection), crossings(rig)
     if taken:
         (_, images), *_ = _ranked(frame, 0, free, steep.tolist(), KissTriplets())
         free[images[0]] = False
@@ -127,7 +127,7 @@ def test_noise_in_a_camera_that_is_not_asked_for_is_no_trouble():
     rig = ring(3, lens=IDEAL)
     uv = [project(rig[0], POINT)[None], project(rig[1], POINT)[None], np.zeros((1001, 2))]
     detections = seen_by(rig, uv)
-    assert match(detections, rig, method=NearestEpipolar(cameras=("c0", "c1"))).view.tolist() == [[0, 1, -1]]
+    assert match(detections, rig, method=NearestEpipolar(cameras=("c0", "c1"))).detection.tolist() == [[0, 1, -1]]
     for method in (EpipolarTriplets(), KissTriplets(), NearestEpipolar(cameras=("c0", "c2"))):
         with pytest.raises(KinemarkError, match="1001 points in frame 0, wanted at most 1000"):
             match(detections, rig, method=method)

@@ -18,7 +18,7 @@ from support.motions import swarm
 
 def found(matches, truth):
     """The groups of each frame as the points that their images show, in no order."""
-    return sorted((int(f), *sorted(truth[v[v >= 0]])) for f, v in zip(matches.frame, matches.view, strict=True))
+    return sorted((int(f), *sorted(truth[v[v >= 0]])) for f, v in zip(matches.frame, matches.detection, strict=True))
 
 
 def off_circles(rig, uv):
@@ -38,7 +38,7 @@ def test_clean_scenes_are_matched_as_by_competing_triplets(n_markers):
     detections, truth = observe(rig, points, noise=0.05)
     kiss, ours = match(detections, rig, method=KissTriplets()), match(detections, rig)
     assert found(kiss, truth) == found(ours, truth)
-    assert (kiss.n_views == 6).all()
+    assert (kiss.n_cameras == 6).all()
     assert kiss.cost.max() < 0.5
 
 
@@ -71,7 +71,7 @@ def test_no_more_than_so_many_candidates_are_considered_the_nearest_first(most):
     on_line = project(rig[1], point) + np.arange(-4, 4)[:, None] * 30 * along
     detections = seen_by(rig, [[project(rig[0], point)], on_line + offsets[:, None] * line[:2]])
     pairs = match(detections, rig, method=KissTriplets(candidates=most))
-    assert sorted(pairs.view[:, 1] - 1) == sorted(np.argsort(np.abs(offsets))[:most])
+    assert sorted(pairs.detection[:, 1] - 1) == sorted(np.argsort(np.abs(offsets))[:most])
 
 
 def test_images_beyond_the_band_are_no_candidates():
@@ -101,11 +101,11 @@ def test_every_group_holds_a_verified_triplet_even_among_noise():
     rig, points = ring(5, lens=IDEAL), swarm(n=25, frames=3)
     detections, _ = observe(rig, points, noise=1.0)
     matches = match(detections, rig, method=KissTriplets(search_radius=3.0))
-    assert (matches.n_views >= 3).sum() > 30
-    for view in matches.view[matches.n_views >= 3]:
-        cameras = np.flatnonzero(view >= 0)
+    assert (matches.n_cameras >= 3).sum() > 30
+    for detection in matches.detection[matches.n_cameras >= 3]:
+        cameras = np.flatnonzero(detection >= 0)
         verified = [
-            (off_circles(rig.select([rig.names[c] for c in three]), detections.uv[view[list(three)]]) < 3.0).all()
+            (off_circles(rig.select([rig.names[c] for c in three]), detections.uv[detection[list(three)]]) < 3.0).all()
             for three in combinations(cameras, 3)
         ]
         assert any(verified)
@@ -115,11 +115,11 @@ def test_matched_images_are_excluded():
     rig, points = ring(5), swarm(n=30, frames=3)
     detections, _ = observe(rig, points, noise=0.8)
     matches = match(detections, rig, method=KissTriplets())
-    images = matches.view[matches.n_views >= 3]
+    images = matches.detection[matches.n_cameras >= 3]
     images = images[images >= 0]
     assert len(np.unique(images)) == len(images)
     for c in range(5):
-        own = matches.view[:, c]
+        own = matches.detection[:, c]
         assert (detections.camera[own[own >= 0]] == c).all()
         assert (detections.frame[own[own >= 0]] == matches.frame[own >= 0]).all()
 
@@ -140,7 +140,7 @@ def test_an_image_that_fits_no_marker_joins_none():
     uv = detections.uv.copy()
     uv[2] += [6.0, 6.5]
     matches = match(replace(detections, uv=uv), rig, method=KissTriplets())
-    assert (matches.view[matches.n_views > 2] >= 0).tolist() == [[True, True, False, True, True]]
+    assert (matches.detection[matches.n_cameras > 2] >= 0).tolist() == [[True, True, False, True, True]]
 
 
 def test_two_cameras_make_a_marker_of_every_pair_ghosts_among_them():
@@ -165,7 +165,7 @@ def test_no_pairs_are_made_where_a_third_camera_contradicts_unless_asked():
     options = {"search_band": 50.0, "search_radius": 0.5}
     assert len(match(detections, rig, method=KissTriplets(**options))) == 0
     every = match(detections, rig, method=KissTriplets(**options, all_duals=True))
-    assert sorted(map(tuple, every.view >= 0)) == [(False, True, True), (True, False, True), (True, True, False)]
+    assert sorted(map(tuple, every.detection >= 0)) == [(False, True, True), (True, False, True), (True, True, False)]
 
 
 def distracted(off):
@@ -180,7 +180,7 @@ def distracted(off):
         foot = uv[3] - (line[:2] @ uv[3] + line[2]) * line[:2]
         distractors.append(foot + 60 * (c + 1) * np.array([-line[1], line[0]]) + off * line[:2])
     matches = match(seen_by(rig, [*(own[None] for own in uv[:3]), distractors]), rig, method=KissTriplets())
-    return [tuple(np.flatnonzero(view >= 0)) for view in matches.view[matches.n_views > 2]]
+    return [tuple(np.flatnonzero(detection >= 0)) for detection in matches.detection[matches.n_cameras > 2]]
 
 
 @pytest.mark.parametrize(("off", "groups"), [(1.5, [(0, 1, 2)]), (0.2, [(0, 1, 2)]), (0.001, [])])
@@ -196,8 +196,8 @@ def test_all_dual_combinations_add_pairs_and_leave_the_triplets():
     rig, points = ring(4), swarm(n=25, frames=5)
     detections, _ = observe(rig, points, noise=0.6)
     plain, every = (match(detections, rig, method=KissTriplets(all_duals=on)) for on in (False, True))
-    triplets = [sorted(map(tuple, m.view[m.n_views > 2])) for m in (plain, every)]
-    pairs = [set(map(tuple, m.view[m.n_views == 2])) for m in (plain, every)]
+    triplets = [sorted(map(tuple, m.detection[m.n_cameras > 2])) for m in (plain, every)]
+    pairs = [set(map(tuple, m.detection[m.n_cameras == 2])) for m in (plain, every)]
     assert triplets[0] == triplets[1]
     assert pairs[0] < pairs[1]
     assert sharing(every).sum() > sharing(plain).sum()
@@ -238,7 +238,7 @@ def test_every_method_groups_images_of_one_frame_one_a_camera(method):
     detections, truth = observe(rig, points, noise=0.1)
     matches = match(detections, rig, method=MATCH.make(method))
     assert sum(len(group) == 1 for group in groups_of(matches, truth)) >= 25
-    for c, own in enumerate(matches.view.T):
+    for c, own in enumerate(matches.detection.T):
         assert (detections.camera[own] == c).all()
         assert (detections.frame[own] == matches.frame).all()
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from kinemark.numerics.levenberg_marquardt import NIELSEN, Damping, Tries, damped_step, minimise, minimise_many
+from kinemark.numerics.levenberg_marquardt import NIELSEN, Damping, Iterates, damped_step, minimise, minimise_many
 from kinemark.numerics.robust import (
     MEDIAN_OF_NORMAL,
     SD_PER_MEDIAN,
@@ -21,7 +21,7 @@ from kinemark.numerics.runs import begins, equal_runs, true_runs, true_runs_of_r
 from kinemark.numerics.scaled import scaled_inverse, scaled_solution
 from kinemark.numerics.schur import BlockEquations, block_inverses, block_step, schur_complement
 from kinemark.numerics.small_matrices import inverse2, inverse3, solve2, solve3, solve3_entries
-from kinemark.numerics.vectors import across, cross, cross_matrix
+from kinemark.numerics.vectors import cross, cross_matrix, perpendicular_pair
 
 T = np.linspace(0, 2, 40)
 
@@ -50,8 +50,8 @@ class Decay(NamedTuple):
         return J.T @ J, J.T @ (self.data - value)
 
     def step(self, p, equations, damping):
-        step, promised = damped_step(*equations, damping)
-        return (p + step if abs(p[1] + step[1]) < self.most else None), promised
+        step, predicted = damped_step(*equations, damping)
+        return (p + step if abs(p[1] + step[1]) < self.most else None), predicted
 
 
 class Decays(NamedTuple):
@@ -62,7 +62,7 @@ class Decays(NamedTuple):
     def at(self, p, which):
         value, J = decay(p)
         off = self.data[which] - value
-        return Tries(p, (off**2).sum(1), (off, J))
+        return Iterates(p, (off**2).sum(1), (off, J))
 
     def step(self, which, now, damping):
         off, J = now.equations
@@ -71,7 +71,7 @@ class Decays(NamedTuple):
         step = np.linalg.solve(A + (damping[:, None] * D)[..., None] * np.eye(3), g[..., None])[..., 0]
         return self.at(now.parameters + step, which), (step * (g + damping[:, None] * D * step)).sum(1)
 
-    def settled(self, which, now, tried):
+    def converged(self, which, now, tried):
         return now.cost - tried.cost <= 1e-14 * now.cost
 
 
@@ -119,8 +119,8 @@ def test_the_unit_of_a_parameter_changes_nothing():
             return A * unit * unit[:, None], g * unit
 
         def step(self, p, equations, damping):
-            step, promised = damped_step(*equations, damping)
-            return p + step, promised
+            step, predicted = damped_step(*equations, damping)
+            return p + step, predicted
 
     for steps in (1, 3, 50):
         other = minimise(Other(data), START / unit, steps=steps)
@@ -141,8 +141,8 @@ def test_fixed_factors_change_the_damping_as_they_say():
     found = []
     for damping in (eager, held):
         values = []
-        for fell in (1.0, -1.0, -1.0, 1.0, 1.0):
-            damping = damping.after(fell, 1.0)
+        for decrease in (1.0, -1.0, -1.0, 1.0, 1.0):
+            damping = damping.after(decrease, 1.0)
             values.append(float(damping.value))
         found.append(values)
     assert found[0] == pytest.approx([0.1, 1, 10, 1, 0.1])
@@ -151,10 +151,10 @@ def test_fixed_factors_change_the_damping_as_they_say():
     assert many.take(np.array([False, True, True])).after(np.array([1.0, -1.0]), 1.0).value == pytest.approx([10, 100])
 
 
-def test_nielsens_damping_follows_what_was_promised():
-    assert [float(NIELSEN.after(fell, 1.0).value / NIELSEN.value) for fell in (1.0, 0.75, 0.5, 0.0)] == pytest.approx(
-        [0.1, 0.875, 1, 2]
-    )
+def test_nielsens_damping_follows_the_predicted_decrease():
+    assert [
+        float(NIELSEN.after(decrease, 1.0).value / NIELSEN.value) for decrease in (1.0, 0.75, 0.5, 0.0)
+    ] == pytest.approx([0.1, 0.875, 1, 2])
     failed = NIELSEN.after(-1.0, 1.0)
     assert float(failed.after(-1.0, 1.0).value / NIELSEN.value) == pytest.approx(8)
 
@@ -170,8 +170,8 @@ def test_what_a_step_promises_a_quadratic_keeps():
     rng = np.random.default_rng(0)
     J, r = rng.normal(size=(20, 4)), rng.normal(size=20)
     for damping in (0.0, 0.1, 10.0):
-        step, promised = damped_step(J.T @ J, J.T @ r, damping)
-        assert (r**2).sum() - ((r - J @ step) ** 2).sum() == pytest.approx(promised, rel=1e-12)
+        step, predicted = damped_step(J.T @ J, J.T @ r, damping)
+        assert (r**2).sum() - ((r - J @ step) ** 2).sum() == pytest.approx(predicted, rel=1e-12)
 
 
 # ---- Schur complement ----
@@ -193,10 +193,10 @@ def blocks(seed=0, n=7, D=3, Q=5):
 @pytest.mark.parametrize("damping", [0.0, 1e-3, 5.0])
 def test_blocks_give_the_step_of_the_whole(damping):
     equations, J, r = blocks()
-    whole, promised = damped_step(J.T @ J, J.T @ r, damping)
+    whole, predicted = damped_step(J.T @ J, J.T @ r, damping)
     delta, epsilon, mine = block_step(equations, damping)
     assert np.concatenate([delta, *(e.ravel() for e in epsilon)]) == pytest.approx(whole, rel=1e-9)
-    assert mine == pytest.approx(promised, rel=1e-10)
+    assert mine == pytest.approx(predicted, rel=1e-10)
 
 
 def test_the_schur_complement_inverts_to_the_covariance_of_what_is_shared():
@@ -257,7 +257,7 @@ def test_vectors_across():
     assert cross(a, b) == pytest.approx(np.cross(a, b))
     assert (cross_matrix(a) @ b[..., None])[..., 0] == pytest.approx(np.cross(a, b))
     ahead = a / np.linalg.norm(a, axis=1, keepdims=True)
-    base = np.concatenate([ahead[..., None], across(ahead)], -1)
+    base = np.concatenate([ahead[..., None], perpendicular_pair(ahead)], -1)
     assert base.mT @ base == pytest.approx(np.tile(np.eye(3), (20, 1, 1)), abs=1e-12)
 
 

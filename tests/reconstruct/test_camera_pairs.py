@@ -34,7 +34,7 @@ def volume(n, reach=(900.0, 400.0, 600.0), seed=1):
 
 def kept(rig, matches, detections):
     """{pair of cameras: share of the points in whose mean it is}."""
-    each = solutions(rig, detections.uv[matches.view])
+    each = solutions(rig, detections.uv[matches.detection])
     share = agreeing(each, np.full(len(each), len(rig))).mean(0)
     return dict(zip(combinations(range(len(rig)), 2), share, strict=True))
 
@@ -141,7 +141,7 @@ def test_two_cameras_give_the_linear_solution_which_is_nearly_least_squares():
     rig, xyz = ring(2, sweep_deg=80, distortion=LENS), volume(500)
     matches, detections = seen(rig, xyz, noise=0.3)
     pairs, squares = (reconstruct(matches, detections, rig, method=m) for m in (CameraPairs(), LeastSquares()))
-    ideal = np.stack([undistort(camera, detections.uv[matches.view[:, c]]) for c, camera in enumerate(rig)], 1)
+    ideal = np.stack([undistort(camera, detections.uv[matches.detection[:, c]]) for c, camera in enumerate(rig)], 1)
     np.testing.assert_allclose(pairs.xyz, triangulate(ideal, rig.P), atol=1e-6)
     apart = np.linalg.norm(pairs.xyz - squares.xyz, axis=1)
     assert np.median(apart) < 0.05 * np.median(error(squares, xyz))
@@ -160,7 +160,7 @@ def test_the_order_of_cameras_plays_no_part():
     order = [3, 0, 4, 1, 2]
     turned = Rig(tuple(rig[c] for c in order))
     a = reconstruct(matches, detections, rig, method=CameraPairs())
-    b = reconstruct(replace(matches, view=matches.view[:, order]), detections, turned, method=CameraPairs())
+    b = reconstruct(replace(matches, detection=matches.detection[:, order]), detections, turned, method=CameraPairs())
     for name in ("xyz", "cov", "residual"):
         np.testing.assert_allclose(getattr(a, name), getattr(b, name), rtol=1e-6, atol=1e-6)
 
@@ -168,16 +168,16 @@ def test_the_order_of_cameras_plays_no_part():
 def test_missing_images_leave_the_pairs_that_see_the_point():
     rig, xyz = ring(5), volume(60)
     matches, detections = seen(rig, xyz)
-    view = matches.view.copy()
-    view[:20, 0] = -1  # four cameras
-    view[20:40, :3] = -1  # two
-    view[40:, :4] = -1  # one: no position (UM²AS eq. 2.6)
-    cloud = reconstruct(replace(matches, view=view), detections, rig, method=CameraPairs())
+    detection = matches.detection.copy()
+    detection[:20, 0] = -1  # four cameras
+    detection[20:40, :3] = -1  # two
+    detection[40:, :4] = -1  # one: no position (UM²AS eq. 2.6)
+    cloud = reconstruct(replace(matches, detection=detection), detections, rig, method=CameraPairs())
     assert (cloud.frame == np.arange(40)).all()
     four, two = rig.select(rig.names[1:]), rig.select(rig.names[3:])
-    fewer = reconstruct(replace(matches, view=view[:, 1:]), detections, four, method=CameraPairs())
+    fewer = reconstruct(replace(matches, detection=detection[:, 1:]), detections, four, method=CameraPairs())
     np.testing.assert_allclose(cloud.xyz[:20], fewer.xyz[:20], atol=1e-9)
-    pair = reconstruct(replace(matches, view=view[:, 3:]), detections, two, method=CameraPairs())
+    pair = reconstruct(replace(matches, detection=detection[:, 3:]), detections, two, method=CameraPairs())
     np.testing.assert_allclose(cloud.xyz[20:], pair.xyz[20:40], atol=1e-9)
     np.testing.assert_allclose(cloud.cov[20:], pair.cov[20:40], rtol=1e-9)
 
@@ -208,7 +208,7 @@ def test_the_covariance_is_that_of_differences():
     rig, xyz = ring(4, distortion=LENS), volume(1000)
     matches, detections = seen(rig, xyz, noise=0.02)
     cloud = reconstruct(matches, detections, rig, method=CameraPairs(model_sd=0.0))
-    uv = detections.uv[matches.view]
+    uv = detections.uv[matches.detection]
     use = agreeing(solutions(rig, uv), np.full(1000, 4))[..., None]
     expected, step = np.zeros((1000, 3, 3)), 1e-3
     for c, axis in np.ndindex(4, 2):

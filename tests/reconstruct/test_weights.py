@@ -36,7 +36,9 @@ def test_a_wild_image_never_makes_a_point_surer():
     plain, robust = (
         reconstruct(matches, wild, RIG, method=LeastSquares(degrees_of_freedom=tails)) for tails in (0.0, 4.0)
     )
-    others = reconstruct(replace(matches, view=np.where(np.arange(6) == 2, -1, matches.view)), detections, RIG)
+    others = reconstruct(
+        replace(matches, detection=np.where(np.arange(6) == 2, -1, matches.detection)), detections, RIG
+    )
     assert len(plain) == len(robust) == len(others)
     assert (traces(robust) > 0.95 * traces(plain)).all()
     assert (traces(robust) > 0.95 * traces(others)).all() and (traces(robust) < 1.3 * traces(others)).all()

@@ -10,7 +10,7 @@ from kinemark.report.words import decisions as words
 
 def ambiguous_table(decisions, *, listed):
     """The table as the page has it."""
-    return str(environment().get_template("pieces.html").module.table(plain_table(decisions, listed=listed)))
+    return str(environment().get_template("macros.html").module.table(plain_table(decisions, listed=listed)))
 
 
 def decision(kind, at, who, reason, **values):

@@ -95,7 +95,7 @@ def test_curves_at_equal_steps_keep_extremes_and_their_time(n):
 
 def test_tables_fold_and_count_what_they_leave_out():
     def rows(n):
-        module = environment().get_template("pieces.html").module
+        module = environment().get_template("macros.html").module
         return str(module.table(Table(["name", "value"], [[f"row {k}", str(k)] for k in range(n)])))
 
     assert "unfold" not in rows(25) and 'class="more"' not in rows(25)

@@ -39,6 +39,6 @@ def test_markup_in_names_stays_text():
 
 @pytest.mark.parametrize("name", ["x" * 80, "Subject with a long name:marker with a long name, left side"])
 def test_tables_have_names_whole(name):
-    html = str(environment().get_template("pieces.html").module.table(Table(["name"], [[name]])))
+    html = str(environment().get_template("macros.html").module.table(Table(["name"], [[name]])))
     style = environment().get_template("frame.html").render(library=None, heading="h", below="b", nav={})
     assert name in html and "ellipsis" not in style

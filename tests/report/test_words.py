@@ -11,10 +11,23 @@ from hypothesis import strategies as st
 
 from kinemark.data import KINDS, SEVERITIES, Finding, make_finding
 from kinemark.fill.fill import GapState
+from kinemark.io.notes import FileNote, Kind, file_note_text
 from kinemark.report.page import page
 from kinemark.report.terminal_summary import summary
-from kinemark.report.words import WORDS, advice_of, headline_of, open_gap_text, sentences_of, text_of, with_words
+from kinemark.report.words import (
+    SOURCE_ADVICE,
+    WORDS,
+    advice_of,
+    evidence_text,
+    headline_of,
+    open_gap_text,
+    sentences_of,
+    text_of,
+    with_words,
+)
+from kinemark.report.words.error_sources import EVIDENCE
 from kinemark.report.words.template import Words, fill, listed, shown
+from kinemark.sensitivity.ranked_sources import Evidence
 from support.captures import capture, judge, ring, walk
 from support.findings import found
 
@@ -45,6 +58,24 @@ def findings(draw, kind):
 def test_every_kind_has_words_and_every_words_a_kind():
     assert set(WORDS) == set(KINDS)
     assert not any(RESERVED & set(kind.values) for kind in KINDS.values())
+
+
+def test_a_source_of_error_says_how_it_is_known():
+    assert set(EVIDENCE) == set(get_args(Evidence))
+    for source, evidence in zip(SOURCE_ADVICE, EVIDENCE, strict=False):
+        row = {"source": source, "mm": 5.0, "evidence": evidence}
+        assert evidence_text(row) and with_words([row]) == [row | {"evidence_text": evidence_text(row)}]
+    assert evidence_text({"evidence": "usual_placement", "mm": 5.000000001}) == "assumed, 5 mm along each axis"
+    assert evidence_text({"evidence": "usual_placement", "mm": None})
+
+
+@pytest.mark.parametrize("kind", get_args(Kind))
+def test_a_note_on_a_file_names_what_it_is_about(kind):
+    values = {"rate_hz": 333.0, "stored_rate_hz": 500.0, "seconds": 0.25}
+    text = file_note_text(FileNote(kind, "signals", ("a", "b"), values))
+    assert "signals a, b" in text and text.endswith(".") and "{" not in text
+    assert ("333 to 500 Hz" in text) == (kind == "resampled") and ("0.25 s" in text) == (kind == "cut")
+    assert file_note_text(FileNote("read", "no rate stated.")) == "in the source: no rate stated."
 
 
 @pytest.mark.parametrize("kind", KINDS)

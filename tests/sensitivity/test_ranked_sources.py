@@ -58,7 +58,7 @@ def test_of_what_is_stated_and_what_residuals_show_the_greater_counts():
     sure = replace(believed, cameras=tuple(replace(camera, cov=1e-12 * np.eye(15)) for camera in believed))
     ranking = rank(sure, recorded(sure, moved_cameras(believed), noise=0.05))
     source = next(s for s in ranking.sources if s.name == "calibration")
-    assert "residuals" in source.origin
+    assert source.evidence == "residuals_of_cameras"
     assert typical(source.mm) == pytest.approx(ranking.shown_mm) and ranking.shown_mm > 100 * ranking.stated_mm
 
 
@@ -76,9 +76,9 @@ def test_a_named_part_of_a_recording_begins_at_its_first_frame():
     uv = np.stack([project(camera, xyz) for camera in rig], 2)  # (M, F, C, 2)
     seen = Detections.build(rig.names, RATE, np.full((3, 60), 8), uv.transpose(2, 1, 0, 3).reshape(-1, 2))
     frame, marker = (each.ravel() for each in np.mgrid[:60, :8])
-    view = np.stack([c * 480 + frame * 8 + marker for c in range(3)], 1)
+    detection = np.stack([c * 480 + frame * 8 + marker for c in range(3)], 1)
     places = xyz[marker, frame]
-    cloud = Cloud(RATE, np.arange(61) * 8, places, np.tile(np.eye(3), (480, 1, 1)), np.zeros(480), view)
+    cloud = Cloud(RATE, np.arange(61) * 8, places, np.tile(np.eye(3), (480, 1, 1)), np.zeros(480), detection)
     part = Trajectories(
         tuple(MarkerTrajectory.measured(f"M{m}", p[20:50]) for m, p in enumerate(xyz)), RATE, first_frame=21
     )

@@ -67,7 +67,7 @@ def test_differences_are_those_of_the_definition():
 
 def test_some_sequences_of_a_template_are_those_of_the_whole():
     phase = np.linspace(-1, 2, 50)
-    some = TEMPLATE.some(np.array([2, 0]))
+    some = TEMPLATE.select(np.array([2, 0]))
     np.testing.assert_array_equal(some(phase), TEMPLATE(phase)[:, [2, 0]])
     np.testing.assert_array_equal(some.slope(phase), TEMPLATE.slope(phase)[:, [2, 0]])
 

@@ -47,10 +47,10 @@ def capture(rig, xyz, offset=None, sd=0.5, names=None):
     uv = [project(camera, points) + (0 if offset is None else offset[c]) for c, camera in enumerate(rig)]
     counts = np.tile(seen.sum(0), (len(rig), 1))
     detections = Detections.build(rig.names, RATE, counts, np.concatenate([np.zeros((0, 2)), *uv]))
-    view = np.arange(len(points))[:, None] + len(points) * np.arange(len(rig))
+    detection = np.arange(len(points))[:, None] + len(points) * np.arange(len(rig))
     cov = np.broadcast_to(sd**2 * np.eye(3), (len(points), 3, 3))
     start = np.concatenate([[0], np.cumsum(seen.sum(0))])
-    tracks = Tracks(Cloud(RATE, start, points, cov, np.zeros(len(points)), view), marker)
+    tracks = Tracks(Cloud(RATE, start, points, cov, np.zeros(len(points)), detection), marker)
     known = {"cov": np.broadcast_to(sd**2 * np.eye(3), (F, 3, 3)), "cameras": np.full(F, 2 ** len(rig) - 1)}
     paths = [MarkerTrajectory.measured(names[m] if names else f"m{m}", xyz[m], **known) for m in range(M)]
     return {"detections": detections, "tracks": tracks, "trajectories": Trajectories(tuple(paths), RATE)}

@@ -8,7 +8,7 @@ from kinemark.track.simultaneous.neighbouring_points import TrackPoints
 
 def groups_of(matches, truth):
     """For every group, the set of points that its images show."""
-    return [set(truth[view[view >= 0]]) for view in matches.view]
+    return [set(truth[detection[detection >= 0]]) for detection in matches.detection]
 
 
 def tracks(xyz, identity, sd=1.0):
@@ -22,7 +22,7 @@ def tracks(xyz, identity, sd=1.0):
         xyz=points,
         cov=np.tile(np.eye(3) * sd**2, (len(points), 1, 1)),
         residual=np.zeros(len(points)),
-        view=np.full((len(points), 2), -1),
+        detection=np.full((len(points), 2), -1),
     )
     return Tracks(cloud, np.asarray(identity)[marker, frame])
 
@@ -39,8 +39,10 @@ def cloud_and_markers(xyz, seen=None, *, rate=30.0, order=None, cov=1.0):
     points = np.concatenate([xyz[own, f] for f, own in enumerate(rows)])
     n = len(points)
     start_of = np.concatenate([[0], np.cumsum([len(own) for own in rows])])
-    view = np.full((n, 2), -1)
-    return Cloud(rate, start_of, points, np.tile(cov * np.eye(3), (n, 1, 1)), np.zeros(n), view), np.concatenate(rows)
+    detection = np.full((n, 2), -1)
+    return Cloud(rate, start_of, points, np.tile(cov * np.eye(3), (n, 1, 1)), np.zeros(n), detection), np.concatenate(
+        rows
+    )
 
 
 def cloud_of(points, rate=50.0, order=None):

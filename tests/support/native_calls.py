@@ -102,8 +102,14 @@ def information(rng):
     uv, J, _ = native.project(*arrays.values())
     C, _, n = uv.shape
     D = int(rng.integers(1, 30))
-    row = rng.integers(-1, D, (C, n))
-    asked = {"uv": uv, "J": J, "row": row, "variance": rng.uniform(0.01, 1, (C, n)), "images": rng.normal(0, 9, (D, 2))}
+    detection = rng.integers(-1, D, (C, n))
+    asked = {
+        "uv": uv,
+        "J": J,
+        "detection": detection,
+        "variance": rng.uniform(0.01, 1, (C, n)),
+        "images": rng.normal(0, 9, (D, 2)),
+    }
     return Call(native.information, asked, {})
 
 
@@ -162,9 +168,9 @@ def intersect(rng):
     n = int(rng.integers(0, 12))
     P = cameras(rng, 5)
     uv = native.project(P, rng.uniform(-900, 900, (3, n)), np.zeros((3, 3, n)))[0] + rng.normal(0, 0.2, (5, 2, n))
-    uv, view = uv.swapaxes(1, 2).reshape(-1, 2), np.arange(5 * n).reshape(5, n)
-    view[rng.permuted(np.tile(np.arange(5) < rng.integers(0, 3), (n, 1)).T, axis=0)] = -1
-    asked = {"P": P, "uv": uv, "variance": rng.uniform(0.01, 1, 5 * n), "view": view}
+    uv, detection = uv.swapaxes(1, 2).reshape(-1, 2), np.arange(5 * n).reshape(5, n)
+    detection[rng.permuted(np.tile(np.arange(5) < rng.integers(0, 3), (n, 1)).T, axis=0)] = -1
+    asked = {"P": P, "uv": uv, "variance": rng.uniform(0.01, 1, 5 * n), "detection": detection}
     return Call(native.intersect, asked | {"camera": np.repeat(np.arange(5)[:, None], n, axis=1)}, {})
 
 

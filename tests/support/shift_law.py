@@ -122,7 +122,7 @@ def _(limbs: Capsules, by):
 
 @moved.register
 def _(sticks: Sticks, by):
-    return replace(sticks, middle=sticks.middle + by)
+    return replace(sticks, centre=sticks.centre + by)
 
 
 def leaves(value, name="answer"):

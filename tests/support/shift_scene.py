@@ -16,7 +16,7 @@ from support.shift_law import on_grid
 
 @cache
 def walk(duration=2.4, rate=50.0):
-    subject = synth.dressed(synth.walking(duration_s=duration, rate=rate, seed=2, wobble_mm=1.0), 16, seed=2)
+    subject = synth.with_markers(synth.walking(duration_s=duration, rate=rate, seed=2, wobble_mm=1.0), 16, seed=2)
     limbs = subject.capsules
     limbs = replace(limbs, a=on_grid(limbs.a), b=on_grid(limbs.b))
     return replace(subject, xyz=on_grid(subject.xyz), capsules=limbs)

@@ -56,22 +56,22 @@ def _(by):
     found = geometry.refine(cameras, guess, uv, cov)
     one = cameras[1]
     rest = geometry.distort(one, ideal[:, 1]), geometry.rays(one, uv[:, 1]), geometry.normalised(one, uv[:, 1])
-    return Answer((guess, found.xyz), (found.cov, found.off, ideal, rest))
+    return Answer((guess, found.xyz), (found.cov, found.residual, ideal, rest))
 
 
 @law(
-    geometry.about,
+    geometry.camera_about,
     geometry.rig_about,
     geometry.joint_about,
-    geometry.near_middle,
+    geometry.origin_near,
     geometry.parameters_about,
     share=OPEN,
 )
 def _(by):
     cameras, xyz = moved(rig(), by), POINTS + by
-    origin = geometry.near_middle(xyz)
+    origin = geometry.origin_near(xyz)
     near, joint = geometry.rig_about(cameras, origin), quality.block_diagonal(cameras)
-    one = geometry.about(cameras[0], origin)
+    one = geometry.camera_about(cameras[0], origin)
     assert np.allclose(one.cov, near[0].cov)
     spread = geometry.joint_about(cameras, joint, origin)
     return Answer(origin, (near.centres, near.volume, geometry.project_all(near, xyz - origin), spread))
@@ -174,7 +174,7 @@ def _(by):
 )
 def _(by):
     there, few = moved(frame(), by), Rig(true_rig().cameras[:2])
-    seen = synth.observe(few, synth.hung(frame()), noise_px=0.05, seed=2).detections
+    seen = synth.observe(few, synth.rods_subject(frame()), noise_px=0.05, seed=2).detections
     sizes = [camera.size for camera in few]
     fit = control_frame.control_frame_quality(seen, there, sizes=sizes)
     uv = seen.uv[seen.rows(0, 0)]

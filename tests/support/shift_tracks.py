@@ -52,7 +52,7 @@ OF_DETECTIONS = {"simultaneous": Simultaneous(), "former_two_cameras": FormerTwo
 def _(by, parameter):
     seen = first_cameras(2) if isinstance(parameter, FormerTwoCameras) else observed().detections
     found = kinemark.track_detections(seen, moved(rig().select(seen.cameras), by), method=parameter)
-    return Answer(found.cloud.xyz, (found.id, found.cloud.cov, found.cloud.residual, found.cloud.view))
+    return Answer(found.cloud.xyz, (found.id, found.cloud.cov, found.cloud.residual, found.cloud.detection))
 
 
 @law(
@@ -94,10 +94,10 @@ def _(by):
     return Answer([frame.xyz for frame in found.expected], (found.by, expected, ids))
 
 
-@law(swamidas.start, swamidas.predict, swamidas.update)
+@law(swamidas.initial_state, swamidas.predict, swamidas.update)
 def _(by):
     past = walk().xyz[:5, 2::-1] + by
-    state = swamidas.predict(swamidas.start(past, 0.5, 0.1), 0.1)
+    state = swamidas.predict(swamidas.initial_state(past, 0.5, 0.1), 0.1)
     state = swamidas.update(state, walk().xyz[:5, 5:2:-1] + by, np.arange(5) < 3, 0.5, 0.1)
     return Answer(state.x[:, 0], (state.x[:, 1:], state.P))
 

@@ -11,12 +11,12 @@ from kinemark.synth import (
     Subject,
     control_frame,
     from_trajectories,
-    hung,
     look_at,
     observe,
     render,
     ring,
-    still,
+    rods_subject,
+    stationary,
     truth,
     walking,
 )
@@ -89,7 +89,7 @@ def test_dropout_takes_its_share():
 def test_near_images_run_together_at_the_mean_weighted_by_area():
     camera = look_at("c", (0, -3000, 0), (0, 0, 0), focal_px=1000)
     rig = type(RIG)((camera,))
-    pair = still(("far", "near", "other"), [[0, 0, 0], [3, -600, 0], [300, 0, 0]], radius_mm=[20, 8, 8])
+    pair = stationary(("far", "near", "other"), [[0, 0, 0], [3, -600, 0], [300, 0, 0]], radius_mm=[20, 8, 8])
     observed = observe(rig, pair, noise_px=0.0, merge_px=5.0)
     assert sorted(zip(observed.marker, observed.merged, strict=True)) == [(1, 2), (2, 1)]
     uv, area = observed.sight.uv[0, :2, 0], observed.sight.area[0, :2, 0]
@@ -100,7 +100,7 @@ def test_near_images_run_together_at_the_mean_weighted_by_area():
 
 def test_chains_of_near_images_are_one():
     camera = look_at("c", (0, -1000, 0), (0, 0, 0), focal_px=1000)
-    row = still(tuple("abcd"), [[0, 0, 0], [4, 0, 0], [8, 0, 0], [30, 0, 0]], radius_mm=1.0)
+    row = stationary(tuple("abcd"), [[0, 0, 0], [4, 0, 0], [8, 0, 0], [30, 0, 0]], radius_mm=1.0)
     observed = observe(type(RIG)((camera,)), row, merge_px=5.0)
     assert sorted(observed.merged) == [1, 3]
     np.testing.assert_array_equal(observed.detections.merged, observed.merged > 1)
@@ -158,14 +158,14 @@ def test_visible_share_agrees_with_rendered_light():
 
 def test_absent_outside_and_behind_are_not_seen():
     camera = look_at("c", (0, -3000, 0), (0, 0, 0))
-    places = still(tuple("abcd"), [[0, 0, 0], [np.nan] * 3, [5000, 0, 0], [0, -4000, 0]], radius_mm=10.0)
+    places = stationary(tuple("abcd"), [[0, 0, 0], [np.nan] * 3, [5000, 0, 0], [0, -4000, 0]], radius_mm=10.0)
     assert truth(type(RIG)((camera,)), places).visible[0, :, 0].tolist() == [1, 0, 0, 0]
     gone = from_trajectories(places.trajectories)
     assert observe(type(RIG)((camera,)), gone).marker.tolist() == [0]
 
 
 def test_control_frame_is_wholly_seen():
-    observed = observe(RIG, hung(control_frame()))
+    observed = observe(RIG, rods_subject(control_frame()))
     assert (observed.detections.counts == 24).all()
 
 

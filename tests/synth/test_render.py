@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.geometry import distort, project, to_camera
-from kinemark.synth import Capsules, Optics, film, interlace, look_at, render, ring, sphere_ellipse, still, walking
+from kinemark.synth import Capsules, Optics, film, interlace, look_at, render, ring, sphere_ellipse, stationary, walking
 from kinemark.synth.sphere_image import sphere_outline
 
 DARK = Optics(background=0.0, read_noise=0.0, blur_px=0.0, brightness=200.0)
@@ -141,7 +141,7 @@ def test_noise_has_the_asked_level_and_saturation_holds():
 
 
 def test_a_film_is_reproducible_and_its_noise_independent_between_frames():
-    subject = still(("m",), [[0, 0, 1000.0]], radius_mm=80.0, n_frames=4)
+    subject = stationary(("m",), [[0, 0, 1000.0]], radius_mm=80.0, n_frames=4)
     films = [np.array(list(film(CAMERA, subject, seed=seed))) for seed in (5, 5, 6)]
     assert np.array_equal(films[0], films[1]) and not np.array_equal(films[0], films[2])
     lit = films[0][:, 502:522, 630:650].reshape(4, -1).astype(float)

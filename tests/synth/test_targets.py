@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 from kinemark.geometry import project
-from kinemark.synth import VOLUME, calibration_box, control_frame, dot_grid, hung, look_at, ring, rods_toml, still
+from kinemark.synth import (
+    VOLUME,
+    calibration_box,
+    control_frame,
+    dot_grid,
+    look_at,
+    ring,
+    rods_subject,
+    rods_toml,
+    stationary,
+)
 
 
 def cross_ratios(along):
@@ -42,7 +52,7 @@ def test_images_keep_the_cross_ratios():
 
 @pytest.mark.parametrize("n", [3, 4, 5, 6, 8])
 def test_no_camera_of_a_ring_sees_two_markers_of_the_frame_as_one(n):
-    frame = hung(control_frame()).xyz[:, 0]
+    frame = rods_subject(control_frame()).xyz[:, 0]
     for camera in ring(n):
         uv = project(camera, frame)
         apart = np.linalg.norm(uv[:, None] - uv, axis=-1) + 1e3 * np.eye(24)
@@ -58,7 +68,7 @@ def test_rods_as_toml_are_the_rods():
 
 def test_rods_as_something_to_look_at():
     rods = control_frame()
-    seen = hung(rods)
+    seen = rods_subject(rods)
     assert seen.names[6:8] == ("B1", "B2") and len(seen) == 24
     assert np.array_equal(seen.xyz[:, 0], rods.xyz.reshape(-1, 3))
     assert (seen.radius_mm == 12.5).all()
@@ -87,6 +97,6 @@ def test_dots_read_in_order_from_the_top_left():
         dot_grid(0, 4)
 
 
-def test_still_things_stay():
-    thing = still(("a", "b"), [[1, 2, 3], [4, 5, 6]], radius_mm=[5, 6], n_frames=7)
+def test_stationary_points_stay():
+    thing = stationary(("a", "b"), [[1, 2, 3], [4, 5, 6]], radius_mm=[5, 6], n_frames=7)
     assert thing.xyz.shape == (2, 7, 3) and np.ptp(thing.xyz, axis=1).max() == 0

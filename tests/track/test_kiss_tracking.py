@@ -147,7 +147,7 @@ def test_blending_does_not_depend_on_the_direction_of_time():
     c = forward.cloud
     rows = np.argsort(-c.frame, kind="stable")
     start = np.concatenate([[0], np.cumsum(np.diff(c.start)[::-1])])
-    reverse = Cloud(c.rate, start, c.xyz[rows], c.cov[rows], c.residual[rows], c.view[rows])
+    reverse = Cloud(c.rate, start, c.xyz[rows], c.cov[rows], c.residual[rows], c.detection[rows])
     backward = Tracks(reverse, forward.id[rows])
     assert len(blend(forward)) < len(forward)
     assert partition(blend(forward), tuple) == partition(blend(backward), tuple)

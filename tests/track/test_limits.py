@@ -9,7 +9,7 @@ from kinemark.data import Tracks
 from kinemark.signal import gain
 from kinemark.synth.score import score
 from kinemark.track import DistanceOnly, ExtrapolationLadder, KissTracking, Swamidas, blend, track
-from kinemark.track.swamidas import Constraint, follow_points, start, track_distance, track_swamidas, update
+from kinemark.track.swamidas import Constraint, follow_points, initial_state, track_distance, track_swamidas, update
 from kinemark.track.swamidas.active_tracks import advance, initiate, no_tracks
 from kinemark.track.swamidas.constraints import PredictedPoints, match_points
 from kinemark.track.swamidas.segments import LearnedSegments, allowed_points
@@ -121,11 +121,11 @@ def test_after_a_gap_the_positions_before_are_no_measurements():
     active = initiate(no_tracks(), np.array([0]), np.zeros((1, 3)))
     here, nothing = np.array([0]), np.array([-1])
     for k in (1, 2, 3):
-        active = advance(active, here, np.full((1, 3), 10.0 * k), sd=1.0, jump=0.1)
+        active = advance(active, here, np.full((1, 3), 10.0 * k), sd=1.0, process_sd=0.1)
     assert (active.seen[0], active.going[0]) == (3, True)
-    active = advance(active, nothing, np.zeros((0, 3)), sd=1.0, jump=0.1)
+    active = advance(active, nothing, np.zeros((0, 3)), sd=1.0, process_sd=0.1)
     for wanted in (1, 2, 3, 3):
-        active = advance(active, here, np.full((1, 3), 50.0), sd=1.0, jump=0.1)
+        active = advance(active, here, np.full((1, 3), 50.0), sd=1.0, process_sd=0.1)
         assert (active.seen[0], active.missed[0]) == (wanted, 0)
 
 
@@ -168,11 +168,11 @@ def test_predictions_are_the_filters_with_the_jerk_of_a_frame():
     paths = parabolas(n=1, frames=12) + np.random.default_rng(1).normal(scale=2.0, size=(1, 12, 3))
     cloud, _ = swamidas_cloud(paths, rate=rate)
     expected = follow_points(cloud, method=method).expected
-    jump = method.jerk / rate**3  # U = jerk · T³
-    state = start(paths[:, [2, 1, 0]], 2.0, jump)
+    process_sd = method.jerk / rate**3  # U = jerk · T³
+    state = initial_state(paths[:, [2, 1, 0]], 2.0, process_sd)
     for f in range(3, 12):
         assert expected[f].xyz == pytest.approx(state.x[:, 0], abs=1e-9)
-        state = update(state, paths[:, [f, f - 1, f - 2]], np.array([True]), 2.0, jump)
+        state = update(state, paths[:, [f, f - 1, f - 2]], np.array([True]), 2.0, process_sd)
 
 
 @pytest.mark.parametrize(("within", "tracks"), [(0.04, 1), (0.0, 2)])

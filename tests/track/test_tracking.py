@@ -27,10 +27,10 @@ def test_every_marker_is_matched_and_no_image_is_used_twice(n_cameras):
     groups = groups_of(matches, truth)
     right = [group for group in groups if len(group) == 1]
     assert len(right) >= 0.97 * 15 * 5
-    used = matches.view[matches.view >= 0]
+    used = matches.detection[matches.detection >= 0]
     assert len(np.unique(used)) == len(used)
     for c in range(n_cameras):
-        own = matches.view[:, c]
+        own = matches.detection[:, c]
         assert (detections.camera[own[own >= 0]] == c).all()
         assert (detections.frame[own[own >= 0]] == matches.frame[own >= 0]).all()
 
@@ -45,7 +45,9 @@ def test_matching_does_not_depend_on_the_order_of_cameras_or_of_images():
     truth_b = truth_b[np.concatenate(rows)]
 
     def found(matches, truth):
-        return sorted((int(f), *sorted(truth[v[v >= 0]])) for f, v in zip(matches.frame, matches.view, strict=True))
+        return sorted(
+            (int(f), *sorted(truth[v[v >= 0]])) for f, v in zip(matches.frame, matches.detection, strict=True)
+        )
 
     assert found(one, truth_a) == found(other, truth_b)
 
@@ -81,8 +83,8 @@ def test_an_image_that_fits_no_marker_joins_none():
     detections, _ = observe(rig, points)
     uv = detections.uv.copy()
     uv[2] += [4.0, 4.5]
-    view = match(replace(detections, uv=uv), rig).view[0]
-    assert (view >= 0).tolist() == [True, True, False, True, True]
+    detection = match(replace(detections, uv=uv), rig).detection[0]
+    assert (detection >= 0).tolist() == [True, True, False, True, True]
 
 
 @pytest.mark.parametrize("frames", [0, 1])

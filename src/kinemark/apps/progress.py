@@ -27,7 +27,7 @@ class ProgressLines:
     ) -> None:
         self._write, self._clock, self._every = write, clock, every
         self._stage, self._before = "", 0
-        self._began = self._told = clock()
+        self._began = self._last_line = clock()
 
     def __call__(self, stage: str, done: int, total: int) -> None:
         """Hear of a step."""
@@ -35,8 +35,8 @@ class ProgressLines:
         if stage != self._stage or done < self._before:
             self._stage, self._began = stage, now
         self._before = done
-        if now - self._told >= self._every:
-            self._told = now
+        if now - self._last_line >= self._every:
+            self._last_line = now
             self._write(f"{stage}: {done} of {total}{self._left(done, total, now)}")
 
     def _left(self, done: int, total: int, now: float) -> str:
@@ -48,7 +48,7 @@ class ProgressLines:
 
 @contextmanager
 def progress() -> Iterator[Progress]:
-    """Shows what it is told on the error stream."""
+    """Shows progress on the error stream."""
     if not errors().is_terminal:
         yield ProgressLines(lambda line: errors().print(line, markup=False, highlight=False, soft_wrap=True))
         return

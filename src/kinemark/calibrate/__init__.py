@@ -4,10 +4,11 @@ control_points/   cameras from surveyed points: fit, refusals, errors left out, 
 control_frame/    the hanging rods, recognised in an image
 wand/, bundle/    a stick with markers, all cameras at once
 quality/          how exactly a rig places markers, where, and without which camera
-linearisation, lens_choice, plane_views, grid, lattice, chessboard, aspect   lenses from plane grids; aspect ratio
+lens/             lenses from plane grids and chessboards
+aspect            aspect ratio of the pixels
 reference_marker  shifts of the images since the calibration
 resection         least squares of one camera
-world             turning and scaling a rig into the laboratory
+world_frame       turning and scaling a rig into the laboratory
 assign            which dot is which point of a known body, from a few that were picked by hand
 """
 

@@ -132,8 +132,8 @@ class _Resection:
 
     def step(self, camera: Camera, equations: tuple[Floats, Floats], damping: float) -> tuple[Camera, float]:
         """The camera after the step δ."""
-        step, promised = damped_step(*equations, damping)
-        return moved(camera, self.free, step, tied=self.tied), promised
+        step, predicted = damped_step(*equations, damping)
+        return moved(camera, self.free, step, tied=self.tied), predicted
 
 
 def _covariance(

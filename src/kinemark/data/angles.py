@@ -25,7 +25,7 @@ class Angles:
         deg: (J, F, 3) deg, NaN where missing.
         cov: (J, F, 3, 3) deg², NaN where unknown.
         rate: Hz.
-        locked: (J, F) whether the first and third turn are not told apart (gimbal lock); False where not given.
+        locked: (J, F) whether the first and third turn cannot be distinguished (gimbal lock); False where not given.
     """
 
     joints: tuple[str, ...]

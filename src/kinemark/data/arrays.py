@@ -36,7 +36,7 @@ def check_offsets(name: str, start: NDArray[np.int64], total: int) -> None:
     """Offsets along the last axis must begin anywhere, never fall, and end the flat columns.
 
     Raises:
-        ValueError: the offsets do not cut `total` rows into consecutive pieces.
+        ValueError: the offsets do not cut `total` rows into consecutive parts.
     """
     flat = start.reshape(-1)
     if start.ndim == 2 and (start[1:, :1] != start[:-1, -1:]).any():

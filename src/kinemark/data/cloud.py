@@ -20,8 +20,7 @@ class Cloud:
         xyz: (P, 3) mm.
         cov: (P, 3, 3) mm².
         residual: (P) RMS reprojection error, px.
-        view: (P, C) detection index of each camera: the row of its image in `Detections`; −1 where it does not see
-            the point.
+        detection: (P, C) index in `Detections` of the image in each camera; −1 where it does not see the point.
     """
 
     rate: float
@@ -29,7 +28,7 @@ class Cloud:
     xyz: NDArray[np.float64]
     cov: NDArray[np.float64]
     residual: NDArray[np.float64]
-    view: NDArray[np.int64]
+    detection: NDArray[np.int64]
 
     def __post_init__(self) -> None:
         n = len(self.xyz)
@@ -39,7 +38,7 @@ class Cloud:
             xyz=column("xyz", self.xyz, np.float64, n, 3),
             cov=column("cov", self.cov, np.float64, n, 3, 3),
             residual=column("residual", self.residual, np.float64, n),
-            view=column("view", self.view, np.int64, n, None),
+            detection=column("detection", self.detection, np.int64, n, None),
         )
         check_offsets("start", self.start, n)
 
@@ -73,7 +72,7 @@ class Cloud:
             xyz=self.xyz[mask],
             cov=self.cov[mask],
             residual=self.residual[mask],
-            view=self.view[mask],
+            detection=self.detection[mask],
         )
 
 

@@ -18,17 +18,17 @@ class Fills:
     Attributes:
         marker, frame: (N) which, both from 0.
         xyz: (N, 3) mm; cov: (N, 3, 3) mm².
-        view: (N, C) detection index: the row in `Detections` of the image by which a camera, which saw it alone,
-            told of it; −1 for none.
-        told: of each gap, filled or not, what is to be said, as JSON.
+        detection: (N, C) index in `Detections` of the image of a camera that saw the marker alone, where it was used;
+            −1 for none.
+        gaps: figures of each gap, filled or not, as JSON.
     """
 
     marker: NDArray[np.int64]
     frame: NDArray[np.int64]
     xyz: NDArray[np.float64]
     cov: NDArray[np.float64]
-    view: NDArray[np.int64]
-    told: tuple[str, ...] = ()
+    detection: NDArray[np.int64]
+    gaps: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         n = len(self.marker)
@@ -38,27 +38,27 @@ class Fills:
             frame=column("frame", self.frame, np.int64, n),
             xyz=column("xyz", self.xyz, np.float64, n, 3),
             cov=column("cov", self.cov, np.float64, n, 3, 3),
-            view=column("view", self.view, np.int64, n, None),
-            told=tuple(self.told),
+            detection=column("detection", self.detection, np.int64, n, None),
+            gaps=tuple(self.gaps),
         )
 
     @classmethod
-    def between(cls, before: Trajectories, after: Trajectories, told: tuple[str, ...] = ()) -> Fills:
+    def between(cls, before: Trajectories, after: Trajectories, gaps: tuple[str, ...] = ()) -> Fills:
         """The samples that are filled in `after` and were not in `before`, trials of the same markers and frames."""
         pairs = zip(before, after, strict=True)
         new = np.array([(a.origin == Origin.FILLED) & (b.origin != Origin.FILLED) for b, a in pairs])
         marker, frame = np.nonzero(new.reshape(len(after), after.n_frames))
         at = list(zip(marker.tolist(), frame.tolist(), strict=True))
-        view = np.full((len(at), max((path.view.shape[1] for path in after), default=0)), -1, np.int64)
-        for row, (m, f) in zip(view, at, strict=True):
-            row[: after.paths[m].view.shape[1]] = after.paths[m].view[f]
+        detection = np.full((len(at), max((path.detection.shape[1] for path in after), default=0)), -1, np.int64)
+        for row, (m, f) in zip(detection, at, strict=True):
+            row[: after.paths[m].detection.shape[1]] = after.paths[m].detection[f]
         return cls(
             marker,
             frame,
             np.array([after.paths[m].xyz[f] for m, f in at]).reshape(-1, 3),
             np.array([after.paths[m].cov[f] for m, f in at]).reshape(-1, 3, 3),
-            view,
-            told,
+            detection,
+            gaps,
         )
 
     def on(self, trajectories: Trajectories) -> Trajectories:
@@ -72,7 +72,7 @@ class Fills:
         paths = list(trajectories.paths)
         for m in np.unique(self.marker).tolist():
             own = self.marker == m
-            paths[m] = _filled(paths[m], self.frame[own], self.xyz[own], self.cov[own], self.view[own])
+            paths[m] = _filled(paths[m], self.frame[own], self.xyz[own], self.cov[own], self.detection[own])
         return replace(trajectories, paths=tuple(paths))
 
 
@@ -81,18 +81,20 @@ def _filled(
     frame: NDArray[np.int64],
     xyz: NDArray[np.float64],
     cov: NDArray[np.float64],
-    view: NDArray[np.int64],
+    detection: NDArray[np.int64],
 ) -> MarkerTrajectory:
     """One marker with its samples."""
     names = ("xyz", "cov", "origin", "residual", "cameras")
-    columns = {name: getattr(path, name).copy() for name in names} | {"view": view_of(path, view.shape[1])}
+    columns = {name: getattr(path, name).copy() for name in names} | {
+        "detection": detection_columns(path, detection.shape[1])
+    }
     columns["xyz"][frame], columns["cov"][frame], columns["cameras"][frame] = xyz, cov, 0
     columns["origin"][frame], columns["residual"][frame] = Origin.FILLED, np.nan
-    columns["view"][frame, : view.shape[1]] = view
+    columns["detection"][frame, : detection.shape[1]] = detection
     return replace(path, **columns)
 
 
-def view_of(path: MarkerTrajectory, cameras: int) -> NDArray[np.int64]:
+def detection_columns(path: MarkerTrajectory, cameras: int) -> NDArray[np.int64]:
     """A copy (F, C) of a marker's images with columns for so many cameras, where it knows none."""
-    known = path.view.shape[1]
-    return path.view.copy() if known else np.full((len(path), cameras), -1, np.int64)
+    known = path.detection.shape[1]
+    return path.detection.copy() if known else np.full((len(path), cameras), -1, np.int64)

@@ -1,6 +1,6 @@
 """A finding: what a stage or a check found, as a value.
 
-A finding says what kind it is, how grave, which cameras, markers and frames it is about, and its numbers. It holds no
+A finding says what kind it is, how severe, which cameras, markers and frames it is about, and its numbers. It holds no
 sentence: `report.words` turns each kind into words, and what follows from a finding follows from its values. Every kind
 is declared once, with the units of its values, in `finding_kinds`.
 """
@@ -15,7 +15,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 Severity = Literal["red", "amber", "info"]
-"""red: the results should not be used as they are; amber: look at this first; info: good to know. The gravest first."""
+"""red: the results should not be used as they are; amber: look at this first; info: good to know; in this order."""
 SEVERITIES: tuple[Severity, ...] = get_args(Severity)
 
 Grade = Literal["red", "amber", "green"]
@@ -136,6 +136,6 @@ def red_if(unusable: bool) -> Severity:
     return "red" if unusable else "amber"
 
 
-def gravest_first(findings: Sequence[Finding]) -> list[Finding]:
+def most_severe_first(findings: Sequence[Finding]) -> list[Finding]:
     """Sorted by severity, otherwise as they came."""
     return sorted(findings, key=lambda one: SEVERITIES.index(one.severity))

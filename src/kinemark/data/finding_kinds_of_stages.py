@@ -23,9 +23,9 @@ FILLING = (
          {"filled": "count", "gaps": "count"}),
     Kind("nothing_to_fill", "fill", "info", "The verdict: there are no gaps."),
     Kind("no_marker_seen", "fill", "info", "The verdict: no marker is seen."),
-    Kind("expected_gap_error", "fill", "info", "Expected error of a filled sample, of the median and the worst gap, by "
+    Kind("expected_gap_error", "fill", "info", "Expected error of a filled sample, median and largest of the gaps, by "
          "hold-out gaps.", {"median_mm": "mm", "max_mm": "mm"}),
-    Kind("markers_from_static", "fill", "info", "Markers placed from the static trial, and their worst expected error.",
+    Kind("markers_from_static", "fill", "info", "Markers placed from the static trial; largest expected error.",
          {"count": "count", "max_mm": "mm"}),
     Kind("samples_beyond", "fill", "info", "Samples before a marker's first or after its last that were not to be "
          "filled.", {"samples": "count"}),

@@ -16,7 +16,7 @@ TRIAL_KINDS = (
     Kind("camera_disagrees", "reconstruct", "amber", "The median residual of a camera is far above the median of the "
          "others, by this ratio (None where theirs is 0); the offset is the median of detection less reprojection.",
          {"residual_px": "px", "ratio": "ratio", "offset_u_px": "px", "offset_v_px": "px"}),
-    Kind("cameras_agree_poorly", "reconstruct", "amber", "The median residual of all views is high; red above 3 px.",
+    Kind("cameras_agree_poorly", "reconstruct", "amber", "The median residual of all images is high; red above 3 px.",
          {"residual_px": "px"}),
     Kind("calibration_residual_high", "calibrate", "amber", "The calibration states a residual above the limit, and "
          "nobody judged it.", {"limit_px": "px"}),
@@ -82,7 +82,7 @@ TRIAL_KINDS = (
     Kind("unnamed_trajectories", "track", "info", "Trajectories without a marker's name.",
          {"unnamed": "count", "trajectories": "count"}),
     Kind("points_in_no_track", "track", "amber", "Points that belong to no track.", {"points_share": "share"}),
-    Kind("close_decisions", "track", "info", "How many decisions of the tracking were close, of each kind.",
+    Kind("close_decisions", "track", "info", "Ambiguous decisions of the tracking, by kind.",
          {"swap": "count", "merge": "count", "ghost": "count", "stitch": "count"}),
     # What the verdict says
     Kind("trial_good", "track", "info", "The verdict: nothing was found."),

@@ -1,4 +1,4 @@
-"""Which markers a subject wears and how they hang together."""
+"""Which markers a subject wears and how they are linked."""
 
 from __future__ import annotations
 

@@ -16,13 +16,13 @@ class Matches:
 
     Attributes:
         frame: (G) frame of the group.
-        view: (G, C) detection index: the row in `Detections`, −1 where the camera does not see it.
+        detection: (G, C) index in `Detections` of the image in each camera; −1 where it does not see the marker.
         cost: (G) RMS distance of its images from its reprojection, px.
         n_frames: F of the recording.
     """
 
     frame: NDArray[np.int64]
-    view: NDArray[np.int64]
+    detection: NDArray[np.int64]
     cost: NDArray[np.float64]
     n_frames: int
 
@@ -31,7 +31,7 @@ class Matches:
         set_columns(
             self,
             frame=column("frame", self.frame, np.int64, n),
-            view=column("view", self.view, np.int64, n, None),
+            detection=column("detection", self.detection, np.int64, n, None),
             cost=column("cost", self.cost, np.float64, n),
         )
         if (np.diff(self.frame) < 0).any() or (n and not 0 <= self.frame[0] <= self.frame[-1] < self.n_frames):
@@ -41,6 +41,6 @@ class Matches:
         return len(self.frame)
 
     @property
-    def n_views(self) -> NDArray[np.int64]:
-        """(G) how many cameras see each group."""
-        return (self.view >= 0).sum(1)
+    def n_cameras(self) -> NDArray[np.int64]:
+        """(G) how many cameras see the marker of each group."""
+        return (self.detection >= 0).sum(1)

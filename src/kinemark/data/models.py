@@ -41,7 +41,7 @@ class Axis:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A body with axes: `first` as it is, `second` made square to it, the third square to both, right-handed."""
+    """A body with axes: `first` as it is, `second` made perpendicular to it, the third to both, right-handed."""
 
     name: str
     first: Axis

@@ -11,7 +11,7 @@ from .angles import Angles
 from .models import JointMotion, Model
 
 
-class Named(NamedTuple):
+class NamedAngle(NamedTuple):
     """One angle that a model gives a name to: its joint, its place in the sequence, and its words."""
 
     joint: int
@@ -19,10 +19,10 @@ class Named(NamedTuple):
     motion: JointMotion
 
 
-def named(model: Model) -> tuple[Named, ...]:
+def named_angles(model: Model) -> tuple[NamedAngle, ...]:
     """The degrees of freedom of a model, in the order of its joints."""
     return tuple(
-        Named(j, t, motion)
+        NamedAngle(j, t, motion)
         for j, joint in enumerate(model.joints)
         for t, motion in enumerate(joint.motions)
         if motion is not None
@@ -32,7 +32,7 @@ def named(model: Model) -> tuple[Named, ...]:
 def outside(angles: Angles, model: Model) -> NDArray[np.bool_]:
     """(J, F, 3) whether an angle is beyond its normal range; False where the range or the angle is unknown."""
     out = np.zeros(angles.deg.shape, np.bool_)
-    for j, t, motion in named(model):
+    for j, t, motion in named_angles(model):
         if motion.normal is not None:
             low, high = motion.normal
             with np.errstate(invalid="ignore"):

@@ -60,8 +60,8 @@ class Range(NamedTuple):
         return f"{above} and {below}" if above and below else " to ".join(filter(None, (low or above, high or below)))
 
 
-class Declared(NamedTuple):
-    """What a field's metadata keep of a parameter."""
+class FieldMetadata(NamedTuple):
+    """What the metadata of a field keeps of its parameter."""
 
     unit: str
     range: Range
@@ -93,9 +93,9 @@ def parameter(
         above: see `low`.
         below: see `high`.
         factory: makes the default, where it is only known later.
-        former: name that the parameter had before; who still uses it is told the new one.
+        former: name that the parameter had before; the error for it names the new one.
     """
-    declared = {DECLARED: Declared(unit, Range(low, high, above, below), meaning, former)}
+    declared = {DECLARED: FieldMetadata(unit, Range(low, high, above, below), meaning, former)}
     if factory is not None:
         return field(default_factory=factory, metadata=declared)
     return field(default=default, metadata=declared)
@@ -108,7 +108,7 @@ class Parameter:
     Attributes:
         name: of the field.
         type: its annotation.
-        unit, range, meaning: as `parameter` was told.
+        unit, range, meaning: as given to `parameter`.
         field_default: of the field; MISSING where it must be given.
         factory: makes the default; MISSING where none does.
         former: name that it had before; empty where it had no other.

@@ -1,7 +1,7 @@
-"""How long work tells how far it is, and how it is stopped, without knowing who listens.
+"""Progress of long work, and how it is stopped, without knowing who listens.
 
 A stage calls `tell(done, total)` now and then. Outside `listening` that does nothing. Whoever runs a stage listens,
-shows what it is told, and may raise `Cancelled` to stop the stage at that moment: a stage is a pure function, so
+shows the progress, and may raise `Cancelled` to stop the stage at that moment: a stage is a pure function, so
 nothing of it is left behind.
 """
 
@@ -30,7 +30,7 @@ def tell(done: int, total: int) -> None:
 
 @contextmanager
 def listening(listener: Listener) -> Iterator[None]:
-    """Hear what is told in this block, in this thread; what a block around it hears is not told meanwhile."""
+    """Receive the progress of this block, in this thread; the listener of a block around it receives none meanwhile."""
     token = _listener.set(listener)
     try:
         yield

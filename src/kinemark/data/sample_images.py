@@ -16,12 +16,12 @@ class SampleImages(NamedTuple):
     """The images of one sample.
 
     Attributes:
-        row: (C) detection index: the row in `Detections` of each camera's image, −1 for none.
+        detection: (C) index in `Detections` of each camera's image, −1 for none.
         uv: (C, 2) px where they are, as the lens drew them; NaN for none.
         cov: (C, 2, 2) px², NaN where unknown.
     """
 
-    row: NDArray[np.int64]
+    detection: NDArray[np.int64]
     uv: NDArray[np.float64]
     cov: NDArray[np.float64]
 
@@ -39,11 +39,11 @@ def images_of(trajectories: Trajectories, marker: str, frame: int, detections: D
         IndexError: there is no such frame.
         ValueError: the detections are others.
     """
-    row = _views(trajectories, marker, detections)[frame]
-    seen = row >= 0
-    uv, cov = np.full((len(row), 2), np.nan), np.full((len(row), 2, 2), np.nan)
-    uv[seen], cov[seen] = detections.uv[row[seen]], detections.cov[row[seen]]
-    return SampleImages(row, uv, cov)
+    detection = _detection(trajectories, marker, detections)[frame]
+    seen = detection >= 0
+    uv, cov = np.full((len(detection), 2), np.nan), np.full((len(detection), 2, 2), np.nan)
+    uv[seen], cov[seen] = detections.uv[detection[seen]], detections.cov[detection[seen]]
+    return SampleImages(detection, uv, cov)
 
 
 def matches_of(trajectories: Trajectories, marker: str, detections: Detections) -> Matches:
@@ -53,24 +53,24 @@ def matches_of(trajectories: Trajectories, marker: str, detections: Detections) 
         KeyError: there is no such marker.
         ValueError: the detections are others.
     """
-    view = _views(trajectories, marker, detections)
-    several = np.flatnonzero((view >= 0).sum(1) >= 2)
-    first = view[several].max(1)
-    return Matches(detections.frame[first], view[several], np.full(len(several), np.nan), detections.n_frames)
+    detection = _detection(trajectories, marker, detections)
+    several = np.flatnonzero((detection >= 0).sum(1) >= 2)
+    first = detection[several].max(1)
+    return Matches(detections.frame[first], detection[several], np.full(len(several), np.nan), detections.n_frames)
 
 
-def _views(trajectories: Trajectories, marker: str, detections: Detections) -> NDArray[np.int64]:
+def _detection(trajectories: Trajectories, marker: str, detections: Detections) -> NDArray[np.int64]:
     """(F, C) a marker's images; all −1 where they are not known.
 
     Raises:
         ValueError: there are other cameras in the detections, or fewer rows than the trajectories name.
     """
-    view, n = trajectories[marker].view, len(detections.cameras)
-    if not view.shape[1]:
-        return np.full((len(view), n), -1, np.int64)
-    if view.shape[1] != n or view.max(initial=-1) >= len(detections):
+    detection, n = trajectories[marker].detection, len(detections.cameras)
+    if not detection.shape[1]:
+        return np.full((len(detection), n), -1, np.int64)
+    if detection.shape[1] != n or detection.max(initial=-1) >= len(detections):
         raise ValueError(
-            f"marker {marker} has images of {view.shape[1]} cameras up to row {view.max(initial=-1)}; the detections "
-            f"have {n} cameras and {len(detections)} rows. Give those that the trajectories were made of"
+            f"marker {marker} has images of {detection.shape[1]} cameras up to {detection.max(initial=-1)}; there "
+            f"are {len(detections)} detections of {n} cameras. Give those that the trajectories were made of"
         )
-    return view
+    return detection

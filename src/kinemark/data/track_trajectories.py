@@ -32,7 +32,7 @@ def trajectories_of(tracks: Tracks, residual: NDArray[np.float64] | None = None)
                 _spread(cloud.xyz[own], *at, np.nan),
                 cov=_spread(cloud.cov[own], *at, np.nan),
                 residual=_spread(off[own], *at, np.nan),
-                view=_spread(cloud.view[own], *at, -1),
+                detection=_spread(cloud.detection[own], *at, -1),
             )
         )
     return Trajectories(tuple(paths), cloud.rate)

@@ -32,10 +32,9 @@ class MarkerTrajectory:
         cov: (F, 3, 3) mm², NaN where unknown.
         origin: (F) an `Origin` each.
         residual: (F) how far the rays of its cameras pass from it, RMS, mm; as a C3D file states it; NaN where unknown.
-        cameras: (F) bit c is set when camera c saw the marker; 0 where unknown. From `view` where that is known.
-        view: (F, C) detection index: the row in `Detections` of each camera's image, −1 where it has none of this
-            sample; (F, 0) where the
-            images are not known, as in files of other systems.
+        cameras: (F) bit c is set when camera c saw the marker; 0 where unknown. From `detection` where that is known.
+        detection: (F, C) index in `Detections` of each camera's image, −1 where it has none of this sample; (F, 0)
+            where the images are not known, as in files of other systems.
     """
 
     name: str
@@ -44,19 +43,21 @@ class MarkerTrajectory:
     origin: NDArray[np.uint8]
     residual: NDArray[np.float64]
     cameras: NDArray[np.uint32]
-    view: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 0), np.int64))
+    detection: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 0), np.int64))
 
     def __post_init__(self) -> None:
         n = len(self.xyz)
-        known = np.ndim(self.view) != 2 or np.shape(self.view)[1] > 0
-        set_columns(self, view=column("view", self.view if known else np.zeros((n, 0)), np.int64, n, None))
+        known = np.ndim(self.detection) != 2 or np.shape(self.detection)[1] > 0
+        set_columns(
+            self, detection=column("detection", self.detection if known else np.zeros((n, 0)), np.int64, n, None)
+        )
         set_columns(
             self,
             xyz=column("xyz", self.xyz, np.float64, n, 3),
             cov=column("cov", self.cov, np.float64, n, 3, 3),
             origin=column("origin", self.origin, np.uint8, n),
             residual=column("residual", self.residual, np.float64, n),
-            cameras=column("cameras", camera_bits(self.view) if known else self.cameras, np.uint32, n),
+            cameras=column("cameras", camera_bits(self.detection) if known else self.cameras, np.uint32, n),
         )
         missing = np.isnan(self.xyz).any(1)
         if (missing != (self.origin == Origin.MISSING)).any():
@@ -75,7 +76,7 @@ class MarkerTrajectory:
             origin=np.where(missing, Origin.MISSING, Origin.MEASURED).astype(np.uint8),
             residual=np.asarray(columns.get("residual", np.full(len(xyz), np.nan)), np.float64),
             cameras=np.asarray(columns.get("cameras", np.zeros(len(xyz))), np.uint32),
-            view=np.asarray(columns.get("view", np.zeros((len(xyz), 0))), np.int64),
+            detection=np.asarray(columns.get("detection", np.zeros((len(xyz), 0))), np.int64),
         )
 
     def __len__(self) -> int:
@@ -89,14 +90,14 @@ class MarkerTrajectory:
 
     def frames(self, first: int, stop: int) -> MarkerTrajectory:
         """Frames first … stop − 1, counted from 0; their images are still rows of the same detections."""
-        names = ("xyz", "cov", "origin", "residual", "cameras", "view")
+        names = ("xyz", "cov", "origin", "residual", "cameras", "detection")
         return replace(self, **{name: getattr(self, name)[first:stop] for name in names})
 
 
-def camera_bits(view: NDArray[np.int64]) -> NDArray[np.uint32]:
-    """(F) bit c is set where camera c of the first 32 has an image in `view` (F, C)."""
-    bits = np.left_shift(np.uint32(1), np.arange(min(view.shape[1], 32), dtype=np.uint32))
-    return np.asarray(((view[:, :32] >= 0) * bits).sum(1), np.uint32)
+def camera_bits(detection: NDArray[np.int64]) -> NDArray[np.uint32]:
+    """(F) bit c is set where camera c of the first 32 has an image in `detection` (F, C)."""
+    bits = np.left_shift(np.uint32(1), np.arange(min(detection.shape[1], 32), dtype=np.uint32))
+    return np.asarray(((detection[:, :32] >= 0) * bits).sum(1), np.uint32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

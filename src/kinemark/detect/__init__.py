@@ -5,10 +5,10 @@ from .blobs import Blobs
 from .centroids_method import Centroids
 from .detect_frames import detect_frames
 from .detect_recording import detect
+from .frame_source import FrameSource
 from .kiss import KissNearest, KissScanning
 from .masks import combined_masks, learn_masks
 from .proposal import DetectionProposal, propose
-from .source import FrameSource
 from .stage import DETECT
 
 __all__ = [

@@ -13,7 +13,7 @@ from .blobs import Blobs, joined
 from .centroids_method import Centroids, grey_scale
 from .grouping import PixelGroups, group_runs
 from .moments import Moments, measure, outline_centroids
-from .runs import find_runs
+from .pixel_runs import find_runs
 from .saturation import without_clipped
 from .separate import separated
 from .stage import DETECT

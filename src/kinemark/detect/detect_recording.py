@@ -17,9 +17,9 @@ from ..data.method import Method
 from .blobs import Blobs, joined
 from .centroids_method import Centroids
 from .detect_frames import detect_frames
+from .frame_source import FrameSource, prefetched
 from .levels import levelled
 from .masks import masked
-from .source import FrameSource, ahead
 from .stage import DETECT
 
 
@@ -81,7 +81,7 @@ def _check_masks(masks: Masks | None, cameras: Sequence[str]) -> None:
     if masks and (unknown := [name for name in masks.cameras if name not in cameras]):
         raise KinemarkError(
             f"There are masks of {', '.join(unknown)}, and the recording has {', '.join(cameras)}. "
-            "Call the cameras alike in both, or leave those masks out."
+            "Give the cameras the same names in both, or leave those masks out."
         )
 
 
@@ -106,7 +106,7 @@ def _detect_camera(
     """
     parts, first, size = [_none(0)], 0, None
     ready = None
-    for images in ahead(source):
+    for images in prefetched(source):
         if size is None:
             size = images.shape[1:]
             _check_mask(mask, size, name)

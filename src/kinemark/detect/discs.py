@@ -39,7 +39,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats
-from ..numerics.levenberg_marquardt import Damping, Tries, minimise_many
+from ..numerics.levenberg_marquardt import Damping, Iterates, minimise_many
 
 STEPS = 10  # tries of each fit at most; chosen; speed and errors are those of studies/overlapping_markers.py
 DAMPING = Damping(1e-3, fixed=(0.2, 10.0))
@@ -131,19 +131,19 @@ class _Shapes:
     enough: Floats
     used: NDArray[np.int64]
 
-    def at(self, p: Floats, patches: Patches) -> Tries:
+    def at(self, p: Floats, patches: Patches) -> Iterates:
         """Parameters with the patches' models and derivatives."""
         model, J = _image(self.shape, p, patches)
-        return Tries(p, _chi2(model, patches), (model, J))
+        return Iterates(p, _chi2(model, patches), (model, J))
 
-    def step(self, which: NDArray[np.int64], now: Tries, damping: Floats) -> tuple[Tries, Floats]:
+    def step(self, which: NDArray[np.int64], now: Iterates, damping: Floats) -> tuple[Iterates, Floats]:
         """After the step, w within its bounds and A above 1."""
         part = self.patches if len(which) == len(self.patches.x) else self.patches.take(which)
         model, J = now.equations
-        step, promised = _step(J, model, part, damping)
-        return self.at(_held(now.parameters + step), part), promised
+        step, predicted = _step(J, model, part, damping)
+        return self.at(_held(now.parameters + step), part), predicted
 
-    def settled(self, which: NDArray[np.int64], now: Tries, tried: Tries) -> NDArray[np.bool_]:
+    def converged(self, which: NDArray[np.int64], now: Iterates, tried: Iterates) -> NDArray[np.bool_]:
         """Whether the step was small, or brought little, or the fit is good enough."""
         chi2, wanted = tried.cost, self.wanted[which]
         small = np.where(chi2 > wanted, HOPELESS * chi2, SMALL_GAIN * np.maximum(1.0, chi2 / self.used[which]))
@@ -313,13 +313,13 @@ def _scaled(H: Floats) -> tuple[Floats, Floats]:
 
 
 def _step(J: Floats, model: Floats, patches: Patches, damping: Floats) -> tuple[Floats, Floats]:
-    """Levenberg–Marquardt's step (n, p + 3), and by how much (n) it promises to lower χ²."""
+    """Levenberg–Marquardt's step (n, p + 3), and by how much (n) it predicts to lower χ²."""
     H, d = _scaled(_normal(J, patches))
     pull = np.einsum("npk,nk->np", J, patches.weight * (patches.grey - model)) / d
     H = H + (damping[:, None, None] + 1e-9) * np.eye(H.shape[1])
     step = np.linalg.solve(H, pull[..., None])[..., 0]
-    promised = np.einsum("np,np->n", step, pull + damping[:, None] * step)
-    return np.asarray(np.clip(step / d, -50, 50)), promised
+    predicted = np.einsum("np,np->n", step, pull + damping[:, None] * step)
+    return np.asarray(np.clip(step / d, -50, 50)), predicted
 
 
 def _held(p: Floats) -> Floats:

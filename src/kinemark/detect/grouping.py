@@ -8,7 +8,7 @@ import numpy as np
 
 from .. import native
 from ..data.array_types import Bools, Ints
-from .runs import Runs
+from .pixel_runs import Runs
 
 
 class PixelGroups(NamedTuple):

@@ -17,8 +17,8 @@ from ..data.masks import Masks
 from ..numerics.runs import equal_runs, true_runs_of_rows
 from .blobs import Blobs
 from .centroids_method import Centroids, check_images, grey_scale
+from .frame_source import BATCH, FrameSource
 from .kiss import KissNearest, KissScanning
-from .source import BATCH, FrameSource
 
 MOSTLY = 0.5  # of a spot's area; masked above, half masked below; chosen
 _TURN = np.arange(24) * 2 * np.pi / 24  # rad; directions round a disc; chosen

@@ -45,7 +45,7 @@ def plausible_discs(fit: DiscFit, cut: CutOut, k: int) -> NDArray[np.bool_]:
 
 
 def plausible_cut(fit: DiscFit, cut: CutOut) -> NDArray[np.bool_]:
-    """(n) whether a cut disc lacks a part that can be told, and is not mostly a guess."""
+    """(n) whether a cut disc lacks a part that can be seen, and is not mostly a guess."""
     x, y, r, turn, h = fit.parameters[:, :5].T
     d = np.clip((h - x * np.cos(turn) - y * np.sin(turn)) / np.maximum(r, SMALLEST), -1, 1)
     share = (np.arccos(d) - d * np.sqrt(1 - d * d)) / np.pi

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from ..data import Finding, make_finding
 from .centroids_method import Centroids, check_images, grey_scale
+from .frame_source import FrameSource
 from .kiss import KissNearest, KissScanning
 from .sizes import Sizes, marker_sizes
-from .source import FrameSource
 from .stability import LevelGap, groups_above, marker_gap, peaks_of
 
 Images = NDArray[np.uint8 | np.uint16]

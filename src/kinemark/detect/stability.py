@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from .background_noise import background
 from .grouping import PixelGroups, group_runs
 from .kiss.white import pixels_of
-from .runs import find_runs
+from .pixel_runs import find_runs
 
 STEPS = 36  # thresholds that are tried, evenly in their logarithm; chosen for speed
 MOST_RUNS = 200_000  # in all images; a threshold with more lies in the noise; chosen

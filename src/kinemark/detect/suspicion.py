@@ -25,7 +25,7 @@ from .grouping import PixelGroups
 
 RATIO = 2.2  # px; with it single markers of 5 to 16 px are hardly ever suspected: docs/theory/detect.md, 5100 of them
 FILL = 1.75  # px²; with it single markers of 5 to 16 px are hardly ever suspected: docs/theory/detect.md, 5100 of them
-LEAST = 26  # px²; of fewer pixels nothing can be told; chosen (see studies/overlapping_markers.py)
+LEAST = 26  # px²; of fewer pixels nothing can be said; chosen (see studies/overlapping_markers.py)
 
 
 def suspicious(groups: PixelGroups, validity: NDArray[np.uint8], *, aspect: float) -> NDArray[np.int64]:

@@ -1,6 +1,6 @@
 """Which groups are noise, and which are no valid marker (KISS 2.2, 2.3.3, 2.3.4).
 
-Noise, lone pixels and groups one pixel wide or high, is removed before anything is computed of it: an
+Noise, isolated pixels and groups one pixel wide or high, is removed before anything is computed of it: an
 image may have thousands of such specks, and nobody wants them in a file. Everything else is kept, with
 the reason if it does not go on to matching, so that the user sees what was left out and why.
 """

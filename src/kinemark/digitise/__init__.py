@@ -20,7 +20,7 @@ from ..data.answers import (
     parse_answer,
 )
 from .drive import DigitisedImages, DigitisingStopped, Operator, drive, result
-from .identity import Identified, called, identified, identified_matches, identified_tracks
+from .identified_markers import Identified, called, identified, identified_matches, identified_tracks
 from .image_markers import ImageMarkers, clicked, find_markers, nearest_free
 from .machine import advance, begin, question_of
 from .other_views import OtherViews, propose
@@ -28,7 +28,15 @@ from .question_text import words
 from .replay import Replay, given
 from .semi_automatic import SemiAutomatic
 from .stage import DIGITISE
-from .state import AskedQuestion, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
+from .state import (
+    AskedQuestion,
+    DigitisedFrame,
+    DigitisingPhase,
+    DigitisingState,
+    MarkerStatus,
+    PlaceProposal,
+    Question,
+)
 
 __all__ = [
     "DIGITISE",
@@ -42,10 +50,10 @@ __all__ = [
     "DigitisingPhase",
     "DigitisingState",
     "DigitisingStopped",
-    "Found",
     "Given",
     "Identified",
     "ImageMarkers",
+    "MarkerStatus",
     "No",
     "Operator",
     "OtherViews",

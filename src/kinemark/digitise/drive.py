@@ -15,7 +15,7 @@ from ..data.array_types import Floats
 from .machine import ImageSource, Proposer, advance, begin, question_of
 from .semi_automatic import SemiAutomatic
 from .stage import DIGITISE
-from .state import DigitisingPhase, DigitisingState, Found, Question
+from .state import DigitisingPhase, DigitisingState, MarkerStatus, Question
 
 Operator = Callable[[Question, DigitisingState], Answer]
 """Answers a question; the state is there to be drawn."""
@@ -35,7 +35,7 @@ class DigitisedImages(NamedTuple):
     Attributes:
         uv: (M, F, 2) px without the shift of the image, the reference marker as it was seen; NaN where not present.
         seen: (M, F, 2) px in the image.
-        found: (M, F) a `Found` each.
+        found: (M, F) a `MarkerStatus` each.
         shift: (F, 2) px.
         figures: the number of questions and why they were asked, for `quality.json`.
     """
@@ -132,5 +132,5 @@ def _figures(state: DigitisingState, found: NDArray[np.uint8]) -> dict[str, Any]
         "proposals_confirmed": sum(q.proposed for q in state.asked) - unasked,
         "proposals_taken_unasked": unasked,
         "corrected": corrected,
-        "not_present": int((found == Found.NOT_PRESENT).sum()),
+        "not_present": int((found == MarkerStatus.NOT_PRESENT).sum()),
     }

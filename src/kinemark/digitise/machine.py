@@ -13,7 +13,7 @@ machine does so by itself, frame by frame.
 
        p = c₂ + (c₂ − c₁) (f − f₂) / (f₂ − f₁) + s                       (3)
 
-   With `memory` 2 these are the two frames before, f₂ = f − 1 and f₁ = f − 2, and a marker that was not in both is not
+   With `history` 2 these are the two frames before, f₂ = f − 1 and f₁ = f − 2, and a marker that was not in both is not
    looked for.
 3. **The search** takes the white pixel nearest to p on a square of 5 × 5, which grows to 10 × 10, 15 × 15 and so on up
    to 50 × 50 (4). Of all pairs of a marker and an image that a square holds, the nearest is settled first, and an
@@ -46,7 +46,15 @@ from ..data.answers import Absent, Accept, Answer, ByHand, No, Point, Revisit, U
 from ..data.array_types import Floats
 from .image_markers import ImageMarkers, clicked, nearest_free
 from .semi_automatic import FIRST, SemiAutomatic
-from .state import AskedQuestion, DigitisedFrame, DigitisingPhase, DigitisingState, Found, PlaceProposal, Question
+from .state import (
+    AskedQuestion,
+    DigitisedFrame,
+    DigitisingPhase,
+    DigitisingState,
+    MarkerStatus,
+    PlaceProposal,
+    Question,
+)
 
 ImageSource = Callable[[int], ImageMarkers]
 """Gives the image of a frame, counted from 0."""
@@ -92,7 +100,7 @@ def question_of(state: DigitisingState, *, method: SemiAutomatic) -> Question:
     known = state.draft.uv[marker] if marker >= 0 else np.full(2, np.nan)
     if state.phase is DigitisingPhase.POINT:
         known = expected(state, method)[marker]
-    ambiguous = marker >= 0 and state.draft.found[marker] == Found.AMBIGUOUS
+    ambiguous = marker >= 0 and state.draft.found[marker] == MarkerStatus.AMBIGUOUS
     return Question(state.phase, state.frame, marker, name, known, state.proposal, bool(ambiguous))
 
 
@@ -139,19 +147,19 @@ def _(answer: Point, state: DigitisingState, images: ImageSource, method: SemiAu
     if state.phase is DigitisingPhase.CORRECT:
         if not np.isfinite(where).all():
             raise ValueError(f"the place is {where}, wanted finite pixels")
-        return _verified(_put(state, where, Found.PLACED, "corrected"), method)
+        return _verified(_put(state, where, MarkerStatus.PLACED, "corrected"), method)
     _only(state, answer, DigitisingPhase.POINT)
     image_markers = images(state.frame)
-    return _put(state, image_markers.uv[clicked(image_markers, where)], Found.POINTED, _reason(state, method))
+    return _put(state, image_markers.uv[clicked(image_markers, where)], MarkerStatus.POINTED, _reason(state, method))
 
 
 @_answered.register
 def _(answer: Absent, state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     _only(state, answer, DigitisingPhase.POINT, DigitisingPhase.CORRECT)
     if state.phase is DigitisingPhase.CORRECT:
-        return _verified(_put(state, None, Found.NOT_PRESENT, "corrected"), method)
+        return _verified(_put(state, None, MarkerStatus.NOT_PRESENT, "corrected"), method)
     taken = state.proposal is not None and not state.proposal.seen
-    return _put(state, None, Found.NOT_PRESENT, _reason(state, method), proposed=taken)
+    return _put(state, None, MarkerStatus.NOT_PRESENT, _reason(state, method), proposed=taken)
 
 
 @_answered.register
@@ -172,7 +180,7 @@ def _(answer: No, state: DigitisingState, images: ImageSource, method: SemiAutom
     if state.phase is DigitisingPhase.VERIFY:
         return replace(state, phase=DigitisingPhase.CORRECT)
     asked = (*state.asked, _asked(state, "reference"))
-    opened = state.draft.put(state.marker, None, Found.OPEN)
+    opened = state.draft.put(state.marker, None, MarkerStatus.OPEN)
     return replace(state, phase=DigitisingPhase.POINT, draft=opened, searched=False, asked=asked)
 
 
@@ -222,7 +230,7 @@ def _reason(state: DigitisingState, method: SemiAutomatic) -> str:
         return "first_two_frames"
     if state.marker == method.fixed:
         return "reference"
-    return "ambiguous" if state.draft.found[state.marker] == Found.AMBIGUOUS else "not_found"
+    return "ambiguous" if state.draft.found[state.marker] == MarkerStatus.AMBIGUOUS else "not_found"
 
 
 def _asked(state: DigitisingState, reason: str, proposed: bool = False) -> AskedQuestion:
@@ -230,7 +238,7 @@ def _asked(state: DigitisingState, reason: str, proposed: bool = False) -> Asked
 
 
 def _put(
-    state: DigitisingState, uv: Floats | None, found: Found, reason: str, *, proposed: bool = False
+    state: DigitisingState, uv: Floats | None, found: MarkerStatus, reason: str, *, proposed: bool = False
 ) -> DigitisingState:
     """The marker asked for is where the operator said."""
     asked = (*state.asked, _asked(state, reason, proposed))
@@ -239,7 +247,7 @@ def _put(
 
 def _taken(state: DigitisingState, proposal: PlaceProposal, reason: str) -> DigitisingState:
     """The marker asked for is where other cameras said."""
-    found = Found.PROPOSED if proposal.seen else Found.NOT_PRESENT
+    found = MarkerStatus.PROPOSED if proposal.seen else MarkerStatus.NOT_PRESENT
     draft = state.draft.put(state.marker, proposal.uv if proposal.seen else None, found)
     return replace(state, draft=draft, asked=(*state.asked, _asked(state, reason, True)))
 
@@ -280,13 +288,13 @@ def _go_on(
 def _reference(state: DigitisingState, images: ImageSource, method: SemiAutomatic) -> DigitisingState:
     """The reference marker and, once its place is settled, all others; not searched where it is to be asked for."""
     r, image_markers = method.fixed, images(state.frame)
-    if r >= 0 and state.draft.found[r] == Found.OPEN:
+    if r >= 0 and state.draft.found[r] == MarkerStatus.OPEN:
         refused = AskedQuestion(state.frame, r, "reference", False) in state.asked[-1:]
         state = replace(state, marker=r)
         near = nearest_free(image_markers, _constant(state, method), free=image_markers.usable, side=method.grid)
         if near is None or refused:
             return state
-        state = replace(state, draft=state.draft.put(r, image_markers.uv[near[1]], Found.AUTOMATIC))
+        state = replace(state, draft=state.draft.put(r, image_markers.uv[near[1]], MarkerStatus.AUTOMATIC))
         if method.confirm_reference:
             return replace(state, phase=DigitisingPhase.REFERENCE)
     draft = replace(state.draft, shift=_shift(state, method))
@@ -303,18 +311,18 @@ def searched(
     for k in range(1, method.expansions + 1):
         while True:
             pairs = []
-            for m in np.flatnonzero(draft.found == Found.OPEN):
+            for m in np.flatnonzero(draft.found == MarkerStatus.OPEN):
                 near = nearest_free(image_markers, places[m], free=free, side=method.grid * k)
                 if near is not None:
                     pairs.append((*near, int(m)))
             if not pairs:
                 break
             _, image, marker = min(pairs)  # (5)
-            draft = draft.put(marker, image_markers.uv[image], Found.AUTOMATIC)
+            draft = draft.put(marker, image_markers.uv[image], MarkerStatus.AUTOMATIC)
             free[image] = False
             image_of[marker] = image
     for ambiguous in _ambiguous(image_of, places, image_markers, free, method):
-        draft = draft.put(ambiguous, None, Found.AMBIGUOUS)
+        draft = draft.put(ambiguous, None, MarkerStatus.AMBIGUOUS)
     return draft
 
 

@@ -13,7 +13,7 @@ from ..data.array_types import Floats
 from ..data.arrays import column, set_columns
 
 
-class Found(IntEnum):
+class MarkerStatus(IntEnum):
     """How a marker of a frame came to its place."""
 
     OPEN = 0
@@ -31,7 +31,7 @@ class DigitisedFrame:
 
     Attributes:
         uv: (M, 2) px where they are seen in the image; NaN where not present, or not known yet.
-        found: (M) a `Found` each.
+        found: (M) a `MarkerStatus` each.
         shift: (2,) px of the image, as the reference marker shows it.
     """
 
@@ -56,9 +56,9 @@ class DigitisedFrame:
     @property
     def open(self) -> NDArray[np.int64]:
         """The markers that nothing is settled of yet, ambiguous ones among them."""
-        return np.flatnonzero(np.isin(self.found, (Found.OPEN, Found.AMBIGUOUS)))
+        return np.flatnonzero(np.isin(self.found, (MarkerStatus.OPEN, MarkerStatus.AMBIGUOUS)))
 
-    def put(self, marker: int, uv: Floats | None, found: Found) -> DigitisedFrame:
+    def put(self, marker: int, uv: Floats | None, found: MarkerStatus) -> DigitisedFrame:
         """The frame with a marker at (2,) px, or nowhere."""
         places, how = self.uv.copy(), self.found.copy()
         places[marker], how[marker] = (np.nan if uv is None else uv), found

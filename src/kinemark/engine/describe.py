@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..data import Analog, Detections, Rig, Signals, Trajectories, Trial
-from ..io.formats import UNSAID, Said, holds, read_file
+from ..io.formats import UNKNOWN_RATE, ReadOptions, holds, read_file
 from ..io.tdf import Tdf
 from .session_name import FILE
 
@@ -17,19 +17,19 @@ if TYPE_CHECKING:
     from .session import Session
 
 
-def describe(path: Path, said: Said = Said()) -> dict[str, Any]:  # noqa: B008  frozen
+def describe(path: Path, options: ReadOptions = ReadOptions()) -> dict[str, Any]:  # noqa: B008  frozen
     """What is in a file or a session, by name: numbers, texts, and lists and tables of them.
 
     Args:
         path: a file, or the folder of a session.
-        said: what the caller says of the file.
+        options: what the caller states of the file.
 
     Raises:
         KinemarkError: the kind of file is not known, or the file is damaged.
     """
     if is_session(path):
         return _session(open_session(path))
-    found = read_file(path, said)
+    found = read_file(path, options)
     describers: dict[str, Callable[[Any], dict[str, Any]]] = {
         "Trial": _trial,
         "Trajectories": lambda t: _trial(Trial("", t)),
@@ -124,7 +124,7 @@ def _rig(rig: Rig) -> dict[str, Any]:
 
 
 def _detections(d: Detections) -> dict[str, Any]:
-    rate = d.rate if d.rate != UNSAID else None
+    rate = d.rate if d.rate != UNKNOWN_RATE else None
     return {"cameras": list(d.cameras), "frames": d.n_frames, "rate_hz": rate, "points": len(d)}
 
 

@@ -42,7 +42,7 @@ from ..digitise import (
 from ..io.answers_csv import append_answer, read_answers
 from ..io.files import replacing
 from ..io.images import ImageSource
-from ..io.um2as import read_da_set, siblings, write_da
+from ..io.um2as import files_of_set, read_da_set, write_da
 
 FIGURES = "digitising.json"
 KEPT = 32  # images kept ready: as far as an operator goes back without waiting; chosen
@@ -289,7 +289,7 @@ def read_digitised(file: Path, *, cameras: Sequence[str], rate: float) -> Digiti
     Raises:
         KinemarkError: there are not as many files as cameras, or a file is wrong.
     """
-    uv, numbers = read_da_set(siblings(file, "da"))
+    uv, numbers = read_da_set(files_of_set(file, "da"))
     if len(numbers) != len(cameras):
         raise KinemarkError(
             f"{file} belongs to a set of {len(numbers)} cameras, and the calibration has {', '.join(cameras)}. "

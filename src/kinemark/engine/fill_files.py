@@ -15,7 +15,7 @@ from ..fill import LIMIT, Auto, Filled, KalmanAngles, LimbAngles, MarkerArray, f
 from ..findings.gaps import filling_figures
 from ..io.angle_model_csv import FIRST, read_angle_model
 from ..io.formats import endings
-from ..io.notes import FileNote, read_notes
+from ..io.notes import FileNote, file_note_text, read_notes
 from ..io.number_text import read_text
 from ..io.trial import read_trial, write_trial
 from ..report.filling_page import write_filling_page
@@ -161,7 +161,7 @@ def filled_text(done: Mapping[Path, FilledFile | KinemarkError]) -> str:
             else [
                 *([f"{source}"] if len(done) > 1 else []),
                 filling_summary(found.figures),
-                *(f"note:     {note}" for note in found.notes),
+                *(f"note:     {file_note_text(note)}" for note in found.notes),
                 f"results:  {', '.join(map(str, found.written))}",
             ]
         )

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..data import Detections, KinemarkError, Rig
-from ..io.formats import FORMATS, UNSAID, Content, Said, endings, read_file, write_file
+from ..io.formats import FORMATS, UNKNOWN_RATE, Content, ReadOptions, endings, read_file, write_file
 from ..io.notes import FileNote, read_notes
 from ..io.tdf import Tdf
 from ..io.trial import trial_in
@@ -46,7 +46,7 @@ def convert(
         raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
     if rate_hz is not None and not 0 < rate_hz < np.inf:
         raise KinemarkError(f"--rate-hz is {rate_hz}, wanted a number above 0.")
-    have, odd = _contents(source, Said(rate_hz, length_unit, partial, what))
+    have, odd = _contents(source, ReadOptions(rate_hz, length_unit, partial, what))
     suffix = target.suffix.lower()
     fits = [content for content in have if suffix in endings(content) and what in (None, content)]
     if len(fits) != 1:
@@ -59,19 +59,19 @@ def convert(
     return (*read_notes(odd), *write_file(target, fits[0], have[fits[0]]))
 
 
-def _contents(source: Path, said: Said) -> tuple[dict[Content, Any], tuple[str, ...]]:
+def _contents(source: Path, options: ReadOptions) -> tuple[dict[Content, Any], tuple[str, ...]]:
     """What of a file can be written elsewhere, and what was odd in it."""
-    found = open_session(source) if is_session(source) else read_file(source, said)
+    found = open_session(source) if is_session(source) else read_file(source, options)
     if isinstance(found, np.ndarray):
-        if said.length_unit is None:
+        if options.length_unit is None:
             raise KinemarkError(f"{source} holds DLT parameters of an unknown unit. Say --length-unit m or mm.")
         from .calibration import rig_of_dlt  # takes long to import, and no other file needs it
 
-        found = rig_of_dlt(source, (), said.length_unit)
+        found = rig_of_dlt(source, (), options.length_unit)
     if (
         isinstance(found, Detections)
-        and found.rate == UNSAID
-        and said.rate_hz is None
+        and found.rate == UNKNOWN_RATE
+        and options.rate_hz is None
         and source.suffix.lower() == ".csv"
     ):
         raise KinemarkError(f"{source} does not say its frame rate. Say --rate-hz.")

@@ -69,7 +69,9 @@ def recorded(
         found = _read(root / str(seen.detections))
         if missing := sorted(set(names) - set(found.cameras)):
             have, lack = ", ".join(found.cameras), ", ".join(missing)
-            raise KinemarkError(f"{root / str(seen.detections)} has cameras {have}, not {lack}. Call them alike.")
+            raise KinemarkError(
+                f"{root / str(seen.detections)} has cameras {have}, not {lack}. Give them the same names."
+            )
         return Recorded(found.select(names), size_of_cameras(root, settings, names))
     images = open_cameras(root, settings, seen.images, names)
     total = sum(source.n_frames for source in images.values())

@@ -115,7 +115,7 @@ class Session(Workspace):
                     trial, to, keep_going=keep_going, progress=progress, cancel=cancel, threads=threads
                 )
         finally:  # also where a trial cannot be processed: the others are there to be read
-            with suppress(KinemarkError):  # a folder that cannot be written has been told by the trials
+            with suppress(KinemarkError):  # the trials have reported a folder that cannot be written
                 update_index(self.results, self.settings)
         return done
 

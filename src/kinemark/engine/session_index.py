@@ -12,7 +12,7 @@ from .settings import Settings
 
 PAGE = "index.html"
 FILES = {"report.html": "report", "gaps.html": "gaps", "sensitivity.html": "sensitivity", "quality.json": "figures"}
-"""In a trial's folder, and what a reader is told that they are."""
+"""In a trial's folder, with their titles for the reader."""
 
 
 def update_index(results: Path, settings: Settings) -> Path:

@@ -125,7 +125,7 @@ def absence_notice(folder: Path | None = None) -> str | None:
         pass
     return (
         f"{reason}. NumPy does its work with the same results, but takes longer. Install a C compiler and then "
-        "Kinemark again. (Said once; `kinemark info --system` says what runs.)"
+        "Kinemark again. (ReadOptions once; `kinemark info --system` says what runs.)"
     )
 
 

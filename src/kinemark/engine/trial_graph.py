@@ -125,8 +125,8 @@ def trial_graph(name: str, settings: Settings, source: TrialSource, calibrated: 
         stages.append(Stage("fill", needs, ("fills.h5",), _fill, save, _reader(Fills), s.fill))
         needs = (*needs, "fill")
     made = [(step.input, step.method) for step in calibrated.steps]
-    told = (s.name, asdict(stated_identity(s, source.of.entry)), s.match, s.reconstruct, made, calibrated.figures)
-    stages.append(Stage("quality", needs, (QUALITY,), _quality, write_quality, _load_quality, given=told))
+    stated = (s.name, asdict(stated_identity(s, source.of.entry)), s.match, s.reconstruct, made, calibrated.figures)
+    stages.append(Stage("quality", needs, (QUALITY,), _quality, write_quality, _load_quality, given=stated))
     outputs = (f"{name}.c3d", REPORT, *((GAPS,) if s.fill is not None else ()))
     stages.append(Stage("write", (*needs, "quality"), outputs, _write, _done, _nothing, in_place=True))
     return Graph(tuple(stages))
@@ -163,7 +163,7 @@ def filled_of(inputs: TrialInputs, records: Records) -> Filled:
     if "fill" not in records:
         return Filled(measured, ())
     fills: Fills = records["fill"]
-    return Filled(fills.on(measured), tuple(FilledGap(**json.loads(text)) for text in fills.told))
+    return Filled(fills.on(measured), tuple(FilledGap(**json.loads(text)) for text in fills.gaps))
 
 
 def _detect(inputs: TrialInputs, records: Records) -> Detections:
@@ -290,8 +290,8 @@ def _write(inputs: TrialInputs, records: Records) -> None:
     )
     if inputs.settings.fill is not None:
         before = measured_of(inputs, records)
-        told = figures["filling"] | {"identity": figures["identity"]}
-        write_filling_page(folder / GAPS, figures=told, trajectories=trajectories, before=before)
+        drawn = figures["filling"] | {"identity": figures["identity"]}
+        write_filling_page(folder / GAPS, figures=drawn, trajectories=trajectories, before=before)
 
 
 def _own(steps: Sequence[Step]) -> tuple[Step, ...]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..data import MarkerTrajectory, Origin, Trajectories
-from ..data.fills import view_of
+from ..data.fills import detection_columns
 from ..data.method import Method, parameter
 from .fill import LIMIT, Filled, FilledGap, fill
 from .judge.auto import Auto
@@ -55,10 +55,10 @@ def _expected_errors(path: MarkerTrajectory, gap: FilledGap, rays: Rays) -> Mark
     """A marker with what single cameras say of one gap."""
     at = slice(gap.start, gap.stop)
     found = sharpened(path.xyz[at], path.cov[at], gap.start, rays)
-    seen = (found.view >= 0).any(1)
+    seen = (found.detection >= 0).any(1)
     if not seen.any():
         return path
     own = (path.origin[at] == Origin.FILLED) & seen
-    xyz, cov, view = np.array(path.xyz), np.array(path.cov), view_of(path, found.view.shape[1])
-    xyz[at][own], cov[at][own], view[at][own] = found.xyz[own], found.cov[own], found.view[own]
-    return replace(path, xyz=xyz, cov=cov, view=view)
+    xyz, cov, detection = np.array(path.xyz), np.array(path.cov), detection_columns(path, found.detection.shape[1])
+    xyz[at][own], cov[at][own], detection[at][own] = found.xyz[own], found.cov[own], found.detection[own]
+    return replace(path, xyz=xyz, cov=cov, detection=detection)

@@ -1,4 +1,4 @@
-"""Reference markers that can be trusted in a gap: those that do not jump there.
+"""Reliable reference markers of a gap: those that do not jump there.
 
 A marker that is swapped, reflected or half hidden for some frames jumps against the markers of its own body part, and
 what is filled from it jumps along. With D_k(f) the distance of a reference marker from another marker k, it is left out
@@ -31,7 +31,7 @@ OFTEN = 0.02  # of the frames, at most, in which a distance is unusual; chosen (
 
 
 class JumpingMarkers:
-    """Which markers of a trial can be trusted in a gap; bends are worked out once, distances where they are needed."""
+    """Which markers of a trial are reliable in a gap; bends are worked out once, distances where they are needed."""
 
     def __init__(self, motion: MarkerArray, ranks: Ranks) -> None:
         """Of a trial and the order of its markers."""

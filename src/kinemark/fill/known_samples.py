@@ -178,16 +178,26 @@ class KnownSamples(NamedTuple):
             raise ValueError(f"no markers {', '.join(lost)}; there are {', '.join(self.names)}")
         return [self.names.index(name) for name in names]
 
+    def among(self, names: Sequence[str]) -> Bools:
+        """(M) which markers have one of these names; all where there are none.
+
+        Raises:
+            ValueError: a name is not there.
+        """
+        chosen = np.full(len(self.names), not names)
+        chosen[self.places(names)] = True
+        return chosen
+
     def called(self, markers: Iterable[int]) -> str:
         """Names of markers, for messages."""
         return ", ".join(self.names[k] for k in markers)
 
 
-def pieces(known: KnownSamples, span: Span, *, least: int, most: int = 12) -> list[tuple[int, int]]:
+def sections(known: KnownSamples, span: Span, *, least: int, most: int = 12) -> list[tuple[int, int]]:
     """Frames (start, stop) into which a gap is cut where too few of its neighbours are seen throughout it.
 
     It stays whole where at least `least` markers, and seven in ten of those seen on average, are seen throughout. Else
-    it is cut wherever a marker comes or goes, or evenly where that makes more than `most` pieces.
+    it is cut wherever a marker comes or goes, or evenly where that makes more than `most` sections.
     """
     seen = known.seen[:, span.start : span.stop]
     whole = seen.all(1).sum()

@@ -1,7 +1,8 @@
 """The local frame of three markers, frame by frame.
 
-With x along the line from the first to the second and z square to all three, R = (x, z × x, z) and c the centre, a
-marker y has the local coordinates Rᵀ(y − c) (1). Three markers carry a frame without iteration, for all frames at once.
+With x along the line from the first to the second and z perpendicular to all three, R = (x, z × x, z) and c the centre,
+a marker y has the local coordinates Rᵀ(y − c) (1). Three markers carry a frame without iteration, for all frames at
+once.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ projection of x and its derivative,
     S = J P Jᵀ + R,   d² = (z − u)ᵀ S⁻¹ (z − u) < GATE                     (1)
 
 is true of it and of no other free image, and when chance would hardly put one there: with b free images per px² of the
-camera, π GATE √|S| b < CHANCE (2). Images that count are told to the position camera after camera,
+camera, π GATE √|S| b < CHANCE (2). Images that count update the position camera after camera,
 
     x ← x + P Jᵀ S⁻¹ (z − u),   P ← P − P Jᵀ S⁻¹ J P                       (3)
 
@@ -47,28 +47,28 @@ class Rays(NamedTuple):
     def left_by(cls, tracks: Tracks, detections: Detections, rig: Rig) -> Rays:
         """The images that tracks left over."""
         free = detections.valid.copy()
-        used = tracks.cloud.view[tracks.id >= 0]
+        used = tracks.cloud.detection[tracks.id >= 0]
         free[used[used >= 0]] = False
         return cls(rig, detections, free)
 
 
 class RefinedByRays(NamedTuple):
-    """Positions (L, 3) mm, covariances (L, 3, 3) mm², and the image (L, C) by which a camera told of each, −1: none."""
+    """Positions (L, 3) mm, covariances (L, 3, 3) mm², and detections (L, C) of cameras that saw it alone, −1: none."""
 
     xyz: Floats
     cov: Floats
-    view: NDArray[np.int64]
+    detection: NDArray[np.int64]
 
     @property
     def cameras(self) -> NDArray[np.uint32]:
         """(L) which cameras contributed to each, as bits."""
-        return camera_bits(self.view)
+        return camera_bits(self.detection)
 
 
 class _RayImages(NamedTuple):
-    """Of one camera and L frames: row of the image that fits, −1 for none; off (L, 2) px; J (L, 2, 3); S (L, 2, 2)."""
+    """Of one camera and L frames: detection index of the image that fits, −1: none; off (L, 2) px; J and S of (1)."""
 
-    row: NDArray[np.int64]
+    detection: NDArray[np.int64]
     off: Floats
     J: Floats
     S: Floats
@@ -83,10 +83,10 @@ def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> RefinedByRays
         rays: what the cameras saw.
     """
     xyz, cov = xyz.copy(), cov.copy()
-    view = np.full((len(xyz), len(rays.rig)), -1, np.int64)
+    detection = np.full((len(xyz), len(rays.rig)), -1, np.int64)
     for c, camera in enumerate(rays.rig):
         found = _fitting(camera, c, xyz, cov, start, rays)
-        rows = np.flatnonzero(found.row >= 0)
+        rows = np.flatnonzero(found.detection >= 0)
         if not len(rows):
             continue
         J, P = found.J[rows], cov[rows]
@@ -94,15 +94,15 @@ def sharpened(xyz: Floats, cov: Floats, start: int, rays: Rays) -> RefinedByRays
         xyz[rows] += (gain @ found.off[rows, :, None])[..., 0]  # (3)
         P = P - gain @ J @ P
         cov[rows] = (P + P.transpose(0, 2, 1)) / 2
-        view[rows, c] = found.row[rows]
-    return RefinedByRays(xyz, cov, view)
+        detection[rows, c] = found.detection[rows]
+    return RefinedByRays(xyz, cov, detection)
 
 
 def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays: Rays) -> _RayImages:
     """The images of a camera that count."""
     seen = rays.detections
     n = len(xyz)
-    row, off = np.full(n, -1), np.full((n, 2), np.nan)
+    detection, off = np.full(n, -1), np.full((n, 2), np.nan)
     known = np.asarray(np.isfinite(xyz).all(1) & np.isfinite(cov).all((1, 2)))
     safe = np.where(known[:, None], xyz, camera.centre + camera.R[2] * 1000)
     uv, J = project(camera, safe), point_jacobian(camera, safe)
@@ -121,9 +121,9 @@ def _fitting(camera: Camera, c: int, xyz: Floats, cov: Floats, start: int, rays:
         squared = (difference * np.linalg.solve(JPJ[i] + noise, difference[..., None])[..., 0]).sum(1)
         near = np.flatnonzero(squared < GATE)  # (1)
         if len(near) == 1:
-            row[i], off[i], S[i] = rows[near[0]], difference[near[0]], JPJ[i] + noise[near[0]]
-    row[~_lasting(row >= 0)] = -1
-    return _RayImages(row, off, J, S)
+            detection[i], off[i], S[i] = rows[near[0]], difference[near[0]], JPJ[i] + noise[near[0]]
+    detection[~_lasting(detection >= 0)] = -1
+    return _RayImages(detection, off, J, S)
 
 
 def _lasting(found: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -27,7 +27,7 @@ class TrialCopy:
 
     def of(self, marker: int) -> dict[str, Any]:
         """The columns of a marker, copied when they are first asked for."""
-        names = ("xyz", "cov", "origin", "residual", "cameras", "view")
+        names = ("xyz", "cov", "origin", "residual", "cameras", "detection")
         path = self.source.paths[marker]
         return self.changed.setdefault(marker, {name: getattr(path, name).copy() for name in names})
 
@@ -38,14 +38,14 @@ class TrialCopy:
             if outliers.any():
                 into = self.of(marker)
                 into["xyz"][outliers] = into["cov"][outliers] = into["residual"][outliers] = np.nan
-                into["origin"][outliers], into["cameras"][outliers], into["view"][outliers] = Origin.MISSING, 0, -1
+                into["origin"][outliers], into["cameras"][outliers], into["detection"][outliers] = Origin.MISSING, 0, -1
 
     def put(self, gap: Gap, xyz: Floats, cov: Floats) -> None:
         """Fill a gap."""
         into, at = self.of(gap.marker), slice(gap.start, gap.stop)
         into["xyz"][at], into["cov"][at] = xyz, cov
         into["origin"][at], into["residual"][at] = Origin.FILLED, np.nan
-        into["cameras"][at], into["view"][at] = 0, -1
+        into["cameras"][at], into["detection"][at] = 0, -1
 
     def trajectories(self) -> Trajectories:
         """The trial with all that was put."""

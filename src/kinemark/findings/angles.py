@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..data import Angles, Finding, Trajectories, make_finding
-from ..kinematics import Cycles, Model, named, outside
+from ..kinematics import Cycles, Model, named_angles, outside
 from ..version import __version__
 from .plain import SCHEMA_VERSION, plain, quantile, runs, share
 from .verdict import verdict_of
@@ -36,7 +36,7 @@ def angle_figures(
         trajectories: the markers, with the covariance that was passed on.
         how: the words "method", "noise", "smoothing"; "marker_sd_mm" and "noise_from"; "lock_deg".
     """
-    rows = [_angle(angles, model, k) for k in range(len(named(model)))]
+    rows = [_angle(angles, model, k) for k in range(len(named_angles(model)))]
     joints = [_joint(angles, j) for j in range(len(angles.joints))]
     figures = {
         "kinemark": __version__,
@@ -60,7 +60,7 @@ def angle_figures(
 
 def _angle(angles: Angles, model: Model, k: int) -> dict[str, Any]:
     """One degree of freedom."""
-    j, t, motion = named(model)[k]
+    j, t, motion = named_angles(model)[k]
     y, sd, out = angles.deg[j, :, t], angles.sd[j, :, t], outside(angles, model)[j, :, t]
     sd, known = sd[np.isfinite(sd)], np.isfinite(y)
     return {
@@ -110,7 +110,7 @@ def _cycles(cycles: Cycles, model: Model) -> dict[str, Any]:
                 "spread_median_deg": quantile(cycles.spread[j, :, t], 0.5),
                 "noise_median_deg": quantile(cycles.noise[j, :, t], 0.5),
             }
-            for j, t, motion in named(model)
+            for j, t, motion in named_angles(model)
         ],
     }
 

@@ -11,6 +11,7 @@ from ..data import Camera, Rig
 from ..data.array_types import Floats
 from ..geometry.camera import pixels
 from ..geometry.lens import distort
+from .cameras import camera_description
 from .plain import over_volume, quantile, rms, share
 
 
@@ -18,12 +19,7 @@ def calibrated_camera(rig: Rig, c: int, evidence: Evidence, grid: VolumeMap) -> 
     """The figures of camera c: what it is, how it fits, how its image is covered, and what is left without it."""
     camera = rig[c]
     cover = image_coverage(camera, _used(evidence, c), points_of(grid.axes))
-    known = bool((camera.size > 0).all())
-    return {
-        "name": camera.name,
-        "size_px": camera.size if known else None,
-        "position_mm": camera.centre,
-        "focal_px": [abs(camera.K[0, 0]), abs(camera.K[1, 1])],
+    return camera_description(camera) | {
         "focal_sd_px": float(np.sqrt(camera.cov[0, 0])) if camera.cov[0, 0] > 0 else None,
         "principal_point_px": camera.K[:2, 2],
         "distortion": camera.distortion,

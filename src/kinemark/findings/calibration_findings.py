@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 
 from ..data import Finding, Severity, make_finding
-from ..data.finding import gravest_first, red_if
+from ..data.finding import most_severe_first, red_if
 from .calibration_lengths import LENGTH_CHECKS
 from .trial_findings import CALIBRATION_AMBER_PX, RESIDUAL_FLOOR_PX, RESIDUAL_RATIO, Figures, not_square
 
@@ -48,8 +48,8 @@ FLAT_DEG = 20
 
 
 def calibration_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Finding]:
-    """What needs attention, the gravest first; `noted` is what was found while the calibration was made."""
-    return gravest_first(list(chain(*(check(figures) for check in CHECKS), noted)))
+    """What needs attention, the most severe first; `noted` is what was found while the calibration was made."""
+    return most_severe_first(list(chain(*(check(figures) for check in CHECKS), noted)))
 
 
 def _judged(figures: Figures) -> Iterator[Finding]:

@@ -22,10 +22,10 @@ NEAREST_MM, FARTHEST_MM = 200.0, 50_000.0
 SAME_PLACE_MM = 30.0
 """Cameras nearer to each other than this would be within each other; chosen (see studies/calibration_quality.py)."""
 MOST_OFF = 4.0
-"""Standard errors by which the wand's mean length about one place must be off to be told.
+"""Standard errors by which the wand's mean length about one place must be off to be reported.
 Chosen (see studies/calibration_quality.py)."""
 FEWEST_POSES = 5
-"""About one place, from which its mean length is told; chosen (see studies/calibration_quality.py)."""
+"""About one place, from which its mean length is reported; chosen (see studies/calibration_quality.py)."""
 
 
 def _scale(figures: Figures) -> Iterator[Finding]:

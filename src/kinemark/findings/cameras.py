@@ -32,7 +32,7 @@ def residuals(rig: Rig, detections: Detections, cloud: Cloud) -> list[Floats]:
     offsets = []
     for c, camera in enumerate(rig):
         seen = _seen(cloud, c)
-        offsets.append(detections.uv[cloud.view[seen, c]] - project(camera, cloud.xyz[seen]))  # (1)
+        offsets.append(detections.uv[cloud.detection[seen, c]] - project(camera, cloud.xyz[seen]))  # (1)
     return offsets
 
 
@@ -41,8 +41,9 @@ def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list
     counts = detections.counts
     rows = detections.camera
     return [
-        _calibrated(camera)
-        | _detected(counts[c], detections.validity[rows == c], cloud.view[_seen(cloud, c), c])
+        camera_description(camera)
+        | {"calibration_residual_px": camera.residual}
+        | _detected(counts[c], detections.validity[rows == c], cloud.detection[_seen(cloud, c), c])
         | {"separated": int((detections.merged & detections.valid & (rows == c)).sum())}
         | _reprojected(offsets[c])
         | {"pixel_at_subject_mm": _pixel(camera, cloud.xyz[_seen(cloud, c)])}
@@ -52,17 +53,17 @@ def camera_figures(rig: Rig, detections: Detections, cloud: Cloud, offsets: list
 
 def _seen(cloud: Cloud, c: int) -> NDArray[np.int64]:
     """Rows of the cloud that camera c sees; a cloud without points may have no columns."""
-    return np.flatnonzero(cloud.view[:, c] >= 0) if len(cloud) else np.zeros(0, np.int64)
+    return np.flatnonzero(cloud.detection[:, c] >= 0) if len(cloud) else np.zeros(0, np.int64)
 
 
-def _calibrated(camera: Camera) -> dict[str, Any]:
+def camera_description(camera: Camera) -> dict[str, Any]:
+    """Name, image, place and focal lengths of a camera."""
     known = bool((camera.size > 0).all())
     return {
         "name": camera.name,
         "size_px": camera.size if known else None,
         "position_mm": camera.centre,
         "focal_px": [abs(camera.K[0, 0]), abs(camera.K[1, 1])],
-        "calibration_residual_px": camera.residual,
     }
 
 

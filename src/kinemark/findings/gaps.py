@@ -10,7 +10,7 @@ import numpy as np
 
 from ..data import Finding, Origin, Trajectories, make_finding
 from ..data import MarkerTrajectory as MarkerPath
-from ..data.finding import gravest_first, red_if
+from ..data.finding import most_severe_first, red_if
 from ..fill import Filled, FilledGap, MarkerArray
 from ..fill.known_samples import plausible
 from ..version import __version__
@@ -67,7 +67,7 @@ def filling_figures(
         "list": gaps,
     }
     figures = plain(figures)
-    findings = gravest_first(list(_findings(figures)))
+    findings = most_severe_first(list(_findings(figures)))
     figures["findings"] = [found.as_dict() for found in findings]
     figures["verdict"] = verdict_of(findings, _statements(figures)).as_dict()
     return figures

@@ -41,7 +41,7 @@ def quality(
     Args:
         session: its name; trial: its name.
         rig: the calibrated cameras; it must know those of `detections`.
-        detections: what the cameras saw; rows of `tracks.cloud.view` count in it.
+        detections: what the cameras saw; rows of `tracks.cloud.detection` count in it.
         tracks: all reconstructed points.
         trajectories: the markers as they leave the last stage.
         steps: how the trial was made.
@@ -101,12 +101,12 @@ def write_quality(path: Path | str, quality: dict[str, Any]) -> None:
 def _check(cloud: Cloud, detections: Detections) -> None:
     if not len(cloud):
         return
-    if cloud.view.shape[1] != len(detections.cameras):
+    if cloud.detection.shape[1] != len(detections.cameras):
         raise ValueError(
-            f"tracks see {cloud.view.shape[1]} cameras, wanted the {len(detections.cameras)} of detections"
+            f"tracks see {cloud.detection.shape[1]} cameras, wanted the {len(detections.cameras)} of detections"
         )
-    if cloud.view.max(initial=-1) >= len(detections):
-        raise ValueError(f"tracks refer to detection {cloud.view.max()}, but there are only {len(detections)}")
+    if cloud.detection.max(initial=-1) >= len(detections):
+        raise ValueError(f"tracks refer to detection {cloud.detection.max()}, but there are only {len(detections)}")
 
 
 def _recording(detections: Detections) -> dict[str, Any]:
@@ -129,7 +129,7 @@ def _volume(rig: Rig, trajectories: Trajectories) -> dict[str, Any]:
 
 def _points(cloud: Cloud, tracks: Tracks, offsets: list[Floats]) -> dict[str, Any]:
     distance = np.linalg.norm(np.concatenate([np.zeros((0, 2)), *offsets]), axis=1)
-    views = (cloud.view >= 0).sum(1)
+    views = (cloud.detection >= 0).sum(1)
     number, count = np.unique(views, return_counts=True)
     return {
         "count": len(cloud),

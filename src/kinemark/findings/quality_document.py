@@ -358,5 +358,5 @@ class Quality(TypedDict):
     digitising: NotRequired[DigitisingData]
     """Of trials that an operator digitised."""
     findings: list[FindingData]
-    """What needs attention, the gravest first."""
+    """What needs attention, the most severe first."""
     verdict: VerdictData

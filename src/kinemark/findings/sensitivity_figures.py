@@ -82,7 +82,7 @@ def _source(ranking: Ranking, source: ErrorSource) -> dict[str, Any]:
         "variance_share": share(typical(getattr(source, unit)) ** 2, whole),
         "without_it": typical(ranking.total(unit, without=source.name)),
         "averages": source.averages,
-        "origin": source.origin,
+        "evidence": source.evidence,
     }
 
 

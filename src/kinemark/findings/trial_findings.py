@@ -9,7 +9,7 @@ from itertools import chain
 from typing import Any
 
 from ..data import Finding, Severity, make_finding
-from ..data.finding import gravest_first, red_if
+from ..data.finding import most_severe_first, red_if
 from .verdict import Verdict, verdict_of
 
 RESIDUAL_RATIO = 3.0
@@ -45,11 +45,11 @@ TWO_CAMERAS = 0.5
 """Share of the points that may rest on fewer than three cameras; chosen."""
 
 Figures = dict[str, Any]
-Found = Iterator[Finding]
+Findings = Iterator[Finding]
 
 
 def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Finding]:
-    """What needs attention, the gravest first.
+    """What needs attention, the most severe first.
 
     Args:
         figures: of `quality`.
@@ -66,7 +66,7 @@ def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Find
         _close_decisions(figures),
         _not_square(figures),
     )
-    return gravest_first(list(found))
+    return most_severe_first(list(found))
 
 
 def trial_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:
@@ -76,7 +76,7 @@ def trial_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:
     return verdict_of(findings, (make_finding(headline), *_statements(figures)))
 
 
-def _statements(figures: Figures) -> Found:
+def _statements(figures: Figures) -> Findings:
     recording, markers = figures["recording"], figures["trajectories"]
     fragments = markers["unlabelled"] and markers["count"] != markers["markers_worn"]
     yield make_finding(
@@ -106,7 +106,7 @@ def _statements(figures: Figures) -> Found:
         yield make_finding("position_deviation", sd_mm=markers["sd_per_axis_mean_mm"])
 
 
-def _nothing(figures: Figures, *, diagnosed: bool) -> Found:
+def _nothing(figures: Figures, *, diagnosed: bool) -> Findings:
     if not figures["recording"]["frames"]:
         yield make_finding("no_frames")
     elif not any(camera["detections"] for camera in figures["cameras"]):
@@ -117,14 +117,14 @@ def _nothing(figures: Figures, *, diagnosed: bool) -> Found:
         yield make_finding("no_trajectories")
 
 
-def _blind(figures: Figures) -> Found:
+def _blind(figures: Figures) -> Findings:
     if any(camera["detections"] for camera in figures["cameras"]):
         for camera in figures["cameras"]:
             if not camera["detections"]:
                 yield make_finding("camera_sees_nothing", cameras=[camera["name"]])
 
 
-def _unlike_others(figures: Figures) -> Found:
+def _unlike_others(figures: Figures) -> Findings:
     for camera in _outliers(figures):
         median, others = camera["residual_median_px"], _others(figures, camera)
         u, v = camera["offset_px"]
@@ -154,19 +154,19 @@ def _others(figures: Figures, camera: Figures) -> float:
     return statistics.median(known) if known else math.inf
 
 
-def _residual(figures: Figures) -> Found:
+def _residual(figures: Figures) -> Findings:
     median = figures["points"]["residual_median_px"] or 0
     if median > RESIDUAL_AMBER_PX:
         yield make_finding("cameras_agree_poorly", severity=red_if(median > RESIDUAL_RED_PX), residual_px=median)
 
 
-def _calibration(figures: Figures) -> Found:
+def _calibration(figures: Figures) -> Findings:
     poor = [c["name"] for c in figures["cameras"] if (c["calibration_residual_px"] or 0) > CALIBRATION_AMBER_PX]
     if poor and not figures["calibration"].get("verdict"):
         yield make_finding("calibration_residual_high", cameras=poor, limit_px=CALIBRATION_AMBER_PX)
 
 
-def _judged(figures: Figures) -> Found:
+def _judged(figures: Figures) -> Findings:
     verdict = figures["calibration"].get("verdict")
     if verdict and verdict["grade"] != "green":
         severity: Severity = "red" if verdict["grade"] == "red" else "info"
@@ -174,7 +174,7 @@ def _judged(figures: Figures) -> Found:
         yield make_finding("calibration_verdict", severity=severity, grade=verdict["grade"], **good_for)
 
 
-def _unused(figures: Figures, named: set[str]) -> Found:
+def _unused(figures: Figures, named: set[str]) -> Findings:
     """Cameras little of whose detections is used, but for those that were named for another reason."""
     used = {c["name"]: c["used_of_valid_share"] for c in figures["cameras"]}
     little = {name: part for name, part in used.items() if part is not None and part < USED_SHARE and name not in named}
@@ -186,19 +186,19 @@ def _unused(figures: Figures, named: set[str]) -> Found:
         )
 
 
-def _few_views(figures: Figures) -> Found:
+def _few_cameras(figures: Figures) -> Findings:
     few = figures["points"]["fewer_than_3_cameras_share"] or 0
     if few > TWO_CAMERAS:
         yield make_finding("two_camera_points", points_share=few)
 
 
-def _absent(figures: Figures) -> Found:
+def _absent(figures: Figures) -> Findings:
     absent = [m["name"] for m in figures["trajectories"]["markers"] if not m["samples"]]
     if absent and figures["trajectories"]["samples"]:
         yield make_finding("markers_never_seen", markers=absent)
 
 
-def _incomplete(figures: Figures) -> Found:
+def _incomplete(figures: Figures) -> Findings:
     trajectories = figures["trajectories"]
     complete = trajectories["completeness_in_view_share"]
     if not trajectories["samples"] or complete >= COMPLETE_AMBER:
@@ -213,59 +213,59 @@ def _incomplete(figures: Figures) -> Found:
     )
 
 
-def _pieces(figures: Figures) -> Found:
+def _broken(figures: Figures) -> Findings:
     tracks, worn = figures["trajectories"]["count"], figures["trajectories"]["markers_worn"]
     if figures["trajectories"]["unlabelled"] and tracks > FRAGMENTS * max(worn, 1):
         broken = tracks > FRAGMENTS_RED * max(worn, 1)
         yield make_finding("tracks_broken", severity=red_if(broken), tracks=tracks, markers_worn=worn)
 
 
-def _long_gaps(figures: Figures) -> Found:
+def _long_gaps(figures: Figures) -> Findings:
     long = [m["name"] for m in figures["trajectories"]["markers"] if m["longest_gap_s"] > LONG_GAP_S]
     if long:
         yield make_finding("long_gaps", markers=long, limit_s=LONG_GAP_S)
 
 
-def _filled(figures: Figures) -> Found:
+def _filled(figures: Figures) -> Findings:
     markers = [m for m in figures["trajectories"]["markers"] if m["samples"]]
     much = [m["name"] for m in markers if m["filled_samples"] > FILLED_SHARE * m["samples"]]
     if much:
         yield make_finding("much_filled", markers=much, limit_share=FILLED_SHARE)
 
 
-def _uncertain(figures: Figures) -> Found:
+def _uncertain(figures: Figures) -> Findings:
     vague = [m["name"] for m in figures["trajectories"]["markers"] if (m["sd_per_axis_mean_mm"] or 0) > SD_AMBER_MM]
     if vague:
         yield make_finding("markers_uncertain", markers=vague, limit_mm=SD_AMBER_MM)
 
 
-def _outside(figures: Figures) -> Found:
+def _outside(figures: Figures) -> Findings:
     outside = figures["volume"]["samples_outside_given_share"] or 0
     if outside > OUTSIDE_SHARE:
         yield make_finding("outside_volume", samples_share=outside)
 
 
-def _unnamed(figures: Figures) -> Found:
+def _unnamed(figures: Figures) -> Findings:
     names = [m["name"] for m in figures["trajectories"]["markers"]]
     unnamed = sum(name.startswith("*") for name in names)
     if unnamed:
         yield make_finding("unnamed_trajectories", unnamed=unnamed, trajectories=len(names))
 
 
-def _left_over(figures: Figures) -> Found:
+def _left_over(figures: Figures) -> Findings:
     inside = figures["points"]["in_a_track_share"]
     if inside is not None and inside < 1 - NO_TRACK:
         yield make_finding("points_in_no_track", points_share=1 - inside)
 
 
-def _close_decisions(figures: Figures) -> Found:
+def _close_decisions(figures: Figures) -> Findings:
     kinds = [row["kind"] for row in figures["ambiguous_decisions"]]
     if kinds:
         numbers: dict[str, Any] = {kind: kinds.count(kind) for kind in ("swap", "merge", "ghost", "stitch")}
         yield make_finding("close_decisions", **numbers)
 
 
-def _not_square(figures: Figures) -> Found:
+def _not_square(figures: Figures) -> Findings:
     if odd := not_square(figures["cameras"]):
         yield make_finding("pixels_not_square", cameras=odd)
 
@@ -283,5 +283,5 @@ def inconsistent_cameras(figures: Figures) -> list[str]:
 
 CAMERA_CHECKS = (_blind, _unlike_others, _residual, _calibration, _judged)
 MARKER_CHECKS = (
-    *(_few_views, _absent, _incomplete, _pieces, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
+    *(_few_cameras, _absent, _incomplete, _broken, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
 )

@@ -15,7 +15,7 @@ class Verdict:
 
     Attributes:
         grade: "green", "amber" or "red".
-        findings: that made it so, those of the gravest severity; none where it is green.
+        findings: that made it so, those of the highest severity; none where it is green.
         statements: what was measured and how well; the first is the headline.
     """
 

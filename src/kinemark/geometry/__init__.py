@@ -14,13 +14,13 @@ from .camera import (
 )
 from .dlt import camera_from_dlt, cameras_from_dlt, decompose, fit_dlt, from_dlt, to_dlt
 from .epipolar import epipolar_constants, epipolar_lines, fundamental, line_distance
-from .origin import about, joint_about, near_middle, parameters_about, rig_about
+from .origin import camera_about, joint_about, origin_near, parameters_about, rig_about
 from .sphere_offset import sphere_offset
 from .triangulate import Triangulated, refine, triangulate
 
 __all__ = [
     "Triangulated",
-    "about",
+    "camera_about",
     "camera_from_dlt",
     "cameras_from_dlt",
     "decompose",
@@ -32,9 +32,9 @@ __all__ = [
     "fundamental",
     "joint_about",
     "line_distance",
-    "near_middle",
     "nearest_rotations",
     "normalised",
+    "origin_near",
     "parameter_jacobian",
     "parameters_about",
     "point_jacobian",

@@ -59,11 +59,11 @@ def distort(camera: Camera, uv: Floats) -> Floats:
 def rays(camera: Camera, uv: Floats) -> Floats:
     """Unit directions (…, 3) in the world from `camera.centre` to what is seen at pixels (…, 2)."""
     xy = lens.undistort(normalised(camera, uv), camera.distortion)
-    ahead = np.concatenate([xy, np.ones_like(xy[..., :1])], -1) @ camera.R
-    return ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
+    direction = np.concatenate([xy, np.ones_like(xy[..., :1])], -1) @ camera.R
+    return direction / np.linalg.norm(direction, axis=-1, keepdims=True)
 
 
-def linearised(camera: Camera, xyz: Floats) -> tuple[Floats, Floats]:
+def project_with_jacobian(camera: Camera, xyz: Floats) -> tuple[Floats, Floats]:
     """`project` (2, n), px, and `point_jacobian` (2, 3, n), px/mm, of world points (3, n) mm; NaN behind the camera.
 
     The points stand along the last axis, so that NumPy's innermost loop runs over them: much faster for many points.
@@ -71,7 +71,7 @@ def linearised(camera: Camera, xyz: Floats) -> tuple[Floats, Floats]:
     x_cam = camera.R @ xyz + camera.t[:, None]
     z = np.where(x_cam[2] > 0, x_cam[2], np.nan)
     x, y = x_cam[:2] / z
-    uv = np.stack(_scaled(camera, *lens.drawn(x, y, camera.distortion))) + camera.K[:2, 2:]
+    uv = np.stack(_scaled(camera, *lens.distorted_entries(x, y, camera.distortion))) + camera.K[:2, 2:]
     return uv, camera.R.T @ _by_camera(camera, x, y, z)  # (6)
 
 
@@ -86,8 +86,8 @@ def parameter_jacobian(camera: Camera, xyz: Floats) -> Floats:
     return _last(_by_parameters(camera, *np.moveaxis(to_camera(camera, xyz), -1, 0)))
 
 
-def open_variance(camera: Camera, xyz: Floats) -> Floats:
-    """J_θ C_θ J_θᵀ (2, 2, n) px² with J_θ of `parameter_jacobian` at (3, n) mm: what the calibration leaves open."""
+def calibration_variance(camera: Camera, xyz: Floats) -> Floats:
+    """J_θ C_θ J_θᵀ (2, 2, n) px² with J_θ of `parameter_jacobian` at (3, n) mm: what the calibration contributes."""
     J = _by_parameters(camera, *(camera.R @ xyz + camera.t[:, None]))
     return np.asarray(np.einsum("ikn,jkn->ijn", camera.cov @ J, J))
 
@@ -97,7 +97,7 @@ def _by_parameters(camera: Camera, X: Floats, Y: Floats, Z: Floats) -> Floats:
     x, y = X / Z, Y / Z
     r2, xy = x * x + y * y, x * y
     J = np.zeros((2, 15, *x.shape))
-    J[0, 0], J[1, 1] = lens.drawn(x, y, camera.distortion)
+    J[0, 0], J[1, 1] = lens.distorted_entries(x, y, camera.distortion)
     J[0, 2] = J[1, 3] = 1.0
     along_x = x * r2, x * r2**2, 2 * xy, r2 + 2 * x * x, x * r2**3  # dx' / d(k1, k2, p1, p2, k3)
     along_y = y * r2, y * r2**2, r2 + 2 * y * y, 2 * xy, y * r2**3
@@ -112,7 +112,7 @@ def _by_parameters(camera: Camera, X: Floats, Y: Floats, Z: Floats) -> Floats:
 
 def _by_camera(camera: Camera, x: Floats, y: Floats, Z: Floats) -> Floats:
     """d uv / d x_cam (2, 3, …) at normalised x and y and depth Z."""
-    xx, xy, yy = lens.slopes(x, y, camera.distortion)
+    xx, xy, yy = lens.jacobian_entries(x, y, camera.distortion)
     J = np.empty((2, 3, *x.shape))
     J[:, 0], J[:, 1] = _scaled(camera, xx / Z, xy / Z), _scaled(camera, xy / Z, yy / Z)
     J[:, 2] = -(x * J[:, 0] + y * J[:, 1])  # (5)

@@ -1,4 +1,4 @@
-"""A place that cameras look at together.
+"""The centre of what cameras see together.
 
 Where the optical axes (c, d) of the cameras meet, the place X nearest to all of them,
 
@@ -6,7 +6,7 @@ Where the optical axes (c, d) of the cameras meet, the place X nearest to all of
 
 is in the middle of their views. Axes of cameras that are toed out, or stand in a row, meet behind them or nowhere,
 though the cameras see much in common. Then rays through a grid of pixels of each camera are followed to several depths,
-and of the places reached that most cameras have in their images, X is the one in the middle (2).
+and of the places reached that most cameras have in their images, X is the median (2).
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ DEPTHS = np.geomspace(0.5, 4.0, 13)
 """Depths of (2), by the extent of the cameras' places; chosen: a volume is about as large as its rig."""
 
 
-def common_place(rig: Rig) -> Floats | None:
+def common_view_centre(rig: Rig) -> Floats | None:
     """(3) mm, a place in the middle of what two and more cameras see; None where no two see anything in common."""
     axes = np.array([camera.R[2] for camera in rig]).reshape(-1, 3)
     across = np.eye(3) - axes[:, :, None] * axes[:, None]
     try:
-        middle = np.linalg.solve(across.sum(0), np.einsum("cij,cj->i", across, rig.centres))  # (1)
+        centre = np.linalg.solve(across.sum(0), np.einsum("cij,cj->i", across, rig.centres))  # (1)
     except np.linalg.LinAlgError:
-        middle = np.full(3, np.nan)
-    if seen_by(rig, middle[None])[0] >= 2:
-        return middle
+        centre = np.full(3, np.nan)
+    if seen_by(rig, centre[None])[0] >= 2:
+        return centre
     extent = float(np.linalg.norm(np.ptp(rig.centres, axis=0))) if len(rig) else 0.0
     places = np.concatenate([_along_rays(camera, DEPTHS * extent) for camera in rig] or [np.zeros((0, 3))])
     count = seen_by(rig, places)

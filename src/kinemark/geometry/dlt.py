@@ -123,10 +123,10 @@ def cameras_from_dlt(names: Sequence[str], L: NDArray[np.float64]) -> tuple[Came
         centre = -np.linalg.solve(P[:, :, :3], P[:, :, 3:])[..., 0]
         d = P[:, 2, :3] / np.linalg.norm(P[:, 2, :3], axis=1, keepdims=True)
         across = np.eye(3) - d[:, :, None] * d[:, None]
-        middle = centre.mean(0)
+        mean = centre.mean(0)
         if np.linalg.eigvalsh(across.mean(0))[0] > PARALLEL:
-            pull = (across @ (centre - middle)[..., None]).sum(0)[:, 0]
-            front = middle + np.linalg.solve(across.sum(0), pull)  # (7)
+            right = (across @ (centre - mean)[..., None]).sum(0)[:, 0]
+            front = mean + np.linalg.solve(across.sum(0), right)  # (7)
     return tuple(camera_from_dlt(name, row, front=front) for name, row in zip(names, L, strict=True))
 
 

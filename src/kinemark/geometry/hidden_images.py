@@ -34,10 +34,10 @@ def hidden_variance(rig: Rig, xyz: Floats, area: Floats) -> Floats:
     diameter = 2 * np.sqrt(area / np.pi) / scale  # (1)
     known = np.sum(~np.isnan(diameter), axis=1)
     falling = -np.sort(-np.nan_to_num(diameter, nan=-1.0), axis=1)
-    usual = falling[np.arange(len(xyz)), np.maximum(known - 1, 0) // 2][:, None]
-    radius = usual * scale / 2
+    median = falling[np.arange(len(xyz)), np.maximum(known - 1, 0) // 2][:, None]
+    radius = median * scale / 2
     with np.errstate(divide="ignore", invalid="ignore"):  # points without areas
-        strange = np.abs(1 - (diameter / usual) ** 2)  # (2)
+        change = np.abs(1 - (diameter / median) ** 2)  # (2)
         chance = 2.5 * 0.1 * np.sqrt(2 * np.pi * radius) / (np.pi * radius**2)
-        variance = np.maximum(strange**2 - chance**2, 0.0) * radius**2 / 2  # (3)
+        variance = np.maximum(change**2 - chance**2, 0.0) * radius**2 / 2  # (3)
     return np.where(known[:, None] >= 2, np.nan_to_num(variance, posinf=0.0), 0.0)

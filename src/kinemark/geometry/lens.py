@@ -22,10 +22,10 @@ NEWTON_STEPS = 12  # at most; three or four are enough wherever the model is one
 
 def distort(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
     """Where the lens draws the ideal point: (…, 2) → (…, 2), normalised; `k` is (5,)."""
-    return np.stack(drawn(xy[..., 0], xy[..., 1], k), -1)
+    return np.stack(distorted_entries(xy[..., 0], xy[..., 1], k), -1)
 
 
-def drawn(
+def distorted_entries(
     x: NDArray[np.float64], y: NDArray[np.float64], k: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """x' and y' of `distort`, each as x and y are."""
@@ -38,11 +38,11 @@ def drawn(
 
 def jacobian(xy: NDArray[np.float64], k: NDArray[np.float64]) -> NDArray[np.float64]:
     """d(x', y') / d(x, y) of `distort`: (…, 2) → (…, 2, 2)."""
-    xx, cross, yy = slopes(xy[..., 0], xy[..., 1], k)
+    xx, cross, yy = jacobian_entries(xy[..., 0], xy[..., 1], k)
     return np.stack([np.stack([xx, cross], -1), np.stack([cross, yy], -1)], -2)
 
 
-def slopes(
+def jacobian_entries(
     x: NDArray[np.float64], y: NDArray[np.float64], k: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """dx'/dx, dx'/dy = dy'/dx and dy'/dy of `distort`, each as x and y are."""

@@ -24,22 +24,22 @@ from ..data.array_types import Floats
 TURN, PLACE = PARAMETERS.index("rx"), PARAMETERS.index("tx")
 
 
-def near_middle(xyz: Floats) -> Floats:
+def origin_near(xyz: Floats) -> Floats:
     """(3,) mm, whole numbers: about the mean of the places (…, 3) mm that are known; 0 where none is."""
     flat = xyz.reshape(-1, 3)
     known = flat[np.isfinite(flat).all(1)]
     return np.round(known.mean(0)) if len(known) else np.zeros(3)
 
 
-def about(camera: Camera, origin: Floats) -> Camera:
+def camera_about(camera: Camera, origin: Floats) -> Camera:
     """The camera in a world whose origin is at `origin` (3,) mm of this one, by (1) and (2)."""
     M = parameters_about(camera, origin)
     return replace(camera, t=camera.t + camera.R @ origin, cov=M @ camera.cov @ M.T)
 
 
 def rig_about(rig: Rig, origin: Floats) -> Rig:
-    """`about` of all cameras and of the control volume."""
-    return Rig(tuple(about(camera, origin) for camera in rig), rig.method, rig.volume - origin)
+    """`camera_about` of all cameras and of the control volume."""
+    return Rig(tuple(camera_about(camera, origin) for camera in rig), rig.method, rig.volume - origin)
 
 
 def parameters_about(camera: Camera, origin: Floats) -> Floats:

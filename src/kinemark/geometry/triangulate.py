@@ -23,15 +23,15 @@ from numpy.typing import NDArray
 from ..data import Camera, Rig
 from ..data.array_types import Floats
 from ..numerics.small_matrices import inverse3, solve3
-from .camera import linearised, open_variance
+from .camera import calibration_variance, project_with_jacobian
 
 
 class Triangulated(NamedTuple):
-    """Refined points: xyz (N, 3) mm; cov (N, 3, 3) mm²; off (N, C, 2) px, seen minus reprojected, NaN unseen."""
+    """Refined points: xyz (N, 3) mm; cov (N, 3, 3) mm²; residual (N, C, 2) px, seen minus reprojected, NaN unseen."""
 
     xyz: Floats
     cov: Floats
-    off: Floats
+    residual: Floats
 
 
 def triangulate(uv: Floats, P: Floats) -> Floats:
@@ -56,7 +56,7 @@ def refine(rig: Rig, xyz: Floats, uv: Floats, cov: Floats, *, steps: int = 3, ex
         uv: (N, C, 2) pixels as the lens drew them, NaN where unseen.
         cov: (N, C, 2, 2) their covariance, px².
         steps: Gauss-Newton steps; two bring a good first guess to the micrometre.
-        exact: work out cov and off anew where the last step led to; else they follow from the projections where it
+        exact: work out cov and residual anew where the last step led to; else they follow from the projections where it
             began as if these were linear, which is as good where the step is small beside the cameras' distance.
     """
     seen = ~np.isnan(uv[..., 0]) & ~np.isnan(xyz[:, :1])
@@ -89,7 +89,7 @@ def _view(camera: Camera, c: int, seen: NDArray[np.bool_], xyz: Floats, uv: Floa
     point = np.flatnonzero(seen)
     C = cov[point, c].transpose(1, 2, 0)
     if camera.cov.any():
-        C = C + open_variance(camera, xyz[point].T)  # (6)
+        C = C + calibration_variance(camera, xyz[point].T)  # (6)
     weight = np.stack([C[1, 1], -C[0, 1], C[0, 0]]) / (C[0, 0] * C[1, 1] - C[0, 1] * C[1, 0])
     return _View(camera, point, uv[point, c].T, weight)
 
@@ -98,7 +98,7 @@ def _normal_equations(views: list[_View], xyz: Floats) -> tuple[Floats, Floats, 
     """Σ Jᵀ C⁻¹ J (N, 3, 3), Σ Jᵀ C⁻¹ off (N, 3), and of each view off = uv − project (2, n) px and J (2, 3, n)."""
     normal, pull, each = np.zeros((3, 3, len(xyz))), np.zeros((3, len(xyz))), list[tuple[Floats, Floats]]()
     for camera, point, uv, (xx, xy, yy) in views:
-        drawn, J = linearised(camera, xyz[point].T)
+        drawn, J = project_with_jacobian(camera, xyz[point].T)
         each.append((off := uv - drawn, J))
         WJ = np.stack([xx * J[0] + xy * J[1], xy * J[0] + yy * J[1]])
         normal[..., point] += np.einsum("ain,ajn->ijn", WJ, J)

@@ -29,7 +29,7 @@ from ..numerics.robust import SD_PER_MEDIAN
 
 FEWEST = 8  # pairs that the eight-point method needs; by definition
 TRIALS = 150  # samples of eight; with 30 % wrong pairs one in 17 is right: chosen
-JUDGES = 400  # pairs that a sample is judged by; chosen for speed
+SCORED = 400  # pairs by which a sample is scored; chosen for speed
 SPREAD = 3.0  # standard deviations within which pairs fit; conventional
 QUARTER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 """W of (7), a quarter turn about z; by definition."""
@@ -75,9 +75,9 @@ def robust_fundamental(
         return fit_fundamental(uv1, uv2), np.isfinite(uv1[..., 0])
     rng = np.random.default_rng(seed)
     sample = both[rng.random((trials, len(both))).argpartition(FEWEST - 1, axis=1)[:, :FEWEST]]
-    judges = both if len(both) <= JUDGES else rng.choice(both, JUDGES, replace=False)
+    scored = both if len(both) <= SCORED else rng.choice(both, SCORED, replace=False)
     F = _fit(uv1[sample], uv2[sample])
-    d = np.abs(sampson_distance(F[:, None], uv1[judges], uv2[judges]))
+    d = np.abs(sampson_distance(F[:, None], uv1[scored], uv2[scored]))
     cost = np.median(d, axis=1) if tolerance is None else (np.minimum(d, tolerance) ** 2).sum(1)  # (4), (5)
     best, inliers = F[cost.argmin()], np.zeros(len(uv1), np.bool_)
     for _ in range(5):
@@ -160,10 +160,10 @@ def _fit(uv1: Floats, uv2: Floats) -> Floats:
 
 def _scaled(uv: Floats) -> tuple[Floats, Floats]:
     """Pixels (T, n, 2) at zero mean and unit spread, (T, n, 3), and the transform (T, 3, 3) that did it."""
-    middle = uv.mean(-2, keepdims=True)
-    scale = 1 / np.maximum(np.sqrt(((uv - middle) ** 2).mean((-2, -1), keepdims=True)), 1e-300)
+    mean = uv.mean(-2, keepdims=True)
+    scale = 1 / np.maximum(np.sqrt(((uv - mean) ** 2).mean((-2, -1), keepdims=True)), 1e-300)
     T = np.zeros((len(uv), 3, 3))
     T[:, 0, 0] = T[:, 1, 1] = scale[:, 0, 0]
-    T[:, :2, 2] = -scale[:, 0] * middle[:, 0]
+    T[:, :2, 2] = -scale[:, 0] * mean[:, 0]
     T[:, 2, 2] = 1.0
-    return homogeneous((uv - middle) * scale), T
+    return homogeneous((uv - mean) * scale), T

@@ -11,9 +11,9 @@ deviation s in px of each image coordinate, a point seen by n cameras has 2n −
 so s² is the median of Σ |off|² over the median of χ², a value that wrong matches hardly move.
 
 A centroid can be worse than its covariance says: a part of the marker is hidden, or another marker touches it. Images
-whose area says so are given more variance (`hidden_images`), and what remains is met by heavy tails: the error of an
-image, d of its own standard deviations, is taken to follow Student's t with ν degrees of freedom in its plane, so that
-an image whose d is large counts as one of covariance
+whose area says so are given more variance (`hidden_images`), and what remains is met by heavy-tailed errors: the error
+of an image, d of its own standard deviations, is taken to follow Student's t with ν degrees of freedom in its plane, so
+that an image whose d is large counts as one of covariance
 
     C (ν + d²) / (ν + 2)                                                 (2)
 
@@ -56,17 +56,17 @@ class ImageErrors:
     Attributes:
         centroid_sd: standard deviation of a centroid that states none, px; None: estimated from the data by (1).
         model_sd: what the camera model leaves out, px; added to every image.
-        tails: ν of (2); small means that wrong images are expected; 0 for plain least squares.
+        degrees_of_freedom: ν of (2); small means that wrong images are expected; 0 for plain least squares.
         marker_diameter: of the marker spheres, mm, for (3); None: not corrected.
     """
 
     centroid_sd: float | None = None
     model_sd: float = 0.01
-    tails: float = 4.0
+    degrees_of_freedom: float = 4.0
     marker_diameter: float | None = None
 
 
-USUAL = ImageErrors()
+DEFAULT_ERRORS = ImageErrors()
 
 
 def weighted_points(
@@ -75,7 +75,7 @@ def weighted_points(
     rig: Rig,
     *,
     guess: Floats | None = None,
-    errors: ImageErrors = USUAL,
+    errors: ImageErrors = DEFAULT_ERRORS,
 ) -> Cloud:
     """One point for each match, in the same order, not finite where it has none.
 
@@ -89,25 +89,25 @@ def weighted_points(
             solution, which takes longer.
         errors: of the images.
     """
-    seen: Bools = matches.view >= 0
-    uv = np.where(seen[..., None], detections.uv[matches.view], np.nan)
+    seen: Bools = matches.detection >= 0
+    uv = np.where(seen[..., None], detections.uv[matches.detection], np.nan)
     steps = 1 if guess is not None else 2
     guess = _linear(rig, uv) if guess is None else guess
     if errors.marker_diameter is not None:
         uv = uv - _sphere_offsets(rig, guess, errors.marker_diameter)  # (3)
         guess = guess if steps == 1 else _linear(rig, uv)
-    area = np.where(seen, detections.area[matches.view], np.nan)
-    cov = centroid_cov(detections.cov[matches.view], rig, guess, uv, errors.centroid_sd)
+    area = np.where(seen, detections.area[matches.detection], np.nan)
+    cov = centroid_cov(detections.cov[matches.detection], rig, guess, uv, errors.centroid_sd)
     variances = np.einsum("pcii->pci", cov)  # a view of both, in every image
     variances += (hidden_variance(rig, guess, area) + errors.model_sd**2)[..., None]
-    point = _robust(rig, guess, uv, cov, errors.tails, steps)
+    point = _robust(rig, guess, uv, cov, errors.degrees_of_freedom, steps)
     return Cloud(
         rate=detections.rate,
         start=np.searchsorted(matches.frame, np.arange(matches.n_frames + 1)),
         xyz=point.xyz,
         cov=point.cov,
-        residual=np.sqrt(np.nansum(point.off**2, axis=(1, 2)) / seen.sum(1)),
-        view=matches.view,
+        residual=np.sqrt(np.nansum(point.residual**2, axis=(1, 2)) / seen.sum(1)),
+        detection=matches.detection,
     )
 
 
@@ -136,25 +136,29 @@ def _centroid_sd(rig: Rig, guess: Floats, uv: Floats) -> float:
     three = (freedom >= 3) & ~np.isnan(guess[:, 0])
     if not three.any():
         return FALLBACK_SD
-    off = refine(rig, guess[three], uv[three], np.broadcast_to(np.eye(2), (*uv[three].shape, 2)), steps=2).off
+    off = refine(rig, guess[three], uv[three], np.broadcast_to(np.eye(2), (*uv[three].shape, 2)), steps=2).residual
     return float(
         np.sqrt(np.median(np.nansum(off**2, axis=(1, 2)) / (2 * scipy.special.gammaincinv(freedom[three] / 2, 0.5))))
     )
 
 
-def _robust(rig: Rig, guess: Floats, uv: Floats, cov: Floats, tails: float, steps: int) -> Triangulated:
+def _robust(rig: Rig, guess: Floats, uv: Floats, cov: Floats, degrees_of_freedom: float, steps: int) -> Triangulated:
     """The points with heavy-tailed images by (2); those whose images agree are done after one pass."""
     point = refine(rig, guess, uv, cov, steps=steps, exact=steps > 1)
-    wild = np.flatnonzero((_squared(point.off, cov) > 2 + tails).any(1)) if tails else np.zeros(0, np.int64)
-    if not len(wild):
+    outlying = (
+        np.flatnonzero((_squared(point.residual, cov) > 2 + degrees_of_freedom).any(1))
+        if degrees_of_freedom
+        else np.zeros(0, np.int64)
+    )
+    if not len(outlying):
         return point
-    xyz, own, off = point.xyz[wild], cov[wild], point.off[wild]
+    xyz, own, off = point.xyz[outlying], cov[outlying], point.residual[outlying]
     for k in range(REWEIGHTINGS):
-        widened = np.maximum(student_widening(_squared(off, own), tails), 1.0)  # (2)
+        widened = np.maximum(student_widening(_squared(off, own), degrees_of_freedom), 1.0)  # (2)
         own_now = own * np.nan_to_num(widened, nan=1.0)[..., None, None]
-        again = refine(rig, xyz, uv[wild], own_now, steps=1, exact=steps > 1 or k == REWEIGHTINGS - 1)
-        xyz, off = again.xyz, again.off
-    point.xyz[wild], point.cov[wild], point.off[wild] = again
+        again = refine(rig, xyz, uv[outlying], own_now, steps=1, exact=steps > 1 or k == REWEIGHTINGS - 1)
+        xyz, off = again.xyz, again.residual
+    point.xyz[outlying], point.cov[outlying], point.residual[outlying] = again
     return point
 
 

@@ -20,12 +20,12 @@ import numpy as np
 from ..data import Angles
 from ..data.cycles import Cycles
 from ..data.models import Model
-from ..data.normal_ranges import Named, named, outside
+from ..data.normal_ranges import NamedAngle, named_angles, outside
 from .files import replacing
 from .number_text import plain
 
 
-def column(model: Model, one: Named) -> str:
+def column(model: Model, one: NamedAngle) -> str:
     """`shoulder_flexion`: what the columns of a degree of freedom begin with."""
     return f"{model.joints[one.joint].name} {one.motion.positive}".replace(" ", "_")
 
@@ -36,7 +36,7 @@ def write_angles_csv(path: Path | str, angles: Angles, model: Model, *, first_fr
     Raises:
         KinemarkError: the file cannot be written.
     """
-    free, sd, out = named(model), angles.sd, outside(angles, model)
+    free, sd, out = named_angles(model), angles.sd, outside(angles, model)
     heading = ["frame", "time_s"]
     for one in free:
         heading += [column(model, one) + end for end in ("_deg", "_sd_deg", "_outside")]
@@ -56,7 +56,7 @@ def write_cycles_csv(path: Path | str, cycles: Cycles, model: Model) -> None:
     Raises:
         KinemarkError: the file cannot be written.
     """
-    free = named(model)
+    free = named_angles(model)
     heading = ["percent"]
     for one in free:
         heading += [column(model, one) + end for end in ("_mean_deg", "_sd_deg", "_noise_deg")]

@@ -35,7 +35,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
     except OSError as error:
         raise KinemarkError(f"{path} cannot be written: {error}. {ADVICE.get(error.errno or 0, OTHERWISE)}") from error
     finally:
-        with suppress(OSError):  # such as a parent that is a file, which the error above has told already
+        with suppress(OSError):  # such as a parent that is a file, which the error above has stated already
             beside.unlink(missing_ok=True)
 
 

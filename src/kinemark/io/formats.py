@@ -36,7 +36,7 @@ OTHER = "what else the source file held, such as its parameters"
 
 VIDEO = 30.0
 """Hz; stands where a .tdc file does not say its rate: UM²AS digitises video."""
-UNSAID = 1.0
+UNKNOWN_RATE = 1.0
 """Hz; stands where a detections CSV does not say its rate; chosen."""
 IMAGES = (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".mkv", ".mp4", ".avi", ".mov", ".mpg", ".m4v")
 HOLDS = {
@@ -56,7 +56,7 @@ HOLDS = {
 """What a record of each class is called; arrays are DLT parameters."""
 
 
-class Said(NamedTuple):
+class ReadOptions(NamedTuple):
     """What the caller says of a file.
 
     Hz and unit of length where it is silent or wrong about them, whether to read what there is of a damaged one, and
@@ -77,33 +77,33 @@ class Format(NamedTuple):
         write: for each content that the format holds, writes it and returns what it could not hold.
     """
 
-    read: Callable[[Path, Said], Any]
+    read: Callable[[Path, ReadOptions], Any]
     write: Mapping[Content, Callable[[Path, Any], tuple[FileNote, ...]]] = {}
 
 
-def _csv(path: Path, said: Said) -> Any:
+def _csv(path: Path, options: ReadOptions) -> Any:
     """A CSV file: its heading tells detections and trajectories from DLT parameters, which have none."""
     head = read_text(path).split("\n", 1)[0]
-    found = "detections" if "u_px" in head else "trajectories" if "_x_mm" in head else said.what
+    found = "detections" if "u_px" in head else "trajectories" if "_x_mm" in head else options.what
     if found == "detections":
-        return read_detections_csv(path, rate=said.rate_hz or UNSAID)
+        return read_detections_csv(path, rate=options.rate_hz or UNKNOWN_RATE)
     if found == "trajectories" or head.startswith("frame"):
-        return Trial(path.stem, read_trajectories_csv(path, rate=said.rate_hz))
+        return Trial(path.stem, read_trajectories_csv(path, rate=options.rate_hz))
     return read_dlt_csv(path)
 
 
-def _tdf(path: Path, said: Said) -> Tdf:
+def _tdf(path: Path, options: ReadOptions) -> Tdf:
     return read_tdf(path)
 
 
-def _toml(path: Path, said: Said) -> Rig | Rods:
+def _toml(path: Path, options: ReadOptions) -> Rig | Rods:
     from .rig_toml import read_rig_toml
     from .rods_toml import read_rods
 
-    return read_rods(path) if path.name == "rods.toml" else read_rig_toml(path, said.length_unit)
+    return read_rods(path) if path.name == "rods.toml" else read_rig_toml(path, options.length_unit)
 
 
-def _load(path: Path, said: Said) -> Any:
+def _load(path: Path, options: ReadOptions) -> Any:
     from .records import load
 
     return load(path)
@@ -149,10 +149,10 @@ def _of_samples(trajectories: Trajectories) -> dict[str, tuple[str, ...]]:
     return {what: tuple(path.name for path in trajectories if has(path)) for what, has in known.items()}
 
 
-def _tdc(path: Path, said: Said) -> Trial:
+def _tdc(path: Path, options: ReadOptions) -> Trial:
     from .um2as import trajectories_of_tdc
 
-    return Trial(path.stem, trajectories_of_tdc(path, rate=said.rate_hz or VIDEO))
+    return Trial(path.stem, trajectories_of_tdc(path, rate=options.rate_hz or VIDEO))
 
 
 def _write_tdc(path: Path, trial: Trial) -> tuple[FileNote, ...]:
@@ -192,12 +192,14 @@ def _whole(write: Callable[[Path, Any], None]) -> Callable[[Path, Any], tuple[Fi
 
 FORMATS: dict[str, Format] = {
     ".c3d": Format(
-        lambda p, said: read_c3d(p, units=said.length_unit, rate_hz=said.rate_hz, partial=said.partial),
+        lambda p, options: read_c3d(p, units=options.length_unit, rate_hz=options.rate_hz, partial=options.partial),
         {"trajectories": write_c3d},
     ),
     ".tdf": Format(_tdf),
     ".trc": Format(
-        lambda p, said: read_trc_trial(p, length_unit=said.length_unit, rate_hz=said.rate_hz, partial=said.partial),
+        lambda p, options: read_trc_trial(
+            p, length_unit=options.length_unit, rate_hz=options.rate_hz, partial=options.partial
+        ),
         {"trajectories": _markers_only(write_trc)},
     ),
     ".csv": Format(
@@ -224,7 +226,7 @@ def holds(found: Any) -> str:
     return HOLDS.get(type(found).__name__, "DLT parameters")
 
 
-def read_file(path: Path, said: Said = Said()) -> Any:  # noqa: B008  frozen
+def read_file(path: Path, options: ReadOptions = ReadOptions()) -> Any:  # noqa: B008  frozen
     """What a file holds, as the record that fits: `Trial`, `Tdf`, `Rig`, `Detections`, …; an array for DLT parameters.
 
     Raises:
@@ -232,7 +234,7 @@ def read_file(path: Path, said: Said = Said()) -> Any:  # noqa: B008  frozen
     """
     ending = path.suffix.lower()
     if ending in FORMATS:
-        return FORMATS[ending].read(path, said)
+        return FORMATS[ending].read(path, options)
     if ending in IMAGES:
         from .images import open_images
 

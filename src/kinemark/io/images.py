@@ -153,11 +153,11 @@ def numbered(pattern: Path) -> tuple[Path, ...]:
     Raises:
         KinemarkError: the pattern has more than one number, no file matches, or a number is missing.
     """
-    pieces = NUMBER.split(pattern.name)
-    if len(pieces) != 3:
+    parts = NUMBER.split(pattern.name)
+    if len(parts) != 3:
         raise KinemarkError(f"{pattern} has more than one %d, wanted one number. Write the others out.")
-    width = int(pieces[1] or 0)
-    before, after = (re.escape(piece.replace("%%", "%")) for piece in (pieces[0], pieces[2]))
+    width = int(parts[1] or 0)
+    before, after = (re.escape(part.replace("%%", "%")) for part in (parts[0], parts[2]))
     name = re.compile(rf"{before}([0-9]{{{max(width, 1)}}}|[1-9][0-9]{{{max(width, 1)},17}}){after}")
     found = {int(m[1]): p for p in pattern.parent.glob("*") if (m := name.fullmatch(p.name)) and p.is_file()}
     if not found:

@@ -1,4 +1,4 @@
-"""MATLAB's MAT files of version 5 to 7, read without trust: numbers, texts, structures and cells.
+"""MATLAB's MAT files of version 5 to 7, read defensively: numbers, texts, structures and cells.
 
 A file is a header of 128 bytes, the last four of which give version and byte order, and then elements: type, number of
 bytes, data, filled up to eight bytes. Four bytes of data or fewer lie in the tag itself. An element may be deflated; a
@@ -50,7 +50,7 @@ class Element(NamedTuple):
     after: int
 
 
-class Wrong(Exception):
+class MalformedFile(Exception):
     """What the file says cannot be."""
 
 
@@ -69,7 +69,7 @@ def read_mat5(path: Path | str) -> dict[str, Any]:
         raise KinemarkError(f"{path} is no MAT file of version 5 to 7. Save it with MATLAB's save(…, '-v7').")
     try:
         return _variables(data[HEADER:], order)
-    except (Wrong, struct.error, zlib.error, ValueError, OverflowError) as error:
+    except (MalformedFile, struct.error, zlib.error, ValueError, OverflowError) as error:
         raise KinemarkError(f"{path} is damaged: {error}. Copy it again, or save it anew.") from error
 
 
@@ -83,7 +83,7 @@ def _variables(data: memoryview, order: str) -> dict[str, Any]:
             inflater = zlib.decompressobj()
             inflated = inflater.decompress(element.data, left)
             if inflater.unconsumed_tail:
-                raise Wrong(f"it unpacks to more than {MOST_BYTES} bytes")
+                raise MalformedFile(f"it unpacks to more than {MOST_BYTES} bytes")
             left -= len(inflated)
             element = _element(memoryview(inflated), 0, order)
         if element.kind == MATRIX:
@@ -101,7 +101,7 @@ def _element(data: memoryview, at: int, order: str) -> Element:
         kind, begin = first, at + 8
         after = begin + size + (0 if first == DEFLATED else -size % 8)
     if small > 4 or begin + size > len(data):
-        raise Wrong(f"an element of {size} bytes reaches beyond the end")
+        raise MalformedFile(f"an element of {size} bytes reaches beyond the end")
     return Element(kind, data[begin : begin + size], after)
 
 
@@ -116,7 +116,7 @@ def _parts(data: memoryview, order: str) -> list[Element]:
 
 def _matrix(data: memoryview, order: str, depth: int) -> tuple[str, Any]:
     if depth > DEEPEST:
-        raise Wrong(f"it is nested more than {DEEPEST} deep")
+        raise MalformedFile(f"it is nested more than {DEEPEST} deep")
     parts = _parts(data, order)
     if len(parts) < 3:
         return "", np.zeros((0, 0))  # how MATLAB writes what was never set
@@ -124,7 +124,7 @@ def _matrix(data: memoryview, order: str, depth: int) -> tuple[str, Any]:
     shape = tuple(int(n) for n in _stored(parts[1], order))
     name = bytes(parts[2].data).decode("ascii")
     if len(shape) < 2 or min(shape) < 0:
-        raise Wrong(f"the dimensions of {name!r} are {shape}")
+        raise MalformedFile(f"the dimensions of {name!r} are {shape}")
     return name, _value(flags, shape, parts[3:], order, depth)
 
 
@@ -149,7 +149,7 @@ def _value(flags: int, shape: tuple[int, ...], parts: list[Element], order: str,
 def _field_names(length: Element, names: Element, order: str) -> list[str]:
     size = _first(length, order)
     if not 0 < size <= 256 or len(names.data) % size:
-        raise Wrong(f"its field names have {size} letters")
+        raise MalformedFile(f"its field names have {size} letters")
     raw = bytes(names.data)
     return [raw[i : i + size].split(b"\0")[0].decode("ascii") for i in range(0, len(raw), size)]
 
@@ -163,10 +163,10 @@ def _text(part: Element, shape: tuple[int, ...], order: str) -> str:
 
 def _stored(part: Element, order: str) -> NDArray[Any]:
     if part.kind not in STORED:
-        raise Wrong(f"numbers are of an unknown type, {part.kind}")
+        raise MalformedFile(f"numbers are of an unknown type, {part.kind}")
     dtype = np.dtype(order + STORED[part.kind])
     if len(part.data) % dtype.itemsize:
-        raise Wrong(f"{len(part.data)} bytes are no whole number of {dtype}")
+        raise MalformedFile(f"{len(part.data)} bytes are no whole number of {dtype}")
     return np.frombuffer(part.data, dtype)
 
 
@@ -174,11 +174,11 @@ def _first(part: Element, order: str) -> int:
     """The first of the numbers."""
     values = _stored(part, order)
     if not values.size or not np.isfinite(values[0]):
-        raise Wrong("a number that everything hangs on is missing")
+        raise MalformedFile("a number that the rest depends on is missing")
     return int(values[0])
 
 
 def _shaped(values: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
     if values.size != np.prod(shape, dtype=np.float64):
-        raise Wrong(f"{values.size} numbers do not fill dimensions {shape}")
+        raise MalformedFile(f"{values.size} numbers do not fill dimensions {shape}")
     return values.reshape(shape, order="F")

@@ -1,4 +1,4 @@
-"""What a file could not hold as it was: values that a face turns into words."""
+"""What a file could not hold as it was: as values, and their words: here, so that a conversion imports no report."""
 
 from __future__ import annotations
 
@@ -27,19 +27,24 @@ class FileNote:
     names: tuple[str, ...] = ()
     values: Mapping[str, float] = field(default_factory=dict)
 
-    def __str__(self) -> str:
-        who = self.what + (f" {', '.join(self.names)}" if self.names else "")
-        if self.kind == "resampled":
-            return f"{who}: resampled from {self.values['rate_hz']:g} to {self.values['stored_rate_hz']:g} Hz."
-        if self.kind == "cut":
-            return f"{who}: {self.values['seconds']:.3g} s beyond the frames are not in the file."
-        if self.kind == "read":
-            return f"in the source: {who.rstrip('.')}."
-        if self.kind == "incomplete":
-            return f"{who}: samples of which only some components are known are missing in the file."
-        return f"{who}: not in the file, as its format has no place for it. HDF5 (.h5) keeps all."
-
 
 def read_notes(notes: Iterable[str]) -> tuple[FileNote, ...]:
     """What was odd in a source, among the notes of what became of it."""
     return tuple(FileNote("read", note) for note in notes)
+
+
+TEMPLATES = {
+    "resampled": "{who}: resampled from {rate_hz:g} to {stored_rate_hz:g} Hz.",
+    "cut": "{who}: {seconds:.3g} s beyond the frames are not in the file.",
+    "not_written": "{who}: not in the file, as its format has no place for it. HDF5 (.h5) keeps all.",
+    "incomplete": "{who}: samples of which only some components are known are missing in the file.",
+    "read": "in the source: {who}.",
+}
+"""By `FileNote.kind`."""
+
+
+def file_note_text(note: FileNote) -> str:
+    """A note as a sentence."""
+    who = note.what + (f" {', '.join(note.names)}" if note.names else "")
+    who = who.rstrip(".") if note.kind == "read" else who
+    return TEMPLATES[note.kind].format(who=who, **note.values)

@@ -67,6 +67,8 @@ SOURCE = "source_c3d"
 NOT_STORED = {(Trial, "source")}
 ADDED = ("notes", "about")
 """Fields that files of the first version lack."""
+FORMER = {"detection": "view", "gaps": "told"}
+"""Names that fields have in earlier files."""
 
 
 def save(path: Path | str, record: Record) -> None:
@@ -184,12 +186,18 @@ def whole_record(path: Path, file: h5py.File) -> Record:
 
 def get(group: h5py.Group, kind: type) -> Any:
     """A record of this kind from a group."""
-    stored = {name: field(group, kind, name, hint) for name, hint in fields_of(kind).items()}
+    stored = {name: field(group, kind, name_in(group, name), hint) for name, hint in fields_of(kind).items()}
     if kind is Trial and SOURCE in group:
         stored["source"] = decode_document(
             column(group, SOURCE, np.dtype(np.uint8)).tobytes(), name=group.file.filename
         )
     return kind(**stored)
+
+
+def name_in(group: h5py.Group, name: str) -> str:
+    """What a field is called in this group, which may be of an earlier file."""
+    former = FORMER.get(name, name)
+    return former if former in group or former in group.attrs else name
 
 
 def field(group: h5py.Group, kind: type, name: str, hint: Any) -> Any:

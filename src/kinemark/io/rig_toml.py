@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ..data import Camera, KinemarkError, Rig
 from .files import replacing
 from .number_text import read_text
-from .units import CALLERS, USUAL, mm_per
+from .units import CALLERS, USUAL_UNITS, mm_per
 
 NOT_CAMERAS = ("metadata", "kinemark")
 SAME_TURN = 1e-9  # of a rotation's entries; closer, the file's angles are of this matrix; conventional: rounding
@@ -40,7 +40,7 @@ def read_rig_toml(path: Path | str, length_unit: str | None = None) -> Rig:
         KinemarkError: the file is no TOML, has no cameras, no unit, or a camera that the model cannot express.
     """
     if length_unit is not None and length_unit not in CALLERS:
-        raise ValueError(f"length_unit is {length_unit!r}, wanted {USUAL}")
+        raise ValueError(f"length_unit is {length_unit!r}, wanted {USUAL_UNITS}")
     try:
         document = tomllib.loads(read_text(path))
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -68,12 +68,12 @@ def unit_of(path: Path | str, metadata: Mapping[str, Any], length_unit: str | No
     unit = stated if stated is not None else length_unit
     if unit is None:
         raise KinemarkError(
-            f"{path} does not say the unit of its translations. Set `length_unit` in [calibration] to {USUAL}."
+            f"{path} does not say the unit of its translations. Set `length_unit` in [calibration] to {USUAL_UNITS}."
         )
     mm = mm_per(unit)
     if mm is None or (length_unit is not None and mm_per(length_unit) != mm):
         raise KinemarkError(
-            f"{path} states units = {stated!r}, wanted {length_unit or USUAL}. "
+            f"{path} states units = {stated!r}, wanted {length_unit or USUAL_UNITS}. "
             "Correct the file, or `length_unit` in [calibration]."
         )
     return mm

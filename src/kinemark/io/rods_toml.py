@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError, Rods
 from .number_text import read_text
-from .units import USUAL, mm_per
+from .units import USUAL_UNITS, mm_per
 
 MOST_RODS = 16  # in a description; chosen for the speed of recognising them
 MOST_MARKERS = 12  # of a rod; chosen for the speed of recognising them
@@ -44,7 +44,7 @@ def rods_from_toml(text: str) -> Rods:
         raise KinemarkError(f"The description of the rods is no TOML: {error}.") from None
     units = table.get("units", "mm")
     if (mm := mm_per(units)) is None:
-        raise KinemarkError(f"The rods' units are {units!r}, wanted {USUAL}.")
+        raise KinemarkError(f"The rods' units are {units!r}, wanted {USUAL_UNITS}.")
     entries = table.get("rod")
     if not isinstance(entries, list) or not 2 <= len(entries) <= MOST_RODS:
         raise KinemarkError(f"The description must have 2 to {MOST_RODS} tables [[rod]] with a name and markers.")

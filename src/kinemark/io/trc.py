@@ -23,7 +23,7 @@ from .c3d.points import distinct
 from .files import replacing
 from .number_text import bad_line, plain, read_text, whole
 from .trc_table import HEADINGS, ORIGINAL, TrcTable, parse_trc
-from .units import USUAL, mm_per
+from .units import USUAL_UNITS, mm_per
 
 SMALL = 20.0
 """Extent of all markers, in the unit of a file that does not say it, below which it is m and not mm; chosen."""
@@ -92,7 +92,9 @@ def _unit(path: Path | str, found: TrcTable, stated: str | None) -> tuple[float,
     text = stated or found.values.get("units", "")
     if text:
         if (mm := mm_per(text)) is None:
-            raise bad_line(path, found.heading, f"Units is {text!r}, wanted {USUAL}. State it with --length-unit.")
+            raise bad_line(
+                path, found.heading, f"Units is {text!r}, wanted {USUAL_UNITS}. State it with --length-unit."
+            )
         return mm, ()
     places = found.table[:, 2:]
     extent = float(np.nanmax(places) - np.nanmin(places)) if np.isfinite(places).any() else math.inf

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..data import KinemarkError, Tracks, Trajectories, Trial
 from ..data.track_trajectories import trajectories_of
-from .formats import Said, endings, holds, read_file, write_file
+from .formats import ReadOptions, endings, holds, read_file, write_file
 from .notes import FileNote
 from .tdf import Tdf
 
@@ -30,7 +30,7 @@ def read_trial(
     path = Path(path)
     if rate_hz is not None and not 0 < rate_hz < math.inf:
         raise KinemarkError(f"The rate is {rate_hz} Hz. Wanted is one above 0.")
-    found = read_file(path, Said(rate_hz, length_unit, partial, "trajectories"))
+    found = read_file(path, ReadOptions(rate_hz, length_unit, partial, "trajectories"))
     trial = trial_in(path.stem, found)
     if trial is None:
         odd = "".join(f" {note}" for note in getattr(found, "notes", ()))

@@ -15,7 +15,7 @@ MM = {name: mm for mm, names in SPELLINGS.items() for name in names}
 """mm in one unit, by its name in small letters."""
 CALLERS = ("mm", "cm", "m", "in")
 """What a caller may say of a file that is silent."""
-USUAL = "mm, cm, m or in"
+USUAL_UNITS = "mm, cm, m or in"
 """The same in messages."""
 
 

@@ -2,7 +2,7 @@
 
 from ..data.cycles import Cycles
 from ..data.models import LABORATORY, Axis, Centre, Cluster, Joint, JointMotion, Model, Segment
-from ..data.normal_ranges import Named, named, outside
+from ..data.normal_ranges import NamedAngle, named_angles, outside
 from .centres import JointCentre, joint_centre, static_template
 from .chain import joint_angles, joint_matrices, segment_axes
 from .cycles import cycles, resampled, spans_of
@@ -29,7 +29,7 @@ __all__ = [
     "JointCentre",
     "JointMotion",
     "Model",
-    "Named",
+    "NamedAngle",
     "Pose",
     "Segment",
     "SignedAngles",
@@ -43,7 +43,7 @@ __all__ = [
     "joint_angles",
     "joint_centre",
     "joint_matrices",
-    "named",
+    "named_angles",
     "outside",
     "principal",
     "resampled",

@@ -1,6 +1,6 @@
 """From markers to axes to joint angles, along any chain of segments, with the covariance that markers pass on.
 
-A segment's first axis is the unit vector u along its vector or normal v₁; the second is made square to it,
+A segment's first axis is the unit vector u along its vector or normal v₁; the second is made perpendicular to it,
 
     u = v₁ / |v₁|,   w = (v₂ − (u · v₂) u) / |…|                                                        (1)
 
@@ -29,7 +29,7 @@ import numpy as np
 from ..data import Angles, KinemarkError, Trajectories
 from ..data.array_types import Floats
 from ..data.models import LABORATORY, Axis, Joint, Model, Segment
-from ..geometry import near_middle
+from ..geometry import origin_near
 from .pose import Template, carry
 from .sequences import AngleMethod, SignedAngles, principal, read_angles
 
@@ -75,7 +75,7 @@ def joint_angles(
 
 def _near_origin(trajectories: Trajectories) -> Trajectories:
     """The same about their mean: angles do not depend on the origin, but far from it differences over `STEP` do."""
-    origin = near_middle(trajectories.xyz)
+    origin = origin_near(trajectories.xyz)
     return replace(trajectories, paths=tuple(replace(path, xyz=path.xyz - origin) for path in trajectories))
 
 
@@ -187,7 +187,7 @@ def _axes(points: Points, segment: Segment) -> Floats:
 
 
 def _vector(points: Points, axis: Axis) -> tuple[Floats, Floats]:
-    """The vector of an axis (…, 3), and how long it would be (…) were all its parts square to each other."""
+    """The vector of an axis (…, 3), and how long it would be (…) were all its parts perpendicular to each other."""
     ends = [points[b] - points[a] for a, b in zip(axis.points[::2], axis.points[1::2], strict=True)]
     scale = np.prod([np.linalg.norm(v, axis=-1) for v in ends], axis=0)
     return (ends[0] if len(ends) == 1 else np.cross(ends[0], ends[1])), scale

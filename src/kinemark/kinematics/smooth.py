@@ -16,7 +16,7 @@ from ..data import MarkerTrajectory, Trajectories
 from ..data.array_types import Bools
 from ..data.method import ONE, Method, parameter
 from ..numerics.runs import true_runs
-from ..signal.filters import butterworth, butterworth_gain, fewest, residual_analysis
+from ..signal.filters import butterworth, butterworth_gain, edge_samples, residual_analysis
 from ..signal.woltring import woltring
 from .stage import SMOOTH
 
@@ -77,7 +77,7 @@ def smooth_butterworth(path: MarkerTrajectory, rate: float, *, method: Butterwor
     xyz, cov = path.xyz.copy(), path.cov.copy()
     gain = butterworth_gain(rate=rate, cutoff_hz=cutoff, order=order)
     for first, stop in true_runs(_seen(path)):
-        if stop - first > fewest(order):
+        if stop - first > edge_samples(order):
             xyz[first:stop] = butterworth(path.xyz[first:stop], rate=rate, cutoff_hz=cutoff, order=order)
             cov[first:stop] *= gain  # (1)
     return replace(path, xyz=xyz, cov=cov)

@@ -89,11 +89,13 @@ def match_epipolar(detections: Detections, rig: Rig, *, method: EpipolarTriplets
 
 def collected(groups: list[tuple[Ints, Floats]], detections: Detections) -> Matches:
     """Views (G, C) and costs (G) of all blocks in the order of their frames."""
-    view = np.concatenate([view for view, _ in groups] or [np.zeros((0, len(detections.cameras)), np.int64)])
+    detection = np.concatenate(
+        [detection for detection, _ in groups] or [np.zeros((0, len(detections.cameras)), np.int64)]
+    )
     cost = np.concatenate([cost for _, cost in groups] or [np.zeros(0)])
-    frame = detections.frame[view.max(1)] if len(view) else np.zeros(0, np.int64)
+    frame = detections.frame[detection.max(1)] if len(detection) else np.zeros(0, np.int64)
     order = np.argsort(frame, kind="stable")
-    return Matches(frame[order], view[order], cost[order], detections.n_frames)
+    return Matches(frame[order], detection[order], cost[order], detections.n_frames)
 
 
 def blocks_of(detections: Detections, rig: Rig) -> Iterator[FrameImages]:
@@ -116,19 +118,19 @@ def _padded(start: Ints) -> Ints:
 def _match_block(seen: FrameImages, P: Floats, method: EpipolarTriplets) -> tuple[Ints, Floats]:
     """Views (G, C) and costs (G) px of all frames of a block."""
     edges = _edges(seen, P, method)
-    view, score = _groups(edges, seen, P, method)
+    detection, score = _groups(edges, seen, P, method)
     taken = np.zeros(len(seen.uv), bool)
-    chosen = [_assign_images(view, score, taken, seen.uv, P, method.search_radius)]
+    chosen = [_assign_images(detection, score, taken, seen.uv, P, method.search_radius)]
     if method.pairs != "none":
         chosen.append(_pairs(edges, taken, len(P), method))
-    view = np.concatenate(chosen)
-    return view, costs(view, seen.uv, P)
+    detection = np.concatenate(chosen)
+    return detection, costs(detection, seen.uv, P)
 
 
-def costs(view: Ints, uv: Floats, P: Floats) -> Floats:
+def costs(detection: Ints, uv: Floats, P: Floats) -> Floats:
     """(G) RMS distance of the images of groups (G, C) from the reprojection of their point, px."""
-    _, squared = _fit(view, uv, P)
-    return np.sqrt(np.nansum(squared, axis=1) / (view >= 0).sum(1))
+    _, squared = _fit(detection, uv, P)
+    return np.sqrt(np.nansum(squared, axis=1) / (detection >= 0).sum(1))
 
 
 def _edges(seen: FrameImages, P: Floats, method: EpipolarTriplets) -> TripletEdges:
@@ -167,20 +169,20 @@ def _rank(key: Ints, value: Floats) -> Ints:
 
 
 def _groups(edges: TripletEdges, seen: FrameImages, P: Floats, method: EpipolarTriplets) -> tuple[Ints, Floats]:
-    """Steps 2 and 3: views (H, C) of three or more cameras and their scores (H)."""
+    """Steps 2 and 3: detections (H, C) of three or more cameras and their scores (H)."""
     neighbours, base = _neighbours(edges, len(seen.uv), len(P))
-    views = []
+    found = []
     for r, s in combinations(range(len(P)), 2):
         own = (edges.r == r) & (edges.s == s)
         i, j = edges.i[own], edges.j[own]
         xyz = triangulate(np.stack([seen.uv[i], seen.uv[j]], 1), P[[r, s]])
-        view = np.full((len(i), len(P)), -1)
-        view[:, r], view[:, s] = i, j
+        detection = np.full((len(i), len(P)), -1)
+        detection[:, r], detection[:, s] = i, j
         for c in set(range(len(P))) - {r, s}:
-            view[:, c] = _nearest(xyz, neighbours[base[i], c], seen.uv, P[c], method.search_radius)
-        views.append(view[(view >= 0).sum(1) >= 3])
-    view = _distinct(np.concatenate(views))
-    return _score_groups(view, seen.uv, P, method.search_radius)
+            detection[:, c] = _nearest(xyz, neighbours[base[i], c], seen.uv, P[c], method.search_radius)
+        found.append(detection[(detection >= 0).sum(1) >= 3])
+    detection = _distinct(np.concatenate(found))
+    return _score_groups(detection, seen.uv, P, method.search_radius)
 
 
 def _neighbours(edges: TripletEdges, n: int, n_cameras: int) -> tuple[Ints, Ints]:
@@ -217,74 +219,76 @@ def _squared(a: Floats, b: Floats) -> Floats:
     return d[..., 0] ** 2 + d[..., 1] ** 2
 
 
-def _distinct(view: Ints) -> Ints:
-    """Rows of view without repetition, told apart by a 64-bit hash (a clash is one in 10⁸ recordings)."""
-    weights = np.random.default_rng(0).integers(1, 1 << 62, view.shape[1], dtype=np.uint64) | np.uint64(1)
-    _, first = np.unique((view.astype(np.uint64) * weights).sum(1, dtype=np.uint64), return_index=True)
-    return view[np.sort(first)]
+def _distinct(detection: Ints) -> Ints:
+    """Rows without repetition, distinguished by a 64-bit hash (a clash is one in 10⁸ recordings)."""
+    weights = np.random.default_rng(0).integers(1, 1 << 62, detection.shape[1], dtype=np.uint64) | np.uint64(1)
+    _, first = np.unique((detection.astype(np.uint64) * weights).sum(1, dtype=np.uint64), return_index=True)
+    return detection[np.sort(first)]
 
 
-def _fit(view: Ints, uv: Floats, P: Floats) -> tuple[Floats, Floats]:
+def _fit(detection: Ints, uv: Floats, P: Floats) -> tuple[Floats, Floats]:
     """The point (H, 3) of each group and the squared distances (H, C) px² of its images from it, NaN unseen."""
-    images = np.where((view >= 0)[..., None], uv[view], np.nan)
+    images = np.where((detection >= 0)[..., None], uv[detection], np.nan)
     xyz = triangulate(images, P)
     projected = np.stack([_project(xyz, p) for p in P], 1)
     return xyz, _squared(images, projected)
 
 
-def _score_groups(view: Ints, uv: Floats, P: Floats, radius: float) -> tuple[Ints, Floats]:
+def _score_groups(detection: Ints, uv: Floats, P: Floats, radius: float) -> tuple[Ints, Floats]:
     """Groups of three or more images within the radius, and their scores by (1); an image outside leaves its group."""
-    _, squared = _fit(view, uv, P)
+    _, squared = _fit(detection, uv, P)
     outside = squared > radius**2
     if outside.any():
-        worst = np.where(np.isnan(squared), -1.0, squared).argmax(1)
+        largest = np.where(np.isnan(squared), -1.0, squared).argmax(1)
         bad = outside.any(1)
-        view = view.copy()
-        view[np.flatnonzero(bad), worst[bad]] = -1
-        view = view[(view >= 0).sum(1) >= 3]
-        return _score_groups(view, uv, P, radius)
-    return view, np.nansum(radius**2 - squared, axis=1)
+        detection = detection.copy()
+        detection[np.flatnonzero(bad), largest[bad]] = -1
+        detection = detection[(detection >= 0).sum(1) >= 3]
+        return _score_groups(detection, uv, P, radius)
+    return detection, np.nansum(radius**2 - squared, axis=1)
 
 
-def _assign_images(view: Ints, score: Floats, taken: NDArray[np.bool_], uv: Floats, P: Floats, radius: float) -> Ints:
+def _assign_images(
+    detection: Ints, score: Floats, taken: NDArray[np.bool_], uv: Floats, P: Floats, radius: float
+) -> Ints:
     """Step 4: the winning groups; marks their images in `taken`."""
-    chosen = [view[:0]]
-    while len(view):
-        best = _best_groups(view, score, len(uv))
-        chosen.append(view[best])
-        taken[view[best][view[best] >= 0]] = True
-        view, score = view[~best], score[~best]
-        lost = (view >= 0) & taken[view]
+    chosen = [detection[:0]]
+    while len(detection):
+        best = _best_groups(detection, score, len(uv))
+        chosen.append(detection[best])
+        taken[detection[best][detection[best] >= 0]] = True
+        detection, score = detection[~best], score[~best]
+        lost = (detection >= 0) & taken[detection]
         changed = lost.any(1)
-        rest = np.where(lost[changed], -1, view[changed])
+        rest = np.where(lost[changed], -1, detection[changed])
         kept, weight = _score_groups(rest[(rest >= 0).sum(1) >= 3], uv, P, radius)
-        view, score = np.concatenate([view[~changed], kept]), np.concatenate([score[~changed], weight])
+        detection, score = np.concatenate([detection[~changed], kept]), np.concatenate([score[~changed], weight])
     return np.concatenate(chosen)
 
 
-def _best_groups(view: Ints, score: Floats, n: int) -> NDArray[np.bool_]:
+def _best_groups(detection: Ints, score: Floats, n: int) -> NDArray[np.bool_]:
     """Groups (H) that are the best at every one of their images; ties go to the first."""
-    place = np.empty(len(view), np.int64)
-    place[np.argsort(-score, kind="stable")] = np.arange(len(view), 0, -1)
+    place = np.empty(len(detection), np.int64)
+    place[np.argsort(-score, kind="stable")] = np.arange(len(detection), 0, -1)
     best = np.zeros(n + 1, np.int64)
-    np.maximum.at(best, view.ravel(), np.repeat(place, view.shape[1]))
-    return ((best[view] == place[:, None]) | (view < 0)).all(1)
+    np.maximum.at(best, detection.ravel(), np.repeat(place, detection.shape[1]))
+    return ((best[detection] == place[:, None]) | (detection < 0)).all(1)
 
 
 def _pairs(edges: TripletEdges, taken: NDArray[np.bool_], n_cameras: int, method: EpipolarTriplets) -> Ints:
-    """Step 5: views (G, C) of two cameras each, from images that no larger group has taken."""
+    """Step 5: detections (G, C) of two cameras each, from images that no larger group has taken."""
     free = ~taken[edges.i] & ~taken[edges.j] & (edges.distance < method.pair_band)
     edges = TripletEdges(edges.r[free], edges.s[free], edges.i[free], edges.j[free], edges.distance[free])
-    view = np.full((len(edges.i), n_cameras), -1)
-    view[np.arange(len(view)), edges.r] = edges.i
-    view[np.arange(len(view)), edges.s] = edges.j
+    detection = np.full((len(edges.i), n_cameras), -1)
+    detection[np.arange(len(detection)), edges.r] = edges.i
+    detection[np.arange(len(detection)), edges.s] = edges.j
     if method.pairs == "all":
-        return view
-    chosen, score = [view[:0]], -edges.distance
-    while len(view):
-        best = _best_groups(view, score, len(taken))
-        chosen.append(view[best])
-        taken[view[best][view[best] >= 0]] = True
-        free = ~((view >= 0) & taken[view]).any(1)
-        view, score = view[free], score[free]
+        return detection
+    chosen, score = [detection[:0]], -edges.distance
+    while len(detection):
+        best = _best_groups(detection, score, len(taken))
+        chosen.append(detection[best])
+        taken[detection[best][detection[best] >= 0]] = True
+        free = ~((detection >= 0) & taken[detection]).any(1)
+        detection, score = detection[free], score[free]
     return np.concatenate(chosen)

@@ -84,11 +84,11 @@ class KissTriplets(Method):
 class TripletFrame(NamedTuple):
     """The N images of one frame, counted from 0.
 
-    row: (N) in `Detections`; camera: of each; uv: px; lines: lines[s][i], the epipolar line of image i in camera s;
-    near: near[i][s], the images of camera s within the band of image i, with their distances, the nearest first.
+    detection: (N) index in `Detections`; camera: of each; uv: px; lines: lines[s][i], the epipolar line of image i in
+    camera s; near: near[i][s], the images of camera s within the band of image i and distances, the nearest first.
     """
 
-    row: Ints
+    detection: Ints
     camera: list[int]
     uv: list[list[float]]
     lines: list[list[Line]]
@@ -106,26 +106,26 @@ def match_kiss(detections: Detections, rig: Rig, *, method: KissTriplets) -> Mat
     n = len(rig)
     F = np.array([[fundamental(P[r], P[s]) if r != s else np.zeros((3, 3)) for s in range(n)] for r in range(n)])
     steep = crossings(rig).tolist()
-    views = [np.full((0, n), -1)]
+    found = [np.full((0, n), -1)]
     for f in range(detections.n_frames):
         tell(f, detections.n_frames)
-        row = np.concatenate([np.arange(*detections.rows(c, f).indices(len(uv))) for c in range(n)])
-        frame = _frame(row[np.isfinite(uv[row, 0])], uv, detections, F, method.search_band)
+        detection = np.concatenate([np.arange(*detections.rows(c, f).indices(len(uv))) for c in range(n)])
+        frame = _frame(detection[np.isfinite(uv[detection, 0])], uv, detections, F, method.search_band)
         groups = list(_markers(frame, steep, method))
-        view = np.full((len(groups), n), -1)
+        detection = np.full((len(groups), n), -1)
         for g, images in enumerate(groups):
             for i in images:
-                view[g, frame.camera[i]] = frame.row[i]
-        views.append(view)
-    view = np.concatenate(views)
-    return collected([(view, costs(view, uv, P))], detections)
+                detection[g, frame.camera[i]] = frame.detection[i]
+        found.append(detection)
+    detection = np.concatenate(found)
+    return collected([(detection, costs(detection, uv, P))], detections)
 
 
 def sharing(matches: Matches) -> NDArray[np.bool_]:
     """(G) groups that share an image with another one. Of those that share an image, all but one are ghosts."""
-    seen = matches.view >= 0
-    uses = np.bincount(matches.view[seen], minlength=1)
-    return np.asarray(((uses[matches.view] > 1) & seen).any(1))
+    seen = matches.detection >= 0
+    uses = np.bincount(matches.detection[seen], minlength=1)
+    return np.asarray(((uses[matches.detection] > 1) & seen).any(1))
 
 
 def crossings(rig: Rig) -> Floats:
@@ -138,11 +138,11 @@ def crossings(rig: Rig) -> Floats:
     return np.linalg.norm(np.cross(sight[:, None], sight), axis=-1)
 
 
-def _frame(row: Ints, uv: Floats, detections: Detections, F: Floats, band: float) -> TripletFrame:
+def _frame(detection: Ints, uv: Floats, detections: Detections, F: Floats, band: float) -> TripletFrame:
     """The images of one frame with all their lines and candidates."""
-    camera = np.searchsorted(detections.start[:, -1], row, side="right")
-    h = np.column_stack([uv[row], np.ones(len(row))])
-    lines, distance = np.empty((len(F), len(row), 3)), np.full((len(row), len(row)), np.inf)
+    camera = np.searchsorted(detections.start[:, -1], detection, side="right")
+    h = np.column_stack([uv[detection], np.ones(len(detection))])
+    lines, distance = np.empty((len(F), len(detection), 3)), np.full((len(detection), len(detection)), np.inf)
     with np.errstate(invalid="ignore", divide="ignore"):  # a camera has no lines in itself
         for r in range(len(F)):
             own = camera == r
@@ -152,19 +152,19 @@ def _frame(row: Ints, uv: Floats, detections: Detections, F: Floats, band: float
             own = camera == s
             distance[:, own] = np.abs(lines[s] @ h[own].T)  # (1)
         i, j = np.nonzero(distance < band)
-    near: list[dict[int, list[tuple[float, int]]]] = [{} for _ in row]
+    near: list[dict[int, list[tuple[float, int]]]] = [{} for _ in detection]
     order = np.lexsort([distance[i, j], i])
     where = camera.tolist()
     for a, b, d in zip(i[order].tolist(), j[order].tolist(), distance[i, j][order].tolist(), strict=True):
         near[a].setdefault(where[b], []).append((d, b))
-    return TripletFrame(row, where, uv[row].tolist(), lines.tolist(), near)
+    return TripletFrame(detection, where, uv[detection].tolist(), lines.tolist(), near)
 
 
 def _markers(frame: TripletFrame, steep: list[list[float]], method: KissTriplets) -> Iterator[list[int]]:
     """The images of each marker, with every camera as the base in turn (4)."""
-    free = [True] * len(frame.row)
+    free = [True] * len(frame.detection)
     pairs: set[tuple[int, int]] = set()
-    for i in range(len(frame.row)):  # images are in the order of their cameras
+    for i in range(len(frame.detection)):  # images are in the order of their cameras
         if not free[i]:
             continue
         ranked = _ranked(frame, i, free, steep, method)

@@ -67,10 +67,10 @@ def match_nearest(detections: Detections, rig: Rig, *, method: NearestEpipolar =
     F, band = fundamental(rig.P[r], rig.P[s]), np.inf if method.search_band is None else method.search_band
     found = [_frame_pairs(detections, uv, f, two, F, band) for f in range(detections.n_frames)]
     frame = np.repeat(np.arange(detections.n_frames), [len(i) for i, _ in found])
-    view = np.full((len(frame), len(rig)), -1)
-    view[:, r] = np.concatenate([i for i, _ in found] or [np.zeros(0, np.int64)])
-    view[:, s] = np.concatenate([j for _, j in found] or [np.zeros(0, np.int64)])
-    return Matches(frame, view, costs(view, uv, rig.P), detections.n_frames)
+    detection = np.full((len(frame), len(rig)), -1)
+    detection[:, r] = np.concatenate([i for i, _ in found] or [np.zeros(0, np.int64)])
+    detection[:, s] = np.concatenate([j for _, j in found] or [np.zeros(0, np.int64)])
+    return Matches(frame, detection, costs(detection, uv, rig.P), detections.n_frames)
 
 
 def _two_cameras(rig: Rig, names: tuple[str, ...]) -> tuple[int, int]:

@@ -1,7 +1,7 @@
 """What arrays a function takes, declared once and checked in one call.
 
-    POINTS = Arrays(x=(FLOAT, 9, "n"), T=(FLOAT, "n"), row=(index("d", none=True), "n"), uv=(FLOAT, "d", 2))
-    x, T, row, uv = POINTS(x, T, row, uv)
+    POINTS = Arrays(x=(FLOAT, 9, "n"), T=(FLOAT, "n"), image=(index("d", none=True), "n"), uv=(FLOAT, "d", 2))
+    x, T, image, uv = POINTS(x, T, image, uv)
 
 A letter is a size that is the same wherever it stands. What comes back is in C order and of the declared dtype, so that
 compiled code can read it. `POINTS.check_indices` checks that indices are in range.

@@ -37,7 +37,7 @@ class Pointer:
         """Where the array is in memory.
 
         Raises:
-            TypeError: it is of another dtype, or not in one piece.
+            TypeError: it is of another dtype, or not contiguous.
         """
         flags = array.flags
         if array.dtype != self._dtype or not flags.c_contiguous:

@@ -147,7 +147,7 @@ def candidates(
         gate: of d².
 
     Returns:
-        Of each pair the place, the image's row, d² of (2) and the determinant |S| with the image's variance.
+        Of each pair the place, the image's index, d² of (2) and the determinant |S| with the image's variance.
 
     Raises:
         ValueError: an array has another shape or dtype, or there is no such cell.
@@ -184,14 +184,14 @@ def _compiled_candidates(
 def _numpy_candidates(
     images: ImageIndex, variance: Floats, free: Bools, cell: Ints, uv: Floats, S: Floats, reach: Floats, gate: float
 ) -> tuple[Ints, Ints, Floats, Floats]:
-    own, row = images.near(cell, uv[0], reach)
-    own, row = own[free[row]], row[free[row]]
-    x, y, noise = images.uv[row, 0] - uv[0, own], images.uv[row, 1] - uv[1, own], variance[row]
+    own, detection = images.near(cell, uv[0], reach)
+    own, detection = own[free[detection]], detection[free[detection]]
+    x, y, noise = images.uv[detection, 0] - uv[0, own], images.uv[detection, 1] - uv[1, own], variance[detection]
     a, b, d = S[0, own] + noise, S[1, own], S[2, own] + noise
     det = a * d - b * b
     squared = (d * x * x - 2 * b * x * y + a * y * y) / det  # (2)
     within = np.flatnonzero(squared < gate)
-    return own[within], row[within], squared[within], det[within]
+    return own[within], detection[within], squared[within], det[within]
 
 
 def ranges(first: Ints, count: Ints) -> Ints:

@@ -22,7 +22,7 @@ _PROJECT = Arrays(P=(FLOAT, "C", 3, 4), xyz=(FLOAT, 3, "n"), cov=(FLOAT, 3, 3, "
 _INFORMATION = Arrays(
     uv=(FLOAT, "C", 2, "n"),
     J=(FLOAT, "C", 2, 3, "n"),
-    row=(index("D", none=True), "C", "n"),
+    detection=(index("D", none=True), "C", "n"),
     variance=(FLOAT, "C", "n"),
     images=(FLOAT, "D", 2),
 )
@@ -62,13 +62,13 @@ def _numpy_project(P: Floats, xyz: Floats, cov: Floats) -> tuple[Floats, Floats,
     return uv, J, S
 
 
-def information(uv: Floats, J: Floats, row: Ints, variance: Floats, images: Floats) -> tuple[Floats, Floats]:
+def information(uv: Floats, J: Floats, detection: Ints, variance: Floats, images: Floats) -> tuple[Floats, Floats]:
     """What images say of points, by (2).
 
     Args:
         uv: (C, 2, n) px where cameras expect the points, of `project`.
         J: (C, 2, 3, n) px/mm, of `project`.
-        row: (C, n) the image of each point in each camera; −1 for none.
+        detection: (C, n) index of the image of each point in each camera; −1 for none.
         variance: (C, n) px² of these.
         images: (D, 2) px, all images.
 
@@ -76,11 +76,11 @@ def information(uv: Floats, J: Floats, row: Ints, variance: Floats, images: Floa
         N (3, 3, n) 1/mm² and g (3, n) 1/mm.
 
     Raises:
-        ValueError: an array has another shape or dtype, or a row is out of range.
+        ValueError: an array has another shape or dtype, or an index is out of range.
     """
-    arrays = uv, J, row, variance, images = _INFORMATION(uv, J, row, variance, images)
+    arrays = uv, J, detection, variance, images = _INFORMATION(uv, J, detection, variance, images)
     if compiled := library():
-        C, n = row.shape
+        C, n = detection.shape
         out = np.zeros((3, 3, n)), np.zeros((3, n))
         if compiled.information(C, n, len(images), *arrays, *out):
             return out
@@ -89,10 +89,12 @@ def information(uv: Floats, J: Floats, row: Ints, variance: Floats, images: Floa
 
 
 @np.errstate(all="ignore")
-def _numpy_information(uv: Floats, J: Floats, row: Ints, variance: Floats, images: Floats) -> tuple[Floats, Floats]:
-    has = row >= 0
-    images = images if len(images) else np.zeros((1, 2))  # something that row −1 may mean
-    off = np.where(has[:, None], images[row].swapaxes(1, 2) - uv, 0.0)
+def _numpy_information(
+    uv: Floats, J: Floats, detection: Ints, variance: Floats, images: Floats
+) -> tuple[Floats, Floats]:
+    has = detection >= 0
+    images = images if len(images) else np.zeros((1, 2))  # something that index −1 may mean
+    off = np.where(has[:, None], images[detection].swapaxes(1, 2) - uv, 0.0)
     J = np.where(has[:, None, None], J, 0.0)
     JW = J * np.where(has, 1 / variance, 0.0)[:, None, None]
     return np.einsum("cait,cajt->ijt", JW, J), np.einsum("cait,cat->it", JW, off)  # (2)

@@ -22,19 +22,19 @@ _INTERSECT = Arrays(
     P=(FLOAT, "C", 3, 4),
     uv=(FLOAT, "D", 2),
     variance=(FLOAT, "D"),
-    view=(index("D", none=True), "k", "n"),
+    detection=(index("D", none=True), "k", "n"),
     camera=(index("C"), "k", "n"),
 )
 
 
-def intersect(P: Floats, uv: Floats, variance: Floats, view: Ints, camera: Ints) -> tuple[Floats, Floats, Floats]:
+def intersect(P: Floats, uv: Floats, variance: Floats, detection: Ints, camera: Ints) -> tuple[Floats, Floats, Floats]:
     """Points from their images, by (1) and (2).
 
     Args:
         P: (C, 3, 4) projections.
         uv: (D, 2) px of all images.
         variance: (D) px².
-        view: (k, n) the images of each point; −1 for none.
+        detection: (k, n) indices of the images of each point; −1 for none.
         camera: (k, n) of each image.
 
     Returns:
@@ -43,9 +43,9 @@ def intersect(P: Floats, uv: Floats, variance: Floats, view: Ints, camera: Ints)
     Raises:
         ValueError: an array has another shape or dtype, or an index is out of range.
     """
-    arrays = P, uv, variance, view, camera = _INTERSECT(P, uv, variance, view, camera)
+    arrays = P, uv, variance, detection, camera = _INTERSECT(P, uv, variance, detection, camera)
     if compiled := library():
-        k, n = view.shape
+        k, n = detection.shape
         out = np.empty((3, n)), np.empty((3, 3, n)), np.empty((k, n))
         if compiled.intersect(len(P), k, n, len(uv), *arrays, *out):
             return out
@@ -55,12 +55,12 @@ def intersect(P: Floats, uv: Floats, variance: Floats, view: Ints, camera: Ints)
 
 @np.errstate(all="ignore")
 def _numpy_intersect(
-    P: Floats, uv: Floats, variance: Floats, view: Ints, camera: Ints
+    P: Floats, uv: Floats, variance: Floats, detection: Ints, camera: Ints
 ) -> tuple[Floats, Floats, Floats]:
     if not len(uv):
-        uv, variance = np.zeros((1, 2)), np.ones(1)  # something that view −1 may mean
-    seen, P, uv = view >= 0, P.transpose(1, 2, 0)[:, :, camera], uv.T[:, view]
-    variance = np.where(seen, variance[view], 1.0)
+        uv, variance = np.zeros((1, 2)), np.ones(1)  # something that index −1 may mean
+    seen, P, uv = detection >= 0, P.transpose(1, 2, 0)[:, :, camera], uv.T[:, detection]
+    variance = np.where(seen, variance[detection], 1.0)
     rows = np.where(seen, P[:2] - uv[:, None] * P[2], 0.0)  # (2, 4, k, n)
     guess = solve(_squares(rows[:, :3], rows[:, :3]), -_sums(rows[:, :3], rows[:, 3]))
     h = np.einsum("ijkn,jn->ikn", P[:, :3], guess) + P[:, 3]

@@ -42,14 +42,14 @@ API void project(int64_t C, int64_t n, const double *P, const double *xyz, const
         }
 }
 
-/* What images say of n points: N (3, 3, n) and g (3, n), both 0 before; row (C, n), −1 for none, and variance (C, n);
-   uv of all D. Returns 0 where a row is out of range, else 1. */
-API int64_t information(int64_t C, int64_t n, int64_t d, const double *uv, const double *J, const int64_t *row,
+/* What images say of n points: N (3, 3, n) and g (3, n), both 0 before; detection (C, n), −1 for none, and variance
+   (C, n); uv of all D. Returns 0 where an index is out of range, else 1. */
+API int64_t information(int64_t C, int64_t n, int64_t d, const double *uv, const double *J, const int64_t *detection,
                         const double *variance, const double *images, double *N, double *g)
 {
-    for (int64_t c = 0; c < C; c++, uv += 2 * n, J += 6 * n, row += n, variance += n)
+    for (int64_t c = 0; c < C; c++, uv += 2 * n, J += 6 * n, detection += n, variance += n)
         for (int64_t t = 0; t < n; t++) {
-            int64_t r = row[t];
+            int64_t r = detection[t];
             if (r < -1 || r >= d)
                 return 0;
             if (r < 0)
@@ -89,13 +89,13 @@ static int64_t place_of(const double *key, int64_t first, int64_t stop, double w
 
    order, key (N), first (cells + 1), low, width: the index of the usable images.
    images (D, 2), variance (D), is_free (D): of all images.
-   own, row, squared (2), det |S|: of the first `room` that are found. Returns the number of all, or −1 where there is no
-      such cell. */
+   own, detection, squared (2), det |S|: of the first `room` that are found. Returns the number of all, or −1 where
+      there is no such cell. */
 API int64_t candidates(int64_t N, int64_t D, int64_t cells, const int64_t *order, const double *key,
                        const int64_t *first, double low, double width, const double *images, const double *variance,
                        const uint8_t *is_free, int64_t n, const int64_t *cell, const double *uv, const double *S,
-                       const double *reach, double gate, int64_t room, int64_t *own, int64_t *row, double *squared,
-                       double *det)
+                       const double *reach, double gate, int64_t room, int64_t *own, int64_t *detection,
+                       double *squared, double *det)
 {
     int64_t found = 0;
     for (int64_t i = 0; i < n; i++) {
@@ -123,7 +123,7 @@ API int64_t candidates(int64_t N, int64_t D, int64_t cells, const int64_t *order
                 continue;
             if (found < room) {
                 own[found] = i;
-                row[found] = r;
+                detection[found] = r;
                 squared[found] = off;
                 det[found] = area;
             }
@@ -141,13 +141,13 @@ typedef struct {
     double variance;
 } Image;
 
-/* The image of row `row` of a camera; P is 0 where there is none. */
-static Image image_of(const double *P, const double *uv, const double *variance, int64_t camera, int64_t row)
+/* The image of a detection of a camera; P is 0 where there is none. */
+static Image image_of(const double *P, const double *uv, const double *variance, int64_t camera, int64_t detection)
 {
     Image none = {0, 0, 0};
-    if (row < 0)
+    if (detection < 0)
         return none;
-    Image own = {P + 12 * camera, uv + 2 * row, variance[row]};
+    Image own = {P + 12 * camera, uv + 2 * detection, variance[detection]};
     return own;
 }
 
@@ -193,25 +193,25 @@ static double squared_off(Image image, const double xyz[3], const double moved[3
     return sum == sum ? sum : INFINITY;
 }
 
-/* Where n views (k, n) of images meet: xyz (3, n), cov (3, 3, n) and squared (k, n), −1 unseen. Cameras P (C, 3, 4),
-   `camera` (k, n) which of them; uv (D, 2) and variance of all images. Returns 0 where an index is out of range,
-   else 1. */
+/* Where the rays of n points with detections (k, n) meet: xyz (3, n), cov (3, 3, n) and squared (k, n), −1 unseen.
+   Cameras P (C, 3, 4), `camera` (k, n) which of them; uv (D, 2) and variance of all images. Returns 0 where an index is
+   out of range, else 1. */
 API int64_t intersect(int64_t C, int64_t k, int64_t n, int64_t d, const double *P, const double *uv,
-                      const double *variance, const int64_t *view, const int64_t *camera, double *xyz, double *cov,
+                      const double *variance, const int64_t *detection, const int64_t *camera, double *xyz, double *cov,
                       double *squared)
 {
     for (int64_t i = 0; i < k * n; i++)
-        if (view[i] < -1 || view[i] >= d || camera[i] < 0 || camera[i] >= C)
+        if (detection[i] < -1 || detection[i] >= d || camera[i] < 0 || camera[i] >= C)
             return 0;
     for (int64_t t = 0; t < n; t++) {
         double A[3][3] = {{0}}, b[3] = {0}, N[3][3] = {{0}}, g[3] = {0}, at[3], V[3][3], moved[3];
         Image image;
         for (int64_t c = t; c < k * n; c += n)
-            if ((image = image_of(P, uv, variance, camera[c], view[c])).P)
+            if ((image = image_of(P, uv, variance, camera[c], detection[c])).P)
                 add_linear(image, A, b);
         solve(A, b, at);
         for (int64_t c = t; c < k * n; c += n)
-            if ((image = image_of(P, uv, variance, camera[c], view[c])).P)
+            if ((image = image_of(P, uv, variance, camera[c], detection[c])).P)
                 add_seen(image, at, N, g);
         inverse(N, V);
         for (int i = 0; i < 3; i++) {
@@ -221,7 +221,7 @@ API int64_t intersect(int64_t C, int64_t k, int64_t n, int64_t d, const double *
                 cov[(3 * i + j) * n + t] = V[i][j];
         }
         for (int64_t c = t; c < k * n; c += n) {
-            image = image_of(P, uv, variance, camera[c], view[c]);
+            image = image_of(P, uv, variance, camera[c], detection[c]);
             squared[c] = image.P ? squared_off(image, at, moved) : -1;
         }
     }

@@ -12,7 +12,7 @@ so that the unit of a parameter changes nothing. By this model χ² falls by
 
     2 gᵀδ − δᵀA δ = gᵀδ + λ δᵀD δ                                         (3)
 
-With ϱ the decrease that was found, divided by the one that (3) promised, the damping λ goes on as (Nielsen 1999,
+With ϱ the actual decrease over the one that (3) predicts, the damping λ goes on as (Nielsen 1999,
 "Damping parameter in Marquardt's method", IMM-REP-1999-05)
 
     χ² did not rise:   λ ← λ max(1/10, 1 − (2ϱ − 1)³),   ν ← 2
@@ -45,7 +45,7 @@ START = 1e-4
 LEAST_FACTOR = 0.1
 """Of (4), without unit; Marquardt's. With 1/100 `benchmarks/bundle.py start` ends less exactly, in no fewer tries."""
 
-GIVEN_UP = 1e8
+MAX_DAMPING = 1e8
 """λ above which no step is tried; chosen, not tuned: δ is then 10⁻⁸ of what it was, and only rounding is left."""
 
 State = TypeVar("State")
@@ -67,16 +67,16 @@ class Damping(NamedTuple):
     fixed: tuple[float, float] | None = None
     hold: bool = False
 
-    def after(self, fell: Any, promised: Any) -> Damping:
-        """After tries that lowered χ² by `fell`, where (3) had promised `promised`."""
+    def after(self, decrease: Any, predicted: Any) -> Damping:
+        """After tries that lowered χ² by `decrease`, where (3) predicted `predicted`."""
         if self.fixed is None:
             with np.errstate(invalid="ignore", over="ignore"):
-                ratio = np.clip(fell / np.maximum(promised, 1e-300), 0.0, 1.0)
+                ratio = np.clip(decrease / np.maximum(predicted, 1e-300), 0.0, 1.0)
             down, up = np.maximum(LEAST_FACTOR, 1 - (2 * ratio - 1) ** 3), self.growth  # (4)
         else:
             down, up = self.fixed  # (5)
             down = np.where(self.hold & (np.asarray(self.growth) > 2), 1.0, down)  # (6)
-        factor, growth = np.where(fell >= 0, down, up), np.where(fell >= 0, 2.0, 2 * self.growth)
+        factor, growth = np.where(decrease >= 0, down, up), np.where(decrease >= 0, 2.0, 2 * self.growth)
         return self._replace(value=self.value * factor, growth=growth)
 
     def of_many(self, n: int) -> Damping:
@@ -101,7 +101,7 @@ class Problem(Protocol[State, Equations]):
         """(1) at a state, in whatever form `step` takes it."""
 
     def step(self, state: State, equations: Equations, damping: float) -> tuple[State | None, float]:
-        """The state after the step (2), None where there is none, and what (3) promises of it."""
+        """The state after the step (2), None where there is none, and the decrease that (3) predicts."""
 
 
 def minimise(
@@ -115,7 +115,7 @@ def minimise(
 ) -> State:
     """The state near `start` with the least cost; `start` itself where its cost is not finite.
 
-    It is found once two tries in turn neither promise nor bring a decrease of more than `relative` times the cost plus
+    It is found once two tries in turn neither predict nor bring a decrease of more than `relative` times the cost plus
     `absolute`.
 
     Args:
@@ -130,25 +130,25 @@ def minimise(
     equations: Equations | None = None
     for _ in range(steps if np.isfinite(cost) else 0):
         equations = problem.equations(state) if equations is None else equations
-        tried, promised = problem.step(state, equations, float(damping.value))
-        fell = cost - (lower := np.inf if tried is None else problem.cost(tried))
-        damping = damping.after(fell, promised)
-        small = small + 1 if max(fell, promised) <= relative * cost + absolute else 0
-        if tried is not None and fell >= 0:
+        tried, predicted = problem.step(state, equations, float(damping.value))
+        decrease = cost - (lower := np.inf if tried is None else problem.cost(tried))
+        damping = damping.after(decrease, predicted)
+        small = small + 1 if max(decrease, predicted) <= relative * cost + absolute else 0
+        if tried is not None and decrease >= 0:
             state, cost, equations = tried, lower, None
-        if small >= 2 or damping.value > GIVEN_UP:
+        if small >= 2 or damping.value > MAX_DAMPING:
             break
     return state
 
 
 def damped_step(A: Floats, g: Floats, damping: float) -> tuple[Floats, float]:
-    """δ (p) of (2) and the promise (3), from A (p, p) and g (p)."""
+    """δ (p) of (2) and the decrease (3), from A (p, p) and g (p)."""
     D = np.diag(A)
     step = scaled_solution(A + damping * np.diag(D), g)
     return step, float(g @ step + damping * step @ (D * step))  # (3)
 
 
-class Tries(NamedTuple):
+class Iterates(NamedTuple):
     """States of n problems of p parameters, which may be tried ones.
 
     Attributes:
@@ -161,11 +161,11 @@ class Tries(NamedTuple):
     cost: Floats
     equations: tuple[Floats, ...]
 
-    def take(self, which: Ints) -> Tries:
+    def take(self, which: Ints) -> Iterates:
         """Those of some of the problems."""
-        return Tries(self.parameters[which], self.cost[which], tuple(part[which] for part in self.equations))
+        return Iterates(self.parameters[which], self.cost[which], tuple(part[which] for part in self.equations))
 
-    def put(self, which: Ints, tried: Tries, better: Bools) -> None:
+    def put(self, which: Ints, tried: Iterates, better: Bools) -> None:
         """Write the `better` (b) of tries of problems `which` (b) here."""
         good = which[better]
         self.parameters[good], self.cost[good] = tried.parameters[better], tried.cost[better]
@@ -176,15 +176,15 @@ class Tries(NamedTuple):
 class Problems(Protocol):
     """Many least squares problems with as many parameters each."""
 
-    def step(self, which: Ints, now: Tries, damping: Floats) -> tuple[Tries, Floats]:
-        """Problems `which` (b) after the step (2) from `now`, theirs alone, with λ (b); and what (3) promises (b)."""
+    def step(self, which: Ints, now: Iterates, damping: Floats) -> tuple[Iterates, Floats]:
+        """Problems `which` (b) after the step (2) from `now`, theirs alone, with λ (b); and what (3) predicts (b)."""
 
-    def settled(self, which: Ints, now: Tries, tried: Tries) -> Bools:
-        """(b) whether what was found by the step is good enough; only asked where χ² did not rise."""
+    def converged(self, which: Ints, now: Iterates, tried: Iterates) -> Bools:
+        """(b) whether what was found by the step has converged; only asked where χ² did not rise."""
 
 
-def minimise_many(problems: Problems, start: Tries, *, steps: int, damping: Damping = NIELSEN) -> Tries:
-    """The states near `start` with the least cost, each changed until it is settled; `start` is written over.
+def minimise_many(problems: Problems, start: Iterates, *, steps: int, damping: Damping = NIELSEN) -> Iterates:
+    """The states near `start` with the least cost, each until it has converged; `start` is written over.
 
     Args:
         problems: what is minimised.
@@ -197,11 +197,11 @@ def minimise_many(problems: Problems, start: Tries, *, steps: int, damping: Damp
         if not len(busy):
             break
         now = start.take(busy)
-        tried, promised = problems.step(busy, now, damping.value)
-        fell = now.cost - tried.cost
-        better = fell >= 0
-        damping = damping.after(fell, promised)
-        done = (better & problems.settled(busy, now, tried)) | (damping.value > GIVEN_UP)
+        tried, predicted = problems.step(busy, now, damping.value)
+        decrease = now.cost - tried.cost
+        better = decrease >= 0
+        damping = damping.after(decrease, predicted)
+        done = (better & problems.converged(busy, now, tried)) | (damping.value > MAX_DAMPING)
         start.put(busy, tried, better)
         busy, damping = busy[~done], damping.take(~done)
     return start

@@ -54,11 +54,11 @@ def cauchy_weight(squared: Floats, c: float) -> Floats:
     return np.asarray(1 / (1 + squared / c**2))
 
 
-def student_widening(squared: Floats, tails: float, dimensions: int = 2) -> Floats:
-    """(2) over C, from d² and ν = `tails`."""
-    return np.asarray((tails + squared) / (tails + dimensions))
+def student_widening(squared: Floats, degrees_of_freedom: float, dimensions: int = 2) -> Floats:
+    """(2) over C, from d² and ν = `degrees_of_freedom`."""
+    return np.asarray((degrees_of_freedom + squared) / (degrees_of_freedom + dimensions))
 
 
-def student_log_likelihood(squared: Floats, tails: float, dimensions: Floats) -> Floats:
-    """(3), from d², ν = `tails` and k."""
-    return np.asarray(-(tails + dimensions) / 2 * np.log1p(squared / tails))
+def student_log_likelihood(squared: Floats, degrees_of_freedom: float, dimensions: Floats) -> Floats:
+    """(3), from d², ν = `degrees_of_freedom` and k."""
+    return np.asarray(-(degrees_of_freedom + dimensions) / 2 * np.log1p(squared / degrees_of_freedom))

@@ -1,7 +1,7 @@
 """Normal matrices whose unknowns differ by many powers of ten in size, as a focal length and a lens term do.
 
 With d = (diag A)^(−1/2), the matrix d A d has ones along its diagonal whatever the unknowns' units are, so that what is
-singular can be told from what is only small:
+singular can be distinguished from what is only small:
 
     A⁻¹ = d (d A d)⁻¹ d                                                   (1)
 """

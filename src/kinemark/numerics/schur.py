@@ -39,7 +39,7 @@ class BlockEquations(NamedTuple):
 
 
 def block_step(equations: BlockEquations, damping: float) -> tuple[Floats, list[Floats], float]:
-    """δ (Q) and ε (n, D) of (2), and the decrease that (3) of `levenberg_marquardt` promises."""
+    """δ (Q) and ε (n, D) of (2), and the decrease that (3) of `levenberg_marquardt` predicts."""
     U, g, V, W, h = equations
     inverses = [block_inverses(blocks, damping) for blocks in V]
     S, b = schur_complement(equations, inverses, damping)
@@ -47,10 +47,10 @@ def block_step(equations: BlockEquations, damping: float) -> tuple[Floats, list[
     epsilon = [
         (inverse @ (right - w @ delta)[..., None])[..., 0] for inverse, w, right in zip(inverses, W, h, strict=True)
     ]
-    promised = g @ delta + damping * delta @ (np.diag(U) * delta)
+    predicted = g @ delta + damping * delta @ (np.diag(U) * delta)
     for step, blocks, right in zip(epsilon, V, h, strict=True):
-        promised += ((right + damping * np.diagonal(blocks, axis1=-2, axis2=-1) * step) * step).sum()
-    return delta, epsilon, float(promised)
+        predicted += ((right + damping * np.diagonal(blocks, axis1=-2, axis2=-1) * step) * step).sum()
+    return delta, epsilon, float(predicted)
 
 
 def schur_complement(equations: BlockEquations, inverses: list[Floats], damping: float = 0.0) -> tuple[Floats, Floats]:

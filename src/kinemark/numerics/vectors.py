@@ -1,4 +1,4 @@
-"""Vectors of space: what is square to them."""
+"""Vectors of space: cross products and perpendiculars."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def cross_matrix(v: Floats) -> Floats:
     return out - out.mT
 
 
-def across(ahead: Floats) -> Floats:
-    """(n, 3, 2) two unit vectors, square to each other and to unit vectors (n, 3); NaN where these are."""
-    least = np.eye(3)[np.abs(np.nan_to_num(ahead)).argmin(1)]
-    first = np.cross(ahead, least)
+def perpendicular_pair(direction: Floats) -> Floats:
+    """(n, 3, 2) two unit vectors, perpendicular to each other and to unit vectors (n, 3); NaN where these are."""
+    least = np.eye(3)[np.abs(np.nan_to_num(direction)).argmin(1)]
+    first = np.cross(direction, least)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(ahead, first)], -1)
+    return np.stack([first, np.cross(direction, first)], -1)

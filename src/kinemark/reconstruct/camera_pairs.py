@@ -87,13 +87,13 @@ class CameraPairs(Method):
 @RECONSTRUCT.method("camera_pairs", CameraPairs, source="UM²AS, 2.4")
 def reconstruct_pairs(matches: Matches, detections: Detections, rig: Rig, *, method: CameraPairs) -> Cloud:
     """The points of all matches, in the order of their frames; called through `reconstruct`."""
-    seen: Bools = matches.view >= 0
-    uv = np.where(seen[..., None], detections.uv[matches.view], np.nan)
+    seen: Bools = matches.detection >= 0
+    uv = np.where(seen[..., None], detections.uv[matches.detection], np.nan)
     each = solutions(rig, uv)
     kept = agreeing(each, seen.sum(1), outlier_ratio=method.outlier_ratio)
     xyz = _mean(each, kept)
-    area = np.where(seen, detections.area[matches.view], np.nan)
-    cov = centroid_cov(detections.cov[matches.view], rig, xyz, uv, method.centroid_sd)
+    area = np.where(seen, detections.area[matches.detection], np.nan)
+    cov = centroid_cov(detections.cov[matches.detection], rig, xyz, uv, method.centroid_sd)
     cov = cov + (hidden_variance(rig, xyz, area) + method.model_sd**2)[..., None, None] * np.eye(2)
     off = uv - np.stack([project(camera, xyz) for camera in rig], 1)
     cloud = Cloud(
@@ -102,7 +102,7 @@ def reconstruct_pairs(matches: Matches, detections: Detections, rig: Rig, *, met
         xyz=xyz,
         cov=_covariance(rig, xyz, kept, off, cov),
         residual=np.sqrt(np.nansum(off**2, axis=(1, 2)) / np.maximum(seen.sum(1), 1)),
-        view=matches.view,
+        detection=matches.detection,
     )
     margin = method.volume_margin if method.within_volume else None
     return cloud.keep(usable_points(cloud, rig, margin=margin) & np.isfinite(cloud.cov).all((1, 2)))

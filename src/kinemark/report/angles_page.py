@@ -111,7 +111,7 @@ _SPREADS = ("mean_range_deg", "spread_median_deg", "noise_median_deg")
 
 def angle_table(figures: dict[str, Any]) -> Table:
     """A row an angle; those beyond their normal range are marked."""
-    head = ["angle", "frames", "least (deg)", "greatest (deg)", "range (deg)", "SD: middle (deg)", "95 % (deg)"]
+    head = ["angle", "frames", "least (deg)", "greatest (deg)", "range (deg)", "SD: median (deg)", "95 % (deg)"]
     head += ["normal (deg)", "beyond it", "by at most (deg)"]
     rows = []
     for row in figures["angles"]:

@@ -9,7 +9,7 @@ from plotly.subplots import make_subplots
 from ..data import Angles
 from ..data.array_types import Floats
 from ..findings.plain import runs
-from ..kinematics import Cycles, Model, Named, named, outside
+from ..kinematics import Cycles, Model, NamedAngle, named_angles, outside
 from .figures import ABOVE
 from .theme import FAINT, HUES, axis_style, empty, figure, label
 
@@ -24,11 +24,11 @@ BAD = "#B3261E"
 
 def joint_figure(angles: Angles, model: Model, joint: int, *, first_frame: int = 1) -> go.Figure:
     """The degrees of freedom of one joint through time: curve, 95 % band, normal range, what is beyond it, lock."""
-    free = [one for one in named(model) if one.joint == joint]
+    free = [one for one in named_angles(model) if one.joint == joint]
     if not free or not np.isfinite(angles.deg[joint]).any():
         return empty("No frame has all markers of this joint.")
     fig = _rows(free)
-    by = max(1, -(-angles.deg.shape[1] // min(2000, MOST // len(named(model)))))
+    by = max(1, -(-angles.deg.shape[1] // min(2000, MOST // len(named_angles(model)))))
     time = (np.arange(angles.deg.shape[1]) + first_frame - 1) / angles.rate
     out, sd = outside(angles, model), angles.sd
     for row, (j, t, motion) in enumerate(free, 1):
@@ -49,7 +49,7 @@ def joint_figure(angles: Angles, model: Model, joint: int, *, first_frame: int =
 
 def cycle_figure(cycles: Cycles, model: Model, joint: int) -> go.Figure:
     """One joint over cycles: each faint, their mean, and the band of ± SD."""
-    free = [one for one in named(model) if one.joint == joint]
+    free = [one for one in named_angles(model) if one.joint == joint]
     if not free or not np.isfinite(cycles.mean[joint]).any():
         return empty("No cycle has all markers of this joint.")
     fig = _rows(free)
@@ -65,7 +65,7 @@ def cycle_figure(cycles: Cycles, model: Model, joint: int) -> go.Figure:
     return fig.update_xaxes(title_text="cycle (%)", row=len(free), col=1)
 
 
-def _rows(free: list[Named]) -> go.Figure:
+def _rows(free: list[NamedAngle]) -> go.Figure:
     n = len(free)
     rows = make_subplots(rows=n, cols=1, shared_xaxes=True, vertical_spacing=0.06 if n > 1 else 0)
     style = figure(60 + 210 * n, margin={"l": 70, "r": 20, "t": 20, "b": 48}).layout

@@ -94,7 +94,7 @@ def angle_figure(figures: dict[str, Any]) -> go.Figure:
 
 def _places(rows: list[dict[str, Any]], key: str, title: str, sources: list[str]) -> go.Figure:
     fig = figure(400, showlegend=True, legend=ABOVE, margin={"l": 60, "r": 20, "t": 44, "b": 48})
-    if len(rows) > MOST_MARKERS:  # the worst
+    if len(rows) > MOST_MARKERS:  # the largest
         rows = sorted(rows, key=lambda row: -max(row[source] or 0.0 for source in sources))[:MOST_MARKERS]
     for source in sources:
         fig.add_scatter(

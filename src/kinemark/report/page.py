@@ -140,7 +140,7 @@ def figures(
 
 
 def _tells(steps: list[dict[str, Any]]) -> bool:
-    """Whether the tracking was by a method that tells its doubts."""
+    """Whether the tracking was by a method that reports ambiguous decisions."""
     return any(step["stage"] == "track" and step["method"] == Simultaneous.__name__ for step in steps)
 
 

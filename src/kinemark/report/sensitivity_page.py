@@ -20,7 +20,7 @@ from .formatting import degrees, millimetres, number, percent
 from .page import of_session
 from .tables import Table, Tile
 from .templating import render, write_text
-from .words import SOURCE_ADVICE
+from .words import SOURCE_ADVICE, evidence_text
 
 NAV = {
     "verdict": "Verdict",
@@ -74,6 +74,7 @@ def sensitivity_page(
         by_model=ranking.by_model,
         ranking_table=ranking_table(figures),
         source_advice=SOURCE_ADVICE,
+        evidence_text=evidence_text,
         lost_table=lost_table(figures["lost"]),
     )
 
@@ -94,10 +95,10 @@ def ranking_table(figures: dict[str, Any]) -> Table:
         ]
         for row in figures["ranking"]
     ]
-    for worst in figures["lost"][:1]:
-        cost = [number(worst["cost_mm"], 2), "–", number(worst["cost_deg"], 2), "–", "–", "–", "–"]
-        at = sum((row[unit] or 0.0) > (worst[f"cost_{unit}"] or 0.0) for row in figures["ranking"])
-        rows.insert(at, [f"{worst['camera']}, if lost", "–", *cost])
+    for largest in figures["lost"][:1]:
+        cost = [number(largest["cost_mm"], 2), "–", number(largest["cost_deg"], 2), "–", "–", "–", "–"]
+        at = sum((row[unit] or 0.0) > (largest[f"cost_{unit}"] or 0.0) for row in figures["ranking"])
+        rows.insert(at, [f"{largest['camera']}, if lost", "–", *cost])
     total = figures["total"]
     rows.append(
         [

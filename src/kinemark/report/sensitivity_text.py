@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .formatting import degrees, number, percent
-from .words import headline_of, sentences_of
+from .words import evidence_text, headline_of, sentences_of
 
 
 def sensitivity_summary(figures: dict[str, Any]) -> str:
@@ -17,7 +17,7 @@ def sensitivity_summary(figures: dict[str, Any]) -> str:
     for row in figures["ranking"]:
         lines.append(
             f"  {row['source']:18s} {number(row['px'], 3):>6s} {number(row['mm'], 2):>6s} {degrees(row['deg']):>7s} "
-            f"{degrees(row['mean_deg']):>11s} {percent(row['variance_share']):>10s}   {row['origin']}"
+            f"{degrees(row['mean_deg']):>11s} {percent(row['variance_share']):>10s}   {evidence_text(row)}"
         )
     total = figures["total"]
     lines.append(

@@ -13,7 +13,7 @@ import numpy as np
 from ..data import Angles
 from ..data.array_types import Floats
 from ..findings.plain import plain
-from ..kinematics import Model, named, outside
+from ..kinematics import Model, named_angles, outside
 from ..kinematics.chain import Points, laboratory
 from .theme import hue, shortened
 
@@ -29,7 +29,7 @@ def stick_data(points: Points, angles: Angles, model: Model, *, first_frame: int
     """What the script draws: points by frame, links, floor, angles."""
     names = [name for name in dict.fromkeys(p for link in links(model) for p in link) if name in points]
     n_frames = angles.deg.shape[1]
-    numbers = 3 * len(names) + 3 * len(named(model))  # coordinates; angle, standard deviation, mark
+    numbers = 3 * len(names) + 3 * len(named_angles(model))  # coordinates; angle, standard deviation, mark
     by = max(1, -(-n_frames // MOST_FRAMES), -(-n_frames * numbers // MOST_NUMBERS))
     basis = laboratory(model)[:, [0, 2, 1]]  # forward, right, up
     xyz = np.array([points[name][::by] for name in names]).reshape(len(names), -1, 3) @ basis
@@ -114,7 +114,7 @@ def _angles(angles: Angles, model: Model, by: int) -> list[dict[str, Any]]:
     out, sd = outside(angles, model), angles.sd
     for j, joint in enumerate(angles.joints):
         rows.append({"name": joint, "joint": j})
-        for one in named(model):
+        for one in named_angles(model):
             if one.joint == j:
                 place = (j, slice(None, None, by), one.turn)
                 values = {"deg": plain(angles.deg[place].round(2)), "sd": plain(sd[place].round(4))}

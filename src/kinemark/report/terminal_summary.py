@@ -27,7 +27,7 @@ def summary(quality: dict[str, Any]) -> str:
 
 
 def finding_lines(findings: Sequence[Mapping[str, Any]]) -> list[str]:
-    """A line a finding: how grave, what, and what to do."""
+    """A line a finding: how severe, what, and what to do."""
     return [f"  {one['severity'].upper():5s} {text_of(one)} {advice_of(one)}".rstrip() for one in findings]
 
 

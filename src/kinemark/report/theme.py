@@ -48,14 +48,14 @@ def shortened(names: Sequence[str], most: int = LONGEST) -> list[str]:
     The end of a long name falls away; where that makes two the same, their common beginning; else they stay whole.
     """
     shown = {name: _cut(name, most) for name in names}
-    for alike in _alike(shown):
-        shown |= _without_common_start(alike, most)
-    for alike in _alike(shown):
-        shown |= {name: name for name in alike}
+    for equal in _equal_names(shown):
+        shown |= _without_common_start(equal, most)
+    for equal in _equal_names(shown):
+        shown |= {name: name for name in equal}
     return [shown[name] for name in names]
 
 
-def _alike(shown: Mapping[str, str]) -> list[list[str]]:
+def _equal_names(shown: Mapping[str, str]) -> list[list[str]]:
     """Different names that are shown the same."""
     groups: dict[str, list[str]] = {}
     for name, text in shown.items():

@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 
 from ..data import PARAMETERS, Rig
 from ..data.array_types import Bools, Floats
-from ..geometry import near_middle, parameter_jacobian, point_jacobian, refine, rig_about
+from ..geometry import origin_near, parameter_jacobian, point_jacobian, refine, rig_about
 from ..numerics.small_matrices import inverse3
 
 FREE = (0, 1, 2, 3, 9, 10, 11, 12, 13, 14)
@@ -103,14 +103,14 @@ def gains(rig: Rig, xyz: Floats, seen: Bools) -> Gains:
 
 def shown(rig: Rig, xyz: Floats, uv: Floats, time_s: Floats) -> Shown:
     """What images (N, C, 2) px, NaN where unseen, of points (N, 3) mm at times (N) s show by (3) to (8)."""
-    origin = near_middle(xyz)  # about which the priors of (3) hold
+    origin = origin_near(xyz)  # about which the priors of (3) hold
     plain = rig_about(Rig(tuple(replace(camera, cov=np.zeros((15, 15))) for camera in rig)), origin)
     xyz = xyz - origin
     place = refine(plain, xyz, uv, np.broadcast_to(np.eye(2), (*uv.shape, 2)))
     views = np.isfinite(uv[..., 0]).sum(1)
-    used = _without_outliers(place.off, (views >= 3) & np.isfinite(place.xyz).all(1))
+    used = _without_outliers(place.residual, (views >= 3) & np.isfinite(place.xyz).all(1))
     seen: Bools = np.isfinite(uv[..., 0]) & used[:, None]
-    r = np.where(seen[..., None], place.off, 0.0)
+    r = np.where(seen[..., None], place.residual, 0.0)
     freedom = int((2 * views[used] - 3).sum())
     later = np.floor(time_s / STRETCH_S).astype(np.int64) % 2 == 1
     common = _common_errors(plain, place.xyz, uv, r, [used & later, used & ~later, used])
@@ -121,8 +121,8 @@ def shown(rig: Rig, xyz: Floats, uv: Floats, time_s: Floats) -> Shown:
     return Shown(
         used=used,
         placed=placed,
-        residual=np.where((views >= 3)[:, None, None], place.off, np.nan),
-        disturbed=_disturbed(place.off, views, used),
+        residual=np.where((views >= 3)[:, None, None], place.residual, np.nan),
+        disturbed=_disturbed(place.residual, views, used),
         noise_px=noise_px * known,
         calibration_px=calibration_px,
         lens_px=lens_px,

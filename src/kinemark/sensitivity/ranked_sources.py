@@ -39,6 +39,17 @@ from .sample_frames import SampledFrames
 from .segment_directions import segment_jacobian, segments
 
 Unit = Literal["mm", "deg"]
+Evidence = Literal[
+    "given",
+    "residual_scatter",
+    "calibration_residuals",
+    "usual_noise",
+    "residuals_of_regions",
+    "outlying_residuals",
+    "residuals_of_cameras",
+    "calibration_covariance",
+    "usual_placement",
+]
 
 FEWEST = 10  # points to judge by; chosen
 USUAL_PX = 0.2
@@ -74,7 +85,7 @@ class ErrorSource:
         mm: (M, F) σ of a marker per axis, mm.
         deg: (F, A) σ of the angles, deg.
         averages: whether a mean over cycles makes it smaller.
-        origin: how it is known, in words.
+        evidence: how it is known; words for it are in `report.words`.
     """
 
     name: str
@@ -82,7 +93,7 @@ class ErrorSource:
     mm: Floats
     deg: Floats
     averages: bool
-    origin: str
+    evidence: Evidence
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -229,59 +240,58 @@ class _Work:
 
     def sources(self) -> tuple[list[ErrorSource], float, float]:
         """All of them, and σ mm of the calibration as stated and as shown."""
-        noise, origin = self.noise()
+        noise, evidence = self.noise()
         calibration, stated, by_residuals = self.calibration(noise)
-        words = "residuals that are alike in one part of an image"
-        lens = self.shifted("lens model", self.found.lens_px, self.found.lens, words)
-        own = self.images("centroid noise", noise, self.gain, self.seen, origin)
+        lens = self.shifted("lens model", self.found.lens_px, self.found.lens, "residuals_of_regions")
+        own = self.images("centroid noise", noise, self.gain, self.seen, evidence)
         return [own, lens, calibration, self.disturbed(), self.placement()], stated, by_residuals
 
-    def noise(self) -> tuple[float, str]:
+    def noise(self) -> tuple[float, Evidence]:
         """Standard deviation of a centroid, px, and how it is known."""
         if self.method.centroid_sd is not None:
-            return self.method.centroid_sd, "as given"
+            return self.method.centroid_sd, "given"
         if np.isfinite(self.found.noise_px) and self.found.noise_px > 0:
-            return self.found.noise_px, "scatter of the residuals"
+            return self.found.noise_px, "residual_scatter"
         known = [camera.residual for camera in self.rig if camera.residual > 0]
         if known:
-            return float(np.sqrt(np.mean(np.square(known)) / 2)), "residuals of the calibration"
-        return USUAL_PX, "assumed: no marker is seen by three cameras"
+            return float(np.sqrt(np.mean(np.square(known)) / 2)), "calibration_residuals"
+        return USUAL_PX, "usual_noise"
 
-    def images(self, name: str, sd: float, gain: Gains, seen: Bools, origin: str) -> ErrorSource:
+    def images(self, name: str, sd: float, gain: Gains, seen: Bools, evidence: Evidence) -> ErrorSource:
         """A source that is new in every image."""
         there = seen.sum(1) >= 2
         cov = sd**2 * np.einsum("ncij,nckj->nik", gain.H, gain.H)
         cov = np.where(there[:, None, None], cov, np.nan).reshape(*self.shape, 3, 3)
         deg2 = np.einsum("fami,mfij,famj->fa", self.J, np.nan_to_num(cov), self.J, optimize=True)
         deg = self.known(np.sqrt(np.maximum(deg2, 0)), there)
-        return ErrorSource(name, sd, _sigma(cov), deg, True, origin)
+        return ErrorSource(name, sd, _sigma(cov), deg, True, evidence)
 
     def disturbed(self) -> ErrorSource:
         """Images that show something else than a whole marker; at the same phase of every cycle, so that it stays."""
-        words = "points with residuals far beyond all others"
-        name, unit = "disturbed images", self.images("", 1.0, self.gain, self.seen, "")
+        evidence: Evidence = "outlying_residuals"
+        name, unit = "disturbed images", self.images("", 1.0, self.gain, self.seen, evidence)
         sd = np.sqrt(self.found.disturbed)
         if not self.found.freedom:
             return ErrorSource(
-                name, float("nan"), np.full_like(unit.mm, np.nan), np.full_like(unit.deg, np.nan), False, words
+                name, float("nan"), np.full_like(unit.mm, np.nan), np.full_like(unit.deg, np.nan), False, evidence
             )
         H = self.gain.H * sd[:, None, None, None]
-        each = self.images(name, 1.0, self.gain._replace(H=H), self.seen, words)
+        each = self.images(name, 1.0, self.gain._replace(H=H), self.seen, evidence)
         views = self.seen.sum(1)
         px = float(np.sqrt((self.found.disturbed * views).sum() / max(views.sum(), 1)))
-        return ErrorSource(name, px, each.mm, each.deg, False, words)
+        return ErrorSource(name, px, each.mm, each.deg, False, evidence)
 
-    def shifted(self, name: str, px: float, move: Floats, origin: str) -> ErrorSource:
+    def shifted(self, name: str, px: float, move: Floats, evidence: Evidence) -> ErrorSource:
         """A source found as displacements (N, 3) mm, each marker and place having its own."""
         at = np.where(self.found.placed[:, None], move, np.nan).reshape(*self.shape, 3)
         deg = np.abs(np.einsum("fami,mfi->fa", self.J, np.nan_to_num(at), optimize=True))
         mm = np.linalg.norm(at, axis=2) / np.sqrt(3)
-        return ErrorSource(name, px, mm, self.known(deg, np.isfinite(at[..., 0]).ravel()), False, origin)
+        return ErrorSource(name, px, mm, self.known(deg, np.isfinite(at[..., 0]).ravel()), False, evidence)
 
     def calibration(self, noise: float) -> tuple[ErrorSource, float, float]:
         """By the covariance that the calibration states, or by residuals, whichever is more."""
-        words = "a change of the cameras that the residuals ask for; scale cannot be seen"
-        by_residuals = self.shifted("calibration", self.found.calibration_px, self.found.calibration, words)
+        px, move = self.found.calibration_px, self.found.calibration
+        by_residuals = self.shifted("calibration", px, move, "residuals_of_cameras")
         b = typical(by_residuals.mm)
         if not any(camera.cov.any() for camera in self.rig):
             return by_residuals, float("nan"), b
@@ -302,16 +312,14 @@ class _Work:
         own = np.stack([joint[c * k : (c + 1) * k, c * k : (c + 1) * k] for c in range(len(self.rig))])
         px2 = np.einsum("ncik,ckl,ncil->n", self.gain.T, own, self.gain.T, optimize=True)
         px = float(np.sqrt(np.median(px2[there] / (2 * self.seen[there].sum(1)))))
-        return ErrorSource(
-            "calibration", px, _sigma(cov), self.known(deg, there), False, "covariance of the calibration"
-        )
+        return ErrorSource("calibration", px, _sigma(cov), self.known(deg, there), False, "calibration_covariance")
 
     def placement(self) -> ErrorSource:
         """Of markers on the skin."""
         sd, there = self.method.placement_mm, self.seen.sum(1) >= 2
         deg = self.known(sd * np.sqrt((self.J**2).sum((2, 3))), there)
         mm = np.where(there, sd, np.nan).reshape(self.shape)
-        return ErrorSource("marker placement", float("nan"), mm, deg, False, f"assumed, {sd:g} mm along each axis")
+        return ErrorSource("marker placement", float("nan"), mm, deg, False, "usual_placement")
 
     def lost(self, c: int) -> LostCamera:
         """Without camera c, by (2)."""
@@ -319,8 +327,8 @@ class _Work:
         sd = float(np.sqrt(noise**2 + self.found.lens_px**2 + self.found.calibration_px**2))
         seen = self.seen.copy()
         seen[:, c] = False
-        after = self.images("", sd, gains(self.rig, self.xyz, seen), seen, "")
-        before = self.images("", sd, self.gain, self.seen, "")
+        after = self.images("", sd, gains(self.rig, self.xyz, seen), seen, "residual_scatter")
+        before = self.images("", sd, self.gain, self.seen, "residual_scatter")
         all_mm = np.where(np.isfinite(after.mm), before.mm, np.nan)
         all_deg = np.where(np.isfinite(after.deg), before.deg, np.nan)
         gone = 1 - float((seen.sum(1) >= 2).sum()) / float((self.seen.sum(1) >= 2).sum())

@@ -49,10 +49,10 @@ def gather(tracks: Tracks, detections: Detections, *, frames: int, most: int = 6
     own = own[row[tracks.id[own]] >= 0]
     m, f = row[tracks.id[own]], place[cloud.frame[own]]
     xyz = np.full((len(chosen), len(at), 3), np.nan)
-    uv = np.full((len(chosen), len(at), cloud.view.shape[1], 2), np.nan)
+    uv = np.full((len(chosen), len(at), cloud.detection.shape[1], 2), np.nan)
     xyz[m, f] = cloud.xyz[own]
-    view = cloud.view[own]
-    uv[m, f] = np.where((view >= 0)[..., None], detections.uv[view], np.nan)
+    detection = cloud.detection[own]
+    uv[m, f] = np.where((detection >= 0)[..., None], detections.uv[detection], np.nan)
     return SampledFrames(tuple(f"*{t + 1}" for t in chosen), xyz, uv, at / cloud.rate)
 
 
@@ -71,7 +71,7 @@ def gather_named(named: Trajectories, tracks: Tracks, detections: Detections, *,
         )
     at = _frames(named.n_frames, frames)
     xyz = named.xyz[:, at]
-    uv = np.full((*xyz.shape[:2], cloud.view.shape[1], 2), np.nan)
+    uv = np.full((*xyz.shape[:2], cloud.detection.shape[1], 2), np.nan)
     for i, f in enumerate(at + first):
         rows = np.arange(cloud.start[f], cloud.start[f + 1])
         if not len(rows):
@@ -79,8 +79,8 @@ def gather_named(named: Trajectories, tracks: Tracks, detections: Detections, *,
         away = np.linalg.norm(xyz[:, i, None] - cloud.xyz[rows], axis=2)
         near = np.nan_to_num(away, nan=np.inf)
         own = near.min(1) < SAME_MM
-        view = cloud.view[rows[near.argmin(1)[own]]]
-        uv[own, i] = np.where((view >= 0)[..., None], detections.uv[view], np.nan)
+        detection = cloud.detection[rows[near.argmin(1)[own]]]
+        uv[own, i] = np.where((detection >= 0)[..., None], detections.uv[detection], np.nan)
     there = SampledFrames(named.names, xyz, uv, (at + first) / cloud.rate)
     share = there.seen.any(2).sum() / max(np.isfinite(xyz[..., 0]).sum(), 1)
     if share < 0.5:

@@ -1,7 +1,7 @@
 """The directions of segments: angles that any recording has, without names and without a model.
 
-A segment is a line between two markers that keep their distance. With e₁, e₂ square to the line of length ℓ, its two
-turns change with its ends by
+A segment is a line between two markers that keep their distance. With e₁, e₂ perpendicular to the line of length ℓ, its
+two turns change with its ends by
 
     J = ± e_kᵀ / ℓ                                                       (1)
 """
@@ -14,7 +14,7 @@ import numpy as np
 
 from ..data.array_types import Floats
 from ..geometry.rigid_pairs import distances
-from ..numerics.vectors import across
+from ..numerics.vectors import perpendicular_pair
 from .sample_frames import SampledFrames
 
 
@@ -57,7 +57,7 @@ def segment_jacobian(xyz: Floats, pairs: list[tuple[int, int]]) -> Floats:
         line = xyz[b] - xyz[a]
         length = np.linalg.norm(line, axis=1, keepdims=True)
         ahead = line / length
-        for i, e in enumerate(np.moveaxis(across(ahead), -1, 0)):
+        for i, e in enumerate(np.moveaxis(perpendicular_pair(ahead), -1, 0)):
             J[:, 2 * k + i, b] = np.degrees(e / length)  # (1)
             J[:, 2 * k + i, a] = -J[:, 2 * k + i, b]
     return J

@@ -1,4 +1,4 @@
-"""Who belongs to whom: the assignment with the least total cost."""
+"""Assignment of rows to columns: at the least total cost, or the cheapest pair first."""
 
 from __future__ import annotations
 

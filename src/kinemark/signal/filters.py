@@ -43,13 +43,13 @@ def butterworth(y: Floats, *, rate: float, cutoff_hz: float, order: int = 2) -> 
 
     f0 = _each_pass(cutoff_hz, rate, order)
     sections = butter(order, f0, fs=rate, output="sos")
-    if len(y) <= fewest(order):
-        raise ValueError(f"{len(y)} samples, wanted more than {fewest(order)} for order {order}")
-    return sosfiltfilt(sections, y, axis=0, padlen=fewest(order))
+    if len(y) <= edge_samples(order):
+        raise ValueError(f"{len(y)} samples, wanted more than {edge_samples(order)} for order {order}")
+    return sosfiltfilt(sections, y, axis=0, padlen=edge_samples(order))
 
 
-def fewest(order: int) -> int:
-    """Samples that the filter's ends are mirrored from; a run must have more."""
+def edge_samples(order: int) -> int:
+    """Samples mirrored at each end of the filter; a run must have more."""
     return 6 * order
 
 

@@ -47,7 +47,7 @@ F = np.array([[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
 D = np.array([[1.0, 0.0, 0.0], [1.5, -2.0, 0.5], [1.0, -2.0, 1.0]])
 """Of (3); its columns are the last position, the one before, and the one before that; by definition."""
 
-SPREAD = D @ D.T
+DIFFERENCES_COV = D @ D.T
 """Of (9), for σ = 1; its diagonal is that of (5)."""
 
 
@@ -55,70 +55,72 @@ class KalmanState(NamedTuple):
     """What n markers are expected to do.
 
     x (n, 3, 3): rows position mm, velocity mm/frame, acceleration mm/frame²; columns x, y, z.
-    P (n, 3, 3): covariance of the rows, alike for each column.
+    P (n, 3, 3): covariance of the rows, the same for each column.
     """
 
     x: Floats
     P: Floats
 
 
-def start(past: Floats, sd: float, jump: float) -> KalmanState:
+def initial_state(past: Floats, sd: float, process_sd: float) -> KalmanState:
     """The state one frame after the first three positions.
 
     Args:
         past: (n, 3, 3) mm; the last position first, then the one before, then the first.
         sd: standard deviation of a position, σ of (5), mm.
-        jump: U of (2), mm/frame².
+        process_sd: U of (2): the standard deviation of the acceleration's change in a frame, mm/frame².
     """
-    P = F @ (sd**2 * SPREAD) @ F.T + _process(jump)  # (9), (8) with G = 0
+    P = F @ (sd**2 * DIFFERENCES_COV) @ F.T + _process(process_sd)  # (9), (8) with G = 0
     return KalmanState(F @ D @ past, np.broadcast_to(P, past.shape).copy())
 
 
-def predict(state: KalmanState, jump: float) -> KalmanState:
+def predict(state: KalmanState, process_sd: float) -> KalmanState:
     """One frame on without measurement."""
-    return KalmanState(F @ state.x, _symmetric(F @ state.P @ F.T + _process(jump)))
+    return KalmanState(F @ state.x, _symmetric(F @ state.P @ F.T + _process(process_sd)))
 
 
-def update(state: KalmanState, past: Floats, whole: NDArray[np.bool_], sd: float, jump: float) -> KalmanState:
+def update(
+    state: KalmanState, past: Floats, consecutive: NDArray[np.bool_], sd: float, process_sd: float
+) -> KalmanState:
     """One frame on with the positions seen.
 
     Args:
         state: expected in the frame of the newest positions.
         past: (n, 3, 3) mm, the last position first.
-        whole: (n) whether all three are of successive frames; otherwise only the last counts.
-        sd, jump: as in `start`.
+        consecutive: (n) whether all three are of successive frames; otherwise only the last counts.
+        sd, process_sd: as in `initial_state`.
     """
     x, P = F @ state.x, np.empty_like(state.P)
-    for own, n_rows in ((whole, 3), (~whole, 1)):
+    for own, n_rows in ((consecutive, 3), (~consecutive, 1)):
         if own.any():
-            C, R = np.eye(3)[:n_rows], sd**2 * np.diag(SPREAD.diagonal()[:n_rows])  # (4), (5)
+            C, R = np.eye(3)[:n_rows], sd**2 * np.diag(DIFFERENCES_COV.diagonal()[:n_rows])  # (4), (5)
             prior = state.P[own]
             G = F @ prior @ C.T @ np.linalg.inv(C @ prior @ C.T + R)  # (6)
             x[own] += G @ (C @ (D @ past[own] - state.x[own]))  # (7)
-            P[own] = (F - G @ C) @ prior @ F.T + _process(jump)  # (8)
+            P[own] = (F - G @ C) @ prior @ F.T + _process(process_sd)  # (8)
     return KalmanState(x, _symmetric(P))
 
 
-def update_position(state: KalmanState, xyz: Floats, variance: Floats, jump: float) -> tuple[Floats, KalmanState]:
+def update_position(state: KalmanState, xyz: Floats, variance: Floats, process_sd: float) -> tuple[Floats, KalmanState]:
     """With positions alone, of known variances: where the markers are, (n, 3) mm, and the state one frame on.
 
     Args:
         state: expected in the frame of the positions.
         xyz: (n, 3) mm.
         variance: (n) mm², of each coordinate.
-        jump: as in `start`.
+        process_sd: as in `initial_state`.
     """
     K = state.P[:, :, 0] / (state.P[:, 0, 0] + variance)[:, None]
     x = state.x + K[:, :, None] * (xyz - state.x[:, 0])[:, None]
     P = state.P - K[:, :, None] * state.P[:, None, 0]
-    return x[:, 0], predict(KalmanState(x, P), jump)
+    return x[:, 0], predict(KalmanState(x, P), process_sd)
 
 
-def _process(jump: float) -> Floats:
+def _process(process_sd: float) -> Floats:
     """Q of (2)."""
-    return np.diag([0.0, 0.0, jump**2])
+    return np.diag([0.0, 0.0, process_sd**2])
 
 
 def _symmetric(P: Floats) -> Floats:
-    """What rounding has made uneven, made even."""
+    """The symmetric part, without what rounding has added."""
     return (P + P.transpose(0, 2, 1)) / 2

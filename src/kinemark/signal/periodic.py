@@ -5,8 +5,8 @@
     D(τ) = mean over j and t of [y_j(t + τ) − y_j(t)]² / (2 · mean over j of var y_j)             (1)
 
 over the pairs of which both are there, so that what moves most counts most (the sequences have one unit): about 1 for
-what is unrelated and near 0 where τ is a cycle. Its valleys lie at the cycle and at its multiples. The cycle is the
-first valley nearly as deep as the deepest, D ≤ D_min + 0.1 (D_max − D_min) (2), refined by the parabola through three
+what is unrelated and near 0 where τ is a cycle. Its minima lie at the cycle and at its multiples. The cycle is the
+first minimum nearly as low as the lowest, D ≤ D_min + 0.1 (D_max − D_min) (2), refined by the parabola through three
 values. It is one only if D there is below a limit: a motion that does not come back has none. Walking has two steps a
 stride; sequences of both legs differ by a half cycle, so that a stride is found, no step. The sums of (1) are
 correlations of the samples and of their masks, done by FFT.
@@ -101,11 +101,11 @@ def cycle_length(y: Floats, *, shortest: float, longest: float, limit: float = 0
     if len(tau) < 1 or not np.isfinite(D[first - 1 : last + 1]).any():
         return float("nan")
     with np.errstate(invalid="ignore"):
-        valley = tau[(D[tau] <= D[tau - 1]) & (D[tau] < D[tau + 1]) & (D[tau] < limit)]
-    if not len(valley):
+        minimum = tau[(D[tau] <= D[tau - 1]) & (D[tau] < D[tau + 1]) & (D[tau] < limit)]
+    if not len(minimum):
         return float("nan")
-    low, high = D[valley].min(), np.nanmax(D[: last + 1])
-    k = int(valley[D[valley] <= low + TOLERANCE * (high - low)][0])  # (2)
+    low, high = D[minimum].min(), np.nanmax(D[: last + 1])
+    k = int(minimum[D[minimum] <= low + TOLERANCE * (high - low)][0])  # (2)
     left, here, right = D[k - 1 : k + 2]
     return float(k + 0.5 * (left - right) / max(left - 2 * here + right, 1e-12))
 

@@ -8,7 +8,7 @@ which grows by about 1/T a frame, T the length of a cycle, from samples of which
 s_j is the spread of sequence j about the template. As deviations last, frames are not independent: w = 10 / T counts
 ten of them a cycle. Speed walks at random, by the share 0.1 of itself in a cycle: q = 0.1² / T³ (2).
 
-E has many valleys, one at least for each cycle. A coarse search finds the right one: phases in 64 steps, sixteen
+E has many minima, one at least for each cycle. A coarse search finds the right one: phases in 64 steps, sixteen
 frames a cycle, advances of 1 to 8 steps (4 is the mean speed), and the path with the least sum of the first term and
 [(advance − 4) / 2]² by dynamic programming (3). From there Newton's method after Gauss: with m' the slope of the
 template, the steps δ solve
@@ -31,9 +31,9 @@ from ..data.array_types import Floats, Ints
 
 STEPS, A_CYCLE, MEAN, MOST = 64, 16, 4, 8
 """Of (3): steps and frames a cycle, the mean advance and the greatest; chosen."""
-INDEPENDENT = 10.0
+INDEPENDENT_FRAMES = 10.0
 """Frames a cycle that count, of (1); chosen."""
-UNSTEADY = 0.1
+SPEED_CHANGE = 0.1
 """Share of the speed by which it walks in a cycle, of (2); chosen."""
 
 
@@ -54,7 +54,7 @@ class CycleTemplate:
         """(…, K) a cycle."""
         return np.asarray(self._slope(phase % 1.0))
 
-    def some(self, columns: Ints) -> CycleTemplate:
+    def select(self, columns: Ints) -> CycleTemplate:
         """Of these sequences alone."""
         out = object.__new__(CycleTemplate)
         out._curve, out._slope = (
@@ -105,17 +105,17 @@ def coarse_phase(y: Floats, template: CycleTemplate, spread: Floats, cycle: floa
     seen, m, w = np.where(there, y[frames], 0.0), template(np.arange(STEPS) / STEPS), spread**-2.0
     cost = (seen**2) @ w
     cost = cost[:, None] - 2 * seen @ (w * m).T + there @ (w * m**2).T  # (N, STEPS)
-    cost *= INDEPENDENT / A_CYCLE
-    price = ((np.arange(1, MOST + 1) - MEAN) / 2.0) ** 2
-    total, came = cost[0].copy(), np.zeros(cost.shape, np.int64)
+    cost *= INDEPENDENT_FRAMES / A_CYCLE
+    advance_cost = ((np.arange(1, MOST + 1) - MEAN) / 2.0) ** 2
+    total, advance_of = cost[0].copy(), np.zeros(cost.shape, np.int64)
     for k in range(1, len(frames)):
-        paths = np.stack([np.roll(total, advance) for advance in range(1, MOST + 1)]) + price[:, None]
-        came[k] = paths.argmin(0)
+        paths = np.stack([np.roll(total, advance) for advance in range(1, MOST + 1)]) + advance_cost[:, None]
+        advance_of[k] = paths.argmin(0)
         total = paths.min(0) + cost[k]
     path = np.empty(len(frames), np.int64)
     path[-1] = total.argmin()
     for k in range(len(frames) - 1, 0, -1):
-        path[k - 1] = path[k] - came[k, path[k] % STEPS] - 1
+        path[k - 1] = path[k] - advance_of[k, path[k] % STEPS] - 1
     return np.interp(np.arange(len(y)), frames, path / STEPS)
 
 
@@ -127,9 +127,11 @@ def refine_phase(
     y = np.nan_to_num(y)
     for _ in range(rounds):
         off, slope = weight * (y - template(phase)), weight * template.slope(phase)
-        pull = INDEPENDENT / cycle * np.einsum("fk,fk->f", slope, off) - _bend(phase, cycle)
+        gradient = INDEPENDENT_FRAMES / cycle * np.einsum("fk,fk->f", slope, off) - _smoothness_gradient(phase, cycle)
         try:
-            step = np.asarray(scipy.linalg.solveh_banded(_matrix(_told(slope, cycle), cycle), pull, lower=True))
+            step = np.asarray(
+                scipy.linalg.solveh_banded(_matrix(_information(slope, cycle), cycle), gradient, lower=True)
+            )
         except scipy.linalg.LinAlgError:
             break
         phase = phase + step.clip(-0.05, 0.05)
@@ -139,28 +141,28 @@ def refine_phase(
     return CyclePhase(phase, float((off**2).sum() / max((weight > 0).sum(), 1)))
 
 
-def _bend(phase: Floats, cycle: float) -> Floats:
+def _smoothness_gradient(phase: Floats, cycle: float) -> Floats:
     """D₂ᵀD₂ φ / q."""
     force, second = np.zeros(len(phase)), np.diff(phase, 2)
     for k, factor in enumerate((1.0, -2.0, 1.0)):
         force[k : len(phase) - 2 + k] += factor * second
-    return force * cycle**3 / UNSTEADY**2
+    return force * cycle**3 / SPEED_CHANGE**2
 
 
-def _told(slope: Floats, cycle: float) -> Floats:
+def _information(slope: Floats, cycle: float) -> Floats:
     """w Σ_j m_j'² / s_j² (F) from m' / s (F, K), 0 where nothing is seen."""
-    return np.asarray(INDEPENDENT / cycle * np.einsum("fk,fk->f", slope, slope))
+    return np.asarray(INDEPENDENT_FRAMES / cycle * np.einsum("fk,fk->f", slope, slope))
 
 
-def _matrix(told: Floats, cycle: float) -> Floats:
+def _matrix(frame_information: Floats, cycle: float) -> Floats:
     """The matrix of (4), its lower diagonals (3, F), from its first term (F)."""
-    n = len(told)
+    n = len(frame_information)
     bands = np.zeros((3, n))
     for j in range(3):
         for i in range(j, 3):
             bands[i - j, j : max(n - 2 + j, j)] += (1.0, -2.0, 1.0)[i] * (1.0, -2.0, 1.0)[j]
-    bands *= cycle**3 / UNSTEADY**2
-    bands[0] += told
+    bands *= cycle**3 / SPEED_CHANGE**2
+    bands[0] += frame_information
     bands[0] += 1e-9 * bands[0].max()
     return bands
 
@@ -176,15 +178,15 @@ def information(
     there: NDArray[np.bool_], template: CycleTemplate, spread: Floats, phase: Floats, *, cycle: float
 ) -> Floats:
     """(F) the first term of the matrix of (4), from what is there (F, K) of the sequences."""
-    return _told(np.where(there, template.slope(phase) / spread, 0.0), cycle)
+    return _information(np.where(there, template.slope(phase) / spread, 0.0), cycle)
 
 
-def variance_at(told: Floats, frames: Ints, *, cycle: float) -> Floats:
+def variance_at(frame_information: Floats, frames: Ints, *, cycle: float) -> Floats:
     """`phase_variance` from the `information` (F) of all frames."""
-    first, last = max(int(frames.min() - cycle), 0), min(int(frames.max() + cycle) + 1, len(told))
+    first, last = max(int(frames.min() - cycle), 0), min(int(frames.max() + cycle) + 1, len(frame_information))
     unit = np.zeros((last - first, len(frames)))
     unit[frames - first, np.arange(len(frames))] = 1.0
     solved = np.asarray(
-        scipy.linalg.solveh_banded(_matrix(told[first:last], cycle), unit, lower=True, check_finite=False)
+        scipy.linalg.solveh_banded(_matrix(frame_information[first:last], cycle), unit, lower=True, check_finite=False)
     )
     return np.maximum(solved[frames - first, np.arange(len(frames))], 0.0)

@@ -62,7 +62,7 @@ class SmoothedStates(NamedTuple):
     P: Floats
 
 
-class Filtered(NamedTuple):
+class FilteredStates(NamedTuple):
     """What the filter knows of n sequences in W frames.
 
     x, P: with the sample of the frame, as in `SmoothedStates`; x_before, P_before: without it. NaN before a sequence
@@ -75,29 +75,29 @@ class Filtered(NamedTuple):
     P_before: Floats
 
 
-class Inside(NamedTuple):
+class GapPositions(NamedTuple):
     """Of the frames of one gap: x (L) mm and its variance (L) mm²."""
 
     x: Floats
     variance: Floats
 
 
-def filter_positions(y: Floats, *, sd: Floats, jump: Floats) -> Filtered:
+def filter_positions(y: Floats, *, sd: Floats, process_sd: Floats) -> FilteredStates:
     """(1) to (4), forwards.
 
     Args:
         y: (n, W) positions, mm; NaN where nothing was measured.
         sd: (n) σ, mm.
-        jump: (n) U, mm/frame².
+        process_sd: (n) U, mm/frame².
 
     Returns:
         One prediction a frame; for a sequence without any sample all NaN.
     """
-    unknown = _unknown(y, sd)
-    return _filter(y, np.maximum(sd, 1e-7 * unknown.max(1)), jump, unknown)
+    unknown = _initial_sd(y, sd)
+    return _filter(y, np.maximum(sd, 1e-7 * unknown.max(1)), process_sd, unknown)
 
 
-def _filter(y: Floats, sd: Floats, jump: Floats, unknown: Floats, before: State | None = None) -> Filtered:
+def _filter(y: Floats, sd: Floats, process_sd: Floats, unknown: Floats, before: State | None = None) -> FilteredStates:
     """(1) to (4) from the first sample on; from the first frame where it is known what is `before` its sample."""
     n, n_frames = y.shape
     x, P = np.full((n_frames, n, 3), np.nan), np.full((n_frames, n, 3, 3), np.nan)
@@ -110,22 +110,22 @@ def _filter(y: Floats, sd: Floats, jump: Floats, unknown: Floats, before: State 
         if k:
             x_before[k] = x[k - 1] @ F.T  # (3)
             P_before[k] = F @ P[k - 1] @ F.T
-            P_before[k, :, 2, 2] += jump**2
-        x[k], P[k] = _measured(x_before[k], P_before[k], y[:, k], sd)
+            P_before[k, :, 2, 2] += process_sd**2
+        x[k], P[k] = _updated(x_before[k], P_before[k], y[:, k], sd)
         new = begin == k
         x[k, new] = np.stack([y[new, k], 0 * y[new, k], 0 * y[new, k]], -1)
         P[k, new] = np.eye(3) * np.column_stack([sd, unknown])[new, None] ** 2  # (6)
-    return Filtered(*(np.ascontiguousarray(a.swapaxes(0, 1)) for a in (x, P, x_before, P_before)))
+    return FilteredStates(*(np.ascontiguousarray(a.swapaxes(0, 1)) for a in (x, P, x_before, P_before)))
 
 
-def _unknown(y: Floats, sd: Floats) -> Floats:
+def _initial_sd(y: Floats, sd: Floats) -> Floats:
     """(n, 2) of (6): what velocity and acceleration may be at the beginning."""
     steps = [np.abs(np.diff(y, k, axis=1)) for k in (1, 2)]
     most = [np.max(np.nan_to_num(step), axis=1, initial=0.0) for step in steps]
     return 10 * np.maximum(np.stack(most, -1), sd[:, None])
 
 
-def _measured(x: Floats, P: Floats, y: Floats, sd: Floats) -> tuple[Floats, Floats]:
+def _updated(x: Floats, P: Floats, y: Floats, sd: Floats) -> tuple[Floats, Floats]:
     """(4) for n sequences in one frame."""
     seen = ~np.isnan(y)
     K = np.where(seen[:, None], P[..., 0] / (P[:, 0, 0] + sd**2)[:, None], 0.0)
@@ -135,89 +135,91 @@ def _measured(x: Floats, P: Floats, y: Floats, sd: Floats) -> tuple[Floats, Floa
     return x, (P + P.swapaxes(1, 2)) / 2
 
 
-def smooth_positions(y: Floats, *, sd: Floats, jump: Floats) -> SmoothedStates:
+def smooth_positions(y: Floats, *, sd: Floats, process_sd: Floats) -> SmoothedStates:
     """(5): what all samples of a sequence say of each frame from its first sample on; arguments as
     `filter_positions`."""
-    return _smooth(filter_positions(y, sd=sd, jump=jump), jump)
+    return _smooth(filter_positions(y, sd=sd, process_sd=process_sd), process_sd)
 
 
-def _smooth(found: Filtered, jump: Floats) -> SmoothedStates:
+def _smooth(found: FilteredStates, process_sd: Floats) -> SmoothedStates:
     """(5) for what the filter found."""
     x, P = found.x.copy(), found.P.copy()
     for k in range(x.shape[1] - 2, -1, -1):
         on = ~np.isnan(found.P[:, k, 0, 0])
         P_next = found.P_before[on, k + 1]
-        J = _gain(P_next, jump[on])
+        J = _gain(P_next, process_sd[on])
         x[on, k] += (J @ (x[on, k + 1] - found.x_before[on, k + 1])[..., None])[..., 0]
         P[on, k] += J @ (P[on, k + 1] - P_next) @ J.swapaxes(1, 2)
     return SmoothedStates(x, (P + P.swapaxes(2, 3)) / 2)
 
 
-def predict_gaps(before: Floats, length: Ints, *, sd: Floats, jump: Floats) -> list[Inside]:
+def predict_gaps(before: Floats, length: Ints, *, sd: Floats, process_sd: Floats) -> list[GapPositions]:
     """(10): what the samples before a gap say of the frames in it.
 
     Args:
         before: (n, W) positions up to the gap, mm; NaN where nothing was measured.
         length: (n) frames of the gap.
-        sd, jump: as in `filter_positions`.
+        sd, process_sd: as in `filter_positions`.
 
     Returns:
         Position mm and its variance mm², (length) each, a sequence; NaN for one without samples.
     """
-    last = filter_positions(before, sd=sd, jump=jump)
-    known = zip(last.x[:, -1], last.P[:, -1], jump, length, strict=True)
-    return [Inside(_powers(n) @ x, _ahead(P, u, _powers(n))[:, 0]) for x, P, u, n in known]
+    last = filter_positions(before, sd=sd, process_sd=process_sd)
+    known = zip(last.x[:, -1], last.P[:, -1], process_sd, length, strict=True)
+    return [
+        GapPositions(_transition_rows(n) @ x, _covariance_row(P, u, _transition_rows(n))[:, 0]) for x, P, u, n in known
+    ]
 
 
-def smooth_gaps(before: Floats, after: Floats, length: Ints, *, sd: Floats, jump: Floats) -> list[Inside]:
+def smooth_gaps(before: Floats, after: Floats, length: Ints, *, sd: Floats, process_sd: Floats) -> list[GapPositions]:
     """(11): what the samples on both sides of a gap say of the frames in it, as `smooth_positions` does it.
 
     Args:
         before: (n, W) positions up to the gap, mm; NaN where nothing was measured.
         after: (n, W') positions from the gap on.
-        length, sd, jump: as in `predict_gaps`.
+        length, sd, process_sd: as in `predict_gaps`.
 
     Returns:
         As `predict_gaps`; NaN for a sequence without samples before the gap.
     """
-    unknown = np.maximum(_unknown(before, sd), _unknown(after, sd))
+    unknown = np.maximum(_initial_sd(before, sd), _initial_sd(after, sd))
     sd = np.maximum(sd, 1e-7 * unknown.max(1))
-    last = _filter(before, sd, jump, unknown)
+    last = _filter(before, sd, process_sd, unknown)
     x, P = last.x[:, -1], last.P[:, -1]
-    x_first, P_first = _beyond(x, P, jump, length)
-    found = _smooth(_filter(after, sd, jump, unknown, (x_first, P_first)), jump)
+    x_first, P_first = _after_gaps(x, P, process_sd, length)
+    found = _smooth(_filter(after, sd, process_sd, unknown, (x_first, P_first)), process_sd)
     scale = np.sqrt(np.diagonal(P_first, axis1=1, axis2=2))
     scale = scale[:, :, None] * scale[:, None, :]
     inverse = np.linalg.inv(P_first / scale) / scale
     off, less = found.x[:, 0] - x_first, found.P[:, 0] - P_first
     out = []
     for k, n in enumerate(length):
-        row = _powers(n)
-        r = _ahead(P[k], jump[k], row)
-        J = _moved(r, row[::-1]) @ inverse[k]
-        out.append(Inside(row @ x[k] + J @ off[k], np.maximum(r[:, 0] + ((J @ less[k]) * J) @ np.ones(3), 0.0)))
+        row = _transition_rows(n)
+        r = _covariance_row(P[k], process_sd[k], row)
+        J = _by_transition(r, row[::-1]) @ inverse[k]
+        out.append(GapPositions(row @ x[k] + J @ off[k], np.maximum(r[:, 0] + ((J @ less[k]) * J) @ np.ones(3), 0.0)))
     return out
 
 
-def _powers(n: int) -> Floats:
+def _transition_rows(n: int) -> Floats:
     """(n, 3) the first row of Fᵗ for t = 1 … n."""
     return np.arange(1.0, n + 1)[:, None] ** np.arange(3) / np.array([1, 1, 2])
 
 
-def _ahead(P: Floats, jump: float, row: Floats) -> Floats:
+def _covariance_row(P: Floats, process_sd: float, row: Floats) -> Floats:
     """(n, 3) the first row of P⁻(t) of (10), from the first row of Fᵗ."""
-    return _moved(row @ P, row) + jump**2 * _drift(row[:, 1])[:, 0]
+    return _by_transition(row @ P, row) + process_sd**2 * _process_cov(row[:, 1])[:, 0]
 
 
-def _beyond(x: Floats, P: Floats, jump: Floats, length: Ints) -> State:
+def _after_gaps(x: Floats, P: Floats, process_sd: Floats, length: Ints) -> State:
     """(10) in the first frame after gaps: (n, 3) and (n, 3, 3)."""
     t = np.asarray(length, np.float64) + 1
     row = np.stack([np.ones(len(t)), t, t * t / 2], -1)
-    P = _moved(_moved(P, row[:, None]).mT, row[:, None])
-    return _moved(x, row), P + jump[:, None, None] ** 2 * _drift(t)
+    P = _by_transition(_by_transition(P, row[:, None]).mT, row[:, None])
+    return _by_transition(x, row), P + process_sd[:, None, None] ** 2 * _process_cov(t)
 
 
-def _moved(a: Floats, row: Floats) -> Floats:
+def _by_transition(a: Floats, row: Floats) -> Floats:
     """a Fᵗᵀ for rows a (…, 3), from the first row (…, 3) of Fᵗ."""
     out = np.array(np.broadcast_to(a, np.broadcast_shapes(a.shape, row.shape)))
     out[..., 0] += row[..., 1] * a[..., 1] + row[..., 2] * a[..., 2]
@@ -225,7 +227,7 @@ def _moved(a: Floats, row: Floats) -> Floats:
     return out
 
 
-def _drift(t: Floats) -> Floats:
+def _process_cov(t: Floats) -> Floats:
     """Σ_j v(j) vᵀ(j) of (10): (…, 3, 3)."""
     n = t - 1
     one, two = n * t / 2, n * t * (2 * n + 1) / 6
@@ -233,12 +235,12 @@ def _drift(t: Floats) -> Floats:
     return np.stack([four / 4, three / 2, two / 2, three / 2, two, one, two / 2, one, t], -1).reshape(*t.shape, 3, 3)
 
 
-def _gain(P: Floats, jump: Floats) -> Floats:
+def _gain(P: Floats, process_sd: Floats) -> Floats:
     """J (n, 3, 3) of (5) from P⁻₊ (n, 3, 3): as P Fᵀ = F⁻¹ (P⁻₊ − Q), J = F⁻¹ (I − Q (P⁻₊)⁻¹), and of the inverse only
     the last row counts."""
     a, b, c, d, e = P[:, 0, 0], P[:, 0, 1], P[:, 0, 2], P[:, 1, 1], P[:, 1, 2]
     row = np.stack([b * e - c * d, b * c - a * e, a * d - b * b], -1)
-    row *= (jump**2 / np.einsum("ni,ni->n", row, P[:, 2]))[:, None]
+    row *= (process_sd**2 / np.einsum("ni,ni->n", row, P[:, 2]))[:, None]
     rest = np.broadcast_to(np.eye(3), P.shape).copy()
     rest[:, 2] -= row
     return np.linalg.inv(F) @ rest
@@ -249,25 +251,25 @@ def third_difference(y: Floats, stride: int) -> Floats:
     if y.shape[1] <= 3 * stride:
         return np.full(len(y), np.nan)
     a, b, c, d = (y[:, k * stride : y.shape[1] - (3 - k) * stride] for k in range(4))
-    jumps = d - 3 * c + 3 * b - a
-    there = ~np.isnan(jumps)
-    total = np.where(there, jumps, 0.0)
+    third = d - 3 * c + 3 * b - a
+    there = ~np.isnan(third)
+    total = np.where(there, third, 0.0)
     return np.where(there.any(1), (total**2).sum(1) / np.maximum(there.sum(1), 1), np.nan)
 
 
-def noise_of(y: Floats) -> Floats:
+def measurement_sd_of(y: Floats) -> Floats:
     """(n) σ by (9), mm; `LEAST_SD` where it is less, or where there are too few samples to tell."""
     one, two = third_difference(y, 1), third_difference(y, 2)
     variance = (64 * one - two) / (63 * 20)
     return np.sqrt(np.fmax(np.nan_to_num(variance, nan=0.0), LEAST_SD**2))
 
 
-def jump_of(y: Floats, stride: int, sd: Floats) -> Floats:
+def process_sd_of(y: Floats, stride: int, sd: Floats) -> Floats:
     """(n) U by (7) with h of `stride` frames, mm/frame²; with a shorter one where samples do not reach."""
-    jump = np.full(len(y), np.nan)
-    while stride >= 1 and np.isnan(jump).any():
+    process_sd = np.full(len(y), np.nan)
+    while stride >= 1 and np.isnan(process_sd).any():
         square = (third_difference(y, stride) - 20 * sd**2) * 20 / (11 * float(stride) ** 5)
         least = (0.01 * sd) ** 2 / float(stride) ** 5
-        jump = np.where(np.isnan(jump), np.sqrt(np.maximum(square, least)), jump)
+        process_sd = np.where(np.isnan(process_sd), np.sqrt(np.maximum(square, least)), process_sd)
         stride //= 2
-    return np.where(np.isnan(jump), sd, jump)
+    return np.where(np.isnan(process_sd), sd, process_sd)

@@ -33,7 +33,7 @@ import numpy as np
 
 from ..data.array_types import Floats
 
-LADDER = np.geomspace(1e-12, 1e4, 97)
+CANDIDATES = np.geomspace(1e-12, 1e4, 97)
 """Candidates of p, in units of the greatest e; chosen."""
 
 
@@ -82,8 +82,8 @@ def smoothing_spline(
     if len(t) <= half_order:
         raise ValueError(f"{len(t)} samples, wanted more than {half_order} for a spline of half order {half_order}")
     both = np.concatenate([t, at])
-    middle, scale = (both.max() + both.min()) / 2, max((both.max() - both.min()) / 2, np.finfo(float).tiny)
-    op = _operator(((t - middle) / scale).tobytes(), ((at - middle) / scale).tobytes(), half_order)
+    centre, scale = (both.max() + both.min()) / 2, max((both.max() - both.min()) / 2, np.finfo(float).tiny)
+    op = _operator(((t - centre) / scale).tobytes(), ((at - centre) / scale).tobytes(), half_order)
     offset = y.mean(0)
     z = op.Q2U.T @ (y - offset)
     p = _cross_validated(op.e, z) if smoothing is None else smoothing
@@ -97,7 +97,7 @@ def smoothing_spline(
 
 def _cross_validated(e: Floats, z: Floats) -> float:
     """p of the least (5)."""
-    p = LADDER[:, None] * e.max()
+    p = CANDIDATES[:, None] * e.max()
     kept = p / (e + p)
     rss = (kept**2) @ (z * z).sum(1)
     return float(p[np.argmin(rss / kept.sum(1) ** 2), 0])

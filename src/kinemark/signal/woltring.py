@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from ..data.array_types import Floats
 
-LADDER = np.geomspace(0.005, 0.45, 40)
+CANDIDATES = np.geomspace(0.005, 0.45, 40)
 """ν_c of the p that are tried, cycles a sample; chosen."""
 
 
@@ -116,17 +116,17 @@ def _cross_validated(
     B: scipy.sparse.csr_array, data: Floats, omega: Floats, target: Floats, y: Floats, seen: NDArray[np.bool_], m: int
 ) -> float:
     """ν_c of the least (4) on the ladder, and between its neighbours by a parabola."""
-    factors = np.array([_factor(data, omega, cutoff, m) for cutoff in LADDER])
+    factors = np.array([_factor(data, omega, cutoff, m) for cutoff in CANDIDATES])
     fits = [B @ scipy.linalg.cho_solve_banded((factor, True), target) for factor in factors]
     rss = np.array([np.sum((fit[seen] - y[seen]) ** 2) for fit in fits])
     n = seen.sum()
     score = np.log(np.maximum(rss, np.finfo(float).tiny)) - 2 * np.log(np.maximum(n - _traces(factors, data), 1e-9))
     i = int(np.argmin(score))  # (4)
-    if not 0 < i < len(LADDER) - 1:
-        return float(LADDER[i])
+    if not 0 < i < len(CANDIDATES) - 1:
+        return float(CANDIDATES[i])
     a, b, c = score[i - 1 : i + 2]
     shift = 0.5 * (a - c) / (a - 2 * b + c)
-    return float(np.exp(np.log(LADDER[i]) + shift * np.log(LADDER[1] / LADDER[0])))
+    return float(np.exp(np.log(CANDIDATES[i]) + shift * np.log(CANDIDATES[1] / CANDIDATES[0])))
 
 
 def _traces(factors: Floats, data: Floats) -> Floats:

@@ -2,7 +2,7 @@
 
 from .arm import arm
 from .camera_placement import VOLUME, focal_pixels, look_at, place_camera, ring
-from .dressed import dressed, together
+from .extra_markers import combined_subjects, with_markers
 from .gait import walking
 from .laboratory import rods_toml, write_calibration, write_session
 from .motions import circle_over_cylinder, elbow_flexion, tilted_rectangle
@@ -10,8 +10,8 @@ from .observe import ObservedImages, Sight, observe, truth
 from .optics import Optics
 from .render import film, interlace, render
 from .sphere_image import Ellipse, sphere_ellipse
-from .subjects import Capsules, Subject, from_trajectories, still
-from .targets import calibration_box, control_frame, dot_grid, hung, thrown_ball, wand
+from .subjects import Capsules, Subject, from_trajectories, stationary
+from .targets import calibration_box, control_frame, dot_grid, rods_subject, thrown_ball, wand
 
 __all__ = [
     "VOLUME",
@@ -24,29 +24,29 @@ __all__ = [
     "arm",
     "calibration_box",
     "circle_over_cylinder",
+    "combined_subjects",
     "control_frame",
     "dot_grid",
-    "dressed",
     "elbow_flexion",
     "film",
     "focal_pixels",
     "from_trajectories",
-    "hung",
     "interlace",
     "look_at",
     "observe",
     "place_camera",
     "render",
     "ring",
+    "rods_subject",
     "rods_toml",
     "sphere_ellipse",
-    "still",
+    "stationary",
     "thrown_ball",
     "tilted_rectangle",
-    "together",
     "truth",
     "walking",
     "wand",
+    "with_markers",
     "write_calibration",
     "write_session",
 ]

@@ -16,8 +16,8 @@ The markers are the arm's skeleton:
     7 = M − hand · y₃                                      third metacarpal's head                       (5)
 
 so that the axes built from the markers by A.9–A.20 give these angles back exactly. Those axes make three of the nine
-angles vanish: θ₂ because the forearm lies in the plane of arm and forearm, and ψ₃ because x₃ is square to the rod:
-R₁₃ = −cos θ₃ sin ψ₃ = 0. Shoulder three, elbow two, wrist two and ψ₃ ≡ 0 are the eight of the model.
+angles vanish: θ₂ because the forearm lies in the plane of arm and forearm, and ψ₃ because x₃ is perpendicular to the
+rod: R₁₃ = −cos θ₃ sin ψ₃ = 0. Shoulder three, elbow two, wrist two and ψ₃ ≡ 0 are the eight of the model.
 
 The marker at the shoulder is where the arm pivots, and those at elbow and wrist lie on the limb's line as A.12–A.20
 take them to; the limbs that hide markers run beside that line, under the skin.
@@ -65,7 +65,7 @@ POSES = {
 """Where the hand waits, at plate or table, and at the mouth: φ₁ θ₁ ψ₁ φ₂ ψ₂ φ₃ θ₃, deg."""
 
 
-class Build(NamedTuple):
+class ArmDimensions(NamedTuple):
     """Lengths of the arm's skeleton and thickness of its limbs, mm."""
 
     post: float = 60.0
@@ -117,7 +117,7 @@ def arm(
     eight = low + share * (high - low) + unsteady_deg * smooth_noise((7, n), rate, seed, cut_hz=1.2).T
     deg = _joint_angles(eight)
     place = np.asarray(shoulder, np.float64) + sway_mm * smooth_noise((3, n), rate, seed + 1, cut_hz=0.7).T
-    markers, capsules = skeleton(deg, place, Build(), marker_radius_mm)
+    markers, capsules = skeleton(deg, place, ArmDimensions(), marker_radius_mm)
     angles = Angles(("shoulder", "elbow", "wrist"), ("zxy",) * 3, deg, np.full((3, n, 3, 3), np.nan), rate)
     return Subject(NAMES, rate, markers, np.array(marker_radius_mm), capsules, pairs(NAMES, *LINKS), angles=angles)
 
@@ -139,7 +139,7 @@ def _joint_angles(eight: Floats) -> Floats:
     return within
 
 
-def skeleton(deg: Floats, place: Floats, build: Build, marker: float) -> tuple[Floats, Capsules]:
+def skeleton(deg: Floats, place: Floats, dimensions: ArmDimensions, marker: float) -> tuple[Floats, Capsules]:
     """Markers (7, F, 3) mm and limbs from joint angles (3, F, 3) deg and the place (F, 3) of marker 2."""
     axes = [np.broadcast_to(np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]), (len(place), 3, 3))]
     for joint in deg:
@@ -148,26 +148,33 @@ def skeleton(deg: Floats, place: Floats, build: Build, marker: float) -> tuple[F
             @ axes[-1]
         )  # (1)
     (_, y0, z0), (_, y1, _), (_, y2, z2), (_, y3, _) = (a.transpose(1, 0, 2) for a in axes)
-    m1, m3 = place + build.post * y0, place + build.shoulder[0] * y0 + build.shoulder[1] * z0  # (2)
-    m4 = m3 - build.arm * y1  # (3)
-    wrist = m4 - build.forearm * y2
-    m5, m6 = wrist - build.rod / 2 * z2, wrist + build.rod / 2 * z2  # (4)
-    m7 = wrist - build.hand * y3  # (5)
-    return np.array([m1, place, m3, m4, m5, m6, m7]), _limbs(axes, place, m3, m4, wrist, m7, build, marker)
+    m1, m3 = place + dimensions.post * y0, place + dimensions.shoulder[0] * y0 + dimensions.shoulder[1] * z0  # (2)
+    m4 = m3 - dimensions.arm * y1  # (3)
+    wrist = m4 - dimensions.forearm * y2
+    m5, m6 = wrist - dimensions.rod / 2 * z2, wrist + dimensions.rod / 2 * z2  # (4)
+    m7 = wrist - dimensions.hand * y3  # (5)
+    return np.array([m1, place, m3, m4, m5, m6, m7]), _limbs(axes, place, m3, m4, wrist, m7, dimensions, marker)
 
 
 def _limbs(
-    axes: list[Floats], place: Floats, m3: Floats, m4: Floats, wrist: Floats, m7: Floats, build: Build, marker: float
+    axes: list[Floats],
+    place: Floats,
+    m3: Floats,
+    m4: Floats,
+    wrist: Floats,
+    m7: Floats,
+    dimensions: ArmDimensions,
+    marker: float,
 ) -> Capsules:
     """Upper arm inside its markers, forearm and hand on the palm's side of theirs, trunk and head."""
     z1, x2, x3 = axes[1][:, 2], axes[2][:, 0], axes[3][:, 0]
-    under = build.upper + marker + 1
+    under = dimensions.upper + marker + 1
     elbow = m4 - under * z1
-    carpus = wrist + (build.lower + marker + 3) * x2
+    carpus = wrist + (dimensions.lower + marker + 3) * x2
     parts = [
-        ("upper arm", m3 - under * z1, elbow, build.upper),
-        ("forearm", elbow, carpus, build.lower),
-        ("hand", carpus, m7 + (build.palm + marker + 1) * x3, build.palm),
+        ("upper arm", m3 - under * z1, elbow, dimensions.upper),
+        ("forearm", elbow, carpus, dimensions.lower),
+        ("hand", carpus, m7 + (dimensions.palm + marker + 1) * x3, dimensions.palm),
         ("trunk", place + np.array([0.0, 190.0, -140.0]), place + np.array([0.0, 190.0, -480.0]), 110.0),
         ("head", place + np.array([30.0, 190.0, 200.0]), place + np.array([35.0, 190.0, 260.0]), 85.0),
     ]

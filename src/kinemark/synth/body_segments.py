@@ -41,8 +41,8 @@ class WalkingPose(NamedTuple):
 class BodySegments(NamedTuple):
     """Lengths and thicknesses of one person, mm; x forward, y left, z up, for the left side.
 
-    The hip centre is seen from the pelvis's middle; heel and ball of the sole and the ends of the foot's limb from the
-    ankle's centre.
+    The hip centre is relative to the pelvis's centre; heel and ball of the sole and the ends of the
+    foot's limb to the ankle's centre.
     """
 
     scale: float
@@ -99,14 +99,14 @@ def build(body: BodySegments, pose: WalkingPose) -> tuple[Floats, Capsules]:
 def _pelvis_markers(body: BodySegments, pose: WalkingPose) -> Floats:
     """(3, F, 3) SACR, LASI, RASI: on the skin of the pelvis's capsule."""
     out = body.scale * PELVIS + body.marker + GAP
-    middle = body.scale * _HIPS
-    back = middle + out * _unit(-1.0, 0.0, 0.45)
-    left = middle + body.scale * np.array([0.0, 70.0, 0.0]) + out * _unit(0.80, 0.42, 0.43)
+    centre = body.scale * _HIPS
+    back = centre + out * _unit(-1.0, 0.0, 0.45)
+    left = centre + body.scale * np.array([0.0, 70.0, 0.0]) + out * _unit(0.80, 0.42, 0.43)
     return np.array([pose.pelvis + pose.hips @ place for place in (back, left, left * _MIRRORS[1])])
 
 
 _HIPS = np.array([-8.0, 0.0, 45.0])
-"""Middle of the pelvis's capsule, seen from between the hips, mm; chosen."""
+"""Centre of the pelvis's capsule, relative to the midpoint of the hips, mm; chosen."""
 
 
 def _leg_markers(body: BodySegments, joints: Leg, leg: Leg, mirror: Floats) -> Floats:
@@ -132,7 +132,7 @@ def _unit(*xyz: float) -> Floats:
 
 def _limbs(body: BodySegments, pose: WalkingPose) -> Capsules:
     """Legs, pelvis, trunk, head and swinging arms."""
-    rows = [*_middle_limbs(body, pose)]
+    rows = [*_trunk_limbs(body, pose)]
     for k, side in enumerate(("left", "right")):
         rows += _leg_limbs(body, side, body.joints(pose)[k], pose.legs[k][2])
         rows += _arm_limbs(body, side, pose, _MIRRORS[k], np.radians(pose.arms[k]))
@@ -143,7 +143,7 @@ def _limbs(body: BodySegments, pose: WalkingPose) -> Capsules:
 Limb = tuple[str, Floats, Floats, float]
 
 
-def _middle_limbs(body: BodySegments, pose: WalkingPose) -> list[Limb]:
+def _trunk_limbs(body: BodySegments, pose: WalkingPose) -> list[Limb]:
     """Pelvis, trunk and head."""
     s, p = body.scale, pose.pelvis
     ends = [p + pose.hips @ (s * (_HIPS + np.array([0.0, y, 0.0]))) for y in (70.0, -70.0)]

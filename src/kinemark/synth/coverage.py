@@ -3,7 +3,7 @@
 At the centre of every pixel the lens is undone exactly, and its derivative carries n × n lines of sight per pixel
 from there. A line d meets the sphere where
 
-    g(d) = (d · c)/(|d| |c|) − √(1 − r²/|c|²) ≥ 0                (`sphere`, equation 1)               (1)
+    g(d) = (d · c)/(|d| |c|) − √(1 − r²/|c|²) ≥ 0                (`sphere_image`, equation 1)         (1)
 
 The signed distance of the line from the outline is g/|∇g| px to first order, with d = (x, y, 1) and
 
@@ -82,7 +82,7 @@ def disc(camera: Camera, ball: Ball, xy: Floats, turn: Floats, n: int) -> tuple[
     return np.where(np.isnan(share), 0.0, share), np.sqrt(np.clip(g / (1 - edge), 0, 1))
 
 
-def unhidden(camera: Camera, ball: Ball, xy: Floats, limbs: Limbs, n: int) -> Floats | float:
+def visible_share(camera: Camera, ball: Ball, xy: Floats, limbs: Limbs, n: int) -> Floats | float:
     """Share of each cell (N, S) that no limb hides (4)."""
     if not len(limbs.radius):
         return 1.0

@@ -70,7 +70,7 @@ TILT = 8.0
 FOOT_OFF = 0.60
 """Share of the stride at which a foot leaves the floor; chosen."""
 
-SOFT = 4.0
+FLOOR_SOFTNESS = 4.0
 """τ of (3), mm; chosen."""
 
 HARMONICS = 6  # of the pelvis's path; chosen: gait has hardly any above six
@@ -121,7 +121,7 @@ def walking(
         raise ValueError("duration_s, rate, speed_mm_s, height_mm and marker_radius_mm must be positive")
     n_frames = max(round(duration_s * rate), 1)
     body = BodySegments.of(height_mm, marker_radius_mm)
-    stride = roll_out(body)
+    stride = stride_of(body)
     period = stride.length / speed_mm_s
     turns = phase + np.arange(n_frames) / rate / period
     pose = pose_at(turns, pelvis_path(stride, turns, np.asarray(middle, np.float64)))
@@ -176,17 +176,17 @@ def pose_at(turns: Floats, pelvis: Floats) -> WalkingPose:
     return WalkingPose(pelvis, hips.as_matrix(), (legs[0], legs[1]), arms)
 
 
-def roll_out(body: BodySegments) -> Stride:
+def stride_of(body: BodySegments) -> Stride:
     """The stride that makes the weight-bearing foot stand still, (3) and (4)."""
     turns = np.arange(GRID) / GRID
     points = body.soles(pose_at(turns, np.zeros((GRID, 3))))  # (4, F, 3)
-    lift = np.exp(-(points[..., 2] - points[..., 2].min()) / SOFT)
+    lift = np.exp(-(points[..., 2] - points[..., 2].min()) / FLOOR_SOFTNESS)
     weight = lift / lift.sum(0)
     wave = 2j * np.pi * np.fft.rfftfreq(GRID, 1 / GRID)
     rate = np.fft.irfft(np.fft.rfft(points, axis=1) * wave[:, None], GRID, axis=1)
     velocity = -(weight[..., None] * rate).sum(0)  # (4)  mm per stride
     path: NDArray[np.complex128] = np.fft.rfft(velocity, axis=0)[1 : HARMONICS + 1] / wave[1 : HARMONICS + 1, None]
-    height = SOFT * np.log(lift.sum(0)) - points[..., 2].min()  # (3)
+    height = FLOOR_SOFTNESS * np.log(lift.sum(0)) - points[..., 2].min()  # (3)
     path[:, 2] = np.fft.rfft(height)[1 : HARMONICS + 1]
     series = 2 * path.T / GRID
     lowest = (points[..., 2] + _sum(series[2], turns)).min()

@@ -9,7 +9,7 @@
     folder/walk01/{camera}.mkv     the trial, a video a camera
     folder/truth.npz               names, xyz, visibility and the rig that really took the images
 
-Nothing else here says where a marker truly is: whoever evaluates a reconstruction reads `truth.npz`, and only he.
+Nothing else here says where a marker truly is: only the evaluation of a reconstruction reads `truth.npz`.
 Images are written by functions that the caller hands in, so that this package depends on no file format.
 """
 
@@ -29,7 +29,7 @@ from .observe import truth
 from .optics import Optics
 from .render import film, interlace, render
 from .subjects import Subject
-from .targets import control_frame, hung, wand
+from .targets import control_frame, rods_subject, wand
 
 WAND_MM = 500.0  # mm; a usual wand's length; chosen
 WAND_SECONDS, WAND_RATE = 120.0, 1.25
@@ -143,7 +143,7 @@ def write_calibration(
         _write_text(folder / "rods.toml", rods_toml(target))
     else:
         _write_text(folder / "points.csv", "\n".join(points_csv(target, rig)) + "\n")
-    balls = hung(target) if isinstance(target, Rods) else target
+    balls = rods_subject(target) if isinstance(target, Rods) else target
     rng = np.random.default_rng(seed)
     for c, camera in enumerate(rig):
         lights = _lights(rig, c, strobes)
@@ -188,8 +188,8 @@ def write_grids(
     """`grid/{camera}/1.png` … in an existing folder; returns what `[calibration]` says of it.
 
     All cameras have the same grid, of as many dots as the smallest image can show apart. It hangs before each camera,
-    so near that it takes up most of the image: square to it, and turned by `GRID_TURN_DEG` about two axes, as one view
-    leaves open where the lens has its middle.
+    so near that it takes up most of the image: facing it, and turned by `GRID_TURN_DEG` about two axes, as one view
+    does not determine the centre of the lens.
     """
     room = GRID_SHARE * np.array([camera.size for camera in rig]).min(0)
     columns, rows = (int(n) for n in np.clip(room // GRID_PX, 5, GRID))

@@ -11,7 +11,7 @@ With the hand at distance d from the shoulder, along the unit vector a, the elbo
 
     B = C + s a + h n,    s = (u² − f² + d²) / 2d,    h = √(u² − s²)                             (1)
 
-where n is the unit vector square to a that points down most.
+where n is the unit vector perpendicular to a that points down most.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ def circle_over_cylinder(
     """
     t = _times(duration_s, rate)
     angle = 2 * np.pi * t / period_s
-    middle = np.array([300.0, -120.0, 130.0])
-    hand = middle + radius_mm * np.stack([np.cos(angle), np.sin(angle), 0.08 * np.sin(2 * angle)], -1)
+    centre = np.array([300.0, -120.0, 130.0])
+    hand = centre + radius_mm * np.stack([np.cos(angle), np.sin(angle), 0.08 * np.sin(2 * angle)], -1)
     return _hand_elbow_shoulder(hand, angle, rate, seed, unsteady_mm)
 
 
@@ -81,8 +81,8 @@ def tilted_rectangle(
     # The superellipse |x|⁴ + |y|⁴ = 1 is a square with round corners; this runs round it evenly enough.
     round_it = np.stack([np.cos(angle), np.sin(angle)]) / (np.cos(angle) ** 4 + np.sin(angle) ** 4) ** 0.25
     level, upright = round_it * np.array(sides_mm)[:, None] / 2
-    middle = np.array([290.0, -130.0, 180.0])
-    hand = middle + np.stack([level * np.sqrt(0.5), level * np.sqrt(0.5), upright], -1)
+    centre = np.array([290.0, -130.0, 180.0])
+    hand = centre + np.stack([level * np.sqrt(0.5), level * np.sqrt(0.5), upright], -1)
     return _hand_elbow_shoulder(hand, angle, rate, seed, unsteady_mm)
 
 
@@ -110,9 +110,9 @@ def elbow_flexion(
     lift = np.radians(35 - 22 * np.cos(angle))[:, None]  # the upper arm
     bend = lift + np.radians(70 - 55 * np.cos(angle))[:, None]  # the forearm
     B = C + UPPER * (np.sin(lift) * forward + np.cos(lift) * down)
-    ahead = np.sin(bend) * (0.94 * forward + 0.34 * side) + np.cos(bend) * down
-    ahead = ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
-    return _subject(("D", "B", "C"), np.array([B + NEAR * ahead, B, C]), rate)
+    line = np.sin(bend) * (0.94 * forward + 0.34 * side) + np.cos(bend) * down
+    line = line / np.linalg.norm(line, axis=-1, keepdims=True)
+    return _subject(("D", "B", "C"), np.array([B + NEAR * line, B, C]), rate)
 
 
 def _times(duration_s: float, rate: float) -> Floats:

@@ -4,7 +4,7 @@
 `observe` makes detections from that, with the faults that real images have: noise, images that run together, points
 that come from nowhere, markers hidden or dropped. It knows which marker each detection is, so that matching and
 tracking can be judged. Noise is about the projected centre; a sphere's image has its centre a few thousandths of a
-pixel farther out (`sphere`, equation 3), which images made by `render` do show.
+pixel farther out (`sphere_image`, equation 3), which images made by `render` do show.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class ObservedImages:
     sight: Sight
 
     @property
-    def own_views(self) -> NDArray[np.int64]:
+    def unmerged_views(self) -> NDArray[np.int64]:
         """(M, F) cameras that have an image of the marker alone, not run together with others."""
         own = (self.marker >= 0) & (self.merged == 1)
         views = np.zeros(self.sight.uv.shape[1:3], np.int64)

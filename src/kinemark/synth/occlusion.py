@@ -40,7 +40,7 @@ def _dot(x: Floats, y: Floats) -> Floats:
 def visible_fraction(centre: Floats, xyz: Floats, radius: Floats, a: Floats, b: Floats, limb: Floats) -> Floats:
     """How much of each marker the limbs leave in sight, as the share of seven lines of sight that are free.
 
-    One line goes to the marker's centre and six to points at 0.75 of its radius around it, square to the line.
+    One line goes to the marker's centre and six to points at 0.75 of its radius around it, perpendicular to the line.
 
     Args:
         centre: (3) of the camera, mm.
@@ -63,18 +63,18 @@ def visible_fraction(centre: Floats, xyz: Floats, radius: Floats, a: Floats, b: 
 
 
 def _sight_lines(centre: Floats, xyz: Floats, radius: Floats) -> Floats:
-    """(7, M, F, 3) from the camera to the middle of each marker and to six points around it."""
-    ahead = xyz - centre
-    forward = ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
-    side = across(forward)
+    """(7, M, F, 3) from the camera to the centre of each marker and to six points around it."""
+    line = xyz - centre
+    forward = line / np.linalg.norm(line, axis=-1, keepdims=True)
+    side = perpendicular(forward)
     up = np.cross(forward, side)
     turn = np.arange(6)[:, None, None, None] * np.pi / 3
     around = 0.75 * radius[:, None, None] * (np.cos(turn) * side + np.sin(turn) * up)
-    return np.concatenate([ahead[None], ahead + around])
+    return np.concatenate([line[None], line + around])
 
 
-def across(forward: Floats) -> Floats:
-    """A unit vector (…, 3) square to each unit vector (…, 3)."""
+def perpendicular(forward: Floats) -> Floats:
+    """A unit vector (…, 3) perpendicular to each unit vector (…, 3)."""
     other = np.where(np.abs(forward[..., 2:]) < 0.9, np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]))
     side = np.cross(other, forward)
     return side / np.linalg.norm(side, axis=-1, keepdims=True)

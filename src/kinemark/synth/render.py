@@ -17,7 +17,7 @@ from ..data import Camera
 from ..data.array_types import Floats
 from ..geometry import normalised, project, to_camera, undistort
 from . import optics as light
-from .coverage import Ball, Box, Limbs, disc, pixels, sight_lines, unhidden
+from .coverage import Ball, Box, Limbs, disc, pixels, sight_lines, visible_share
 from .optics import Optics
 from .sphere_image import sphere_outline
 from .subjects import Capsules, Subject
@@ -171,7 +171,7 @@ def _coverages(
         part = slice(end - len(uv), end)
         share, rim = disc(camera, ball, xy[part], turn[part], n)
         lit = share.any(1)
-        share[lit] *= unhidden(camera, ball, xy[part][lit], limbs, n)
+        share[lit] *= visible_share(camera, ball, xy[part][lit], limbs, n)
         shape = (box[3] - box[2], box[1] - box[0])
         cover = share.mean(1).reshape(shape)
         dark = optics.limb_darkening

@@ -28,7 +28,7 @@ import numpy as np
 from ..data import Camera
 from ..data.array_types import Floats
 from ..geometry import distort, to_camera
-from .occlusion import across
+from .occlusion import perpendicular
 
 
 class Ellipse(NamedTuple):
@@ -62,7 +62,7 @@ def sphere_outline(camera: Camera, xyz: Floats, radius: Floats, n: int = 16) -> 
     far = np.linalg.norm(c, axis=-1, keepdims=True)
     sine = np.minimum(radius[:, None] / far, 1.0)
     forward = c / far
-    side = across(forward)
+    side = perpendicular(forward)
     up = np.cross(forward, side)
     turn = np.linspace(0, 2 * np.pi, n, endpoint=False)[:, None, None]
     rays = np.sqrt(1 - sine**2) * forward + sine * (np.cos(turn) * side + np.sin(turn) * up)

@@ -130,7 +130,7 @@ def from_trajectories(trajectories: Trajectories, *, radius_mm: ArrayLike = 7.0)
     )
 
 
-def still(
+def stationary(
     names: tuple[str, ...], xyz: ArrayLike, *, radius_mm: ArrayLike, rate: float = 50.0, n_frames: int = 1
 ) -> Subject:
     """Points (M, 3) mm that do not move, as a subject: calibration targets."""

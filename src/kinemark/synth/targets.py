@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..data import Rods
 from .camera_placement import VOLUME
-from .subjects import Capsules, Subject, pairs, still
+from .subjects import Capsules, Subject, pairs, stationary
 from .wobble import smooth_noise
 
 SPACINGS = ((550, 200, 150, 600, 250), (350, 250, 650, 150, 350), (150, 450, 550, 150, 450), (500, 550, 250, 150, 300))
@@ -18,9 +18,9 @@ row; of all gaps in steps of 50 mm these four sets keep them well apart, upside 
 Chosen."""
 
 
-def hung(rods: Rods) -> Subject:
-    """The rods as something to look at, one frame long."""
-    return still(rods.marker_names, rods.xyz.reshape(-1, 3), radius_mm=rods.marker_diameter / 2)
+def rods_subject(rods: Rods) -> Subject:
+    """The markers of rods as a subject of one frame."""
+    return stationary(rods.marker_names, rods.xyz.reshape(-1, 3), radius_mm=rods.marker_diameter / 2)
 
 
 def control_frame(volume: ArrayLike = VOLUME, *, marker_diameter: float = 25.0, floor_gap: float = 125.0) -> Rods:
@@ -53,7 +53,7 @@ def calibration_box(side: float = 1000.0, *, corner: ArrayLike = (0.0, 0.0, 0.0)
     """
     places = [(2, 5, 4), (96, 3, 10), (91, 97, 2), (6, 92, 7), (5, 8, 95), (94, 6, 88), (98, 93, 97), (3, 98, 90)]
     xyz = np.asarray(corner, np.float64) + side / 100 * np.array(places, np.float64)
-    return still(tuple(f"CB{i + 1}" for i in range(8)), xyz, radius_mm=diameter / 2)
+    return stationary(tuple(f"CB{i + 1}" for i in range(8)), xyz, radius_mm=diameter / 2)
 
 
 def dot_grid(
@@ -81,7 +81,7 @@ def dot_grid(
     across, down = pitch_mm * (col - (columns - 1) / 2), pitch_mm * (row - (rows - 1) / 2)
     xyz = np.asarray(middle, np.float64) + np.stack([across, np.zeros_like(across), -down], -1)
     names = tuple(f"r{r + 1}c{c + 1}" for r, c in zip(row, col, strict=True))
-    return still(names, xyz, radius_mm=radius_mm)
+    return stationary(names, xyz, radius_mm=radius_mm)
 
 
 def wand(
@@ -117,9 +117,9 @@ def wand(
     centre = room[0] + share * (room[1] - room[0])
     azimuth, height = 2.0 * chance[3], np.tanh(1.5 * chance[4])
     level = np.sqrt(1 - height**2)
-    ahead = np.stack([level * np.cos(azimuth), level * np.sin(azimuth), height], -1)
+    direction = np.stack([level * np.cos(azimuth), level * np.sin(azimuth), height], -1)
     names = tuple(f"W{i + 1}" for i in range(len(along)))
-    xyz = centre + along[:, None, None] * ahead
+    xyz = centre + along[:, None, None] * direction
     links = pairs(names, *pairwise(names))
     return Subject(names, rate, xyz, np.array(radius_mm), Capsules.none(n), links)
 

@@ -101,10 +101,10 @@ def track_ladder(cloud: Cloud, *, method: ExtrapolationLadder) -> Tracks:
     for f in range(cloud.n_frames):
         tell(f, cloud.n_frames)
         rows = cloud.rows(f)
-        points, cov, view = cloud.xyz[rows], cloud.cov[rows], cloud.view[rows]
+        points, cov, detection = cloud.xyz[rows], cloud.cov[rows], cloud.detection[rows]
         predicted = extrapolate(active.past, active.known)
-        which, taken = _associate(active, predicted, points, cov, view, cloud.rate, method)
-        fresh = _unassociated(view, taken)
+        which, taken = _associate(active, predicted, points, cov, detection, cloud.rate, method)
+        fresh = _unassociated(detection, taken)
         identity[rows][taken] = active.id[which]
         identity[rows][fresh] = np.arange(n_tracks, n_tracks + len(fresh))
         n_tracks += len(fresh)
@@ -124,7 +124,7 @@ def _associate(
     predicted: Floats,
     points: Floats,
     cov: Floats,
-    view: Ints,
+    detection: Ints,
     rate: float,
     method: ExtrapolationLadder,
 ) -> tuple[Ints, Ints]:
@@ -137,15 +137,15 @@ def _associate(
     which, taken = assign(squared, np.full(len(active.id), method.gate**2))
     oldest = np.argsort(-active.known[which], kind="stable")
     which, taken = which[oldest], taken[oldest]
-    alone = _first_users(view[taken])
+    alone = _first_users(detection[taken])
     return which[alone], taken[alone]
 
 
-def _first_users(view: Ints) -> NDArray[np.bool_]:
-    """Rows (n) of views (n, C) none of whose images an earlier row uses."""
+def _first_users(detection: Ints) -> NDArray[np.bool_]:
+    """Which points (n) of detections (n, C) use no image that an earlier one uses."""
     used: set[int] = set()
-    alone = np.zeros(len(view), bool)
-    for k, images in enumerate(view.tolist()):
+    alone = np.zeros(len(detection), bool)
+    for k, images in enumerate(detection.tolist()):
         own = {image for image in images if image >= 0}
         alone[k] = used.isdisjoint(own)
         if alone[k]:
@@ -153,10 +153,10 @@ def _first_users(view: Ints) -> NDArray[np.bool_]:
     return alone
 
 
-def _unassociated(view: Ints, taken: Ints) -> Ints:
+def _unassociated(detection: Ints, taken: Ints) -> Ints:
     """Points that may start tracks: those without an image of a point that is taken."""
-    images = view[taken]
-    shared = np.isin(view, images[images >= 0]).any(1)
+    images = detection[taken]
+    shared = np.isin(detection, images[images >= 0]).any(1)
     return np.flatnonzero(~shared)
 
 

@@ -23,5 +23,5 @@ def to_trajectories(tracks: Tracks, rig: Rig | None) -> Trajectories:
 def _pixel(rig: Rig, cloud: Cloud) -> NDArray[np.float64]:
     """(P) what a pixel spans at each point, mm, on average over the cameras that see it."""
     spans = [np.abs(to_camera(c, cloud.xyz)[:, 2]) / np.sqrt(abs(c.K[0, 0] * c.K[1, 1])) for c in rig]
-    seen = cloud.view >= 0
+    seen = cloud.detection >= 0
     return (np.stack(spans, 1) * seen).sum(1) / np.maximum(seen.sum(1), 1)

@@ -18,7 +18,7 @@ from kinemark.detect.kiss.pixel_groups import numbered, rectangles, separated, w
 from kinemark.detect.kiss.scanning import preliminary_groups
 from kinemark.detect.kiss.submarkers import merge_sub_markers
 from kinemark.detect.kiss.white import pixels_of, runs_of
-from kinemark.detect.runs import Runs
+from kinemark.detect.pixel_runs import Runs
 from support.discs import blotches, disc, discs
 from support.studies import STUDIES, printed
 

@@ -21,7 +21,7 @@ from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult, draw_hold_ou
 from kinemark.fill.methods.angles import fit_model, learned_of
 from kinemark.fill.methods.kriging import Hyper
 from kinemark.fill.methods.stage import filler_of
-from kinemark.synth import dressed, walking
+from kinemark.synth import walking, with_markers
 from support.filling import segment, trial_of
 
 
@@ -94,7 +94,7 @@ def test_a_mean_is_judged_in_tests_that_its_weights_were_not_made_from():
 
 @pytest.mark.parametrize("method", [Body(), LimbAngles()], ids=lambda m: type(m).__name__)
 def test_what_is_learnt_once_for_many_gaps_is_learnt_without_what_the_tests_hide(method, monkeypatch):
-    subject = dressed(walking(duration_s=12, rate=50.0, seed=2), 16, seed=2)
+    subject = with_markers(walking(duration_s=12, rate=50.0, seed=2), 16, seed=2)
     gaps = [Gap(k % 16, 12 * k + 20, 12 * k + 30) for k in range(40)]
     motion = MarkerArray(subject.xyz, 50.0, subject.names).hidden(gaps)
     seen = []
@@ -226,7 +226,7 @@ def test_a_mean_is_named_after_those_that_count_and_one_alone_is_no_mean(ahead, 
 
 
 def walker():
-    subject = dressed(walking(duration_s=6, rate=50.0, seed=2), 16, seed=2)
+    subject = with_markers(walking(duration_s=6, rate=50.0, seed=2), 16, seed=2)
     return MarkerArray(subject.xyz, 50.0, subject.names)
 
 
@@ -243,7 +243,7 @@ def test_the_faster_form_keeps_what_is_given():
 
 
 def test_where_the_tests_together_hide_most_of_the_trial_each_copy_is_learnt_from():
-    subject = dressed(walking(duration_s=8, rate=50.0, seed=2), 16, seed=2)
+    subject = with_markers(walking(duration_s=8, rate=50.0, seed=2), 16, seed=2)
     gaps = [Gap(k % 16, 10 + 14 * k, 35 + 14 * k) for k in range(24)]
     motion = MarkerArray(subject.xyz, 50.0, subject.names).hidden(gaps)
     body, limbs = evaluate_candidates(motion, gaps, [Body(most_markers=6, training_frames=40), LimbAngles()])

@@ -13,7 +13,7 @@ from kinemark.fill.methods.training_frames import local_view, training_frames_of
 from kinemark.fill.mirrored_markers import partners
 from kinemark.fill.reference_ranking import Ranks
 from kinemark.io.trial import read_trial
-from kinemark.synth import dressed, walking
+from kinemark.synth import walking, with_markers
 from support.filling import moving, off, trial
 from support.shared import shared_data
 
@@ -83,7 +83,7 @@ def test_a_marker_that_moves_smoothly_by_itself_is_met_in_a_short_gap(noise, mos
 
 
 def test_several_frames_and_bends_do_better_than_one():
-    subject = dressed(walking(duration_s=3, rate=100.0, wobble_mm=2.0, seed=6), 24, seed=6)
+    subject = with_markers(walking(duration_s=3, rate=100.0, wobble_mm=2.0, seed=6), 24, seed=6)
     motion = MarkerArray(subject.xyz + np.random.default_rng(6).normal(0, 0.4, subject.xyz.shape), 100.0, subject.names)
     ratio = []
     for marker in range(0, 24, 2):

@@ -8,9 +8,9 @@ from kinemark.fill.methods.kalman_predictor import Kalman, fill_kalman
 from kinemark.signal.kalman import F, KalmanState, predict, update, update_position
 from kinemark.signal.smoother import (
     filter_positions,
-    jump_of,
-    noise_of,
+    measurement_sd_of,
     predict_gaps,
+    process_sd_of,
     smooth_gaps,
     smooth_positions,
 )
@@ -19,14 +19,14 @@ MODES = ("forward", "forward_backward", "smoother")
 METHODS = [Kalman(mode) for mode in MODES] + [Kalman(mode, differences=True) for mode in MODES[:2]]
 
 
-def walk(n, n_frames, sd, jump, seed):
+def walk(n, n_frames, sd, process_sd, seed):
     """Positions (n, W) of sequences with accelerations that walk at random, and measurements of them."""
     rng = np.random.default_rng(seed)
     x = np.zeros((n_frames, n, 3))
     x[0] = rng.normal(size=(n, 3)) * (50, 2, 0.1)
     for k in range(1, n_frames):
         x[k] = x[k - 1] @ F.T
-        x[k, :, 2] += jump * rng.normal(size=n)
+        x[k, :, 2] += process_sd * rng.normal(size=n)
     true = x[:, :, 0].T
     return true, true + sd * rng.normal(size=true.shape)
 
@@ -44,23 +44,29 @@ def test_constant_acceleration_is_exact(method):
 def test_the_smoother_is_the_same_with_time_reversed():
     _, y = walk(4, 80, 0.5, 0.02, 1)
     y[:, 30:50] = np.nan
-    sd, jump = np.full(4, 0.5), np.full(4, 0.02)
-    one, other = smooth_positions(y, sd=sd, jump=jump), smooth_positions(y[:, ::-1], sd=sd, jump=jump)
+    sd, process_sd = np.full(4, 0.5), np.full(4, 0.02)
+    one, other = (
+        smooth_positions(y, sd=sd, process_sd=process_sd),
+        smooth_positions(y[:, ::-1], sd=sd, process_sd=process_sd),
+    )
     np.testing.assert_allclose(one.x[:, :, 0], other.x[:, ::-1, 0], atol=1e-3)
     np.testing.assert_allclose(one.P[..., 0, 0], other.P[:, ::-1, 0, 0], rtol=1e-3)
 
 
 def test_a_gap_in_one_step_is_what_frame_by_frame_makes_of_it():
     _, y = walk(6, 140, 0.5, 0.02, 4)
-    sd, jump, length = np.full(6, 0.5), np.geomspace(0.005, 0.1, 6), np.array([1, 2, 10, 40, 60, 80])
+    sd, process_sd, length = np.full(6, 0.5), np.geomspace(0.005, 0.1, 6), np.array([1, 2, 10, 40, 60, 80])
     y[:, ::7] = np.nan  # samples beside the gap may be missing too
     for k, n in enumerate(length):
         y[k, 30 : 30 + n] = np.nan
     y[2, 40:] = y[3, :10] = np.nan  # nothing after the gap; a late beginning
-    one_by_one, filtered = smooth_positions(y, sd=sd, jump=jump), filter_positions(y, sd=sd, jump=jump)
+    one_by_one, filtered = (
+        smooth_positions(y, sd=sd, process_sd=process_sd),
+        filter_positions(y, sd=sd, process_sd=process_sd),
+    )
     after = np.stack([np.pad(y[k, 30 + n :], (0, n), constant_values=np.nan) for k, n in enumerate(length)])
-    smoothed = smooth_gaps(y[:, :30], after, length, sd=sd, jump=jump)
-    predicted = predict_gaps(y[:, :30], length, sd=sd, jump=jump)
+    smoothed = smooth_gaps(y[:, :30], after, length, sd=sd, process_sd=process_sd)
+    predicted = predict_gaps(y[:, :30], length, sd=sd, process_sd=process_sd)
     for k, n in enumerate(length):
         gap = slice(30, 30 + n)
         np.testing.assert_allclose(smoothed[k].x, one_by_one.x[k, gap, 0], atol=1e-6)
@@ -72,8 +78,8 @@ def test_a_gap_in_one_step_is_what_frame_by_frame_makes_of_it():
 def test_the_smoother_solves_the_least_squares_problem():
     _, y = walk(1, 25, 0.5, 0.05, 2)
     y[:, 8:14] = np.nan
-    sd, jump = 0.5, 0.05
-    found = smooth_positions(y, sd=np.array([sd]), jump=np.array([jump]))
+    sd, process_sd = 0.5, 0.05
+    found = smooth_positions(y, sd=np.array([sd]), process_sd=np.array([process_sd]))
     seen = np.flatnonzero(~np.isnan(y[0]))
     # Written out: samples, and states that follow from each other; position and velocity without noise of their own.
     rows, right = [], []
@@ -83,7 +89,7 @@ def test_the_smoother_solves_the_least_squares_problem():
         rows.append(row)
         right.append(y[0, k] / sd)
     for k in range(24):
-        for i, weight in enumerate((1e5, 1e5, 1 / jump)):
+        for i, weight in enumerate((1e5, 1e5, 1 / process_sd)):
             row = np.zeros(75)
             row[3 * (k + 1) + i] = weight
             row[3 * k : 3 * k + 3] -= weight * F[i]
@@ -96,8 +102,11 @@ def test_the_smoother_solves_the_least_squares_problem():
 def test_the_filters_covariance_is_honest():
     true, y = walk(400, 90, 0.4, 0.03, 3)
     y[:, 50:70] = np.nan
-    sd, jump = np.full(400, 0.4), np.full(400, 0.03)
-    filtered, smoothed = filter_positions(y, sd=sd, jump=jump), smooth_positions(y, sd=sd, jump=jump)
+    sd, process_sd = np.full(400, 0.4), np.full(400, 0.03)
+    filtered, smoothed = (
+        filter_positions(y, sd=sd, process_sd=process_sd),
+        smooth_positions(y, sd=sd, process_sd=process_sd),
+    )
     for found in (filtered, smoothed):
         z = (found.x[..., 0] - true) / np.sqrt(found.P[..., 0, 0])
         for frames in (slice(20, 50), slice(50, 60), slice(60, 70)):
@@ -120,8 +129,8 @@ def test_intervals_hold_with_noise_and_jerk_found(mode):
 
 def test_noise_and_jump_are_found():
     _, y = walk(60, 2000, 0.4, 0.02, 7)
-    np.testing.assert_allclose(np.median(noise_of(y)), 0.4, rtol=0.05)
-    np.testing.assert_allclose(np.median(jump_of(y, 15, np.full(60, 0.4))), 0.02, rtol=0.15)
+    np.testing.assert_allclose(np.median(measurement_sd_of(y)), 0.4, rtol=0.05)
+    np.testing.assert_allclose(np.median(process_sd_of(y, 15, np.full(60, 0.4))), 0.02, rtol=0.15)
 
 
 def test_meeting_in_the_middle_beats_forward_and_the_smoother_beats_both():

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from kinemark import native
 from kinemark.native import PLAIN
-from kinemark.synth import dressed, observe, ring, walking
+from kinemark.synth import observe, ring, walking, with_markers
 from kinemark.track.simultaneous import (
     associate as association,
 )
@@ -26,7 +26,7 @@ from support.examples import examples
 needs_kernel = pytest.mark.skipif(native.library() is None, reason="the tracker was installed without a compiler")
 some = settings(max_examples=examples(40), deadline=None)
 RIG = ring(5, focal_px=1100.0)
-WALK = dressed(walking(duration_s=0.3, rate=100.0, seed=5, speed_mm_s=1000.0), 15, seed=5)
+WALK = with_markers(walking(duration_s=0.3, rate=100.0, seed=5, speed_mm_s=1000.0), 15, seed=5)
 SEEN = observe(RIG, WALK, noise_px=0.2, false_per_frame=5.0, merge_px=8.0, seed=5)
 IMAGES: Images = read_images(SEEN.detections, RIG)
 
@@ -84,15 +84,15 @@ def test_places_candidates_and_information(made, all_free):
     free = IMAGES.usable & (all_free | (rng.random(len(IMAGES.uv)) < 0.5))
     expected = association.PredictedImages(*expected)
     pairs = association.TrackImagePairs(*both(association.candidates, IMAGES, free, frame, expected, 4.0))
-    assert (pairs.squared < 16).all() and free[pairs.row].all()
-    row = np.full((len(RIG), n), -1)
-    row.reshape(-1)[pairs.own] = pairs.row
-    variance = np.where(row >= 0, IMAGES.variance[row], np.inf)
+    assert (pairs.squared < 16).all() and free[pairs.detection].all()
+    detection = np.full((len(RIG), n), -1)
+    detection.reshape(-1)[pairs.own] = pairs.detection
+    variance = np.where(detection >= 0, IMAGES.variance[detection], np.inf)
     both(
         association.information,
         IMAGES,
         expected,
-        association.Association(row, variance, np.zeros(row.shape), row > 1 << 40),
+        association.Association(detection, variance, np.zeros(detection.shape), detection > 1 << 40),
     )
 
 
@@ -117,9 +117,9 @@ def test_images_without_a_camera_are_no_candidates():
     )
     args = IMAGES.usable, np.full(15, 4), association.predict_images(IMAGES.P, state), 4.0
     pairs = association.TrackImagePairs(*both(association.candidates, less, *args))
-    assert set(IMAGES.camera[pairs.row]) == {0, 2, 4} and len(association.candidates(IMAGES, *args).row) > len(
-        pairs.row
-    )
+    assert set(IMAGES.camera[pairs.detection]) == {0, 2, 4} and len(
+        association.candidates(IMAGES, *args).detection
+    ) > len(pairs.detection)
 
 
 @needs_kernel
@@ -129,11 +129,11 @@ def test_where_views_meet(seed):
     rng = np.random.default_rng(seed)
     frame = int(rng.integers(0, IMAGES.n_frames))
     own = [np.flatnonzero((IMAGES.frame == frame) & (IMAGES.camera == c)) for c in range(len(RIG))]
-    view = np.array([rng.choice(rows, 12) for rows in own])
-    view[rng.random(view.shape) < 0.3] = -1
-    view = view[:, (view >= 0).sum(0) >= 2]
-    close = groups.intersect(IMAGES, view).squared.max(0, initial=0) < 1e6  # others are far from being any point
-    both(groups.intersect, IMAGES, view[:, close], relative=1e-4)
+    detection = np.array([rng.choice(rows, 12) for rows in own])
+    detection[rng.random(detection.shape) < 0.3] = -1
+    detection = detection[:, (detection >= 0).sum(0) >= 2]
+    close = groups.intersect(IMAGES, detection).squared.max(0, initial=0) < 1e6  # others are far from being any point
+    both(groups.intersect, IMAGES, detection[:, close], relative=1e-4)
     pair = np.array([rng.choice(own[1], 12), rng.choice(own[3], 12)])
     both(groups.intersect, IMAGES, pair, np.array([[1], [3]]), relative=1e-4)
 
@@ -142,18 +142,18 @@ def test_where_views_meet(seed):
 def test_rows_that_are_none_and_rays_that_are_parallel(monkeypatch, plain):
     """One image alone has no place; −1 counts as no image, and other numbers that are none are refused."""
     monkeypatch.setenv(PLAIN, plain)
-    view, camera = np.array([[-1, 5], [-1, -1]]), np.array([[0, 0], [1, 1]])
-    xyz, _, squared = native.intersect(IMAGES.P, IMAGES.uv, IMAGES.variance, view, camera)
+    detection, camera = np.array([[-1, 5], [-1, -1]]), np.array([[0, 0], [1, 1]])
+    xyz, _, squared = native.intersect(IMAGES.P, IMAGES.uv, IMAGES.variance, detection, camera)
     assert np.isnan(xyz).all() and (squared[:, 0] == -1).all() and squared[0, 1] == np.inf
-    N, g = native.information(np.zeros((2, 2, 2)), np.ones((2, 2, 3, 2)), view, np.ones((2, 2)), IMAGES.uv)
+    N, g = native.information(np.zeros((2, 2, 2)), np.ones((2, 2, 3, 2)), detection, np.ones((2, 2)), IMAGES.uv)
     assert (N[..., 0] == 0).all() and (g[:, 0] == 0).all() and np.allclose(N[..., 1], 2)
-    for wild in (np.where(view > 0, 10**9, view), np.where(view > 0, -7, view)):
-        with pytest.raises(ValueError, match=r"view has the index (10{9}|-7), wanted -1 … "):
-            native.intersect(IMAGES.P, IMAGES.uv, IMAGES.variance, wild, camera)
-        with pytest.raises(ValueError, match=r"row has the index"):
-            native.information(np.zeros((2, 2, 2)), np.ones((2, 2, 3, 2)), wild, np.ones((2, 2)), IMAGES.uv)
+    for wrong in (np.where(detection > 0, 10**9, detection), np.where(detection > 0, -7, detection)):
+        with pytest.raises(ValueError, match=r"detection has the index (10{9}|-7), wanted -1 … "):
+            native.intersect(IMAGES.P, IMAGES.uv, IMAGES.variance, wrong, camera)
+        with pytest.raises(ValueError, match=r"detection has the index"):
+            native.information(np.zeros((2, 2, 2)), np.ones((2, 2, 3, 2)), wrong, np.ones((2, 2)), IMAGES.uv)
     with pytest.raises(ValueError, match="camera has the index 1000000, wanted 0 … 4"):
-        native.intersect(IMAGES.P, IMAGES.uv, IMAGES.variance, view, camera * 10**6)
+        native.intersect(IMAGES.P, IMAGES.uv, IMAGES.variance, detection, camera * 10**6)
     with pytest.raises(ValueError, match="cell has the index -3, wanted 0 … "):
         places = np.array([-3, 10**9]), np.zeros((2, 2)), np.ones((3, 2)), np.full(2, 1e4)
         native.candidates(IMAGES.by_cell, IMAGES.variance, IMAGES.usable, *places, gate=1e9)
@@ -162,7 +162,7 @@ def test_rows_that_are_none_and_rays_that_are_parallel(monkeypatch, plain):
 @needs_kernel
 def test_tracks_are_the_same():
     one, other = track_detections(SEEN.detections, RIG), plainly(track_detections, SEEN.detections, RIG)
-    assert (one.id == other.id).all() and (one.cloud.view == other.cloud.view).all()
+    assert (one.id == other.id).all() and (one.cloud.detection == other.cloud.detection).all()
     np.testing.assert_allclose(one.cloud.xyz, other.cloud.xyz, atol=1e-6)
     assert len(one) >= 15
 

@@ -63,7 +63,7 @@ def test_residuals_change_with_the_images_as_their_lines_say():
     before = residuals(images, F, [0, 1, 2, 3])
     step = 1e-4 * np.random.default_rng(0).normal(size=images.uv.shape)
     after = residuals(images._replace(uv=images.uv + step), F, [0, 1, 2, 3])
-    change = sum((line * step[row]).sum(1) for line, row in zip(before.line, before.row, strict=True))
+    change = sum((line * step[detection]).sum(1) for line, detection in zip(before.line, before.detection, strict=True))
     near = np.abs(before.off) < 2
     assert np.abs(after.off - before.off - change)[near].max() < 2e-6
 

@@ -9,9 +9,9 @@ import pytest
 from kinemark.data import Detections, KinemarkError, Rig
 from kinemark.geometry import project
 from kinemark.native import inverse
-from kinemark.synth import dressed, walking
 from kinemark.synth import observe as seen_by
 from kinemark.synth import ring as synth_ring
+from kinemark.synth import walking, with_markers
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import Simultaneous, track_detections
 from kinemark.track.simultaneous.associate import associate, predict_images
@@ -146,12 +146,12 @@ def test_a_merged_image_serves_two_tracks():
     tracks = track_detections(seen, rig)
     result = score(tracks, xyz)
     assert len(tracks) == 2 and result.swaps == 0 and result.recall > 0.99
-    shared = tracks.cloud.view[seen.merged[tracks.cloud.view] & (tracks.cloud.view >= 0)]
+    shared = tracks.cloud.detection[seen.merged[tracks.cloud.detection] & (tracks.cloud.detection >= 0)]
     assert np.bincount(shared).max() == 2
 
 
 def test_a_body_that_hides_its_markers():
-    subject = dressed(walking(duration_s=0.7, rate=100.0, seed=1, middle=(1200.0, 700.0)), 39, seed=1)
+    subject = with_markers(walking(duration_s=0.7, rate=100.0, seed=1, middle=(1200.0, 700.0)), 39, seed=1)
     rig = synth_ring(6)
     seen = seen_by(rig, subject, noise_px=0.1, false_per_frame=2.0, merge_px=8.0, least_visible=0.3, seed=1)
     tracks = track_detections(seen.detections, rig)
@@ -259,7 +259,7 @@ def test_claims_are_the_best_of_all(seed):
         table[t, :3] = np.where((squared < 25) & (score > 0), score, -np.inf)
     best = max(table[[0, 1, 2], list(way)].sum() for way in permutations(range(6), 3))
     assert association.score[0].sum() == pytest.approx(best)
-    taken = association.row[0][association.row[0] >= 0]
+    taken = association.detection[0][association.detection[0] >= 0]
     assert len(set(taken.tolist())) == len(taken)
 
 
@@ -294,11 +294,11 @@ def test_points_of_pairs_are_those_of_views():
     images = read_images(detections, rig)
     pair = np.array([(i, j) for i, j in permutations(range(len(truth)), 2) if images.camera[i] < images.camera[j]]).T
     pair = pair[:, (truth[pair[0]] == truth[pair[1]]) & (images.frame[pair[0]] == images.frame[pair[1]])]
-    view = np.full((5, pair.shape[1]), -1)
-    view[images.camera[pair], np.arange(pair.shape[1])] = pair
-    one, other = intersect(images, pair, images.camera[pair]), intersect(images, view)
+    detection = np.full((5, pair.shape[1]), -1)
+    detection[images.camera[pair], np.arange(pair.shape[1])] = pair
+    one, other = intersect(images, pair, images.camera[pair]), intersect(images, detection)
     assert np.abs(one.xyz - other.xyz).max() < 1e-6 and np.allclose(one.cov, other.cov, rtol=1e-6)
-    assert np.allclose(one.squared, other.squared.T[view.T >= 0].reshape(-1, 2).T, atol=1e-6)
+    assert np.allclose(one.squared, other.squared.T[detection.T >= 0].reshape(-1, 2).T, atol=1e-6)
 
 
 def test_parameters_are_checked():

@@ -15,8 +15,8 @@ from kinemark.track.swamidas import (
     KalmanState,
     Swamidas,
     follow_points,
+    initial_state,
     predict,
-    start,
     track_distance,
     track_swamidas,
     update,
@@ -40,7 +40,7 @@ def three_points(xyz, k):
 
 def test_the_predictor_is_exact_for_constant_acceleration_and_over_gaps():
     xyz = parabolas()
-    state = start(three_points(xyz, 2), SD, JUMP)
+    state = initial_state(three_points(xyz, 2), SD, JUMP)
     for k in range(3, 20):
         np.testing.assert_allclose(state.x[:, 0], xyz[:, k], atol=1e-8)
         state = update(state, three_points(xyz, k), np.ones(len(xyz), bool), SD, JUMP)
@@ -76,7 +76,7 @@ def test_the_predictor_is_a_textbook_filter_written_otherwise():
     xyz = np.cumsum(rng.normal(0, 1, (1, 60, 3)), 1) + rng.normal(0, sd, (1, 60, 3))
     seen = np.ones(60, bool)
     seen[[20, 21, 22, 40, 42]] = False
-    state = start(three_points(xyz, 2), sd, jerk / rate**3)
+    state = initial_state(three_points(xyz, 2), sd, jerk / rate**3)
     found = []
     for k in range(3, 60):
         found.append((state.x[0, 0], state.P[0, 0, 0]))
@@ -90,12 +90,12 @@ def test_the_predictor_is_a_textbook_filter_written_otherwise():
 
 @settings(max_examples=examples(30), deadline=None)
 @given(st.lists(st.sampled_from([0, 1, 3]), max_size=60), st.floats(0.01, 20), st.floats(1e-3, 50))
-def test_covariances_stay_symmetric_and_positive(steps, sd, jump):
+def test_covariances_stay_symmetric_and_positive(steps, sd, process_sd):
     rng = np.random.default_rng(0)
-    state = start(rng.normal(size=(2, 3, 3)), sd, jump)
+    state = initial_state(rng.normal(size=(2, 3, 3)), sd, process_sd)
     for step in steps:
         past = rng.normal(size=(2, 3, 3))
-        state = update(state, past, np.full(2, step == 3), sd, jump) if step else predict(state, jump)
+        state = update(state, past, np.full(2, step == 3), sd, process_sd) if step else predict(state, process_sd)
         np.testing.assert_array_equal(state.P, state.P.transpose(0, 2, 1))
         root = np.sqrt(np.diagonal(state.P, axis1=1, axis2=2))
         assert (np.linalg.eigvalsh(state.P / (root[:, :, None] * root[:, None])) > 0).all()
@@ -103,13 +103,13 @@ def test_covariances_stay_symmetric_and_positive(steps, sd, jump):
 
 def test_the_first_covariance_is_that_of_many_starts():
     rng = np.random.default_rng(2)
-    state = start(rng.normal(0, SD, (20000, 3, 3)), SD, 0.0)
+    state = initial_state(rng.normal(0, SD, (20000, 3, 3)), SD, 0.0)
     found = np.cov(state.x.transpose(1, 0, 2).reshape(3, -1))
     np.testing.assert_allclose(found, state.P[0], rtol=0.03)
 
 
 def test_a_gap_widens_the_covariance():
-    state = start(np.zeros((1, 3, 3)), SD, JUMP)
+    state = initial_state(np.zeros((1, 3, 3)), SD, JUMP)
     size = []
     for _ in range(30):
         size.append(state.P[0, 0, 0])
@@ -299,7 +299,7 @@ def test_parameters_are_checked(wrong):
 
 
 def test_a_state_is_plain_data():
-    state = start(three_points(parabolas(), 2), SD, JUMP)
+    state = initial_state(three_points(parabolas(), 2), SD, JUMP)
     assert same(tuple(KalmanState(*state)), tuple(state))
 
 
@@ -307,7 +307,7 @@ def test_a_state_is_plain_data():
 
 
 def truth_of(matches, marker):
-    return [tuple(marker[view[view >= 0]]) for view in matches.view]
+    return [tuple(marker[detection[detection >= 0]]) for detection in matches.detection]
 
 
 def test_two_cameras_match_all_markers_without_noise():
@@ -329,7 +329,7 @@ def test_unequal_numbers_never_pair_twice_and_the_rest_is_left():
     matches = match_nearest(some, rig)
     assert len(matches) == 5 * 30
     assert all(a == b for a, b in truth_of(matches, marker[~gone]))
-    used = matches.view[matches.view >= 0]
+    used = matches.detection[matches.detection >= 0]
     assert len(np.unique(used)) == len(used)
 
 
@@ -352,11 +352,11 @@ def test_a_pair_is_named_among_more_cameras_and_the_base_may_be_either():
     rig, xyz = ring(4), swarm(n=5, frames=6)
     detections, marker = observe(rig, xyz, noise=0.0)
     matches = match_nearest(detections, rig, method=NearestEpipolar(cameras=("c3", "c1")))
-    assert (matches.view[:, [0, 2]] == -1).all()
-    assert (matches.view[:, [1, 3]] >= 0).all()
+    assert (matches.detection[:, [0, 2]] == -1).all()
+    assert (matches.detection[:, [1, 3]] >= 0).all()
     assert all(a == b for a, b in truth_of(matches, marker))
-    assert (detections.camera[matches.view[:, 1]] == 1).all()
-    assert (detections.frame[matches.view[:, 3]] == matches.frame).all()
+    assert (detections.camera[matches.detection[:, 1]] == 1).all()
+    assert (detections.frame[matches.detection[:, 3]] == matches.frame).all()
     with pytest.raises(KinemarkError, match="Name two of them"):
         match_nearest(detections, rig)
     with pytest.raises(KinemarkError, match="not among"):

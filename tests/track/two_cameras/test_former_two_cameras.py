@@ -105,7 +105,7 @@ def test_paths_go_forward_and_backward_and_do_not_depend_on_the_order_of_images(
     for order in (None, rng, rng):
         found = paths_of(*images_of(paths, order), size=SIZE, window=10.0, markers=None)
         assert sorted(map(tuple, found.uv.reshape(3, -1))) == expected
-        assert (found.row >= 0).all()
+        assert (found.detection >= 0).all()
 
 
 @pytest.mark.parametrize(("known", "weights"), [(2, (2, -1)), (3, (4 / 3, 1 / 3, -2 / 3)), (9, (4 / 3, 1 / 3, -2 / 3))])
@@ -117,7 +117,7 @@ def test_a_hidden_marker_is_where_the_line_through_two_or_three_points_leads(kno
     found = paths_of(*images_of(path), size=SIZE, window=20.0, markers=None)
     expected = sum(w * path[0, known - 1 - k] for k, w in enumerate(weights))
     assert found.uv[0, known] == pytest.approx(expected)
-    assert found.row[0].tolist() == [*range(known), -1]
+    assert found.detection[0].tolist() == [*range(known), -1]
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,7 @@ def test_a_hidden_marker_is_where_the_line_through_two_or_three_points_leads(kno
 def test_an_image_is_taken_within_the_association_window(off, taken):
     path = straight(8, (100, 100, 5, 3))
     path[0, -1] += off
-    assert (paths_of(*images_of(path), size=SIZE, window=10.0, markers=1).row[0, -1] >= 0) == taken
+    assert (paths_of(*images_of(path), size=SIZE, window=10.0, markers=1).detection[0, -1] >= 0) == taken
 
 
 def test_the_proximal_of_two_images_is_taken():
@@ -142,7 +142,7 @@ def test_a_path_ends_where_it_leaves_the_image():
     path = straight(40, (700, 100, 20, 0))
     path[0, path[0, :, 0] > 999] = np.nan
     found = paths_of(*images_of(path), size=SIZE, window=10.0, markers=None)
-    last = int(np.flatnonzero(found.row[0] >= 0)[-1])
+    last = int(np.flatnonzero(found.detection[0] >= 0)[-1])
     assert last == 14
     assert np.isnan(found.uv[0, last + 1 :]).all()
 
@@ -155,9 +155,9 @@ def test_gaps_are_filled_by_prediction_and_the_points_say_so():
     filled = track_two_cameras(detections.keep(~hidden), rig, method=METHOD)
     assert score(filled, points).recall == 1.0
     assert (score(filled, points).fragments == 1).all()
-    guessed = (filled.cloud.view < 0).any(1)
+    guessed = (filled.cloud.detection < 0).any(1)
     assert sorted(filled.cloud.frame[guessed]) == [30, 31, 32, 33]
-    assert (filled.cloud.view[guessed, 0] >= 0).all()
+    assert (filled.cloud.detection[guessed, 0] >= 0).all()
     sd = np.sqrt(np.trace(filled.cloud.cov, axis1=1, axis2=2))
     assert sd[guessed].min() > 5 * sd[~guessed].max()
 
@@ -215,8 +215,8 @@ def test_paths_that_branched_wrongly_are_set_right(camera, stretch):
     rig = two_cameras(lens=IDEAL)
     _, true = crossing(rig, camera)
     if stretch.stop == 30:  # two crossings, made by going back
-        true = [Paths(np.concatenate([p.uv[:, :25], p.uv[:, 24:9:-1]], 1), p.row) for p in true]
-    wrong = [Paths(p.uv.copy(), p.row.copy()) for p in true]
+        true = [Paths(np.concatenate([p.uv[:, :25], p.uv[:, 24:9:-1]], 1), p.detection) for p in true]
+    wrong = [Paths(p.uv.copy(), p.detection.copy()) for p in true]
     for part in wrong[camera]:
         part[:, stretch] = part[::-1, stretch]
     found = without_swaps(*wrong, rig.P, limit=2.0, window=10.0)
@@ -273,7 +273,7 @@ def test_each_image_is_in_one_track_at_most():
     rig, points = two_cameras(), swarm(n=30, frames=30)
     detections, _ = observe(rig, points, noise=0.8)
     tracks = track_two_cameras(detections, rig, method=METHOD)
-    used = tracks.cloud.view[tracks.cloud.view >= 0]
+    used = tracks.cloud.detection[tracks.cloud.detection >= 0]
     assert len(np.unique(used)) == len(used) > 1000
     assert (tracks.lengths >= 10).all()
     assert same(track_two_cameras(detections, rig, method=METHOD), tracks)

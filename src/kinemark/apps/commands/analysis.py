@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from ...data import KinemarkError
 from ...engine.error_budget import error_budget
 from ...engine.trial_angles import AngleSettings, angles_of_file
+from ...io.notes import file_note_text
 from ...report.angles_text import angle_summary
 from ...report.sensitivity_text import sensitivity_summary
 from ...sensitivity import ErrorBudget
@@ -47,7 +48,7 @@ def angles(
     if json:
         print_result(result.figures)
         return
-    notes = "".join(f"\nnote:     {note}" for note in result.notes)
+    notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
     print_result(f"{angle_summary(result.figures)}{notes}\nresults:  {result.folder}")
 
 

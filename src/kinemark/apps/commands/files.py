@@ -12,7 +12,8 @@ from ...data import KinemarkError
 from ...engine.describe import describe, described
 from ...engine.formats import convert as convert_file
 from ...engine.system import system as describe_system
-from ...io.formats import Said
+from ...io.formats import ReadOptions
+from ...io.notes import file_note_text
 from ..output import Json, LengthUnit, Partial, Rate, print_result
 
 
@@ -40,7 +41,7 @@ def info(
     found: dict[str, dict[str, object]] = {}
     for one in files:
         try:
-            found[str(one)] = describe(one, Said(rate_hz, length_unit, partial))
+            found[str(one)] = describe(one, ReadOptions(rate_hz, length_unit, partial))
         except KinemarkError as error:  # one bad file keeps nobody from seeing the others
             found[str(one)] = {"error": str(error)}
     if json:
@@ -69,5 +70,5 @@ def convert(
         what: which part, where the names do not tell.
     """
     for note in convert_file(source, target, what=what, length_unit=length_unit, rate_hz=rate_hz, partial=partial):
-        print_result(f"note: {note}")
+        print_result(f"note: {file_note_text(note)}")
     print_result(f"{target} is written. What it holds: kinemark info {target}")

@@ -1,13 +1,13 @@
 """Bundle adjustment: all cameras, and all places of what they saw, at once (Brown 1958; Triggs et al. 2000).
 
-adjust         what is fitted, and `bundle` for any mixture of cameras held and free and of parts
-from_sizes     `calibrate_sticks`, `calibrate_points`: a rig from pixels and image sizes alone
-initial/       the first guess of all cameras from which they start
-parts          sticks, single points, points at known places
-solver         least squares with the Schur complement
-robust         wrong points held at bay, then left out
-robust_points  points in space from cameras of which some see them in the wrong place
-covariance     of all cameras together
+adjust             what is fitted, and `bundle` for any mixture of cameras held and free and of parts
+from_sizes         `calibrate_sticks`, `calibrate_points`: a rig from pixels and image sizes alone
+initial/           the first guess of all cameras from which they start
+parts              sticks, single points, points at known places
+solver             least squares with the Schur complement
+robust_adjustment  wrong points held at bay, then left out
+robust_points      points in space from cameras of which some see them in the wrong place
+parameter_covariance   of all cameras together
 """
 
 from .adjust import Bundle, BundleFit, bundle

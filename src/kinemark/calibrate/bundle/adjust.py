@@ -1,7 +1,7 @@
 """What a bundle adjustment fits, what comes out of it, and `bundle`, from near the truth.
 
-Wrong points are held at bay and then left out (`robust`), by Levenberg and Marquardt's method with the Schur complement
-(`solver`); then follows the joint covariance of all cameras (`covariance`).
+Wrong points are held at bay and then left out (`robust_adjustment`), by Levenberg and Marquardt's method with the Schur
+complement (`solver`); then follows the joint covariance of all cameras (`parameter_covariance`).
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ import numpy as np
 from ...data import KinemarkError, Rig
 from ...data.array_types import Bools, Floats
 from ...data.method import ONE, Method, parameter
-from ...geometry import joint_about, near_middle, rig_about
+from ...geometry import joint_about, origin_near, rig_about
 from .parameter_covariance import joint_covariance
 from .parts import Part, all_points, complete
-from .robust import equations, solve_robust, solve_without_outliers, unknowns
+from .robust_adjustment import equations, solve_robust, solve_without_outliers, unknowns
 from .solver import BundleState, Freedom, ImageObservations, cost, normal_equations, residuals
 
 VAGUE = 0.1
 """A focal length is not known if its standard deviation is more than this share of it; chosen (see
 benchmarks/bundle.py)."""
 MOST_LOST = 0.3  # of a camera's points that may be left out; chosen (see benchmarks/bundle.py)
-ABSURD = 0.01  # of the image's diagonal; chosen (see benchmarks/bundle.py)
+IMPLAUSIBLE = 0.01  # of the image's diagonal; chosen (see benchmarks/bundle.py)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +96,7 @@ def bundle(
 
     Args:
         rig: C cameras to begin with.
-        parts: sticks, single points and known points, with their first places; N markers in all, piece by piece.
+        parts: sticks, single points and known points, with their first places; N markers in all, body by body.
         uv: (C, N, 2) where they are seen, px; NaN where not.
         cov: (C, N, 2, 2) covariance of `uv`, px²; right in proportion.
         freedoms: what may change in each camera; without it what `method` says.
@@ -114,7 +114,7 @@ def bundle(
         raise ValueError(
             f"uv has shape {uv.shape} and there are {len(free)} freedoms, wanted ({len(rig)}, {n}, 2) and {len(rig)}"
         )
-    seen, origin = observed(uv, cov), near_middle(all_points(parts))
+    seen, origin = observed(uv, cov), origin_near(all_points(parts))
     near = tuple(part.placed(np.eye(3), -origin, 1.0) for part in parts)
     state, kept = adjusted(BundleState(rig_about(rig, origin).cameras, near), seen, free, reject=method.reject)
     fit = completed(state, seen, free, kept, what="bundle adjustment")
@@ -191,7 +191,7 @@ def check_calibration(fit: BundleFit, seen: Bools, *, focus_held: bool = False) 
     there = seen & complete(fit.xyz)
     for c, camera in enumerate(fit.rig):
         lost = 1 - fit.kept[c].sum() / max(there[c].sum(), 1)
-        if not camera.residual < ABSURD * np.hypot(*camera.size) or lost > MOST_LOST:
+        if not camera.residual < IMPLAUSIBLE * np.hypot(*camera.size) or lost > MOST_LOST:
             raise KinemarkError(
                 f"Camera {camera.name} does not fit the others: {lost:.0%} of its points were left out"
                 + (f", and the rest is {camera.residual:.2f} px off. " if lost < 1 else ". ")

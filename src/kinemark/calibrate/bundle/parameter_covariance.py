@@ -40,7 +40,7 @@ def joint_covariance(
     motions = allowed_motions(state, freedoms, used)
     inverses = [block_inverses(V) for V in normal.V]
     S, _ = schur_complement(normal, inverses)
-    G = _camera_motions(state, _middle(state, used)) @ motions
+    G = _camera_motions(state, _centre(state, used)) @ motions
     scale = 1 / np.sqrt(np.maximum(np.diag(normal.U), 1e-300))  # the parameters differ by 10⁸ in size
     null = np.linalg.qr(np.linalg.pinv(T) @ G / scale[:, None])[0]
     M = S * scale * scale[:, None] + null @ null.T
@@ -57,15 +57,15 @@ def joint_covariance(
 
 def allowed_motions(state: BundleState, freedoms: tuple[Freedom, ...], used: Bools) -> Floats:
     """(7, g) combinations of turn, shift and growth (σ in units of the points' spread) that move nothing held: (3)."""
-    middle = _middle(state, used)
+    centre = _centre(state, used)
     held = np.concatenate([~f.free[9:15] for f in freedoms])
     pose = np.concatenate([np.arange(15 * c + 9, 15 * c + 15) for c in range(len(freedoms))])
-    rows = [_camera_motions(state, middle)[pose[held]]]
+    rows = [_camera_motions(state, centre)[pose[held]]]
     for part, at in zip(state.parts, slices(state.parts), strict=True):
         if isinstance(part, Sticks) and used[at].any():
             rows.append(np.eye(7)[6:])
         if part.known and used[at].any():
-            rows.append(_point_motions(part.xyz[used[at].reshape(part.xyz.shape[:2]).any(1)], middle).reshape(-1, 7))
+            rows.append(_point_motions(part.xyz[used[at].reshape(part.xyz.shape[:2]).any(1)], centre).reshape(-1, 7))
     fixed = np.concatenate(rows)
     size = np.linalg.norm(fixed, axis=0)
     size = np.where(size > 0, size, 1.0)
@@ -74,44 +74,44 @@ def allowed_motions(state: BundleState, freedoms: tuple[Freedom, ...], used: Boo
     return np.asarray(Vt[rank:].T / size[:, None])
 
 
-def _middle(state: BundleState, used: Bools) -> Floats:
+def _centre(state: BundleState, used: Bools) -> Floats:
     """(4,) the points' mean place and spread, about which the world turns and grows."""
     xyz = np.concatenate([part.xyz.reshape(-1, 3) for part in state.parts])[used]
     return np.append(xyz.mean(0), np.sqrt(xyz.var(0).sum()) or 1.0)
 
 
-def _camera_motions(state: BundleState, middle: Floats) -> Floats:
-    """(15 C, 7) of (2), turning and growing about the points' middle."""
+def _camera_motions(state: BundleState, centre: Floats) -> Floats:
+    """(15 C, 7) of (2), turning and growing about the points' centre."""
     G = np.zeros((len(state.cameras), 15, 7))
     for g, camera in zip(G, state.cameras, strict=True):
-        at = camera.R @ middle[:3]
+        at = camera.R @ centre[:3]
         g[9:12, :3] = -camera.R
-        g[12:15, :3] = -camera.R @ cross_matrix(middle[:3])  # turning about the middle m: τ = −ω × m
+        g[12:15, :3] = -camera.R @ cross_matrix(centre[:3])  # turning about the centre m: τ = −ω × m
         g[12:15, 3:6] = -camera.R
-        g[12:15, 6] = (camera.t + at) / middle[3]
+        g[12:15, 6] = (camera.t + at) / centre[3]
     return G.reshape(-1, 7)
 
 
-def _point_motions(xyz: Floats, middle: Floats) -> Floats:
+def _point_motions(xyz: Floats, centre: Floats) -> Floats:
     """(…, 3, 7) of points (…, 3)."""
-    off = xyz - middle[:3]
+    off = xyz - centre[:3]
     eye = np.broadcast_to(np.eye(3), (*xyz.shape, 3))
-    return np.concatenate([-cross_matrix(off), eye, off[..., None] / middle[3]], -1)
+    return np.concatenate([-cross_matrix(off), eye, off[..., None] / centre[3]], -1)
 
 
 def _points_follow(
     state: BundleState, normal: BlockEquations, inverses: list[Floats], motions: Floats, used: Bools
 ) -> tuple[Floats, Floats, Floats]:
     """d H / d δ (g, Q), the covariance of H that does not come from δ (g, g), and BᵀB (g, g)."""
-    middle, g = _middle(state, used), motions.shape[1]
+    centre, g = _centre(state, used), motions.shape[1]
     follow, noise, BtB = np.zeros((g, len(normal.g))), np.zeros((g, g)), np.zeros((g, g))
     for part, at, inverse, W in zip(state.parts, slices(state.parts), inverses, normal.W, strict=True):
         there = used[at].reshape(part.xyz.shape[:2])
-        B = np.where(there[..., None, None], _point_motions(np.nan_to_num(part.xyz), middle) @ motions, 0.0)
+        B = np.where(there[..., None, None], _point_motions(np.nan_to_num(part.xyz), centre) @ motions, 0.0)
         tangents = np.where(there[..., None, None], part.tangents(), 0.0)
-        by_piece = np.einsum("nkxg,nkxd->ngd", B, tangents)
-        follow -= np.einsum("ngd,ndq->gq", by_piece @ inverse, W)
-        noise += np.einsum("ngd,nhd->gh", by_piece @ inverse, by_piece)
+        by_body = np.einsum("nkxg,nkxd->ngd", B, tangents)
+        follow -= np.einsum("ngd,ndq->gq", by_body @ inverse, W)
+        noise += np.einsum("ngd,nhd->gh", by_body @ inverse, by_body)
         BtB += np.einsum("nkxg,nkxh->gh", B, B)
     return follow, noise, BtB
 

@@ -1,6 +1,6 @@
 """What a bundle adjustment's points belong to: sticks, single points, points at known places.
 
-Each part consists of n pieces with K markers and D degrees of freedom. A stick with markers at s_k mm along it has
+Each part consists of n bodies with K markers and D degrees of freedom. A stick with markers at s_k mm along it has
 
     X_k = m + s_k a,   |a| = 1                                           (1)
 
@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats
-from ...numerics.vectors import across
+from ...numerics.vectors import perpendicular_pair
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,13 +29,13 @@ class Sticks:
     """n poses of one stick.
 
     Attributes:
-        middle: (n, 3) m of (1), mm.
-        ahead: (n, 3) a of (1).
+        centre: (n, 3) m of (1), mm.
+        direction: (n, 3) a of (1).
         along: (K) s of (1), mm.
     """
 
-    middle: Floats
-    ahead: Floats
+    centre: Floats
+    direction: Floats
     along: Floats
 
     degrees = 5
@@ -44,25 +44,25 @@ class Sticks:
     @property
     def xyz(self) -> Floats:
         """(n, K, 3) the markers, mm."""
-        return self.middle[:, None] + self.along[:, None] * self.ahead[:, None]  # (1)
+        return self.centre[:, None] + self.along[:, None] * self.direction[:, None]  # (1)
 
     def tangents(self) -> Floats:
         """(n, K, 3, 5) of (2)."""
-        turns = across(self.ahead)
-        J = np.zeros((len(self.middle), len(self.along), 3, 5))
+        turns = perpendicular_pair(self.direction)
+        J = np.zeros((len(self.centre), len(self.along), 3, 5))
         J[..., :3] = np.eye(3)
         J[..., 3:] = self.along[:, None, None] * turns[:, None]
         return J
 
     def moved(self, step: Floats) -> Sticks:
         """After steps (n, 5)."""
-        ahead = self.ahead + np.einsum("nij,nj->ni", across(self.ahead), step[:, 3:])
-        ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
-        return replace(self, middle=self.middle + step[:, :3], ahead=ahead)
+        direction = self.direction + np.einsum("nij,nj->ni", perpendicular_pair(self.direction), step[:, 3:])
+        direction = direction / np.linalg.norm(direction, axis=1, keepdims=True)
+        return replace(self, centre=self.centre + step[:, :3], direction=direction)
 
     def prior(self) -> tuple[Floats, Floats, float]:
         """What is known beforehand: nothing."""
-        return _nothing(len(self.middle), self.degrees)
+        return _nothing(len(self.centre), self.degrees)
 
     def supported(self, views: NDArray[np.int64]) -> Bools:
         """(n) whether two markers are seen by two cameras each, from how many cameras see each marker (n, K)."""
@@ -70,11 +70,11 @@ class Sticks:
 
     def placed(self, R: Floats, t: Floats, scale: float) -> Sticks:
         """In a world where X is scale · R X + t."""
-        return Sticks(scale * self.middle @ R.T + t, self.ahead @ R.T, scale * self.along)
+        return Sticks(scale * self.centre @ R.T + t, self.direction @ R.T, scale * self.along)
 
     def take(self, rows: NDArray[np.int64]) -> Sticks:
-        """Some of the pieces."""
-        return replace(self, middle=self.middle[rows], ahead=self.ahead[rows])
+        """Some of the bodies."""
+        return replace(self, centre=self.centre[rows], direction=self.direction[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -187,7 +187,7 @@ def complete(x: Floats) -> Bools:
 
 
 def all_points(parts: tuple[Part, ...]) -> Floats:
-    """(N, 3) the points of all parts, one piece after the other, mm."""
+    """(N, 3) the points of all parts, one body after the other, mm."""
     return np.concatenate([part.xyz.reshape(-1, 3) for part in parts])
 
 
@@ -198,7 +198,7 @@ def slices(parts: tuple[Part, ...]) -> list[slice]:
 
 
 def supported(parts: tuple[Part, ...], seen: Bools) -> Bools:
-    """`seen` (C, N) without the points of pieces that too few cameras see."""
+    """`seen` (C, N) without the points of bodies that too few cameras see."""
     good = []
     for part, at in zip(parts, slices(parts), strict=True):
         n, K = part.xyz.shape[:2]
@@ -214,10 +214,10 @@ def sticks_through(xyz: Floats, along: Floats) -> Sticks:
     s = np.where(there, along, 0.0)
     s_mean, mean = s.sum(1) / n, np.where(there[..., None], xyz, 0.0).sum(1) / n[:, None]
     off = np.where(there, along - s_mean[:, None], 0.0)
-    ahead = (off[..., None] * np.where(there[..., None], xyz - mean[:, None], 0.0)).sum(1)
-    length = np.linalg.norm(ahead, axis=1)
-    ahead = ahead / np.where((there.sum(1) >= 2) & (length > 0), length, np.nan)[:, None]
-    return Sticks(mean - s_mean[:, None] * ahead, ahead, np.asarray(along, np.float64))
+    direction = (off[..., None] * np.where(there[..., None], xyz - mean[:, None], 0.0)).sum(1)
+    length = np.linalg.norm(direction, axis=1)
+    direction = direction / np.where((there.sum(1) >= 2) & (length > 0), length, np.nan)[:, None]
+    return Sticks(mean - s_mean[:, None] * direction, direction, np.asarray(along, np.float64))
 
 
 def _nothing(n: int, degrees: int) -> tuple[Floats, Floats, float]:

@@ -1,8 +1,8 @@
 """Least squares over all cameras and all points at once, by Levenberg–Marquardt with the Schur complement.
 
 With r the residual of one image point (px, divided by its standard deviation), A its derivative by the q free
-parameters of the camera and B by the D of the piece it belongs to, the normal equations are those of `numerics.schur`:
-δ are the parameters of all cameras, and each piece is a block. Minimised is
+parameters of the camera and B by the D of the body it belongs to, the normal equations are those of `numerics.schur`:
+δ are the parameters of all cameras, and each body is a block. Minimised is
 
     Σ ρ(|r|²),   ρ = |r|²,  or  c² ln(1 + |r|²/c²)                       (1)
 
@@ -34,7 +34,7 @@ STEPS = 200  # tries at most; chosen, far more than `benchmarks/bundle.py start`
 DAMPING = Damping(fixed=(0.1, 10.0), hold=True)
 """Without unit; which points a rough fit leaves out hangs on its path: `studies/self_calibration.py` has this one's."""
 SETTLED = 1e-7
-"""Share of the cost that two tries in turn must neither promise nor bring; chosen (see benchmarks/bundle.py)."""
+"""Share of the cost that two tries in turn must neither prediction nor bring; chosen (see benchmarks/bundle.py)."""
 FARTHEST = 1e9  # mm, px, or of a lens term: where numbers run away to infinity; chosen (see benchmarks/bundle.py)
 POWERS = np.array([2.0, 4.0, 1.0, 1.0, 6.0])  # of f, for k1 k2 p1 p2 k3; by (5), exact
 EVERYTHING = np.ones(15, np.bool_)  # all of `data.PARAMETERS`; by definition
@@ -86,13 +86,13 @@ def solve(
     *,
     soft: float | None = None,
     steps: int = STEPS,
-    settled: float = SETTLED,
+    tolerance: float = SETTLED,
 ) -> BundleState:
-    """The state near `state` with the least (1), to the share `settled` of it.
+    """The state near `state` with the least (1), to the share `tolerance` of it.
 
     `soft` is c; None means ρ = |r|².
     """
-    return minimise(_Adjustment(seen, freedoms, soft), state, steps=steps, relative=settled, damping=DAMPING)
+    return minimise(_Adjustment(seen, freedoms, soft), state, steps=steps, relative=tolerance, damping=DAMPING)
 
 
 def residuals(state: BundleState, uv: Floats) -> Floats:
@@ -133,7 +133,7 @@ def _finite_camera(camera: Camera) -> bool:
 def normal_equations(
     state: BundleState, seen: ImageObservations, freedoms: tuple[Freedom, ...], *, soft: float | None = None
 ) -> BlockEquations:
-    """(1) of `numerics.schur`, all of a camera's points of one kind and place in their pieces at a time."""
+    """(1) of `numerics.schur`, all of a camera's points of one kind and place in their bodies at a time."""
     T = [freedom.columns(camera) for freedom, camera in zip(freedoms, state.cameras, strict=True)]
     at = np.cumsum([0] + [t.shape[1] for t in T])
     U, g = np.zeros((at[-1], at[-1])), np.zeros(at[-1])
@@ -190,19 +190,19 @@ class _Adjustment:
         return cost(state, self.seen, self.soft)
 
     def equations(self, state: BundleState) -> BlockEquations:
-        """One block a piece."""
+        """One block a body."""
         return normal_equations(state, self.seen, self.freedoms, soft=self.soft)
 
     def step(self, state: BundleState, equations: BlockEquations, damping: float) -> tuple[BundleState, float]:
-        """Cameras and pieces after the step."""
-        delta, epsilon, promised = block_step(equations, damping)
+        """Cameras and bodies after the step."""
+        delta, epsilon, predicted = block_step(equations, damping)
         parts = tuple(part.moved(step) for part, step in zip(state.parts, epsilon, strict=True))
         ends = np.cumsum([f.columns(c).shape[1] for f, c in zip(self.freedoms, state.cameras, strict=True)])[:-1]
         cameras = tuple(
             freedom.moved(camera, step) if len(step) else camera
             for freedom, camera, step in zip(self.freedoms, state.cameras, np.split(delta, ends), strict=True)
         )
-        return BundleState(cameras, parts), promised
+        return BundleState(cameras, parts), predicted
 
 
 def placed(camera: Camera, R: Floats, t: Floats, scale: float = 1.0) -> Camera:

@@ -45,7 +45,7 @@ MOST_POINTS = 100  # images of a camera at most; chosen, lest the search take mi
 MOST_IN_ROW = 10  # points on one line at most; chosen for speed
 READINGS_A_ROD = 8  # best readings of each rod that are kept; chosen for speed
 TRIALS = 300  # assignments of readings to rods that are tried at most; chosen for speed
-TRIALS_EXCHANGED = 12  # the same, for rods that hang at each other's places; chosen for speed
+TRIALS_SWAPPED = 12  # the same, for rods that hang at each other's places; chosen for speed
 TRIALS_FEWER = 40  # the same, with one rod fewer; chosen for speed
 ENOUGH = 5  # assignments that fit, after which the best of them is taken; chosen
 SLACK = (1.0, 3.0, 9.0)  # times the tolerance, tried one after the other; chosen
@@ -179,7 +179,7 @@ def identify_markers(uv: NDArray[np.float64], rods: Rods, *, tolerance: float = 
                 found = fewer if fewer is not None and fewer.rms < MUCH_BETTER * found.rms else found
             return found.markers
     like = [name for name, options in zip(rods.names, tight, strict=True) if options]
-    swapped = _exchanged(tight, uv, rods, tolerance)
+    swapped = _swapped(tight, uv, rods, tolerance)
     named = f" ({', '.join(like)})" if like else ""
     raise KinemarkError(
         f"Among {len(uv)} points, {len(like)} of {len(rods.names)} rods have their like by spacing{named}, and no "
@@ -188,7 +188,7 @@ def identify_markers(uv: NDArray[np.float64], rods: Rods, *, tolerance: float = 
     )
 
 
-def _exchanged(read: list[list[Reading]], uv: NDArray[np.float64], rods: Rods, tolerance: float) -> str:
+def _swapped(read: list[list[Reading]], uv: NDArray[np.float64], rods: Rods, tolerance: float) -> str:
     """The pairs of rods that may hang at each other's places, as a sentence, if a camera sees them so.
 
     Rods at the corners of a rectangle look the same after half a turn, with the other two swapped: both are named.
@@ -203,7 +203,7 @@ def _exchanged(read: list[list[Reading]], uv: NDArray[np.float64], rods: Rods, t
         across = across - (across @ axis) * axis
         xyz[a], xyz[b] = xyz[a] + across, xyz[b] - across
         moved = replace(rods, xyz=xyz)
-        if _best(_assignments(read, len(rods.names), TRIALS_EXCHANGED), uv, moved, tolerance, 1.0) is not None:
+        if _best(_assignments(read, len(rods.names), TRIALS_SWAPPED), uv, moved, tolerance, 1.0) is not None:
             pairs.append(f"{rods.names[a]} and {rods.names[b]}")
     if not pairs:
         return ""
@@ -255,7 +255,7 @@ def _assignments(read: list[list[Reading]], size: int, most: int = TRIALS) -> It
     return iter(chosen[:most])
 
 
-class _Found(NamedTuple):
+class _AssignedPoints(NamedTuple):
     """Row of the points for each marker (R, K), −1 where it is not seen, and how far off the camera's are, RMS px."""
 
     markers: NDArray[np.int64]
@@ -269,9 +269,9 @@ def _best(
     tolerance: float,
     slack: float,
     sharpest: bool = False,
-) -> _Found | None:
+) -> _AssignedPoints | None:
     """Of the first few right assignments the one that finds most markers, the first that finds all; or the sharpest."""
-    best: _Found | None = None
+    best: _AssignedPoints | None = None
     right = 0
     for assignment in assignments:
         found = _completed(assignment, uv, rods, tolerance, slack)
@@ -288,7 +288,7 @@ def _best(
 
 def _completed(
     assignment: tuple[Reading, ...], uv: NDArray[np.float64], rods: Rods, tolerance: float, slack: float
-) -> _Found | None:
+) -> _AssignedPoints | None:
     """All markers that one camera sees if the assignment is right, or None if it is not."""
     index = np.full(rods.xyz.shape[:2], -1, np.int64)
     for reading in assignment:
@@ -301,7 +301,7 @@ def _completed(
             return None
         rms = camera.residual
         index = _nearest(project(camera, rods.xyz.reshape(-1, 3)), uv, 2 * tolerance).reshape(index.shape)
-    return _Found(index, rms) if (index >= 0).sum() >= fewest else None
+    return _AssignedPoints(index, rms) if (index >= 0).sum() >= fewest else None
 
 
 def _camera(xyz: NDArray[np.float64], uv: NDArray[np.float64], tolerance: float, slack: float) -> Camera | None:

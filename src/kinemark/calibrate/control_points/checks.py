@@ -87,7 +87,7 @@ def _extent(points: NDArray[np.float64]) -> float:
 
 def _check_places(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequence[str]) -> None:
     """One place has one image."""
-    for i, j in _twins(xyz, SAME * _extent(xyz)):
+    for i, j in _coincident(xyz, SAME * _extent(xyz)):
         apart = float(np.linalg.norm(uv[i] - uv[j]))
         if apart > APART * _extent(uv):
             raise KinemarkError(
@@ -98,7 +98,7 @@ def _check_places(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequ
 
 def _check_images(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequence[str]) -> None:
     """One image is of one place: markers exactly behind one another are not seen as two."""
-    for i, j in _twins(uv, SAME):
+    for i, j in _coincident(uv, SAME):
         apart = float(np.linalg.norm(xyz[i] - xyz[j]))
         if apart > APART * _extent(xyz):
             raise KinemarkError(
@@ -107,7 +107,7 @@ def _check_images(xyz: NDArray[np.float64], uv: NDArray[np.float64], names: Sequ
             )
 
 
-def _twins(points: NDArray[np.float64], near: float) -> list[tuple[int, int]]:
+def _coincident(points: NDArray[np.float64], near: float) -> list[tuple[int, int]]:
     """Pairs (i, j) of neighbours in sorted order that coincide."""
     order = np.lexsort(points.T)
     same = np.abs(np.diff(points[order], axis=0)).max(1, initial=0.0) <= near

@@ -1,9 +1,9 @@
 """Cameras from control points, markers whose places in the laboratory were surveyed (UM²AS 2.3.3, 2.4, B).
 
 Each camera is fitted by itself (`camera`). The centroid of a sphere's image is not the image of its centre
-(`geometry.sphere`), by an offset that depends on the camera sought; so cameras and offsets are found in turn, the
-offsets from the cameras before (1). Twice is enough, as an offset is a small part of a pixel and a change
-of the camera that it brings a still smaller part.
+(`geometry.sphere_offset`), by an offset that depends on the camera sought; so cameras and offsets are found in turn,
+the offsets from the cameras before (1). Twice is enough, as an offset is a small part of a pixel and a change of the
+camera that it brings a still smaller part.
 
 `control_point_quality` gives besides what a judgement of the calibration needs (`judgement`): residuals of all points,
 and their errors in images and in space where they took no part (`left_out`).
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...data import Camera, Finding, KinemarkError, Rig
-from ...geometry import about, near_middle, project, sphere_offset
+from ...geometry import camera_about, origin_near, project, sphere_offset
 from .checks import check_extent, check_points, labels
 from .fit_camera import CameraMethod, ControlPoints, Dlt, FittedCamera, fit_camera, free_parameters
 from .left_out import leave_one_out
@@ -158,7 +158,7 @@ def _examined(
     method: CameraMethod,
     lenses: tuple[Camera, ...] | None,
 ) -> ControlFit:
-    local = xyz - near_middle(xyz)
+    local = xyz - origin_near(xyz)
     left = leave_one_out(fits, local, uv, cov, method=method)
     return ControlFit(
         rig=_rig(fits, uv, xyz),
@@ -189,7 +189,7 @@ def _fits(
     diameter: float | None,
     points: tuple[str, ...],
 ) -> tuple[list[FittedCamera], NDArray[np.float64], NDArray[np.float64]]:
-    """Each camera about `near_middle` of the points, with `kept` over all N of them; the centres (C, N, 2) px that it
+    """Each camera about `origin_near` of the points, with `kept` over all N of them; the centres (C, N, 2) px that it
     was fitted to, and their weights."""
     sizes = np.asarray(sizes, np.int64).reshape(-1, 2)
     _check_shapes(names, sizes, xyz, uv, cov, lenses)
@@ -197,7 +197,7 @@ def _fits(
     if lenses is not None and isinstance(method, Dlt):
         raise ValueError("lenses were given for Dlt, whose principal point is its own; wanted ControlPoints")
     check_extent(xyz)
-    fits, local = [], xyz - near_middle(xyz)
+    fits, local = [], xyz - origin_near(xyz)
     centres = np.where(np.isfinite(xyz.sum(1))[:, None] & np.isfinite(uv.sum(-1, keepdims=True)), uv, np.nan)
     spread = np.tile(np.eye(2), (*uv.shape[:2], 1, 1))
     for c, name in enumerate(names):
@@ -262,7 +262,7 @@ def _rig(fits: list[FittedCamera], centres: NDArray[np.float64], xyz: NDArray[np
     words = f"control points: {'DLT' if linear else 'DLT and least squares'}, {len(known)} points"
     words += "; lenses as linearised" if any(f.tied for f in fits) else ""
     words += f"; left out: {', '.join(left_out)}" if left_out else ""
-    return Rig(tuple(about(f.camera, -near_middle(xyz)) for f in fits), words, volume)
+    return Rig(tuple(camera_about(f.camera, -origin_near(xyz)) for f in fits), words, volume)
 
 
 def _stated(cov: NDArray[np.float64]) -> bool:

@@ -15,7 +15,7 @@ A point whose residual exceeds `reject` standard deviations, estimated from the 
 
     s² = median(d²) / (2 ln 2) · 2 n / (2 n − p)                         (2)
 
-(half of all χ² of two degrees of freedom are below 2 ln 2), was misread or mistaken for another: the worst one
+(half of all χ² of two degrees of freedom are below 2 ln 2), was misread or mistaken for another: the largest one
 is left out and the camera fitted again, until none is left or too few would remain to judge by.
 
 The DLT's covariance: the eleventh parameter, an angle of the pixel axes other than 90°, has no place among those of a
@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from ...data import Camera, KinemarkError
 from ...data.method import Method, parameter
-from ...geometry import about, decompose, fit_dlt, from_dlt, near_middle, parameter_jacobian, project, undistort
+from ...geometry import camera_about, decompose, fit_dlt, from_dlt, origin_near, parameter_jacobian, project, undistort
 from ...numerics.robust import plane_scale
 from ...numerics.scaled import scaled_inverse
 from ..resection import ResectionFit, lens_covariance, resect
@@ -42,7 +42,9 @@ from ..stage import CALIBRATE
 
 RADIAL = (4, 5, 8)  # places of k1, k2, k3 in `data.PARAMETERS`; by definition
 TANGENTIAL = (6, 7)  # places of p1, p2 in `data.PARAMETERS`; by definition
-ABSURD = 0.1  # of the images' spread; a residual beyond is no calibration; chosen (see studies/calibration_quality.py)
+IMPLAUSIBLE = (
+    0.1  # of the images' spread; a residual beyond is no calibration; chosen (see studies/calibration_quality.py)
+)
 POSE_AND_FOCUS = (0, 1, 2, 3, 9, 10, 11, 12, 13, 14)  # places in `data.PARAMETERS`; by definition
 ZOOM_AND_POSE = (0, 1, 9, 10, 11, 12, 13, 14)  # places in `data.PARAMETERS`; by definition
 
@@ -118,7 +120,7 @@ def fit_camera(
     Raises:
         KinemarkError: as in `calibrate_control_points`, without the camera's name.
     """
-    kept, origin = np.ones(len(xyz), np.bool_), near_middle(xyz)
+    kept, origin = np.ones(len(xyz), np.bool_), origin_near(xyz)
     xyz = xyz - origin
     while True:
         fitted, fit = fit_all(name, size, xyz, uv, cov, kept, method, lens)
@@ -126,7 +128,7 @@ def fit_camera(
         outlier = _outlier(fit, fitted.parameters, base, method.reject)
         if outlier is None:
             _check_plausible(fit, uv[kept])
-            return fitted._replace(camera=about(fitted.camera, -origin))
+            return fitted._replace(camera=camera_about(fitted.camera, -origin))
         if kept.sum() - 1 < max(len(xyz) / 2, base):
             raise KinemarkError(
                 f"Of {len(xyz)} control points, {(~kept).sum()} did not fit the others and were left out, and the rest "
@@ -245,7 +247,7 @@ def _with_covariance(camera: Camera, xyz: NDArray[np.float64], uv: NDArray[np.fl
 def _check_plausible(fit: ResectionFit, uv: NDArray[np.float64]) -> None:
     """No lens and no surveyor is so bad that a camera is further off its points than this."""
     spread = float(np.sqrt(uv.var(0).sum()))
-    if fit.camera.residual > ABSURD * spread:
+    if fit.camera.residual > IMPLAUSIBLE * spread:
         raise KinemarkError(
             f"The best camera misses its control points by {fit.camera.residual:.1f} px RMS, and they spread over only "
             f"{spread:.0f} px. Check the order of the points and their places."

@@ -29,7 +29,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ...data import Finding, Severity, make_finding
-from ...data.finding import gravest_first
+from ...data.finding import most_severe_first
 from ...geometry import project
 from .fit import ControlFit
 from .mistaken import mistaken_points
@@ -55,7 +55,7 @@ EXACT = 1e-3  # px of residual, below which images are simulated ones; chosen
 WEIGHT: tuple[Severity, ...] = ("info", "amber", "red")
 """Of a reason that allows each of `GRADES` at best."""
 LIMIT = (None, GOOD, BAD)
-"""1 part in how many each grade is told to have missed."""
+"""1 part in how many: the limit that each grade is said to have missed."""
 
 
 class Judgement(NamedTuple):
@@ -78,10 +78,10 @@ def judge_control_points(fit: ControlFit) -> Judgement:
         *_focal_length_findings(fit),
         *_unseen(fit),
     ]
-    gravest = max(map(_grade, findings))
-    if suspicious(fit) or gravest > 0:
-        findings[1:1] = _survey(fit, displaced_points(fit), gravest)
-    findings = gravest_first(findings)
+    highest = max(map(_grade, findings))
+    if suspicious(fit) or highest > 0:
+        findings[1:1] = _survey(fit, displaced_points(fit), highest)
+    findings = most_severe_first(findings)
     return Judgement(GRADES[_grade(findings[0])], tuple(findings))
 
 
@@ -266,8 +266,8 @@ def _unseen(fit: ControlFit) -> list[Finding]:
     ]
 
 
-def _survey(fit: ControlFit, wrong: Displaced | None, gravest: int) -> list[Finding]:
-    """Points that all cameras see elsewhere, (6): harmless where no camera used them, else as grave as all the rest."""
+def _survey(fit: ControlFit, wrong: Displaced | None, highest: int) -> list[Finding]:
+    """Points that all cameras see elsewhere, (6): harmless where no camera used them, else as severe as the rest."""
     if wrong is None:
         return []
     everyone = list(range(len(fit.rig)))
@@ -280,7 +280,7 @@ def _survey(fit: ControlFit, wrong: Displaced | None, gravest: int) -> list[Find
     return [
         make_finding(
             "control_points_displaced",
-            severity=WEIGHT[gravest if harmless else max(gravest, 1)],
+            severity=WEIGHT[highest if harmless else max(highest, 1)],
             where=_elsewhere(fit, wrong.rows[most], wrong.offset[most]),
             points_list=[fit.points[i] for i in wrong.rows[most]],
             shift_mm_list=wrong.offset[most].mean(0),

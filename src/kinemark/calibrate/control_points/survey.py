@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError
-from ...geometry import about, near_middle, parameter_jacobian, project_all
+from ...geometry import camera_about, origin_near, parameter_jacobian, project_all
 from ...numerics.scaled import scaled_inverse
 from .fit import ControlFit, refitted
 
@@ -104,10 +104,10 @@ def _best_cluster(fit: ControlFit, spared: int) -> NDArray[np.bool_]:
     """(N) so many points next to each other without which residuals fall most, by (4)."""
     near = np.argsort(np.linalg.norm(fit.xyz[:, None] - fit.xyz, axis=-1), axis=1)[:, :spared]
     near = near[np.isfinite(fit.xyz).all(1)]
-    fall, origin = np.zeros(len(near)), near_middle(fit.xyz)
+    fall, origin = np.zeros(len(near)), origin_near(fit.xyz)
     for c, camera in enumerate(fit.rig):
         rows = np.flatnonzero(fit.kept[c])
-        J = parameter_jacobian(about(camera, origin), fit.xyz[rows] - origin)
+        J = parameter_jacobian(camera_about(camera, origin), fit.xyz[rows] - origin)
         J = J[..., np.diag(camera.cov) > 0].reshape(2 * len(rows), -1)
         H = J @ scaled_inverse(J.T @ J) @ J.T
         r = fit.residual[c, rows].ravel()

@@ -17,8 +17,8 @@ from the B blocks, both models judged on the same ones. The simplest model is ta
 
 The first bound is Breiman et al.'s (1984) "one standard error rule", with paired differences. By it alone terms that
 gain a few parts in a thousand come in by chance, and they are not free: in one view that faces the camera, p1 and p2
-leave the centre of the lens open by some 10 px. With the second, γ = `WORTH`, an error is accepted that has a hundredth
-of the variance of the noise.
+leave the centre of the lens open by some 10 px. With the second, γ = `TOLERATED_LOSS`, an error is accepted that has a
+hundredth of the variance of the noise.
 """
 
 from __future__ import annotations
@@ -37,7 +37,9 @@ FOLDS = 4
 """Parts of the cross-validation; chosen, so that no two blocks of a part lie side by side (see
 studies/linearisation.py)."""
 STEPS = 6  # tries from a start that is near; chosen (see studies/linearisation.py)
-WORTH = 0.01  # of the least error; what fewer terms may lose; chosen on the simulations of docs/theory/linearisation.md
+TOLERATED_LOSS = (
+    0.01  # of the least error; what fewer terms may lose; chosen on the simulations of docs/theory/linearisation.md
+)
 BEHIND = 1e12  # standard deviations²; stands for a point behind the camera; a sentinel, by definition
 RADIAL = (0, 1, 4)
 """Places of k1, k2, k3 among k1 k2 p1 p2 k3; by definition."""
@@ -90,7 +92,7 @@ def score_lenses(
 def simplest(scores: Sequence[LensScore]) -> LensScore:
     """(3)."""
     least = min(s.rms for s in scores) ** 2
-    good = [s for s in scores if np.isfinite(s.rms) and s.worse <= max(s.error, WORTH * least)]
+    good = [s for s in scores if np.isfinite(s.rms) and s.worse <= max(s.error, TOLERATED_LOSS * least)]
     return min(good, key=lambda s: (s.terms, s.worse))
 
 

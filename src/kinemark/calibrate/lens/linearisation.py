@@ -59,7 +59,9 @@ FEWEST, FEWEST_OF_MANY = 15, 8  # points of a single view, and of each of severa
 MOST_KEPT = 0.7  # of the points that must remain; chosen (see studies/linearisation.py)
 FOCAL_KNOWN = 0.05
 """Standard deviation of ln f up to which the focal length counts as known; chosen (see studies/linearisation.py)."""
-ABSURD = 0.02  # of the images' spread; a residual beyond is no linearisation; chosen (see studies/linearisation.py)
+IMPLAUSIBLE = (
+    0.02  # of the images' spread; a residual beyond is no linearisation; chosen (see studies/linearisation.py)
+)
 ROUNDS = 10  # of leaving out outliers, at most; chosen (see studies/linearisation.py)
 START_STEPS = 12  # tries from each start; chosen, as only the best one goes on (see studies/linearisation.py)
 
@@ -303,7 +305,7 @@ def _result(
     off = points.uv - seen_at(fit.planes, points)
     camera = replace(camera, residual=float(np.sqrt((off[kept] ** 2).sum(1).mean())))
     used = points.part(kept)
-    if not camera.residual <= ABSURD * float(np.sqrt(used.uv.var(0).sum())):
+    if not camera.residual <= IMPLAUSIBLE * float(np.sqrt(used.uv.var(0).sum())):
         raise KinemarkError(
             f"Camera {camera.name}: the best lens misses the grid by {camera.residual:.1f} px RMS. Check which point "
             "was taken for which, and that the grid is flat."

@@ -260,8 +260,8 @@ class _PlaneProblem:
     def step(self, planes: Planes, equations: tuple[Floats, Floats], damping: float) -> tuple[Planes | None, float]:
         """The planes after the step, None where it goes too far."""
         step = np.zeros(len(self.free))
-        step[self.free], promised = damped_step(*equations, damping)
-        return moved(planes, step) if np.abs(step[:2]).max() < FURTHEST else None, promised
+        step[self.free], predicted = damped_step(*equations, damping)
+        return moved(planes, step) if np.abs(step[:2]).max() < FURTHEST else None, predicted
 
 
 def _normal(

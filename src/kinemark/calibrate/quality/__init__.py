@@ -1,8 +1,8 @@
 """How good a calibration is, whatever way it was made.
 
-`covariance` foretells how exactly a marker is placed, `volume` maps that over the control volume and without each
-camera; `images` tells where in its image a camera was calibrated; `wand` judges by poses that took no part; `change`
-compares with a former calibration. `evidence` holds all that a verdict needs.
+`predicted_covariance` predicts the covariance of a marker's position, `volume` maps it over the control volume, with
+all cameras and without each; `image_coverage` says where in its image a camera was calibrated; `wand` judges by poses
+that took no part; `change` compares with a former calibration. `calibration_evidence` holds all that a verdict needs.
 """
 
 from .calibration_evidence import Check, Evidence, centroid_deviation

@@ -34,7 +34,7 @@ import numpy as np
 
 from ...data import PARAMETERS, Camera, Rig
 from ...data.array_types import Bools, Floats
-from ...geometry import joint_about, near_middle, parameter_jacobian, point_jacobian, project, rig_about, undistort
+from ...geometry import joint_about, origin_near, parameter_jacobian, point_jacobian, project, rig_about, undistort
 from ...numerics.small_matrices import inverse3
 
 FOLDED = 1e-3
@@ -136,7 +136,7 @@ def apart_from_frame(rig: Rig, joint: Floats, xyz: Floats, *, centroid_sd: float
 
     Places that fewer than two cameras see do not count.
     """
-    origin = near_middle(xyz)
+    origin = origin_near(xyz)
     rig, joint, xyz = rig_about(rig, origin), joint_about(rig, joint, origin), xyz - origin
     said = views(rig, xyz, centroid_sd=centroid_sd)
     usable = said.seen.sum(0) >= 2

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...data import KinemarkError, Rig
 from ...data.array_types import Floats
-from ...geometry.common_view import common_place
+from ...geometry.common_view import common_view_centre
 from .predicted_covariance import block_diagonal, covariance_from, views
 
 PLACES = 1000  # points of the volume that are looked at, about; chosen for speed
@@ -110,14 +110,14 @@ def ray_angle(rig: Rig, xyz: Floats, seen: NDArray[np.bool_]) -> Floats:
 
 
 def view_volume(rig: Rig) -> Floats:
-    """(2, 3) mm a box that at least two cameras look at, for a rig that states none: about `common_place`.
+    """(2, 3) mm a box that at least two cameras look at, for a rig that states none: about `common_view_centre`.
 
     The box reaches from there a quarter of the median depth of the cameras to each side.
 
     Raises:
         KinemarkError: no two cameras have a place in common in their images.
     """
-    middle = common_place(rig)
+    middle = common_view_centre(rig)
     if middle is None:
         raise KinemarkError("No two cameras look at a common place. Set volume_mm in session.toml, or calibrate again.")
     depth = np.einsum("ci,ci->c", np.array([camera.R[2] for camera in rig]), middle - rig.centres)

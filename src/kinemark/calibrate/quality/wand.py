@@ -97,7 +97,7 @@ def reconstructed(rig: Rig, uv: Floats) -> tuple[Floats, Floats]:
     alike = np.broadcast_to(np.eye(2), (*seen.shape, 2))
     plain = Rig(tuple(_known(camera) for camera in rig))
     point = refine(plain, triangulate(ideal, rig.P), seen, alike, steps=2)
-    return point.xyz.reshape(f, k, 3), point.off.transpose(1, 0, 2).reshape(uv.shape)
+    return point.xyz.reshape(f, k, 3), point.residual.transpose(1, 0, 2).reshape(uv.shape)
 
 
 def image_errors(off: Floats) -> Floats:

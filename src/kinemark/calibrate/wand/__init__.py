@@ -1,6 +1,6 @@
 """A wand waved through the volume: its markers in the images, the cameras from them, its length as these see it.
 
-points       which detection is which marker, in all cameras alike
+identify     which detection is which marker, in all cameras
 rows         of them, of one image: markers in a row with the wand's gaps
 ends         which end is which, where the gaps do not tell
 calibrate    the cameras

@@ -1,9 +1,9 @@
 """Cameras from a wand waved through the volume, from what they see of it alone.
 
-1. Which detection is which marker, without a rig (`points`).
+1. Which detection is which marker, without a rig (`identify`).
 2. A first rig from some poses, spread over the images, by bundle adjustment from the image sizes (`bundle`).
 3. With it, markers that the first reading had to leave out (`completion`), and the offset between the centroid of
-   a sphere's image and the projection of its centre (`geometry.sphere`), where the spheres' diameter is known.
+   a sphere's image and the projection of its centre (`geometry.sphere_offset`), where the spheres' diameter is known.
 4. The rig from these, by bundle adjustment that goes on from the first.
 
 Thousands of poses in the middle of the volume tell no more than hundreds, and nothing about the corners of the images.
@@ -39,7 +39,7 @@ from .identify import FEWEST, Wanted, at_rows, identify_wand, marker_places, wan
 KNOWN_LENS = Freedom(np.isin(PARAMETERS, ("fx", "fy", "rx", "ry", "rz", "tx", "ty", "tz")), True, True)
 FIRST_POSES = 150  # poses of the first rig; chosen for speed
 CELLS = 12  # across and down an image, filled evenly with poses; chosen (see benchmarks/bundle.py)
-AGREEING = 0.5  # of the frames that claim to show the wand; chosen (see benchmarks/bundle.py)
+AGREEING = 0.5  # of the frames that seem to show the wand; chosen (see benchmarks/bundle.py)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,9 +108,9 @@ def calibrate_wand(
     want = wanted(detections)
     rows = identify_wand(detections, want, along)
     first, along = _first_rig(detections, thinned(detections, rows, sizes, FIRST_POSES), sizes, along, method, lenses)
-    claimed = int(_shared(rows).sum())
+    shared = int(_shared(rows).sum())
     rows, xyz = completed(first, detections, want.use, rows, along, search_radius=method.search_radius)
-    _check_agreement(detections, rows, claimed)
+    _check_agreement(detections, rows, shared)
     chosen = thinned(detections, rows, sizes, method.most_poses)
     fit = _final_fit(first, detections, chosen, xyz, along, method, lenses is not None)
     there = fit.xyz[np.isfinite(fit.xyz).all(1)]
@@ -142,14 +142,14 @@ def _spread(detections: Detections, rows: NDArray[np.int64], sizes: NDArray[np.i
     camera = np.arange(len(rows))[:, None, None]
     cell = np.where(seen, (camera * CELLS + at[..., 0]) * CELLS + at[..., 1], len(rows) * CELLS**2)
     cell = cell.transpose(1, 0, 2).reshape(rows.shape[1], -1)
-    worth = np.append(np.ones(len(rows) * CELLS**2), 0.0)  # 1 / (1 + n), and nothing where a marker is not seen
+    weight = np.append(np.ones(len(rows) * CELLS**2), 0.0)  # 1 / (1 + n), and nothing where a marker is not seen
     left, chosen = np.ones(len(cell), np.bool_), []
     for _ in range(most):
-        best = int(np.where(left, worth[cell].sum(1), -1.0).argmax())
+        best = int(np.where(left, weight[cell].sum(1), -1.0).argmax())
         chosen.append(best)
         left[best] = False
         for i in cell[best]:
-            worth[i] = worth[i] / (1 + worth[i])
+            weight[i] = weight[i] / (1 + weight[i])
     return np.sort(np.array(chosen))
 
 
@@ -211,12 +211,12 @@ def _among_frames(fit: BundleFit, frames: NDArray[np.int64], n_frames: int, K: i
     return fit._replace(rig=rig, xyz=xyz, residual=residual, kept=kept)
 
 
-def _check_agreement(detections: Detections, rows: NDArray[np.int64], claimed: int) -> None:
-    """Of the frames that cameras claimed to share, most show a stick of the wand's length; every camera takes part."""
+def _check_agreement(detections: Detections, rows: NDArray[np.int64], shared: int) -> None:
+    """Of the frames that cameras seem to share, most show a stick of the wand's length; every camera takes part."""
     agreed = int(_shared(rows).sum())
-    if agreed < max(AGREEING * claimed, FEWEST):
+    if agreed < max(AGREEING * shared, FEWEST):
         raise KinemarkError(
-            f"In {claimed} frames two cameras or more see what may be the wand, but in {agreed} only do they agree on "
+            f"In {shared} frames two cameras or more see what may be the wand, but in {agreed} only do they agree on "
             "a stick of its length. Check that the cameras are synchronised and their recordings begin at the same "
             "moment, the wand's lengths, and that no second wand was in view."
         )

@@ -1,6 +1,6 @@
 """All that a rig can find of a waved wand: markers that rows lacked, among strays, and the right ends.
 
-1. Every marker is triangulated from the cameras that claim to see it and agree within `search_radius` (1).
+1. Every marker is triangulated from the cameras that seem to see it and agree within `search_radius` (1).
 2. The stick through the markers p_k of one frame, at s_k along it, is
 
        x_k = p̄ + (s_k − s̄) d,    d ~ Σ (s_k − s̄) (p_k − p̄)             (2)

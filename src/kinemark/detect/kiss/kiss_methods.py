@@ -10,14 +10,8 @@ from ..stage import check_areas
 
 
 @dataclass(frozen=True, slots=True)
-class KissScanning(Method):
-    """Markers grouped during scanning by the mid-points of their runs: the method of the Kiss system.
-
-    Source: Shafiq, Tümer and Güler 2001, 2.1 to 2.3.
-
-    Pixels, grey levels and areas are those of `Centroids`. A field of interlaced video shows round markers half as high
-    as wide: halve `min_ratio` and `max_ratio` there.
-    """
+class WhitePixels(Method):
+    """Which pixels are white, in both methods."""
 
     threshold: float = parameter(
         60.0, unit="grey levels", low=0, below=255,
@@ -29,6 +23,18 @@ class KissScanning(Method):
         meaning="instead of threshold, the share of the way from a camera's background to its bright level (its "
         "dark one where inverted), as for centroids",
     )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class KissScanning(WhitePixels):
+    """Markers grouped during scanning by the mid-points of their runs: the method of the Kiss system.
+
+    Source: Shafiq, Tümer and Güler 2001, 2.1 to 2.3.
+
+    Pixels, grey levels and areas are those of `Centroids`. A field of interlaced video shows round markers half as high
+    as wide: halve `min_ratio` and `max_ratio` there.
+    """
+
     near_x: float = parameter(
         5.0,
         unit="px",
@@ -100,23 +106,13 @@ class KissScanning(Method):
 
 
 @dataclass(frozen=True, slots=True)
-class KissNearest(Method):
+class KissNearest(WhitePixels):
     """Markers grouped by the neighbourhood of their pixels, large groups split harshly: KISS's former method.
 
     Source: Shafiq, Tümer and Güler 2001, section 2. It is here to be compared with; `KissScanning` took its place in
     2001.
     """
 
-    threshold: float = parameter(
-        60.0, unit="grey levels", low=0, below=255,
-        meaning="pixels brighter than this, of 8 bits, are white; where inverted, darker ones",
-    )  # fmt: skip
-    inverted: bool = parameter(False, meaning="the markers are dark on bright ground")
-    relative_threshold: float | None = parameter(
-        None, former="relative", unit=ONE, above=0, below=1,
-        meaning="instead of threshold, the share of the way from a camera's background to its bright level (its "
-        "dark one where inverted), as for centroids",
-    )  # fmt: skip
     neighbourhood: int = parameter(
         2, unit="px", low=1, high=16, meaning="white pixels no farther than this in x and y belong together"
     )

@@ -6,8 +6,8 @@ The bounding rectangle (brect) of a group, its width w and height h, and
     WhitePixels = Σ (x₂ⁱ − x₁ⁱ + 1), over its runs i                     (5)
 
 are what all tests of KISS 2.3 look at (Shafiq, Tümer and Güler 2001). With w = max x − min x, as (1) of the paper has
-it, a lone pixel would be 0 wide and a full rectangle would hold more white pixels than pixels; so here w and h count
-the pixels at both ends.
+it, an isolated pixel would be 0 wide and a full rectangle would hold more white pixels than pixels; so here w and h
+count the pixels at both ends.
 """
 
 from __future__ import annotations

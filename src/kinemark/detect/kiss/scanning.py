@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from ...data.array_types import Ints
 from ...numerics.runs import equal_runs
-from ..runs import Runs
+from ..pixel_runs import Runs
 from .pixel_groups import KissGroups, numbered
 
 

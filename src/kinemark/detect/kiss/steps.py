@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError, Validity
 from ..blobs import Blobs, joined
 from ..centroids_method import grey_scale
-from ..runs import Runs
+from ..pixel_runs import Runs
 from ..stage import DETECT
 from .kiss_methods import KissNearest, KissScanning
 from .long_wide import split_long_and_wide
@@ -39,13 +42,7 @@ def detect_scanning(images: Images, first: int, *, method: KissScanning) -> Blob
     n, height, width = images.shape
     runs = _white_runs(images, method)
     if _too_many(runs) and n > 1:
-        half = n // 2
-        return joined(
-            [
-                detect_scanning(images[:half], first, method=method),
-                detect_scanning(images[half:], first + half, method=method),
-            ]
-        )
+        return _by_halves(partial(detect_scanning, method=method), images, first)
     groups = preliminary_groups(runs, near_x=method.near_x, near_y=method.near_y, height=height, width=width)
     _check_number(groups, first, n, method.threshold)
     groups = advanced_analysis(_without_noise(groups, method), method, height=height)
@@ -80,13 +77,7 @@ def detect_nearest(images: Images, first: int, *, method: KissNearest) -> Blobs:
     n, height, width = images.shape
     runs = _white_runs(images, method)
     if _too_many(runs) and n > 1:
-        half = n // 2
-        return joined(
-            [
-                detect_nearest(images[:half], first, method=method),
-                detect_nearest(images[half:], first + half, method=method),
-            ]
-        )
+        return _by_halves(partial(detect_nearest, method=method), images, first)
     y, x = pixels_of(*runs)
     groups = neighbour_groups(y, x, neighbourhood=method.neighbourhood, height=height, width=width)
     _check_number(groups, first, n, method.threshold)
@@ -110,7 +101,7 @@ def _without_noise(groups: KissGroups, method: KissScanning | KissNearest) -> Ki
         groups,
         min_width=method.noise_width,
         min_height=method.noise_height,
-        lonely=method.isolated,
+        isolated=method.isolated,
         one_wide=method.one_wide,
         one_high=method.one_high,
     )
@@ -135,6 +126,12 @@ def _blobs(images: Images, groups: KissGroups, validity: NDArray[np.uint8], inve
         validity=validity,
         merged=groups.separated,
     )
+
+
+def _by_halves(detect: Callable[[Images, int], Blobs], images: Images, first: int) -> Blobs:
+    """The detections of a batch, one half after the other."""
+    half = len(images) // 2
+    return joined([detect(images[:half], first), detect(images[half:], first + half)])
 
 
 def _too_many(runs: Runs) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..runs import Runs, find_runs
+from ..pixel_runs import Runs, find_runs
 
 
 def runs_of(images: NDArray[np.uint8 | np.uint16], threshold: float) -> Runs:

@@ -20,15 +20,15 @@ from ...io.dlt_csv import read_dlt_csv
 from ...io.rig_toml import read_rig_toml
 from ...io.rods_toml import read_rods
 from ...io.tdf import read_tdf
-from ...io.um2as import read_cp_set, siblings
+from ...io.um2as import files_of_set, read_cp_set
 from ...io.units import MM
 from ..recordings import size_of_cameras
 from ..settings import DigitisedPoints, TargetRecording
 from .lens_grids import Lenses, lenses_of
-from .task import Made, Task
+from .task import RigWithEvidence, Task
 
 
-def from_file(task: Task) -> Made:
+def from_file(task: Task) -> RigWithEvidence:
     """A ready-made calibration."""
     s, file = task.settings, task.root / str(task.settings.calibration.file)
     unit = s.calibration.length_unit
@@ -42,7 +42,7 @@ def from_file(task: Task) -> Made:
     elif is_cp(file):
         if unit not in (None, "cm"):
             raise KinemarkError(f"{file} is in cm, and length_unit says {unit}. Leave length_unit out.")
-        rig = rig_of_cp(siblings(file, "cp"), names=s.cameras.names)
+        rig = rig_of_cp(files_of_set(file, "cp"), names=s.cameras.names)
     else:
         rig = read_rig_toml(file, unit)
     if s.cameras.names:
@@ -50,7 +50,7 @@ def from_file(task: Task) -> Made:
             have, lack = ", ".join(rig.names), ", ".join(missing)
             raise KinemarkError(f"{file} has cameras {have}, not {lack}. Correct names in [cameras].")
         rig = rig.select(s.cameras.names)
-    return Made(rig, Evidence(way=f"the file {file.name}"))
+    return RigWithEvidence(rig, Evidence(way=f"the file {file.name}"))
 
 
 def rig_of_dlt(file: Path, names: Sequence[str], unit: str | None) -> Rig:
@@ -84,7 +84,7 @@ def rig_of_cp(files: Sequence[Path | str], *, names: Sequence[str] = ()) -> Rig:
     return Rig(cameras_from_dlt(names, L), f"DLT of {', '.join(Path(file).name for file in files)}")
 
 
-def from_control_points(task: Task) -> Made:
+def from_control_points(task: Task) -> RigWithEvidence:
     """Points at surveyed places, pointed at by an operator."""
     way = task.settings.calibration.control_points
     assert way is not None  # the settings see to it
@@ -124,7 +124,7 @@ def digitised(task: Task, way: DigitisedPoints) -> Pointed:
     return Pointed(points.names, points.uv, points.xyz, points.cov, sizes)
 
 
-def from_control_frame(task: Task) -> Made:
+def from_control_frame(task: Task) -> RigWithEvidence:
     """Hanging rods of markers."""
     way = task.settings.calibration.control_frame
     assert way is not None
@@ -136,9 +136,9 @@ def from_control_frame(task: Task) -> Made:
     return _of_control_points(fit, f"a control frame of {len(fit.points)} markers", lenses)
 
 
-def _of_control_points(fit: ControlFit, way: str, lenses: Lenses) -> Made:
+def _of_control_points(fit: ControlFit, way: str, lenses: Lenses) -> RigWithEvidence:
     """The evidence of a fit to points at known places."""
-    return Made(
+    return RigWithEvidence(
         fit.rig,
         Evidence(
             way=way,

@@ -18,7 +18,7 @@ from ...data import Detections, Finding, KinemarkError, Severity, make_finding
 from ...data.array_types import Floats
 from ...data.progress import tell
 from .lens_grids import Lenses, lenses_of
-from .task import Made, Task
+from .task import RigWithEvidence, Task
 from .world_placement import placed_in_world
 
 FEWEST_FRAMES = 20
@@ -37,7 +37,7 @@ class FittedRig(NamedTuple):
     lenses: Lenses
 
 
-def from_wand(task: Task) -> Made:
+def from_wand(task: Task) -> RigWithEvidence:
     """A stick with markers in a row, waved through the volume."""
     way = task.settings.calibration.wand
     assert way is not None  # the settings see to it
@@ -72,7 +72,7 @@ def _changed(stated: Floats, gaps: Floats) -> Iterator[Finding]:
         )
 
 
-def from_single_marker(task: Task) -> Made:
+def from_single_marker(task: Task) -> RigWithEvidence:
     """One marker moved through the volume, and a known distance for the scale."""
     way = task.settings.calibration.single_marker
     assert way is not None
@@ -115,7 +115,7 @@ def _single(detections: Detections) -> tuple[Floats, Floats]:
     return uv, cov
 
 
-def _placed(task: Task, fitted: FittedRig, way: str) -> Made:
+def _placed(task: Task, fitted: FittedRig, way: str) -> RigWithEvidence:
     """The rig in the world that the session wants, with the evidence of the bundle."""
     k = len(fitted.along)
     placed = placed_in_world(task, fitted.fit, unscaled=k == 1)
@@ -137,4 +137,4 @@ def _placed(task: Task, fitted: FittedRig, way: str) -> Made:
         findings=(*fitted.lenses.findings, *placed.findings),
         surveyed=False,
     )
-    return Made(replace(fit.rig, volume=nowhere), evidence)
+    return RigWithEvidence(replace(fit.rig, volume=nowhere), evidence)

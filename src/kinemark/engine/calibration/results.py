@@ -24,7 +24,7 @@ from ...findings.calibration_quality import calibration_figures, headline_figure
 from ...findings.quality import write_quality
 from ...io.files import replacing
 from ...io.rig_toml import read_rig_toml, write_rig_toml
-from ...io.um2as import siblings
+from ...io.um2as import files_of_set
 from ...numerics.blas_threads import one_blas_thread
 from ...report.calibration_page import write_calibration_page
 from ...report.drawing_library import ASSETS, relink
@@ -38,12 +38,12 @@ from ..store import Store
 from .calibrated import Calibrated
 from .from_known_points import from_control_frame, from_control_points, from_file, is_cp
 from .from_moved_target import from_single_marker, from_wand
-from .task import Made, Task
+from .task import RigWithEvidence, Task
 
 RIG, FIGURES, PAGE, FORMER = "rig.toml", "calibration.json", "calibration.html", "calibrations"
 LOCK = ".calibration.lock"
 
-WAYS: dict[str, Callable[[Task], Made]] = {
+WAYS: dict[str, Callable[[Task], RigWithEvidence]] = {
     "file": from_file,
     "control_points": from_control_points,
     "control_frame": from_control_frame,
@@ -95,7 +95,7 @@ def calibration_key(task: Task) -> str:
     named = [c.file, c.control_points and c.control_points.points, c.control_frame and c.control_frame.rods]
     named += [c.world_points and c.world_points.points]
     paths = [root / path for path in named if path]
-    paths += siblings(root / c.file, "cp") if c.file and is_cp(c.file) else []
+    paths += files_of_set(root / c.file, "cp") if c.file and is_cp(c.file) else []
     known = len(paths)
     for pointed in (c.control_points, c.control_frame, c.linearisation, c.world_points):
         paths += files_of(root, s, pointed.images, s.cameras.names) if pointed and pointed.images else []

@@ -13,7 +13,7 @@ from ..recordings import Recorded, recorded
 from ..settings import Settings, TargetRecording
 
 
-class Made(NamedTuple):
+class RigWithEvidence(NamedTuple):
     """Calibrated cameras, and what they were made from."""
 
     rig: Rig

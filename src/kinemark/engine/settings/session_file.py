@@ -22,7 +22,7 @@ from .method_tables import calibrate_method, filling_of, method_name, method_of
 from .table import Strict
 
 A_METHOD = WithJsonSchema({"type": "object"})
-"""Stands in the model's schema for what `schema.stage_schema` says of a stage."""
+"""Stands in the model's schema for what `schema.method_schema` says of a stage."""
 
 RESERVED = (
     ".",

@@ -10,7 +10,7 @@ from .excerpt import frame_of
 from .images import Images
 from .operated import DigitisedFiles, OperatedImages
 from .recording import Frames, Recording
-from .source import OperatorIdentities, TrialSource
+from .trial_source import OperatorIdentities, TrialSource
 
 __all__ = ["Frames", "OperatedImages", "OperatorIdentities", "Recording", "TrialSource", "frame_of", "source_of"]
 

@@ -14,7 +14,7 @@ from ...io.tdf import read_tdf
 from ..keys import digest, file_key
 from .excerpt import cut, within
 from .recording import Recording
-from .source import OperatorIdentities
+from .trial_source import OperatorIdentities
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class DetectionFile:
         if missing := sorted(set(of.rig.names) - set(found.cameras)):
             raise KinemarkError(
                 f"{self.path} has cameras {', '.join(found.cameras)}, and the calibration also {', '.join(missing)}. "
-                "Call them alike in both, and name in [cameras] those to be used."
+                "Give them the same names in both, and name in [cameras] those to be used."
             )
         return of.unshifted(within(found.select(of.rig.names), of))
 

@@ -15,7 +15,7 @@ from ..keys import digest, file_key
 from ..recordings import masks_key, masks_of
 from .excerpt import excerpt_of, pictures_of
 from .recording import Recording
-from .source import OperatorIdentities
+from .trial_source import OperatorIdentities
 
 
 @dataclass(frozen=True, slots=True)

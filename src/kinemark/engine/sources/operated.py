@@ -12,14 +12,14 @@ from ...data.array_types import Floats, GreyLevels, Ints
 from ...data.progress import tell
 from ...detect import Centroids
 from ...digitise import identified
-from ...io.um2as import siblings
+from ...io.um2as import files_of_set
 from ..digitising import Digitising, answer_files, digitise_trial, read_digitised, read_figures, write_digitised
 from ..keys import digest, file_key, rig_key
 from ..recordings import masks_key, masks_of
 from .excerpt import pictures_of, within
 from .images import other_rates
 from .recording import Recording, places_of
-from .source import OperatorIdentities
+from .trial_source import OperatorIdentities
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class DigitisedFiles:
 
     def key(self) -> str:
         """Of all files of the set, the cameras' order, the rate and fixed marks."""
-        of, files = self.of, (self.path, *siblings(self.path, "da"))
+        of, files = self.of, (self.path, *files_of_set(self.path, "da"))
         return digest(file_key(*files), of.rig.names, of.settings.rate_hz, of.marks(), of.frames)
 
     def detections(self, threads: int | None = None) -> Detections:

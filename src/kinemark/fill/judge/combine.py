@@ -7,7 +7,7 @@ counts no more than an easy one, those within CLOSE of the least typical error g
     w = argmin wᵀC w,     w ≥ 0,  Σ w_j = 1,     C_jk = mean over the tests of ⟨e_j · e_k⟩ / s²             (1)
 
 In each of the gap's own tests the mean is tried with the weights that the others give: a candidate like any other.
-What it claims is the weighed mean of the claims of those methods that make one: they know the hard frames.
+Its covariance is the weighted mean of those of the methods that state one: they know the hard frames.
 
 To move C towards what is usual, as tests are few, was tried: correlations of a half, or equal errors. Neither was
 better by more than half a per cent.
@@ -31,7 +31,7 @@ keeps rounding away; chosen (see benchmarks/gaps.py)."""
 
 
 def close_ones(typical: Sequence[float]) -> list[int]:
-    """The methods worth weighing together, by index; empty where one stands alone."""
+    """The methods to be averaged, by index; empty where one stands alone."""
     order = [int(k) for k in np.argsort(typical) if typical[k] <= CLOSE * min(typical)]
     return order if len(order) > 1 and np.isfinite(min(typical)) else []
 
@@ -64,7 +64,7 @@ def mean_prediction(prediction: Sequence[Prediction], w: Floats) -> Prediction:
     used = [one for one, share in zip(prediction, w, strict=True) if share > 0]
     xyz = np.tensordot(w, np.array([s.xyz for s in prediction]), 1)
     references = tuple(dict.fromkeys(d for s in used for d in s.references))
-    return Prediction(xyz, _claim([s.cov for s in prediction], w), references=references)
+    return Prediction(xyz, _mean_cov([s.cov for s in prediction], w), references=references)
 
 
 def mean_tests(results: Sequence[list[HoldOutResult]], w: Floats) -> list[HoldOutResult]:
@@ -76,10 +76,10 @@ def _mean_test(each: Sequence[HoldOutResult], w: Floats) -> HoldOutResult:
     if not all(len(t.error) for t in each):
         return min(each, key=lambda t: len(t.error))
     error = np.tensordot(w, np.array([t.error for t in each]), 1)
-    return each[0]._replace(error=error, cov=_claim([t.cov for t in each], w))
+    return each[0]._replace(error=error, cov=_mean_cov([t.cov for t in each], w))
 
 
-def _claim(cov: Sequence[Floats], w: Floats) -> Floats:
+def _mean_cov(cov: Sequence[Floats], w: Floats) -> Floats:
     """The weighed mean of those covariances (L, 3, 3) that are known throughout, be it that of a method that hardly
     counts; NaN if none is."""
     known = [k for k, c in enumerate(cov) if np.isfinite(c).all()]

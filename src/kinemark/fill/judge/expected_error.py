@@ -6,14 +6,14 @@ are of the same marker:
     w = own · exp(−|ln L/L_gap| / SPREAD)                                                                  (1)
 
 with `own` 1 for the gap's tests and the shares MARKER and OTHER below for the rest. With s̄ the mean size of what the
-filler claims its error to be (the root of the trace of its covariance), in a test or in the gap, the expected mean
-error of the gap is that of the tests, moved half way to what the claim says of this gap:
+filler states its error to be (the root of the trace of its covariance), in a test or in the gap, the expected mean
+error of the gap is that of the tests, moved half way to what it states of this gap:
 
     expected = Σ w e / Σ w · √( s̄_gap / (Σ w s̄ / Σ w) )                                                   (2)
 
 (half way, in logarithms, as some fillers tell an easy gap from a hard one well and others do not; the root is 1 where
-a filler claims nothing). Methods are compared by ln e alone: a few tests gone wrong are no reason to leave the method
-that is better in all others, nor is the honesty of one that finds a gap harder than its tests. Among many methods some
+a filler states none). Methods are compared by ln e alone: a few tests gone wrong are no reason to leave the method
+that is better in all others, nor is that one finds a gap harder than its tests. Among many methods some
 do well in few tests by luck. So another takes the place of the one that is mostly best only if it does better by more
 than chance; with d = ln e − ln e' over the tests that both could do,
 
@@ -64,7 +64,7 @@ Chosen (see benchmarks/gaps.py)."""
 LEAST = 1e-3
 """mm below which distances do not differ, and the least weight by (9); chosen (see benchmarks/gaps.py)."""
 MOST = 5.0
-"""What a claim may move an expected error by, at most; chosen (see benchmarks/gaps.py)."""
+"""What a stated error may move an expected error by, at most; chosen (see benchmarks/gaps.py)."""
 Z = 1.959964  # standard deviations on each side that hold 95 %; the normal distribution's, by definition
 QUANTILES = (np.arange(40) + 0.5) / 40
 """At which distributions are tabulated; by definition."""
@@ -90,12 +90,12 @@ def size(cov: Floats) -> float:
 
 
 class MeasuredErrors:
-    """What the tests of one method say of its errors: mean error and claimed size of each, mm."""
+    """What the tests of one method say of its errors: mean error and stated size of each, mm."""
 
     def __init__(self, results: list[HoldOutResult]) -> None:
         self.means = np.array([t.mean for t in results], np.float64)
         self.logs = np.log(np.maximum(self.means, 1e-9))
-        self.claims = np.array([size(t.cov) for t in results], np.float64)
+        self.stated = np.array([size(t.cov) for t in results], np.float64)
         self.same = same_frames([t.test for t in results])
 
     def expect(self, prediction: Prediction, weights: Floats) -> tuple[float, float]:
@@ -107,7 +107,7 @@ class MeasuredErrors:
         if not np.isfinite(prediction.xyz).all() or w.sum() < 0.5 * weights.sum():
             return np.inf, np.inf
         w = w / w.sum()
-        usual = float(w @ self.claims[able])
+        usual = float(w @ self.stated[able])
         here = np.sqrt(size(prediction.cov) / usual) if usual > 0 else 1.0
         here = float(np.clip(here, 1 / MOST, MOST)) if np.isfinite(here) else 1.0
         return here * float(w @ self.means[able]), float(np.exp(w @ self.logs[able]))

@@ -14,7 +14,7 @@ as markers are never put on quite alike: ρ says how alike. In the mirrored tria
 its partner: one whose partner is missing in the gap would leave the other side out there, and unless it is of the first
 `FIRSTS` it is not used (2).
 
-How good a model is for a gap is told by two measures. The likelihood p of the n frames learnt from is that of small
+Two measures say how good a model is for a gap. The likelihood p of the n frames learnt from is that of small
 steps, which are most of what is seen; but a model is never quite true, and a long gap asks for long steps. So with e
 the mean error with which blocks of the gap's length are predicted when they are left out, a model is the worse the
 greater

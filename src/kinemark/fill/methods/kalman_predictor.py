@@ -32,8 +32,8 @@ from numpy.typing import NDArray
 
 from ...data.array_types import Floats
 from ...data.method import parameter
-from ...signal.kalman import KalmanState, predict, start, update
-from ...signal.smoother import Inside, jump_of, noise_of, predict_gaps, smooth_gaps
+from ...signal.kalman import KalmanState, initial_state, predict, update
+from ...signal.smoother import GapPositions, measurement_sd_of, predict_gaps, process_sd_of, smooth_gaps
 from ..marker_array import Gap, MarkerArray, Prediction
 from .stage import FILL, FillMethod
 
@@ -80,14 +80,14 @@ class Kalman(FillMethod):
 class _Windows(NamedTuple):
     """G gaps with their surroundings.
 
-    before, after (G, 3, H) mm, both from far to near; length (G) frames; sd, jump (G, 3) σ mm and U mm/frame².
+    before, after (G, 3, H) mm, both from far to near; length (G) frames; sd, process_sd (G, 3) σ mm and U mm/frame².
     """
 
     before: Floats
     after: Floats
     length: NDArray[np.int64]
     sd: Floats
-    jump: Floats
+    process_sd: Floats
 
 
 @FILL.method("kalman", Kalman, rank=10, source="Swamidas 1997, 3.3 and 5.2")
@@ -102,7 +102,7 @@ def fill_kalman(motion: MarkerArray, gaps: Sequence[Gap], *, method: Kalman = Ka
     return [_prediction(*answer, method) for answer in answers]
 
 
-def _answers(windows: _Windows, method: Kalman) -> list[Inside]:
+def _answers(windows: _Windows, method: Kalman) -> list[GapPositions]:
     """Positions and variances (3, L) of each gap in the order of time."""
     if method.mode == "smoother":
         return _smoothed(windows)
@@ -110,7 +110,7 @@ def _answers(windows: _Windows, method: Kalman) -> list[Inside]:
     if method.mode == "forward":
         return found
     back = _predicted(windows.after, windows, method)
-    return [_met(one, Inside(*(a[:, ::-1] for a in other))) for one, other in zip(found, back, strict=True)]
+    return [_met(one, GapPositions(*(a[:, ::-1] for a in other))) for one, other in zip(found, back, strict=True)]
 
 
 def _prediction(x: Floats, variance: Floats, method: Kalman) -> Prediction:
@@ -124,7 +124,7 @@ def _windows(motion: MarkerArray, gaps: Sequence[Gap], method: Kalman) -> _Windo
     """The samples about each gap; σ and U of its marker."""
     n_frames, size = motion.xyz.shape[1], max(round(method.margin * motion.rate), FEWEST)
     before, after = np.full((2, len(gaps), 3, size), np.nan)
-    sd, jump = np.empty((2, len(gaps), 3))
+    sd, process_sd = np.empty((2, len(gaps), 3))
     known: dict[int, tuple[Floats, Floats]] = {}
     for g, gap in enumerate(gaps):
         path = motion.xyz[gap.marker].T
@@ -132,64 +132,64 @@ def _windows(motion: MarkerArray, gaps: Sequence[Gap], method: Kalman) -> _Windo
         before[g, :, size - old.shape[1] :], after[g, :, size - new.shape[1] :] = old, new[:, ::-1]
         if gap.marker not in known:
             known[gap.marker] = _noise_and_jump(np.ascontiguousarray(path), motion.rate, method)
-        sd[g], jump[g] = known[gap.marker]
+        sd[g], process_sd[g] = known[gap.marker]
     for side in (before, after):
         side[(~np.isnan(side[:, 0])).sum(1) < FEWEST] = np.nan
-    return _Windows(before, after, np.array([gap.length for gap in gaps]), sd, jump)
+    return _Windows(before, after, np.array([gap.length for gap in gaps]), sd, process_sd)
 
 
 def _noise_and_jump(path: Floats, rate: float, method: Kalman) -> tuple[Floats, Floats]:
     """σ and U of a marker's coordinates (3, F), given or found."""
-    sd = noise_of(path) if method.measurement_sd is None else np.full(3, method.measurement_sd)
+    sd = measurement_sd_of(path) if method.measurement_sd is None else np.full(3, method.measurement_sd)
     if method.jerk is not None:
         return sd, np.full(3, method.jerk / rate**3)
-    return sd, jump_of(path, max(round(STRIDE * rate), 1), sd)
+    return sd, process_sd_of(path, max(round(STRIDE * rate), 1), sd)
 
 
-def _predicted(side: Floats, windows: _Windows, method: Kalman) -> list[Inside]:
+def _predicted(side: Floats, windows: _Windows, method: Kalman) -> list[GapPositions]:
     """(1): positions and variances (3, L) from one side on."""
     if method.differences:
-        each = zip(side, windows.sd, windows.jump, windows.length, strict=True)
+        each = zip(side, windows.sd, windows.process_sd, windows.length, strict=True)
         return [_by_differences(*gap) for gap in each]
     return _of_markers(predict_gaps(_flat(side), np.repeat(windows.length, 3), **_model(windows)))
 
 
-def _by_differences(path: Floats, sd: Floats, jump: Floats, length: int) -> Inside:
+def _by_differences(path: Floats, sd: Floats, process_sd: Floats, length: int) -> GapPositions:
     """(4): as `_predicted` for one gap, since these predictors begin with whole triples."""
-    found = Inside(*np.full((2, 3, length), np.nan))
-    one_sd, one_jump = float(np.sqrt((sd**2).mean())), float(np.sqrt((jump**2).mean()))
-    state = _follow(path, one_sd, one_jump)
+    found = GapPositions(*np.full((2, 3, length), np.nan))
+    one_sd, one_process_sd = float(np.sqrt((sd**2).mean())), float(np.sqrt((process_sd**2).mean()))
+    state = _follow(path, one_sd, one_process_sd)
     if state is None:
         return found
     for k in range(length):
         found.x[:, k], found.variance[:, k] = state.x[0, 0], state.P[0, 0, 0]
-        state = predict(state, one_jump)
+        state = predict(state, one_process_sd)
     return found
 
 
-def _follow(path: Floats, sd: float, jump: float) -> KalmanState | None:
+def _follow(path: Floats, sd: float, process_sd: float) -> KalmanState | None:
     """The thesis' predictor one frame after the last of the samples (3, H); None without three in a row."""
     state: KalmanState | None = None
     for k in range(2, path.shape[1]):
         past = path[:, k - 2 : k + 1].T[None, ::-1]
-        whole = not np.isnan(past).any()
+        consecutive = not np.isnan(past).any()
         if state is None:
-            state = start(past, sd, jump) if whole else None
+            state = initial_state(past, sd, process_sd) if consecutive else None
         elif np.isnan(past[0, 0]).any():
-            state = predict(state, jump)
+            state = predict(state, process_sd)
         else:
-            state = update(state, np.nan_to_num(past), np.array([whole]), sd, jump)
+            state = update(state, np.nan_to_num(past), np.array([consecutive]), sd, process_sd)
     return state
 
 
-def _smoothed(windows: _Windows) -> list[Inside]:
+def _smoothed(windows: _Windows) -> list[GapPositions]:
     """(3): positions and variances (3, L); a gap before which there is no sample is done backwards."""
     late = np.asarray(np.isnan(windows.before[:, 0]).all(1))
     before = np.where(late[:, None, None], windows.after, windows.before)
     after = np.where(late[:, None, None], windows.before, windows.after)
     each = smooth_gaps(_flat(before), _flat(after)[:, ::-1], np.repeat(windows.length, 3), **_model(windows))
     found = _of_markers(each)
-    return [Inside(*(a[:, ::-1] for a in one)) if back else one for one, back in zip(found, late, strict=True)]
+    return [GapPositions(*(a[:, ::-1] for a in one)) if back else one for one, back in zip(found, late, strict=True)]
 
 
 def _flat(side: Floats) -> Floats:
@@ -198,17 +198,17 @@ def _flat(side: Floats) -> Floats:
 
 
 def _model(windows: _Windows) -> dict[str, Floats]:
-    return {"sd": windows.sd.ravel(), "jump": windows.jump.ravel()}
+    return {"sd": windows.sd.ravel(), "process_sd": windows.process_sd.ravel()}
 
 
-def _of_markers(each: list[Inside]) -> list[Inside]:
+def _of_markers(each: list[GapPositions]) -> list[GapPositions]:
     """Three coordinates (L) as one (3, L)."""
-    return [Inside(*map(np.array, zip(*each[k : k + 3], strict=True))) for k in range(0, len(each), 3)]
+    return [GapPositions(*map(np.array, zip(*each[k : k + 3], strict=True))) for k in range(0, len(each), 3)]
 
 
-def _met(one: Inside, other: Inside) -> Inside:
+def _met(one: GapPositions, other: GapPositions) -> GapPositions:
     """(2); where only one of the two is, that."""
     w1, w2 = (np.where(np.isnan(side.x), 0.0, 1 / side.variance) for side in (one, other))
     with np.errstate(invalid="ignore", divide="ignore"):
         x = (np.nan_to_num(one.x) * w1 + np.nan_to_num(other.x) * w2) / (w1 + w2)
-        return Inside(x, 1 / (w1 + w2))
+        return GapPositions(x, 1 / (w1 + w2))

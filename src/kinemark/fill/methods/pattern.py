@@ -42,8 +42,7 @@ def fill_pattern(motion: MarkerArray, gaps: list[Gap], *, method: Pattern = Patt
         ValueError: a reference marker named is not in the trial.
     """
     known = KnownSamples.of(motion)
-    allowed = np.zeros(len(known.names), np.bool_)
-    allowed[known.places(method.reference_markers) if method.reference_markers else slice(None)] = True
+    allowed = known.among(method.reference_markers)
     bent: dict[int, Floats] = {}
     return [_follow(known, known.span(gap), allowed, bent) for gap in gaps]
 

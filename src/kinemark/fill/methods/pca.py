@@ -31,7 +31,7 @@ import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
 from ...data.method import ONE, parameter
-from ..known_samples import KnownSamples, Span, pieces
+from ..known_samples import KnownSamples, Span, sections
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 from ..residual_bridge import Leftover, bridge
@@ -94,7 +94,7 @@ class _LearntComponents(NamedTuple):
 
 @FILL.method("pca", PCA, rank=11, source="Federolf 2013; Gløersen and Federolf 2016")
 def fill_pca(motion: MarkerArray, gaps: list[Gap], *, method: PCA = PCA()) -> list[Prediction]:
-    """Each gap from the markers seen in it, or piece by piece where markers come and go."""
+    """Each gap from the markers seen in it, or section by section where markers come and go."""
     known = KnownSamples.of(motion)
     learnt = _LearntComponents(distances(known), known.thin(), {})
     return [_reconstruct(known, known.span(gap), learnt, method) for gap in gaps]
@@ -104,7 +104,7 @@ def _reconstruct(known: KnownSamples, span: Span, learnt: _LearntComponents, met
     if not span.edges:
         return Prediction.none(span.length, known.never(span))
     out, lost, references = Prediction.none(span.length, ""), list[str](), set[int]()
-    for start, stop in pieces(known, span, least=3):
+    for start, stop in sections(known, span, least=3):
         there = known.throughout(start, stop, but=span.marker)
         found = _map(known, span.marker, there, learnt, method)
         if found is None:

@@ -25,7 +25,7 @@ import numpy as np
 from ...data.array_types import Bools, Floats, Ints
 from ...data.method import ONE, parameter
 from ...geometry import nearest_rotations, rigid_poses
-from ..known_samples import KnownSamples, Span, pieces
+from ..known_samples import KnownSamples, Span, sections
 from ..marker_array import Gap, MarkerArray, Prediction
 from ..reference_markers import Distances, distances, nearest
 from ..residual_bridge import Leftover, bridge
@@ -97,21 +97,20 @@ class _LearntBody(NamedTuple):
 
 @FILL.method("rigid_body", RigidBody, rank=5, source="Söderkvist and Wedin 1993")
 def fill_rigid_body(motion: MarkerArray, gaps: list[Gap], *, method: RigidBody = RigidBody()) -> list[Prediction]:
-    """Each gap from its own reference markers, or piece by piece where reference markers come and go.
+    """Each gap from its own reference markers, or section by section where reference markers come and go.
 
     Raises:
         ValueError: a reference marker named is not in the trial.
     """
     known = KnownSamples.of(motion)
-    allowed = np.zeros(len(known.names), np.bool_)
-    allowed[known.places(method.reference_markers) if method.reference_markers else slice(None)] = True
+    allowed = known.among(method.reference_markers)
     learnt = _LearntBody(allowed, distances(known), {})
     return [_carried(known, known.span(gap), learnt, method) for gap in gaps]
 
 
 def _carried(known: KnownSamples, span: Span, learnt: _LearntBody, method: RigidBody) -> Prediction:
     out, reasons, references = Prediction.none(span.length, ""), list[str](), set[int]()
-    for start, stop in pieces(known, span, least=3):
+    for start, stop in sections(known, span, least=3):
         body = _body(known, span, known.throughout(start, stop, but=span.marker), learnt, method)
         if isinstance(body, str):
             reasons.append(f"frames {start + 1} to {stop}: {body}")

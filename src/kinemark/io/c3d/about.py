@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .document import C3D, with_parameters
+from .parameter_tables import with_text
 from .parameters import Parameter
 from .provenance import GROUP
-from .tables import with_text
 
 ABOUT = "ABOUT"
 BETWEEN = ": "
@@ -21,8 +21,8 @@ def about_of(doc: C3D) -> dict[str, str]:
     """What a document says; subjects with commas between them."""
     subjects = ", ".join(name for name in doc.texts("SUBJECTS", "NAMES") if name)
     rows = (row.partition(BETWEEN) for row in doc.texts(GROUP, ABOUT))
-    told = {name: text for name, between, text in rows if between}
-    return ({SUBJECT: subjects} if subjects else {}) | told
+    stated = {name: text for name, between, text in rows if between}
+    return ({SUBJECT: subjects} if subjects else {}) | stated
 
 
 def with_about(doc: C3D, about: Mapping[str, str]) -> C3D:

@@ -1,7 +1,7 @@
-"""How many numbers there are: header, parameters and the size of the file often tell three stories.
+"""How many numbers there are: header, parameters and the size of the file often disagree.
 
 A frame holds 4 numbers a point and one a sample of each channel. The counts stand in the header and again in the
-parameters; both are words of 16 bits, so more than 65 535 frames wrap, or stop there, or are told by a float. Of all
+parameters; both are words of 16 bits, so more than 65 535 frames wrap, or stop there, or are stated as a float. Of all
 consistent readings the first is taken that fills the file up to its last block; where none does, the first that
 stands in the file, so that a truncated file is seen as such.
 """

@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError, Origin
-from ..units import USUAL, mm_per
+from ..units import USUAL_UNITS, mm_per
 from .document import C3D, HALF
-from .provenance import told_filled
+from .provenance import stated_filled
 
 OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 LENGTH = "LENGTH"
@@ -33,7 +33,7 @@ FARTHEST = 1e9  # in the file's unit; farther, a sample is no position; chosen
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
-    """Points, markers and others alike, of M points and F frames.
+    """Points, both markers and others, of M points and F frames.
 
     Attributes:
         xyz: (M, F, 3) mm, or the file's unit for what is no length; NaN where missing.
@@ -82,7 +82,7 @@ def mm_per_unit(doc: C3D) -> float:
     unit = next(iter(doc.texts("POINT", "UNITS")), "") or "mm"
     if (mm := mm_per(unit)) is None:
         raise KinemarkError(
-            f"POINT:UNITS is {unit!r}, wanted {USUAL}. State the true one: --length-unit mm (units='mm')."
+            f"POINT:UNITS is {unit!r}, wanted {USUAL_UNITS}. State the true one: --length-unit mm (units='mm')."
         )
     return mm
 
@@ -99,7 +99,7 @@ def samples_of(doc: C3D) -> Samples:
     xyz[missing], residual[missing] = np.nan, np.nan
     origin = np.where(missing, Origin.MISSING, Origin.MEASURED).astype(np.uint8)
     filled = (doc.word.T == 0) & (cameras != 0).any(1, keepdims=True) & ~missing
-    origin[filled | (told_filled(doc, point_names(doc)) & ~missing)] = Origin.FILLED
+    origin[filled | (stated_filled(doc, point_names(doc)) & ~missing)] = Origin.FILLED
     return Samples(xyz, residual, cameras, origin)
 
 

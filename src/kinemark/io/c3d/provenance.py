@@ -1,4 +1,4 @@
-"""Which samples of a file were filled, told in a group of its own where C3D's own marks do not tell.
+"""Which samples of a file were filled, stated in a group of its own where C3D's own marks do not state it.
 
 C3D marks a sample that was not measured by a residual of 0 and no camera. Where a file states no cameras at all, as
 most do, every sample looks like that. KINEMARK:FILLED_POINTS then names the points, a row for each run of filled
@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from ...data import Origin, Trajectories
 from ...numerics.runs import true_runs
 from .document import C3D
-from .tables import with_numbers, with_text
+from .parameter_tables import with_numbers, with_text
 
 GROUP, POINTS, FRAMES = "KINEMARK", "FILLED_POINTS", "FILLED_FRAMES"
 LAST = np.array([0, 1])
 """From where a run begins and where it is over to its first and last frame; by definition."""
 
 
-def told_filled(doc: C3D, names: tuple[str, ...]) -> NDArray[np.bool_]:
+def stated_filled(doc: C3D, names: tuple[str, ...]) -> NDArray[np.bool_]:
     """(M, F) samples that the group says are filled; runs of unknown points or beyond the file are passed over."""
     filled = np.zeros((len(names), len(doc.points)), bool)
     points, frames = doc.texts(GROUP, POINTS), doc.numbers(GROUP, FRAMES)

@@ -19,9 +19,9 @@ from ..notes import FileNote
 from .analog_rates import SAME_RATE, SAME_TIME, seconds_beyond
 from .document import C3D, with_parameters
 from .numbers import decode_floats, encode_floats
+from .parameter_tables import matched, with_descriptions, with_text
 from .parameters import BLOCK, Parameter
 from .points import distinct, mm_per_unit
-from .tables import matched, with_descriptions, with_text
 
 GROUP = "ROTATION"
 WIDTH = 17  # numbers of a sample; of the format

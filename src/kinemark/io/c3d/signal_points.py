@@ -19,10 +19,10 @@ from ...data.signals import XYZ
 from ..notes import FileNote
 from .analog_rates import SAME_RATE, SAME_TIME, seconds_beyond
 from .document import C3D, with_parameters
+from .parameter_tables import with_text
 from .parameters import Parameter
 from .points import kinds_of
 from .provenance import GROUP
-from .tables import with_text
 
 SD = " SD"
 TYPES = {"angle": "ANGLES", "force": "FORCES", "moment": "MOMENTS", "power": "POWERS", "scalar": "SCALARS"}
@@ -67,12 +67,12 @@ def signals_of(doc: C3D, names: Sequence[str], kinds: Sequence[str], xyz: NDArra
     """
     row = {name: i for i, name in enumerate(names) if kinds[i] in KIND_OF}
     sd = {name: row[name + SD] for name in _with_sd(row, kinds)}
-    told, texts = told_signals(doc), doc.texts("POINT", "DESCRIPTIONS")
+    stated, texts = stated_signals(doc), doc.texts("POINT", "DESCRIPTIONS")
     found = []
     for name, i in row.items():
         if i in sd.values():
             continue
-        kind, unit, axes = told.get(name, (KIND_OF[kinds[i]], unit_of(doc, kinds[i]), XYZ))
+        kind, unit, axes = stated.get(name, (KIND_OF[kinds[i]], unit_of(doc, kinds[i]), XYZ))
         a = len(axes)
         cov = np.broadcast_to(np.nan, (len(xyz[i]), a, a))
         if name in sd:
@@ -93,7 +93,7 @@ def _with_sd(row: dict[str, int], kinds: Sequence[str]) -> list[str]:
     return having
 
 
-def told_signals(doc: C3D) -> dict[str, tuple[str, str, tuple[str, ...]]]:
+def stated_signals(doc: C3D) -> dict[str, tuple[str, str, tuple[str, ...]]]:
     """Kind, unit and axes of the quantities in the group of our own; rows that make no sense are passed over."""
     columns = [doc.texts(GROUP, name) for name in ("SIGNALS", "SIGNAL_KINDS", "SIGNAL_UNITS", "SIGNAL_AXES")]
     found = {}
@@ -174,7 +174,7 @@ def with_listed(doc: C3D, names: Sequence[str], listed: Sequence[str]) -> C3D:
     return doc
 
 
-def with_told(doc: C3D, signals: Signals) -> C3D:
+def with_stated(doc: C3D, signals: Signals) -> C3D:
     """The document with the unit of every kind, and in our own group what POINT cannot say of the quantities."""
     for listed in KIND_OF:
         units = [s.unit for s in signals if type_of(s.kind) == listed]

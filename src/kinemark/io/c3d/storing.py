@@ -19,12 +19,12 @@ from .about import with_about
 from .analog_rates import on_frames
 from .document import C3D, with_parameters
 from .numbers import ByteOrder
+from .parameter_tables import matched, rows_from, with_numbers, with_text
 from .parameters import Parameter
 from .rotations import with_rotations
 from .sample_table import with_table
 from .storing_analog import with_analog, with_plates
 from .storing_points import with_points
-from .tables import matched, rows_from, with_numbers, with_text
 from .to_trial import events_of
 from .writing import with_counts, write_document
 

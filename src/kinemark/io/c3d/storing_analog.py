@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ...data import Analog, ForcePlate, same
 from .document import C3D, has_unsigned_analog, with_parameters
+from .parameter_tables import matched, rows_from, with_descriptions, with_numbers, with_text
 from .parameters import Parameter
 from .points import mm_per_unit
 from .storing_points import FULL_SCALE
-from .tables import matched, rows_from, with_descriptions, with_numbers, with_text
 from .to_trial import analog_names, analog_of, analog_scaling, plates_of
 
 

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ...data import KinemarkError, Origin, Trajectories, Trial
 from ..notes import FileNote
 from .document import C3D, HALF
+from .parameter_tables import matched, with_descriptions, with_text
 from .points import LENGTH, Samples, mm_per_unit, point_names, samples_of
 from .provenance import with_filled
-from .signal_points import SD, SignalPoint, points_of, with_listed, with_told
-from .tables import matched, with_descriptions, with_text
+from .signal_points import SD, SignalPoint, points_of, with_listed, with_stated
 
 MOST_COUNTS = 32767  # of a signed word of 16 bits; of the format
 FULL_SCALE = 32000.0  # counts that the farthest coordinate gets; chosen: a little room below 32 767
@@ -49,7 +49,7 @@ def with_points(doc: C3D, source: C3D, trial: Trial, *, floats: bool) -> tuple[C
     points = _rounded(points, scale, floats, seen & ((new.listed == LENGTH) | (new.listed == "ANGLES")))
     none = np.zeros((0, 0))  # analog, until it is stored
     doc = replace(doc, points=points, word=word, analog=none, scale=scale, floats=floats, first_frame=first)
-    doc = with_told(with_listed(_with_labels(doc, source, new), new.names, new.listed.tolist()), trial.signals)
+    doc = with_stated(with_listed(_with_labels(doc, source, new), new.names, new.listed.tolist()), trial.signals)
     return with_filled(doc, trial.trajectories, samples_of(doc).origin[new.listed == LENGTH]), notes
 
 
@@ -123,8 +123,8 @@ def _with_marks(new: PointTable, old: Samples, source: C3D, first_frame: int) ->
     frames = np.flatnonzero((at >= 0) & (at < len(source.points)))
     for i in np.flatnonzero((new.listed != LENGTH) & (np.array(new.rows, np.int64) >= 0)).tolist():
         was = old.origin[new.rows[i], at[frames]]
-        alike = (was == Origin.MISSING) == (samples.origin[i, frames] == Origin.MISSING)
-        to, of = frames[alike], at[frames[alike]]
+        both = (was == Origin.MISSING) == (samples.origin[i, frames] == Origin.MISSING)
+        to, of = frames[both], at[frames[both]]
         for name in ("residual", "cameras", "origin"):
             getattr(samples, name)[i, to] = getattr(old, name)[new.rows[i], of]
     return samples
@@ -201,11 +201,11 @@ def _kept(
     stored, marks = (a.swapaxes(0, 1)[pick].swapaxes(0, 1) for a in (source.points, source.word))
     if not floats:
         place &= ((stored >= HALF * scale) & (stored <= MOST_COUNTS * scale)).all(-1)
-    told = place & (_equal(new.residual, old.residual[pick]) & (new.cameras == old.cameras[pick])).T
-    told &= (new.origin == old.origin[pick]).T & (scale == source.scale)
+    unchanged = place & (_equal(new.residual, old.residual[pick]) & (new.cameras == old.cameras[pick])).T
+    unchanged &= (new.origin == old.origin[pick]).T & (scale == source.scale)
     if not floats:
-        told &= (marks == np.rint(marks)) & (np.abs(marks) <= MOST_COUNTS)
-    mixed = np.where(told, marks, word)
+        unchanged &= (marks == np.rint(marks)) & (np.abs(marks) <= MOST_COUNTS)
+    mixed = np.where(unchanged, marks, word)
     if (mixed >= 0).any():  # a source that marks every sample as missing must not do so for some
         mixed = np.where((word >= 0) & ~(mixed >= 0), word, mixed)
     return np.where(place[..., None], stored, points), mixed

@@ -155,7 +155,7 @@ def in_order(paths: Sequence[Path | str], letters: str) -> dict[int, Path]:
     return dict(sorted(found.items()))
 
 
-def siblings(path: Path | str, letters: str) -> list[Path]:
+def files_of_set(path: Path | str, letters: str) -> list[Path]:
     """All cameras' files of the set that one of them belongs to: the same name, in the same folder.
 
     Raises:

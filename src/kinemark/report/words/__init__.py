@@ -13,8 +13,9 @@ from ...data import Finding
 from .calibration import CALIBRATION_WORDS
 from .control_points import CONTROL_POINT_WORDS
 from .decisions import reason_text
+from .error_sources import SOURCE_ADVICE, evidence_text
 from .open_gaps import open_gap_text
-from .stages import ANGLE_WORDS, FILLING_WORDS, PROPOSAL_WORDS, SOURCE_ADVICE
+from .stages import ANGLE_WORDS, FILLING_WORDS, PROPOSAL_WORDS
 from .template import Words
 from .trial import TRIAL_WORDS
 from .verdicts import VERDICT_WORDS
@@ -24,6 +25,7 @@ __all__ = [
     "TAGS",
     "WORDS",
     "advice_of",
+    "evidence_text",
     "headline_of",
     "open_gap_text",
     "reason_text",
@@ -73,8 +75,8 @@ def sentences_of(verdict: Mapping[str, Any]) -> list[str]:
 
 
 def with_words(figures: Any) -> Any:
-    """Figures with `text` and `advice` in every finding, `text` in every close decision, `headline` and `sentences` in
-    every verdict, however deep they lie."""
+    """Figures with `text` and `advice` in every finding, `text` in every ambiguous decision, `evidence_text` in every
+    source of error, `headline` and `sentences` in every verdict, however deep they lie."""
     if isinstance(figures, list):
         return [with_words(item) for item in figures]
     if not isinstance(figures, dict):
@@ -84,6 +86,8 @@ def with_words(figures: Any) -> Any:
         return figures | {"text": text, "advice": advice}
     if "kind" in figures and "reason" in figures:
         return figures | {"text": reason_text([figures])}
+    if "source" in figures and "evidence" in figures:
+        return figures | {"evidence_text": evidence_text(figures)}
     worded = {key: with_words(value) for key, value in figures.items()}
     if "statements" in figures:
         worded |= {

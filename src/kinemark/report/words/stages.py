@@ -1,4 +1,4 @@
-"""What findings of filling, of joint angles and of the proposal of detection say, and advice on sources of error."""
+"""What findings of filling, of joint angles and of the proposal of detection say."""
 
 from __future__ import annotations
 
@@ -103,12 +103,3 @@ PROPOSAL_WORDS = {
         "The images have 16 bits, but no level above {white} is used: hence the low numbers of the thresholds."
     ),
 }
-
-SOURCE_ADVICE = {
-    "disturbed images": "Find the camera from which limb or clothes hide the marker; add one there, or move it.",
-    "centroid noise": "Average over more cycles, or filter. Larger markers and longer lenses make larger images.",
-    "lens model": "Linearise the cameras with a grid, or allow more lens terms; the maps show which camera.",
-    "calibration": "Calibrate again, waving the wand through the whole volume, and before every session.",
-    "marker placement": "Palpate twice, one examiner a subject, joint centres found from motion. Cameras cannot help.",
-}
-"""What helps against each source of error."""

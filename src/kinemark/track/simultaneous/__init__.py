@@ -5,8 +5,8 @@ from .ambiguous import AmbiguousDecision, ambiguous_decisions, track_with_decisi
 from .diagnostics import diagnose
 from .diagnostics_of_points import diagnose_points
 from .diagnostics_of_tracks import diagnose_tracks
-from .methods import track_detections
 from .simultaneous_method import Simultaneous
+from .track_detections import track_detections
 from .tracker import TrackingResult, track_simultaneously
 
 __all__ = [

@@ -57,13 +57,13 @@ def _jacobian(images: Images, rig: Rig, some: Residuals) -> Floats:
     """J (H, 4 C) of (2), px."""
     J = np.zeros((len(some.off), len(rig), 4))
     K = np.array([camera.K for camera in rig])
-    for camera, row, line in zip(some.camera, some.row, some.line, strict=True):
+    for camera, detection, line in zip(some.camera, some.detection, some.line, strict=True):
         fx, fy = K[camera, 0, 0], K[camera, 1, 1]
-        y = (images.uv[row, 1] - K[camera, 1, 2]) / fy
-        x = (images.uv[row, 0] - K[camera, 0, 2] - K[camera, 0, 1] * y) / fx
+        y = (images.uv[detection, 1] - K[camera, 1, 2]) / fy
+        x = (images.uv[detection, 0] - K[camera, 0, 2] - K[camera, 0, 1] * y) / fx
         dx = np.stack([-x * y, 1 + x * x, -y, x], -1) * fx[:, None]  # (1)
         dy = np.stack([-1 - y * y, x * y, x, y], -1) * fy[:, None]
-        J[np.arange(len(row)), camera] += line[:, :1] * dx + line[:, 1:] * dy
+        J[np.arange(len(detection)), camera] += line[:, :1] * dx + line[:, 1:] * dy
     return J.reshape(len(some.off), -1)
 
 

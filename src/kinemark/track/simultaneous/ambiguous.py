@@ -123,7 +123,7 @@ def ambiguous_decisions(result: TrackingResult, method: Simultaneous) -> list[Am
 
 def _came_near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that came nearer than their gates (1), both having images."""
-    seen = seen.take(np.flatnonzero((seen.row >= 0).any(0)))
+    seen = seen.take(np.flatnonzero((seen.detection >= 0).any(0)))
     start = np.searchsorted(seen.frame, np.arange(int(seen.frame.max(initial=-1)) + 2))
     pairs, apart = [np.zeros((2, 0), np.int64)], [np.zeros(0)]
     for a, b in zip(start[:-1].tolist(), start[1:].tolist(), strict=True):
@@ -143,7 +143,7 @@ def _came_near(seen: Associations, method: Simultaneous) -> list[AmbiguousDecisi
 
 def _found_again(seen: Associations, method: Simultaneous) -> list[AmbiguousDecision]:
     """Tracks that were lost, and then had two images where their place was hardly known."""
-    again = np.flatnonzero((seen.before > method.uncertain_sd) & ((seen.row >= 0).sum(0) >= 2))
+    again = np.flatnonzero((seen.before > method.uncertain_sd) & ((seen.detection >= 0).sum(0) >= 2))
     return [
         AmbiguousDecision("swap", a, b, who, "found_again", {"sd_mm": sd})
         for who, a, b, sd in _runs(seen.id[again][:, None], seen.frame[again], seen.before[again])
@@ -170,8 +170,8 @@ def _jumps(tracks: Tracks, method: Simultaneous) -> list[AmbiguousDecision]:
 
 def _merged(seen: Associations, merged: Bools) -> list[AmbiguousDecision]:
     """Tracks that used images of others."""
-    has = seen.row >= 0
-    own = (has & ~seen.shared & ~merged[seen.row]).sum(0)
+    has = seen.detection >= 0
+    own = (has & ~seen.shared & ~merged[seen.detection]).sum(0)
     rows = np.flatnonzero((own < 2) & (has & seen.shared).any(0) & (has.sum(0) >= 2))
     return [
         AmbiguousDecision("merge", a, b, who, "shared_images")

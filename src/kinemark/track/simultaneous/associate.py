@@ -50,20 +50,20 @@ class PredictedImages(NamedTuple):
 
 
 class Association(NamedTuple):
-    """Images of tracks: row (C, T) of `Images`, −1 for none; variance (C, T) px², inf for none; score (C, T) of (3);
-    shared (C, T) whether another track has it too."""
+    """Images of tracks: detection (C, T) index, −1 for none; variance (C, T) px², inf for none; score (C, T)
+    of (3); shared (C, T) whether another track has it too."""
 
-    row: Ints
+    detection: Ints
     variance: Floats
     score: Floats
     shared: Bools
 
 
 class TrackImagePairs(NamedTuple):
-    """Places own = c T + t of track t in camera c and rows of images that may belong together; (2), and ln |S|."""
+    """Places own = c T + t of track t in camera c and detections that may belong together; (2), and ln |S|."""
 
     own: Ints
-    row: Ints
+    detection: Ints
     squared: Floats
     log_det: Floats
 
@@ -80,10 +80,10 @@ def candidates(images: Images, free: Bools, frame: Ints, expected: PredictedImag
     C = len(expected.uv)
     cell = (frame * C + np.arange(C)[:, None]).ravel()
     reach = gate * np.sqrt(a + images.widest[cell])
-    own, row, squared, det = native.candidates(
+    own, detection, squared, det = native.candidates(
         images.by_cell, images.variance, free, cell, np.stack([u, v]), np.stack([a, b, d]), reach, gate=gate**2
     )
-    return TrackImagePairs(own, row, squared, np.log(det))
+    return TrackImagePairs(own, detection, squared, np.log(det))
 
 
 def associate(images: Images, free: Bools, frame: Ints, expected: PredictedImages, gate: float) -> Association:
@@ -92,13 +92,13 @@ def associate(images: Images, free: Bools, frame: Ints, expected: PredictedImage
     pairs = candidates(images, free, frame, expected, gate)
     score = images.prior[pairs.own // n] - pairs.log_det - pairs.squared  # (3)
     good = np.flatnonzero(score > 0)
-    own, image, score = pairs.own[good], pairs.row[good], score[good]
+    own, image, score = pairs.own[good], pairs.detection[good], score[good]
     best = _best_pairs(own, image, score, frame[own % n] * C + own // n)
-    row, gain = np.full(C * n, -1), np.zeros(C * n)
-    row[own[best]], gain[own[best]] = image[best], score[best]
-    row = row.reshape(C, n)
-    variance = np.where(row >= 0, images.variance[row], np.inf)
-    return Association(row, variance, gain.reshape(C, n), np.zeros((C, n), bool))
+    detection, gain = np.full(C * n, -1), np.zeros(C * n)
+    detection[own[best]], gain[own[best]] = image[best], score[best]
+    detection = detection.reshape(C, n)
+    variance = np.where(detection >= 0, images.variance[detection], np.inf)
+    return Association(detection, variance, gain.reshape(C, n), np.zeros((C, n), bool))
 
 
 def _best_pairs(own: Ints, image: Ints, score: Floats, cell: Ints) -> Ints:
@@ -151,27 +151,27 @@ def _assigned(own: Ints, image: Ints, score: Floats, pair: Ints) -> Ints:
 
 def share(images: Images, frame: Ints, expected: PredictedImages, association: Association, gate: float) -> Association:
     """The association, in which tracks without an image share merged images of others that cover their prediction."""
-    has = association.row >= 0
-    holder_c, holder = np.nonzero(has & images.merged[association.row])
+    has = association.detection >= 0
+    holder_c, holder = np.nonzero(has & images.merged[association.detection])
     h, t = np.nonzero((frame[holder, None] == frame) & ~has[holder_c])
     c, holder = holder_c[h], holder[h]
-    row = association.row[c, holder]
-    far = np.hypot(images.uv[row, 0] - expected.uv[c, 0, t], images.uv[row, 1] - expected.uv[c, 1, t])
+    detection = association.detection[c, holder]
+    far = np.hypot(images.uv[detection, 0] - expected.uv[c, 0, t], images.uv[detection, 1] - expected.uv[c, 1, t])
     sd = gate * np.sqrt(np.maximum(expected.S[c, 0, t], expected.S[c, 2, t]))
-    beyond = far / (IN_ROW * images.radius[row] + sd)
+    beyond = far / (IN_ROW * images.radius[detection] + sd)
     near = np.flatnonzero(beyond < 1)
     near = near[np.argsort(-beyond[near], kind="stable")]  # of several, the nearest is written last
-    return _shared(images, association, c[near], t[near], holder[near], row[near])
+    return _shared(images, association, c[near], t[near], holder[near], detection[near])
 
 
-def _shared(images: Images, association: Association, c: Ints, t: Ints, holder: Ints, row: Ints) -> Association:
-    """The association in which tracks t in cameras c share the images `row`."""
+def _shared(images: Images, association: Association, c: Ints, t: Ints, holder: Ints, detection: Ints) -> Association:
+    """The association in which tracks t in cameras c share the images `detection`."""
     if not len(t):
         return association
-    rows, variance, shared = association.row.copy(), association.variance.copy(), association.shared.copy()
-    rows[c, t] = row
+    rows, variance, shared = association.detection.copy(), association.variance.copy(), association.shared.copy()
+    rows[c, t] = detection
     for track in (t, holder):
-        variance[c, track] = np.maximum(images.variance[row], images.radius[row] ** 2 / 2)  # (4)
+        variance[c, track] = np.maximum(images.variance[detection], images.radius[detection] ** 2 / 2)  # (4)
         shared[c, track] = True
     return Association(rows, variance, association.score, shared)
 
@@ -179,4 +179,4 @@ def _shared(images: Images, association: Association, c: Ints, t: Ints, holder: 
 def information(images: Images, expected: PredictedImages, association: Association) -> tuple[Floats, Floats]:
     """Information of the associated images on the positions: N (3, 3, T) 1/mm² and g (3, T) 1/mm of
     `kalman_states.update`."""
-    return native.information(expected.uv, expected.J, association.row, association.variance, images.uv)
+    return native.information(expected.uv, expected.J, association.detection, association.variance, images.uv)

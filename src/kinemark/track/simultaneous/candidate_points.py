@@ -32,12 +32,12 @@ MAX_IMAGES = 1500
 
 
 class CandidatePoints(NamedTuple):
-    """G points: frame (G), xyz (3, G) mm, cov (3, 3, G) mm², row (C, G) of their images or −1; χ² and score (G)."""
+    """G points: frame (G), xyz (3, G) mm, cov (3, 3, G) mm², detection (C, G) index or −1; χ² and score (G)."""
 
     frame: Ints
     xyz: Floats
     cov: Floats
-    row: Ints
+    detection: Ints
     squared: Floats
     score: Floats
 
@@ -47,14 +47,14 @@ class CandidatePoints(NamedTuple):
             self.frame[which],
             self.xyz[:, which],
             self.cov[..., which],
-            self.row[:, which],
+            self.detection[:, which],
             self.squared[which],
             self.score[which],
         )
 
 
 class PlacedPoints(NamedTuple):
-    """Points of views: xyz (3, H) mm, cov (3, 3, H) mm², squared (C, H) d²/s², −1 unseen."""
+    """Points: xyz (3, H) mm, cov (3, 3, H) mm², squared (C, H) d²/s², −1 unseen."""
 
     xyz: Floats
     cov: Floats
@@ -82,9 +82,9 @@ def find_candidate_points(images: Images, free: Bools, F: Floats, frames: list[i
     for most, least in ((2, (4,)), (C, (3, 2))):
         some = np.flatnonzero((between <= most) & free[pair].all(0))
         if len(some):
-            view = _completed(images, free, pair[:, some], gate)
-            view = _distinct(view[:, (view >= 0).sum(0) >= least[-1]])
-            won += _chosen(images, free, view, gate, least)
+            detection = _completed(images, free, pair[:, some], gate)
+            detection = _distinct(detection[:, (detection >= 0).sum(0) >= least[-1]])
+            won += _chosen(images, free, detection, gate, least)
     groups = CandidatePoints(*(np.concatenate(columns, -1) for columns in zip(*won, strict=True)))
     return groups.take(np.argsort(groups.frame, kind="stable"))
 
@@ -136,44 +136,46 @@ def near_lines(images: Images, rows: Ints, F: Floats, gate: float) -> Ints:
 
 
 def _completed(images: Images, free: Bools, pair: Ints, gate: float) -> Ints:
-    """The views (C, H) of pairs (2, H), with the likeliest images where their points are expected elsewhere."""
+    """The detections (C, H) of pairs (2, H), with the likeliest images where their points are expected elsewhere."""
     camera, n = images.camera[pair], np.arange(pair.shape[1])
     point = intersect(images, pair, camera)
     expected = predict_images(images.P, KalmanStates(point.xyz, point.cov))
     expected.uv[camera, :, n] = np.nan
     pairs = candidates(images, free, images.frame[pair[0]], expected, gate)
     order = np.argsort(-pairs.squared, kind="stable")  # of several, the nearest is written last
-    view = np.full((len(images.P), len(n)), -1)
-    view.reshape(-1)[pairs.own[order]] = pairs.row[order]
-    view[camera, n] = pair
-    return view
+    detection = np.full((len(images.P), len(n)), -1)
+    detection.reshape(-1)[pairs.own[order]] = pairs.detection[order]
+    detection[camera, n] = pair
+    return detection
 
 
-def _distinct(view: Ints) -> Ints:
-    """The different views."""
-    order = np.lexsort(view)
-    return view[:, np.sort(order[begins(*view[:, order])])]
+def _distinct(detection: Ints) -> Ints:
+    """Without repetition."""
+    order = np.lexsort(detection)
+    return detection[:, np.sort(order[begins(*detection[:, order])])]
 
 
-def _chosen(images: Images, free: Bools, view: Ints, gate: float, leasts: tuple[int, ...]) -> list[CandidatePoints]:
+def _chosen(
+    images: Images, free: Bools, detection: Ints, gate: float, leasts: tuple[int, ...]
+) -> list[CandidatePoints]:
     """The groups that win their images, by their scores (1), those of more images first; theirs are free no longer."""
-    left = _scored(images, view, gate)
+    left = _scored(images, detection, gate)
     won = []
     for least in leasts:
         left = left.take(np.argsort(-left.score, kind="stable"))
         kept, displaced = _assign_images(left, free, least)
         won.append(left.take(kept))
         if least != leasts[-1]:
-            view = np.where(free[left.row[:, displaced]], left.row[:, displaced], -1)
-            left = _scored(images, _distinct(view[:, (view >= 0).sum(0) >= 2]), gate)
+            detection = np.where(free[left.detection[:, displaced]], left.detection[:, displaced], -1)
+            left = _scored(images, _distinct(detection[:, (detection >= 0).sum(0) >= 2]), gate)
     return won
 
 
 def _assign_images(groups: CandidatePoints, free: Bools, least: int) -> tuple[Ints, Ints]:
     """Places of the groups of `least` and more images, all free, which they are then no longer; and of the others."""
     kept, displaced = [], []
-    for g, own in enumerate(groups.row.T.tolist()):
-        own = [row for row in own if row >= 0]
+    for g, own in enumerate(groups.detection.T.tolist()):
+        own = [detection for detection in own if detection >= 0]
         if len(own) >= least and free[own].all():
             free[own] = False
             kept.append(g)
@@ -182,30 +184,32 @@ def _assign_images(groups: CandidatePoints, free: Bools, least: int) -> tuple[In
     return np.array(kept, int), np.array(displaced, int)
 
 
-def _scored(images: Images, view: Ints, gate: float) -> CandidatePoints:
-    """Points of views (C, H), without outliers, and their scores."""
-    point = intersect(images, view)
+def _scored(images: Images, detection: Ints, gate: float) -> CandidatePoints:
+    """Points of detections (C, H), without outliers, and their scores."""
+    point = intersect(images, detection)
     while (bad := point.squared.max(0, initial=0.0) > gate**2).any():
         which = np.flatnonzero(bad)
-        view = view.copy()
-        view[point.squared[:, which].argmax(0), which] = -1
-        view = view[:, (view >= 0).sum(0) >= 2]
-        point = intersect(images, view)
-    has = view >= 0
-    image_score = images.prior[:, None] - 2 * np.log(images.variance[view])
+        detection = detection.copy()
+        detection[point.squared[:, which].argmax(0), which] = -1
+        detection = detection[:, (detection >= 0).sum(0) >= 2]
+        point = intersect(images, detection)
+    has = detection >= 0
+    image_score = images.prior[:, None] - 2 * np.log(images.variance[detection])
     squared = np.where(has, point.squared, 0.0).sum(0)
     score = np.where(has, image_score, 0.0).sum(0) - squared
     sure = np.flatnonzero(np.isfinite(point.xyz).all(0) & np.isfinite(point.cov).all((0, 1)))
-    return CandidatePoints(images.frame[view.max(0, initial=0)], point.xyz, point.cov, view, squared, score).take(sure)
+    return CandidatePoints(
+        images.frame[detection.max(0, initial=0)], point.xyz, point.cov, detection, squared, score
+    ).take(sure)
 
 
-def intersect(images: Images, view: Ints, camera: Ints | None = None) -> PlacedPoints:
-    """Where the rays of views meet.
+def intersect(images: Images, detection: Ints, camera: Ints | None = None) -> PlacedPoints:
+    """Where the rays of detections meet.
 
     Args:
-        view: (k, H) rows of images, −1 for none.
+        detection: (k, H) indices in `Images`, −1 for none.
         camera: (k, H) that they are of; None: k = C, one line for each camera.
     """
-    camera = np.arange(len(view))[:, None] if camera is None else camera
-    camera = np.broadcast_to(camera, view.shape)
-    return PlacedPoints(*native.intersect(images.P, images.uv, images.variance, view, camera))
+    camera = np.arange(len(detection))[:, None] if camera is None else camera
+    camera = np.broadcast_to(camera, detection.shape)
+    return PlacedPoints(*native.intersect(images.P, images.uv, images.variance, detection, camera))

@@ -23,7 +23,7 @@ import numpy as np
 from ...data import Camera, Detections, Rig
 from ...data.array_types import Bools, Floats, Ints
 from ...geometry import parameter_jacobian, undistort
-from ...geometry.common_view import common_place
+from ...geometry.common_view import common_view_centre
 from ...native import ImageIndex, index_images
 
 USUAL_SD = 0.2
@@ -109,7 +109,7 @@ def read_images(detections: Detections, rig: Rig) -> Images:
     usable = detections.valid & np.isfinite(uv[:, 0]) & np.isfinite(uv[:, 1])
     size = np.array([extent(camera, uv[detections.camera == c]) for c, camera in enumerate(rig)])
     clutter = np.maximum(detections.counts.sum(1) / max(detections.n_frames, 1), 1.0) / size.prod(1)
-    middle = common_place(rig)
+    middle = common_view_centre(rig)
     calibration = np.array([_open(camera, middle) for camera in rig])
     centroid = np.trace(detections.cov, axis1=1, axis2=2) / 2
     known = np.isfinite(centroid)

@@ -124,7 +124,7 @@ def _parts_of_recording(result: TrackingResult, c: int) -> Parts:
         if there.sum() >= max(FEW, 2 * MIN_FOUND_SHARE * own.sum()):
             off[k] = np.median(images.uv[near[there]] - uv[there], axis=0)
         if own.sum() >= FEW:
-            share[k] = (cloud.view[own, c] >= 0).mean()
+            share[k] = (cloud.detection[own, c] >= 0).mean()
     return Parts(off, share, first)
 
 
@@ -142,18 +142,18 @@ def _expected(result: TrackingResult, c: int) -> Floats:
 
 def _in_view(result: TrackingResult, c: int, uv: Floats, least: int) -> Bools:
     """(P) points of the tracks that lie in the image of camera c, at uv (P, 2), and that so many others see."""
-    others = np.delete(result.tracks.cloud.view, c, axis=1) >= 0
+    others = np.delete(result.tracks.cloud.detection, c, axis=1) >= 0
     return np.asarray(((uv >= 0) & (uv < result.images.size[c])).all(1) & (others.sum(1) >= least))
 
 
 def _nearest(images: Images, frame: Ints, c: int, uv: Floats) -> Ints:
     """(P) rows of the images of camera c nearest to places uv (P, 2), −1 where none is within FAR."""
-    own, row = images.near(frame * len(images.P) + c, uv[:, 0], np.full(len(uv), MAX_DISTANCE))
-    far = np.linalg.norm(images.uv[row] - uv[own], axis=1)
+    own, detection = images.near(frame * len(images.P) + c, uv[:, 0], np.full(len(uv), MAX_DISTANCE))
+    far = np.linalg.norm(images.uv[detection] - uv[own], axis=1)
     order = np.argsort(-far, kind="stable")
     order = order[far[order] < MAX_DISTANCE]
     out = np.full(len(uv), -1)
-    out[own[order]] = row[order]
+    out[own[order]] = detection[order]
     return out
 
 

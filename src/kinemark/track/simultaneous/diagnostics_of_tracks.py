@@ -42,6 +42,6 @@ def _nobody_left_out(found: Finding) -> Finding:
 
 
 def _not_known(C: int) -> Associations:
-    """No sightings: of other methods it is not known where they looked."""
-    zero, none, row = np.zeros(0, np.int64), np.zeros(0), np.zeros((C, 0), np.int64)
-    return Associations(zero, zero, row, row > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))
+    """No associations: of other methods it is not known where they looked."""
+    zero, none, detection = np.zeros(0, np.int64), np.zeros(0), np.zeros((C, 0), np.int64)
+    return Associations(zero, zero, detection, detection > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))

@@ -74,13 +74,13 @@ class Residuals(NamedTuple):
 
     Attributes:
         off: (H) residuals of (1), px.
-        camera: (2, H) r and s; row: (2, H) the images.
+        camera: (2, H) r and s; detection: (2, H) indices of the images.
         line: (2, H, 2) l and l′ over the root of (1): the change of the residual, px a px that the image moves.
     """
 
     off: Floats
     camera: Ints
-    row: Ints
+    detection: Ints
     line: Floats
 
 
@@ -117,7 +117,7 @@ def residuals(images: Images, F: Floats, frames: list[int]) -> Residuals:
     wide = images._replace(variance=np.full(len(images.uv), WINDOW**2 / 2))
     i, j = np.concatenate([near_lines(wide, part, F, 1.0) for part in batches(rows)], -1)
     r, s = images.camera[i], images.camera[j]
-    x, other = (np.column_stack([images.uv[row], np.ones(len(row))]) for row in (i, j))
+    x, other = (np.column_stack([images.uv[detection], np.ones(len(detection))]) for detection in (i, j))
     line = np.einsum("hij,hj->hi", F[r, s], x)
     back = np.einsum("hij,hi->hj", F[r, s], other)
     size, back_size = (line[:, :2] ** 2).sum(1), (back[:, :2] ** 2).sum(1)

@@ -47,14 +47,14 @@ def point_evidence(seen: Associations, own: Bools, gate: float) -> Floats:
     return np.where(n >= 2, np.maximum(said, np.log(WEAK)), 0.0)  # (2)
 
 
-def disagreement(images: Images, row: Ints) -> Floats:
-    """(S) q of (1): how far images row (C, S) are off the points that fit them best, in standard deviations, squared.
+def disagreement(images: Images, detection: Ints) -> Floats:
+    """(S) q of (1): how far detections (C, S) are off the points that fit them best, in standard deviations, squared.
 
     What the track's motion predicts has no say in it: it holds the place of the track, so that of two images more than
     the one distance would be free.
     """
-    squared = np.where(row >= 0, intersect(images, row).squared, 0.0).sum(0)
-    return np.where((row >= 0).sum(0) >= 2, np.nan_to_num(squared, nan=np.inf, posinf=np.inf), 0.0)
+    squared = np.where(detection >= 0, intersect(images, detection).squared, 0.0).sum(0)
+    return np.where((detection >= 0).sum(0) >= 2, np.nan_to_num(squared, nan=np.inf, posinf=np.inf), 0.0)
 
 
 def evidence(seen: Associations, own: Bools, gate: float) -> Floats:
@@ -62,7 +62,7 @@ def evidence(seen: Associations, own: Bools, gate: float) -> Floats:
     n, tracks = own.sum(0), int(seen.id.max(initial=-1)) + 1
     total = np.bincount(seen.id, point_evidence(seen, own, gate), minlength=tracks)
     pairs = np.bincount(seen.id, n == 2, minlength=tracks)
-    only_pairs = np.bincount(seen.id, (seen.row >= 0).sum(0) > 2, minlength=tracks) == 0
+    only_pairs = np.bincount(seen.id, (seen.detection >= 0).sum(0) > 2, minlength=tracks) == 0
     return np.where(only_pairs & (total < FAIR * _perfect(gate) * pairs), 0.0, total)  # (4)
 
 

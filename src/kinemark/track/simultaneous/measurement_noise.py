@@ -88,7 +88,7 @@ def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
         return images, Noise(np.zeros(C), np.zeros(C), np.full(C, np.nan))
     noisy = stated.noisier(np.where(known, added, np.median(added[known])))
     groups = find_candidate_points(noisy, images.usable, F, frames, gate)
-    groups = groups.take((groups.row >= 0).sum(0) >= 3)
+    groups = groups.take((groups.detection >= 0).sum(0) >= 3)
     found = np.array([_found_share(noisy, groups, c) for c in range(C)])
     total = np.where(known, noise.variance, np.nanmedian(noise.variance))
     least = np.where((added > 0) | (not images.stated), total, 0.0)
@@ -111,17 +111,17 @@ def _missing(images: Images, noise: CameraNoise) -> Floats:
 def _found_share(images: Images, groups: CandidatePoints, c: int) -> float:
     """Share of the places at which groups of three and more without camera c expect an image in it that have one, NaN
     where there are hardly any."""
-    view = groups.row.copy()
-    view[c] = -1
-    enough = (view >= 0).sum(0) >= 2
-    view, frame = view[:, enough], groups.frame[enough]
-    point = intersect(images, view)
+    detection = groups.detection.copy()
+    detection[c] = -1
+    enough = (detection >= 0).sum(0) >= 2
+    detection, frame = detection[:, enough], groups.frame[enough]
+    point = intersect(images, detection)
     uv = predict_images(images.P[c : c + 1], KalmanStates(point.xyz, point.cov)).uv[0].T
     inside = np.isfinite(uv).all(1) & ((uv >= 0) & (uv < images.size[c])).all(1)
     uv, frame = uv[inside], frame[inside]
-    own, row = images.near(frame * len(images.P) + c, uv[:, 0], np.full(len(uv), MAX_DISTANCE))
-    near = np.linalg.norm(images.uv[row] - uv[own], axis=1) < MAX_DISTANCE
-    near &= ~images.merged[row]  # markers that run together are no measure
+    own, detection = images.near(frame * len(images.P) + c, uv[:, 0], np.full(len(uv), MAX_DISTANCE))
+    near = np.linalg.norm(images.uv[detection] - uv[own], axis=1) < MAX_DISTANCE
+    near &= ~images.merged[detection]  # markers that run together are no measure
     return len(np.unique(own[near])) / len(uv) if len(uv) >= MIN_PLACES else np.nan
 
 

@@ -71,7 +71,7 @@ def with_learned_motion(images: Images, rate: float, method: Simultaneous) -> Si
     seen = _windows(images, rate, method)
     if _share(images, seen) < MOST:
         running = _windows(images, rate, _raised(method, RUNNING_PROCESS_NOISE, RUNNING_VELOCITY_SD))
-        seen = running if (running.row >= 0).sum() > GAIN * (seen.row >= 0).sum() else seen  # (4)
+        seen = running if (running.detection >= 0).sum() > GAIN * (seen.detection >= 0).sum() else seen  # (4)
     for _ in range(ROUNDS):
         faster = _raised(method, *movement(images, seen, rate))
         if faster == method:
@@ -84,7 +84,7 @@ def with_learned_motion(images: Images, rate: float, method: Simultaneous) -> Si
 def _share(images: Images, seen: Associations) -> float:
     """Share of the usable images of the frames that were looked at that tracks have."""
     looked_at = images.usable & np.isin(images.frame, seen.frame)
-    return len(np.unique(seen.row[seen.row >= 0])) / max(int(looked_at.sum()), 1)
+    return len(np.unique(seen.detection[seen.detection >= 0])) / max(int(looked_at.sum()), 1)
 
 
 def _raised(method: Simultaneous, process_noise: float, velocity_sd: float) -> Simultaneous:
@@ -127,8 +127,8 @@ def movement(images: Images, seen: Associations, rate: float) -> Movement:
 
 def _points(images: Images, seen: Associations) -> TrackPoints:
     """The points of the tracks by their images alone, as a filter would smooth what it does not expect."""
-    row: Ints = np.where(seen.shared | images.merged[seen.row], -1, seen.row)
-    placed = intersect(images, row)
+    detection: Ints = np.where(seen.shared | images.merged[seen.detection], -1, seen.detection)
+    placed = intersect(images, detection)
     cov: Floats = placed.cov.transpose(2, 0, 1)
-    good = ((row >= 0).sum(0) >= 2) & np.isfinite(placed.xyz).all(0) & np.isfinite(cov).all((1, 2))
+    good = ((detection >= 0).sum(0) >= 2) & np.isfinite(placed.xyz).all(0) & np.isfinite(cov).all((1, 2))
     return TrackPoints(seen.frame, seen.id, placed.xyz.T, cov).take(good)

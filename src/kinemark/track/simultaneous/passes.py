@@ -61,7 +61,7 @@ class Associations(NamedTuple):
 
     Attributes:
         frame, id: (S).
-        row: (C, S) of `Images`, −1 for none; shared: (C, S) whether another track has the image too.
+        detection: (C, S) index in `Images`, −1 for none; shared: (C, S) whether another track has the image too.
         squared: (S) sum of the squared residuals of its unshared images, in standard deviations.
         before: (S) the standard deviation of its prediction, of all three axes together, mm.
         xyz, cov: (3, S) mm and (3, 3, S) mm², the updated position.
@@ -69,7 +69,7 @@ class Associations(NamedTuple):
 
     frame: Ints
     id: Ints
-    row: Ints
+    detection: Ints
     shared: Bools
     squared: Floats
     before: Floats
@@ -81,7 +81,7 @@ class Associations(NamedTuple):
         return Associations(
             self.frame[which],
             self.id[which],
-            self.row[:, which],
+            self.detection[:, which],
             self.shared[:, which],
             self.squared[which],
             self.before[which],
@@ -157,11 +157,11 @@ class Run:
             ids = np.arange(self.n, self.n + len(initiated))
             self.n += len(initiated)
             for group in initiated.groups:
-                self.free[group.row[group.row >= 0]] = False
-                none = np.zeros(group.row.shape, bool)
+                self.free[group.detection[group.detection >= 0]] = False
+                none = np.zeros(group.detection.shape, bool)
                 wide = np.sqrt(np.trace(group.cov))
                 self.seen.append(
-                    Associations(group.frame, ids, group.row, none, group.squared, wide, group.xyz, group.cov)
+                    Associations(group.frame, ids, group.detection, none, group.squared, wide, group.xyz, group.cov)
                 )
             self.initiated = self.initiated.plus(self.started(ids, initiated.groups[::-1]))
             active = active.plus(self.started(ids, initiated.groups))
@@ -190,13 +190,20 @@ class Run:
         association = share(images, active.frame, expected, association, gate)
         after = update(motion, *information(images, expected, association))
         association, after, squared = without_outliers(images, gate, motion, expected, association, after)
-        has = association.row >= 0
-        self.free[association.row[has]] = False
+        has = association.detection >= 0
+        self.free[association.detection[has]] = False
         own, count = (has & ~association.shared).sum(0), has.sum(0)
         before = np.sqrt(np.trace(motion.cov))
         self.seen.append(
             Associations(
-                active.frame, active.id, association.row, association.shared, squared, before, after.position, after.cov
+                active.frame,
+                active.id,
+                association.detection,
+                association.shared,
+                squared,
+                before,
+                after.position,
+                after.cov,
             )
         )
         alone = np.where((own >= 1) & (count >= 2), 0, active.alone + 1)
@@ -216,9 +223,9 @@ def without_outliers(
 ) -> PassFit:
     """The association without images that do not fit the others of their track, and the tracks updated without them."""
     for _ in range(ROUNDS):
-        has = association.row >= 0
+        has = association.detection >= 0
         seen = predict_images(images.P, after)
-        off = np.where(has[:, None], images.uv[association.row].swapaxes(1, 2) - seen.uv, 0.0)
+        off = np.where(has[:, None], images.uv[association.detection].swapaxes(1, 2) - seen.uv, 0.0)
         squared = (off * off).sum(1) / association.variance
         alone = _off_without_itself(off, association.variance, seen.S)
         loose = (alone > gate**2) & (has.sum(0) >= 2)
@@ -226,10 +233,12 @@ def without_outliers(
             break
         wrong = (alone == alone.max(0)) | (has.sum(0) == 2)  # of two, it is not known which one it is
         wrong &= has & loose.any(0)
-        row, variance = np.where(wrong, -1, association.row), np.where(wrong, np.inf, association.variance)
-        association = association._replace(row=row, variance=variance, score=np.where(row < 0, 0.0, association.score))
+        detection, variance = np.where(wrong, -1, association.detection), np.where(wrong, np.inf, association.variance)
+        association = association._replace(
+            detection=detection, variance=variance, score=np.where(detection < 0, 0.0, association.score)
+        )
         after = update(before, *information(images, expected, association))
-    not_own = association.shared | images.merged[association.row]
+    not_own = association.shared | images.merged[association.detection]
     return PassFit(association, after, np.where(not_own, 0.0, squared).sum(0))
 
 
@@ -249,8 +258,8 @@ def _off_without_itself(off: Floats, variance: Floats, S: Floats) -> Floats:
 def _nothing(C: int) -> Associations:
     """No images."""
     zero, none = np.zeros(0, np.int64), np.zeros(0)
-    row = np.zeros((C, 0), np.int64)
-    return Associations(zero, zero, row, row > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))
+    detection = np.zeros((C, 0), np.int64)
+    return Associations(zero, zero, detection, detection > 0, none, none, np.zeros((3, 0)), np.zeros((3, 3, 0)))
 
 
 def run(images: Images, rate: float, method: Simultaneous) -> Associations:

@@ -42,11 +42,11 @@ AT_ONCE = 20_000
 
 
 class SecondPass(NamedTuple):
-    """Which of P points are kept (P), and points that were found, with their images row (C, N)."""
+    """Which of P points are kept (P), and points that were found, with their detections (C, N)."""
 
     kept: Bools
     found: TrackPoints
-    row: Ints
+    detection: Ints
 
 
 class FramesInQuestion(NamedTuple):
@@ -62,16 +62,16 @@ class FramesInQuestion(NamedTuple):
         return FramesInQuestion(*(column[which] for column in self))
 
 
-def second_pass(points: TrackPoints, row: Ints, images: Images, T: float, method: Simultaneous) -> SecondPass:
-    """The second pass over the tracks of P points with the images row (C, P)."""
-    sound = (row >= 0).sum(0) >= SOUND
-    kept = ~_wrong(points, sound, row, images, T, method)
-    known, view = points.take(kept), row[:, kept]
+def second_pass(points: TrackPoints, detection: Ints, images: Images, T: float, method: Simultaneous) -> SecondPass:
+    """The second pass over the tracks of P points with the detections (C, P)."""
+    sound = (detection >= 0).sum(0) >= SOUND
+    kept = ~_wrong(points, sound, detection, images, T, method)
+    known, detection = points.take(kept), detection[:, kept]
     for _ in range(ITERATIONS):
         in_question = _in_question(known, images.n_frames, T, method)
         inside = (in_question.before >= 0) & (in_question.after >= 0)
         in_question = in_question.take(inside | np.isin(in_question.id, points.id[sound]))
-        free, associated = _free(images, view), np.empty((len(row), len(in_question.id)), np.int64)
+        free, associated = _free(images, detection), np.empty((len(detection), len(in_question.id)), np.int64)
         for part in _parts(in_question.frame):
             tell(1, 2)
             expected = _expected(known, in_question.take(part), T, method)
@@ -82,18 +82,18 @@ def second_pass(points: TrackPoints, row: Ints, images: Images, T: float, method
         if not good.any():
             break
         known = known.plus(new.take(good))
-        view = np.concatenate([view, associated[:, good]], 1)
+        detection = np.concatenate([detection, associated[:, good]], 1)
     old = int(kept.sum())
-    return SecondPass(kept, known.take(slice(old, None)), view[:, old:])
+    return SecondPass(kept, known.take(slice(old, None)), detection[:, old:])
 
 
-def _wrong(points: TrackPoints, sound: Bools, row: Ints, images: Images, T: float, method: Simultaneous) -> Bools:
+def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T: float, method: Simultaneous) -> Bools:
     """(P) by (1), from the sound points (P)."""
     known, wrong = points.take(sound), np.zeros(len(sound), bool)
     in_question = _in_question(known, images.n_frames, T, method)
     at = rows_near(rows_of(points), in_question.id, in_question.frame, 1)[0]
     in_question, at = in_question.take(at >= 0), at[at >= 0]
-    free = _free(images, np.delete(row, at, axis=1))
+    free = _free(images, np.delete(detection, at, axis=1))
     for part in _parts(in_question.frame):
         own, expected = at[part], _expected(known, in_question.take(part), T, method)
         off = points.xyz[own].T - expected.position
@@ -112,7 +112,7 @@ def _parts(frame: Ints) -> list[Ints]:
 
 
 def _free(images: Images, held: Ints) -> Bools:
-    """(D) the usable images that none of the views (C, n) holds."""
+    """(D) the usable images that none of the detections (C, n) is."""
     free = images.usable.copy()
     free[held[held >= 0]] = False
     return free
@@ -141,7 +141,7 @@ def _in_question(known: TrackPoints, n_frames: int, T: float, method: Simultaneo
 
 
 def _expected(known: TrackPoints, in_question: FramesInQuestion, T: float, method: Simultaneous) -> KalmanStates:
-    """What the known points on both sides, or on the only one, say of the motion in the doubtful frames."""
+    """What the known points on both sides, or on the only one, say of the motion in the frames in question."""
     rows, sides = rows_of(known), []
     for point, way in ((in_question.before, -1), (in_question.after, 1)):
         ends, which = np.unique(point, return_inverse=True)
@@ -157,11 +157,11 @@ def _expected(known: TrackPoints, in_question: FramesInQuestion, T: float, metho
 def _associated(images: Images, free: Bools, frame: Ints, expected: KalmanStates, method: Simultaneous) -> Ints:
     """(C, N) the images associated in frames (N) that fit one another; none where the standard deviation exceeds
     `uncertain_sd`."""
-    row = np.full((len(images.P), len(frame)), -1)
+    detection = np.full((len(images.P), len(frame)), -1)
     near = np.sqrt(np.trace(expected.cov)) < method.uncertain_sd
     expected = expected.take(near)
     seen = predict_images(images.P, expected)
     association = associate(images, free, frame[near], seen, method.gate)
     after = update(expected, *information(images, seen, association))
-    row[:, near] = without_outliers(images, method.gate, expected, seen, association, after).association.row
-    return row
+    detection[:, near] = without_outliers(images, method.gate, expected, seen, association, after).association.detection
+    return detection

@@ -82,7 +82,7 @@ def _moving(result: TrackingResult) -> Moving:
     order = np.lexsort([cloud.frame, ids])
     middle, before, after = order[1:-1], order[:-2], order[2:]
     near = (ids[before] == ids[after]) & (cloud.frame[after] - cloud.frame[before] == 2) & (ids[middle] >= 0)
-    near &= (cloud.view[middle] >= 0).sum(1) >= 3
+    near &= (cloud.detection[middle] >= 0).sum(1) >= 3
     ahead, behind = cloud.xyz[after] - cloud.xyz[middle], cloud.xyz[middle] - cloud.xyz[before]
     velocity = (ahead + behind) / 2
     near &= np.linalg.norm(ahead - behind, axis=1) < MAX_VELOCITY_CHANGE * np.linalg.norm(velocity, axis=1)
@@ -90,10 +90,10 @@ def _moving(result: TrackingResult) -> Moving:
     in_time = np.argsort(cloud.frame[point], kind="stable")
     point, velocity = point[in_time], velocity[in_time]
     expected = predict_images(result.images.P, KalmanStates(cloud.xyz[point].T, np.zeros((3, 3, len(point)))))
-    view = cloud.view[point]
-    seen = (view >= 0)[..., None]
+    detection = cloud.detection[point]
+    seen = (detection >= 0)[..., None]
     J = np.where(seen[..., None], expected.J.transpose(3, 0, 1, 2), 0.0)
-    off = np.where(seen, result.images.uv[view] - expected.uv.transpose(2, 0, 1), 0.0)
+    off = np.where(seen, result.images.uv[detection] - expected.uv.transpose(2, 0, 1), 0.0)
     return Moving(J, off, (J @ velocity[:, None, :, None])[..., 0], cloud.frame[point])
 
 

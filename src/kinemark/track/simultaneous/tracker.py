@@ -24,7 +24,7 @@ import numpy as np
 
 from ...data import Cloud, Detections, Matches, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
-from ...geometry.weighted_points import USUAL, ImageErrors, usable_points, weighted_points
+from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors, usable_points, weighted_points
 from ...numerics.runs import begins
 from ..stage import DETECTIONS, TRACK
 from .adjusted_rig import adjusted_rig
@@ -51,7 +51,7 @@ AT_ONCE = 20_000
 VOLUME_MARGIN = 100.0
 """mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
 
-WORTH_ADJUSTING = 0.7
+ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
 (see benchmarks/tracking_scenes.py)."""
 
@@ -91,7 +91,7 @@ def track_simultaneously(
     rig: Rig,
     method: Simultaneous,
     *,
-    errors: ImageErrors = USUAL,
+    errors: ImageErrors = DEFAULT_ERRORS,
     volume_margin: float | None = VOLUME_MARGIN,
 ) -> TrackingResult:
     """Tracks of all markers, their points by the `errors` of images, and how they came about.
@@ -108,10 +108,10 @@ def track_simultaneously(
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
     seen = _kept_associations(every, least)
     own = _unshared(seen, images)
-    off = disagreement(working.images, np.where(own, seen.row, -1))
+    off = disagreement(working.images, np.where(own, seen.detection, -1))
     speaks = evidence(seen._replace(squared=off), own, method.gate)
     precise = _with_variance(detections, _variance(seen, working.images, working.noise))
-    cloud = _solved(seen.frame, seen.row, seen.xyz, precise, working.rig, errors)
+    cloud = _solved(seen.frame, seen.detection, seen.xyz, precise, working.rig, errors)
     cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method)
     good = usable_points(cloud, rig, margin=None) & _precise_enough(cloud, own.sum(0), method)
     good &= (speaks > SURE)[seen.id]
@@ -148,14 +148,14 @@ def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, met
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
     moved = read_images(detections, adjusted)
     moved, left = learn_noise(moved, fundamentals(moved.P), method.gate)
-    if np.median(moved.variance) > WORTH_ADJUSTING * np.median(images.variance):
+    if np.median(moved.variance) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance):
         return given
     return Working(adjusted, moved.without(left.inconsistent), left)
 
 
 def _on_given_rig(cloud: Cloud, detections: Detections, rig: Rig, errors: ImageErrors) -> Cloud:
     """The points solved with the rig as it was given; those of which the images say little keep their positions."""
-    given = _solved(cloud.frame, cloud.view.T, cloud.xyz.T, detections, rig, errors)
+    given = _solved(cloud.frame, cloud.detection.T, cloud.xyz.T, detections, rig, errors)
     sd = _sd(given.cov)
     known = np.isfinite(given.xyz).all(1) & np.isfinite(sd)
     clear = known & (sd <= UNCERTAIN * np.median(sd[known])) if known.any() else known
@@ -174,32 +174,32 @@ def _with_second_pass(
 ) -> tuple[Cloud, Ints]:
     """The points and their tracks after the second pass."""
     points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
-    kept, found, row = second_pass(points, cloud.view.T, images, 1 / detections.rate, method)
+    kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / detections.rate, method)
     order = np.argsort(found.frame, kind="stable")
-    row = row[:, order]
-    new = _solved(found.frame[order], row, found.xyz[order].T, detections, rig, errors)
+    detection = detection[:, order]
+    new = _solved(found.frame[order], detection, found.xyz[order].T, detections, rig, errors)
     good = usable_points(new, rig, margin=None) & _precise_enough(
-        new, ((row >= 0) & ~images.merged[row]).sum(0), method
+        new, ((detection >= 0) & ~images.merged[detection]).sum(0), method
     )
     both, ids = (cloud.keep(kept), new.keep(good)), np.concatenate([ids[kept], found.id[order][good]])
     frame = np.concatenate([one.frame for one in both])
     order = np.argsort(frame, kind="stable")
     start = np.searchsorted(frame[order], np.arange(cloud.n_frames + 1))
-    names = ("xyz", "cov", "residual", "view")
+    names = ("xyz", "cov", "residual", "detection")
     columns = (np.concatenate([getattr(one, name) for one in both])[order] for name in names)
     return Cloud(cloud.rate, start, *columns), ids[order]
 
 
 def _kept_associations(seen: Associations, least: float) -> Associations:
     """The associations in two and more cameras of tracks that have enough of them, by frame."""
-    own = np.flatnonzero((seen.row >= 0).sum(0) >= 2)
+    own = np.flatnonzero((seen.detection >= 0).sum(0) >= 2)
     own = own[np.bincount(seen.id[own], minlength=1)[seen.id[own]] >= least]
     return seen.take(own[np.lexsort([seen.id[own], seen.frame[own]])])
 
 
 def _unshared(seen: Associations, images: Images) -> Bools:
     """(C, S) images that belong to one marker alone."""
-    return (seen.row >= 0) & ~seen.shared & ~images.merged[seen.row]
+    return (seen.detection >= 0) & ~seen.shared & ~images.merged[seen.detection]
 
 
 def _without_evidence(every: Associations, own: Bools, least: float, method: Simultaneous) -> Bools:
@@ -227,22 +227,26 @@ def _without_evidence(every: Associations, own: Bools, least: float, method: Sim
 def _variance(seen: Associations, images: Images, noise: Noise) -> Floats:
     """(D) px², of all images, those that tracks share lying anywhere in their blobs."""
     shared = np.zeros(len(images.uv), bool)
-    shared[seen.row[seen.shared & (seen.row >= 0)]] = True
+    shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
     variance = images.variance - images.margin - images.calibration[images.camera]  # `weighted_points` adds them
     variance = np.maximum(variance, np.maximum(noise.least[images.camera], LEAST))
     return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
 
 
-def _solved(frame: Ints, row: Ints, guess: Floats, detections: Detections, rig: Rig, errors: ImageErrors) -> Cloud:
-    """The points of images row (C, P), one to one, with guesses (3, P) mm of their positions."""
+def _solved(
+    frame: Ints, detection: Ints, guess: Floats, detections: Detections, rig: Rig, errors: ImageErrors
+) -> Cloud:
+    """The points of detections (C, P), one to one, with guesses (3, P) mm of their positions."""
     parts = []
     for first in range(0, max(len(frame), 1), AT_ONCE):
         part = slice(first, first + AT_ONCE)
-        matches = Matches(frame[part], row[:, part].T, np.zeros(len(frame[part])), detections.n_frames)
+        matches = Matches(frame[part], detection[:, part].T, np.zeros(len(frame[part])), detections.n_frames)
         near = np.ascontiguousarray(guess[:, part].T)
         parts.append(weighted_points(matches, detections, rig, guess=near, errors=errors))
     start = np.searchsorted(frame, np.arange(detections.n_frames + 1))
-    columns = (np.concatenate([getattr(one, name) for one in parts]) for name in ("xyz", "cov", "residual", "view"))
+    columns = (
+        np.concatenate([getattr(one, name) for one in parts]) for name in ("xyz", "cov", "residual", "detection")
+    )
     return Cloud(detections.rate, start, *columns)
 
 

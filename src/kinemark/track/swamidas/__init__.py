@@ -1,6 +1,6 @@
 """The tracking of Swamidas (1997): Kalman prediction with regions of acceptance, and nearest distance beside it."""
 
-from ...signal.kalman import KalmanState, predict, start, update
+from ...signal.kalman import KalmanState, initial_state, predict, update
 from .constraints import Constraint
 from .distance_only import DistanceOnly, track_distance
 from .swamidas_method import Swamidas
@@ -13,8 +13,8 @@ __all__ = [
     "Swamidas",
     "SwamidasResult",
     "follow_points",
+    "initial_state",
     "predict",
-    "start",
     "track_distance",
     "track_swamidas",
     "update",

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...data.array_types import Bools, Floats, Ints
-from ...signal.kalman import KalmanState, predict, start, update
+from ...signal.kalman import KalmanState, initial_state, predict, update
 from .constraints import PredictedPoints, half_size
 
 
@@ -66,18 +66,18 @@ def predict_points(active: ActiveSwamidasTracks, error: Floats, share: float) ->
 
 
 def advance(
-    active: ActiveSwamidasTracks, taken: Ints, points: Floats, *, sd: float, jump: float
+    active: ActiveSwamidasTracks, taken: Ints, points: Floats, *, sd: float, process_sd: float
 ) -> ActiveSwamidasTracks:
     """The tracks one frame on, with the points (T) taken or, where that is −1, with their predictions.
 
-    `sd` and `jump` are those of the predictor.
+    `sd` and `process_sd` are those of the predictor.
     """
     hit = taken >= 0
     past, seen = active.past.copy(), active.seen.copy()
     past[hit] = np.concatenate([points[taken[hit], None], past[hit, :2]], 1)
     seen[hit] = np.minimum(np.where(active.missed[hit] == 0, seen[hit], 0) + 1, 3)
     first, on = hit & ~active.going & (seen == 3), hit & active.going
-    state = _next_state(active.state, past, seen, first, on, sd, jump)
+    state = _next_state(active.state, past, seen, first, on, sd, process_sd)
     velocity = active.velocity.copy()
     velocity[first | on] = state.x[first | on, 1] - state.x[first | on, 2]  # in this frame, not in the next
     return ActiveSwamidasTracks(
@@ -86,14 +86,14 @@ def advance(
 
 
 def _next_state(
-    state: KalmanState, past: Floats, seen: Ints, first: Bools, on: Bools, sd: float, jump: float
+    state: KalmanState, past: Floats, seen: Ints, first: Bools, on: Bools, sd: float, process_sd: float
 ) -> KalmanState:
     """Predicted for all; begun for those with `first` three points, and corrected for those that go `on` with one."""
-    new = predict(state, jump) if not on.all() else KalmanState(np.empty_like(state.x), np.empty_like(state.P))
+    new = predict(state, process_sd) if not on.all() else KalmanState(np.empty_like(state.x), np.empty_like(state.P))
     if first.any():
-        new.x[first], new.P[first] = start(past[first], sd, jump)
+        new.x[first], new.P[first] = initial_state(past[first], sd, process_sd)
     if on.any():
-        new.x[on], new.P[on] = update(KalmanState(state.x[on], state.P[on]), past[on], seen[on] == 3, sd, jump)
+        new.x[on], new.P[on] = update(KalmanState(state.x[on], state.P[on]), past[on], seen[on] == 3, sd, process_sd)
     return new
 
 

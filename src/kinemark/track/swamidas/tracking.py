@@ -66,7 +66,7 @@ def track_swamidas(cloud: Cloud, *, method: Swamidas = DEFAULT) -> Tracks:
 def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult:
     """As `track_swamidas`, with all predictions and the constraints that decided."""
     identity, by = np.full(len(cloud), -1), np.full(len(cloud), int(Constraint.NONE))
-    jump = method.jerk / cloud.rate**3
+    process_sd = method.jerk / cloud.rate**3
     max_missed = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
     learning_frames = max(round(method.learning_time * cloud.rate), INITIATION_FRAMES)
     known, active, frames, with_points = stated_parameters(cloud, method), no_tracks(), [], 0
@@ -79,7 +79,7 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
         taken, reason = match_points(expected, points, _allowed(active, expected, points, known, method))
         hit = taken >= 0
         mine[taken[hit]], why[taken[hit]] = active.id[hit], reason[hit]
-        active = advance(active, taken, points, sd=known.sd, jump=jump)
+        active = advance(active, taken, points, sd=known.sd, process_sd=process_sd)
         with_points += len(points) > 0
         if method.initiate_from == "any" or with_points <= INITIATION_FRAMES:
             new = np.flatnonzero(mine < 0)

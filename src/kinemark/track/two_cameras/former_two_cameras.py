@@ -1,7 +1,7 @@
 """The former two-camera method of the Kiss system (Shafiq, Tümer and Güler 2001, section 4).
 
-Each camera is followed on its own, in its image (`former_paths`), and afterwards the paths of the two cameras are
-brought together in space (`former_pairs`). Made for one side of the body, with both cameras placed so that they see all
+Each camera is followed on its own, in its image (`image_paths`), and afterwards the paths of the two cameras are
+brought together in space (`paired_paths`). Made for one side of the body, with both cameras placed so that they see all
 markers at all times. What its authors found is what it does: it works for well separated markers, and with markers that
 come and go it fails, since only those that are seen at the start are followed at all.
 """
@@ -55,8 +55,8 @@ class FormerTwoCameras(Method):
 def track_two_cameras(detections: Detections, rig: Rig, *, method: FormerTwoCameras) -> Tracks:
     """Tracks of all markers that both cameras show at the start of the following; called through `track_detections`.
 
-    A point whose image in one camera was filled by prediction has no row there (−1), and its covariance says that the
-    image is anywhere in the association window. Where both were filled there is no point.
+    A point whose image in one camera was filled by prediction has no detection there (−1), and its covariance says that
+    the image is anywhere in the association window. Where both were filled there is no point.
 
     Raises:
         KinemarkError: not exactly two cameras, or no field shows the stated number of markers.
@@ -85,25 +85,25 @@ def _camera_paths(detections: Detections, rig: Rig, c: int, method: FormerTwoCam
         paths = paths_of(uv, fields, size=rig[c].size, window=method.window, markers=method.n_markers)
     except ValueError as error:
         raise KinemarkError(f"Camera {rig.names[c]} shows {error}") from error
-    return Paths(paths.uv, np.where(paths.row >= 0, paths.row + start[0], -1))
+    return Paths(paths.uv, np.where(paths.detection >= 0, paths.detection + start[0], -1))
 
 
 def _tracks(detections: Detections, rig: Rig, one: Paths, other: Paths, pairs: Paired, window: float) -> Tracks:
     """The points of the pairs with their identities."""
-    row = np.stack([one.row[pairs.one, pairs.frame], other.row[pairs.other, pairs.frame]], 1)
+    detection = np.stack([one.detection[pairs.one, pairs.frame], other.detection[pairs.other, pairs.frame]], 1)
     ideal = np.stack([one.uv[pairs.one, pairs.frame], other.uv[pairs.other, pairs.frame]], 1)
-    seen = row >= 0
+    seen = detection >= 0
     drawn = np.stack([distort(camera, ideal[:, c]) for c, camera in enumerate(rig)], 1)
     stated = np.where(np.isfinite(detections.cov), detections.cov, np.eye(2) * FALLBACK_SD**2)
-    cov = np.where(seen[..., None, None], stated[row] if len(stated) else 0.0, np.eye(2) * window**2 / 3)
+    cov = np.where(seen[..., None, None], stated[detection] if len(stated) else 0.0, np.eye(2) * window**2 / 3)
     point = refine(rig, triangulate(ideal, rig.P), drawn, cov)
     cloud = Cloud(
         rate=detections.rate,
         start=np.searchsorted(pairs.frame, np.arange(detections.n_frames + 1)),
         xyz=point.xyz,
         cov=point.cov,
-        residual=np.sqrt(np.nansum(point.off**2, axis=(1, 2)) / 2),
-        view=row,
+        residual=np.sqrt(np.nansum(point.residual**2, axis=(1, 2)) / 2),
+        detection=detection,
     )
     good = np.asarray(seen.any(1) & np.isfinite(point.xyz).all(1) & np.isfinite(point.cov).all((1, 2)))
     return Tracks(cloud.keep(good), np.unique(pairs.id[good], return_inverse=True)[1])

@@ -28,10 +28,10 @@ FAR = 1e9
 
 
 class Paths(NamedTuple):
-    """T paths over F fields: uv (T, F, 2) ideal px, NaN where a path is not; row (T, F) of the image, −1: predicted."""
+    """T paths over F fields: uv (T, F, 2) ideal px, NaN where a path is not; detection (T, F) index, −1: predicted."""
 
     uv: Floats
-    row: Ints
+    detection: Ints
 
 
 def paths_of(uv: Floats, fields: list[Ints], *, size: NDArray[np.int64], window: float, markers: int | None) -> Paths:
@@ -52,14 +52,14 @@ def paths_of(uv: Floats, fields: list[Ints], *, size: NDArray[np.int64], window:
     paths = Paths(np.full((*shape, 2), np.nan), np.full(shape, -1))
     for f, rows in ((first, before), (first + 1, after)):
         if len(rows):
-            paths.uv[:, f], paths.row[:, f] = uv[rows], rows
+            paths.uv[:, f], paths.detection[:, f] = uv[rows], rows
     low, high = np.minimum(uv.min(0, initial=0.0), -0.5), np.maximum(uv.max(0, initial=0.0), size - 0.5)
     for step, order in ((1, range(first + 2, len(fields))), (-1, range(first - 1, -1, -1))):
         for f in order if len(before) else ():
             done = range(first, f) if step > 0 else range(f + 1, len(fields))
             past = [p for p in (f - 3 * step, f - 2 * step, f - step) if p in done]
             _extend(paths, f, past, uv, fields[f], window)
-            gone = (paths.row[:, f] < 0) & ((paths.uv[:, f] < low) | (paths.uv[:, f] > high)).any(1)
+            gone = (paths.detection[:, f] < 0) & ((paths.uv[:, f] < low) | (paths.uv[:, f] > high)).any(1)
             paths.uv[gone, f] = np.nan
     return paths
 
@@ -93,4 +93,4 @@ def _extend(paths: Paths, f: int, past: list[int], uv: Floats, rows: Ints, windo
     cost = np.where((off <= window).all(-1), np.hypot(off[..., 0], off[..., 1]), np.inf)
     which, taken = assign_nearest(cost, np.full(len(cost), FAR))  # (4)
     paths.uv[:, f] = predicted  # (5)
-    paths.uv[which, f], paths.row[which, f] = uv[rows[taken]], rows[taken]
+    paths.uv[which, f], paths.detection[which, f] = uv[rows[taken]], rows[taken]

@@ -12,14 +12,14 @@ depth p₃ · (X, 1) to be in px, is
     r = v₂ − p₂ · (X, 1) / p₃ · (X, 1)                                                   (3)
 
 It is formed for all combinations of paths in every field. One field would do if no other marker came near; all of them
-verify what was followed in the images. |r| is cut at twice the limit, so that one wild field does not decide.
+verify what was followed in the images. |r| is cut at twice the limit, so that one outlying field does not decide.
 
 Two paths that came close in one camera may have gone on in each other's place. Then two pairs (a, b), (a', b') fit
 better crosswise for some time,
 
     gain = Σ_f |r_ab| + |r_a'b'| − |r_ab'| − |r_a'b|                                     (4)
 
-over the fields in which it is greatest. Where that is clearly above nothing, the two paths are exchanged there in the
+over the fields in which it is greatest. Where that is clearly above nothing, the two paths are swapped there in the
 camera in which they were closer to each other when it began and ended (5).
 
 A track is a pair of paths and the time in which Σ (limit − |r|) is greatest, the best of all first; its fields are
@@ -75,7 +75,7 @@ def residuals(one: Floats, other: Floats, P: Floats) -> Floats:
 
 
 def without_swaps(one: Paths, other: Paths, P: Floats, *, limit: float, window: float) -> tuple[Paths, Paths]:
-    """The paths, with those exchanged that went on in each other's place, (4) and (5).
+    """The paths, with those swapped that went on in each other's place, (4) and (5).
 
     Args:
         one: paths of the first camera.
@@ -84,10 +84,10 @@ def without_swaps(one: Paths, other: Paths, P: Floats, *, limit: float, window: 
         limit: of the residual, px.
         window: two paths can only have been mistaken for each other within twice this, px.
     """
-    one, other = (Paths(paths.uv.copy(), paths.row.copy()) for paths in (one, other))
+    one, other = (Paths(paths.uv.copy(), paths.detection.copy()) for paths in (one, other))
     if not len(one.uv) or not len(other.uv):
         return one, other
-    for _ in range(4 * len(one.uv)):  # each exchange lessens the sum of residuals; the bound is only a bound
+    for _ in range(4 * len(one.uv)):  # each swap lessens the sum of residuals; the bound is only a bound
         r = np.minimum(residuals(one.uv, other.uv, P), 2 * limit)
         a, b = assign_nearest(r.mean(2), np.full(len(r), FAR))
         pairs = sorted(zip(a.tolist(), b.tolist(), strict=True))
@@ -135,14 +135,14 @@ def best_interval(value: Floats) -> tuple[Floats, Ints, Ints]:
 
 
 def _crosswise(r: Floats, pairs: tuple[tuple[int, int], tuple[int, int]]) -> PathSwap:
-    """Where two pairs are better exchanged, by (4)."""
+    """Where two pairs are better swapped, by (4)."""
     (a, b), (c, d) = pairs
     gain, first, stop = best_interval(r[a, b] + r[c, d] - r[a, d] - r[c, b])
     return PathSwap(float(gain), int(first), int(stop), pairs)
 
 
 def _swap_paths(one: Paths, other: Paths, swap: PathSwap, near: float) -> bool:
-    """Exchange two paths in the camera in which they were closer (5); False where they were not near in either."""
+    """Swap two paths in the camera in which they were closer (5); False where they were not near in either."""
     (a, b), (c, d) = swap.pairs
     n_fields = one.uv.shape[1]
     ends = [f for f in (swap.first, swap.stop) if 0 < f < n_fields]

@@ -1,10 +1,10 @@
 """Cameras from nothing but their image sizes: a first guess from which a bundle adjustment converges.
 
-start       the guess itself: a pair of cameras, and growth from it
-optics      what is assumed of a camera; lines straightened
-pairs       which cameras see the same points, and their epipolar geometry
-seeds       focal lengths and pose of a pair
-resection   a further camera from points that are known
+growth           the guess itself: a pair of cameras, and growth from it
+unknown_optics   what is assumed of a camera; lines straightened
+view_pairs       which cameras see the same points, and their epipolar geometry
+seeds            focal lengths and pose of a pair
+rough_resection  a further camera from points that are known
 """
 
 from .growth import TargetViews, start

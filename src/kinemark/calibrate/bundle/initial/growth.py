@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ....data import Camera, KinemarkError
 from ....data.array_types import Floats
 from ..parts import FreePoints, Part, all_points, complete, sticks_through, supported
-from ..robust import solve_robust
+from ..robust_adjustment import solve_robust
 from ..robust_points import robust_points
 from ..solver import BundleState, placed
 from .rough_resection import equal_covariances, resected, rough_freedom
@@ -28,7 +28,7 @@ from .seeds import Seed, known_focus_seed, point_seeds, stick_seeds
 from .unknown_optics import UnknownOptics
 from .view_pairs import FEWEST_COMMON, Pair, common_points, find_pairs
 
-PIECES = 120  # pieces of a rough adjustment at most; chosen for speed
+BODIES = 120  # bodies of a rough adjustment at most; chosen for speed
 PAIRS = 6  # pairs of cameras that beginnings are taken from; chosen (see benchmarks/bundle.py)
 SEEDS = 8  # beginnings that are tried at most; chosen; seen by `benchmarks/bundle.py start`
 AMPLE = 150  # points in common that are enough for a first guess; chosen for speed
@@ -48,7 +48,7 @@ class TargetViews(NamedTuple):
 
     @property
     def markers(self) -> int:
-        """How many there are to a piece."""
+        """How many there are to a body."""
         return 1 if self.along is None else len(self.along)
 
     @property
@@ -95,7 +95,7 @@ def start(views: TargetViews, *, seed: int = 0, focal_known: bool = False) -> tu
 
 
 def thinned(views: TargetViews) -> TargetViews:
-    """Every so manieth piece, as few as leave each camera `AMPLE` points in common with another."""
+    """Every so many-th body, as few as leave each camera `AMPLE` points in common with another."""
     uv = views.poses
     for step in range(uv.shape[1] // AMPLE, 1, -1):
         some = uv[:, ::step].reshape(len(uv), -1, 2)
@@ -166,10 +166,10 @@ def _two(views: TargetViews, guess: Seed) -> dict[int, Camera]:
 def _adjusted(
     views: TargetViews, cameras: dict[int, Camera], *, focus_held: bool = False
 ) -> tuple[dict[int, Camera], float]:
-    """The cameras so far, adjusted together on some of the pieces, and the scale of residuals."""
+    """The cameras so far, adjusted together on some of the bodies, and the scale of residuals."""
     order = sorted(cameras)
     part = _part(views, cameras)
-    rows = _some_pieces(part, views.uv[order])
+    rows = _some_bodies(part, views.uv[order])
     points = (rows[:, None] * views.markers + np.arange(views.markers)).ravel()
     freedoms = tuple(rough_freedom(views.optics[c], focus_held=focus_held) for c in order)
     state = BundleState(tuple(cameras[c] for c in order), (part.take(rows),))
@@ -178,7 +178,7 @@ def _adjusted(
 
 
 def _part(views: TargetViews, cameras: dict[int, Camera]) -> Part:
-    """What the cameras see, as pieces; sticks whose length is far off are not known."""
+    """What the cameras see, as bodies; sticks whose length is far off are not known."""
     order = sorted(cameras)
     known = [cameras[c] for c in order]
     limit = [BENT * np.hypot(*camera.size) for camera in known]
@@ -189,11 +189,11 @@ def _part(views: TargetViews, cameras: dict[int, Camera]) -> Part:
     sticks = sticks_through(markers, views.along)
     off = np.linalg.norm(sticks.xyz - markers, axis=-1)
     wrong = ~(np.where(np.isnan(off), 0.0, off).max(1) <= LONGER * np.ptp(views.along))
-    return type(sticks)(np.where(wrong[:, None], np.nan, sticks.middle), sticks.ahead, sticks.along)
+    return type(sticks)(np.where(wrong[:, None], np.nan, sticks.centre), sticks.direction, sticks.along)
 
 
-def _some_pieces(part: Part, uv: Floats) -> NDArray[np.int64]:
-    """At most `PIECES` of those that are supported, evenly."""
+def _some_bodies(part: Part, uv: Floats) -> NDArray[np.int64]:
+    """At most `BODIES` of those that are supported, evenly."""
     n, K = part.xyz.shape[:2]
     good = np.flatnonzero(supported((part,), complete(uv)).any(0).reshape(n, K).any(1))
     if len(good) < FEWEST_KNOWN // 2:
@@ -201,7 +201,7 @@ def _some_pieces(part: Part, uv: Floats) -> NDArray[np.int64]:
             f"Only {len(good)} of {n} poses or places are seen whole by two cameras and fit each other. Wave longer, "
             "where the cameras look, and check the lengths and the order of the markers."
         )
-    return good[np.linspace(0, len(good) - 1, min(PIECES, len(good))).astype(int)]
+    return good[np.linspace(0, len(good) - 1, min(BODIES, len(good))).astype(int)]
 
 
 def _next_camera(views: TargetViews, cameras: dict[int, Camera]) -> dict[int, Camera]:

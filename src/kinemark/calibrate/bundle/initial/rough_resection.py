@@ -15,7 +15,7 @@ from ....data.array_types import Floats
 from ....geometry import decompose
 from ....numerics.robust import cauchy_weight
 from ..parts import KnownPoints, complete
-from ..robust import SOFT, solve_robust
+from ..robust_adjustment import SOFT, solve_robust
 from ..solver import BundleState, Freedom, ImageObservations
 from .seeds import projections
 from .unknown_optics import UnknownOptics

@@ -27,7 +27,7 @@ from .view_pairs import FEWEST_COMMON, Pair
 FOCI = np.geomspace(0.45, 4.0, 14)
 """Focal lengths that are tried, in image widths; chosen (see benchmarks/bundle.py)."""
 JUDGES = 60  # points that a beginning is judged by at most; chosen for speed
-WITNESSES = 3  # further cameras that a beginning is judged by; chosen for speed
+CHECK_CAMERAS = 3  # further cameras that a beginning is judged by; chosen for speed
 
 
 class Seed(NamedTuple):
@@ -80,7 +80,7 @@ def point_seeds(optics: list[UnknownOptics], pair: Pair, uv: Floats, *, best: in
     """The most likely focal lengths of a pair by (2), from points seen at uv (C, N, 2) by other cameras too."""
     seen = complete(uv) & pair.good
     seen[[pair.a, pair.b]] = False
-    others = [int(c) for c in np.argsort(-seen.sum(1), kind="stable")[:WITNESSES] if seen[c].sum() >= FEWEST_COMMON]
+    others = [int(c) for c in np.argsort(-seen.sum(1), kind="stable")[:CHECK_CAMERAS] if seen[c].sum() >= FEWEST_COMMON]
     score = np.zeros(len(FOCI) ** 2)
     for c in others:
         rows = _evenly(np.flatnonzero(seen[c]))

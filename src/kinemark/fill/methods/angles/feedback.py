@@ -51,8 +51,8 @@ import scipy
 from ....data import AngleModel, KinemarkError
 from ....data.array_types import Bools, Floats
 from ....data.method import ONE, parameter
-from ....signal.kalman import KalmanState, predict, start, update, update_position
-from ....signal.smoother import jump_of, noise_of
+from ....signal.kalman import KalmanState, initial_state, predict, update, update_position
+from ....signal.smoother import measurement_sd_of, process_sd_of
 from ...marker_array import Gap, MarkerArray, Prediction
 from ..kalman_predictor import STRIDE
 from ..stage import FILL, FillMethod
@@ -149,14 +149,14 @@ def follow(motion: MarkerArray, placer: Placer, frames: Bools, method: KalmanAng
     return PredictedPath(run.xyz, run.variance, run.corrected)
 
 
-def _noise_and_jump(motion: MarkerArray, method: KalmanAngles) -> tuple[float, float]:
+def _noise(motion: MarkerArray, method: KalmanAngles) -> tuple[float, float]:
     """σ and U, given or found, one for all markers."""
     y = motion.xyz.transpose(0, 2, 1).reshape(-1, motion.xyz.shape[1])
-    noise = noise_of(y)
+    noise = measurement_sd_of(y)
     sd = float(np.sqrt((noise**2).mean())) if method.measurement_sd is None else method.measurement_sd
     if method.jerk is not None:
         return sd, method.jerk / motion.rate**3
-    return sd, float(np.sqrt((jump_of(y, max(round(STRIDE * motion.rate), 1), noise) ** 2).mean()))
+    return sd, float(np.sqrt((process_sd_of(y, max(round(STRIDE * motion.rate), 1), noise) ** 2).mean()))
 
 
 class _Run:
@@ -165,7 +165,7 @@ class _Run:
     def __init__(self, motion: MarkerArray, placer: Placer, method: KalmanAngles) -> None:
         n, n_frames, _ = motion.xyz.shape
         self._seen, self._method = motion.xyz, method
-        self._sd, self._jump = _noise_and_jump(motion, method)
+        self._sd, self._process_sd = _noise(motion, method)
         self._lasting = max(placer.cycle / 10, 1.0)
         self._sides = _Sides(placer.model, placer.phase.cycles, method)
         self.xyz, self.variance = np.full((n, n_frames, 3), np.nan), np.full((n, n_frames), np.nan)
@@ -203,7 +203,7 @@ class _Run:
         placed, variance = placed.copy(), variance.copy()
         state = KalmanState(self._state.x[wrong], self._state.P[wrong])
         prior, R = state.P[:, 0, 0].copy(), np.maximum(variance[wrong], LEAST)
-        placed[wrong], self._next = update_position(state, placed[wrong], R, self._jump)
+        placed[wrong], self._next = update_position(state, placed[wrong], R, self._process_sd)
         variance[wrong] = prior * R / (prior + R)
         return placed, variance
 
@@ -221,13 +221,13 @@ class _Run:
         begins = ~self._going & (self._row == 3)
         on = self._going & (seen | fed)
         old = self._state
-        new = predict(old, self._jump)
+        new = predict(old, self._process_sd)
         if begins.any():
-            new.x[begins], new.P[begins] = start(past[begins], self._sd, self._jump)
+            new.x[begins], new.P[begins] = initial_state(past[begins], self._sd, self._process_sd)
         if on.any():
             whole = ((self._row == 3) | fed)[on]  # (3)
             state = KalmanState(old.x[on], old.P[on])
-            new.x[on], new.P[on] = update(state, np.nan_to_num(past[on]), whole, self._sd, self._jump)
+            new.x[on], new.P[on] = update(state, np.nan_to_num(past[on]), whole, self._sd, self._process_sd)
         if self._method.feedback == "measured" and wrong.any():
             new.x[wrong], new.P[wrong] = self._next
         self._state, self._going = new, self._going | begins

@@ -40,7 +40,7 @@ from .place import Placer, Placings, correlation
 STRANGE = 25.0
 """Mean squared deviation from another trial's model, in its own spreads (at least 0.1), above which the motion is
 another; chosen (see studies/missing_markers.py)."""
-FOREIGN = 0.1
+OTHER_TRIAL = 0.1
 """Least spread of the directions of another trial's model; chosen (see studies/missing_markers.py)."""
 HEADINGS = 12
 """Turns about the vertical that are tried with another trial's model; chosen (see studies/missing_markers.py)."""
@@ -114,7 +114,7 @@ def fit_model(motion: MarkerArray, *, method: LimbAngles = LimbAngles()) -> Plac
         ValueError: links or banks name markers that are not there.
     """
     if method.model is not None:
-        model, phase = _foreign(motion, method.model, method.rotate_model)
+        model, phase = _of_other_trial(motion, method.model, method.rotate_model)
         return Placer(motion.xyz, model, phase, cycle=_cycle(phase, model.period * motion.rate), own=False)
     learned = method.learned or _learn(motion, method)
     return Placer(motion.xyz, learned.model, learned.phase, cycle=learned.model.period * motion.rate, own=True)
@@ -142,7 +142,7 @@ def _cycle(phase: CyclePhase, otherwise: float) -> float:
     return 1 / speed if speed > 0 else otherwise
 
 
-def _foreign(motion: MarkerArray, model: AngleModel, turn: bool) -> tuple[AngleModel, CyclePhase]:
+def _of_other_trial(motion: MarkerArray, model: AngleModel, turn: bool) -> tuple[AngleModel, CyclePhase]:
     """Another trial's model with the markers and lengths of this one, and the phase."""
     place = {name: m for m, name in enumerate(motion.names)}
     use = np.array([all(model.names[m] in place for m in link) for link in model.links])
@@ -170,7 +170,7 @@ def _foreign(motion: MarkerArray, model: AngleModel, turn: bool) -> tuple[AngleM
 
 def _phase(y: Floats, model: AngleModel, rate: float) -> CyclePhase:
     template, spread = template_of(model)
-    return find_phase(y, template, np.maximum(spread, FOREIGN), cycle=model.period * rate)
+    return find_phase(y, template, np.maximum(spread, OTHER_TRIAL), cycle=model.period * rate)
 
 
 def _upright(y: Floats, model: AngleModel, phase: CyclePhase, rate: float) -> tuple[AngleModel, CyclePhase]:

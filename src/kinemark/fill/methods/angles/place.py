@@ -41,7 +41,7 @@ from ....data import AngleModel
 from ....data.array_types import Bools, Floats, Ints
 from ....geometry import polar_rotations
 from ....signal.phase import CyclePhase, CycleTemplate, information, variance_at
-from ....signal.smoother import noise_of
+from ....signal.smoother import measurement_sd_of
 from .learn import LONG, CycleInterpolation, columns, most_moving, template_of, weights
 
 SKIN = 3.0
@@ -168,7 +168,7 @@ class Placer:
         some = most_moving(columns(thin, self.model.links))
         gone = np.isnan(self.xyz[..., 0])[self.model.links[some // 3].T]
         there = ~(gone[0] | gone[1]).T
-        return information(there, self._curve.some(some), self._spread[some], self.phase.cycles, cycle=self.cycle)
+        return information(there, self._curve.select(some), self._spread[some], self.phase.cycles, cycle=self.cycle)
 
     @cached_property
     def _weight(self) -> Floats:
@@ -196,7 +196,7 @@ class Placer:
             seen[np.isnan(seen)] = 0.0
             weight = np.ascontiguousarray(self._weight[link].min(1).T)
             weighted = seen * np.repeat(weight, 3, axis=1)
-            curve, seen = self._curve.some(_columns_of(rows)), seen.reshape(len(seen), -1, 3)
+            curve, seen = self._curve.select(_columns_of(rows)), seen.reshape(len(seen), -1, 3)
             bank = _Bank(rows, link, curve, seen, weight, weighted, np.zeros(0), np.zeros(0, np.bool_))
             d, alone = self._directions(bank, self._usual, self._usual_others)
             self._banks[number] = bank._replace(d=d, alone=alone)
@@ -211,7 +211,7 @@ class Placer:
         last = bank.link[own, 1] == marker
         source, length = bank.link[own, np.where(last, 0, 1)], self.model.length[bank.rows[own]]
         ahead = np.where(last, length, -length)[:, None]
-        curve = self._curve.some(_columns_of(bank.rows[own]))
+        curve = self._curve.select(_columns_of(bank.rows[own]))
         way = ahead * d[:, own]
         slope = ahead * curve.slope(self.phase.cycles[frames]).reshape(len(frames), -1, 3)
         R = self._turn(marker, bank, d, at)
@@ -257,7 +257,7 @@ class Placer:
         cov = off @ off.mT / np.maximum(n - 1, 1)[:, None, None] + 1e-6 * np.eye(3)
         spaced = np.full((len(usual), 3, self._apart[-1] + 1), np.nan)
         spaced[..., self._apart] = usual
-        noise = np.sqrt((noise_of(spaced.reshape(3 * len(usual), -1)) ** 2).reshape(-1, 3).mean(1))
+        noise = np.sqrt((measurement_sd_of(spaced.reshape(3 * len(usual), -1)) ** 2).reshape(-1, 3).mean(1))
         both = there[:, self._now] & there[:, self._then]
         tau = correlation_time(off[..., self._now], off[..., self._then], both, self._lag, noise)
         few = n < FEWEST

@@ -1,4 +1,4 @@
-"""More markers on a body than its model has, and more than one body."""
+"""More markers on a body than its model has, and several bodies in one subject."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .subjects import Capsules, Subject
 MOST_TRIES = 100  # places tried for each marker; chosen
 
 
-def dressed(subject: Subject, n: int, *, apart_mm: float = 40.0, seed: int = 0) -> Subject:
+def with_markers(subject: Subject, n: int, *, apart_mm: float = 40.0, seed: int = 0) -> Subject:
     """The subject with markers added to the surface of its limbs until there are n, or the first n of its own.
 
     Args:
@@ -55,7 +55,7 @@ def _on_limb(limbs: Capsules, k: int, along: float, around: float, size: float) 
     return np.asarray(limbs.a[k] + along * axis + (limbs.radius[k] + size) * out)
 
 
-def together(*subjects: Subject) -> Subject:
+def combined_subjects(*subjects: Subject) -> Subject:
     """Several subjects as one, their names numbered: "1 LASI", "2 LASI".
 
     Raises:

@@ -30,19 +30,19 @@ TINY = 1e-9  # px or standard deviations; keeps the scale of perfect images abov
 
 
 def unknowns(state: BundleState, freedoms: tuple[Freedom, ...], used: Bools) -> int:
-    """How many parameters of cameras and used pieces there are."""
+    """How many parameters of cameras and used bodies there are."""
     cameras = sum(f.columns(c).shape[1] for f, c in zip(freedoms, state.cameras, strict=True))
-    return cameras + sum(int(seen.sum()) * part.degrees for part, seen in _pieces(state.parts, used))
+    return cameras + sum(int(seen.sum()) * part.degrees for part, seen in _used_bodies(state.parts, used))
 
 
 def equations(state: BundleState, used: Bools) -> int:
     """How many there are: two an image point, and three a point that was surveyed."""
-    surveyed = sum(3 * int(seen.sum()) for part, seen in _pieces(state.parts, used) if part.known and part.degrees)
+    surveyed = sum(3 * int(seen.sum()) for part, seen in _used_bodies(state.parts, used) if part.known and part.degrees)
     return 2 * int(used.sum()) + surveyed
 
 
-def _pieces(parts: tuple[Part, ...], used: Bools) -> list[tuple[Part, Bools]]:
-    """Each part, and which of its pieces are seen."""
+def _used_bodies(parts: tuple[Part, ...], used: Bools) -> list[tuple[Part, Bools]]:
+    """Each part, and which of its bodies are seen."""
     pairs = zip(parts, slices(parts), strict=True)
     return [(part, np.asarray(used[:, at].reshape(len(used), *part.xyz.shape[:2]).any((0, 2)))) for part, at in pairs]
 
@@ -62,7 +62,7 @@ def solve_robust(
     seen = seen._replace(used=used)
     scale = noise_scale(normalised_residuals(state, seen), state, freedoms, used) if used.any() else np.inf
     for _ in range(rounds if used.any() else 0):
-        state = solve(state, seen, freedoms, soft=SOFT * scale, steps=steps, settled=ROUGH)
+        state = solve(state, seen, freedoms, soft=SOFT * scale, steps=steps, tolerance=ROUGH)
         before, scale = scale, noise_scale(normalised_residuals(state, seen), state, freedoms, used)
         if scale > SETTLED * before:
             break
@@ -86,7 +86,7 @@ def solve_without_outliers(
 
 
 def _near(state: BundleState, seen: ImageObservations, used: Bools, limit: float) -> Bools:
-    """`used` (C, N) without what is off by more than `limit`, the pieces placed anew from the rest."""
+    """`used` (C, N) without what is off by more than `limit`, the bodies placed anew from the rest."""
     still = tuple(Freedom(np.zeros(15, np.bool_)) for _ in state.cameras)
     for _ in range(ROUNDS):
         used = supported(state.parts, used & ~np.isinf(normalised_residuals(state, seen)))

@@ -50,18 +50,18 @@ def identified_matches(detections: Detections, marker: NDArray[np.int64]) -> Mat
     rows = np.flatnonzero((marker >= 0) & detections.valid)
     n = int(marker.max(initial=-1)) + 1
     group, of = np.unique(detections.frame[rows] * max(n, 1) + marker[rows], return_inverse=True)
-    view = np.full((len(group), len(detections.cameras)), -1, np.int64)
-    view[of, detections.camera[rows]] = rows
-    if (view >= 0).sum() != len(rows):
+    detection = np.full((len(group), len(detections.cameras)), -1, np.int64)
+    detection[of, detections.camera[rows]] = rows
+    if (detection >= 0).sum() != len(rows):
         raise ValueError("a camera has one marker twice in a frame, wanted once")
-    several = (view >= 0).sum(1) >= 2
+    several = (detection >= 0).sum(1) >= 2
     frame = group[several] // max(n, 1)
-    return Matches(frame, view[several], np.full(int(several.sum()), np.nan), detections.n_frames)
+    return Matches(frame, detection[several], np.full(int(several.sum()), np.nan), detections.n_frames)
 
 
 def identified_tracks(cloud: Cloud, marker: NDArray[np.int64]) -> Tracks:
     """The points with the markers (D) that their rows are."""
-    return Tracks(cloud, marker[cloud.view.max(1)] if len(cloud) else np.zeros(0, np.int64))
+    return Tracks(cloud, marker[cloud.detection.max(1)] if len(cloud) else np.zeros(0, np.int64))
 
 
 def called(trajectories: Trajectories, names: Sequence[str], n_frames: int) -> Trajectories:

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from kinemark.synth import dressed, observe, ring, still, together, walking
+from kinemark.synth import combined_subjects, observe, ring, stationary, walking, with_markers
 
 WALK = walking(duration_s=0.4, rate=50.0)
 
 
 def test_added_markers_sit_on_limbs_and_keep_apart():
-    many = dressed(WALK, 60, apart_mm=45.0, seed=2)
+    many = with_markers(WALK, 60, apart_mm=45.0, seed=2)
     assert len(many) == 60 and len(set(many.names)) == 60
     np.testing.assert_array_equal(many.xyz[: len(WALK)], WALK.xyz)
     new = many.xyz[len(WALK) :]
@@ -25,23 +25,23 @@ def test_added_markers_sit_on_limbs_and_keep_apart():
 
 
 def test_added_markers_move_as_smoothly_as_the_limbs():
-    many = dressed(walking(duration_s=1.0, rate=200.0), 80, seed=1)
+    many = with_markers(walking(duration_s=1.0, rate=200.0), 80, seed=1)
     own = np.linalg.norm(np.diff(many.xyz[:15], 2, axis=1), axis=-1).max()
     new = np.linalg.norm(np.diff(many.xyz[15:], 2, axis=1), axis=-1).max()
     assert new < 2 * own
 
 
 def test_fewer_are_the_first_and_too_many_are_refused():
-    assert dressed(WALK, 5).names == WALK.names[:5]
+    assert with_markers(WALK, 5).names == WALK.names[:5]
     with pytest.raises(ValueError, match="do not fit"):
-        dressed(WALK, 20, apart_mm=2000.0)
+        with_markers(WALK, 20, apart_mm=2000.0)
     with pytest.raises(ValueError, match="no limbs"):
-        dressed(still(("a",), [[0, 0, 0]], radius_mm=7.0), 2)
+        with_markers(stationary(("a",), [[0, 0, 0]], radius_mm=7.0), 2)
 
 
 def test_two_people_hide_each_others_markers():
     other = walking(duration_s=0.4, rate=50.0, middle=(1200.0, 1000.0), phase=0.2)
-    both = together(WALK, other)
+    both = combined_subjects(WALK, other)
     assert len(both) == len(WALK) + len(other) and both["2 " + other.names[3]] == pytest.approx(other.xyz[3])
     assert len(both.capsules) == len(WALK.capsules) + len(other.capsules)
     joined = [(both.names[a], both.names[b]) for a, b in both.links]
@@ -51,13 +51,13 @@ def test_two_people_hide_each_others_markers():
     assert (observe(rig, both).sight.visible[:, : len(WALK)] <= alone + 1e-9).all()
     assert (observe(rig, both).sight.visible[:, : len(WALK)] < alone - 0.5).any()
     with pytest.raises(ValueError, match="differ in rate"):
-        together(WALK, walking(duration_s=0.4, rate=100.0))
+        combined_subjects(WALK, walking(duration_s=0.4, rate=100.0))
 
 
-def test_own_views_count_the_images_of_one_marker_alone():
+def test_unmerged_views_count_the_images_of_one_marker_alone():
     rig = ring(6)
     seen = observe(rig, WALK, merge_px=15.0)
-    assert (seen.own_views <= 6).all()
+    assert (seen.unmerged_views <= 6).all()
     whole = observe(rig, WALK)
-    np.testing.assert_array_equal(whole.own_views, (whole.sight.visible >= 0.5).sum(0))
-    assert (seen.own_views <= whole.own_views).all() and (seen.own_views < whole.own_views).any()
+    np.testing.assert_array_equal(whole.unmerged_views, (whole.sight.visible >= 0.5).sum(0))
+    assert (seen.unmerged_views <= whole.unmerged_views).all() and (seen.unmerged_views < whole.unmerged_views).any()

@@ -29,7 +29,7 @@ class FrameSource(Protocol):
         ...
 
 
-def ahead(source: FrameSource) -> Iterator[NDArray[np.uint8 | np.uint16]]:
+def prefetched(source: FrameSource) -> Iterator[NDArray[np.uint8 | np.uint16]]:
     """The batches of a source, of which the next is decoded by another thread while one is in use."""
     batches = iter(source.batches(BATCH))
     with ThreadPoolExecutor(1) as pool:

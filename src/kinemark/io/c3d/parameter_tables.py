@@ -83,6 +83,6 @@ def rows_from(values: NDArray[np.float64], source: Sequence[int], fresh: float) 
 
 def _with_rows(doc: C3D, group: str, name: str, table: ValueArray) -> C3D:
     count = max(len(doc.series(group, name)), -(-len(table) // MOST_ROWS), 1)
-    pieces = [table[i * MOST_ROWS : (i + 1) * MOST_ROWS] for i in range(count)]
+    parts = [table[i * MOST_ROWS : (i + 1) * MOST_ROWS] for i in range(count)]
     names = [name, *(f"{name}{i}" for i in range(2, count + 1))]
-    return with_parameters(doc, group, [Parameter(n, piece) for n, piece in zip(names, pieces, strict=True)])
+    return with_parameters(doc, group, [Parameter(n, part) for n, part in zip(names, parts, strict=True)])

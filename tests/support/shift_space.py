@@ -7,7 +7,7 @@ import numpy as np
 
 import kinemark
 from kinemark import calibrate, geometry, sensitivity, synth
-from kinemark.calibrate import bundle, control_frame, control_points, quality, world_frame
+from kinemark.calibrate import bundle, control_frame, control_points, l_frame, quality, world_frame
 from kinemark.data import MarkerTrajectory, Rig, Trajectories
 from kinemark.sensitivity import joints
 from support.shift_law import OPEN, Answer, law, moved, on_grid
@@ -259,14 +259,18 @@ def true_rig_of_five():
     return synth.ring(5, distortion=(-0.1, 0.02, 0.0, 0.0, 0.0), sweep_deg=300.0, radius=4100.0)
 
 
-@law(world_frame.moved_to, world_frame.l_frame, world_frame.fit_moved_to, mm=1e-6, share=OPEN)
+@law(world_frame.moved_to, l_frame.l_frame, l_frame.resting_l_frame, world_frame.fit_moved_to, mm=1e-6, share=OPEN)
 def _(by):
     """A rig found in a world 10 km away is moved here, and one found here is moved there."""
     corner = np.array([[0, 0, 12.5], [800, 0, 12.5], [0, 600, 12.5]])
-    known = world_frame.l_frame(moved(rig(), by), corner[[2, 0, 1]] + by, long=800.0, short=600.0, height=12.5)
+    arms = {"long": 800.0, "short": 600.0, "height": 12.5}
+    known = l_frame.l_frame(moved(rig(), by), corner[[2, 0, 1]] + by, **arms)
+    resting = l_frame.resting_l_frame(moved(rig(), by), [corner + by, corner[[2, 0, 1]] + by], **arms)
     here = world_frame.moved_to(moved(rig(), by), corner[[2, 0, 1]] + by, known)
     there = world_frame.moved_to(rig(), corner, corner + by)
-    return Answer(in_the_world(there, by)[0][0], (known, in_the_world(here, 0.0), in_the_world(there, by)[1]))
+    places = np.concatenate([in_the_world(there, by)[0][0], resting.seen])
+    rest = (known, resting.known, in_the_world(here, 0.0), in_the_world(there, by)[1])
+    return Answer(places, rest)
 
 
 # ---- Sensitivity ----

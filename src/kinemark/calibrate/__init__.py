@@ -8,6 +8,7 @@ lens/             lenses from plane grids and chessboards
 aspect            aspect ratio of the pixels
 reference_marker  shifts of the images since the calibration
 resection         least squares of one camera
+l_frame           an L-frame on the floor, recognised and read over all frames
 world_frame       turning and scaling a rig into the laboratory
 assign            which dot is which point of a known body, from a few that were picked by hand
 """

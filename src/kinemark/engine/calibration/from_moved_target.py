@@ -23,7 +23,7 @@ from .world_placement import placed_in_world
 
 FEWEST_FRAMES = 20
 """In which two cameras each see one marker; chosen."""
-SAME_MM = 1e-6  # mm; gaps that differ by less are the same but for rounding; by numerical necessity
+SAME_MM = 1e-6  # mm; gaps that differ by less are the same but for rounding; chosen
 WRONG_GAP = 0.002
 """Of a wand's length; gaps measured with care, from centre to centre, are not off by more; chosen."""
 

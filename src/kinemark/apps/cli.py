@@ -16,6 +16,7 @@ from .output import errors
 
 COMMANDS = {
     "commands/simulate.py": ("demo", "simulate"),
+    "commands/new_session.py": ("init",),
     "commands/session.py": ("run", "status", "calibrate"),
     "commands/listings.py": ("methods", "schema", "cite"),
     "commands/detect.py": ("detect",),

@@ -21,9 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MOVED = 0.15  # of the range of grey levels; more is a motion, not noise; chosen
-WOVEN = (
-    0.4  # e1 / e2 above which fields are woven; chosen: simulated slow walks of interlaced cameras show 0.65 or more
-)
+WOVEN = 0.4  # e1 / e2 above which fields are woven; chosen: simulated slow walks show 0.65 or more
 WHOLE = 0.25  # e1 / e2 below which frames are whole; chosen: simulated and filmed markers show 0.1 to 0.15
 FEWEST = 200  # moving pixels, below which nothing is said; chosen: some images of markers
 

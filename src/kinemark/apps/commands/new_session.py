@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ...engine.first_session import Role, SessionProposal, propose_session, session_text, with_role, write_first_session
+from ...engine.first_session import (
+    Role,
+    SessionProposal,
+    answered,
+    propose_session,
+    session_text,
+    with_role,
+    write_first_session,
+)
 from ...engine.first_session.session_text import existing
 from ...engine.session_name import FILE
 from ...report.words.first_session import question_text
@@ -41,7 +50,7 @@ def init(
     for text in role or ():
         proposal = _changed(text, proposal, _with_role)
     for text in answer or ():
-        proposal = _changed(text, proposal, SessionProposal.answered)
+        proposal = _changed(text, proposal, answered)
     if not (yes or json) and sys.stdin.isatty():
         proposal = asked(proposal)
     if dry_run:
@@ -65,23 +74,23 @@ def asked(proposal: SessionProposal) -> SessionProposal:
             skipped.add(question.key + question.about)
             continue
         try:
-            proposal = proposal.answered(question.key, text)
+            proposal = answered(proposal, question.key, text)
         except ValueError as error:
             print_result(f"  {error}")
     return proposal
 
 
-def _changed(text: str, proposal: SessionProposal, change: object) -> SessionProposal:
+def _changed(
+    text: str, proposal: SessionProposal, change: Callable[[SessionProposal, str, str], SessionProposal]
+) -> SessionProposal:
     """With what one KEY=VALUE says."""
-    assert callable(change)
     key, equals, value = text.rpartition("=") if "{" in text else text.partition("=")
     try:
         if not equals:
             raise ValueError(f"{text!r} is not of the form KEY=VALUE")
-        changed: SessionProposal = change(proposal, key.strip(), value)
+        return change(proposal, key.strip(), value)
     except ValueError as error:
         raise KinemarkError(f"{error}.") from error
-    return changed
 
 
 def _with_role(proposal: SessionProposal, path: str, role: str) -> SessionProposal:

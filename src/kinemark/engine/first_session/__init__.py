@@ -1,6 +1,6 @@
 """A first `session.toml` from a folder of recordings: looked at, guessed with reasons, asked, written."""
 
-from .calibration_way import with_role
+from .calibration_way import answered, with_role
 from .proposal import FoundRecording, Question, Reason, Role, SessionProposal
 from .propose import propose_session
 from .session_text import session_text, write_first_session
@@ -11,6 +11,7 @@ __all__ = [
     "Reason",
     "Role",
     "SessionProposal",
+    "answered",
     "propose_session",
     "session_text",
     "with_role",

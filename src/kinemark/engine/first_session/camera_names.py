@@ -1,4 +1,4 @@
-"""Which part of the names of files is the camera: `walk01_cam1.avi`, `cam1/walk01.avi`, `walk01/left.mp4`, `clip_0.mp4`.
+"""Which part of the names of files is the camera: `walk01_cam1.avi`, `cam1/walk01.avi`, `walk01/left.mp4`.
 
 Each hypothesis cuts one piece out of a path, the camera's name, and leaves a pattern with `{camera}` in its place. The
 hypothesis is taken under which most files share a pattern with another file, the patterns have the same set of
@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 CAMERA = "{camera}"
 WORD = re.compile(
-    r"(?P<before>(?:cam(?:era)?|kamera|gopro)[ _-]?|(?<![a-z0-9])(?:c|ch|view)[ _-]?)(?P<id>\d{8}|\d{1,3}|[a-h])(?![a-z0-9])",
+    r"(?:(?:cam(?:era)?|kamera|gopro)[ _-]?|(?<![a-z0-9])(?:c|ch|view)[ _-]?)"
+    r"(?P<id>\d{8}|\d{1,3}|[a-h])(?![a-z0-9])",
     re.IGNORECASE,
 )
 SIDE = re.compile(
@@ -43,8 +44,10 @@ class Grouping(NamedTuple):
     @property
     def names(self) -> tuple[str, ...]:
         """The names that most patterns have, in natural order."""
-        sets = Counter(frozenset(found) for found in self.patterns.values() if len(found) > 1)
-        return tuple(sorted(max(sets, key=lambda names: (sets[names], len(names))), key=natural)) if sets else ()
+        several = (frozenset(found) for found in self.patterns.values() if len(found) > 1)
+        sets: Counter[frozenset[str]] = Counter(several)
+        most = max(sets.items(), key=lambda item: (item[1], len(item[0])), default=(frozenset[str](), 0))[0]
+        return tuple(sorted(most, key=natural))
 
 
 def natural(name: str) -> tuple[tuple[int, str], ...]:
@@ -115,8 +118,8 @@ HYPOTHESES: dict[str, tuple[Callable[[str], Cut | None], float]] = {
     "word": (by_word, 0.5),
     "number": (by_number, 0.4),
     "side": (by_side, 0.35),
-    "stem": (by_stem, 0.2),
-    "folder": (by_folder, 0.15),
+    "folder": (by_folder, 0.2),
+    "stem": (by_stem, 0.01),
     **{f"run {k + 1}": (by_run(k), 0.1 - 0.02 * k) for k in range(RUNS)},
 }
 """By name, how a path is cut, and how much its names look like those of cameras; chosen, below what one piece of

@@ -131,11 +131,8 @@ def other_file(folder: Path, path: str) -> FoundRecording | None:
         record = _record(folder / path)
     except KinemarkError as error:
         ours = Path(path).suffix.lower() in (".tdf", ".c3d", ".da1", ".cp1")
-        return (
-            FoundRecording(path, "other", (), Role.UNUSED, Reason("unreadable", {"error": str(error)}))
-            if ours
-            else None
-        )
+        why = Reason("unreadable", {"error": str(error)})
+        return FoundRecording(path, "other", (), Role.UNUSED, why) if ours else None
     role, why = role_of(path)
     name = trial_name(path)
     if isinstance(record, Detections):

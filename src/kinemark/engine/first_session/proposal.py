@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -36,6 +36,9 @@ class Reason(NamedTuple):
 
     kind: str
     values: Mapping[str, Any] = {}
+
+
+NO_CAMERAS, NO_RATE, NO_IMAGES = Reason("no_cameras"), Reason("no_rate"), Reason("no_images")
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,11 +114,11 @@ class SessionProposal:
     name: str
     date: str = ""
     cameras: tuple[str, ...] = ()
-    cameras_why: Reason = Reason("no_cameras")
+    cameras_why: Reason = NO_CAMERAS
     rate: float | None = None
-    rate_why: Reason = Reason("no_rate")
+    rate_why: Reason = NO_RATE
     interlaced: Literal[False, "top", "bottom"] = False
-    interlaced_why: Reason = Reason("no_images")
+    interlaced_why: Reason = NO_IMAGES
     recordings: tuple[FoundRecording, ...] = ()
     way: FoundRecording | None = None
     beside: tuple[FoundRecording, ...] = ()
@@ -137,18 +140,6 @@ class SessionProposal:
         """Everything as plain data."""
         facts: dict[str, Any] = json.loads(json.dumps(asdict(self), default=str))
         return facts
-
-    def answered(self, key: str, text: str) -> SessionProposal:
-        """The same with one more answer, as it was typed; the numbers are separated by commas or blanks.
-
-        Raises:
-            ValueError: there is no such question, or the text does not answer it.
-        """
-        question = next((one for one in self.questions if one.key == key), None)
-        if question is None:
-            known = ", ".join(one.key for one in self.questions) or "none"
-            raise ValueError(f"{key} is not asked; there are {known}")
-        return replace(self, answers={**self.answers, key: parsed(question, text)})
 
 
 def parsed(question: Question, text: str) -> Answer:

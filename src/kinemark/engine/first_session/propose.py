@@ -58,12 +58,23 @@ def propose_session(folder: Path) -> SessionProposal:
     names, why = _cameras(grouping, found)
     recordings = tuple(_judged(one, names) for one in _distinct([*seen, *found]))
     if not any(one.role is not Role.UNUSED for one in recordings):
-        raise KinemarkError(
-            f"{folder} has no recordings: no videos, images, 2D points or calibration among {len(paths)} files. "
-            "Put the recordings of one day into it, a video or a folder of images for each camera and trial."
-        )
+        raise _nothing(folder, len(paths), recordings)
     proposal = SessionProposal(folder, folder.resolve().name, _date(folder, recordings), names, why)
     return completed(_timed(replace(proposal, recordings=recordings)))
+
+
+def _nothing(folder: Path, n_files: int, recordings: Sequence[FoundRecording]) -> KinemarkError:
+    """The error for a folder that no session can be made of."""
+    nameless = [one.path for one in recordings if one.why.kind == "no_camera_in_name"]
+    if nameless:
+        return KinemarkError(
+            f"{folder} has {len(nameless)} recordings, and nothing says which camera took which: {nameless[0]}. "
+            "Name files or folders after the cameras, as cam1, cam2; two of them make a point in space."
+        )
+    return KinemarkError(
+        f"{folder} has no recordings: no videos, images, 2D points or calibration among {n_files} files. Put the "
+        "recordings of one day into it, a video or a folder of images for each camera and trial."
+    )
 
 
 def _other(folder: Path, path: str) -> FoundRecording | None:
@@ -109,6 +120,8 @@ def _recording(pattern: str, streams: Mapping[str, Stream], facts: Callable[[Str
     form = forms.pop() if len(forms) == 1 else tail.replace("#", "*")
     path = pattern[: pattern.find("#")] + form if "#" in pattern else pattern
     role, why = role_of(pattern)
+    if role is Role.GRID:
+        path = re.sub(r"%(0\d+)?d", "*", path)  # several views of a grid are no sequence in time
     frames = [one.frames for one in known if one.frames is not None]
     rates = [one.rate for one in known if one.rate]
     return FoundRecording(

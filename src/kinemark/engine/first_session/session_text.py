@@ -1,4 +1,4 @@
-"""A proposal as the text of a `session.toml`: what is known as settings, what is not as comments that say what is wanted.
+"""A proposal as the text of a `session.toml`: what is known as settings, the rest as comments that say what is wanted.
 
 Lines that begin with `# ?` are settings that want a value; without the mark and with the value they hold.
 """
@@ -81,6 +81,11 @@ def _cameras(proposal: SessionProposal) -> Table:
         table.add(tomlkit.comment(f"{MARK} names = [?, ?]  # {reason_text(proposal.cameras_why)}"))
     if any(one.content == "images" for one in proposal.recordings):
         table["interlaced"] = tomlkit.item(proposal.interlaced).comment(reason_text(proposal.interlaced_why))
+    size = proposal.answers.get("cameras.size_px")
+    if isinstance(size, tuple):
+        table["size_px"] = [int(n) for n in size if not isinstance(n, str)]
+    elif any(one.key == "cameras.size_px" for one in proposal.open):
+        table.add(tomlkit.comment(f"{MARK} size_px = [?, ?]  # width and height of all images, which no file says"))
     table.add(tomlkit.nl())
     return table
 
@@ -98,9 +103,7 @@ def _calibration(proposal: SessionProposal) -> Table:
             _add_rig(table, one, proposal)
         elif unknown or unscaled:
             table.add(tomlkit.comment(f"{MARK} {key} = {_open(said)}  # {reason_text(one.why)}"))
-            wants = [
-                question_text(question) for question in proposal.open if question.key.startswith(f"calibration.{key}.")
-            ]
+            wants = [question_text(want) for want in proposal.open if want.key.startswith(f"calibration.{key}.")]
             for want in [*wants, *([UNSCALED] if unscaled else [])]:
                 table.add(tomlkit.comment(f"  {want}"))
         else:
@@ -139,7 +142,7 @@ def _said(one: FoundRecording, proposal: SessionProposal) -> dict[str, Any]:
         said = proposal.answers.get(f"{key}.{name}")
         return None if said is None else [int(n) if whole else _number(n) for n in said if not isinstance(n, str)]
 
-    source = {one.content: one.path}
+    source: dict[str, Any] = {one.content: one.path}
     if one.role is Role.WAND:
         return {**source, "lengths_mm": answer("lengths_mm")}
     if one.role is Role.L_FRAME:

@@ -41,12 +41,14 @@ REASONS = {
     "fields": "what moves in {path} shows two fields in an image",
     "also_calibrates": "{path} could calibrate as well, by {role}",
     "no_calibration": "no recording calibrates the cameras",
+    "no_target_file": "{path} may show a target, and no file says where its markers are: rods.toml or points.csv",
     "no_trials": "no recording is a trial; [[trials]] wants one",
 }
 """By the kind of a reason."""
 
 QUESTIONS = {
     "rate_hz": "How many frames a second (fields, if interlaced), Hz?",
+    "cameras.size_px": "Width and height of the cameras' images, px, as 1280 1024?",
     "calibration.way": "What moves in {about}: a wand, or a single_marker?",
     "calibration.length_unit": "The unit of length of {about}: mm, cm, m or in?",
     "calibration.wand.lengths_mm": "Gaps between neighbouring markers of the wand, centre to centre, mm, as 120 280?",

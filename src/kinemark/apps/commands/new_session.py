@@ -24,6 +24,9 @@ from ...engine.session_name import FILE
 from ...report.words.first_session import question_text
 from ..output import Json, print_result
 
+Change = Callable[[SessionProposal, str, str], SessionProposal]
+"""What one KEY=VALUE does to a proposal."""
+
 
 def init(
     folder: Path,

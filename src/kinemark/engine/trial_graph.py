@@ -57,7 +57,7 @@ from .graph import Graph, Records, Stage
 from .identities import identity_of_entry, stated_identity
 from .keys import rig_key
 from .settings import Settings
-from .sources import OperatorIdentities, TrialSource
+from .sources import OperatorIdentities, TrialSource, identifies
 from .store import Store
 from .swapped_cameras import swapped_cameras
 
@@ -110,7 +110,7 @@ def trial_graph(name: str, settings: Settings, source: TrialSource, calibrated: 
     detecting = replace(detecting, given=(source.key(),), in_place=source.of.entry.answers is not None)
     stages = [detecting]
     tracks = Tracking(("tracks.h5", DECISIONS))
-    if source.of.entry.operated:
+    if identifies(source):
         stages.append(tracks.stage(_as_operated, ("detect",), None, (rig, s.digitise, s.reconstruct)))
     elif matches_itself(s.track):
         stages.append(tracks.stage(_from_detections, ("detect",), s.track, (rig, s.reconstruct)))

@@ -16,7 +16,7 @@ from typing import NamedTuple
 CAMERA = "{camera}"
 WORD = re.compile(
     r"(?:(?:cam(?:era)?|kamera|gopro)[ _-]?|(?<![a-z0-9])(?:c|ch|view)[ _-]?)"
-    r"(?P<id>\d{8}|\d{1,3}|[a-h])(?![a-z0-9])",
+    r"(?P<id>\d{8}|\d{1,3}|[a-h])(?:(?![a-z0-9])|(?=DLC))",
     re.IGNORECASE,
 )
 SIDE = re.compile(

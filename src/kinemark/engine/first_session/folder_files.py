@@ -11,13 +11,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...data import Detections, KinemarkError, Rig, Rods, Trial
+from ...io.detections_csv import NamedDetections
 from ...io.formats import IMAGES, Said, read_file
 from ...io.images import open_images
+from ...io.named_points_csv import layout_of
 from ...io.tdf import Tdf, read_tdf
 from ...io.um2as import siblings
 from ..session_name import FILE
 from ..settings import is_da
-from .camera_names import WORD, natural
+from .camera_names import WORD, grouped, natural
 from .proposal import FoundRecording, Reason, Role
 from .roles import role_of, trial_name
 
@@ -182,10 +184,29 @@ def _csv(path: Path) -> Any:
         cameras = tuple(cell.removesuffix("_u_px") for cell in heading if cell.endswith("_u_px"))
         return FoundRecording(path.name, "points", cameras, Role.CONTROL_POINTS, Reason("holds_points"))
     record = read_file(path, Said())
+    if isinstance(record, NamedDetections):
+        return None if layout_of(path) == "deeplabcut" else record.detections
     if isinstance(record, Detections | Trial):
         return record
     cameras = tuple(f"cam{c + 1}" for c in range(len(record)))
     return FoundRecording(path.name, "rig", cameras, Role.RIG, Reason("holds_dlt", {"cameras": len(record)}))
+
+
+def camera_files(folder: Path, paths: Iterable[str]) -> list[FoundRecording]:
+    """DeepLabCut's files, one a camera, by the words for cameras in their names."""
+    ours = [path for path in paths if path.lower().endswith(".csv") and _is_deeplabcut(folder / path)]
+    grouping = grouped(ours, "word")
+    return [
+        FoundRecording(pattern, "detections", tuple(sorted(found, key=natural)), *role_of(pattern), trial_name(pattern))
+        for pattern, found in grouping.patterns.items()
+    ]
+
+
+def _is_deeplabcut(path: Path) -> bool:
+    try:
+        return layout_of(path) == "deeplabcut"
+    except KinemarkError:
+        return False
 
 
 def tdf_with_rig(folder: Path, paths: Sequence[str]) -> str | None:

@@ -20,6 +20,7 @@ from .camera_names import Grouping, best_grouping, grouped
 from .folder_files import (
     Facts,
     Stream,
+    camera_files,
     facts_of,
     files_below,
     is_picture,
@@ -52,6 +53,7 @@ def propose_session(folder: Path) -> SessionProposal:
     paths = files_below(folder)
     pictures = [path for path in paths if is_picture(path)]
     found = [one for path in paths if not is_picture(path) and (one := _other(folder, path))]
+    found += camera_files(folder, paths)
     if (tdf := tdf_with_rig(folder, paths)) is not None:
         found.append(FoundRecording(tdf, "rig", (), Role.RIG, Reason("holds_rig")))
     grouping, seen = _pictured(folder, pictures)

@@ -79,12 +79,15 @@ def test_markers_are_reconstructed_by_their_names(form, tmp_path):
     write_rig_toml(tmp_path / "rig.toml", RIG)
     detections = "walk_{camera}.csv" if form == "DeepLabCut" else "walk.csv"
     (tmp_path / "session.toml").write_text(
-        f'name = "n"\nrate_hz = 100\n[calibration]\nfile = "rig.toml"\n[[trials]]\nname = "walk"\n'
+        f'name = "n"\nsubject = "S07"\ndate = 2026-05-03\nrate_hz = 100\n'
+        '[calibration]\nfile = "rig.toml"\n[[trials]]\nname = "walk"\n'
         f'detections = "{detections}"\n'
     )
     done = Session.open(tmp_path).run()["walk"]
     assert done.failed is None
-    found = read_c3d(tmp_path / "results/walk/walk.c3d").trajectories
+    trial = read_c3d(tmp_path / "results/walk/walk.c3d")
+    assert (trial.about["subject"], trial.about["date"]) == ("S07", "2026-05-03")
+    found = trial.trajectories
     assert set(found.names) == set(NAMES)
     for name, xyz in zip(NAMES, XYZ, strict=True):
         error = np.linalg.norm(found[name].xyz - xyz, axis=1)

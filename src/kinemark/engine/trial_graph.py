@@ -54,7 +54,7 @@ from ..track.simultaneous import (
 )
 from .calibration.calibrated import Calibrated
 from .graph import Graph, Records, Stage
-from .identities import identity_of_entry, stated_identity
+from .identities import identity_of_entry, stated_identity, with_identity
 from .keys import rig_key
 from .settings import Settings
 from .sources import OperatorIdentities, TrialSource, identifies
@@ -221,7 +221,7 @@ def _fill(inputs: TrialInputs, records: Records) -> Fills:
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
     s, detections, tracked, of = inputs.settings, records["detect"], records["track"], inputs.source.of
-    filled = filled_of(inputs, records)
+    filled, beside = filled_of(inputs, records), inputs.source.beside()
     swapped = swapped_cameras(detections, inputs.rig, tracked.tracks.cloud, matching=s.match, placing=s.reconstruct)
     figures = quality(
         session=s.name,
@@ -233,14 +233,14 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
         steps=(*inputs.calibrated.steps, *inputs.store.steps),
         findings=(
             *inputs.source.contradictions(),
-            *_channels(inputs, filled.trajectories),
+            *_channels(beside, filled.trajectories),
             *swapped,
             *tracked.diagnostics,
         ),
         ambiguous_decisions=tracked.ambiguous_decisions,
         judged=inputs.calibrated.figures,
         filling=_gap_figures(inputs, filled, measured_of(inputs, records)),
-        identity=identity_of_entry(of.root, s, of.entry),
+        identity=identity_of_entry(of.root, s, of.entry, beside.about if beside else None),
     )
     operated = inputs.source.operated()
     if operated is not None:
@@ -248,9 +248,8 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     return figures
 
 
-def _channels(inputs: TrialInputs, trajectories: Trajectories) -> Iterator[Finding]:
+def _channels(beside: Trial | None, trajectories: Trajectories) -> Iterator[Finding]:
     """What of the recording could not be read, and what the C3D file cannot hold of its channels."""
-    beside = inputs.source.beside()
     if beside is not None and beside.notes:
         yield make_finding("recording_partly_read", parts_list=beside.notes)
     if beside is None or not len(trajectories):
@@ -276,7 +275,9 @@ def _write(inputs: TrialInputs, records: Records) -> None:
     trajectories, figures = filled_of(inputs, records).trajectories, records["quality"]
     folder, name, steps = inputs.folder, inputs.name, tuple(inputs.store.steps)
     beside = inputs.source.beside() or Trial("", trajectories)
-    write_c3d(folder / f"{name}.c3d", replace(beside, trajectories=trajectories, name=name, steps=_own(steps)))
+    about = with_identity(beside.about, figures["identity"])
+    trial = replace(beside, trajectories=trajectories, name=name, steps=_own(steps), about=about)
+    write_c3d(folder / f"{name}.c3d", trial)
     write_report(
         folder / REPORT,
         quality=figures,

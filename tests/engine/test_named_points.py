@@ -13,6 +13,7 @@ from kinemark.io.c3d import read_c3d
 from kinemark.io.named_points_csv import layout_of, read_named_detections
 from kinemark.io.rig_toml import write_rig_toml
 from kinemark.io.trajectories_csv import csv_rows
+from support.findings import found
 from support.laboratory import ring
 from support.motions import swarm
 from support.shared import shared_data
@@ -87,10 +88,10 @@ def test_markers_are_reconstructed_by_their_names(form, tmp_path):
     assert done.failed is None
     trial = read_c3d(tmp_path / "results/walk/walk.c3d")
     assert (trial.about["subject"], trial.about["date"]) == ("S07", "2026-05-03")
-    found = trial.trajectories
-    assert set(found.names) == set(NAMES)
+    trajectories = trial.trajectories
+    assert set(trajectories.names) == set(NAMES)
     for name, xyz in zip(NAMES, XYZ, strict=True):
-        error = np.linalg.norm(found[name].xyz - xyz, axis=1)
+        error = np.linalg.norm(trajectories[name].xyz - xyz, axis=1)
         assert np.nanmax(error) < 0.01
         assert np.isnan(error).sum() == (name == "knee_r")  # one camera alone sees it in frame 4
 
@@ -142,9 +143,9 @@ def test_a_folder_of_named_points_proposes_a_session(tmp_path):
     for camera in RIG.names:  # DeepLabCut names its network behind the video's name
         (tmp_path / f"walk_{camera}.csv").rename(tmp_path / f"walk_{camera}DLC_resnet50.csv")
     write_rig_toml(tmp_path / "rig.toml", RIG)
-    found = propose_session(tmp_path)
-    assert [one.path for one in found.trials] == ["walk_{camera}DLC_resnet50.csv"]
-    assert found.cameras == RIG.names
+    proposed = propose_session(tmp_path)
+    assert [one.path for one in proposed.trials] == ["walk_{camera}DLC_resnet50.csv"]
+    assert proposed.cameras == RIG.names
 
 
 def test_dltdv_points_agree_with_its_own_reconstruction(tmp_path):
@@ -156,8 +157,24 @@ def test_dltdv_points_agree_with_its_own_reconstruction(tmp_path):
         f'detections = "{folder}/{stem}xypts.csv"\n'
     )
     assert Session.open(tmp_path).run()["throw"].failed is None
-    found = read_c3d(tmp_path / "results/throw/throw.c3d").trajectories["pt1"].xyz
+    ours = read_c3d(tmp_path / "results/throw/throw.c3d").trajectories["pt1"].xyz
     stored = np.array([[float(x) for x in row] for _, row in csv_rows(folder / f"{stem}xyzpts.csv")[1:]]) * 1000
-    error = np.linalg.norm(found - stored[: len(found)], axis=1)
+    error = np.linalg.norm(ours - stored[: len(ours)], axis=1)
     assert np.isfinite(error).sum() >= 20
     assert np.nanmedian(error) < 20
+
+
+def test_markers_outside_the_volume_are_not_called_unseen(tmp_path):
+    long_form(tmp_path / "walk.csv")
+    write_rig_toml(tmp_path / "rig.toml", RIG)
+    low, high = XYZ[:2].min((0, 1)) - 50, XYZ[:2].max((0, 1)) + 50  # the ankle is half a metre below
+    (tmp_path / "session.toml").write_text(
+        f'name = "n"\nrate_hz = 100\nvolume_mm = [{low.tolist()}, {high.tolist()}]\n[calibration]\nfile = "rig.toml"\n'
+        '[[trials]]\nname = "walk"\ndetections = "walk.csv"\n'
+    )
+    figures = Session.open(tmp_path).run(to="quality")["walk"].quality
+    kept = {m["name"] for m in figures["trajectories"]["markers"] if m["samples"]}
+    assert kept == {"hip", "knee_r"}
+    (said,) = found(figures, "points_dropped_outside")
+    assert said.markers == ("ankle",) and said.values["points"] == 25
+    assert not found(figures, "markers_never_seen")

@@ -13,6 +13,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+import numpy as np
+
 from ..data import (
     Cloud,
     Detections,
@@ -32,6 +34,7 @@ from ..fill import Filled, FilledGap, Rays, fill_recording
 from ..findings.gaps import filling_figures
 from ..findings.quality import write_quality
 from ..geometry.ideal_pixels import check_cameras
+from ..geometry.weighted_points import inside_volume
 from ..io.c3d import on_frames, write_c3d
 from ..io.files import replacing
 from ..io.records import load, save
@@ -49,6 +52,7 @@ from ..track.simultaneous import (
     diagnose,
     diagnose_points,
     diagnose_tracks,
+    points_left_out,
     track_detections,
     track_simultaneously,
 )
@@ -186,7 +190,24 @@ def _as_operated(inputs: TrialInputs, records: Records) -> Tracked:
     check_cameras(detections, inputs.rig)
     matches = identified_matches(detections, operated.marker)
     cloud = reconstruct(matches, detections, inputs.rig, method=inputs.settings.reconstruct)
-    return Tracked(identified_tracks(cloud, operated.marker))
+    tracks = identified_tracks(cloud, operated.marker)
+    return Tracked(tracks, diagnostics=tuple(_left_outside(inputs, matches, detections, operated, tracks)))
+
+
+def _left_outside(
+    inputs: TrialInputs, matches: Matches, detections: Detections, operated: OperatorIdentities, tracks: Tracks
+) -> Iterator[Finding]:
+    """About named markers outside the control volume, which would else look as if nobody had seen them."""
+    method: Any = inputs.settings.reconstruct  # every one has a volume
+    rig = inputs.rig
+    if not method.within_volume or np.isnan(rig.volume).any() or len(tracks.cloud) == len(matches.frame):
+        return
+    whole = reconstruct(matches, detections, rig, method=replace(method, within_volume=False))
+    out = ~inside_volume(whole.xyz, rig.volume, margin=method.volume_margin)
+    if out.any():
+        gone = set(identified_tracks(whole, operated.marker).id[out].tolist()) - set(tracks.id.tolist())
+        names = [operated.names[m] for m in sorted(gone)]
+        yield points_left_out(whole.xyz[out], len(tracks.cloud), method.volume_margin, rig.volume, names)
 
 
 def _from_detections(inputs: TrialInputs, records: Records) -> Tracked:
@@ -199,7 +220,8 @@ def _from_detections(inputs: TrialInputs, records: Records) -> Tracked:
         return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
     margin = place.volume_margin if place.within_volume else None
     result = track_simultaneously(detections, rig, method, errors=image_errors(place), volume_margin=margin)
-    found = *diagnose(detections, rig, result), *diagnose_points(result, method, margin)
+    volume = None if np.isnan(rig.volume).any() else rig.volume
+    found = *diagnose(detections, rig, result), *diagnose_points(result, method, margin, volume)
     return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), found)
 
 

@@ -52,10 +52,10 @@ from ..track.simultaneous import (
     diagnose,
     diagnose_points,
     diagnose_tracks,
-    points_left_out,
     track_detections,
     track_simultaneously,
 )
+from ..track.simultaneous.diagnostics_of_points import points_left_out
 from .calibration.calibrated import Calibrated
 from .graph import Graph, Records, Stage
 from .identities import identity_of_entry, stated_identity, with_identity

@@ -3,7 +3,7 @@
 from ..two_cameras.former_two_cameras import FormerTwoCameras
 from .ambiguous import AmbiguousDecision, ambiguous_decisions, track_with_decisions
 from .diagnostics import diagnose
-from .diagnostics_of_points import diagnose_points, points_left_out
+from .diagnostics_of_points import diagnose_points
 from .diagnostics_of_tracks import diagnose_tracks
 from .methods import track_detections
 from .simultaneous_method import Simultaneous
@@ -18,7 +18,6 @@ __all__ = [
     "diagnose",
     "diagnose_points",
     "diagnose_tracks",
-    "points_left_out",
     "track_detections",
     "track_simultaneously",
     "track_with_decisions",

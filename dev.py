@@ -20,6 +20,8 @@ import hashlib
 import os
 import subprocess
 import sys
+import threading
+import time
 import venv
 from pathlib import Path
 
@@ -50,6 +52,53 @@ def run(*command: str | Path) -> None:
         sys.exit(status)
 
 
+def run_told(*command: str | Path) -> None:
+    """The same of a long installation: a line for each part that is fetched or built; all of it where it fails."""
+    began = time.monotonic()
+    said: list[str] = []
+    process = subprocess.Popen(
+        [str(part) for part in command],
+        cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+    )  # fmt: skip
+    beating = threading.Event()
+    thread = threading.Thread(target=tell_now_and_then, args=(said, began, beating), daemon=True)
+    thread.start()
+    assert process.stdout is not None
+    for line in process.stdout:
+        said.append(line.rstrip())
+        if (step := step_of(line)) is not None:
+            print(f"  {time.monotonic() - began:4.0f} s  {step}", flush=True)
+    beating.set()
+    if status := process.wait():
+        print(*said[-40:], sep="\n", file=sys.stderr)
+        sys.exit(status)
+    print(f"  {time.monotonic() - began:4.0f} s  installed", flush=True)
+
+
+STEPS = ("Downloading", "Using cached", "Building", "Installing", "Preparing", "Getting requirements")
+"""What a line of pip's begins with that is worth a line of ours."""
+EVERY_S = 10.0
+"""Between two signs of life; chosen."""
+
+
+def step_of(line: str) -> str | None:
+    """What pip does now, in short; None for what it says besides."""
+    words = line.strip()
+    return words[:100] if words.startswith(STEPS) and ".metadata" not in words else None
+
+
+def tell_now_and_then(said: list[str], began: float, done: threading.Event) -> None:
+    """A line where nothing new came for so many seconds."""
+    known = len(said)
+    while not done.wait(EVERY_S):
+        if len(said) == known:
+            print(
+                f"  {time.monotonic() - began:4.0f} s  still at work: {said[-1].strip()[:80] if said else 'pip'}",
+                flush=True,
+            )
+        known = len(said)
+
+
 def wanted(extras: str) -> str:
     """A key of what should be installed, so that it is only done again when that changes."""
     sources = sorted((ROOT / "src" / "kinemark" / "native").glob("*.[ch]"))  # to be compiled again
@@ -70,9 +119,9 @@ def install(extras: str) -> None:
         venv.create(VENV, with_pip=True)
     locked = not os.environ.get("KINEMARK_UNLOCKED")
     print("installing" + (" the locked versions" if locked else ""), flush=True)
-    pip = (PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
+    pip = (PYTHON, "-m", "pip", "install", "--disable-pip-version-check", "--progress-bar", "off")
     constraints = ("--constraint", "requirements.lock") if locked else ()
-    run(*pip, *constraints, "--editable", "." if extras == "run" else f".[{extras}]")
+    run_told(*pip, *constraints, "--editable", "." if extras == "run" else f".[{extras}]")
     stamps[-1].write_text(wanted(extras))
 
 

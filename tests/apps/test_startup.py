@@ -38,6 +38,15 @@ def test_files_are_described_and_converted_without_video_hdf5_and_toml(tmp_path,
     assert loaded("convert", tmp_path / f"a{ending}", tmp_path / "b.c3d") == []
 
 
+def test_help_brings_no_numbers():
+    """Half of what `--help` took was the import of NumPy."""
+    done = subprocess.run(
+        [sys.executable, "-c", CALL.replace(repr(HEAVY), repr(("numpy", "kinemark.data", "rich.markdown"))), "--help"],
+        capture_output=True, text=True, timeout=100,
+    )  # fmt: skip
+    assert done.stdout.split("LOADED")[1].split() == [], done.stderr
+
+
 def test_each_library_is_imported_when_a_file_needs_it(tmp_path):
     write_trial(made_trial(), tmp_path / "a.h5")
     assert loaded("info", tmp_path / "a.h5") == ["h5py"]

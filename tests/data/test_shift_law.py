@@ -58,7 +58,9 @@ NO_POSITIONS = {
         io.load_model io.on_frames io.files_of_set io.subject_of io.with_parameters data.named_angles
         report.evidence_text
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
-        engine.calibrate_method engine.frame_of engine.source_of engine.is_da engine.method_of engine.methods_text
+        engine.calibrate_method engine.frame_of engine.source_of engine.is_da
+        engine.answered engine.identifies engine.propose_session engine.session_text engine.with_role
+        engine.write_first_session engine.method_of engine.methods_text
         engine.methods_figures engine.methods_table_markdown engine.session_schema track.matches_itself
         engine.read_settings signal.gain signal.weights synth.focal_pixels""",
     "findings and their words": """

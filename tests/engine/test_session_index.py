@@ -8,10 +8,14 @@ from urllib.parse import unquote
 import pytest
 
 from kinemark.data import KinemarkError
+from kinemark.engine.identities import identity_of_entry, identity_of_file, with_identity
 from kinemark.engine.session import Session
+from kinemark.io.tdf import read_tdf
+from kinemark.io.trial import read_trial
 from kinemark.report.drawing_library import library_name
 from support.schema import check_quality
 from support.sessions import folder_of
+from support.shared import shared_data
 
 SECOND = '[[trials]]\nname = "two & <b>"\ndetections = "one.h5"\n'
 ABOUT = 'subject = "S <i>01</i>"\ndate = 2026-05-03\n'
@@ -115,3 +119,18 @@ def test_a_trial_cannot_take_the_name_of_what_pages_share(tmp_path):
     session_of(tmp_path, more='[[trials]]\nname = "assets"\ndetections = "one.h5"\n')
     with pytest.raises(KinemarkError, match="assets"):
         Session.open(tmp_path)
+
+
+def test_what_nobody_states_is_as_the_recording_says_it(tmp_path):
+    """Subject and day of a BTS file go on its pages and into the C3D file; what the session states goes before."""
+    file = shared_data("cameras/gait9_bts/gait9.tdf")
+    about = read_tdf(file).about
+    text = f'name = "g"\n[calibration]\nfile = "{file}"\n[[trials]]\nname = "g"\ndetections = "{file}"\n'
+    for stated, day in (("", "2011-12-15"), ("date = 2011-12-01\n", "2011-12-01")):
+        (tmp_path / "session.toml").write_text(stated + text, "utf-8")
+        settings = Session.open(tmp_path).settings
+        found = identity_of_entry(tmp_path, settings, settings.trials[0], {**about, "subject": "P1"})
+        assert (found["subject"], found["date"]) == ("P1", day)
+        assert with_identity(about, found)["date"][:10] == day
+    trial = read_trial(file)
+    assert identity_of_file(trial, file)["date"] == "2011-12-15"

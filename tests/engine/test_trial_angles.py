@@ -347,3 +347,47 @@ def test_clusters_static_and_functional_trials_from_the_command_line(tmp_path, c
     assert rows["elbow", "flexion"]["frames"] == 993 and rows["wrist", "flexion"]["sd_median_deg"] < 3
     with pytest.raises(KinemarkError, match="Give --static"):
         angles_of_file(folder / "HTH1.c3d", model="um2as", functional=folder / "GHr.c3d")
+
+
+def upper_limb(side, names=lambda marker, letter: f"{letter}{marker}"):
+    """A trial of the markers that isb_upper_limb wants, of one side by their names; x is mirrored for a left one."""
+    model = load_model("isb_upper_limb", side=side)
+    rng = np.random.default_rng(8)
+    trunk = ("C7", "T8", "IJ", "PX")
+    paths = []
+    for name in model.markers:
+        place = rng.normal(0, 300, 3) + np.cumsum(rng.normal(0, 0.5, (40, 3)), 0)
+        paths.append(MarkerTrajectory.measured(name if name in trunk else names(name, side[0].upper()), place))
+    return Trial(side, Trajectories(tuple(paths), 50.0))
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_the_side_follows_from_the_names_of_the_markers_and_is_said(side, tmp_path):
+    write_c3d(tmp_path / "trial.c3d", upper_limb(side))
+    result = angles_of_file(tmp_path / "trial.c3d", model="isb_upper_limb")
+    assert result.figures["side"] == result.model.side == side
+    said = found(result.figures, "side_of_markers")
+    assert [one.values["side"] for one in said] == ([] if side == "right" else ["left"])
+    if side == "left":
+        stated = angles_of_file(
+            tmp_path / "trial.c3d", model="isb_upper_limb", folder=tmp_path / "s", settings=AngleSettings(side="left")
+        )
+        assert same(result.angles, stated.angles) and not found(stated.figures, "side_of_markers")
+        with pytest.raises(KinemarkError, match="wants the markers"):
+            angles_of_file(tmp_path / "trial.c3d", model="isb_upper_limb", settings=AngleSettings(side="right"))
+
+
+def test_names_without_a_side_leave_the_models_own(tmp_path):
+    write_c3d(tmp_path / "trial.c3d", upper_limb("left", names=lambda marker, letter: marker))
+    assert angles_of_file(tmp_path / "trial.c3d", model="isb_upper_limb").figures["side"] == "right"
+
+
+def test_a_jump_is_noticed_and_a_steady_trial_has_none():
+    trial, _ = eating(hole=False)
+    assert not found(trial_angles(trial, model=UM2AS).figures, "angle_jumps")
+    xyz = trial.trajectories.xyz.copy()
+    xyz[[4, 5], 120:140] = xyz[[5, 4], 120:140]  # the markers of the wrist are exchanged for a while
+    paths = tuple(replace(p, xyz=x) for p, x in zip(trial.trajectories, xyz, strict=True))
+    jumping = replace(trial, trajectories=replace(trial.trajectories, paths=paths))
+    said = found(trial_angles(jumping, model=UM2AS).figures, "angle_jumps")
+    assert said and {frame for one in said for frame in one.frames} == {(120, 121), (140, 141)}

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
-from kinemark.io.model_toml import load_model
+from kinemark.io.model_toml import load_model, model_from_toml
 from kinemark.kinematics import (
     InverseCosines,
     Joint,
@@ -336,3 +336,63 @@ def test_a_locked_frame_decides_nothing():
     deg = np.array([[0.0, 0, 0], [60, 84, -60], [120, 84, -120], [179, 84, -179], [0, 0, 0]])
     np.testing.assert_allclose(followed(deg, np.array([False, True, True, True, False]), "zxy")[4], 0, atol=1e-9)
     assert np.abs(followed(deg, np.zeros(5, bool), "zxy")[4]).max() > 100
+
+
+def arm_raised_after_hanging(hanging, plane, *, seed, n=240):
+    """R (n, 3, 3) of an arm that hangs, trembling, is raised in a plane, and hangs and is raised again in another."""
+    rng, t = np.random.default_rng(seed), np.linspace(0, 1, n)[:, None]
+    lift = np.clip(np.sin(2 * np.pi * (2 * t - hanging)), 0, None)
+    deg = np.hstack([np.where(t < 0.5, plane, plane - 110), -2 - 70 * lift, np.where(t < 0.5, -50 - plane, 20 - plane)])
+    trembling = Rotation.from_rotvec(rng.normal(0, 3, (n, 3)) * (lift < 0.05), degrees=True).as_matrix()
+    return turned(deg, "yxy") @ trembling
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_an_arm_that_hangs_at_first_is_raised_with_the_sign_of_the_convention(seed):
+    rng = np.random.default_rng(100 + seed)
+    R = arm_raised_after_hanging(rng.uniform(0.02, 0.2), rng.uniform(-80, 100), seed=seed)
+    joint = Joint("shoulder", "a", "b", "yxy", middle="negative")
+    found, locked = read_angles(R, joint, SignedAngles())
+    assert locked[0] and (found[~locked, 1] < 0).all()
+    known = np.isfinite(found).all(1)
+    assert np.abs(turned(found[known], "yxy") - R[known]).max() < 1e-9
+
+
+@pytest.mark.parametrize("middle", ["positive", "negative"])
+def test_most_frames_decide_the_sign_of_elevation(middle):
+    """The arm swings to the back for a moment, through the hanging posture, and then forward for long."""
+    t = np.linspace(0, 1, 300)
+    swing = np.where(t < 0.2, 20 * np.sin(np.pi * t / 0.2), -60 * np.sin(np.pi * (t - 0.2) / 0.8))
+    deg = np.stack([np.full(300, 70.0), swing, np.full(300, -60.0)], -1)
+    found, locked = read_angles(turned(deg, "yxy"), Joint("s", "a", "b", "yxy", middle=middle), SignedAngles())
+    forward = ~locked & (t > 0.2)
+    assert ((found[forward, 1] < 0) == (middle == "negative")).all()
+    assert np.abs(np.diff(found[~locked], axis=0)).max() < 30  # and no curve jumps
+
+
+SIGNED = """
+base = "isb_shoulder"
+name = "signed"
+[signs]
+shoulder = [1, -1, 1]
+"""
+
+
+def test_signs_turn_angles_words_and_ranges_round():
+    plain, signed = load_model("isb_shoulder"), model_from_toml(SIGNED)
+    rng = np.random.default_rng(3)
+    names = plain.markers
+    walk = rng.normal(0, 300, (len(names), 1, 3)) + np.cumsum(rng.normal(0, 4, (len(names), 30, 3)), 1)
+    trial = with_marker_sd(Trajectories(tuple(map(MarkerTrajectory.measured, names, walk)), 50.0), 1.0)
+    before, after = (joint_angles(trial, model=model) for model in (plain, signed))
+    j = before.joints.index("shoulder")
+    assert np.allclose(after.deg[j], before.deg[j] * [1, -1, 1], equal_nan=True)
+    assert np.allclose(after.cov[j, :, 0, 1], -before.cov[j, :, 0, 1], equal_nan=True)
+    assert np.allclose(after.cov[j, :, 1, 1], before.cov[j, :, 1, 1], equal_nan=True)
+    assert np.allclose(after.deg[:j], before.deg[:j], equal_nan=True)
+    motion = signed.joints[j].motions[1]
+    assert (motion.positive, motion.normal) == ("elevation", (0.0, 180.0))
+    with pytest.raises(KinemarkError, match="there are the joints"):
+        model_from_toml(SIGNED.replace("shoulder = [", "hip = ["))
+    with pytest.raises(KinemarkError, match="three of 1 and -1"):
+        model_from_toml(SIGNED.replace("[1, -1, 1]", "[1, 2, 1]"))

@@ -140,12 +140,13 @@ def test_lists_are_singular_and_plural_and_long_ones_are_cut():
         return text_of(one), advice_of(one)
 
     assert missing("A") == (
-        "Never seen: marker A.",
-        "Check that it was worn and labelled, or take it out of the marker set.",
+        "No position in any frame: marker A.",
+        "A position needs two cameras that see it: it may have been out of view or hidden, not worn, or not labelled. "
+        "Turn cameras, or take it out of the marker set.",
     )
-    assert missing("A", "B")[0] == "Never seen: markers A, B."
-    assert missing(*"ABCDEFGH")[0] == "Never seen: markers A, B, C, D, E, F and 2 more."
-    assert "they were worn" in missing("A", "B")[1]
+    assert missing("A", "B")[0] == "No position in any frame: markers A, B."
+    assert missing(*"ABCDEFGH")[0] == "No position in any frame: markers A, B, C, D, E, F and 2 more."
+    assert "that see them: they may" in missing("A", "B")[1]
     assert listed(list("abc"), 2) == "a, b and 1 more"
 
 

@@ -9,13 +9,12 @@ from pathlib import Path
 
 from cyclopts import App
 
-from ..data import KinemarkError
-from ..engine.system import absence_notice
 from ..version import __version__
 from .output import errors
 
 COMMANDS = {
     "commands/simulate.py": ("demo", "simulate"),
+    "commands/new_session.py": ("init",),
     "commands/session.py": ("run", "status", "calibrate"),
     "commands/listings.py": ("methods", "schema", "cite"),
     "commands/detect.py": ("detect",),
@@ -38,7 +37,11 @@ def descriptions(file: Path) -> dict[str, str]:
 def command_line() -> App:
     """All commands, not yet imported."""
     app = App(
-        name="kinemark", help="Marker-based optical motion capture, from images to trajectories.", version=__version__
+        name="kinemark",
+        help="Marker-based optical motion capture, from images to trajectories.",
+        help_format="plaintext",
+        version=__version__,
+        suppress_keyboard_interrupt=False,  # __main__ tells what is kept
     )
     here = Path(__file__).parent
     for file, names in COMMANDS.items():
@@ -53,20 +56,39 @@ app = command_line()
 
 
 def main() -> None:
-    """The command `kinemark`."""
-    if notice := absence_notice():
-        errors().print(f"kinemark: {notice}", markup=False, highlight=False, soft_wrap=True)
+    """Call the command that the arguments name; an error of the user's is a line, and status 1."""
     try:
         app()
-    except KinemarkError as error:
-        from ..report.terminal_summary import finding_lines  # takes long to import, and most commands end well
-
-        text = "\n".join([f"kinemark: {error}", *finding_lines([found.as_dict() for found in error.findings])])
-        errors().print(text, style="red", markup=False, highlight=False, soft_wrap=True)
-        sys.exit(1)
     except BrokenPipeError:  # whoever read the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
-    except KeyboardInterrupt:
-        errors().print("stopped; what was finished is kept, and the next run goes on from there")
-        sys.exit(130)
+    except Exception as error:
+        text = error_text(error)
+        if text is None:
+            raise
+        errors().print(text, style="red", markup=False, highlight=False, soft_wrap=True)
+        sys.exit(1)
+    finally:
+        _say_absence()
+
+
+def error_text(error: Exception) -> str | None:
+    """What an error of the user's says, with its findings; None for any other, which is a fault of the program."""
+    from ..data import KinemarkError  # brings NumPy, which --help does without
+
+    if not isinstance(error, KinemarkError):
+        return None
+    if not error.findings:
+        return f"kinemark: {error}"
+    from ..report.terminal_summary import finding_lines  # takes long to import, and few errors have findings
+
+    return "\n".join([f"kinemark: {error}", *finding_lines([found.as_dict() for found in error.findings])])
+
+
+def _say_absence() -> None:
+    """Say once that the compiled library is absent, where a command would have used it."""
+    if "kinemark.native" in sys.modules:
+        from ..engine.system import absence_notice
+
+        if notice := absence_notice():
+            errors().print(f"kinemark: {notice}", markup=False, highlight=False, soft_wrap=True)

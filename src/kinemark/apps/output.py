@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from ..data import KinemarkError
-
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from ..data import KinemarkError
 
 
 @cache

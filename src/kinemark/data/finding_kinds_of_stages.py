@@ -36,6 +36,10 @@ KINEMATICS = (
     Kind("frames_without_angles", "kinematics", "info", "So many frames have no angles of these joints.",
          {"count": "count", "joints_list": "text"}),
     Kind("gimbal_lock", "kinematics", "amber", "A joint is in gimbal lock in these frames.", {"joint": "text"}),
+    Kind("angle_jumps", "kinematics", "amber", "An angle changes between two frames as no joint moves.",
+         {"joint": "text", "angle": "text", "count": "count", "most_deg": "deg"}),
+    Kind("side_of_markers", "kinematics", "info", "The side was not stated; the names of the markers tell it.",
+         {"side": "text", "usual": "text"}),
     Kind("angle_beyond_normal", "kinematics", "amber", "An angle is beyond its normal range.",
          {"joint": "text", "angle": "text", "frames_share": "share", "most_deg": "deg"}),
     Kind("markers_smoothed_before", "kinematics", "amber", "The markers' noise is so small that they were smoothed "

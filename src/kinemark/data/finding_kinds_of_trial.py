@@ -61,9 +61,9 @@ TRIAL_KINDS = (
     Kind("speeds_impossible", "track", "amber", "Markers move faster than people can: the frame rate may be wrong.",
          {"speed_m_s": "m/s", "rate_hz": "Hz"}),
     Kind("points_dropped_outside", "track", "amber", "Tracked points farther than `volume_margin` outside the control "
-         "volume were left out; between which corners they lie.",
+         "volume were left out; between which corners they lie; the unit in which the volume was probably written.",
          {"points": "count", "points_share": "share", "margin_mm": "mm", "least_mm_list": "mm",
-          "greatest_mm_list": "mm"}),
+          "greatest_mm_list": "mm", "unit": "text"}),
     Kind("positions_uncertain", "track", "info", "Positions whose standard deviation exceeds a limit, as where two "
          "cameras look along almost one line; frames in which there are any.",
          {"points": "count", "points_share": "share", "limit_mm": "mm"}),

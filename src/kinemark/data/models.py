@@ -52,6 +52,10 @@ class Segment:
             raise ValueError(f"segment {self.name}: both axes are {self.first.letter}, wanted two different ones")
 
 
+MINUS = "minus "
+"""Before a motion that has no word for its opposite."""
+
+
 @dataclass(frozen=True, slots=True)
 class JointMotion:
     """One angle of a joint in the words of anatomy.
@@ -69,6 +73,13 @@ class JointMotion:
         if self.normal is not None and not self.normal[0] <= self.normal[1]:
             raise ValueError(f"the range of {self.positive} is {self.normal}, wanted the least angle first")
 
+    def reversed(self) -> JointMotion:
+        """The same of the angle with the other sign."""
+        bare = self.positive.removeprefix(MINUS)
+        opposite = self.negative or (bare if bare != self.positive else f"{MINUS}{self.positive}")
+        normal = None if self.normal is None else (-self.normal[1], -self.normal[0])
+        return JointMotion(opposite, self.positive if self.negative else "", normal)
+
     @property
     def name(self) -> str:
         """Both words, `flexion/extension`, or one where they are the same."""
@@ -84,6 +95,7 @@ class Joint:
         sequence: the axes of the three turns, each as the turns before have left it: "zxy", "yxy".
         motions: (3) what the angles are called; None where the joint has no such degree of freedom.
         middle: sign of the middle angle in sequences that begin and end with the same axis.
+        signs: (3) 1, or -1 for an angle that is turned round after it was read; `motions` are of what it then is.
     """
 
     name: str
@@ -92,9 +104,12 @@ class Joint:
     sequence: str
     motions: tuple[JointMotion | None, ...] = (None, None, None)
     middle: Literal["positive", "negative"] = "positive"
+    signs: tuple[int, int, int] = (1, 1, 1)
 
     def __post_init__(self) -> None:
         check_sequence(self.sequence)
+        if len(self.signs) != 3 or not set(self.signs) <= {1, -1}:
+            raise ValueError(f"joint {self.name}: signs are {list(self.signs)}, wanted three of 1 and -1")
         if len(self.motions) != 3:
             raise ValueError(f"joint {self.name} names {len(self.motions)} angles, wanted 3")
         if self.middle not in ("positive", "negative"):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from dataclasses import replace
-from threading import Lock
+from threading import Event, Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,9 +54,11 @@ def detect(
         raise ValueError(f"there are {len(sources)} sources and {len(cameras)} camera names, wanted one each")
     _check_masks(masks, cameras)
     n_frames = _common_length(sources, cameras)
-    done, lock = [0], Lock()
+    done, lock, stopped = [0], Lock(), Event()
 
     def tell(frames: int) -> None:
+        if stopped.is_set():
+            raise CancelledError
         with lock:
             done[0] += frames
             if progress:
@@ -67,7 +69,11 @@ def detect(
         return _detect_camera(source, name, method or DETECT.make(), mask, tell)
 
     with ThreadPoolExecutor(max(1, min(threads or os.cpu_count() or 1, len(sources)))) as pool:
-        parts = list(pool.map(one, sources, cameras))
+        try:
+            parts = list(pool.map(one, sources, cameras))
+        except BaseException:
+            stopped.set()  # the other cameras go no further than their next batch
+            raise
     if not parts:
         return Detections.build((), rate, np.zeros((0, 0), np.int64), np.zeros((0, 2)))
     all_cameras = joined(parts)

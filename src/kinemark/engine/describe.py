@@ -37,6 +37,7 @@ def describe(path: Path, options: ReadOptions = ReadOptions()) -> dict[str, Any]
         "Tdf": _tdf,
         "Rig": _rig,
         "Detections": _detections,
+        "NamedDetections": lambda n: _detections(n.detections) | {"markers": list(n.names)},
         "Matches": lambda m: {"frames": m.n_frames, "groups": len(m)},
         "Cloud": lambda c: {"frames": c.n_frames, "points": len(c)},
         "Tracks": lambda t: {"frames": t.cloud.n_frames, "tracks": len(t), "points": len(t.cloud)},

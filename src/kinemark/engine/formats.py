@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..data import Detections, KinemarkError, Rig
+from ..io.detections_csv import NamedDetections
 from ..io.formats import FORMATS, UNKNOWN_RATE, Content, ReadOptions, endings, read_file, write_file
 from ..io.notes import FileNote, read_notes
 from ..io.tdf import Tdf
@@ -68,9 +69,10 @@ def _contents(source: Path, options: ReadOptions) -> tuple[dict[Content, Any], t
         from .calibration import rig_of_dlt  # takes long to import, and no other file needs it
 
         found = rig_of_dlt(source, (), options.length_unit)
+    points = found.detections if isinstance(found, NamedDetections) else found
     if (
-        isinstance(found, Detections)
-        and found.rate == UNKNOWN_RATE
+        isinstance(points, Detections)
+        and points.rate == UNKNOWN_RATE
         and options.rate_hz is None
         and source.suffix.lower() == ".csv"
     ):
@@ -78,6 +80,6 @@ def _contents(source: Path, options: ReadOptions) -> tuple[dict[Content, Any], t
     parts: dict[Content, Any] = {"trajectories": trial_in(source.stem, found)}
     if isinstance(found, Tdf):
         parts |= {"detections": found.detections, "rig": found.rig}
-    elif isinstance(found, (Detections, Rig)):
-        parts["detections" if isinstance(found, Detections) else "rig"] = found
+    elif isinstance(points, (Detections, Rig)):
+        parts["detections" if isinstance(points, Detections) else "rig"] = found
     return {content: part for content, part in parts.items() if part is not None}, getattr(found, "notes", ())

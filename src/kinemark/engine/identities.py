@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import asdict
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, replace
 from datetime import datetime
 from pathlib import Path
 
@@ -21,9 +21,16 @@ def stated_identity(settings: Settings, entry: TrialEntry | None = None) -> Iden
     return Identity(subject or "", date.isoformat() if date else "")
 
 
-def identity_of_entry(root: Path, settings: Settings, entry: TrialEntry) -> dict[str, str]:
-    """The same with the date of the trial's files, as plain data."""
-    stated = stated_identity(settings, entry)
+def identity_of_entry(
+    root: Path, settings: Settings, entry: TrialEntry, about: Mapping[str, str] | None = None
+) -> dict[str, str]:
+    """The same with the date of the trial's files, as plain data; what nobody states is as the recording says it.
+
+    Args:
+        root: the session's folder; settings, entry: what its file says.
+        about: what the recording says of itself, "subject" and "date".
+    """
+    stated = _completed(stated_identity(settings, entry), about or {})
     if entry.detections is not None:
         paths = [root / entry.detections]
     else:
@@ -33,7 +40,20 @@ def identity_of_entry(root: Path, settings: Settings, entry: TrialEntry) -> dict
 
 def identity_of_file(trial: Trial, path: Path) -> dict[str, str]:
     """What a file of a trial says of itself, as plain data."""
-    return asdict(Identity(subject_of(trial.source), file_date=file_date([path])))
+    own = Identity(subject_of(trial.source), file_date=file_date([path]))
+    return asdict(_completed(own, trial.about))
+
+
+def with_identity(about: Mapping[str, str], identity: Mapping[str, str]) -> dict[str, str]:
+    """What is known of a recording, with subject and day as they stand on its pages."""
+    said = {key: identity[key] for key in ("subject", "date")}
+    return dict(about) | {key: text for key, text in said.items() if not about.get(key, "").startswith(text)}
+
+
+def _completed(stated: Identity, about: Mapping[str, str]) -> Identity:
+    """With subject and day as a recording says them, where they were not stated."""
+    subject, date = about.get("subject", ""), about.get("date", "")[:10]
+    return replace(stated, subject=stated.subject or subject, date=stated.date or date)
 
 
 def file_date(paths: Iterable[Path]) -> str:

@@ -14,9 +14,9 @@ from ..data import Detections, KinemarkError
 from ..data.masks import Masks as StaticMasks
 from ..data.progress import tell
 from ..detect import combined_masks, detect, learn_masks
-from ..io.detections_csv import read_detections_csv
 from ..io.images import ImageSource, open_images
 from ..io.masks_toml import read_masks
+from ..io.named_points_csv import detections_of_csv
 from ..io.records import load
 from .keys import file_key
 from .settings import Settings, TargetRecording
@@ -155,7 +155,7 @@ def files_of(root: Path, settings: Settings, seen: TargetRecording | str | None,
 def _read(path: Path) -> Detections:
     """Detections of a CSV or HDF5 file."""
     if path.suffix.lower() == ".csv":
-        return read_detections_csv(path, rate=1.0)
+        return detections_of_csv(path, rate=1.0)
     record = load(path)
     if not isinstance(record, Detections):
         raise KinemarkError(f"{path} holds {type(record).__name__}, wanted Detections. Name another file.")

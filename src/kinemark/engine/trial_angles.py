@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..data import Angles, KinemarkError, Trajectories, Trial
+from ..data import Angles, Finding, KinemarkError, Trajectories, Trial, make_finding
 from ..data.models import JointMotion
 from ..findings.angles import angle_figures
 from ..io.angles_csv import write_angles_csv, write_cycles_csv
@@ -44,7 +45,7 @@ class AngleSettings:
     """How angles are taken from a trial.
 
     Attributes:
-        side: of the limb; the model's own where none is given.
+        side: of the limb; where none is given the model's own, or the one whose markers the trial has.
         inverse_cosines: take angles as the thesis UM²AS does, without the sign of the first and third.
         lock_deg: how near to gimbal lock a frame is flagged.
         smoothing: of the markers before, "none" or a method that `kinemark methods smooth` lists.
@@ -108,9 +109,14 @@ class TrialAngles(NamedTuple):
 
 
 def trial_angles(
-    trial: Trial, *, model: Model, template: Template | None = None, settings: AngleSettings | None = None
+    trial: Trial,
+    *,
+    model: Model,
+    template: Template | None = None,
+    settings: AngleSettings | None = None,
+    side: Finding | None = None,
 ) -> TrialAngles:
-    """The joint angles of a trial with what there is to say of them.
+    """The joint angles of a trial with what there is to say of them, `side` among it where that was told by markers.
 
     Raises:
         KinemarkError: the trial has no frames, markers of the model are not in it, its cycles are not, or the cut-off
@@ -128,7 +134,9 @@ def trial_angles(
     spans = _spans(trial, settings)
     found = cycles(angles, spans=spans) if spans else None
     how = _words(used, stated, settings)
-    figures = with_words(angle_figures(angles, model, name=trial.name, trajectories=smoothed, how=how, cycles=found))
+    figures = with_words(
+        angle_figures(angles, model, name=trial.name, trajectories=smoothed, how=how, cycles=found, side=side)
+    )
     return TrialAngles(angles, model, points, found, figures)
 
 
@@ -207,21 +215,45 @@ def angles_of_file(
         KinemarkError: as `trial_angles` and `write_trial_angles`, or a file cannot be read.
     """
     settings = settings or AngleSettings()
-    chain = load_model(model, side=settings.side)
 
     def read(file: Path) -> Trial:
         return read_trial(file, rate_hz=settings.rate_hz, length_unit=settings.length_unit, partial=settings.partial)
 
     trial, still = read(path), None
+    shown = trial.trajectories if static is None else read(static).trajectories
+    chain, side = sided_model(model, settings.side, shown.names)
     if functional is not None and static is None:
         raise KinemarkError("A functional trial needs the static one as well. Give --static.")
     if static is not None:
         moving = None if functional is None else read(functional).trajectories
         still = static_template(read(static).trajectories, chain, functional=moving)
-    result = trial_angles(trial, model=chain, template=still, settings=settings)
+    result = trial_angles(trial, model=chain, template=still, settings=settings, side=side)
     result.figures["identity"] = identity_of_file(trial, path)
     into = folder or path.with_name(f"{path.stem}_angles")
     return write_trial_angles(trial, result, into, self_contained=self_contained)
+
+
+def sided_model(
+    model: str, side: Literal["right", "left"] | None, names: Sequence[str]
+) -> tuple[Model, Finding | None]:
+    """A model of the stated side; else of its own, or of the other where only that one's markers are there.
+
+    Raises:
+        KinemarkError: there is no such model.
+    """
+    own = load_model(model, side=side)
+    if side is not None or fits(own, names):
+        return own, None
+    other = load_model(model, side="left" if own.side == "right" else "right")
+    if not fits(other, names):
+        return own, None
+    return other, make_finding("side_of_markers", side=other.side, usual=own.side)
+
+
+def fits(model: Model, names: Sequence[str]) -> bool:
+    """Whether markers of these names are all that a model wants, or are aliases of them."""
+    bare = {name.rsplit(":", 1)[-1] for name in names}
+    return all(bare & {marker, *model.aliases.get(marker, ())} for marker in model.markers)
 
 
 def _smoothed(raw: Trajectories, settings: AngleSettings) -> Trajectories:

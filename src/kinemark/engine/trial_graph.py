@@ -13,6 +13,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+import numpy as np
+
 from ..data import (
     Cloud,
     Detections,
@@ -32,6 +34,7 @@ from ..fill import Filled, FilledGap, Rays, fill_recording
 from ..findings.gaps import filling_figures
 from ..findings.quality import write_quality
 from ..geometry.ideal_pixels import check_cameras
+from ..geometry.weighted_points import inside_volume
 from ..io.c3d import on_frames, write_c3d
 from ..io.files import replacing
 from ..io.records import load, save
@@ -52,12 +55,13 @@ from ..track.simultaneous import (
     track_detections,
     track_simultaneously,
 )
+from ..track.simultaneous.diagnostics_of_points import points_left_out
 from .calibration.calibrated import Calibrated
 from .graph import Graph, Records, Stage
-from .identities import identity_of_entry, stated_identity
+from .identities import identity_of_entry, stated_identity, with_identity
 from .keys import rig_key
 from .settings import Settings
-from .sources import OperatorIdentities, TrialSource
+from .sources import OperatorIdentities, TrialSource, identifies
 from .store import Store
 from .swapped_cameras import swapped_cameras
 
@@ -110,7 +114,7 @@ def trial_graph(name: str, settings: Settings, source: TrialSource, calibrated: 
     detecting = replace(detecting, given=(source.key(),), in_place=source.of.entry.answers is not None)
     stages = [detecting]
     tracks = Tracking(("tracks.h5", DECISIONS))
-    if source.of.entry.operated:
+    if identifies(source):
         stages.append(tracks.stage(_as_operated, ("detect",), None, (rig, s.digitise, s.reconstruct)))
     elif matches_itself(s.track):
         stages.append(tracks.stage(_from_detections, ("detect",), s.track, (rig, s.reconstruct)))
@@ -186,7 +190,24 @@ def _as_operated(inputs: TrialInputs, records: Records) -> Tracked:
     check_cameras(detections, inputs.rig)
     matches = identified_matches(detections, operated.marker)
     cloud = reconstruct(matches, detections, inputs.rig, method=inputs.settings.reconstruct)
-    return Tracked(identified_tracks(cloud, operated.marker))
+    tracks = identified_tracks(cloud, operated.marker)
+    return Tracked(tracks, diagnostics=tuple(_left_outside(inputs, matches, detections, operated, tracks)))
+
+
+def _left_outside(
+    inputs: TrialInputs, matches: Matches, detections: Detections, operated: OperatorIdentities, tracks: Tracks
+) -> Iterator[Finding]:
+    """About named markers outside the control volume, which would else look as if nobody had seen them."""
+    method: Any = inputs.settings.reconstruct  # every one has a volume
+    rig = inputs.rig
+    if not method.within_volume or np.isnan(rig.volume).any() or len(tracks.cloud) == len(matches.frame):
+        return
+    whole = reconstruct(matches, detections, rig, method=replace(method, within_volume=False))
+    out = ~inside_volume(whole.xyz, rig.volume, margin=method.volume_margin)
+    if out.any():
+        gone = set(identified_tracks(whole, operated.marker).id[out].tolist()) - set(tracks.id.tolist())
+        names = [operated.names[m] for m in sorted(gone)]
+        yield points_left_out(whole.xyz[out], len(tracks.cloud), method.volume_margin, rig.volume, names)
 
 
 def _from_detections(inputs: TrialInputs, records: Records) -> Tracked:
@@ -199,7 +220,8 @@ def _from_detections(inputs: TrialInputs, records: Records) -> Tracked:
         return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
     margin = place.volume_margin if place.within_volume else None
     result = track_simultaneously(detections, rig, method, errors=image_errors(place), volume_margin=margin)
-    found = *diagnose(detections, rig, result), *diagnose_points(result, method, margin)
+    volume = None if np.isnan(rig.volume).any() else rig.volume
+    found = *diagnose(detections, rig, result), *diagnose_points(result, method, margin, volume)
     return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), found)
 
 
@@ -221,7 +243,7 @@ def _fill(inputs: TrialInputs, records: Records) -> Fills:
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
     s, detections, tracked, of = inputs.settings, records["detect"], records["track"], inputs.source.of
-    filled = filled_of(inputs, records)
+    filled, beside = filled_of(inputs, records), inputs.source.beside()
     swapped = swapped_cameras(detections, inputs.rig, tracked.tracks.cloud, matching=s.match, placing=s.reconstruct)
     figures = quality(
         session=s.name,
@@ -233,14 +255,14 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
         steps=(*inputs.calibrated.steps, *inputs.store.steps),
         findings=(
             *inputs.source.contradictions(),
-            *_channels(inputs, filled.trajectories),
+            *_channels(beside, filled.trajectories),
             *swapped,
             *tracked.diagnostics,
         ),
         ambiguous_decisions=tracked.ambiguous_decisions,
         judged=inputs.calibrated.figures,
         filling=_gap_figures(inputs, filled, measured_of(inputs, records)),
-        identity=identity_of_entry(of.root, s, of.entry),
+        identity=identity_of_entry(of.root, s, of.entry, beside.about if beside else None),
     )
     operated = inputs.source.operated()
     if operated is not None:
@@ -248,9 +270,8 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     return figures
 
 
-def _channels(inputs: TrialInputs, trajectories: Trajectories) -> Iterator[Finding]:
+def _channels(beside: Trial | None, trajectories: Trajectories) -> Iterator[Finding]:
     """What of the recording could not be read, and what the C3D file cannot hold of its channels."""
-    beside = inputs.source.beside()
     if beside is not None and beside.notes:
         yield make_finding("recording_partly_read", parts_list=beside.notes)
     if beside is None or not len(trajectories):
@@ -276,7 +297,9 @@ def _write(inputs: TrialInputs, records: Records) -> None:
     trajectories, figures = filled_of(inputs, records).trajectories, records["quality"]
     folder, name, steps = inputs.folder, inputs.name, tuple(inputs.store.steps)
     beside = inputs.source.beside() or Trial("", trajectories)
-    write_c3d(folder / f"{name}.c3d", replace(beside, trajectories=trajectories, name=name, steps=_own(steps)))
+    about = with_identity(beside.about, figures["identity"])
+    trial = replace(beside, trajectories=trajectories, name=name, steps=_own(steps), about=about)
+    write_c3d(folder / f"{name}.c3d", trial)
     write_report(
         folder / REPORT,
         quality=figures,

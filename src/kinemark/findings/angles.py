@@ -15,6 +15,9 @@ from .verdict import verdict_of
 
 TOO_STEADY_MM = 0.02
 """An estimated error of markers below this means that they were smoothed before; chosen."""
+JUMP_DEG = 90.0
+"""Change of an angle from one frame to the next, both out of gimbal lock, that no joint makes; chosen: a pitcher's arm
+turns by 70° in a hundredth of a second."""
 LEAST_BEYOND_DEG = 0.5
 """Beyond its normal range by less, an angle is not reported; chosen."""
 
@@ -27,6 +30,7 @@ def angle_figures(
     trajectories: Trajectories,
     how: dict[str, Any],
     cycles: Cycles | None = None,
+    side: Finding | None = None,
 ) -> dict[str, Any]:
     """Every figure of the page by name.
 
@@ -35,6 +39,7 @@ def angle_figures(
         name: of the trial.
         trajectories: the markers, with the covariance that was passed on.
         how: the words "method", "noise", "smoothing"; "marker_sd_mm" and "noise_from"; "lock_deg".
+        side: how the side was told, where nobody stated it.
     """
     rows = [_angle(angles, model, k) for k in range(len(named_angles(model)))]
     joints = [_joint(angles, j) for j in range(len(angles.joints))]
@@ -53,7 +58,7 @@ def angle_figures(
         "angles": rows,
         "cycles": None if cycles is None else _cycles(cycles, model),
     }
-    findings = _findings(figures)
+    findings = [*_findings(figures), *_jumps(angles, model, trajectories.first_frame), *([side] if side else [])]
     figures["findings"] = [found.as_dict() for found in findings]
     return plain(figures | {"verdict": verdict_of(findings, _statements(figures, findings)).as_dict()})
 
@@ -136,6 +141,20 @@ def _findings(figures: dict[str, Any]) -> list[Finding]:
     elif figures["noise_from"] != "stated":
         found.append(make_finding("marker_errors_not_stated", how=figures["noise_from"]))
     return found
+
+
+def _jumps(angles: Angles, model: Model, first_frame: int) -> Iterator[Finding]:
+    """Angles that change between two frames as no joint moves; frames in gimbal lock are told of elsewhere."""
+    for j, t, motion in named_angles(model):
+        free = ~(angles.locked[j, 1:] | angles.locked[j, :-1])
+        change = np.where(free, np.abs(np.diff(angles.deg[j, :, t])), 0.0)
+        at = np.flatnonzero(np.nan_to_num(change) > JUMP_DEG)
+        if len(at):
+            spans = [(int(f) + first_frame, int(f) + first_frame + 1) for f in at]
+            most = float(change[at].max())
+            yield make_finding(
+                "angle_jumps", frames=spans, joint=angles.joints[j], angle=motion.name, count=len(at), most_deg=most
+            )
 
 
 def _missing(joints: list[dict[str, Any]]) -> Iterator[Finding]:

@@ -62,6 +62,7 @@ def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Find
         *(check(figures) for check in CAMERA_CHECKS),
         _unused(figures, named),
         *(check(figures) for check in MARKER_CHECKS),
+        _absent(figures, {name for found in noted for name in found.markers if found.kind == OUTSIDE}),
         noted,
         _close_decisions(figures),
         _not_square(figures),
@@ -192,8 +193,13 @@ def _few_cameras(figures: Figures) -> Findings:
         yield make_finding("two_camera_points", points_share=few)
 
 
-def _absent(figures: Figures) -> Findings:
-    absent = [m["name"] for m in figures["trajectories"]["markers"] if not m["samples"]]
+OUTSIDE = "points_dropped_outside"
+
+
+def _absent(figures: Figures, outside: set[str]) -> Findings:
+    """Markers without a sample, but for those of which it is known that they were outside the volume."""
+    markers = figures["trajectories"]["markers"]
+    absent = [m["name"] for m in markers if not m["samples"] and m["name"] not in outside]
     if absent and figures["trajectories"]["samples"]:
         yield make_finding("markers_never_seen", markers=absent)
 
@@ -283,5 +289,5 @@ def inconsistent_cameras(figures: Figures) -> list[str]:
 
 CAMERA_CHECKS = (_blind, _unlike_others, _residual, _calibration, _judged)
 MARKER_CHECKS = (
-    *(_few_cameras, _absent, _incomplete, _broken, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
+    *(_few_cameras, _incomplete, _broken, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
 )

@@ -1,4 +1,7 @@
-"""Detections as CSV: `camera, frame, u_px, v_px`, optionally `area_px2`, `var_u_px2`, `var_v_px2`; frames from 0."""
+"""Detections as CSV: `camera, frame, u_px, v_px`, optionally `marker`, `area_px2`, `var_u_px2`, `var_v_px2`.
+
+Frames count from 0. `u` and `v` may stand for `u_px` and `v_px`. With `marker` it says which marker each point is.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ import io
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +22,29 @@ from .number_text import bad_line, numbers, plain, read_text, whole
 NEEDED = ("camera", "frame", "u_px", "v_px")
 VARIANCES = ("var_u_px2", "var_v_px2")
 OPTIONAL = ("area_px2", *VARIANCES)
+MARKER = "marker"
+SHORT = {"u": "u_px", "v": "v_px"}
 ROWS_AT_ONCE = 65536  # rows turned to numbers in one go; chosen for memory
 MOST_COUNTS = 10_000_000  # cameras times frames that a sparse file may claim; chosen for memory
+
+
+class NamedDetections(NamedTuple):
+    """Detections (D rows) whose markers are known.
+
+    marker: (D) the marker of each row, by its place in `names`; -1 for none. names: (M) of the markers.
+    """
+
+    detections: Detections
+    marker: NDArray[np.int64]
+    names: tuple[str, ...]
 
 
 def read_detections_csv(
     path: Path | str, *, rate: float, cameras: Sequence[str] | None = None, n_frames: int | None = None
 ) -> Detections:
     """Detections of all cameras, sorted by camera and frame and otherwise as the file orders them.
+
+    Names of markers that the file has are left aside; `read_named_detections` takes them.
 
     Args:
         path: the file; its columns and rows may come in any order.
@@ -37,13 +56,21 @@ def read_detections_csv(
         KinemarkError: the file is absent, a column is missing or unknown, a cell is no number, a camera is not in
             `cameras` or a frame not below `n_frames`.
     """
+    return read_long(path, rate=rate, cameras=cameras, n_frames=n_frames).detections
+
+
+def read_long(
+    path: Path | str, *, rate: float, cameras: Sequence[str] | None = None, n_frames: int | None = None
+) -> NamedDetections:
+    """The same with the markers of the rows, -1 where the file does not name them; see `read_detections_csv`."""
     reader = csv.reader(io.StringIO(read_text(path), newline=""))
     names: dict[str, int] = {name: c for c, name in enumerate(cameras or ())}
+    markers: dict[str, int] = {}
     try:
-        heading = [cell.strip() for cell in next(reader, [])]
+        heading = [SHORT.get(cell.strip(), cell.strip()) for cell in next(reader, [])]
         check_heading(path, heading)
         rows = ((reader.line_num, row) for row in reader if row)
-        parts = list(chunks(path, rows, heading, names, cameras is None))
+        parts = list(chunks(path, rows, heading, names, cameras is None, markers))
     except csv.Error as error:
         raise bad_line(path, reader.line_num, f"{error}") from error
     line = np.concatenate([np.zeros(0, np.int64), *(lines for lines, _ in parts)])
@@ -56,18 +83,22 @@ def read_detections_csv(
         raise KinemarkError(f"{path} has only {len(table)} detections in {total} frames; frames count from 0.")
     camera = column["camera"].astype(np.int64)
     counts = np.bincount(camera * total + frame, minlength=len(names) * total).reshape(len(names), total)
+    marker = column[MARKER].astype(np.int64) if MARKER in column else np.full(len(line), -1)
+    check_once(path, line, (camera * total + frame, marker), tuple(markers))
     order = np.lexsort([frame, camera])
     uv = np.column_stack([column["u_px"], column["v_px"]])[order]
     area = {"area": column["area_px2"][order]} if "area_px2" in column else {}
-    return Detections.build(tuple(names), rate, counts, uv, covariance(column, order), **area)
+    found = Detections.build(tuple(names), rate, counts, uv, covariance(column, order), **area)
+    return NamedDetections(found, marker[order], tuple(markers))
 
 
 def check_heading(path: Path | str, heading: list[str]) -> None:
     """The columns that must be there, and no unknown one."""
     if len(heading) == 1 and ";" in heading[0]:
         raise bad_line(path, 1, "cells are separated by semicolons. Save it with commas, and points in numbers.")
-    if unknown := [cell for cell in heading if cell not in NEEDED + OPTIONAL]:
-        raise bad_line(path, 1, f"unknown column {unknown[0]!r}; known are {', '.join(NEEDED + OPTIONAL)}. Remove it.")
+    known = (*NEEDED, MARKER, *OPTIONAL)
+    if unknown := [cell for cell in heading if cell not in known]:
+        raise bad_line(path, 1, f"unknown column {unknown[0]!r}; known are {', '.join(known)}. Remove it.")
     if missing := [cell for cell in NEEDED if cell not in heading]:
         raise bad_line(path, 1, f"has no column {missing[0]!r}; wanted are {', '.join(NEEDED)}")
     if len(set(heading)) != len(heading) or (VARIANCES[0] in heading) != (VARIANCES[1] in heading):
@@ -75,10 +106,18 @@ def check_heading(path: Path | str, heading: list[str]) -> None:
 
 
 def chunks(
-    path: Path | str, rows: Iterator[tuple[int, list[str]]], heading: list[str], names: dict[str, int], add: bool
+    path: Path | str,
+    rows: Iterator[tuple[int, list[str]]],
+    heading: list[str],
+    names: dict[str, int],
+    add: bool,
+    markers: dict[str, int],
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
-    """Line numbers and rows as numbers, some at a time; cameras as their index in `names`, which grows when `add`."""
-    at = heading.index("camera")
+    """Line numbers and rows as numbers, some at a time.
+
+    Cameras become their index in `names`, which grows when `add`; markers theirs in `markers`, -1 where it is empty.
+    """
+    at, named = heading.index("camera"), heading.index(MARKER) if MARKER in heading else None
     while pairs := list(islice(rows, ROWS_AT_ONCE)):
         for line, row in pairs:
             if len(row) != len(heading):
@@ -87,6 +126,9 @@ def chunks(
             if name not in names and not add:
                 raise bad_line(path, line, f"camera {name!r} is not one of {', '.join(names)}")
             row[at] = str(names.setdefault(name, len(names)))
+            if named is not None:
+                said = row[named].strip()
+                row[named] = str(markers.setdefault(said, len(markers))) if said else "-1"
         lines = [line for line, _ in pairs]
         yield np.array(lines, np.int64), table(path, lines, [row for _, row in pairs])
 
@@ -118,6 +160,20 @@ def check_rows(
             raise bad_line(path, int(line[wrong][0]), what)
 
 
+def check_once(
+    path: Path | str, line: NDArray[np.int64], at: tuple[NDArray[np.int64], NDArray[np.int64]], names: tuple[str, ...]
+) -> None:
+    """No marker twice in one image; `at` is the image and the marker of each row."""
+    image, marker = at
+    named = np.flatnonzero(marker >= 0)
+    order = named[np.lexsort([line[named], marker[named], image[named]])]
+    again = np.flatnonzero((np.diff(image[order]) == 0) & (np.diff(marker[order]) == 0))
+    if len(again):
+        row = order[again[0] + 1]
+        what = f"marker {names[marker[row]]!r} comes twice in one camera and frame, wanted once. Remove one."
+        raise bad_line(path, int(line[row]), what)
+
+
 def covariance(column: dict[str, NDArray[np.float64]], order: NDArray[np.int64]) -> NDArray[np.float64] | None:
     """(D, 2, 2) px² without correlation; NaN in rows that do not say it, None where no row does."""
     if VARIANCES[0] not in column:
@@ -127,21 +183,26 @@ def covariance(column: dict[str, NDArray[np.float64]], order: NDArray[np.int64])
     return np.where(known[:, None, None], variance[:, :, None] * np.eye(2), np.nan)
 
 
-def write_detections_csv(path: Path | str, detections: Detections) -> None:
-    """Write the valid detections, every digit kept; area and variances where any is known.
+def write_detections_csv(path: Path | str, detections: Detections | NamedDetections) -> None:
+    """Write the valid detections, every digit kept; area and variances where any is known, and names of markers.
 
     Covariances between u and v, widths, heights, peaks and what was found invalid have no place here; HDF5 keeps them.
 
     Raises:
         KinemarkError: the file cannot be written.
     """
-    kept = detections.keep(detections.valid)
+    named = detections if isinstance(detections, NamedDetections) else None
+    found = named.detections if named else detections
+    assert isinstance(found, Detections)
+    kept = found.keep(found.valid)
     columns = {
         "camera": np.array(kept.cameras, object)[kept.camera].tolist(),
         "frame": kept.frame.tolist(),
         "u_px": list(map(plain, kept.uv[:, 0].tolist())),
         "v_px": list(map(plain, kept.uv[:, 1].tolist())),
     }
+    if named:
+        columns[MARKER] = [named.names[m] if m >= 0 else "" for m in named.marker[found.valid].tolist()]
     optional = dict(zip(OPTIONAL, (kept.area, kept.cov[:, 0, 0], kept.cov[:, 1, 1]), strict=True))
     variances_known = np.isfinite(kept.cov).any()
     for name, values in optional.items():

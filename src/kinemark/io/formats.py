@@ -22,8 +22,9 @@ from ..data import (
     Trial,
 )
 from .c3d import read_c3d, write_c3d
-from .detections_csv import read_detections_csv, write_detections_csv
+from .detections_csv import NamedDetections, read_detections_csv, write_detections_csv
 from .dlt_csv import read_dlt_csv, write_dlt_csv
+from .named_points_csv import layout_of, read_named_detections
 from .notes import FileNote
 from .number_text import read_text
 from .tdf import Tdf, read_tdf
@@ -47,6 +48,7 @@ HOLDS = {
     "Rig": "a calibrated rig",
     "Rods": "hanging rods",
     "Detections": "2D points",
+    "NamedDetections": "2D points with names",
     "Matches": "matches",
     "Cloud": "points without names",
     "Tracks": "tracks",
@@ -83,6 +85,8 @@ class Format(NamedTuple):
 
 def _csv(path: Path, options: ReadOptions) -> Any:
     """A CSV file: its heading tells detections and trajectories from DLT parameters, which have none."""
+    if layout_of(path) is not None:
+        return read_named_detections(path, rate=options.rate_hz or UNKNOWN_RATE)
     head = read_text(path).split("\n", 1)[0]
     found = "detections" if "u_px" in head else "trajectories" if "_x_mm" in head else options.what
     if found == "detections":
@@ -112,6 +116,9 @@ def _load(path: Path, options: ReadOptions) -> Any:
 def _save(path: Path, record: Any) -> tuple[FileNote, ...]:
     from .records import save
 
+    if isinstance(record, NamedDetections):
+        save(path, record.detections)
+        return (FileNote("not_written", "names", record.names),)
     save(path, record)
     return ()
 

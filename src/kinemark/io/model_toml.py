@@ -10,6 +10,7 @@ base = "isb_upper_limb"                                          all that the fi
              angles = [{ positive = "flexion", negative = "extension", normal = [-10.0, 150.0] }, {}, …]
 [[cluster]]  name, markers = [three or more], points = [what it carries]
 [[centre]]   name, between = ["cluster", "cluster"]
+[signs]      JOINT = [1, -1, 1]                                  −1 turns an angle round, with its words and range
 [stick]      links = [["A", "B"], …]                             what the stick figure draws
 """
 
@@ -17,6 +18,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -29,7 +31,7 @@ T = TypeVar("T")
 SIMPLE = ("name", "source", "side", "forward", "up")
 KEYS = {
     "the file": (
-        [*SIMPLE, "base", "aliases", "points", "segment", "joint", "cluster", "centre", "stick"],
+        [*SIMPLE, "base", "aliases", "points", "segment", "joint", "cluster", "centre", "signs", "stick"],
         ["name", "segment", "joint"],
     ),
     "segment": (["name", "first", "second"], ["name", "first", "second"]),
@@ -128,7 +130,7 @@ def _model(table: dict[str, Any], side: str | None) -> Model:
         aliases=aliases,
         means=means,
         segments=_each(table, "segment", _segment),
-        joints=_each(table, "joint", _joint),
+        joints=_signed(_each(table, "joint", _joint), _table(table, "signs")),
         clusters=_each(table, "cluster", _cluster),
         centres=_each(table, "centre", _centre),
         links=tuple(_pair("a link of the stick figure", link) for link in _list("links", stick.get("links", []))),
@@ -161,6 +163,23 @@ def _joint(row: Mapping[str, Any]) -> Joint:
     motions = tuple(_motion(angle) for angle in _list("angles", row["angles"]))
     name, parent, child, sequence = (_text(key, row[key]) for key in ("name", "parent", "child", "sequence"))
     return Joint(name, parent, child, sequence, motions, row.get("middle", "positive"))
+
+
+def _signed(joints: tuple[Joint, ...], signs: Mapping[str, Any]) -> tuple[Joint, ...]:
+    """The joints with the angles turned round that `[signs]` says."""
+    names = [joint.name for joint in joints]
+    if strange := sorted(set(signs) - set(names)):
+        raise ValueError(f"signs has {', '.join(strange)}; there are the joints {', '.join(names)}")
+    return tuple(_with_signs(joint, signs[joint.name]) if joint.name in signs else joint for joint in joints)
+
+
+def _with_signs(joint: Joint, signs: Any) -> Joint:
+    if not isinstance(signs, list) or len(signs) != 3 or not all(sign in (1, -1) for sign in signs):
+        raise ValueError(f"signs of {joint.name} are {signs!r}, wanted three of 1 and -1")
+    pairs = zip(joint.motions, signs, strict=True)
+    motions = (motion.reversed() if motion and sign < 0 else motion for motion, sign in pairs)
+    first, second, third = (int(sign) for sign in signs)
+    return replace(joint, motions=tuple(motions), signs=(first, second, third))
 
 
 def _motion(row: Any) -> JointMotion | None:

@@ -68,6 +68,8 @@ def joint_angles(
     C = propagated(used, model, template)
     plain = np.array([_principal(R[j], model, j) for j in range(len(model.joints))])
     slope = _mirrored(deg, plain)
+    slope = slope * np.array([joint.signs for joint in model.joints])[:, None, :]
+    deg = deg * np.array([joint.signs for joint in model.joints])[:, None, :]
     C = slope[..., :, None] * C * slope[..., None, :]
     sequences = tuple(joint.sequence for joint in model.joints)
     return Angles(tuple(joint.name for joint in model.joints), sequences, deg, C, trajectories.rate, locked)

@@ -33,7 +33,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..data.array_types import Bools, Floats
+from ..data.array_types import Bools, Floats, Ints
 from ..data.method import Method, parameter
 from ..data.models import Joint, check_sequence
 from .stage import ANGLES
@@ -155,18 +155,42 @@ def inverse_cosines(R: Floats, sequence: str) -> Floats:
     return np.degrees(np.stack([a, b, c], -1))
 
 
-def followed(deg: Floats, locked: Bools, sequence: str) -> Floats:
+LOST_DEG = 90.0
+"""Sum of the changes of three angles over gimbal lock or a gap, above which both triples are as far off and the frame
+before tells nothing; chosen: swinging through lock, a limb goes on by some 10° an angle."""
+
+
+def followed(deg: Floats, locked: Bools, sequence: str, *, settled: bool = True) -> Floats:
     """Of the triples (4) of each frame (F, 3), turned by whole turns, the one nearest to the frame before.
 
-    The frame before is the last that is known and not locked; the first such frame has principal values.
+    The first frame that is known and not locked has principal values; frames before it are followed backwards. Where a
+    stretch in lock or a gap ends and neither triple goes on with what was before it, the principal one counts. In
+    sequences whose first axis comes again the sign of the middle angle is a convention; there the other triple is taken
+    of all frames where most that are not locked would else have the other sign, `settled`.
     """
     half = np.array([180.0, 180.0, 180.0]) if sequence[0] != sequence[2] else np.array([180.0, 0.0, 180.0])
     both = np.stack([deg, half + deg * [1, -1, 1]])  # (4)
-    out, last = deg.copy(), None
-    for f in np.flatnonzero(np.isfinite(deg).all(-1)):
-        if last is not None:
-            near = both[:, f] - 360 * np.round((both[:, f] - last) / 360)
-            out[f] = near[np.abs(near - last).sum(-1).argmin()]
-        if last is None or not locked[f]:
-            last = out[f]
+    known = np.flatnonzero(np.isfinite(deg).all(-1))
+    free = known[~locked[known]]
+    if not len(known):
+        return deg.copy()
+    out, start = deg.copy(), int(free[0] if len(free) else known[0])
+    for frames in (known[known > start], known[known < start][::-1]):
+        _follow(out, both, frames, locked, start)
+    if settled and sequence[0] == sequence[2] and (out[free, 1] * deg[free, 1] < 0).sum() > len(free) / 2:
+        return half + out * [1, -1, 1] - 360 * np.round((half + out * [1, -1, 1])[start] / 360)
     return out
+
+
+def _follow(out: Floats, both: Floats, frames: Ints, locked: Bools, start: int) -> None:
+    """Fill `out` (F, 3) with the triples of `both` (2, F, 3) in this order of frames, from what frame `start` has."""
+    last, at = out[start], start
+    for f in frames:
+        near = both[:, f] - 360 * np.round((both[:, f] - last) / 360)
+        change = np.abs(near - last).sum(-1)
+        which = int(change.argmin())
+        if abs(int(f) - at) > 1 and change[which] > LOST_DEG:
+            which = 0
+        out[f] = near[which]
+        if not locked[f]:
+            last, at = out[f], int(f)

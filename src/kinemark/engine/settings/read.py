@@ -14,7 +14,7 @@ from .overrides import overridden
 from .session_file import Settings
 from .suggestions import are, guess
 
-ADVICE = "A session is a folder with a session.toml, saved as UTF-8; docs/session.md shows one."
+ADVICE = "A session is a folder with a session.toml, saved as UTF-8; kinemark init FOLDER writes a first one."
 
 
 def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
@@ -30,7 +30,8 @@ def read_settings(path: Path, *, overrides: Sequence[str] = ()) -> Settings:
     try:
         if not path.is_file():
             raise KinemarkError(
-                f"{path} is not there. Write one, or make one to look at with: kinemark simulate FOLDER"
+                f"{path} is not there. Make one from your recordings: kinemark init {path.parent}, or one to look at: "
+                "kinemark simulate FOLDER"
             )
         return Settings.model_validate(_with(tomllib.loads(path.read_text("utf-8")), overrides))
     except UnicodeDecodeError as error:

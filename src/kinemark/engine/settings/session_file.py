@@ -102,7 +102,10 @@ class TrialEntry(Strict):
     images: str | None = Field(
         default=None, description="pattern of the images or videos, with {camera} for a camera's name"
     )
-    detections: Path | None = Field(default=None, description="file of detections: HDF5, CSV, TDF or UM²AS's .da1")
+    detections: Path | None = Field(
+        default=None,
+        description="file of detections: HDF5, CSV, TDF or UM²AS's .da1; with {camera} in it, a CSV of each camera",
+    )
     reference_marker: Places | None = Field(
         default=None,
         description="where the fixed marks of [calibration] are now, px; found among the detections where absent",

@@ -8,15 +8,32 @@ from ..settings import is_da
 from .detection_file import DetectionFile
 from .excerpt import frame_of
 from .images import Images
+from .named_file import NamedDetectionFile, names_markers
 from .operated import DigitisedFiles, OperatedImages
 from .recording import Frames, Recording
 from .trial_source import OperatorIdentities, TrialSource
 
-__all__ = ["Frames", "OperatedImages", "OperatorIdentities", "Recording", "TrialSource", "frame_of", "source_of"]
+__all__ = [
+    "Frames",
+    "OperatedImages",
+    "OperatorIdentities",
+    "Recording",
+    "TrialSource",
+    "frame_of",
+    "identifies",
+    "source_of",
+]
+
+
+def identifies(source: TrialSource) -> bool:
+    """Whether a source says which marker each detection is, so that nothing is matched or tracked."""
+    return source.of.entry.operated or isinstance(source, NamedDetectionFile)
 
 
 def source_of(of: Recording) -> TrialSource:
     """The source that a trial's entry names."""
     if of.entry.images is None:
-        return DigitisedFiles(of) if is_da(of.root / str(of.entry.detections)) else DetectionFile(of)
+        if is_da(of.root / str(of.entry.detections)):
+            return DigitisedFiles(of)
+        return NamedDetectionFile(of) if names_markers(of) else DetectionFile(of)
     return OperatedImages(of) if of.entry.answers is not None else Images(of)

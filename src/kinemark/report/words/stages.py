@@ -65,6 +65,14 @@ ANGLE_WORDS = {
         "The {joint} is in gimbal lock: {frames}.",
         "Its first and third angle cannot be separated there; another sequence may fit better.",
     ),
+    "angle_jumps": Words(
+        "{joint}: {angle} jumps {count} {count:time|times} between two frames, by up to {most_deg:0}: {frames}.",
+        "Check there that markers are not exchanged or misplaced; the angles are kept.",
+    ),
+    "side_of_markers": Words(
+        "The markers' names are those of a {side} limb, so the model was taken for that side, not its {usual} one.",
+        "State it with --side, if it is another.",
+    ),
     "angle_beyond_normal": Words(_beyond_normal, "Check that no marker is swapped or misplaced; the angles are kept."),
     "markers_smoothed_before": Words(
         "The markers have little noise ({sd_mm:4}): they were smoothed before, so that the standard deviations of the "

@@ -97,6 +97,17 @@ def _fits_nothing(found: Finding) -> str:
     return fill("The images of {cameras} fit nothing that the others see.", found) + _left_out(found)
 
 
+def _left_outside(found: Finding) -> str:
+    said = fill(
+        "{points} tracked points ({points_share}) lie more than {margin_mm} outside the control volume and were left "
+        "out, at x, y, z from {least_mm_list} to {greatest_mm_list}.",
+        found,
+    )
+    of = fill(" Of {markers} nothing is left.", found) if found.markers else ""
+    unit = found.values["unit"]
+    return said + of + (f" In {unit} it would hold them: volume_mm was probably not written in mm." if unit else "")
+
+
 def _close(found: Finding) -> str:
     numbers = {kind: n for kind, n in found.values.items() if isinstance(n, int) and n}
     kinds = ", ".join(
@@ -196,8 +207,7 @@ TRIAL_WORDS = {
         "Markers move at {speed_m_s}: {rate_hz} is probably not the frame rate of the recording.", RATE
     ),
     "points_dropped_outside": Words(
-        "{points} tracked points ({points_share}) lie more than {margin_mm} outside the control volume and were left "
-        "out, at x, y, z from {least_mm_list} to {greatest_mm_list}.",
+        _left_outside,
         "Enlarge volume_mm, or set within_volume = false under [reconstruct], if the subject was there.",
     ),
     "positions_uncertain": Words(
@@ -205,8 +215,9 @@ TRIAL_WORDS = {
         "Their covariance says in which direction; add a camera from another side.",
     ),
     "markers_never_seen": Words(
-        "Never seen: {markers}.",
-        "Check that {markers:it was|they were} worn and labelled, or take {markers:it|them} out of the marker set.",
+        "No position in any frame: {markers}.",
+        "A position needs two cameras that see {markers:it|them}: {markers:it|they} may have been out of view or "
+        "hidden, not worn, or not labelled. Turn cameras, or take {markers:it|them} out of the marker set.",
     ),
     "incomplete": Words(
         _incomplete, "See under Markers where they are missing; add or turn cameras to cover those places."

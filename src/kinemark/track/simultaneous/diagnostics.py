@@ -179,7 +179,7 @@ def _too_fast(result: TrackingResult, rate: float) -> list[Finding]:
     xyz, frame, ids = cloud.xyz[order], cloud.frame[order], ids[order]
     next_one = (np.diff(ids) == 0) & (np.diff(frame) == 1)
     speed = np.linalg.norm(np.diff(xyz, axis=0)[next_one], axis=1) * rate
-    if not len(cloud) and (result.noise.found > MIN_FOUND_SHARE).any():
+    if not len(cloud) and not len(result.outside) and (result.noise.found > MIN_FOUND_SHARE).any():
         return [make_finding("nothing_goes_on", rate_hz=rate)]
     if len(speed) < FEW or np.percentile(speed, 99) < MAX_SPEED:
         return []

@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
 
 from ...data import Finding, make_finding
+from ...data.array_types import Floats
+from ...data.finding import red_if
+from ...geometry.weighted_points import inside_volume
 from ...numerics.runs import equal_runs
 from .simultaneous_method import Simultaneous
 from .tracker import TrackingResult
 
+UNITS = {"m": 1000.0, "cm": 10.0}
+"""mm in the units in which a volume may have been written by mistake; by definition."""
+HELD = 0.5
+"""Share of the points left out that the volume must hold in another unit for that to be said; chosen: most."""
 
-def diagnose_points(result: TrackingResult, method: Simultaneous, volume_margin: float | None) -> list[Finding]:
-    """About points outside the volume, of which `volume_margin` mm were allowed, and about uncertain ones."""
+
+def diagnose_points(
+    result: TrackingResult, method: Simultaneous, volume_margin: float | None, volume: Floats | None = None
+) -> list[Finding]:
+    """About points outside the volume (2, 3) mm, of which `volume_margin` mm were allowed, and about uncertain ones."""
     found, cloud, outside = [], result.tracks.cloud, result.outside
     if len(outside) and volume_margin is not None:
-        found.append(
-            make_finding(
-                "points_dropped_outside",
-                points=len(outside),
-                points_share=len(outside) / (len(outside) + len(cloud)),
-                margin_mm=volume_margin,
-                least_mm_list=outside.min(0),
-                greatest_mm_list=outside.max(0),
-            )
-        )
+        found.append(points_left_out(outside, len(cloud), volume_margin, volume))
     sd = np.sqrt(np.trace(cloud.cov, axis1=1, axis2=2))
     uncertain = np.flatnonzero(sd > method.uncertain_sd)
     if len(uncertain):
@@ -42,3 +44,31 @@ def diagnose_points(result: TrackingResult, method: Simultaneous, volume_margin:
             )
         )
     return found
+
+
+def points_left_out(
+    outside: Floats, kept: int, margin: float, volume: Floats | None, markers: Iterable[str] = ()
+) -> Finding:
+    """About points (N, 3) mm outside a volume (2, 3) mm, beside which so many were kept; red where none was.
+
+    `markers` are those of which nothing was kept.
+    """
+    return make_finding(
+        "points_dropped_outside",
+        severity=red_if(not kept),
+        markers=markers,
+        points=len(outside),
+        points_share=len(outside) / (len(outside) + kept),
+        margin_mm=margin,
+        least_mm_list=outside.min(0),
+        greatest_mm_list=outside.max(0),
+        unit=None if volume is None or kept > len(outside) else _written_in(outside, volume),
+    )
+
+
+def _written_in(outside: Floats, volume: Floats) -> str | None:
+    """The unit in which the volume would hold most of the points that it leaves out."""
+    for unit, mm in UNITS.items():
+        if inside_volume(outside, volume * mm).mean() > HELD:
+            return unit
+    return None

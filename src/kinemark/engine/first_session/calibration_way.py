@@ -1,0 +1,119 @@
+"""Which recording calibrates the cameras, what goes beside it, and what of it no file tells."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from .proposal import FoundRecording, Question, Reason, Role, SessionProposal, parsed
+
+ASKED = (Role.WAND, Role.SINGLE_MARKER)
+"""What a recording that is called a calibration may be where no file of rods or control points is there."""
+WAYS = (Role.RIG, Role.CONTROL_FRAME, Role.CONTROL_POINTS, Role.WAND, Role.SINGLE_MARKER)
+"""In the order in which they are taken where recordings allow several: what asks least comes first."""
+
+
+def completed(proposal: SessionProposal) -> SessionProposal:
+    """The same with the way to the calibration, what goes beside it, and the questions, by the recordings' roles."""
+    recordings = tuple(_sided(proposal.recordings))
+    ways = [one for role in WAYS for one in recordings if one.role is role and _usable(one, recordings)]
+    way = ways[0] if ways else None
+    free = way is not None and way.role in ASKED
+    beside = tuple(
+        one
+        for one in recordings
+        if (one.role is Role.L_FRAME and free)
+        or (one.role is Role.GRID and way is not None and way.role is not Role.RIG)
+    )
+    notes = [note for note in proposal.notes if note.kind not in OWN_NOTES]
+    notes += [Reason("also_calibrates", {"path": one.path, "role": str(one.role)}) for one in ways[1:]]
+    if way is None:
+        notes.append(Reason("no_calibration"))
+        pictures = [one for one in recordings if one.role in TARGETS and one.content == "images"]
+        notes += [Reason("no_target_file", {"path": one.path}) for one in pictures if (one.frames or 0) < MOVING]
+    if not any(one.role in (Role.TRIAL, Role.STATIC) for one in recordings):
+        notes.append(Reason("no_trials"))
+    whole = replace(proposal, recordings=recordings, way=way, beside=beside, notes=tuple(notes))
+    return replace(whole, questions=tuple(_questions(whole)))
+
+
+MOVING = 30
+"""Images of a camera, from which on a recording may be of a wand in motion; chosen."""
+TARGETS = (Role.CALIBRATION, Role.CONTROL_FRAME)
+OWN_NOTES = ("no_target_file", "also_calibrates", "no_calibration", "no_trials")
+
+
+def _sided(recordings: Iterable[FoundRecording]) -> Iterator[FoundRecording]:
+    """Pictures that are called a calibration go with the file of rods or control points that is there."""
+    found = tuple(recordings)
+    contents = {one.content for one in found}
+    for one in found:
+        if one.role is Role.CALIBRATION and one.content == "images":
+            role = Role.CONTROL_FRAME if "rods" in contents else Role.CONTROL_POINTS if "points" in contents else None
+            yield one if role is None else replace(one, role=role)
+        elif one.role is Role.CONTROL_FRAME and one.content == "images" and "rods" not in contents:
+            yield replace(one, role=Role.CONTROL_POINTS) if "points" in contents else one
+        else:
+            yield one
+
+
+def _usable(one: FoundRecording, recordings: Iterable[FoundRecording]) -> bool:
+    """Whether a recording can be the way; rods are named through their pictures, and points by themselves."""
+    contents = {other.content for other in recordings}
+    if one.role is Role.CONTROL_FRAME:
+        return one.content == "images" and "rods" in contents
+    if one.role is Role.CONTROL_POINTS:
+        return one.content == "points"
+    return True
+
+
+def _questions(proposal: SessionProposal) -> Iterator[Question]:
+    """What no file tells."""
+    way = proposal.way
+    if proposal.rate is None and any(one.content in ("images", "detections") for one in proposal.trials):
+        yield Question("rate_hz")
+    if way is None:
+        moving = [one for one in proposal.recordings if one.role is Role.CALIBRATION and (one.frames or 0) >= MOVING]
+        yield from (Question("calibration.way", 0, 0, tuple(map(str, ASKED)), about=one.path) for one in moving[:1])
+    elif way.why.kind == "holds_dlt":
+        yield Question("calibration.length_unit", 0, 0, ("mm", "cm", "m", "in"), about=way.path)
+    elif way.role is Role.WAND:
+        yield Question("calibration.wand.lengths_mm", 1, 3, about=way.path)
+    filmed = any(one.content == "images" for one in proposal.trials)
+    if way is not None and way.role in ASKED and way.content == "detections" and not filmed:
+        yield Question("cameras.size_px", 2, 2, whole=True, about=way.path)
+    for one in proposal.beside:
+        if one.role is Role.L_FRAME:
+            yield Question("calibration.l_frame.arms_mm", 2, 2, about=one.path)
+        else:
+            yield Question("calibration.linearisation.grid", 2, 2, whole=True, about=one.path)
+            yield Question("calibration.linearisation.pitch_mm", about=one.path)
+
+
+def answered(proposal: SessionProposal, key: str, text: str) -> SessionProposal:
+    """The same with one more answer, as it was typed; numbers are separated by commas or blanks.
+
+    Raises:
+        ValueError: there is no such question, or the text does not answer it.
+    """
+    question = next((one for one in proposal.questions if one.key == key), None)
+    if question is None:
+        known = ", ".join(one.key for one in proposal.questions) or "none"
+        raise ValueError(f"{key} is not asked; there are {known}")
+    said = parsed(question, text)
+    if key == "calibration.way":
+        return with_role(proposal, question.about, Role(str(said)))
+    return replace(proposal, answers={**proposal.answers, key: said})
+
+
+def with_role(proposal: SessionProposal, path: str, role: Role) -> SessionProposal:
+    """The same with a recording that is for something else, as a person says.
+
+    Raises:
+        ValueError: there is no such recording.
+    """
+    if path not in [one.path for one in proposal.recordings]:
+        raise ValueError(f"{path} is none of the recordings")
+    why = Reason("stated", {"role": str(role)})
+    changed = [replace(one, role=role, why=why) if one.path == path else one for one in proposal.recordings]
+    return completed(replace(proposal, recordings=tuple(changed)))

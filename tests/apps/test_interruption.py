@@ -1,0 +1,87 @@
+"""Ctrl-C at any moment ends a command with one line and status 130, and leaves nothing half-written."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from kinemark.detect import detect
+from kinemark.engine.simulate import Scene, simulate
+from kinemark.io.trial import write_trial
+from support.trials import made_trial
+
+READY = "import sys; from kinemark.__main__ import main; print('ready', flush=True); main()"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A session and a trial to work on."""
+    folder = tmp_path_factory.mktemp("interrupted")
+    simulate(folder / "session", scene=Scene(seconds=0.5, size_px=(376, 292), focal_px=385.0, cameras=3))
+    write_trial(made_trial(), folder / "trial.c3d")
+    return folder
+
+
+COMMANDS = {
+    "help": (["--help"], 0.3),
+    "info": (["info", "trial.c3d"], 0.5),
+    "init": (["init", "session/walk01", "--yes", "--dry-run"], 1.5),
+    "simulate": (["simulate", "new", "--seconds", "20"], 2.5),
+    "run": (["run", "session", "--results", "made"], 3.0),
+}
+
+
+def interrupted(arguments, folder, after):
+    """Status and error stream of a command that gets Ctrl-C so many seconds after it began."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", READY, *arguments], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(after)
+    process.send_signal(signal.SIGINT)
+    return process.communicate(timeout=60)[1], process.returncode
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are sent otherwise")
+@pytest.mark.parametrize("name", COMMANDS)
+def test_ctrl_c_ends_a_command_with_one_line(name, folder):
+    arguments, longest = COMMANDS[name]
+    for after in (0.0, random.Random(name).uniform(0.05, longest)):
+        said, status = interrupted(arguments, folder, after)
+        assert "Traceback" not in said and "Exception" not in said, said
+        assert status in (0, 130)
+        if status == 130:
+            assert [line for line in said.splitlines() if "stopped" in line] == [said.strip().splitlines()[-1]]
+        else:
+            assert after > 0  # it had ended before
+    left = [path.name for path in folder.rglob("*.part*")]
+    assert not left
+    assert not (folder / "new").exists()
+
+
+class Endless:
+    """Images that never end, of a camera beside one that fails."""
+
+    size, n_frames, rate = (16, 16), 10**6, 50.0
+
+    def __init__(self, fails):
+        self.fails = fails
+
+    def v_offset(self, f):
+        return 0.0
+
+    def batches(self, n):
+        while True:
+            if self.fails:
+                raise KeyboardInterrupt
+            yield np.zeros((n, 16, 16), np.uint8)
+
+
+def test_the_other_cameras_are_not_waited_for():
+    with pytest.raises(KeyboardInterrupt):
+        detect([Endless(True), Endless(False)], cameras=("a", "b"), rate=50.0, threads=2)

@@ -1,0 +1,48 @@
+"""`dev.py` shows that it is alive while it installs."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PIP = """
+import sys, time
+print("Collecting numpy", flush=True)
+print("  Downloading numpy.whl (16 MB)", flush=True)
+time.sleep(0.5)
+print("Installing collected packages: numpy", flush=True)
+sys.exit({status})
+"""
+
+
+def told(status):
+    """What is printed of an installation that is silent for half a second, and how it ends."""
+    code = (
+        f"import sys; sys.path.insert(0, {str(ROOT)!r}); import dev; dev.EVERY_S = 0.1; "
+        f"dev.run_told(sys.executable, '-c', {PIP.format(status=status)!r})"
+    )
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+
+
+def test_an_installation_shows_what_it_does_and_that_it_is_alive():
+    done = told(0)
+    assert not done.returncode, done.stderr
+    assert "Downloading numpy.whl" in done.stdout and "Installing collected" in done.stdout
+    assert "Collecting" not in done.stdout.replace("still at work: Collecting", "")
+    assert "still at work" in done.stdout
+    assert done.stdout.rstrip().endswith("installed")
+
+
+def test_an_installation_that_fails_shows_all_that_was_said():
+    done = told(3)
+    assert done.returncode == 3
+    assert "Collecting numpy" in done.stderr
+
+
+def test_dev_needs_nothing_but_python():
+    spec = importlib.util.spec_from_file_location("dev", ROOT / "dev.py")
+    assert spec is not None
+    text = (ROOT / "dev.py").read_text("utf-8")
+    imported = {line.split()[1] for line in text.splitlines() if line.startswith(("import ", "from "))}
+    assert imported <= set(sys.stdlib_module_names) | {"__future__"}

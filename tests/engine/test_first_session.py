@@ -1,0 +1,218 @@
+"""`kinemark init`: a folder's recordings propose its first session.toml."""
+
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from kinemark.data import KinemarkError
+from kinemark.engine.first_session import (
+    Role,
+    answered,
+    propose_session,
+    session_text,
+    with_role,
+    write_first_session,
+)
+from kinemark.engine.session import Session
+from kinemark.engine.simulate import Scene, simulate
+from kinemark.io.detections_csv import write_detections_csv
+from kinemark.io.images import write_png
+from kinemark.io.video import write_video
+from support.laboratory import observe, ring
+from support.motions import swarm
+from support.shared import shared_data
+
+SMALL = {"seconds": 0.4, "size_px": (376, 292), "focal_px": 385.0, "noise": 1.0, "cameras": 3}
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory):
+    """A session of the virtual laboratory."""
+    folder = tmp_path_factory.mktemp("simulated") / "session"
+    simulate(folder, scene=Scene(**SMALL))
+    return folder
+
+
+@pytest.fixture
+def waved(tmp_path):
+    """The recordings of two cameras that a wand and an L-frame calibrate."""
+    for c in (1, 2):
+        for k, name in enumerate(("walk", "wand", "lframe")):
+            clip(tmp_path / name / f"cam{c}.mkv", 31 + k, seed=c)
+    return tmp_path
+
+
+def test_a_simulated_session_without_its_file_runs_again(simulated, tmp_path):
+    folder = tmp_path / "bare"
+    shutil.copytree(simulated, folder)
+    (folder / "session.toml").unlink()
+    write_first_session(propose_session(folder))
+    proposed, given = Session.open(folder), Session.open(simulated)
+    for part in ("rate_hz", "calibration", "trials", "cameras"):
+        assert getattr(proposed.settings, part) == getattr(given.settings, part)
+    assert len(proposed.run(to="track")["walk01"].tracks) >= 15
+
+
+def test_what_no_file_tells_is_asked_and_then_known(waved):
+    asked = propose_session(waved)
+    assert [one.key for one in asked.open] == ["calibration.wand.lengths_mm", "calibration.l_frame.arms_mm"]
+    half = answered(asked, "calibration.wand.lengths_mm", "500")
+    assert "# ? l_frame" in session_text(half)
+    assert "# ? wand" not in session_text(half)
+    write_first_session(answered(half, "calibration.l_frame.arms_mm", "800, 600"))
+    way = Session.open(waved).settings.calibration
+    assert way.wand.lengths_mm == (500,)
+    assert way.l_frame.arms_mm == (800, 600)
+
+
+def test_without_answers_the_file_says_what_is_wanted(waved):
+    text = write_first_session(propose_session(waved)).read_text("utf-8")
+    assert '# ? wand = { images = "wand/{camera}.mkv", lengths_mm = [?] }' in text
+    completed = text.replace("# ? wand", "wand").replace("lengths_mm = [?]", "lengths_mm = [500]")
+    (waved / "session.toml").write_text(completed, "utf-8")
+    assert Session.open(waved).settings.calibration.way == "wand"
+
+
+def test_an_existing_session_is_never_overwritten(waved):
+    command = [sys.executable, "-m", "kinemark", "init", waved, "--answer", "calibration.wand.lengths_mm=120 280"]
+    first, again = (subprocess.run(command, capture_output=True, text=True, check=False) for _ in range(2))
+    assert not first.returncode, first.stderr
+    assert "arms_mm" in first.stdout
+    assert again.returncode == 1
+    assert "not overwritten" in again.stderr
+    assert Session.open(waved).settings.calibration.wand.lengths_mm == (120, 280)
+    with pytest.raises(KinemarkError, match="not overwritten"):
+        write_first_session(propose_session(waved))
+
+
+def clip(path, n_frames, *, seed=0, rate=50.0, woven=""):
+    """A small video of a bright disc that moves; as two fields where `woven` says which comes first."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    row, column = np.mgrid[:48, :64]
+    rng = np.random.default_rng(seed)
+    x0, v = rng.uniform(12, 20), rng.uniform(1.2, 1.8)
+
+    def at(t):
+        away = (row - 24) ** 2 + (column - 12 - (x0 + v * t) % 40) ** 2
+        disc = 200 / (1 + np.exp(np.minimum(away / 9 - 3, 50)))
+        return (disc + rng.normal(20, 1.5, disc.shape)).clip(0, 255).astype(np.uint8)
+
+    def frame(k):
+        if not woven:
+            return at(k)
+        first, second = at(2 * k), at(2 * k + 1)
+        top, bottom = (first, second) if woven == "top" else (second, first)
+        image = top.copy()
+        image[1::2] = bottom[1::2]
+        return image
+
+    write_video(path, (frame(k) for k in range(n_frames)), rate)
+
+
+NAMINGS = {
+    "walk01_cam1": ("{trial}_cam{c}.mkv", ("cam1", "cam2", "cam3")),
+    "folders of cameras": ("cam{c}/{trial}.mkv", ("cam1", "cam2", "cam3")),
+    "letters": ("{trial}/Camera_{L}.mkv", ("Camera_A", "Camera_B", "Camera_C")),
+    "zeros": ("{trial}-cam0{c}.mkv", ("cam01", "cam02", "cam03")),
+    "sides": ("{trial}_{side}.mkv", ("front", "left", "right")),
+    "date stamps": ("2026-05-03_{trial}_c{c}.mkv", ("c1", "c2", "c3")),
+    "numbers alone": ("{trial}/{c}.mkv", ("1", "2", "3")),
+    "camera said twice": ("cam{c}/{trial}_cam{c}.mkv", ("cam1", "cam2", "cam3")),
+    "serial numbers": ("{trial}_2199032{c}.mkv", ("21990321", "21990322", "21990323")),
+    "letters alone": ("{L}/{trial}.mkv", ("A", "B", "C")),
+}
+
+
+@pytest.mark.parametrize("naming", NAMINGS)
+def test_cameras_and_trials_follow_from_names(naming, tmp_path):
+    form, cameras = NAMINGS[naming]
+    for k, trial in enumerate(("walk01", "walk02", "wand")):
+        for c in (1, 2, 3):
+            said = form.format(trial=trial, c=c, L="ABC"[c - 1], side=("left", "right", "front")[c - 1])
+            clip(tmp_path / said, 35 + 3 * k, seed=c)
+    found = propose_session(tmp_path)
+    assert found.cameras == cameras
+    assert found.rate == pytest.approx(50)
+    assert [len(one.cameras) for one in found.trials] == [3, 3]
+    assert all("walk0" in one.name for one in found.trials)
+    assert found.way is not None
+    assert found.way.role is Role.WAND
+    write_first_session(answered(found, "calibration.wand.lengths_mm", "120 280"))
+    session = Session.open(tmp_path)
+    for one in found.trials:
+        for name in session.settings.cameras.names:
+            assert (tmp_path / one.path.replace("{camera}", name)).is_file()
+    assert (str(session.settings.date) == "2026-05-03") == (naming == "date stamps")
+
+
+@pytest.mark.parametrize("first", ["top", "bottom", ""])
+def test_fields_are_seen_in_what_moves(first, tmp_path):
+    for c in (1, 2):
+        clip(tmp_path / f"cam{c}.mkv", 20, seed=c, rate=25.0, woven=first)
+    found = propose_session(tmp_path)
+    assert found.interlaced == (first or False)
+    assert found.rate == pytest.approx(50 if first else 25)
+    assert found.interlaced_why.kind == ("fields" if first else "whole_frames")
+
+
+def test_image_sequences_and_pictures_are_told_apart(tmp_path):
+    image = np.zeros((16, 16), np.uint8)
+    for c in (1, 2):
+        for k in range(4):
+            for name in (f"walk/cam{c}/{k:06d}.png", f"static_cam{c}_{k + 1}.png"):
+                (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+                write_png(tmp_path / name, image)
+        (tmp_path / "floor").mkdir(exist_ok=True)
+        write_png(tmp_path / f"floor/cam{c}.png", image)
+    paths = {one.path: one for one in propose_session(tmp_path).recordings}
+    assert set(paths) == {"walk/{camera}/%06d.png", "static_{camera}_%d.png", "floor/{camera}.png"}
+    assert paths["walk/{camera}/%06d.png"].role is Role.TRIAL
+    assert paths["static_{camera}_%d.png"].role is Role.STATIC
+    assert paths["floor/{camera}.png"].role is Role.L_FRAME
+
+
+def test_files_of_points_make_a_session(tmp_path):
+    rig = ring(3)
+    for name in ("walk", "wand"):
+        write_detections_csv(tmp_path / f"{name}.csv", observe(rig, swarm(5, frames=40, seed=2))[0])
+    found = propose_session(tmp_path)
+    assert found.cameras == rig.names
+    assert {one.key for one in found.open} == {"rate_hz", "calibration.wand.lengths_mm", "cameras.size_px"}
+    for key, text in (("rate_hz", "100"), ("calibration.wand.lengths_mm", "400"), ("cameras.size_px", "1280 1024")):
+        found = answered(found, key, text)
+    write_first_session(found)
+    assert Session.open(tmp_path).settings.cameras.size_px == (1280, 1024)
+
+
+def test_a_person_may_say_what_a_recording_is(tmp_path):
+    for c in (1, 2):
+        for name in ("dance", "calibration"):
+            clip(tmp_path / f"{name}_cam{c}.mkv", 40, seed=c)
+    found = propose_session(tmp_path)
+    assert [one.key for one in found.open] == ["calibration.way"]
+    assert answered(found, "calibration.way", "wand").way.path == "calibration_{camera}.mkv"
+    stated = with_role(found, "dance_{camera}.mkv", Role.WAND)
+    assert stated.way.path == "dance_{camera}.mkv"
+    with pytest.raises(ValueError, match="none of wand"):
+        answered(found, "calibration.way", "tripod")
+
+
+def test_a_folder_without_recordings_is_refused(tmp_path):
+    (tmp_path / "notes.txt").write_text("nothing")
+    with pytest.raises(KinemarkError, match="no recordings"):
+        propose_session(tmp_path)
+    clip(tmp_path / "holiday.mkv", 5)
+    with pytest.raises(KinemarkError, match="which camera took which"):
+        propose_session(tmp_path)
+
+
+def test_a_bts_file_is_trial_and_calibration(tmp_path):
+    shutil.copy(shared_data("cameras/gait9_bts/gait9.tdf"), tmp_path / "gait9.tdf")
+    write_first_session(propose_session(tmp_path))
+    settings = Session.open(tmp_path).settings
+    assert settings.calibration.way == "file"
+    assert len(settings.cameras.names) == 7
+    assert settings.rate_hz == 250

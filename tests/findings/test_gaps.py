@@ -11,7 +11,7 @@ from kinemark.data import Fills, MarkerTrajectory, Origin, same
 from kinemark.engine.fill_files import fill_file, filled_text
 from kinemark.engine.settings.method_tables import filling_of
 from kinemark.fill import Cubic, FilledGap, Filling, Gap, Linear, Prediction, Rays, RigidBody, fill, fill_recording
-from kinemark.fill.fill import Filled
+from kinemark.fill.filled_gap import Filled
 from kinemark.fill.judge.expected_error import MeasuredErrors
 from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult
 from kinemark.findings.gaps import filling_figures

@@ -17,6 +17,7 @@ from .judge.choice import CandidateFill, best_candidate, choose_candidate, expec
 from .judge.contradiction import contradicts_jump, contradicts_sd, largest_jump
 from .judge.expected_error import ErrorCalibration, MeasuredErrors
 from .judge.hold_out import MANY, draw_hold_out_gaps, run
+from .judge.motion import PartMotion
 from .known_samples import plausible
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 from .methods.stage import FILL, FillMethod, filler_of
@@ -167,6 +168,8 @@ def _evaluated(
     tested = _gaps_to_test(gaps) if len(candidates) == 1 else list(range(len(gaps)))
     hold_out = draw_hold_out_gaps(motion, [gaps[k] for k in tested], per_gap=tests_per_gap(len(gaps)), seed=seed)
     hold_out = hold_out._replace(tests=[test._replace(of=tested[test.of]) for test in hold_out.tests])
+    moving = PartMotion(motion)
+    amount = [moving.of_gap(gap) for gap in gaps]
     hidden = motion.hidden(gap for copy in hold_out.copies for gap in copy)
     source = hidden if hidden.seen.sum() > MOSTLY * motion.seen.sum() else None
     answers = []
@@ -175,7 +178,7 @@ def _evaluated(
         results = run(motion, hold_out, filler_of(method), method)
         predictions = _predictions(motion, gaps, method) if whether(method) else [NOT_PREDICTED] * len(gaps)
         name, measured, calibration = FILL.of(method).name, MeasuredErrors(results), ErrorCalibration(results)
-        answers.append(CandidateFill(name, predictions, measured, calibration, results, method))
+        answers.append(CandidateFill(name, predictions, measured, calibration, results, method, amount))
     return answers
 
 

@@ -9,7 +9,7 @@ from kinemark.fill import Body, Gap, Kalman, LimbAngles, Linear, MarkerArray, Pr
 from kinemark.fill.fill import affordable, evaluate_candidates, within_time
 from kinemark.fill.judge.choice import CandidateFill, _mean_of_close, choose_candidate, expected_errors
 from kinemark.fill.judge.combine import close_ones, mean_prediction, mean_tests, together, weights
-from kinemark.fill.judge.expected_error import LEAST, ErrorCalibration, MeasuredErrors, difficulty_weight
+from kinemark.fill.judge.expected_error import LEAST, SLOPE, ErrorCalibration, MeasuredErrors, difficulty_weight
 from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult, draw_hold_out_gaps
 from kinemark.fill.methods.angles import fit_model, learned_of
 from kinemark.fill.methods.kriging import Hyper
@@ -204,7 +204,7 @@ def test_a_mean_is_taken_if_better_by_half_a_standard_error_and_claims_what_it_s
     found = choose_candidate(MOTION, [GAP], 0, across)[0]
     same = choose_candidate(MOTION, [GAP], 0, [across[0], across[1]._replace(predictions=across[0].predictions)])[0]
     assert found.method == "a + b" == same.method and list(found.candidates) == ["a", "b", "a + b"]
-    assert found.expected_mm == pytest.approx(8.5**0.25 * same.expected_mm)  # half of 1 and 16
+    assert found.expected_mm == pytest.approx(8.5 ** (SLOPE / 2) * same.expected_mm)  # half of 1 and 16
     line = [answer("a", along(0, [1, 2] * 4)), answer("b", along(0, [2, 1] * 4))]
     assert choose_candidate(MOTION, [GAP], 0, line)[0].method == "a"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -31,6 +32,7 @@ class CandidateFill(NamedTuple):
     calibration: ErrorCalibration
     results: list[HoldOutResult]
     method: Any = None
+    motion: Sequence[float] = ()
 
 
 def choose_candidate(
@@ -41,7 +43,7 @@ def choose_candidate(
     errors, weights = expected_errors(answers, gaps, index)
     best = best_candidate(answers, errors, weights)
     if len(gaps) <= MANY and (mean := _mean_of_close(answers, errors, index, weights)) and mean.name not in errors:
-        errors[mean.name] = mean.measured.expect(mean.predictions[index], weights)
+        errors[mean.name] = mean.measured.expect(mean.predictions[index], weights, motion_of(best, index))
         if mean.measured.behind(best.measured, weights, sure=0.5) < 0:  # one mean, no luckiest of many
             best = mean
     expected = {name: mm for name, (mm, _) in errors.items()}
@@ -64,10 +66,11 @@ def expected_errors(
 
     By how far two methods are apart too, where there are two, and few enough gaps that all were asked about each.
     """
-    weights = hold_out_weights([t.test for t in answers[0].results], index, gaps)
+    moving = motion_of(answers[0], index)
+    weights = hold_out_weights([t.test for t in answers[0].results], index, gaps, moving)
 
     def expected() -> dict[str, tuple[float, float]]:
-        return {answer.name: answer.measured.expect(answer.predictions[index], weights) for answer in answers}
+        return {answer.name: answer.measured.expect(answer.predictions[index], weights, moving) for answer in answers}
 
     found = expected()
     able = sorted((a for a in answers if np.isfinite(found[a.name][1])), key=lambda a: found[a.name][1])
@@ -76,6 +79,11 @@ def expected_errors(
     apart = np.array([_apart(x.error, y.error) for x, y in zip(able[0].results, able[1].results, strict=True)])
     weights = weights * difficulty_weight(apart, _apart(able[0].predictions[index].xyz, able[1].predictions[index].xyz))
     return expected(), weights
+
+
+def motion_of(answer: CandidateFill, index: int) -> float:
+    """How much the part moves in a gap, √(mm rad); NaN where it is not known."""
+    return answer.motion[index] if len(answer.motion) else np.nan
 
 
 def _apart(one: Floats, other: Floats) -> float:

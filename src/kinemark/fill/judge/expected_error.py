@@ -63,25 +63,38 @@ OMEGA, PRIOR_TESTS = 0.5, 4.0
 Chosen (see benchmarks/gaps.py)."""
 LEAST = 1e-3
 """mm below which distances do not differ, and the least weight by (9); chosen (see benchmarks/gaps.py)."""
-MOST = 5.0
+MOST = 30.0
 """What a claim may move an expected error by, at most; chosen (see benchmarks/gaps.py)."""
+SLOPE, PRIOR_SQUARES = 0.8, 1.0
 Z = 1.959964  # standard deviations on each side that hold 95 %; the normal distribution's, by definition
 QUANTILES = (np.arange(40) + 0.5) / 40
 """At which distributions are tabulated; by definition."""
 
 
-def hold_out_weights(tests: list[HoldOutGap], of: int, gaps: list[Gap]) -> Floats:
-    """(1): what each test counts for the gap of that index."""
+def hold_out_weights(tests: list[HoldOutGap], of: int, gaps: list[Gap], moving: float = np.nan) -> Floats:
+    """(1): what each test counts for the gap of that index, in which the part moves by so much √(mm rad)."""
     gap = gaps[of]
     about = np.array([(t.of, t.window.marker, t.keep[1] - t.keep[0]) for t in tests], np.int64).reshape(-1, 3)
     share = np.where(about[:, 0] == of, 1.0, np.where(about[:, 1] == gap.marker, MARKER, OTHER))
-    return share * np.exp(-np.abs(np.log(about[:, 2] / gap.length)) / SPREAD)
+    w = share * np.exp(-np.abs(np.log(about[:, 2] / gap.length)) / SPREAD)
+    if np.isfinite(moving):
+        w = w * np.exp(-np.abs(np.log(np.array([t.motion for t in tests]) / moving)) / SPREAD)
+    return np.asarray(w)
 
 
 def difficulty_weight(apart: Floats, here: float) -> Floats:
     """What (9) makes of each test, from how far the predictions of two methods are apart in it and in the gap, mm."""
     ratio = np.log(np.maximum(apart, LEAST) / max(here, LEAST))
     return np.asarray(np.maximum(np.exp(-np.abs(ratio) / SPREAD), LEAST))
+
+
+def slope(x: Floats, y: Floats) -> float:
+    """(10): by how much y grows with x, from what is known of both (T)."""
+    known = np.isfinite(x) & np.isfinite(y)
+    if not known.any():
+        return SLOPE
+    x, y = x[known] - x[known].mean(), y[known] - y[known].mean()
+    return float(np.clip((SLOPE * PRIOR_SQUARES + x @ y) / (PRIOR_SQUARES + x @ x), 0.0, 1.2))
 
 
 def size(cov: Floats) -> float:
@@ -95,10 +108,12 @@ class MeasuredErrors:
     def __init__(self, results: list[HoldOutResult]) -> None:
         self.means = np.array([t.mean for t in results], np.float64)
         self.logs = np.log(np.maximum(self.means, 1e-9))
-        self.claims = np.array([size(t.cov) for t in results], np.float64)
+        self.claims = np.log(np.maximum([size(t.cov) for t in results], 1e-9))
+        self.moved = np.log([t.test.motion for t in results])
         self.same = same_frames([t.test for t in results])
+        self.slopes = [slope(x, self.logs) for x in (self.claims, self.moved)]
 
-    def expect(self, prediction: Prediction, weights: Floats) -> tuple[float, float]:
+    def expect(self, prediction: Prediction, weights: Floats, moving: float = np.nan) -> tuple[float, float]:
         """(2) and the geometric mean of e, mm; infinite where it mostly had no prediction, NaN where no test is."""
         if not weights.sum():
             return np.nan, np.nan
@@ -107,10 +122,17 @@ class MeasuredErrors:
         if not np.isfinite(prediction.xyz).all() or w.sum() < 0.5 * weights.sum():
             return np.inf, np.inf
         w = w / w.sum()
-        usual = float(w @ self.claims[able])
-        here = np.sqrt(size(prediction.cov) / usual) if usual > 0 else 1.0
-        here = float(np.clip(here, 1 / MOST, MOST)) if np.isfinite(here) else 1.0
-        return here * float(w @ self.means[able]), float(np.exp(w @ self.logs[able]))
+        moved = np.exp(np.clip(self._harder(prediction, moving, able), -np.log(MOST), np.log(MOST)))
+        return float(w @ (self.means[able] * moved)), float(np.exp(w @ self.logs[able]))
+
+    def _harder(self, prediction: Prediction, moving: float, able: Floats) -> Floats:
+        """(T) ln of what each of the tests' errors is moved by (2)."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            heres = np.log(max(size(prediction.cov), 1e-9)), np.log(moving)
+        for there, here, b in zip((self.claims, self.moved), heres, self.slopes, strict=True):
+            if np.isfinite(here) and np.isfinite(there[able]).all():
+                return np.asarray(b * (here - there[able]))
+        return np.zeros(int(able.sum()))
 
     def behind(self, other: MeasuredErrors, weights: Floats, *, sure: float = 1.0) -> float:
         """(3): the left side of it, below 0 where this method is better than the other by more than `sure` standard

@@ -29,6 +29,7 @@ The idea of testing a filler on data that it has hidden itself is that of cross-
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,6 +38,7 @@ from numpy.typing import NDArray
 from ...data.array_types import Floats, Ints
 from ...data.progress import tell
 from ...numerics.runs import true_runs
+from ..known_samples import known_median
 from ..marker_array import Gap, MarkerArray, Prediction
 from .motion import PartMotion
 
@@ -112,25 +114,24 @@ class HoldOutResult(NamedTuple):
 def draw_hold_out_gaps(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, seed: int) -> HoldOutGaps:
     """Tests for all gaps; a gap for which no marker has room at any length has none."""
     rng = np.random.default_rng(seed)
-    moving = PartMotion(motion)
-    made = HoldOutGaps([], [])
-    seen = motion.seen
-    occupancy = _Occupancy(seen, [], {}, {})
+    source = _Source(motion, motion.seen, PartMotion(motion), cache(lambda marker: distances(motion, marker)))
+    made, occupancy = HoldOutGaps([], []), _Occupancy(source.seen, [], {}, {})
     order, tight = rng.permutation(len(gaps)), len(gaps) > MANY
     if tight:
         order = order[np.argsort([-gaps[index].length for index in order], kind="stable")]
     for index in order:
-        for start, gap, stop in _windows(motion, moving, gaps[index], per_gap, rng, occupancy if tight else None):
+        for start, gap, stop in _windows(source, gaps[index], per_gap, rng, occupancy if tight else None):
             shape, marker = Gap(gap.marker, min(start, gap.start), max(stop, gap.stop)), gaps[index].marker
             copy = occupancy.place(shape, marker)
             if copy == len(made.copies):
                 made.copies.append([])
-            hide = [shape, *_state(motion, seen, gaps[index], gap)]
+            made.copies[copy] += [shape, *_state(source, gaps[index], gap)]
             if marker != gap.marker:
-                hide += [Gap(gap.marker, a, b) for a, b in true_runs(~seen[marker]).tolist()]  # (6)
-            made.copies[copy] += hide
+                made.copies[copy] += [Gap(gap.marker, a, b) for a, b in true_runs(~source.seen[marker]).tolist()]  # (6)
             keep = (gap.start - shape.start, gap.stop - shape.start)
-            made.tests.append(HoldOutGap(int(index), copy, shape, keep, gap.marker == marker, moving.of_gap(gap)))
+            made.tests.append(
+                HoldOutGap(int(index), copy, shape, keep, gap.marker == marker, source.moving.of_gap(gap))
+            )
     return made
 
 
@@ -161,6 +162,15 @@ def _compare(motion: MarkerArray, test: HoldOutGap, prediction: Prediction) -> H
     if not np.isfinite(error).all():
         return HoldOutResult(test, error[:0], cov[:0], edge[:0])
     return HoldOutResult(test, error, cov, edge)
+
+
+class _Source(NamedTuple):
+    """The trial that tests are drawn from: which samples are seen, how parts move, distances of all from one marker."""
+
+    motion: MarkerArray
+    seen: NDArray[np.bool_]
+    moving: PartMotion
+    apart: Callable[[int], Floats]
 
 
 class _Occupancy(NamedTuple):
@@ -204,28 +214,24 @@ class _Occupancy(NamedTuple):
 
 
 def _windows(
-    motion: MarkerArray,
-    moving: PartMotion,
-    gap: Gap,
-    n: int,
-    rng: np.random.Generator,
-    occupancy: _Occupancy | None,
+    source: _Source, gap: Gap, n: int, rng: np.random.Generator, occupancy: _Occupancy | None
 ) -> list[tuple[int, Gap, int]]:
     """Up to n windows (first hidden frame, window compared, last hidden frame + 1) for a gap.
 
     With `occupancy`, where the copies have room.
     """
-    length, F, seen = gap.length, motion.xyz.shape[1], motion.seen
+    length, seen = gap.length, source.seen
+    F = seen.shape[1]
     while length >= 1:
         own, easy = _starts(seen[gap.marker], length), False
         if len(own) and 1.5 * length <= seen[gap.marker].sum():  # half as much is left to learn from
-            own, easy = _as_moving(own, moving, gap, length)
+            own, easy = _as_moving(own, source.moving, gap, length)
             own = occupancy.with_room(gap.marker, length, own) if occupancy else own
             chosen = [Gap(gap.marker, int(a), int(a) + length) for a in _spread(own, -(-n // 2) if easy else n, rng)]
         else:
             chosen, easy = [], True
         if easy:
-            chosen += _windows_of_neighbours(motion, seen, gap, length, n if chosen else 2 * n)
+            chosen += _windows_of_neighbours(source, gap, length, n if chosen else 2 * n)
         if chosen:
             return [(0 if gap.start == 0 else w.start, w, F if gap.stop == F else w.stop) for w in chosen]  # (2)
         length = int(SHORTER * length)
@@ -241,12 +247,12 @@ def _as_moving(starts: Ints, moving: PartMotion, gap: Gap, length: int) -> tuple
     return starts[chosen], bool(off[chosen].max() < -EASY)
 
 
-def _windows_of_neighbours(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, length: int, n: int) -> list[Gap]:
+def _windows_of_neighbours(source: _Source, gap: Gap, length: int, n: int) -> list[Gap]:
     """(3): the same frames, or the first so many of them, of the n nearest markers known there and on both sides."""
-    window = slice(max(gap.start - 1, 0), gap.start + length + 1)
+    window, seen = slice(max(gap.start - 1, 0), gap.start + length + 1), source.seen
     known = seen[:, window].all(1) & ((seen & seen[gap.marker]).sum(1) > 0.5 * seen[gap.marker].sum())
     known[gap.marker] = False
-    apart = distances(motion, gap.marker)
+    apart = source.apart(gap.marker)
     near = [k for k in np.argsort(apart) if known[k] and np.isfinite(apart[k])]
     return [Gap(int(k), gap.start, gap.start + length) for k in near[:n]]
 
@@ -254,11 +260,7 @@ def _windows_of_neighbours(motion: MarkerArray, seen: NDArray[np.bool_], gap: Ga
 def distances(motion: MarkerArray, marker: int) -> Floats:
     """(M) mm, median distance of all markers from one, over at most a few hundred frames; NaN where never together."""
     thin = motion.xyz[:, :: max(1, motion.xyz.shape[1] // 300)]
-    apart = np.linalg.norm(thin - thin[marker], axis=-1)
-    both = np.isfinite(apart).any(1)
-    out = np.full(len(apart), np.nan)
-    out[both] = np.nanmedian(apart[both], axis=1)
-    return out
+    return known_median(np.linalg.norm(thin - thin[marker], axis=-1).T)
 
 
 def _starts(known: NDArray[np.bool_], length: int) -> NDArray[np.int64]:
@@ -275,14 +277,14 @@ def _spread(starts: NDArray[np.int64], n: int, rng: np.random.Generator) -> NDAr
     return np.array([rng.choice(share) for share in shares])
 
 
-def _state(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, window: Gap) -> list[Gap]:
+def _state(source: _Source, gap: Gap, window: Gap) -> list[Gap]:
     """(1): what else is missing in the gap, shifted to the window; (4) where that is another marker's."""
     length = min(gap.length, window.length)
-    missing = ~seen[:, gap.start : gap.start + length]
+    missing = ~source.seen[:, gap.start : gap.start + length]
     missing[[gap.marker, window.marker]] = False
     others = np.flatnonzero(missing.any(1))
     corresponding = (
-        _corresponding(motion, gap.marker, window.marker, others) if window.marker != gap.marker and len(others) else {}
+        _corresponding(source, gap.marker, window.marker, others) if window.marker != gap.marker and len(others) else {}
     )
     out = []
     for marker in others:
@@ -292,12 +294,12 @@ def _state(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, window: Gap) 
     return out
 
 
-def _corresponding(motion: MarkerArray, marker: int, other: int, missing: NDArray[np.int64]) -> dict[int, int]:
+def _corresponding(source: _Source, marker: int, other: int, missing: Ints) -> dict[int, int]:
     """(4): for each missing marker, that which is as many-th nearest to the other marker as it is to this one.
 
     Those as near to the other marker that are missing anyway, this one too, stand for as many.
     """
-    order, theirs = (np.argsort(distances(motion, k), kind="stable") for k in (marker, other))
+    order, theirs = (np.argsort(source.apart(k), kind="stable") for k in (marker, other))
     place = np.argsort(order)[missing]
     near, gone = theirs[1 : place.max() + 2], [marker, *missing]
     spare = int(np.isin(near, gone).sum() - np.isin(theirs[place], gone).sum())

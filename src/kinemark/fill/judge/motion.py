@@ -1,8 +1,8 @@
-"""How much the part of the body around a marker moves in a window: what makes one gap harder than another of its length.
+"""How much the part of the body around a marker moves: what makes one gap harder than another of its length.
 
 A marker that is lost in fast motion is not seen in it anywhere else, while windows at rest abound. Where the marker is
-missing, the REFERENCES markers that move with it tell: x_k the positions of those, at some STEP_S apart, the part covers
-from one instant to the next
+missing, the REFERENCES markers that move with it tell: with x_k their positions at instants STEP_S apart, the part
+covers from one to the next
 
     p = median over k of |Δx_k|,     a = median over k, l of |Δ(x_k − x_l)| / |x_k − x_l|                 (1)
 
@@ -20,6 +20,7 @@ from itertools import combinations
 import numpy as np
 
 from ...data.array_types import Floats, Ints
+from ..known_samples import known_median
 from ..marker_array import Gap, MarkerArray
 from ..reference_ranking import Ranks
 
@@ -42,7 +43,7 @@ class PartMotion:
         self.at: Ints = np.arange(0, motion.xyz.shape[1], max(1, round(STEP_S * motion.rate)))
         self.xyz = motion.xyz[:, self.at]
         self.steps: Floats = np.linalg.norm(np.diff(self.xyz, axis=1), axis=-1)
-        self.usual = _median(self.steps)
+        self.usual = known_median(self.steps)
         self._sums: dict[int, Floats] = {}
 
     def of(self, marker: int, start: Ints | int, length: int) -> Floats:
@@ -61,10 +62,10 @@ class PartMotion:
     def _summed(self, marker: int) -> Floats:
         """(2, instants) path in mm and turning in rad since the first."""
         near = self.ranks.of(marker)[:REFERENCES]
-        path = _median(self.steps[near])
+        path = known_median(self.steps[near])
         path = np.where(np.isnan(path), self.usual, path)
         apart = [self.xyz[k] - self.xyz[j] for k, j in combinations(near, 2)]
-        turn = _median(np.array([_turned(d) for d in apart]).reshape(-1, len(path)))
+        turn = known_median(np.array([_turned(d) for d in apart]).reshape(-1, len(path)))
         steps = np.nan_to_num(np.stack([path, turn]))
         return np.concatenate([np.zeros((2, 1)), np.cumsum(steps, axis=1)], axis=1)
 
@@ -73,11 +74,3 @@ def _turned(apart: Floats) -> Floats:
     """|Δd| / |d| of the difference (N, 3) of two markers: (N − 1)."""
     size = np.linalg.norm(apart, axis=1)
     return np.asarray(np.linalg.norm(np.diff(apart, axis=0), axis=1) / np.maximum(size[:-1], 1.0))
-
-
-def _median(values: Floats) -> Floats:
-    """Median over the first axis of what is known (K, N); NaN where nothing is."""
-    out = np.full(values.shape[1], np.nan)
-    known = np.isfinite(values).any(0)
-    out[known] = np.nanmedian(values[:, known], axis=0)
-    return out

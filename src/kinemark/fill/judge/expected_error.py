@@ -13,10 +13,11 @@ error of the gap is that of the tests, each moved to what the claim says of this
 
 with m in the place of s̄ where a filler claims nothing. Some fillers tell an easy gap from a hard one well, others do
 not: b is the slope of ln e over ln s̄ in all tests of the method, with S₀ squares of tests of slope b₀ added (10). So a
-gap that is harder than all of its tests is expected to be worse than they are. Methods are compared by ln e alone: a few tests gone wrong are no reason to leave the method
-that is better in all others, nor is the honesty of one that finds a gap harder than its tests. Among many methods some
-do well in few tests by luck. So another takes the place of the one that is mostly best only if it does better by more
-than chance; with d = ln e − ln e' over the tests that both could do,
+gap that is harder than all of its tests is expected to be worse than they are. Methods are compared by ln e alone: a
+few tests gone wrong are no reason to leave the method that is better in all others, nor is the honesty of one that
+finds a gap harder than its tests. Among many methods some do well in few tests by luck. So another takes the place of
+the one that is mostly best only if it does better by more than chance; with d = ln e − ln e' over the tests that both
+could do,
 
     d̄ + √( V(d) / (n − 1) ) < 0,     d̄ = Σ w d / Σ w,     V = Σ w (d − d̄)² / Σ w                          (3)
 

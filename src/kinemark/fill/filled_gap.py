@@ -31,6 +31,8 @@ class FilledGap:
         trimmed: frames of the gap that had been measured and are taken to be wrong; filled too, unless it stays open.
         sd_mm: largest standard deviation of an axis in it; NaN where none is known.
         jump_mm: by how much the fill jumps more than the marker and its reference markers do.
+        motion_ratio: how many times as much the body part moves in it as in any hold-out gap that tells its error
+            (`judge.motion`); much above 1, the error is expected by what those show of how errors grow. NaN: not known.
         suspicious: measured frames beside the gap that stand out from the marker's own motion; kept as they are.
         state: filled, or why it stays open.
         reason: what the method lacked where it has no prediction; else empty.
@@ -48,6 +50,7 @@ class FilledGap:
     suspicious: tuple[int, ...] = ()
     sd_mm: float = np.nan
     jump_mm: float = 0.0
+    motion_ratio: float = np.nan
     state: GapState = "filled"
     reason: str = ""
 

@@ -19,6 +19,8 @@ from .hold_out import MANY, HoldOutResult, edge_distance
 
 FIRST = "body"
 """The method that is best in most trials (docs/theory/fill.md)."""
+TELLING = 0.02
+"""Of the weight of the test that counts most, above which a test tells the error of a gap; chosen."""
 LITTLE = 0.05
 """Of the weight of a mean, below which a method is not named; chosen."""
 
@@ -49,7 +51,10 @@ def choose_candidate(
     expected = {name: mm for name, (mm, _) in errors.items()}
     prediction = best.predictions[index]
     tests = sum(t.test.of == index for t in best.results)
-    found = FilledGap(motion.names[gap.marker], gap.start, gap.stop, best.name, expected[best.name], expected, tests)
+    found = FilledGap(
+        motion.names[gap.marker], gap.start, gap.stop, best.name, expected[best.name], expected, tests,
+        motion_ratio=_motion_ratio(answers[0], index, weights),
+    )  # fmt: skip
     if not np.isfinite(prediction.xyz).all():
         why = prediction.reason or "no method has a prediction here"
         missing = replace(found, method="", expected_mm=np.nan, state="not_predicted", reason=why)
@@ -79,6 +84,12 @@ def expected_errors(
     apart = np.array([_apart(x.error, y.error) for x, y in zip(able[0].results, able[1].results, strict=True)])
     weights = weights * difficulty_weight(apart, _apart(able[0].predictions[index].xyz, able[1].predictions[index].xyz))
     return expected(), weights
+
+
+def _motion_ratio(answer: CandidateFill, index: int, weights: Floats) -> float:
+    """How many times as much the part moves in a gap as in any test that counts for it; NaN where that is not known."""
+    counting = [t.test.motion for t, w in zip(answer.results, weights, strict=True) if w > TELLING * weights.max()]
+    return motion_of(answer, index) / max(counting) if counting else np.nan
 
 
 def motion_of(answer: CandidateFill, index: int) -> float:

@@ -65,7 +65,7 @@ class PartMotion:
         path = known_median(self.steps[near])
         path = np.where(np.isnan(path), self.usual, path)
         apart = [self.xyz[k] - self.xyz[j] for k, j in combinations(near, 2)]
-        turn = known_median(np.array([_turned(d) for d in apart]).reshape(-1, len(path)))
+        turn = known_median(np.array([_turned(d) for d in apart]).reshape(len(apart), len(path)))
         steps = np.nan_to_num(np.stack([path, turn]))
         return np.concatenate([np.zeros((2, 1)), np.cumsum(steps, axis=1)], axis=1)
 

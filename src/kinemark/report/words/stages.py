@@ -21,8 +21,8 @@ FILLING_WORDS = {
         "Compare {gaps:it|them} with another method, or give a limit in mm.",
     ),
     "gaps_beyond_tests": Words(
-        "{gaps} {gaps:gap lies|gaps lie} in faster or longer motion than any hold-out gap, at most {max_ratio} times as "
-        "much: the expected {gaps:error is|errors are} extrapolated from easier ones.",
+        "{gaps} {gaps:gap lies|gaps lie} in faster or longer motion than any hold-out gap, at most {max_ratio} times "
+        "as much: the expected {gaps:error is|errors are} extrapolated from easier ones.",
         "Look at {gaps:its drawing|their drawings}, and compare distances to other markers of the body part.",
     ),
     "samples_far_away": Words(

@@ -52,7 +52,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats
 from ..marker_array import Gap, Prediction
 from .hold_out import HoldOutGap, HoldOutResult
 
@@ -131,7 +131,7 @@ class MeasuredErrors:
         moved = np.exp(np.clip(self._harder(prediction, moving, able), -np.log(MOST), np.log(MOST)))
         return float(w @ (self.means[able] * moved)), float(np.exp(w @ self.logs[able]))
 
-    def _harder(self, prediction: Prediction, moving: float, able: Floats) -> Floats:
+    def _harder(self, prediction: Prediction, moving: float, able: Bools) -> Floats:
         """(T) ln of what each of the tests' errors is moved by (2)."""
         with np.errstate(invalid="ignore", divide="ignore"):
             heres = np.log(max(size(prediction.cov), 1e-9)), np.log(moving)

@@ -55,9 +55,9 @@ SHORTER = 0.7
 """By what a test's length shrinks until it fits, where no marker of the trial has room.
 Chosen (see benchmarks/gaps.py)."""
 
-LIKE = 0.7
+LIKE = 0.4
 """Of ln motion: windows within it of the gap move as it does; chosen (see benchmarks/gaps.py)."""
-LEAST = 0.5
+LEAST = 0.15
 """Share of the windows from which tests are drawn, at least, be they easier or harder; chosen."""
 EASY = 0.4
 """Of ln motion: where all windows of the marker fall short of the gap by more, other markers' are asked too; chosen."""

@@ -30,7 +30,8 @@ from metrics import Metric
 from kinemark.data import MarkerTrajectory as Path3D
 from kinemark.data import Origin, Trajectories
 from kinemark.fill import FILL, Auto, Gap, MarkerArray, fill, find_gaps
-from kinemark.fill.fill import CandidateFill, choose_candidate, evaluate_candidates
+from kinemark.fill.fill import evaluate_candidates
+from kinemark.fill.judge.choice import CandidateFill, choose_candidate
 from kinemark.fill.judge.hold_out import distances
 from kinemark.fill.reference_ranking import ranked
 from kinemark.io.trial import read_trial

@@ -25,11 +25,11 @@ from kinemark.fill.fill import (
     ENOUGH,
     NOT_PREDICTED,
     _gaps_to_test,
-    choose_candidate,
     evaluate_candidates,
     evaluate_leading,
     within_time,
 )
+from kinemark.fill.judge.choice import choose_candidate
 from kinemark.fill.local_frames import local, triad
 from kinemark.fill.marker_array import Prediction
 from kinemark.fill.methods.local_regression import fill_local_regression

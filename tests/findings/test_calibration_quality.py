@@ -11,11 +11,12 @@ from kinemark.calibrate.quality.calibration_evidence import Check, Evidence
 from kinemark.calibrate.quality.volume import map_volume
 from kinemark.data import Rig, make_finding
 from kinemark.findings.calibration_quality import calibration_figures
+from kinemark.findings.trial_findings import _judged
 from kinemark.geometry import project_all
 from kinemark.report.calibration_page import calibration_page
 from kinemark.report.calibration_text import calibration_summary
 from kinemark.report.figures_calibration import lost_figure
-from kinemark.report.words import headline_of
+from kinemark.report.words import headline_of, text_of
 from support.calibrations import POINTS, RIG, of_control_points, seen
 from support.findings import found, kinds
 from support.laboratory import camera
@@ -78,6 +79,17 @@ def test_every_fault_is_named(good):
     assert found(grade(rig, evidence, findings=(noted,))[2], "world_of_first_camera") == [noted]
     bent = replace(rig, cameras=tuple(replace(c, distortion=np.zeros(5), cov=np.zeros((15, 15))) for c in rig))
     assert {"no_lens_correction", "no_uncertainty_stated"} <= set(grade(bent, evidence)[1])
+
+
+def test_a_calibration_that_states_no_uncertainty_is_neither_good_nor_usable(good):
+    rig, evidence = good
+    silent = replace(rig, cameras=tuple(replace(c, cov=np.zeros((15, 15))) for c in rig))
+    colour, named, figures = grade(silent, evidence)
+    assert colour == "amber" and "no_uncertainty_stated" in named
+    assert "not known" in headline_of(figures["verdict"]) and "sable" not in headline_of(figures["verdict"])
+    assert "no_uncertainty_stated" not in grade(rig, evidence)[1]
+    (of_trial,) = _judged({"calibration": {"verdict": figures["verdict"]}})
+    assert of_trial.severity == "amber" and "not known" in text_of(of_trial)  # nor is a trial green that rests on it
 
 
 def test_lengths_that_come_out_wrong_are_named(good):

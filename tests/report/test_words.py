@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinemark.data import KINDS, SEVERITIES, Finding, make_finding
-from kinemark.fill.fill import GapState
+from kinemark.fill.filled_gap import GapState
 from kinemark.io.notes import FileNote, Kind, file_note_text
 from kinemark.report.page import page
 from kinemark.report.terminal_summary import summary

@@ -80,7 +80,8 @@ CALIBRATION_KINDS = (
          "above 10 mm.", {"sd_mm": "mm"}),
     Kind("rays_nearly_parallel", "calibrate", "amber", "In that share of the volume all rays meet at a small angle.",
          {"volume_share": "share", "limit_deg": "deg"}),
-    Kind("no_uncertainty_stated", "calibrate", "info", "The calibration states no uncertainty."),
+    Kind("no_uncertainty_stated", "calibrate", "amber", "The calibration states no uncertainty: what error it leaves "
+         "is not known."),
     Kind("no_lens_correction", "calibrate", "info", "These cameras have no lens correction."),
     Kind("grid_rows_bent", "calibrate", "amber", "Rows of the linearisation grid stay bent in these cameras."),
     Kind("cameras_moved_since", "calibrate", "info", "These cameras moved against the others since the former "
@@ -95,6 +96,8 @@ CALIBRATION_KINDS = (
          "volume.", {"sd_mm": "mm", "volume_share": "share"}),
     Kind("calibration_usable", "calibrate", "info", "The verdict: usable with care.",
          {"sd_mm": "mm", "volume_share": "share"}),
+    Kind("calibration_unknown", "calibrate", "info", "The verdict: what it is good for is not known, since it states "
+         "no uncertainty."),
     Kind("calibration_unusable", "calibrate", "info", "The verdict: not to be used."),
     Kind("calibrated_by", "calibrate", "info", "How it was made and how well it fits.",
          {"way": "text", "camera_count": "count", "residual_px": "px", "images": "count", "points": "count",

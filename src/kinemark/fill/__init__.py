@@ -1,8 +1,9 @@
 """Missing samples: fillers, which of them to trust, and how far off they may be."""
 
 from .edges import GapEdges, Trimmed, trim_edges
-from .fill import LIMIT, Filled, FilledGap, fill
+from .fill import LIMIT, fill
 from .fill_recording import Filling, fill_recording
+from .filled_gap import Filled, FilledGap
 from .judge.auto import Auto
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 from .methods.angles import KalmanAngles, LimbAngles, cycle_events, fit_model, model_events

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any, Literal, NamedTuple, cast
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 
 from ..data import MarkerTrajectory, Origin, Trajectories
-from ..data.array_types import Floats
 from ..numerics.blas_threads import one_blas_thread
 from .edges import GapEdges, trim_edges
+from .filled_gap import Filled, FilledGap, GapState
 from .judge.auto import Auto
-from .judge.combine import close_ones, mean_prediction, mean_tests, together
-from .judge.combine import weights as best_weights
-from .judge.contradiction import contradicts_jump, contradicts_sd, largest_jump, largest_sd
-from .judge.expected_error import ErrorCalibration, MeasuredErrors, difficulty_weight, hold_out_weights
-from .judge.hold_out import MANY, HoldOutResult, draw_hold_out_gaps, edge_distance, run
+from .judge.choice import CandidateFill, best_candidate, choose_candidate, expected_errors
+from .judge.contradiction import contradicts_jump, contradicts_sd, largest_jump
+from .judge.expected_error import ErrorCalibration, MeasuredErrors
+from .judge.hold_out import MANY, draw_hold_out_gaps, run
+from .judge.motion import PartMotion
 from .known_samples import plausible
 from .marker_array import Gap, MarkerArray, Prediction, find_gaps
 from .methods.stage import FILL, FillMethod, filler_of
@@ -32,80 +32,11 @@ LIMIT = 20.0
 ENOUGH = 60
 """Hold-out gaps of one method that tell how far off it is; more are made to choose one for each gap.
 Chosen (see benchmarks/gaps.py)."""
-FIRST = "body"
-"""The method that is best in most trials (docs/theory/fill.md)."""
 MOSTLY = 0.6
 """Of what is known must be left where all tests are hidden at once, for methods to learn from that.
 Chosen (see benchmarks/gaps.py)."""
-LITTLE = 0.05
-"""Of the weight of a mean, below which a method is not named; chosen."""
 NOT_PREDICTED = Prediction(np.zeros((1, 3)), np.full((1, 3, 3), np.nan))
 """Stands where a method was tried in the tests, but not asked about the gap itself; by definition."""
-
-
-GapState = Literal["filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts"]
-"""What became of a gap: filled; open, since no method has a prediction, since no hold-out gap could be made that would
-tell the error, since more error is expected than is allowed, or since the largest standard deviation in it or a jump
-contradicts the error expected (`judge.contradiction`)."""
-
-
-@dataclass(frozen=True, slots=True)
-class FilledGap:
-    """One gap and what became of it.
-
-    Attributes:
-        marker: its name; start, stop: its frames, from 0, stop excluded.
-        method: name of the method that filled it; empty when it stays open.
-        expected_mm: mean error expected of the fill, from hold-out gaps; NaN where none could be made.
-        candidates: expected mean error of every method that was tried, mm; infinite where it had no prediction. In
-            trials of many gaps by the tests alone for a method that was not asked about this gap.
-        tests: number of hold-out gaps made for this gap; some have none of their own where there is one method alone.
-        reference_markers: those that it was filled from.
-        trimmed: frames of the gap that had been measured and are taken to be wrong; filled too, unless it stays open.
-        sd_mm: largest standard deviation of an axis in it; NaN where none is known.
-        jump_mm: by how much the fill jumps more than the marker and its reference markers do.
-        suspicious: measured frames beside the gap that stand out from the marker's own motion; kept as they are.
-        state: filled, or why it stays open.
-        reason: what the method lacked where it has no prediction; else empty.
-    """
-
-    marker: str
-    start: int
-    stop: int
-    method: str
-    expected_mm: float
-    candidates: Mapping[str, float] = field(default_factory=dict)
-    tests: int = 0
-    reference_markers: tuple[str, ...] = ()
-    trimmed: tuple[int, ...] = ()
-    suspicious: tuple[int, ...] = ()
-    sd_mm: float = np.nan
-    jump_mm: float = 0.0
-    state: GapState = "filled"
-    reason: str = ""
-
-    @property
-    def length(self) -> int:
-        """Frames."""
-        return self.stop - self.start
-
-
-class Filled(NamedTuple):
-    """A trial with its gaps filled, and what is to be said of each gap."""
-
-    trajectories: Trajectories
-    gaps: tuple[FilledGap, ...]
-
-
-class CandidateFill(NamedTuple):
-    """One method's predictions for all gaps, how it did in the hold-out gaps, and the form of it that did so."""
-
-    name: str
-    predictions: list[Prediction]
-    measured: MeasuredErrors
-    calibration: ErrorCalibration
-    results: list[HoldOutResult]
-    method: Any = None
 
 
 @one_blas_thread()
@@ -213,7 +144,7 @@ def evaluate_leading(
     answers = _evaluated(motion, gaps, candidates, seed, lambda method: method.together)
     left = set(range(len(gaps)))
     while left:
-        lead = {index: _best_candidate(answers, *_expected_errors(answers, gaps, index)) for index in left}
+        lead = {index: best_candidate(answers, *expected_errors(answers, gaps, index)) for index in left}
         left = {index for index in left if lead[index].predictions[index] is NOT_PREDICTED}
         for answer in answers:
             mine = sorted(index for index in left if lead[index] is answer)
@@ -237,6 +168,8 @@ def _evaluated(
     tested = _gaps_to_test(gaps) if len(candidates) == 1 else list(range(len(gaps)))
     hold_out = draw_hold_out_gaps(motion, [gaps[k] for k in tested], per_gap=tests_per_gap(len(gaps)), seed=seed)
     hold_out = hold_out._replace(tests=[test._replace(of=tested[test.of]) for test in hold_out.tests])
+    moving = PartMotion(motion)
+    amount = [moving.of_gap(gap) for gap in gaps]
     hidden = motion.hidden(gap for copy in hold_out.copies for gap in copy)
     source = hidden if hidden.seen.sum() > MOSTLY * motion.seen.sum() else None
     answers = []
@@ -245,7 +178,7 @@ def _evaluated(
         results = run(motion, hold_out, filler_of(method), method)
         predictions = _predictions(motion, gaps, method) if whether(method) else [NOT_PREDICTED] * len(gaps)
         name, measured, calibration = FILL.of(method).name, MeasuredErrors(results), ErrorCalibration(results)
-        answers.append(CandidateFill(name, predictions, measured, calibration, results, method))
+        answers.append(CandidateFill(name, predictions, measured, calibration, results, method, amount))
     return answers
 
 
@@ -308,85 +241,3 @@ def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Fille
             origin = np.where(path.origin == Origin.MEASURED, Origin.FILLED, Origin.MISSING)
             paths[placed.name] = replace(path, origin=origin.astype(np.uint8))
     return Filled(replace(trajectories, paths=tuple(paths.values())), tuple(done))
-
-
-def choose_candidate(
-    motion: MarkerArray, gaps: list[Gap], index: int, answers: list[CandidateFill]
-) -> tuple[FilledGap, Prediction, Floats]:
-    """The method that does best in the tests for one gap, its prediction, and the calibrated covariance."""
-    gap = gaps[index]
-    errors, weights = _expected_errors(answers, gaps, index)
-    best = _best_candidate(answers, errors, weights)
-    if len(gaps) <= MANY and (mean := _mean_of_close(answers, errors, index, weights)) and mean.name not in errors:
-        errors[mean.name] = mean.measured.expect(mean.predictions[index], weights)
-        if mean.measured.behind(best.measured, weights, sure=0.5) < 0:  # one mean, no luckiest of many
-            best = mean
-    expected = {name: mm for name, (mm, _) in errors.items()}
-    prediction = best.predictions[index]
-    tests = sum(t.test.of == index for t in best.results)
-    found = FilledGap(motion.names[gap.marker], gap.start, gap.stop, best.name, expected[best.name], expected, tests)
-    if not np.isfinite(prediction.xyz).all():
-        why = prediction.reason or "no method has a prediction here"
-        missing = replace(found, method="", expected_mm=np.nan, state="not_predicted", reason=why)
-        return missing, prediction, prediction.cov
-    references = tuple(motion.names[d] for d in prediction.references)
-    cov = best.calibration.covariance(prediction, edge_distance(motion, gap), weights)
-    return replace(found, reference_markers=references, sd_mm=largest_sd(cov)), prediction, cov
-
-
-def _expected_errors(
-    answers: list[CandidateFill], gaps: list[Gap], index: int
-) -> tuple[dict[str, tuple[float, float]], Floats]:
-    """Expected and typical error of one gap by each method, and what each test counts for it.
-
-    By how far two methods are apart too, where there are two, and few enough gaps that all were asked about each.
-    """
-    weights = hold_out_weights([t.test for t in answers[0].results], index, gaps)
-
-    def expected() -> dict[str, tuple[float, float]]:
-        return {answer.name: answer.measured.expect(answer.predictions[index], weights) for answer in answers}
-
-    found = expected()
-    able = sorted((a for a in answers if np.isfinite(found[a.name][1])), key=lambda a: found[a.name][1])
-    if len(able) < 2 or len(gaps) > MANY:
-        return found, weights
-    apart = np.array([_apart(x.error, y.error) for x, y in zip(able[0].results, able[1].results, strict=True)])
-    weights = weights * difficulty_weight(apart, _apart(able[0].predictions[index].xyz, able[1].predictions[index].xyz))
-    return expected(), weights
-
-
-def _apart(one: Floats, other: Floats) -> float:
-    """Root mean square distance of two methods' predictions (L, 3), or errors, mm; infinite where one has none."""
-    return float(np.sqrt(((one - other) ** 2).sum(1).mean())) if len(one) and len(other) else np.inf
-
-
-def _best_candidate(
-    answers: list[CandidateFill], errors: dict[str, tuple[float, float]], weights: Floats
-) -> CandidateFill:
-    """The least typical error; `FIRST` where it can be used, unless another beats it by more than chance."""
-    first = next((a for a in answers if a.name == FIRST and np.isfinite(errors[a.name][1])), None)
-    if first is None:
-        return min(answers, key=lambda a: np.nan_to_num(errors[a.name][1], nan=1e300))
-    able = [a for a in answers if np.isfinite(errors[a.name][1]) and a is not first]
-    best = min(able, key=lambda a: a.measured.behind(first.measured, weights), default=first)
-    return best if best.measured.behind(first.measured, weights) < 0 else first
-
-
-def _mean_of_close(
-    answers: list[CandidateFill], errors: dict[str, tuple[float, float]], index: int, counts: Floats
-) -> CandidateFill | None:
-    """The weighed mean of methods that do nearly as well for one gap; other gaps of it are not worked out."""
-    close = close_ones([np.nan_to_num(errors[answer.name][1], nan=np.inf, posinf=np.inf) for answer in answers])
-    if not close:
-        return None
-    chosen = [answers[k] for k in close]
-    products = together([answer.results for answer in chosen])
-    w = best_weights(products, counts)
-    each = np.tile(w, (len(counts), 1))
-    for k in np.flatnonzero([result.test.of == index for result in chosen[0].results]):
-        each[k] = best_weights(products, np.where(np.arange(len(counts)) == k, 0.0, counts))
-    results = mean_tests([answer.results for answer in chosen], each)
-    predictions = list(chosen[0].predictions)
-    predictions[index] = mean_prediction([answer.predictions[index] for answer in chosen], w)
-    name = " + ".join(answer.name for answer, share in zip(chosen, w, strict=True) if share > LITTLE)
-    return CandidateFill(name, predictions, MeasuredErrors(results), ErrorCalibration(results), results)

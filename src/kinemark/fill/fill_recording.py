@@ -10,7 +10,8 @@ import numpy as np
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.fills import detection_columns
 from ..data.method import Method, parameter
-from .fill import LIMIT, Filled, FilledGap, fill
+from .fill import LIMIT, fill
+from .filled_gap import Filled, FilledGap
 from .judge.auto import Auto
 from .rays import Rays, sharpened
 

@@ -55,16 +55,22 @@ class JumpingMarkers:
         others = self.ranks.of(marker)
         known = ~np.isnan(x[others, gap.start : gap.stop, 0]).any(1)
         near = [k for k in others[known] if k != gap.marker][:NEAR]
-        odd = [_odd(np.linalg.norm(x[marker] - x[k], axis=1), gap) for k in near]
+        odd = [_odd(x[marker] - x[k], gap) for k in near]
         return len(odd) > 1 and sum(odd) > len(odd) / 2
 
 
-def _odd(distance: Floats, gap: Gap) -> bool:
-    """(1) and (2) for one neighbour."""
-    step, first = np.abs(np.diff(distance)), max(gap.start - 1, 0)
-    inside, outside = step[first : gap.stop], _known(step[:first], step[gap.stop :])
+def _odd(apart: Floats, gap: Gap) -> bool:
+    """(1) and (2) for the difference (F, 3) of a marker and one neighbour."""
+    first = max(gap.start - 1, 0)
+    inside = np.abs(np.diff(np.linalg.norm(apart[first : gap.stop + 1], axis=1)))
+    most = np.nanmax(inside, initial=0.0)
+    if most <= JUMP:  # as nearly always: what is usual elsewhere is not asked
+        return False
+    distance = np.linalg.norm(apart, axis=1)
+    step = np.abs(np.diff(distance))
+    outside = _known(step[:first], step[gap.stop :])
     here, elsewhere = distance[gap.start : gap.stop], _known(distance[: gap.start], distance[gap.stop :])
-    if not len(outside) or np.nanmax(inside, initial=0.0) <= max(JUMP, TIMES * np.quantile(outside, 1 - OFTEN)):  # (1)
+    if not len(outside) or most <= TIMES * np.quantile(outside, 1 - OFTEN):  # (1)
         return False
     low, high = np.quantile(elsewhere, [OFTEN / 2, 1 - OFTEN / 2])
     return bool(max(low - here.min(), here.max() - high) > AWAY)  # (2)

@@ -50,6 +50,17 @@ def _within(xyz: Floats, place: Floats, reach: float) -> Bools:
         return np.asarray(np.einsum("mfi,mfi->mf", off, off) < reach**2)
 
 
+def known_median(values: Floats) -> Floats:
+    """(N) median over the first axis of what is known of (K, N); NaN where nothing is."""
+    if not len(values):
+        return np.full(values.shape[1], np.nan)
+    order = np.sort(values, axis=0)  # what is not known comes last
+    count = np.count_nonzero(~np.isnan(values), axis=0)
+    low, high = np.maximum(count - 1, 0) // 2, count // 2
+    middle = np.take_along_axis(order, np.stack([low, np.minimum(high, len(values) - 1)]), axis=0).mean(0)
+    return np.asarray(np.where(count > 0, middle, np.nan))
+
+
 class Span(NamedTuple):
     """A gap and the samples beside it.
 

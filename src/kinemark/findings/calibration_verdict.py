@@ -11,10 +11,15 @@ from .verdict import Verdict, verdict_of
 
 
 def calibration_verdict(figures: Figures, findings: Sequence[Finding]) -> Verdict:
-    """The grade, with a headline that says what the calibration is good for, and statements."""
+    """The grade, with a headline that says what the calibration is good for, and statements.
+
+    What a calibration that states no uncertainty is good for nobody knows: it is neither good nor usable with care.
+    """
     grade = verdict_of(findings, ()).grade
     if grade == "red":
         headline = make_finding("calibration_unusable")
+    elif not figures["precision"]["calibration_known"]:
+        headline = make_finding("calibration_unknown")
     else:
         kind = "calibration_good" if grade == "green" else "calibration_usable"
         headline = make_finding(kind, **_good_for(figures["precision"]))

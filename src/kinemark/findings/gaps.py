@@ -20,6 +20,8 @@ from .verdict import verdict_of
 UNSURE_MM = 10.0
 """An expected error, or a standard deviation, above which a gap should be looked at before its values are used.
 Chosen."""
+MORE_MOTION = 2.0
+"""Times the motion of all hold-out gaps, above which the error of a gap is expected by extrapolation; chosen."""
 MUCH = 0.2
 """Share of a marker's samples; if more is filled, it is hardly measured any more; chosen."""
 STATIC = "static"
@@ -115,6 +117,7 @@ def _gap(gap: FilledGap, after: Trajectories) -> dict[str, Any]:
         "expected_mm": gap.expected_mm,
         "sd_max_mm": float(np.nanmax(sd)) if np.isfinite(sd).any() else None,
         "jump_mm": gap.jump_mm,
+        "motion_ratio": gap.motion_ratio,
         "candidates_mm": dict(gap.candidates),
         "tests": gap.tests,
         "reference_markers": list(gap.reference_markers),
@@ -130,6 +133,11 @@ def largest_error(gap: dict[str, Any]) -> float:
     return max(gap["expected_mm"] or 0.0, gap["sd_max_mm"] or 0.0)
 
 
+def _more_motion(gap: dict[str, Any]) -> bool:
+    """Whether the body part moves clearly more in a gap than in any hold-out gap that tells its error."""
+    return gap["motion_ratio"] is not None and gap["motion_ratio"] > MORE_MOTION
+
+
 def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
     """What needs attention."""
     uncertain = [largest_error(gap) for gap in figures["list"] if gap["method"] and largest_error(gap) > UNSURE_MM]
@@ -139,6 +147,8 @@ def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
         yield make_finding("gaps_uncertain", gaps=len(uncertain), limit_mm=UNSURE_MM, max_mm=max(uncertain))
     if figures["unknown"]:
         yield make_finding("gaps_untested", gaps=figures["unknown"])
+    if beyond := [gap["motion_ratio"] for gap in figures["list"] if gap["method"] and _more_motion(gap)]:
+        yield make_finding("gaps_beyond_tests", gaps=len(beyond), max_ratio=max(beyond))
     if figures["far_away"]:
         yield make_finding("samples_far_away", samples=figures["far_away"])
     if figures["replaced"]:

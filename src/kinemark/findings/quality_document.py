@@ -262,6 +262,8 @@ class GapData(TypedDict):
     """Greatest standard deviation of an axis within it, also of a fill that was not kept."""
     jump_mm: float
     """By how much the fill jumps more than the marker and its reference markers do."""
+    motion_ratio: Number
+    """How many times as much the body part moves in it as in any hold-out gap that tells its error."""
     candidates_mm: dict[str, Number]
     """Expected error of each method."""
     tests: Count

@@ -170,9 +170,12 @@ def _calibration(figures: Figures) -> Findings:
 def _judged(figures: Figures) -> Findings:
     verdict = figures["calibration"].get("verdict")
     if verdict and verdict["grade"] != "green":
-        severity: Severity = "red" if verdict["grade"] == "red" else "info"
-        good_for = {"sd_mm": None, "volume_share": None} | verdict["statements"][0]["values"]
-        yield make_finding("calibration_verdict", severity=severity, grade=verdict["grade"], **good_for)
+        headline = verdict["statements"][0]
+        unknown = headline["kind"] == "calibration_unknown"
+        severity: Severity = "red" if verdict["grade"] == "red" else "amber" if unknown else "info"
+        good_for = {"sd_mm": None, "volume_share": None} | headline["values"]
+        grade = "unknown" if unknown else verdict["grade"]
+        yield make_finding("calibration_verdict", severity=severity, grade=grade, **good_for)
 
 
 def _unused(figures: Figures, named: set[str]) -> Findings:

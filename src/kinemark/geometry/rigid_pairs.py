@@ -63,14 +63,24 @@ def distances_from(xyz: Floats, marker: int) -> Distances:
 
 def _from_one(axes: Floats, one: Floats) -> tuple[Floats, Floats, Ints]:
     """Mean, spread and frames (M) of the distances of paths (3, M, F) from one (3, F)."""
-    x, y, z = axes - one[:, None]
-    d = np.sqrt(x * x + y * y + z * z)
-    there = ~np.isnan(d)
-    count = there.sum(1)
-    both = np.where(count > 0, count, np.nan)
-    mean = np.where(there, d, 0.0).sum(1) / both
-    off = np.where(there, d - mean[:, None], 0.0)
-    return mean, np.sqrt((off * off).sum(1) / both), count
+    apart = axes - one[:, None]
+    apart *= apart
+    d = apart[0]
+    d += apart[1]
+    d += apart[2]
+    np.sqrt(d, out=d)
+    there = d == d  # NaN is not itself
+    count = np.count_nonzero(there, axis=1)
+    if (count == d.shape[1]).all():
+        mean = d.mean(1)
+        d -= mean[:, None]
+        return mean, np.sqrt(np.einsum("mf,mf->m", d, d) / d.shape[1]), count
+    both, gone = np.where(count > 0, count, np.nan), ~there
+    d[gone] = 0.0
+    mean = d.sum(1) / both
+    d -= mean[:, None]
+    d[gone] = 0.0
+    return mean, np.sqrt(np.einsum("mf,mf->m", d, d) / both), count
 
 
 def spanning_links(share: Floats, *, most: float) -> Ints:

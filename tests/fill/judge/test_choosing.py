@@ -6,17 +6,10 @@ import numpy as np
 import pytest
 
 from kinemark.fill import Body, Gap, Kalman, LimbAngles, Linear, MarkerArray, Prediction, fill
-from kinemark.fill.fill import (
-    CandidateFill,
-    _expected_errors,
-    _mean_of_close,
-    affordable,
-    choose_candidate,
-    evaluate_candidates,
-    within_time,
-)
+from kinemark.fill.fill import affordable, evaluate_candidates, within_time
+from kinemark.fill.judge.choice import CandidateFill, _mean_of_close, choose_candidate, expected_errors
 from kinemark.fill.judge.combine import close_ones, mean_prediction, mean_tests, together, weights
-from kinemark.fill.judge.expected_error import LEAST, ErrorCalibration, MeasuredErrors, difficulty_weight
+from kinemark.fill.judge.expected_error import LEAST, SLOPE, ErrorCalibration, MeasuredErrors, difficulty_weight
 from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult, draw_hold_out_gaps
 from kinemark.fill.methods.angles import fit_model, learned_of
 from kinemark.fill.methods.kriging import Hyper
@@ -83,7 +76,7 @@ def test_a_mean_is_judged_in_tests_that_its_weights_were_not_made_from():
             CandidateFill(name, [prediction], MeasuredErrors(t), ErrorCalibration(t), t)
             for name, t in zip("abcd", results, strict=True)
         ]
-        expected, counts = _expected_errors(answers, [gap], 0)
+        expected, counts = expected_errors(answers, [gap], 0)
         mean = _mean_of_close(answers, expected, 0, counts)
         if len(close_ones([mm for _, mm in expected.values()])) == 4:
             told.append(np.mean([t.mean for t in mean.results]))
@@ -124,7 +117,7 @@ def test_a_gap_in_which_the_methods_agree_is_expected_to_be_as_good_as_the_tests
             CandidateFill(n, [x], MeasuredErrors(t), ErrorCalibration(t), t)
             for n, x, t in zip("ab", prediction, results, strict=True)
         ]
-        expected[apart] = _expected_errors(answers, [Gap(0, 0, 20)], 0)[0]["a"][0]
+        expected[apart] = expected_errors(answers, [Gap(0, 0, 20)], 0)[0]["a"][0]
     usual = np.sqrt(8 / np.pi)  # mean length of a unit normal vector in space
     assert expected[0.5] == pytest.approx(0.5 * usual, rel=0.15) and expected[5.0] == pytest.approx(5 * usual, rel=0.15)
 
@@ -199,7 +192,7 @@ def test_how_hard_a_gap_is_the_best_two_tell():
         answer(name, hard * rng.normal(0, k, (20, 20, 3)), at=k * x)
         for name, k, x in (("a", 1, 0), ("b", 1, 0.5), ("c", 90, 1))
     )
-    assert np.array_equal(_expected_errors([c, a, b], [GAP], 0)[1], _expected_errors([a, b], [GAP], 0)[1])
+    assert np.array_equal(expected_errors([c, a, b], [GAP], 0)[1], expected_errors([a, b], [GAP], 0)[1])
 
 
 MIXED = [1] * 9 + [2.5] * 3, [1] * 6 + [2.5] * 3 + [1] * 3
@@ -211,7 +204,7 @@ def test_a_mean_is_taken_if_better_by_half_a_standard_error_and_claims_what_it_s
     found = choose_candidate(MOTION, [GAP], 0, across)[0]
     same = choose_candidate(MOTION, [GAP], 0, [across[0], across[1]._replace(predictions=across[0].predictions)])[0]
     assert found.method == "a + b" == same.method and list(found.candidates) == ["a", "b", "a + b"]
-    assert found.expected_mm == pytest.approx(8.5**0.25 * same.expected_mm)  # half of 1 and 16
+    assert found.expected_mm == pytest.approx(8.5 ** (SLOPE / 2) * same.expected_mm)  # half of 1 and 16
     line = [answer("a", along(0, [1, 2] * 4)), answer("b", along(0, [2, 1] * 4))]
     assert choose_candidate(MOTION, [GAP], 0, line)[0].method == "a"
 

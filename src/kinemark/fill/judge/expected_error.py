@@ -1,21 +1,22 @@
 """What hold-out gaps say of a fill: its expected error, and covariances that are true.
 
-A test tells most of the gap that it was made for. Others count by how near they are to it in length, and more if they
-are of the same marker:
+A test tells most of the gap that it was made for. Others count by how near they are to it in length, and in how much
+the body part moves, m (`motion`), and more if they are of the same marker:
 
-    w = own · exp(−|ln L/L_gap| / SPREAD)                                                                  (1)
+    w = own · exp(−|ln L/L_gap| / SPREAD − |ln m/m_gap| / SPREAD)                                          (1)
 
 with `own` 1 for the gap's tests and the shares MARKER and OTHER below for the rest. With s̄ the mean size of what the
 filler states its error to be (the root of the trace of its covariance), in a test or in the gap, the expected mean
-error of the gap is that of the tests, moved half way to what it states of this gap:
+error of the gap is that of the tests, each moved to what it states of this gap, as far as stated errors are true:
 
-    expected = Σ w e / Σ w · √( s̄_gap / (Σ w s̄ / Σ w) )                                                   (2)
+    expected = Σ w e (s̄_gap / s̄)^b / Σ w                                                                  (2)
 
-(half way, in logarithms, as some fillers tell an easy gap from a hard one well and others do not; the root is 1 where
-a filler states none). Methods are compared by ln e alone: a few tests gone wrong are no reason to leave the method
-that is better in all others, nor is that one finds a gap harder than its tests. Among many methods some
-do well in few tests by luck. So another takes the place of the one that is mostly best only if it does better by more
-than chance; with d = ln e − ln e' over the tests that both could do,
+with m in the place of s̄ where a filler states nothing. Some fillers tell an easy gap from a hard one well, others do
+not: b is the slope of ln e over ln s̄ in all tests of the method, with S₀ squares of tests of slope b₀ added (10). So
+a gap that is harder than all of its tests is expected to be worse than they are. Methods are compared by ln e alone: a
+few tests gone wrong are no reason to leave the method that is better in all others, nor is that one finds a gap harder
+than its tests. Among many methods some do well in few tests by luck. So another takes the place of the one that is
+mostly best only if it does better by more than chance; with d = ln e − ln e' over the tests that both could do,
 
     d̄ + √( V(d) / (n − 1) ) < 0,     d̄ = Σ w d / Σ w,     V = Σ w (d − d̄)² / Σ w                          (3)
 
@@ -50,7 +51,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from ...data.array_types import Floats
+from ...data.array_types import Bools, Floats
 from ..marker_array import Gap, Prediction
 from .hold_out import HoldOutGap, HoldOutResult
 
@@ -63,25 +64,42 @@ OMEGA, PRIOR_TESTS = 0.5, 4.0
 Chosen (see benchmarks/gaps.py)."""
 LEAST = 1e-3
 """mm below which distances do not differ, and the least weight by (9); chosen (see benchmarks/gaps.py)."""
-MOST = 5.0
-"""What a stated error may move an expected error by, at most; chosen (see benchmarks/gaps.py)."""
+MOST = 30.0
+"""What a stated error may move the error of a test by, at most; chosen (see benchmarks/gaps.py)."""
+SLOPE, PRIOR_SQUARES = 0.8, 1.0
+"""b₀ and S₀ of (10), without unit. Of eleven methods on three movements b was 0.75 to 1.2, for stated errors and for
+motion. Chosen (see benchmarks/gaps.py)."""
+STEEPEST = 1.2
+"""b of (10) at most, without unit; chosen (see benchmarks/gaps.py)."""
 Z = 1.959964  # standard deviations on each side that hold 95 %; the normal distribution's, by definition
 QUANTILES = (np.arange(40) + 0.5) / 40
 """At which distributions are tabulated; by definition."""
 
 
-def hold_out_weights(tests: list[HoldOutGap], of: int, gaps: list[Gap]) -> Floats:
-    """(1): what each test counts for the gap of that index."""
+def hold_out_weights(tests: list[HoldOutGap], of: int, gaps: list[Gap], moving: float = np.nan) -> Floats:
+    """(1): what each test counts for the gap of that index, in which the part moves by so much √(mm rad)."""
     gap = gaps[of]
     about = np.array([(t.of, t.window.marker, t.keep[1] - t.keep[0]) for t in tests], np.int64).reshape(-1, 3)
     share = np.where(about[:, 0] == of, 1.0, np.where(about[:, 1] == gap.marker, MARKER, OTHER))
-    return share * np.exp(-np.abs(np.log(about[:, 2] / gap.length)) / SPREAD)
+    w = share * np.exp(-np.abs(np.log(about[:, 2] / gap.length)) / SPREAD)
+    if np.isfinite(moving):
+        w = w * np.exp(-np.abs(np.log(np.array([t.motion for t in tests]) / moving)) / SPREAD)
+    return np.asarray(w)
 
 
 def difficulty_weight(apart: Floats, here: float) -> Floats:
     """What (9) makes of each test, from how far the predictions of two methods are apart in it and in the gap, mm."""
     ratio = np.log(np.maximum(apart, LEAST) / max(here, LEAST))
     return np.asarray(np.maximum(np.exp(-np.abs(ratio) / SPREAD), LEAST))
+
+
+def slope(x: Floats, y: Floats) -> float:
+    """(10): by how much y grows with x, from what is known of both (T)."""
+    known = np.isfinite(x) & np.isfinite(y)
+    if not known.any():
+        return SLOPE
+    x, y = x[known] - x[known].mean(), y[known] - y[known].mean()
+    return float(np.clip((SLOPE * PRIOR_SQUARES + x @ y) / (PRIOR_SQUARES + x @ x), 0.0, STEEPEST))
 
 
 def size(cov: Floats) -> float:
@@ -95,10 +113,12 @@ class MeasuredErrors:
     def __init__(self, results: list[HoldOutResult]) -> None:
         self.means = np.array([t.mean for t in results], np.float64)
         self.logs = np.log(np.maximum(self.means, 1e-9))
-        self.stated = np.array([size(t.cov) for t in results], np.float64)
+        self.stated = np.log(np.maximum([size(t.cov) for t in results], 1e-9))
+        self.moved = np.log([t.test.motion for t in results])
         self.same = same_frames([t.test for t in results])
+        self.slopes = [slope(x, self.logs) for x in (self.stated, self.moved)]
 
-    def expect(self, prediction: Prediction, weights: Floats) -> tuple[float, float]:
+    def expect(self, prediction: Prediction, weights: Floats, moving: float = np.nan) -> tuple[float, float]:
         """(2) and the geometric mean of e, mm; infinite where it mostly had no prediction, NaN where no test is."""
         if not weights.sum():
             return np.nan, np.nan
@@ -107,10 +127,17 @@ class MeasuredErrors:
         if not np.isfinite(prediction.xyz).all() or w.sum() < 0.5 * weights.sum():
             return np.inf, np.inf
         w = w / w.sum()
-        usual = float(w @ self.stated[able])
-        here = np.sqrt(size(prediction.cov) / usual) if usual > 0 else 1.0
-        here = float(np.clip(here, 1 / MOST, MOST)) if np.isfinite(here) else 1.0
-        return here * float(w @ self.means[able]), float(np.exp(w @ self.logs[able]))
+        moved = np.exp(np.clip(self._harder(prediction, moving, able), -np.log(MOST), np.log(MOST)))
+        return float(w @ (self.means[able] * moved)), float(np.exp(w @ self.logs[able]))
+
+    def _harder(self, prediction: Prediction, moving: float, able: Bools) -> Floats:
+        """(T) ln of what each of the tests' errors is moved by (2)."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            heres = np.log(max(size(prediction.cov), 1e-9)), np.log(moving)
+        for there, here, b in zip((self.stated, self.moved), heres, self.slopes, strict=True):
+            if np.isfinite(here) and np.isfinite(there[able]).all():
+                return np.asarray(b * (here - there[able]))
+        return np.zeros(int(able.sum()))
 
     def behind(self, other: MeasuredErrors, weights: Floats, *, sure: float = 1.0) -> float:
         """(3): the left side of it, below 0 where this method is better than the other by more than `sure` standard

@@ -15,21 +15,32 @@ length, and the same frames to learn from. What is missing beside the gap's mark
 would make the test too easy: so for each marker that is missing in the gap and k-th nearest to its marker, the k-th
 nearest to the other one is hidden in the same frames (4).
 
+Windows are drawn where the part of the body moves as it does in the gap (`motion`), as a marker that is lost in fast
+motion is seen at rest everywhere else (5): those whose motion is within LIKE of the gap's, in logarithms, or the LEAST
+nearest share. Where it moves clearly less in all of them, half of the tests are made as (3).
+
+What a method could learn from is the gap's as well: another marker that is tested in its stead is
+missing wherever the gap's marker is (6). Else a marker that is lost in every stride would be judged by one that is seen
+in all strides but one.
+
 The idea of testing a filler on data that it has hidden itself is that of cross-validation (Stone 1974).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...data.array_types import Floats
+from ...data.array_types import Floats, Ints
 from ...data.progress import tell
 from ...numerics.runs import true_runs
+from ..known_samples import known_median
 from ..marker_array import Gap, MarkerArray, Prediction
+from .motion import PartMotion
 
 Filler = Callable[..., list[Prediction]]
 SHARE = 0.1
@@ -44,6 +55,13 @@ SHORTER = 0.7
 """By what a test's length shrinks until it fits, where no marker of the trial has room.
 Chosen (see benchmarks/gaps.py)."""
 
+LIKE = 0.4
+"""Of ln motion: windows within it of the gap move as it does; chosen (see benchmarks/gaps.py)."""
+LEAST = 0.15
+"""Share of the windows from which tests are drawn, at least, be they easier or harder; chosen."""
+EASY = 0.4
+"""Of ln motion: where all windows of the marker fall short of the gap by more, other markers' are asked too; chosen."""
+
 
 class HoldOutGap(NamedTuple):
     """One window to be filled in one copy of the trial.
@@ -54,6 +72,7 @@ class HoldOutGap(NamedTuple):
         window: what the filler is asked to fill.
         keep: those frames of the window that are compared: first and last plus one, counted from its start.
         own: it is the gap's own marker.
+        motion: of the body part in those frames (`motion`), √(mm rad).
     """
 
     of: int
@@ -61,6 +80,7 @@ class HoldOutGap(NamedTuple):
     window: Gap
     keep: tuple[int, int]
     own: bool
+    motion: float = 1.0
 
 
 class HoldOutGaps(NamedTuple):
@@ -94,21 +114,24 @@ class HoldOutResult(NamedTuple):
 def draw_hold_out_gaps(motion: MarkerArray, gaps: list[Gap], *, per_gap: int, seed: int) -> HoldOutGaps:
     """Tests for all gaps; a gap for which no marker has room at any length has none."""
     rng = np.random.default_rng(seed)
-    made = HoldOutGaps([], [])
-    seen = motion.seen
-    occupancy = _Occupancy(seen, [], {})
+    source = _Source(motion, motion.seen, PartMotion(motion), cache(lambda marker: distances(motion, marker)))
+    made, occupancy = HoldOutGaps([], []), _Occupancy(source.seen, [], {}, {})
     order, tight = rng.permutation(len(gaps)), len(gaps) > MANY
     if tight:
         order = order[np.argsort([-gaps[index].length for index in order], kind="stable")]
     for index in order:
-        for start, gap, stop in _windows(motion, seen, gaps[index], per_gap, rng, occupancy if tight else None):
-            shape = Gap(gap.marker, min(start, gap.start), max(stop, gap.stop))
-            copy = occupancy.place(shape)
+        for start, gap, stop in _windows(source, gaps[index], per_gap, rng, occupancy if tight else None):
+            shape, marker = Gap(gap.marker, min(start, gap.start), max(stop, gap.stop)), gaps[index].marker
+            copy = occupancy.place(shape, marker)
             if copy == len(made.copies):
                 made.copies.append([])
-            made.copies[copy] += [shape, *_state(motion, seen, gaps[index], gap)]
+            made.copies[copy] += [shape, *_state(source, gaps[index], gap)]
+            if marker != gap.marker:
+                made.copies[copy] += [Gap(gap.marker, a, b) for a, b in true_runs(~source.seen[marker]).tolist()]  # (6)
             keep = (gap.start - shape.start, gap.stop - shape.start)
-            made.tests.append(HoldOutGap(int(index), copy, shape, keep, gap.marker == gaps[index].marker))
+            made.tests.append(
+                HoldOutGap(int(index), copy, shape, keep, gap.marker == marker, source.moving.of_gap(gap))
+            )
     return made
 
 
@@ -141,32 +164,48 @@ def _compare(motion: MarkerArray, test: HoldOutGap, prediction: Prediction) -> H
     return HoldOutResult(test, error, cov, edge)
 
 
+class _Source(NamedTuple):
+    """The trial that tests are drawn from: which samples are seen, how parts move, distances of all from one marker."""
+
+    motion: MarkerArray
+    seen: NDArray[np.bool_]
+    moving: PartMotion
+    apart: Callable[[int], Floats]
+
+
 class _Occupancy(NamedTuple):
-    """Which frames of each copy are taken, and how much of each marker."""
+    """Which frames of each copy are taken, how much of each marker, and for a gap of which marker each is hidden."""
 
     seen: NDArray[np.bool_]
     busy: list[NDArray[np.bool_]]
     taken: dict[tuple[int, int], int]
+    of: dict[tuple[int, int], int]
 
-    def place(self, gap: Gap) -> int:
-        """The first copy with room for a gap, which is then taken."""
-        room = SHARE * self.seen[gap.marker].sum()
+    def place(self, gap: Gap, of: int) -> int:
+        """The first copy with room for a window that is a test of that marker's gap; the room is then taken.
+
+        A marker that is missing as another is (6) is in no other test of the copy.
+        """
+        room = SHARE * self.seen[gap.marker].sum() if of == gap.marker else np.inf
         for copy, busy in enumerate(self.busy):
             sum_after = self.taken.get((copy, gap.marker), 0) + gap.length
-            if sum_after <= room and not busy[gap.start : gap.stop].any():
+            mine = self.of.get((copy, gap.marker), of) == of
+            if mine and sum_after <= room and not busy[gap.start : gap.stop].any():
                 break
         else:
             copy = len(self.busy)
             self.busy.append(np.zeros(self.seen.shape[1], np.bool_))
         self.busy[copy][max(gap.start - 1, 0) : gap.stop + 1] = True
         self.taken[copy, gap.marker] = self.taken.get((copy, gap.marker), 0) + gap.length
+        self.of[copy, gap.marker] = of
         return copy
 
     def with_room(self, marker: int, length: int, starts: NDArray[np.int64]) -> NDArray[np.int64]:
         """Those of the starts of a window that the first copy with room for any has room for; all where none has."""
         room = SHARE * self.seen[marker].sum()
         for copy, busy in enumerate(self.busy):
-            if self.taken.get((copy, marker), 0) + length <= room and busy.mean() < FULL:
+            mine = self.of.get((copy, marker), marker) == marker
+            if mine and self.taken.get((copy, marker), 0) + length <= room and busy.mean() < FULL:
                 taken = np.concatenate([[0], np.cumsum(busy)])
                 free = starts[taken[starts + length] == taken[starts]]
                 if len(free):
@@ -175,37 +214,45 @@ class _Occupancy(NamedTuple):
 
 
 def _windows(
-    motion: MarkerArray,
-    seen: NDArray[np.bool_],
-    gap: Gap,
-    n: int,
-    rng: np.random.Generator,
-    occupancy: _Occupancy | None,
+    source: _Source, gap: Gap, n: int, rng: np.random.Generator, occupancy: _Occupancy | None
 ) -> list[tuple[int, Gap, int]]:
     """Up to n windows (first hidden frame, window compared, last hidden frame + 1) for a gap.
 
     With `occupancy`, where the copies have room.
     """
-    length, F = gap.length, motion.xyz.shape[1]
+    length, seen = gap.length, source.seen
+    F = seen.shape[1]
     while length >= 1:
-        own = _starts(seen[gap.marker], length)
+        own, easy = _starts(seen[gap.marker], length), False
         if len(own) and 1.5 * length <= seen[gap.marker].sum():  # half as much is left to learn from
+            own, easy = _as_moving(own, source.moving, gap, length)
             own = occupancy.with_room(gap.marker, length, own) if occupancy else own
-            chosen = [Gap(gap.marker, int(a), int(a) + length) for a in _spread(own, n, rng)]
+            chosen = [Gap(gap.marker, int(a), int(a) + length) for a in _spread(own, -(-n // 2) if easy else n, rng)]
         else:
-            chosen = _windows_of_neighbours(motion, seen, gap, length, 2 * n)
+            chosen, easy = [], True
+        if easy:
+            chosen += _windows_of_neighbours(source, gap, length, n if chosen else 2 * n)
         if chosen:
             return [(0 if gap.start == 0 else w.start, w, F if gap.stop == F else w.stop) for w in chosen]  # (2)
         length = int(SHORTER * length)
     return []
 
 
-def _windows_of_neighbours(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, length: int, n: int) -> list[Gap]:
+def _as_moving(starts: Ints, moving: PartMotion, gap: Gap, length: int) -> tuple[Ints, bool]:
+    """(5): those of the starts of a window in which the part moves most as it does in the gap, and whether it moves
+    clearly less in all of them."""
+    off = np.log(moving.of(gap.marker, starts, length) / moving.of_gap(gap))
+    alike = max(LIKE, float(np.quantile(np.abs(off), LEAST)))
+    chosen = np.abs(off) <= alike
+    return starts[chosen], bool(off[chosen].max() < -EASY)
+
+
+def _windows_of_neighbours(source: _Source, gap: Gap, length: int, n: int) -> list[Gap]:
     """(3): the same frames, or the first so many of them, of the n nearest markers known there and on both sides."""
-    window = slice(max(gap.start - 1, 0), gap.start + length + 1)
-    known = seen[:, window].all(1) & (seen.sum(1) > length + 2)
+    window, seen = slice(max(gap.start - 1, 0), gap.start + length + 1), source.seen
+    known = seen[:, window].all(1) & ((seen & seen[gap.marker]).sum(1) > 0.5 * seen[gap.marker].sum())
     known[gap.marker] = False
-    apart = distances(motion, gap.marker)
+    apart = source.apart(gap.marker)
     near = [k for k in np.argsort(apart) if known[k] and np.isfinite(apart[k])]
     return [Gap(int(k), gap.start, gap.start + length) for k in near[:n]]
 
@@ -213,11 +260,7 @@ def _windows_of_neighbours(motion: MarkerArray, seen: NDArray[np.bool_], gap: Ga
 def distances(motion: MarkerArray, marker: int) -> Floats:
     """(M) mm, median distance of all markers from one, over at most a few hundred frames; NaN where never together."""
     thin = motion.xyz[:, :: max(1, motion.xyz.shape[1] // 300)]
-    apart = np.linalg.norm(thin - thin[marker], axis=-1)
-    both = np.isfinite(apart).any(1)
-    out = np.full(len(apart), np.nan)
-    out[both] = np.nanmedian(apart[both], axis=1)
-    return out
+    return known_median(np.linalg.norm(thin - thin[marker], axis=-1).T)
 
 
 def _starts(known: NDArray[np.bool_], length: int) -> NDArray[np.int64]:
@@ -234,14 +277,14 @@ def _spread(starts: NDArray[np.int64], n: int, rng: np.random.Generator) -> NDAr
     return np.array([rng.choice(share) for share in shares])
 
 
-def _state(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, window: Gap) -> list[Gap]:
+def _state(source: _Source, gap: Gap, window: Gap) -> list[Gap]:
     """(1): what else is missing in the gap, shifted to the window; (4) where that is another marker's."""
     length = min(gap.length, window.length)
-    missing = ~seen[:, gap.start : gap.start + length]
+    missing = ~source.seen[:, gap.start : gap.start + length]
     missing[[gap.marker, window.marker]] = False
     others = np.flatnonzero(missing.any(1))
     corresponding = (
-        _corresponding(motion, gap.marker, window.marker, others) if window.marker != gap.marker and len(others) else {}
+        _corresponding(source, gap.marker, window.marker, others) if window.marker != gap.marker and len(others) else {}
     )
     out = []
     for marker in others:
@@ -251,12 +294,12 @@ def _state(motion: MarkerArray, seen: NDArray[np.bool_], gap: Gap, window: Gap) 
     return out
 
 
-def _corresponding(motion: MarkerArray, marker: int, other: int, missing: NDArray[np.int64]) -> dict[int, int]:
+def _corresponding(source: _Source, marker: int, other: int, missing: Ints) -> dict[int, int]:
     """(4): for each missing marker, that which is as many-th nearest to the other marker as it is to this one.
 
     Those as near to the other marker that are missing anyway, this one too, stand for as many.
     """
-    order, theirs = (np.argsort(distances(motion, k), kind="stable") for k in (marker, other))
+    order, theirs = (np.argsort(source.apart(k), kind="stable") for k in (marker, other))
     place = np.argsort(order)[missing]
     near, gone = theirs[1 : place.max() + 2], [marker, *missing]
     spare = int(np.isin(near, gone).sum() - np.isin(theirs[place], gone).sum())

@@ -20,6 +20,11 @@ FILLING_WORDS = {
         "error is not known.",
         "Compare {gaps:it|them} with another method, or give a limit in mm.",
     ),
+    "gaps_beyond_tests": Words(
+        "{gaps} {gaps:gap lies|gaps lie} in faster or longer motion than any hold-out gap, at most {max_ratio} times "
+        "as much: the expected {gaps:error is|errors are} extrapolated from easier ones.",
+        "Look at {gaps:its drawing|their drawings}, and compare distances to other markers of the body part.",
+    ),
     "samples_far_away": Words(
         "{samples} {samples:sample|samples} farther than a kilometre from the others: no {samples:position of a "
         "marker|positions of markers}. {samples:It is|They are} missing now, or filled.",

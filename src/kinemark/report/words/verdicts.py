@@ -22,6 +22,8 @@ def calibration_headline(found: Finding) -> str:
         return f"The calibration is good: {_good_for(found)}."
     if grade == "amber":
         return f"Usable with care: {_good_for(found)}, but look at the points below first."
+    if "unknown" in (grade, found.kind.removeprefix("calibration_")):
+        return "What this calibration is good for is not known: it states no uncertainty."
     return "Do not use this calibration: the reasons stand below."
 
 
@@ -174,6 +176,7 @@ VERDICT_WORDS = {
     "position_deviation": Words("The standard deviation of a position is {sd_mm:2} per axis on average."),
     "calibration_good": Words(calibration_headline),
     "calibration_usable": Words(calibration_headline),
+    "calibration_unknown": Words(calibration_headline),
     "calibration_unusable": Words(calibration_headline),
     "calibrated_by": Words(_calibrated_by),
     "wand_lengths": Words(_wand_lengths),

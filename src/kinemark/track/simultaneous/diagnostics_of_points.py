@@ -1,4 +1,5 @@
-"""What became of points that are not like the others: left out, or given with a great standard deviation."""
+"""What became of points that are not like the others: left out, given with a great standard deviation, or on tracks
+that likely continue earlier ones."""
 
 from __future__ import annotations
 
@@ -8,12 +9,13 @@ import numpy as np
 
 from ...data import Finding, make_finding
 from ...numerics.runs import equal_runs
+from .continuations import continuations
 from .simultaneous_method import Simultaneous
 from .tracker import TrackingResult
 
 
 def diagnose_points(result: TrackingResult, method: Simultaneous, volume_margin: float | None) -> list[Finding]:
-    """About points outside the volume, of which `volume_margin` mm were allowed, and about uncertain ones."""
+    """About points outside the volume, of which `volume_margin` mm were allowed, uncertain ones, and fragments."""
     found, cloud, outside = [], result.tracks.cloud, result.outside
     if len(outside) and volume_margin is not None:
         found.append(
@@ -41,4 +43,8 @@ def diagnose_points(result: TrackingResult, method: Simultaneous, volume_margin:
                 limit_mm=method.uncertain_sd,
             )
         )
+    pairs = continuations(result.tracks)
+    if len(pairs):
+        earlier, later = ([f"*{track + 1}" for track in column] for column in pairs.T.tolist())
+        found.append(make_finding("tracks_continue", tracks=len(pairs), earlier_list=earlier, later_list=later))
     return found

@@ -116,7 +116,7 @@ def _best_pairs(points: TrackPoints, T: float, method: Simultaneous, distances: 
     ends = _ends(points, T, method)
     a, b = _possible(ends, T, method)
     score, sd = _by_motion(points, ends, a, b, T, method)
-    gain = _by_distance(points, a, b, score) if distances else np.zeros(len(a))
+    gain = scores_by_distance(points, a, b, score) if distances else np.zeros(len(a))
     score = np.where((sd < method.uncertain_sd) | (gain > 0), score + gain, 0.0)
     n = len(ends.first)
     table = np.zeros((n, n))
@@ -182,7 +182,7 @@ def _by_motion(
     return score, sd
 
 
-def _by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats) -> Floats:
+def scores_by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats) -> Floats:
     """(2) of pairs, 0 where no other track is there on both sides, or where it could not bring (1) above 0."""
     spread = float(np.linalg.norm(points.xyz.std(0)) * np.sqrt(2)) + LEAST
     most = NEIGHBOURS * 2 * np.log(spread / (np.sqrt(2 * np.pi) * LEAST))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from kinemark.data import Cloud, Tracks
-from support.motions import dance
 from kinemark.track.simultaneous.continuations import continuations
+from support.motions import dance
 
 RATE = 100.0
 
@@ -35,7 +35,9 @@ def bodies(seed, F=400):
     for _ in range(3):
         place = rng.uniform(-800, 800, 3) + 400 * np.sin(2 * np.pi * 0.4 * t[:, None] + rng.uniform(0, 6, 3))
         turn = 0.8 * np.sin(2 * np.pi * 0.5 * t + rng.uniform(0, 6))
-        R = np.array([[np.cos(turn), -np.sin(turn), 0 * t], [np.sin(turn), np.cos(turn), 0 * t], [0 * t, 0 * t, 0 * t + 1]])
+        R = np.array(
+            [[np.cos(turn), -np.sin(turn), 0 * t], [np.sin(turn), np.cos(turn), 0 * t], [0 * t, 0 * t, 0 * t + 1]]
+        )
         arms = rng.uniform(-150, 150, (4, 3))
         out += [place + np.einsum("ijf,j->fi", R, arm) for arm in arms]
     return np.array(out) + rng.normal(0, 0.5, (12, F, 3))
@@ -58,5 +60,8 @@ def test_a_new_marker_continues_none(seed):
     tracks, pairs = with_a_break(xyz, {1: (120, 260)})
     elsewhere = tracks.cloud.xyz.copy()
     elsewhere[tracks.id == 12] += [60.0, 90.0, -70.0]
-    moved = Tracks(Cloud(RATE, tracks.cloud.start, elsewhere, tracks.cloud.cov, tracks.cloud.residual, tracks.cloud.view), tracks.id)
+    moved = Tracks(
+        Cloud(RATE, tracks.cloud.start, elsewhere, tracks.cloud.cov, tracks.cloud.residual, tracks.cloud.view),
+        tracks.id,
+    )
     assert continuations(tracks).tolist() == pairs and not len(continuations(moved))

@@ -4,11 +4,11 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from support.scenes import make, scene
 
 from kinemark.track.simultaneous import Simultaneous, time_offsets, track_simultaneously
 from kinemark.track.simultaneous.detection_index import read_images
 from kinemark.track.simultaneous.passes import Run
+from support.scenes import make, scene
 
 
 @pytest.fixture(scope="module")

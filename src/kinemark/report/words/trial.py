@@ -222,8 +222,8 @@ TRIAL_WORDS = {
         "Names that are given to both, by identification or by hand, join them.",
     ),
     "tracks_confusable": Words(
-        "In {decisions} {decisions:place|places}, {points_share} of all points, tracks came so near for the rate that they "
-        "may have been exchanged.",
+        "In {decisions} {decisions:place|places}, {points_share} of all points, tracks came so near for the rate that "
+        "they may have been exchanged.",
         "Look at the ambiguous decisions of kind swap; record at a higher rate, or with more cameras.",
     ),
     "long_gaps": Words(

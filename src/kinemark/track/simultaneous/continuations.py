@@ -1,10 +1,10 @@
 """Which tracks likely go on as others after gaps that are too long for a stitch.
 
-A stitch needs motion (`stitch`), which says nothing after half a second of occlusion. The distances to others that do
-not change still tell: by (2) of `stitch`, an earlier track and a later one are likely one marker where their distances
-to the same three others agree. Of all pairs of tracks that do not overlap those of the greatest sum of scores are
-taken, and of these the ones that are LIKELY times likelier as one marker than as two. Nothing is joined: a name given to
-both does that, or a decision of the operator.
+A stitch needs motion (`stitch`), which says nothing after half a second of occlusion, and is made over a second at
+most. The distances to others that do not change still tell: by (2) of `stitch`, an earlier track and a later one are
+likely one marker where their distances to the same three others agree. Of all pairs of tracks that do not overlap
+those of the greatest sum of scores are taken, and of these the ones that are LIKELY times likelier as one marker than
+as two. Nothing is joined: a name given to both does that, or a decision of the operator.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .stitch import scores_by_distance
 LIKELY = 2 * float(np.log(100.0))
 """A hundred times, in units of twice a natural logarithm; chosen, as for stitches."""
 
-MAX_PAIRS = 20_000
+MAX_PAIRS = 5_000
 """Pairs of tracks that are compared at most, those of the shortest gaps; chosen: more take long, and so many fragments
 are no recording."""
 

@@ -28,6 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from ...data.array_types import Floats, Ints
 from ...geometry.rigid_pairs import distances_from
@@ -200,7 +201,7 @@ def scores_by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats)
     return score
 
 
-def _distances(points: TrackPoints, place: Ints, i: int) -> tuple[Floats, Floats]:
+def _distances(points: TrackPoints, place: NDArray[np.int32], i: int) -> tuple[Floats, Floats]:
     """Mean distances of track i from every other, and their standard deviations; NaN where less than LOOK frames."""
     own = np.flatnonzero(place[i] >= 0)
     there = place[:, own] >= 0

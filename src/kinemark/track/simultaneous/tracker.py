@@ -118,8 +118,8 @@ def track_simultaneously(
 
 
 class FirstPass(NamedTuple):
-    """What the first pass gives: `TrackingResult.seen` and `evidence`; the images (D) that tracks share; the points that
-    are given, and the id (P) of the track of each."""
+    """What the first pass gives: `TrackingResult.seen` and `evidence`; whether tracks share an image (D); the points
+    that are given, and the id (P) of the track of each."""
 
     every: Associations
     evidence: Floats
@@ -152,7 +152,7 @@ def _first_pass(
 
 
 class Solver(NamedTuple):
-    """What positions are solved from: the detections and their rig, the variance (D) px² of images, and their errors."""
+    """What positions are solved from: detections and their rig, the variance (D) px² of images, and their errors."""
 
     detections: Detections
     rig: Rig
@@ -185,7 +185,10 @@ def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, met
 
 
 def _on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:
-    """The points solved with the rig as it was given, the solver's; those of which the images say little keep their positions."""
+    """The points solved with the rig as it was given, the solver's.
+
+    Those of which the images say little keep their positions.
+    """
     given = _solved(cloud.frame, cloud.view.T, cloud.xyz.T, solver)
     sd = _sd(given.cov)
     known = np.isfinite(given.xyz).all(1) & np.isfinite(sd)

@@ -41,7 +41,7 @@ OUTSIDE_SHARE = 0.02
 
 NEAR_SHARE, NEAR_SHARE_RED = 0.005, 0.2
 """Share of the points on tracks so near another that either could have its images. Of simulated recordings one in six
-without a swap had more than the first; walking at 25 Hz, with many swaps, 0.4 and more; chosen
+without a swap had more than the first; walking and crawling at 25 Hz, with many swaps, 0.3 and more; chosen
 (see benchmarks/tracking_scenes.py)."""
 NO_TRACK = 0.1
 """Share of the points that may belong to no track; chosen."""

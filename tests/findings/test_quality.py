@@ -23,7 +23,8 @@ from kinemark.findings.plain import plain, runs
 from kinemark.findings.trial_findings import trial_findings
 from kinemark.report import summary, write_quality, write_report
 from kinemark.report.formatting import number, percent, some
-from kinemark.report.words import advice_of
+from kinemark.report.words import advice_of, text_of
+from kinemark.track.simultaneous import AmbiguousDecision
 from support.captures import RATE, capture, empty_capture, judge, ring, walk
 from support.findings import found
 from support.schema import check_quality
@@ -295,3 +296,20 @@ def test_unlabelled_pieces_are_counted_as_the_markers_that_they_make():
     named = Trajectories(tuple(replace(p, name=p.name[1:]) for p in broken), 100.0)
     assert markers_worn(named) == 5
     assert completeness(named) == pytest.approx(190 / 500)
+
+
+@pytest.mark.parametrize(("frames", "grade"), [(1, None), (39, "amber"), (300, "red")])
+def test_tracks_that_came_near_for_long_are_never_green(frames, grade):
+    """Of 1200 points; either of two tracks could have had the other's images for so many frames."""
+    rig = ring()
+    near = AmbiguousDecision("swap", 0, frames - 1, (0, 1), "came_near", {"distance_mm": 3.0})
+    short = AmbiguousDecision("swap", 0, 399, (0, 1), "found_again", {"sd_mm": 12.0})
+    figures = judge(rig, capture(rig, walk(frames=400)), ambiguous_decisions=[near, short])
+    kinds = {row["kind"]: row["severity"] for row in figures["findings"]}
+    assert kinds.get("tracks_confusable") == grade
+    assert grade is None or figures["verdict"]["grade"] == grade
+
+
+def test_tracks_that_continue_earlier_ones_are_named_in_words():
+    said = make_finding("tracks_continue", tracks=2, earlier_list=["*3", "*7"], later_list=["*40", "*41"])
+    assert "*3" in text_of(said) and "*41" in text_of(said) and "2 tracks" in text_of(said)

@@ -73,6 +73,12 @@ TRIAL_KINDS = (
          "least complete markers come first.", {"complete_share": "share"}),
     Kind("tracks_broken", "track", "amber", "More unlabelled tracks than markers; red where many times more.",
          {"tracks": "count", "markers_worn": "count"}),
+    Kind("tracks_continue", "track", "info", "Tracks that likely continue earlier ones, by their distances to others, "
+         "and are not joined to them: the name of each earlier one and, in the same order, of the later one.",
+         {"tracks": "count", "earlier_list": "text", "later_list": "text"}),
+    Kind("tracks_confusable", "track", "amber", "Tracks came so near each other, for the rate, that they may have been "
+         "exchanged: how many such decisions, and the share of all points; red where many times more.",
+         {"decisions": "count", "points_share": "share"}),
     Kind("long_gaps", "track", "amber", "Gaps above the limit are left.", {"limit_s": "s"}),
     Kind("much_filled", "fill", "amber", "Much of these markers is filled, not measured.", {"limit_share": "share"}),
     Kind("markers_uncertain", "reconstruct", "amber", "The mean standard deviation is above the limit.",

@@ -39,6 +39,10 @@ SD_AMBER_MM = 2.0
 OUTSIDE_SHARE = 0.02
 """Share of samples that may lie outside the control volume; chosen."""
 
+NEAR_SHARE, NEAR_SHARE_RED = 0.005, 0.2
+"""Share of the points on tracks so near another that either could have its images. Of simulated recordings one in six
+without a swap had more than the first; walking and crawling at 25 Hz, with many swaps, 0.3 and more; chosen
+(see benchmarks/tracking_scenes.py)."""
 NO_TRACK = 0.1
 """Share of the points that may belong to no track; chosen."""
 TWO_CAMERAS = 0.5
@@ -65,6 +69,7 @@ def trial_findings(figures: Figures, noted: Sequence[Finding] = ()) -> list[Find
         _absent(figures, {name for found in noted for name in found.markers if found.kind == OUTSIDE}),
         noted,
         _close_decisions(figures),
+        _confusable(figures),
         _not_square(figures),
     )
     return most_severe_first(list(found))
@@ -272,6 +277,20 @@ def _close_decisions(figures: Figures) -> Findings:
     if kinds:
         numbers: dict[str, Any] = {kind: kinds.count(kind) for kind in ("swap", "merge", "ghost", "stitch")}
         yield make_finding("close_decisions", **numbers)
+
+
+def _confusable(figures: Figures) -> Findings:
+    """Tracks that came near each other, for the rate, for so much of the time that some were likely exchanged."""
+    near = [row for row in figures["ambiguous_decisions"] if row["reason"] == "came_near"]
+    points = sum(row["last_frame"] - row["first_frame"] + 1 for row in near)
+    share = points / max(figures["points"]["count"], 1)
+    if share > NEAR_SHARE:
+        yield make_finding(
+            "tracks_confusable",
+            severity=red_if(share > NEAR_SHARE_RED),
+            decisions=len(near),
+            points_share=min(share, 1.0),
+        )
 
 
 def _not_square(figures: Figures) -> Findings:

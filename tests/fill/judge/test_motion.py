@@ -8,7 +8,7 @@ from kinemark.fill import Gap, MarkerArray, Prediction, fill, find_gaps
 from kinemark.fill.judge.expected_error import SLOPE, STEEPEST, MeasuredErrors, slope
 from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult, draw_hold_out_gaps
 from kinemark.fill.judge.motion import PATH, TURN, PartMotion
-from kinemark.synth import dressed, walking
+from kinemark.synth import walking, with_markers
 from support.filling import trial
 
 
@@ -23,7 +23,7 @@ def turning(rate_deg, speed, *, frames=200, rate=100.0):
 
 def rested(rest_s=4.0, walk_s=5.0, *, rate=50.0, markers=20, seed=1):
     """A walker who stands still at first."""
-    subject = dressed(walking(duration_s=walk_s, rate=rate, wobble_mm=1.0, seed=seed), markers, seed=seed)
+    subject = with_markers(walking(duration_s=walk_s, rate=rate, wobble_mm=1.0, seed=seed), markers, seed=seed)
     xyz = np.concatenate([np.repeat(subject.xyz[:, :1], round(rest_s * rate), 1), subject.xyz], 1)
     return MarkerArray(xyz + np.random.default_rng(seed).normal(0, 0.3, xyz.shape), rate, subject.names)
 

@@ -227,6 +227,16 @@ TRIAL_WORDS = {
         "hidden for long begins a new one.",
         "Give the fragments of a marker one name, and fill what is missing between them.",
     ),
+    "tracks_continue": Words(
+        "{tracks} {tracks:track likely continues an earlier one|tracks likely continue earlier ones} after a gap, and "
+        "{tracks:is|are} not joined to {tracks:it|them}: earlier {earlier_list}, later {later_list}.",
+        "Names that are given to both, by identification or by hand, join them.",
+    ),
+    "tracks_confusable": Words(
+        "In {decisions} {decisions:place|places}, {points_share} of all points, tracks came so near for the rate that "
+        "they may have been exchanged.",
+        "Look at the ambiguous decisions of kind swap; record at a higher rate, or with more cameras.",
+    ),
     "long_gaps": Words(
         "Gaps longer than {limit_s:.3g} in {markers}.",
         "Fill them from neighbouring markers on the same segment, or leave these stretches out.",

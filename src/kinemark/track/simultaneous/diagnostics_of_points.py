@@ -1,4 +1,5 @@
-"""What became of points that are not like the others: left out, or given with a great standard deviation."""
+"""What became of points that are not like the others: left out, given with a great standard deviation, or on tracks
+that likely continue earlier ones."""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ from ...data.array_types import Floats
 from ...data.finding import red_if
 from ...geometry.weighted_points import inside_volume
 from ...numerics.runs import equal_runs
+from .continuations import continuations
 from .simultaneous_method import Simultaneous
 from .tracker import TrackingResult
 
@@ -24,7 +26,7 @@ HELD = 0.5
 def diagnose_points(
     result: TrackingResult, method: Simultaneous, volume_margin: float | None, volume: Floats | None = None
 ) -> list[Finding]:
-    """About points outside the volume (2, 3) mm, of which `volume_margin` mm were allowed, and about uncertain ones."""
+    """About points outside the volume (2, 3) mm, of which `volume_margin` mm were allowed, uncertain and fragments."""
     found, cloud, outside = [], result.tracks.cloud, result.outside
     if len(outside) and volume_margin is not None:
         found.append(points_left_out(outside, len(cloud), volume_margin, volume))
@@ -43,6 +45,10 @@ def diagnose_points(
                 limit_mm=method.uncertain_sd,
             )
         )
+    pairs = continuations(result.tracks)
+    if len(pairs):
+        earlier, later = ([f"*{track + 1}" for track in column] for column in pairs.T.tolist())
+        found.append(make_finding("tracks_continue", tracks=len(pairs), earlier_list=earlier, later_list=later))
     return found
 
 

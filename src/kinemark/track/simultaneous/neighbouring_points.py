@@ -16,6 +16,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...data.array_types import Bools, Floats, Ints
 from ...native import inverse
@@ -47,18 +48,19 @@ class TrackPoints(NamedTuple):
         return TrackPoints(frame, id, np.concatenate([self.xyz, other.xyz]), np.concatenate([self.cov, other.cov]))
 
 
-def rows_of(points: TrackPoints) -> Ints:
+def rows_of(points: TrackPoints) -> NDArray[np.int32]:
     """(N, F) the row of each track in each frame, −1 for none."""
-    rows = np.full((int(points.id.max(initial=-1)) + 1, int(points.frame.max(initial=-1)) + 1), -1)
+    shape = int(points.id.max(initial=-1)) + 1, int(points.frame.max(initial=-1)) + 1
+    rows = np.full(shape, -1, np.int32)  # half the memory of a table that long recordings make large
     rows[points.id, points.frame] = np.arange(len(points.id))
     return rows
 
 
-def rows_near(rows: Ints, id: Ints, frame: Ints, way: int) -> Ints:
+def rows_near(rows: NDArray[np.int32], id: Ints, frame: Ints, way: int) -> Ints:
     """(LOOK, n) the rows of tracks id (n) in frame (n) and those that lie before (way −1) or after (1) it."""
     frames = frame + way * np.arange(LOOK)[:, None]
     inside = (frames >= 0) & (frames < rows.shape[1])
-    return np.where(inside, rows[id, np.where(inside, frames, 0)], -1)
+    return np.where(inside, rows[id, np.where(inside, frames, 0)], np.int64(-1))
 
 
 def motion_from(points: TrackPoints, near: Ints, around: Floats, T: float, method: Simultaneous) -> KalmanStates:

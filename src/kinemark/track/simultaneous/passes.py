@@ -64,7 +64,7 @@ class Associations(NamedTuple):
         detection: (C, S) index in `Images`, −1 for none; shared: (C, S) whether another track has the image too.
         squared: (S) sum of the squared residuals of its unshared images, in standard deviations.
         before: (S) the standard deviation of its prediction, of all three axes together, mm.
-        xyz, cov: (3, S) mm and (3, 3, S) mm², the updated position.
+        xyz, cov: (3, S) mm and (3, 3, S) mm², the updated position; no cov (3, 3, 0) where it has done its work.
     """
 
     frame: Ints
@@ -86,7 +86,7 @@ class Associations(NamedTuple):
             self.squared[which],
             self.before[which],
             self.xyz[:, which],
-            self.cov[..., which],
+            self.cov[..., which] if self.cov.size else self.cov,
         )
 
 
@@ -113,7 +113,7 @@ class Run:
         """All associations, forwards in each stretch, then backwards from where the tracks were initiated."""
         first = self.stretches()
         length = int(np.diff(first).max())
-        self.forwards(first[:-1], length)
+        self.go_forwards(first[:-1], length)
         active = self.initiated
         while len(active.id):
             tell(length, 2 * length)
@@ -123,6 +123,11 @@ class Run:
 
     def forwards(self, first: Ints, length: int) -> Associations:
         """Associations forwards in stretches of so many frames that begin at frames `first`."""
+        self.go_forwards(first, length)
+        return self.associations()
+
+    def go_forwards(self, first: Ints, length: int) -> None:
+        """Associate forwards in stretches of so many frames that begin at frames `first`."""
         stride = max(round(self.method.initiation_interval / self.T), 1)
         active = self.no_tracks()
         for k in range(length):
@@ -131,13 +136,14 @@ class Run:
             active = self.step(active.take(active.frame < self.images.n_frames))
             if k >= 2 and ((k - 2) % stride == 0 or k == length - 1):
                 active = active.plus(self.begin([int(f) + k for f in first if f + k < self.images.n_frames]))
-        return self.associations()
 
     def associations(self) -> Associations:
-        """All that were made."""
+        """All that were made, which are then no longer kept here."""
         if not self.seen:
             return _nothing(len(self.images.P))
-        return Associations(*(np.concatenate(column, -1) for column in zip(*self.seen, strict=True)))
+        columns = [list(column) for column in zip(*self.seen, strict=True)]
+        self.seen = []
+        return Associations(*(np.concatenate(columns.pop(0), -1) for _ in Associations._fields))
 
     def stretches(self) -> Ints:
         """First frames of the stretches that are tracked side by side, and the number of frames."""
@@ -194,17 +200,9 @@ class Run:
         self.free[association.detection[has]] = False
         own, count = (has & ~association.shared).sum(0), has.sum(0)
         before = np.sqrt(np.trace(motion.cov))
+        xyz, cov = after.position.copy(), after.cov.copy()  # views would keep the whole states in memory
         self.seen.append(
-            Associations(
-                active.frame,
-                active.id,
-                association.detection,
-                association.shared,
-                squared,
-                before,
-                after.position,
-                after.cov,
-            )
+            Associations(active.frame, active.id, association.detection, association.shared, squared, before, xyz, cov)
         )
         alone = np.where((own >= 1) & (count >= 2), 0, active.alone + 1)
         lost = np.sqrt(np.trace(after.cov)) > LOST_FACTOR * self.method.uncertain_sd

@@ -28,6 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from ...data.array_types import Floats, Ints
 from ...geometry.rigid_pairs import distances_from
@@ -116,7 +117,7 @@ def _best_pairs(points: TrackPoints, T: float, method: Simultaneous, distances: 
     ends = _ends(points, T, method)
     a, b = _possible(ends, T, method)
     score, sd = _by_motion(points, ends, a, b, T, method)
-    gain = _by_distance(points, a, b, score) if distances else np.zeros(len(a))
+    gain = scores_by_distance(points, a, b, score) if distances else np.zeros(len(a))
     score = np.where((sd < method.uncertain_sd) | (gain > 0), score + gain, 0.0)
     n = len(ends.first)
     table = np.zeros((n, n))
@@ -182,7 +183,7 @@ def _by_motion(
     return score, sd
 
 
-def _by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats) -> Floats:
+def scores_by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats) -> Floats:
     """(2) of pairs, 0 where no other track is there on both sides, or where it could not bring (1) above 0."""
     spread = float(np.linalg.norm(points.xyz.std(0)) * np.sqrt(2)) + LEAST
     most = NEIGHBOURS * 2 * np.log(spread / (np.sqrt(2 * np.pi) * LEAST))
@@ -200,7 +201,7 @@ def _by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats) -> Fl
     return score
 
 
-def _distances(points: TrackPoints, place: Ints, i: int) -> tuple[Floats, Floats]:
+def _distances(points: TrackPoints, place: NDArray[np.int32], i: int) -> tuple[Floats, Floats]:
     """Mean distances of track i from every other, and their standard deviations; NaN where less than LOOK frames."""
     own = np.flatnonzero(place[i] >= 0)
     there = place[:, own] >= 0

@@ -62,7 +62,7 @@ class TrackingResult(NamedTuple):
     Attributes:
         tracks: the tracks.
         seen: the associations of all tracks, also of those that were dropped, but for what lost tracks found without
-            evidence and for the second pass; its rows are of `images`.
+            evidence and for the second pass, without their `cov`; its rows are of `images`.
         id: (N) the track that each of `seen` became, −1 for none.
         evidence: (N) for each of `seen`.
         stitches: those that were made or considered, of tracks of `seen`.
@@ -103,30 +103,61 @@ def track_simultaneously(
     images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
     working = _working(detections, rig, images, noise, method)
     method = with_learned_motion(working.images, detections.rate, method)
-    least = max(method.min_duration / T, 4)
-    every = run(working.images, detections.rate, method)
-    every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
-    seen = _kept_associations(every, least)
-    own = _unshared(seen, images)
-    off = disagreement(working.images, np.where(own, seen.detection, -1))
-    speaks = evidence(seen._replace(squared=off), own, method.gate)
-    precise = _with_variance(detections, _variance(seen, working.images, working.noise))
-    cloud = _solved(seen.frame, seen.detection, seen.xyz, precise, working.rig, errors)
-    cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method)
-    good = usable_points(cloud, rig, margin=None) & _precise_enough(cloud, own.sum(0), method)
-    good &= (speaks > SURE)[seen.id]
-    cloud, ids = cloud.keep(good), seen.id[good]
+    every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
-    cloud, ids = _with_second_pass(cloud, whole.id[ids], working.images, precise, working.rig, method, errors)
+    solver = Solver(detections, working.rig, _variance(shared, working.images, working.noise), errors)
+    cloud, ids = _with_second_pass(cloud, whole.id[ids], working.images, solver, method)
     if working.rig is not rig:
-        given = _with_variance(detections, _variance(seen, images, noise))
-        cloud = _on_given_rig(cloud, given, rig, errors)
+        cloud = _on_given_rig(cloud, Solver(detections, rig, _variance(shared, images, noise), errors))
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise, outside)
+
+
+class FirstPass(NamedTuple):
+    """What the first pass gives: `TrackingResult.seen` and `evidence`; whether tracks share an image (D); the points
+    that are given, and the id (P) of the track of each."""
+
+    every: Associations
+    evidence: Floats
+    shared: Bools
+    cloud: Cloud
+    id: Ints
+
+
+def _first_pass(
+    detections: Detections, rig: Rig, images: Images, working: Working, method: Simultaneous, errors: ImageErrors
+) -> FirstPass:
+    """The tracks that are confirmed, their points solved, before any is stitched."""
+    T = 1 / detections.rate
+    least = max(method.min_duration / T, 4)
+    every = run(working.images, detections.rate, method)
+    every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
+    seen = _kept_associations(every, least)
+    every = every._replace(cov=np.zeros((3, 3, 0)))  # takes much memory, and only that of `seen` is needed
+    own = _unshared(seen, images)
+    off = disagreement(working.images, np.where(own, seen.detection, -1))
+    speaks = evidence(seen._replace(squared=off), own, method.gate)
+    shared = np.zeros(len(images.uv), bool)
+    shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
+    solver = Solver(detections, working.rig, _variance(shared, working.images, working.noise), errors)
+    cloud = _solved(seen.frame, seen.detection, seen.xyz, solver)
+    cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method)
+    good = usable_points(cloud, rig, margin=None) & _precise_enough(cloud, own.sum(0), method)
+    good &= (speaks > SURE)[seen.id]
+    return FirstPass(every, speaks, shared, cloud.keep(good), seen.id[good])
+
+
+class Solver(NamedTuple):
+    """What positions are solved from: detections and their rig, the variance (D) px² of images, and their errors."""
+
+    detections: Detections
+    rig: Rig
+    variance: Floats
+    errors: ImageErrors
 
 
 class Working(NamedTuple):
@@ -153,9 +184,12 @@ def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, met
     return Working(adjusted, moved.without(left.inconsistent), left)
 
 
-def _on_given_rig(cloud: Cloud, detections: Detections, rig: Rig, errors: ImageErrors) -> Cloud:
-    """The points solved with the rig as it was given; those of which the images say little keep their positions."""
-    given = _solved(cloud.frame, cloud.detection.T, cloud.xyz.T, detections, rig, errors)
+def _on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:
+    """The points solved with the rig as it was given, the solver's.
+
+    Those of which the images say little keep their positions.
+    """
+    given = _solved(cloud.frame, cloud.detection.T, cloud.xyz.T, solver)
     sd = _sd(given.cov)
     known = np.isfinite(given.xyz).all(1) & np.isfinite(sd)
     clear = known & (sd <= UNCERTAIN * np.median(sd[known])) if known.any() else known
@@ -164,30 +198,25 @@ def _on_given_rig(cloud: Cloud, detections: Detections, rig: Rig, errors: ImageE
     return replace(given, xyz=xyz, cov=cov, residual=np.where(clear, given.residual, cloud.residual))
 
 
-def _with_variance(detections: Detections, variance: Floats) -> Detections:
-    """The detections with the variance (D) px² in both axes."""
-    return replace(detections, cov=variance[:, None, None] * np.eye(2))
-
-
 def _with_second_pass(
-    cloud: Cloud, ids: Ints, images: Images, detections: Detections, rig: Rig, method: Simultaneous, errors: ImageErrors
+    cloud: Cloud, ids: Ints, images: Images, solver: Solver, method: Simultaneous
 ) -> tuple[Cloud, Ints]:
     """The points and their tracks after the second pass."""
     points = TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov)
-    kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / detections.rate, method)
+    kept, found, detection = second_pass(points, cloud.detection.T, images, 1 / cloud.rate, method)
     order = np.argsort(found.frame, kind="stable")
     detection = detection[:, order]
-    new = _solved(found.frame[order], detection, found.xyz[order].T, detections, rig, errors)
-    good = usable_points(new, rig, margin=None) & _precise_enough(
+    new = _solved(found.frame[order], detection, found.xyz[order].T, solver)
+    good = usable_points(new, solver.rig, margin=None) & _precise_enough(
         new, ((detection >= 0) & ~images.merged[detection]).sum(0), method
     )
-    both, ids = (cloud.keep(kept), new.keep(good)), np.concatenate([ids[kept], found.id[order][good]])
-    frame = np.concatenate([one.frame for one in both])
-    order = np.argsort(frame, kind="stable")
-    start = np.searchsorted(frame[order], np.arange(cloud.n_frames + 1))
+    frame, ids = np.concatenate([cloud.frame, new.frame]), np.concatenate([ids, found.id[order]])
+    left = np.flatnonzero(np.concatenate([kept, good]))
+    left = left[np.argsort(frame[left], kind="stable")]
+    start = np.searchsorted(frame[left], np.arange(cloud.n_frames + 1))
     names = ("xyz", "cov", "residual", "detection")
-    columns = (np.concatenate([getattr(one, name) for one in both])[order] for name in names)
-    return Cloud(cloud.rate, start, *columns), ids[order]
+    columns = (np.concatenate([getattr(cloud, name), getattr(new, name)])[left] for name in names)
+    return Cloud(cloud.rate, start, *columns), ids[left]
 
 
 def _kept_associations(seen: Associations, least: float) -> Associations:
@@ -224,25 +253,22 @@ def _without_evidence(every: Associations, own: Bools, least: float, method: Sim
     return out
 
 
-def _variance(seen: Associations, images: Images, noise: Noise) -> Floats:
-    """(D) px², of all images, those that tracks share lying anywhere in their blobs."""
-    shared = np.zeros(len(images.uv), bool)
-    shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
+def _variance(shared: Bools, images: Images, noise: Noise) -> Floats:
+    """(D) px², of all images, those that tracks share (D) lying anywhere in their blobs."""
     variance = images.variance - images.margin - images.calibration[images.camera]  # `weighted_points` adds them
     variance = np.maximum(variance, np.maximum(noise.least[images.camera], LEAST))
     return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
 
 
-def _solved(
-    frame: Ints, detection: Ints, guess: Floats, detections: Detections, rig: Rig, errors: ImageErrors
-) -> Cloud:
+def _solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud:
     """The points of detections (C, P), one to one, with guesses (3, P) mm of their positions."""
     parts = []
+    detections = replace(solver.detections, cov=solver.variance[:, None, None] * np.eye(2))
     for first in range(0, max(len(frame), 1), AT_ONCE):
         part = slice(first, first + AT_ONCE)
         matches = Matches(frame[part], detection[:, part].T, np.zeros(len(frame[part])), detections.n_frames)
         near = np.ascontiguousarray(guess[:, part].T)
-        parts.append(weighted_points(matches, detections, rig, guess=near, errors=errors))
+        parts.append(weighted_points(matches, detections, solver.rig, guess=near, errors=solver.errors))
     start = np.searchsorted(frame, np.arange(detections.n_frames + 1))
     columns = (
         np.concatenate([getattr(one, name) for one in parts]) for name in ("xyz", "cov", "residual", "detection")
@@ -257,8 +283,8 @@ def _with_smoothed(cloud: Cloud, seen: Associations, sound: Bools, T: float, met
     vague = known & (sd > UNCERTAIN * np.median(sd[known])) if known.any() else known
     if not vague.any():
         return cloud
-    xyz, cov = cloud.xyz.copy(), cloud.cov.copy()
-    points = TrackPoints(cloud.frame[known], seen.id[known], xyz[known], cov[known])
+    points = TrackPoints(cloud.frame, seen.id, cloud.xyz, cloud.cov)
+    points = points if known.all() else points.take(known)
     smooth = smoothed(points, vague[known], sound[known], T, method)
     filtered = seen.xyz.T[vague], seen.cov.transpose(2, 0, 1)[vague]
     better = _sd(smooth[1]) < _sd(filtered[1])
@@ -266,6 +292,7 @@ def _with_smoothed(cloud: Cloud, seen: Associations, sound: Bools, T: float, met
     open_ = np.where(better[:, None, None], smooth[1], filtered[1])
     gains = _sd(open_) < sd[vague]
     rows = np.flatnonzero(vague)[gains]
+    xyz, cov = cloud.xyz.copy(), cloud.cov.copy()
     xyz[rows], cov[rows] = moved[gains], open_[gains]
     return replace(cloud, xyz=xyz, cov=cov)
 

@@ -1,0 +1,36 @@
+"""What a long recording takes of memory."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from kinemark.track.simultaneous import Simultaneous, time_offsets, track_simultaneously
+from kinemark.track.simultaneous.detection_index import read_images
+from kinemark.track.simultaneous.passes import Run
+from support.scenes import make, scene
+
+
+@pytest.fixture(scope="module")
+def made():
+    return make(scene(38)._replace(markers=39, cameras=6, motion="walk", rate=100.0, seconds=2.4))
+
+
+def test_a_pass_keeps_what_was_associated_and_not_the_states_of_the_tracks(made):
+    run = Run(read_images(made.detections, made.rig), made.scene.rate, Simultaneous())
+    tracemalloc.start()
+    found = run.whole()
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(found.id) > 5000
+    assert peak < 3 * sum(column.nbytes for column in found)
+    assert run.seen == []
+
+
+def test_time_offsets_from_some_of_the_points_are_those_from_all(made, monkeypatch):
+    result = track_simultaneously(made.detections, made.rig, Simultaneous())
+    whole = time_offsets.time_offsets(result)
+    monkeypatch.setattr(time_offsets, "MAX_POINTS", 2000)
+    part = time_offsets.time_offsets(result)
+    assert (part.error > whole.error).any()
+    np.testing.assert_allclose(part.delay, whole.delay, atol=4 * float(np.hypot(part.error, whole.error).max()))

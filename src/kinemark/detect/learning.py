@@ -20,10 +20,11 @@ from numpy.typing import NDArray
 
 from .background_noise import background
 from .centroids_method import USUAL, Centroids, Limits, grey_scale
-from .proposal import DetectionProposal, propose, white_level
+from .proposal import measured, white_level
+from .sizes import Sizes
 from .source import FrameSource, spread
 
-FRAMES = 24  # looked at in each recording; chosen for speed
+FRAMES = 12  # looked at in each recording; chosen for speed
 STANDS_OUT = 10.0  # standard deviations of noise that a frame's brightest pixel must be above the ground; chosen
 NEARER = 4.0  # times the area of the greatest marker seen: at half its distance; chosen
 OFTEN = 0.5  # larger things a frame that are lamps, and no markers on each other; chosen
@@ -32,11 +33,12 @@ OFTEN = 0.5  # larger things a frame that are lamps, and no markers on each othe
 def learned(method: Centroids, source: FrameSource) -> Centroids:
     """The method with a threshold and limits for what it leaves open, from the recording of a camera."""
     own = {name: getattr(method, name) for name in Limits._fields}
-    if method.relative_threshold is not None:
-        own["threshold"] = USUAL.threshold  # it is measured in the first frames that show something
-    if None not in own.values() or source.n_frames == 0:
+    if method.relative_threshold is not None or None not in own.values() or source.n_frames == 0:
+        return method  # a relative threshold is measured in the first frames that show something: `levels`
+    images = spread(source, FRAMES)
+    if not len(images):  # the recording ends before it begins, which is said where it is read
         return method
-    found = learned_limits(spread(source, FRAMES), inverted=method.inverted)
+    found = learned_limits(images, inverted=method.inverted)
     open_ones: dict[str, Any] = {name: value for name, value in found._asdict().items() if own[name] is None}
     return replace(method, **_consistent(own, open_ones))
 
@@ -55,16 +57,14 @@ def learned_limits(images: NDArray[np.uint8 | np.uint16], *, inverted: bool = Fa
     ground, variance = background(images)
     brightest = images.min((1, 2)) if inverted else images.max((1, 2))
     out = (ground - brightest if inverted else brightest - ground) > STANDS_OUT * np.sqrt(variance)
-    proposed = propose(images[out], frames=int(out.sum()), inverted=inverted) if out.any() else None
-    if proposed is None or proposed.sizes is None:
+    proposed = measured(images[out], inverted=inverted) if out.any() else None
+    if proposed is None:
         return USUAL._replace(threshold=_usual_threshold(images, ground, variance, inverted))
-    return _wide(proposed)
+    return _wide(*proposed)
 
 
-def _wide(proposed: DetectionProposal) -> Limits:
+def _wide(said: Limits, sizes: Sizes) -> Limits:
     """The proposed threshold, and limits by (1) and (2)."""
-    said, sizes = proposed.centroids.limits, proposed.sizes
-    assert sizes is not None  # the caller sees to it
     lamps = sizes.strobes >= OFTEN
     most = max(sizes.high, NEARER * sizes.greatest) if lamps else max(sizes.high, USUAL.max_area)  # (2), (1)
     return Limits(

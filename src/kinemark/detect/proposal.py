@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Finding, make_finding
-from .centroids_method import Centroids, check_images, grey_scale
+from .centroids_method import Centroids, Limits, check_images, grey_scale
 from .kiss import KissNearest, KissScanning
 from .sizes import Sizes, marker_sizes
 from .source import FrameSource, evenly, spread
@@ -82,10 +82,7 @@ def propose(
     check_images(stack)
     white = white_level(stack)
     stack, gap, inverted = _gap(stack, white, inverted)
-    sizes = None
-    if np.isfinite(gap.threshold):
-        groups = real_groups(stack, gap.threshold)
-        sizes = marker_sizes(groups, height=stack.shape[1], width=stack.shape[2], frames=len(stack))
+    sizes = _sizes(stack, gap)
     reasons = tuple(_reasons(gap, sizes, white, grey_scale(stack.dtype), inverted)) if sizes else ()
     return DetectionProposal(
         (stack.shape[2], stack.shape[1]),
@@ -98,6 +95,24 @@ def propose(
         reasons,
         tuple(_findings(stack, white, gap, sizes, inverted)),
     )
+
+
+def measured(images: Images, *, inverted: bool) -> tuple[Limits, Sizes] | None:
+    """What `propose` says of threshold and sizes, without the findings; None where there are no markers."""
+    white = white_level(images)
+    stack, gap, _ = _gap(images, white, inverted)
+    if (sizes := _sizes(stack, gap)) is None:
+        return None
+    values = {one.parameter: one.value for one in _reasons(gap, sizes, white, grey_scale(stack.dtype), inverted)}
+    return _methods(values, inverted)[0].limits, sizes
+
+
+def _sizes(stack: Images, gap: LevelGap) -> Sizes | None:
+    """Of the groups above the threshold, where there is one."""
+    if not np.isfinite(gap.threshold):
+        return None
+    groups = real_groups(stack, gap.threshold)
+    return marker_sizes(groups, height=stack.shape[1], width=stack.shape[2], frames=len(stack))
 
 
 def _gap(stack: Images, white: int, inverted: bool | None) -> tuple[Images, LevelGap, bool]:
@@ -152,13 +167,18 @@ def _reasons(gap: LevelGap, sizes: Sizes, white: int, scale: float, inverted: bo
     yield Reason("max_area", max(8, int(np.ceil(sizes.high))), areas | {"larger_per_frame": sizes.strobes})
     sides = {"width_px": sizes.width, "height_px": sizes.height}
     yield Reason("min_width", _least_width(min(sizes.width, sizes.height)), sides)
-    yield Reason("max_aspect", round(max(2.5, 1.6 * sizes.aspect), 1), {"median_aspect": sizes.aspect})
+    yield Reason("max_aspect", round(max(2.5, 1.6 * sizes.aspect, _thin(sizes)), 1), {"median_aspect": sizes.aspect})
     yield from _kiss_reasons(sizes)
 
 
 def _least_width(side: float) -> int:
     """Of markers whose shorter side, px, is this: small ones may be a single pixel wide between two rows."""
     return 1 if side < 4 else 2 if side < 9 else 3
+
+
+def _thin(sizes: Sizes) -> float:
+    """Longer by shorter side of small markers that lie in a single row, with a pixel of room at both ends."""
+    return max(sizes.width, sizes.height) + 2 if _least_width(min(sizes.width, sizes.height)) == 1 else 1.0
 
 
 def _kiss_reasons(sizes: Sizes) -> Iterator[Reason]:

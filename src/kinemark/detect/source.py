@@ -44,7 +44,7 @@ def evenly(n_frames: int, n: int) -> NDArray[np.int64]:
 
 
 def spread(source: FrameSource, n: int) -> NDArray[np.uint8 | np.uint16]:
-    """At most n frames (n, H, W) of a recording, spread evenly; fewer where it ends early."""
+    """At most n frames (n, H, W) of a recording, spread evenly; fewer where it ends early, or their size changes."""
     wanted = evenly(source.n_frames, n)
     if isinstance(source, RandomAccess):
         return source.frames_at(wanted)
@@ -54,7 +54,7 @@ def spread(source: FrameSource, n: int) -> NDArray[np.uint8 | np.uint16]:
         first += len(batch)
         if first > wanted[-1]:
             break
-    return np.stack(found)
+    return np.stack([image for image in found if image.shape == found[0].shape]) if found else np.zeros((0, 1, 1), np.uint8)
 
 
 def ahead(source: FrameSource) -> Iterator[NDArray[np.uint8 | np.uint16]]:

@@ -1,8 +1,9 @@
 """Which threshold parts the markers of some images from their noise.
 
 With b the median of all pixels and σ the noise of the dark ones (`noise`), let N(c) be the number of groups of pixels
-brighter than b + c, in all the images together, that are no lone pixels (`specks`) and have a pixel brighter than b + 2 c: what noise and the texture of a background raise above a threshold is barely above it. Still, low
-thresholds find folds, reflections and glows that hold several markers together, and above the dimmest markers N falls
+brighter than b + c, in all the images together, that are no lone pixels (`specks`) and have a pixel brighter than
+b + 2 c: what noise and the texture of a background raise above a threshold is barely above it. Still, low thresholds
+find folds, reflections and glows that hold several markers together, and above the dimmest markers N falls
 one by one; between lies a stretch in which it hardly changes. So c runs over
 
     c_k = c_0 q^k,   c_0 = max(3 σ, 2 levels)                            (1)
@@ -19,8 +20,8 @@ which measures brightness so that photon noise is even, and prefers many markers
 under a change of threshold by which Matas, Chum, Urban and Pajdla 2002 find regions, here of all groups at once.
 
 The threshold is taken at 0.4 of the groups' median peak, or at half of the peak that only one in twenty is below, where
-that is less: small markers are dim where they lie between two pixels (3). That is low enough to leave the rim of a marker in its group, high
-enough to part it from its glow and from its neighbour. Where that lies outside the gap, it is moved to its upper end,
+that is less: small markers are dim where they lie between two pixels (3). That is low enough to leave the rim of a
+marker in its group, high enough to part it from its glow and from its neighbour. Where that lies outside the gap, it is moved to its upper end,
 at which even the dimmest marker has twice the contrast, or to a tenth inside its lower one.
 """
 
@@ -41,6 +42,7 @@ STEPS = 36  # thresholds that are tried, evenly in their logarithm; chosen for s
 MOST_RUNS = 200_000  # in all images; a threshold with more lies in the noise; chosen
 SHARE = 0.4  # of the peak's contrast; chosen: a little below half way, where the rim is
 
+CLEAR = 5.0  # standard deviations of noise that the threshold is above the ground at least; chosen
 DIM, HALF = 5, 0.5  # per cent of the peaks that are dimmer, and the share of their contrast; chosen
 
 
@@ -77,7 +79,7 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     low, high = contrasts[stretch[0]], contrasts[stretch[1]]
     peaks = _standing_out(images, b, low)[1] - b
     peak = float(np.median(peaks))
-    c = float(np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), min(1.1 * low, high), high))  # (3)
+    c = float(np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), min(max(1.1 * low, CLEAR * sigma), high), high))  # (3)
     return LevelGap(
         b, sigma, b + low, b + high, b + peak, top, b + c, len(_standing_out(images, b, c)[1]) / len(images)
     )

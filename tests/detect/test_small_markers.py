@@ -1,4 +1,4 @@
-"""Markers of a few pixels: found with what the recording teaches, with covariances that are true, and lone pixels are none."""
+"""Markers of a few pixels are found with what the recording teaches, errors are as stated, and lone pixels are none."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ class Fields:
 
 
 def filmed(diameter, *, seed, **optics):
-    """Fields of 752 × 291 px of 56 spheres 4.2 m away, and the places of their images (F, 56, 2) in lines of a field."""
+    """Fields of 752 × 291 px of 56 spheres 4.2 m away, and the places of their images (F, 56, 2) in its lines."""
     rng, light = np.random.default_rng(seed), Optics(**optics)
     camera = look_at("a", (0, -4200, 1000), (0, 0, 1000), focal_px=770, size=(752, 582))
     grid = np.stack(np.meshgrid(np.arange(-700, 701, 200.0), [0.0], np.arange(400, 1601, 200.0)), -1).reshape(-1, 3)

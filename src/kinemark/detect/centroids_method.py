@@ -19,7 +19,6 @@ BITS_16 = 257.0
 """How often the grey scale of 8 bits (white is 255) goes into that of 16 bits (65 535); by definition."""
 
 
-
 class Limits(NamedTuple):
     """Threshold, grey levels of 8 bits; areas, px² of white pixels; width, px; longer side by shorter."""
 
@@ -111,8 +110,8 @@ class Centroids(Method):
     @property
     def limits(self) -> Limits:
         """Threshold and limits of size, `USUAL` ones for what is left open."""
-        own = (getattr(self, name) for name in Limits._fields)
-        return Limits(*(usual if value is None else value for value, usual in zip(own, USUAL, strict=True)))
+        stated = {name: getattr(self, name) for name in Limits._fields}
+        return USUAL._replace(**{name: value for name, value in stated.items() if value is not None})
 
 
 def grey_scale(dtype: DTypeLike) -> float:

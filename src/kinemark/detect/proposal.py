@@ -65,9 +65,7 @@ class DetectionProposal:
     findings: tuple[Finding, ...]
 
 
-def propose(
-    images: Images | FrameSource, *, frames: int = FRAMES, inverted: bool | None = None
-) -> DetectionProposal:
+def propose(images: Images | FrameSource, *, frames: int = FRAMES, inverted: bool | None = None) -> DetectionProposal:
     """Parameters for images (n, H, W) or for what a camera recorded; of many frames, so many spread over all.
 
     Args:

@@ -54,7 +54,11 @@ def spread(source: FrameSource, n: int) -> NDArray[np.uint8 | np.uint16]:
         first += len(batch)
         if first > wanted[-1]:
             break
-    return np.stack([image for image in found if image.shape == found[0].shape]) if found else np.zeros((0, 1, 1), np.uint8)
+    return (
+        np.stack([image for image in found if image.shape == found[0].shape])
+        if found
+        else np.zeros((0, 1, 1), np.uint8)
+    )
 
 
 def ahead(source: FrameSource) -> Iterator[NDArray[np.uint8 | np.uint16]]:

@@ -79,7 +79,9 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     low, high = contrasts[stretch[0]], contrasts[stretch[1]]
     peaks = _standing_out(images, b, low)[1] - b
     peak = float(np.median(peaks))
-    c = float(np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), min(max(1.1 * low, CLEAR * sigma), high), high))  # (3)
+    c = float(
+        np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), min(max(1.1 * low, CLEAR * sigma), high), high)
+    )  # (3)
     return LevelGap(
         b, sigma, b + low, b + high, b + peak, top, b + c, len(_standing_out(images, b, c)[1]) / len(images)
     )

@@ -160,9 +160,7 @@ def frames_at(path: Path | str, info: VideoInfo, wanted: Sequence[int]) -> list[
     return [image for n, image in enumerate(decode_video(path, info)) if n in numbers]
 
 
-def _sought(
-    container: av.container.InputContainer, stream: av.VideoStream, n: int, path: Path | str
-) -> Image | None:
+def _sought(container: av.container.InputContainer, stream: av.VideoStream, n: int, path: Path | str) -> Image | None:
     """Frame n, by its time; None where times are not known."""
     rate, unit = stream.average_rate, stream.time_base
     if rate is None or unit is None:

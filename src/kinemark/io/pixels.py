@@ -34,7 +34,7 @@ INTERLEAVED = {
 
 
 def grey(frame: av.VideoFrame, where: str) -> Image:
-    """(H, W) uint8 or uint16 grey values of a frame; they may be the frame's own memory, which lives as long as they do.
+    """(H, W) uint8 or uint16 grey values of a frame, which may be the frame's own memory.
 
     Args:
         frame: as decoded.

@@ -21,8 +21,9 @@ under a change of threshold by which Matas, Chum, Urban and Pajdla 2002 find reg
 
 The threshold is taken at 0.4 of the groups' median peak, or at half of the peak that only one in twenty is below, where
 that is less: small markers are dim where they lie between two pixels (3). That is low enough to leave the rim of a
-marker in its group, high enough to part it from its glow and from its neighbour. Where that lies outside the gap, it is moved to its upper end,
-at which even the dimmest marker has twice the contrast, or to a tenth inside its lower one.
+marker in its group, high enough to part it from its glow and from its neighbour. Where that lies outside the
+gap, it is moved to its upper end, at which even the dimmest marker has twice the contrast, or to a tenth inside its
+lower one and 5 σ above the ground.
 """
 
 from __future__ import annotations

@@ -276,6 +276,12 @@ def test_a_sessions_cameras_are_asked_one_by_one_and_together(tmp_path):
     found = propose_detection(tmp_path)
     assert list(found) == ["all", "a", "b"] and found["all"].frames == 4
     assert found["b"].centroids.threshold < found["all"].centroids.threshold < found["a"].centroids.threshold
+    assert not found["a"].inverted
+    (tmp_path / "dark").mkdir()
+    (tmp_path / "dark" / "session.toml").write_text(
+        settings + '[detect]\ninverted = true\n[[trials]]\nname = "t"\nimages = "../{camera}_*.png"\n'
+    )
+    assert all(proposal.inverted for proposal in propose_detection(tmp_path / "dark").values())
     alone = propose_detection(tmp_path / "a_*.png")
     assert [asdict(p.centroids) for p in alone.values()] == [asdict(found["a"].centroids)]
     (tmp_path / "session.toml").write_text(

@@ -16,6 +16,7 @@ from .moments import Moments, measure, outline_centroids
 from .pixel_runs import find_runs
 from .saturation import without_clipped
 from .separate import separated
+from .specks import blurred
 from .stage import DETECT
 from .validity import judge, remove_noise
 
@@ -30,14 +31,14 @@ def detect_centroids(images: NDArray[np.uint8 | np.uint16], first: int, *, metho
         return _bright(images, first, method)
     white = np.iinfo(images.dtype).max
     bright = replace(method, inverted=False)
-    found = _bright(np.invert(images), first, bright, white - method.threshold * grey_scale(images.dtype))
+    found = _bright(np.invert(images), first, bright, white - method.limits.threshold * grey_scale(images.dtype))
     return found._replace(peak=white - found.peak)
 
 
 def _bright(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids, level: float | None = None) -> Blobs:
     """Bright markers; `level` is the threshold in the images' own grey levels where it is not the method's."""
     n, height, width = images.shape
-    threshold = np.floor(method.threshold * grey_scale(images.dtype) if level is None else level)
+    threshold = np.floor(method.limits.threshold * grey_scale(images.dtype) if level is None else level)
     tall = images.reshape(n * height, width)
     runs = find_runs(tall, threshold, most=MOST_RUNS if n > 1 else None)
     if len(runs.y) == MOST_RUNS and n > 1:  # bright frames: fewer at a time, for memory's sake
@@ -48,6 +49,7 @@ def _bright(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids
     groups = group_runs(runs, height=height, width=width)
     _check_number(groups, first, n, method)
     groups = remove_noise(groups, method=method)
+    groups = groups.keep(blurred(images, groups))
     ground, variance = background(images)
     if method.noise_sd is not None:
         variance = np.full_like(variance, max((method.noise_sd * grey_scale(images.dtype)) ** 2, ROUNDING))
@@ -97,5 +99,5 @@ def _check_number(groups: PixelGroups, first: int, n: int, method: Centroids) ->
     if counts.max(initial=0) > MOST_GROUPS:
         raise KinemarkError(
             f"Frame {first + counts.argmax()} of the images has {counts.max()} white groups of pixels at threshold "
-            f"{method.threshold:g}, wanted at most {MOST_GROUPS}: the threshold lies in the noise. Raise it."
+            f"{method.limits.threshold:g}, wanted at most {MOST_GROUPS}: the threshold lies in the noise. Raise it."
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -18,6 +19,20 @@ BITS_16 = 257.0
 """How often the grey scale of 8 bits (white is 255) goes into that of 16 bits (65 535); by definition."""
 
 
+class Limits(NamedTuple):
+    """Threshold, grey levels of 8 bits; areas, px² of white pixels; width, px; longer side by shorter."""
+
+    threshold: float
+    min_area: int
+    max_area: int
+    min_width: int
+    max_aspect: float
+
+
+USUAL = Limits(60.0, 4, 2000, 2, 2.5)
+"""Grey levels, px², px², px and a ratio, where nothing is said and no recording is there to learn from; chosen."""
+
+
 @dataclass(frozen=True, slots=True)
 class Centroids(Method):
     """Bright groups of pixels, each at its grey-weighted centroid.
@@ -29,21 +44,29 @@ class Centroids(Method):
     4095 / 257 = 15.9.
     """
 
-    threshold: float = parameter(
-        60.0, unit="grey levels", low=0, below=255,
-        meaning="pixels brighter than this are white; where inverted, pixels darker than this",
+    threshold: float | None = parameter(
+        None, unit="grey levels", low=0, below=255,
+        meaning="pixels brighter than this are white; where inverted, pixels darker than this; None: learned from each "
+        "camera's recording (60 for images without one)",
     )  # fmt: skip
-    min_area: int = parameter(4, unit="px²", low=1, meaning="markers with fewer white pixels are TOO_SMALL")
-    max_area: int = parameter(
-        2000, unit="px²", low=1, meaning="markers with more white pixels are TOO_LARGE (strobes, lamps, windows)"
-    )
-    min_width: int = parameter(
-        2, unit="px", low=1, meaning="groups narrower or lower than this are noise and leave no detection"
-    )
-    max_aspect: float = parameter(
-        2.5, unit=ONE, low=1, high=math.inf,
-        meaning="markers longer or wider than this many times the other side are NOT_ROUND; a field of interlaced "
-        "video halves the height of a round marker, hence the room",
+    min_area: int | None = parameter(
+        None, unit="px²", low=1,
+        meaning="markers with fewer white pixels are TOO_SMALL; None: learned from each camera's recording (else 4)",
+    )  # fmt: skip
+    max_area: int | None = parameter(
+        None, unit="px²", low=1,
+        meaning="markers with more white pixels are TOO_LARGE (strobes, lamps, windows); None: learned from each "
+        "camera's recording (else 2000)",
+    )  # fmt: skip
+    min_width: int | None = parameter(
+        None, unit="px", low=1,
+        meaning="groups narrower or lower than this are noise and leave no detection, nor do lone pixels without light "
+        "round them; None: learned from each camera's recording (else 2)",
+    )  # fmt: skip
+    max_aspect: float | None = parameter(
+        None, unit=ONE, low=1, high=math.inf,
+        meaning="markers longer or wider than this many times the other side are NOT_ROUND; None: learned from each "
+        "camera's recording (else 2.5: a field of interlaced video halves the height of a round marker)",
     )  # fmt: skip
     noise_sd: float | None = parameter(
         None, former="noise", unit="grey levels", low=0, high=math.inf,
@@ -82,7 +105,13 @@ class Centroids(Method):
 
     def check_together(self) -> None:
         """Refuse areas of which the least is greater than the greatest."""
-        check_areas(self.min_area, self.max_area)
+        check_areas(self.limits.min_area, self.limits.max_area)
+
+    @property
+    def limits(self) -> Limits:
+        """Threshold and limits of size, `USUAL` ones for what is left open."""
+        stated = {name: getattr(self, name) for name in Limits._fields}
+        return USUAL._replace(**{name: value for name, value in stated.items() if value is not None})
 
 
 def grey_scale(dtype: DTypeLike) -> float:

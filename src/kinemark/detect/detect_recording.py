@@ -18,6 +18,7 @@ from .blobs import Blobs, joined
 from .centroids_method import Centroids
 from .detect_frames import detect_frames
 from .frame_source import FrameSource, prefetched
+from .learning import learned
 from .levels import levelled
 from .masks import masked
 from .stage import DETECT
@@ -110,6 +111,7 @@ def _detect_camera(
     Raises:
         KinemarkError: more or fewer frames come than the source has announced, or see `detect_frames`.
     """
+    method = _for_camera(method, source)
     parts, first, size = [_none(0)], 0, None
     ready = None
     for images in prefetched(source):
@@ -118,7 +120,7 @@ def _detect_camera(
             _check_mask(mask, size, name)
         _check_size(images, size, first, name)
         if ready is None:  # nothing has stood out from the background so far, so there was no marker either
-            ready = _for_camera(method, images, source)
+            ready = levelled(method, images)
         parts.append(_detect_batch(source, images, first, name, ready, mask) if ready else _none(len(images)))
         first += len(images)
         tell(len(images))
@@ -130,12 +132,14 @@ def _detect_camera(
     return joined(parts)
 
 
-def _for_camera(method: Method, images: NDArray[np.uint8 | np.uint16], source: FrameSource) -> Method | None:
-    """The method with what it leaves to the camera: its level, and the form of markers in fields."""
-    if isinstance(method, Centroids) and method.aspect is None:
+def _for_camera(method: Method, source: FrameSource) -> Method:
+    """The method with what it leaves to the camera: threshold and sizes, and the form of markers in fields."""
+    if not isinstance(method, Centroids):
+        return method
+    if method.aspect is None:
         fields = source.v_offset(0) != source.v_offset(1)
         method = replace(method, aspect=0.5 if fields else 1.0)
-    return levelled(method, images)
+    return learned(method, source)
 
 
 def _none(frames: int) -> Blobs:

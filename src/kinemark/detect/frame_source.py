@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,38 @@ class FrameSource(Protocol):
     def v_offset(self, f: int, /) -> float:
         """What to add to v in frame f, px: half a line in every other field of interlaced video."""
         ...
+
+
+@runtime_checkable
+class RandomAccess(Protocol):
+    """A source that gives single frames without decoding all before them."""
+
+    def frames_at(self, wanted: NDArray[np.int64], /) -> NDArray[np.uint8 | np.uint16]:
+        """The frames (n, H, W) of these numbers (n), which rise."""
+        ...
+
+
+def evenly(n_frames: int, n: int) -> NDArray[np.int64]:
+    """Numbers of at most n frames of so many, spread evenly from the first to the last."""
+    return np.unique(np.linspace(0, n_frames - 1, min(n, n_frames)).astype(np.int64))
+
+
+def spread(source: FrameSource, n: int) -> NDArray[np.uint8 | np.uint16]:
+    """At most n frames (n, H, W) of a recording, spread evenly; fewer where it ends early, or their size changes."""
+    wanted = evenly(source.n_frames, n)
+    if isinstance(source, RandomAccess):
+        return source.frames_at(wanted)
+    found, first = [], 0
+    for batch in source.batches(BATCH):
+        found += [batch[k - first] for k in wanted.tolist() if first <= k < first + len(batch)]
+        first += len(batch)
+        if first > wanted[-1]:
+            break
+    return (
+        np.stack([image for image in found if image.shape == found[0].shape])
+        if found
+        else np.zeros((0, 1, 1), np.uint8)
+    )
 
 
 def prefetched(source: FrameSource) -> Iterator[NDArray[np.uint8 | np.uint16]]:

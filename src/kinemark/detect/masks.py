@@ -121,7 +121,8 @@ def _often_white(
     white, frames = None, 0
     for images in source.batches(BATCH):
         check_images(images)
-        level = method.threshold * grey_scale(images.dtype)
+        said = method.limits if isinstance(method, Centroids) else method
+        level = said.threshold * grey_scale(images.dtype)
         now = (images < level if method.inverted else images > level).sum(0)
         white, frames = now if white is None else white + now, frames + len(images)
     if white is None:

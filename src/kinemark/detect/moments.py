@@ -19,6 +19,15 @@ blurred marker, or a neighbour, cut through at radius r = √(A / π) + 1.5: it 
 that circle would. And pixels are squares: on sharp discs of 5, 8 and 12 px that leaves 0.0041, 0.0021 and
 0.0012 px, no more than 0.02 / diameter, and half of that at a blur of half a pixel.
 
+Pixels also sample small markers too coarsely. Light of variance s² px² along an axis, as of a Gaussian, that is sampled
+once a pixel has its centroid off by 4π s² exp(−2π² s²) sin 2πφ, where φ is its place in the pixel (the first term of
+Poisson's sum), which gives that axis the variance
+
+    (4π s² exp(−2π² s²))² / 2                                            (6)
+
+with s² from the second moments of w, and 1/(2π²) at least, where (6) is greatest. It is nothing to markers of 4 px; to
+the smallest ones, and to the lines of a field, it is all.
+
 The area is S / (peak − b) (5): a pixel at the rim counts by the share of it that is bright, so that the areas of one
 marker in several images agree within a per cent, where counts of white pixels would differ by five.
 """
@@ -98,7 +107,14 @@ def _covariance(
     moved[::2] += excess * sums.ring * (np.sqrt(area / np.pi) + 1.5) ** 2 / 2
     cov = moved / w.one**2
     cov[::2] += FLOOR / area  # (4)
+    cov[::2] += _undersampled(w.about(u, v)[::2] / w.one)
     return np.ascontiguousarray(cov[[0, 1, 1, 2]].T).reshape(-1, 2, 2)
+
+
+def _undersampled(spread: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(6) of markers whose light has these variances (2, G) px² along the axes."""
+    s2 = np.maximum(spread, 1 / (2 * np.pi**2))
+    return np.asarray((4 * np.pi * s2 * np.exp(-2 * np.pi**2 * s2)) ** 2 / 2)
 
 
 def _background(

@@ -16,16 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Finding, make_finding
-from .centroids_method import Centroids, check_images, grey_scale
-from .frame_source import FrameSource
+from .centroids_method import Centroids, Limits, check_images, grey_scale
+from .frame_source import FrameSource, evenly, spread
 from .kiss import KissNearest, KissScanning
 from .sizes import Sizes, marker_sizes
-from .stability import LevelGap, groups_above, marker_gap, peaks_of
+from .stability import LevelGap, marker_gap, peaks_of, real_groups
 
 Images = NDArray[np.uint8 | np.uint16]
 
 FRAMES = 12  # frames that a proposal looks at; chosen for speed
-BATCH = 16  # frames read in one go; chosen for memory
 WIDE_GAP = 1.3
 """Contrast at the gap's end by that at its beginning that is called clear; chosen."""
 MUCH = 0.1
@@ -66,23 +65,22 @@ class DetectionProposal:
     findings: tuple[Finding, ...]
 
 
-def propose(images: Images | FrameSource, *, frames: int = FRAMES) -> DetectionProposal:
+def propose(images: Images | FrameSource, *, frames: int = FRAMES, inverted: bool | None = None) -> DetectionProposal:
     """Parameters for images (n, H, W) or for what a camera recorded; of many frames, so many spread over all.
+
+    Args:
+        images: of one camera.
+        frames: how many are looked at.
+        inverted: whether markers are dark on bright ground; None: as the images say.
 
     Raises:
         ValueError: no frames, or they are no stack of grey images.
     """
     stack = _spread(images, frames)
     check_images(stack)
-    white = _white_level(stack)
-    gap, inverted = marker_gap(stack), False
-    negative = np.subtract(white, np.minimum(stack, white)).astype(stack.dtype)
-    if gap.background > 0.25 * white and _wider(dark := marker_gap(negative), gap):
-        stack, gap, inverted = negative, dark, True
-    sizes = None
-    if np.isfinite(gap.threshold):
-        groups = groups_above(stack, gap.threshold)
-        sizes = marker_sizes(groups, height=stack.shape[1], width=stack.shape[2], frames=len(stack))
+    white = white_level(stack)
+    stack, gap, inverted = _gap(stack, white, inverted)
+    sizes = _sizes(stack, gap)
     reasons = tuple(_reasons(gap, sizes, white, grey_scale(stack.dtype), inverted)) if sizes else ()
     return DetectionProposal(
         (stack.shape[2], stack.shape[1]),
@@ -97,24 +95,43 @@ def propose(images: Images | FrameSource, *, frames: int = FRAMES) -> DetectionP
     )
 
 
+def measured(images: Images, *, inverted: bool) -> tuple[Limits, Sizes] | None:
+    """What `propose` says of threshold and sizes, without the findings; None where there are no markers."""
+    white = white_level(images)
+    stack, gap, _ = _gap(images, white, inverted)
+    if (sizes := _sizes(stack, gap)) is None:
+        return None
+    values = {one.parameter: one.value for one in _reasons(gap, sizes, white, grey_scale(stack.dtype), inverted)}
+    return _methods(values, inverted)[0].limits, sizes
+
+
+def _sizes(stack: Images, gap: LevelGap) -> Sizes | None:
+    """Of the groups above the threshold, where there is one."""
+    if not np.isfinite(gap.threshold):
+        return None
+    groups = real_groups(stack, gap.threshold)
+    return marker_sizes(groups, height=stack.shape[1], width=stack.shape[2], frames=len(stack))
+
+
+def _gap(stack: Images, white: int, inverted: bool | None) -> tuple[Images, LevelGap, bool]:
+    """The images or their negative, the gap in these, and whether it is the negative."""
+    gap = marker_gap(stack)
+    if inverted is False or (inverted is None and gap.background <= 0.25 * white):
+        return stack, gap, False
+    negative = np.subtract(white, np.minimum(stack, white)).astype(stack.dtype)
+    dark = marker_gap(negative)
+    return (negative, dark, True) if inverted or _wider(dark, gap) else (stack, gap, False)
+
+
 def _spread(images: Images | FrameSource, frames: int) -> Images:
     """So many frames, spread evenly."""
     n = len(images) if isinstance(images, np.ndarray) else images.n_frames
     if n == 0 or frames < 1:
         raise ValueError(f"{frames} of {n} frames cannot be looked at, wanted at least one")
-    wanted = np.unique(np.linspace(0, n - 1, min(frames, n)).astype(int))
-    if isinstance(images, np.ndarray):
-        return images[wanted]
-    found, first = [], 0
-    for batch in images.batches(BATCH):
-        found += [batch[k - first] for k in wanted.tolist() if first <= k < first + len(batch)]
-        first += len(batch)
-        if first > wanted[-1]:
-            break
-    return np.stack(found)
+    return images[evenly(n, frames)] if isinstance(images, np.ndarray) else spread(images, frames)
 
 
-def _white_level(images: Images) -> int:
+def white_level(images: Images) -> int:
     """The brightest level that a camera of 8, 10, 12, 14 or 16 bits can give, whichever holds the images."""
     top = int(images.max())
     levels = (255,) if images.dtype == np.uint8 else (1023, 4095, 16383, 65535)
@@ -144,12 +161,22 @@ def _reasons(gap: LevelGap, sizes: Sizes, white: int, scale: float, inverted: bo
         },
     )
     areas = {"least_px2": sizes.least, "greatest_px2": sizes.greatest, "median_px2": sizes.area}
-    yield Reason("min_area", max(4, int(sizes.low)), areas | {"smaller_per_frame": sizes.specks})
+    yield Reason("min_area", max(1, int(sizes.low)), areas | {"smaller_per_frame": sizes.specks})
     yield Reason("max_area", max(8, int(np.ceil(sizes.high))), areas | {"larger_per_frame": sizes.strobes})
     sides = {"width_px": sizes.width, "height_px": sizes.height}
-    yield Reason("min_width", 2 if min(sizes.width, sizes.height) < 9 else 3, sides)
-    yield Reason("max_aspect", round(max(2.5, 1.6 * sizes.aspect), 1), {"median_aspect": sizes.aspect})
+    yield Reason("min_width", _least_width(min(sizes.width, sizes.height)), sides)
+    yield Reason("max_aspect", round(max(2.5, 1.6 * sizes.aspect, _thin(sizes)), 1), {"median_aspect": sizes.aspect})
     yield from _kiss_reasons(sizes)
+
+
+def _least_width(side: float) -> int:
+    """Of markers whose shorter side, px, is this: small ones may be a single pixel wide between two rows."""
+    return 1 if side < 4 else 2 if side < 9 else 3
+
+
+def _thin(sizes: Sizes) -> float:
+    """Longer by shorter side of small markers that lie in a single row, with a pixel of room at both ends."""
+    return max(sizes.width, sizes.height) + 2 if _least_width(min(sizes.width, sizes.height)) == 1 else 1.0
 
 
 def _kiss_reasons(sizes: Sizes) -> Iterator[Reason]:
@@ -221,7 +248,7 @@ def _findings(images: Images, white: int, gap: LevelGap, sizes: Sizes | None, in
     if sizes is not None and (much := _no_markers(images, gap, sizes)) > MUCH:
         yield make_finding("bright_without_markers", pixels_share=much)
     if sizes is not None and not inverted:
-        clipped = float((peaks_of(images, groups_above(images, gap.threshold)) >= white).mean())
+        clipped = float((peaks_of(images, real_groups(images, gap.threshold)) >= white).mean())
         if clipped > 0.3:
             yield make_finding("light_clipped", groups_share=clipped)
     if images.dtype == np.uint16 and white < 65535:
@@ -230,5 +257,5 @@ def _findings(images: Images, white: int, gap: LevelGap, sizes: Sizes | None, in
 
 def _no_markers(images: Images, gap: LevelGap, sizes: Sizes) -> float:
     """Share of the pixels that are above the threshold in groups of another size than markers have."""
-    area = groups_above(images, gap.threshold).area
+    area = real_groups(images, gap.threshold).area
     return float(area[(area < sizes.low) | (area > sizes.high)].sum() / images.size)

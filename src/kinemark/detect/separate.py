@@ -111,8 +111,8 @@ def _judged(blobs: Blobs, rows: NDArray[np.int64], shape: tuple[int, ...], metho
     beyond = (low < -0.5).any(1) | (high > np.array(shape[::-1]) - 0.5).any(1)
     known = np.sqrt(blobs.cov[rows][:, [0, 1], [0, 1]].max(1)) < method.max_edge_sd
     reasons = {
-        Validity.TOO_LARGE: blobs.area[rows] > method.max_area,
+        Validity.TOO_LARGE: blobs.area[rows] > method.limits.max_area,
         Validity.AT_EDGE: beyond & ~known,
-        Validity.TOO_SMALL: blobs.area[rows] < method.min_area,
+        Validity.TOO_SMALL: blobs.area[rows] < method.limits.min_area,
     }
     return np.select(list(reasons.values()), list(reasons), Validity.VALID).astype(np.uint8)

@@ -1,9 +1,9 @@
 """Which threshold parts the markers of some images from their noise.
 
 With b the median of all pixels and σ the noise of the dark ones (`noise`), let N(c) be the number of groups of pixels
-brighter than b + c, in all the images together, that are at least two pixels wide and high and have a pixel brighter
-than b + 2 c: what noise and the texture of a background raise above a threshold is barely above it. Still, low
-thresholds find folds, reflections and glows that hold several markers together, and above the dimmest markers N falls
+brighter than b + c, in all the images together, that are no lone pixels (`specks`) and have a pixel brighter than
+b + 2 c: what noise and the texture of a background raise above a threshold is barely above it. Still, low thresholds
+find folds, reflections and glows that hold several markers together, and above the dimmest markers N falls
 one by one; between lies a stretch in which it hardly changes. So c runs over
 
     c_k = c_0 q^k,   c_0 = max(3 σ, 2 levels)                            (1)
@@ -19,9 +19,11 @@ for n images, and N ≥ n / 2, the gap between noise and markers is the one with
 which measures brightness so that photon noise is even, and prefers many markers to a few strobes. It is the stability
 under a change of threshold by which Matas, Chum, Urban and Pajdla 2002 find regions, here of all groups at once.
 
-The threshold is taken at 0.4 of the groups' median peak (3): low enough to leave the rim of a marker in its group, high
-enough to part it from its glow and from its neighbour. Where that lies outside the gap, it is moved to its upper end,
-at which even the dimmest marker has twice the contrast, or to a tenth inside its lower one.
+The threshold is taken at 0.4 of the groups' median peak, or at half of the peak that only one in twenty is below, where
+that is less: small markers are dim where they lie between two pixels (3). That is low enough to leave the rim of a
+marker in its group, high enough to part it from its glow and from its neighbour. Where that lies outside the
+gap, it is moved to its upper end, at which even the dimmest marker has twice the contrast, or to a tenth inside its
+lower one and 5 σ above the ground.
 """
 
 from __future__ import annotations
@@ -35,10 +37,14 @@ from .background_noise import background
 from .grouping import PixelGroups, group_runs
 from .kiss.white import pixels_of
 from .pixel_runs import find_runs
+from .specks import blurred
 
 STEPS = 36  # thresholds that are tried, evenly in their logarithm; chosen for speed
 MOST_RUNS = 200_000  # in all images; a threshold with more lies in the noise; chosen
 SHARE = 0.4  # of the peak's contrast; chosen: a little below half way, where the rim is
+
+CLEAR = 5.0  # standard deviations of noise that the threshold is above the ground at least; chosen
+DIM, HALF = 5, 0.5  # per cent of the peaks that are dimmer, and the share of their contrast; chosen
 
 
 class LevelGap(NamedTuple):
@@ -72,19 +78,27 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     if stretch is None:
         return none
     low, high = contrasts[stretch[0]], contrasts[stretch[1]]
-    peak = float(np.median(_standing_out(images, b, low)[1])) - b
-    c = float(np.clip(SHARE * peak, min(1.1 * low, high), high))  # (3)
+    peaks = _standing_out(images, b, low)[1] - b
+    peak = float(np.median(peaks))
+    c = float(
+        np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), min(max(1.1 * low, CLEAR * sigma), high), high)
+    )  # (3)
     return LevelGap(
         b, sigma, b + low, b + high, b + peak, top, b + c, len(_standing_out(images, b, c)[1]) / len(images)
     )
 
 
 def groups_above(images: NDArray[np.uint8 | np.uint16], level: float) -> PixelGroups:
-    """Groups of pixels brighter than `level` in frames (n, H, W), at least two pixels wide and high."""
+    """Groups of pixels brighter than `level` in frames (n, H, W), lone pixels among them."""
     n, height, width = images.shape
     runs = find_runs(images.reshape(n * height, width), np.floor(level), most=MOST_RUNS)
-    groups = group_runs(runs, height=height, width=width)
-    return groups.keep((groups.right > groups.left) & (groups.bottom > groups.top))
+    return group_runs(runs, height=height, width=width)
+
+
+def real_groups(images: NDArray[np.uint8 | np.uint16], level: float) -> PixelGroups:
+    """Groups of pixels brighter than `level` in frames (n, H, W) without lone pixels."""
+    groups = groups_above(images, level)
+    return groups.keep(blurred(images, groups))
 
 
 def peaks_of(images: NDArray[np.uint8 | np.uint16], groups: PixelGroups) -> NDArray[np.float64]:
@@ -102,7 +116,9 @@ def _standing_out(images: NDArray[np.uint8 | np.uint16], b: float, c: float) -> 
     if len(groups.runs.y) > MOST_RUNS // 2:
         groups = groups.keep(np.zeros(len(groups.area), np.bool_))
     peak = peaks_of(images, groups)
-    return groups.keep(peak > b + 2 * c), peak[peak > b + 2 * c]
+    groups, peak = groups.keep(peak > b + 2 * c), peak[peak > b + 2 * c]
+    real = blurred(images, groups)
+    return groups.keep(real), peak[real]
 
 
 def _stable_stretch(c: NDArray[np.float64], numbers: NDArray[np.int64], n: int) -> tuple[int, int] | None:

@@ -17,8 +17,9 @@ from .grouping import PixelGroups
 
 def remove_noise(groups: PixelGroups, *, method: Centroids) -> PixelGroups:
     """Only the groups at least `min_width` wide and high."""
-    wide = groups.right - groups.left + 1 >= method.min_width
-    high = groups.bottom - groups.top + 1 >= method.min_width
+    least = method.limits.min_width
+    wide = groups.right - groups.left + 1 >= least
+    high = groups.bottom - groups.top + 1 >= least
     return groups.keep(wide & high)
 
 
@@ -28,11 +29,12 @@ def judge(groups: PixelGroups, *, height: int, width: int, method: Centroids) ->
     edge = (groups.left == 0) | (groups.right == width - 1)
     top = groups.frame * height
     edge |= (groups.top == top) | (groups.bottom == top + height - 1)
+    limits = method.limits
     reasons = {
-        Validity.NOT_ROUND: np.maximum(w, h) > method.max_aspect * np.minimum(w, h),
-        Validity.TOO_SMALL: groups.area < method.min_area,
+        Validity.NOT_ROUND: np.maximum(w, h) > limits.max_aspect * np.minimum(w, h),
+        Validity.TOO_SMALL: groups.area < limits.min_area,
         Validity.AT_EDGE: edge,
-        Validity.TOO_LARGE: groups.area > method.max_area,
+        Validity.TOO_LARGE: groups.area > limits.max_area,
     }
     validity = np.full(len(w), Validity.VALID, np.uint8)
     for reason, holds in reasons.items():  # the last one counts

@@ -81,7 +81,7 @@ def find_markers(
 
 def _white(image: NDArray[np.uint8 | np.uint16], method: Centroids) -> NDArray[np.bool_]:
     """(H, W) which pixels are white."""
-    level = method.threshold * grey_scale(image.dtype)
+    level = method.limits.threshold * grey_scale(image.dtype)
     return np.asarray(image < level if method.inverted else image > level)
 
 

@@ -36,18 +36,19 @@ def propose_detection(source: Path) -> dict[str, DetectionProposal]:
     if not names:
         raise KinemarkError("[cameras] names is empty. Name the cameras, so that their images can be found.")
     sources = open_cameras(session.root, session.settings, pattern, names)
-    found = {name: propose(images) for name, images in sources.items()}
-    return _together(sources) | found
+    said = getattr(session.settings.detect, "inverted", False) or None  # what the session does not say, images do
+    found = {name: propose(images, inverted=said) for name, images in sources.items()}
+    return _together(sources, said) | found
 
 
-def _together(sources: dict[str, ImageSource]) -> dict[str, DetectionProposal]:
+def _together(sources: dict[str, ImageSource], inverted: bool | None) -> dict[str, DetectionProposal]:
     """What the images of all cameras propose, for `[detect]` is one for all."""
     if len({source.size for source in sources.values()}) > 1 or len(sources) < 2:
         return {}
     each = max(2, -(-FRAMES // len(sources)))
     stacks = [_first_of_stretches(source, each) for source in sources.values()]
     stack = np.concatenate(stacks)
-    return {"all": propose(stack, frames=len(stack))}
+    return {"all": propose(stack, frames=len(stack), inverted=inverted)}
 
 
 def _first_of_stretches(source: ImageSource, n: int) -> np.ndarray:

@@ -18,11 +18,12 @@ from typing import Any, Literal
 
 import av
 import numpy as np
+from numpy.typing import NDArray
 
 from ..data import KinemarkError
 from .files import read_bytes, replacing
 from .pixels import MOST_PIXELS, Image, check_pixels, grey
-from .video import VideoInfo, decode_video, probe_video
+from .video import VideoInfo, decode_video, frames_at, probe_video
 
 Interlaced = Literal[False, "top", "bottom"]
 MAGIC = (
@@ -85,6 +86,24 @@ class ImageSource:
             top, bottom = image[0::2].copy(), image[1::2].copy()
             yield from (top, bottom) if self.interlaced == "top" else (bottom, top)
 
+    def frames_at(self, wanted: NDArray[np.int64]) -> Image:
+        """Frames (n, H, W) of these rising numbers (n), without decoding all before them.
+
+        Raises:
+            KinemarkError: as `frames`.
+        """
+        fields = 2 if self.interlaced else 1
+        numbers = np.unique(wanted // fields).tolist()
+        if self.video:
+            images = frames_at(self.paths[0], self.video, numbers)
+        else:
+            images = [*decode_images(tuple(self.paths[n] for n in numbers))]
+        if not self.interlaced:
+            return np.stack(images)
+        whole = dict(zip(numbers, images, strict=True))
+        first = int(self.interlaced == "bottom")
+        return np.stack([whole[f // 2][(f + first) % 2 :: 2] for f in wanted.tolist()])
+
     def batches(self, n: int) -> Iterator[Image]:
         """The frames, n at a time: (n, H, W), the last batch mostly shorter.
 
@@ -95,8 +114,13 @@ class ImageSource:
         if n < 1:
             raise ValueError(f"n is {n}, wanted at least 1")
         frames = self.frames()
-        while batch := list(islice(frames, n)):
-            yield np.stack(batch)
+        for first in frames:
+            batch = np.empty((n, *first.shape), first.dtype)
+            batch[0], found = first, 1
+            for image in islice(frames, n - 1):  # copied once, from where the decoder left it
+                batch[found] = image
+                found += 1
+            yield batch[:found]
 
 
 def open_images(pattern: Path | str, *, interlaced: Interlaced = False) -> ImageSource:

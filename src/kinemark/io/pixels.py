@@ -34,7 +34,7 @@ INTERLEAVED = {
 
 
 def grey(frame: av.VideoFrame, where: str) -> Image:
-    """(H, W) uint8 or uint16 grey values of a frame.
+    """(H, W) uint8 or uint16 grey values of a frame, which may be the frame's own memory.
 
     Args:
         frame: as decoded.
@@ -46,7 +46,8 @@ def grey(frame: av.VideoFrame, where: str) -> Image:
     name, bits = frame.format.name, frame.format.components[0].bits
     if PLANAR.fullmatch(name) or name in INTERLEAVED:
         step, first = INTERLEAVED.get(name, (1, 0))
-        return plane(frame, 16 if bits > 8 else 8)[:, first::step].copy()
+        samples = plane(frame, 16 if bits > 8 else 8)
+        return samples if step == 1 else samples[:, first::step].copy()
     if name in ("monow", "monob"):
         return np.asarray(frame.to_ndarray(format="gray"), np.uint8)
     if (frame.format.is_rgb or frame.format.has_palette) and bits in (8, 16):

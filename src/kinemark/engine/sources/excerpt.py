@@ -9,7 +9,7 @@ from itertools import islice
 import numpy as np
 
 from ...data import Analog, Detections, Events, Trial
-from ...data.array_types import GreyLevels
+from ...data.array_types import GreyLevels, Ints
 from ...io.images import ImageSource
 from .recording import Recording
 
@@ -32,6 +32,10 @@ class Excerpt:
         frames = islice(self.source.frames(), self.first, self.stop)
         while batch := list(islice(frames, n)):
             yield np.stack(batch)
+
+    def frames_at(self, wanted: Ints) -> GreyLevels:
+        """Frames (n, H, W) of these rising numbers within the excerpt."""
+        return self.source.frames_at(self.first + wanted)
 
     def v_offset(self, f: int) -> float:
         """What to add to v in frame f of the excerpt, px."""

@@ -1,0 +1,87 @@
+"""What a method leaves open, learned from the recording of one camera.
+
+Frames spread over the whole recording propose a threshold and limits of size (`proposal`). The threshold is taken as it
+is. Limits of size are only wide: a marker may be nearer, farther, half hidden or on another one in the frames that were
+not looked at. So areas begin at the lesser, and end at the greater, of the usual and the proposed limit (1), save where
+every other frame shows something larger than all markers, as strobes and lamps do: then they end between the two, no
+nearer than `NEARER` times the greatest marker (2).
+
+Frames in which nothing stands out are left aside. Where none shows any marker, the threshold is the usual share of the
+camera's white, or that far above bright ground (3), and limits are the usual ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .background_noise import background
+from .centroids_method import USUAL, Centroids, Limits, grey_scale
+from .frame_source import FrameSource, spread
+from .proposal import measured, white_level
+from .sizes import Sizes
+
+FRAMES = 12  # looked at in each recording; chosen for speed
+STANDS_OUT = 10.0  # standard deviations of noise that a frame's brightest pixel must be above the ground; chosen
+NEARER = 4.0  # times the area of the greatest marker seen: at half its distance; chosen
+OFTEN = 0.5  # larger things a frame that are lamps, and no markers on each other; chosen
+
+
+def learned(method: Centroids, source: FrameSource) -> Centroids:
+    """The method with a threshold and limits for what it leaves open, from the recording of a camera."""
+    own = {name: getattr(method, name) for name in Limits._fields}
+    if method.relative_threshold is not None or None not in own.values() or source.n_frames == 0:
+        return method  # a relative threshold is measured in the first frames that show something: `levels`
+    images = spread(source, FRAMES)
+    if not len(images):  # the recording ends before it begins, which is said where it is read
+        return method
+    found = learned_limits(images, inverted=method.inverted)
+    open_ones: dict[str, Any] = {name: value for name, value in found._asdict().items() if own[name] is None}
+    return replace(method, **_consistent(own, open_ones))
+
+
+def _consistent(own: dict[str, Any], open_ones: dict[str, Any]) -> dict[str, Any]:
+    """The learned values, areas no nearer than what is stated of the other limit."""
+    if "min_area" in open_ones and own["max_area"] is not None:
+        open_ones["min_area"] = min(open_ones["min_area"], own["max_area"])
+    if "max_area" in open_ones and own["min_area"] is not None:
+        open_ones["max_area"] = max(open_ones["max_area"], own["min_area"])
+    return open_ones
+
+
+def learned_limits(images: NDArray[np.uint8 | np.uint16], *, inverted: bool = False) -> Limits:
+    """Threshold and limits of size that frames (n, H, W) of one camera show."""
+    ground, variance = background(images)
+    brightest = images.min((1, 2)) if inverted else images.max((1, 2))
+    out = (ground - brightest if inverted else brightest - ground) > STANDS_OUT * np.sqrt(variance)
+    proposed = measured(images[out], inverted=inverted) if out.any() else None
+    if proposed is None:
+        return USUAL._replace(threshold=_usual_threshold(images, ground, variance, inverted))
+    return _wide(*proposed)
+
+
+def _wide(said: Limits, sizes: Sizes) -> Limits:
+    """The proposed threshold, and limits by (1) and (2)."""
+    lamps = sizes.strobes >= OFTEN
+    most = max(sizes.high, NEARER * sizes.greatest) if lamps else max(sizes.high, USUAL.max_area)  # (2), (1)
+    return Limits(
+        said.threshold,
+        min(said.min_area, USUAL.min_area),
+        int(np.ceil(most)),
+        min(said.min_width, USUAL.min_width),
+        max(said.max_aspect, USUAL.max_aspect),
+    )
+
+
+def _usual_threshold(
+    images: NDArray[np.uint8 | np.uint16], ground: NDArray[np.float64], variance: NDArray[np.float64], inverted: bool
+) -> float:
+    """(3), in grey levels of 8 bits."""
+    white = white_level(images)
+    share = USUAL.threshold * white / 255
+    b, far = float(np.median(ground)), STANDS_OUT * float(np.sqrt(np.median(variance)))
+    level = b - max(far, share / 2) if inverted else max(share, b + max(far, share / 2))
+    return float(np.clip(level / grey_scale(images.dtype), 0, 254.99))

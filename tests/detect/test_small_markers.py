@@ -105,3 +105,11 @@ def test_dark_markers_are_learned_from_the_negative():
     assert judged(found, 0, places)[0] >= 0.98
     proposed = propose(source.images, inverted=True)
     assert proposed.inverted and proposed.centroids.min_area <= 2 and proposed.centroids.min_width == 1
+
+
+def test_the_usual_threshold_stays_where_it_parts_noise_from_markers():
+    """A higher one, as many images would allow, cuts more of each marker away."""
+    bright, _ = filmed(25.0, seed=7)
+    assert learned_limits(np.stack(bright.images)).threshold == USUAL.threshold
+    dim, _ = filmed(14.0, seed=8, brightness=60.0)
+    assert learned_limits(np.stack(dim.images)).threshold < USUAL.threshold

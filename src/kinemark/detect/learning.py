@@ -1,10 +1,11 @@
 """What a method leaves open, learned from the recording of one camera.
 
-Frames spread over the whole recording propose a threshold and limits of size (`proposal`). The threshold is taken as it
-is. Limits of size are only wide: a marker may be nearer, farther, half hidden or on another one in the frames that were
-not looked at. So areas begin at the lesser, and end at the greater, of the usual and the proposed limit (1), save where
-every other frame shows something larger than all markers, as strobes and lamps do: then they end between the two, no
-nearer than `NEARER` times the greatest marker (2).
+Frames spread over the whole recording propose a threshold and limits of size (`proposal`). The threshold is the usual
+share of white, where that lies in the gap between noise and markers and below what is proposed, as a low threshold
+keeps more of each marker; else the proposed one. Limits of size are only wide: a marker may be nearer, farther, half
+hidden or on another one in the frames that were not looked at. So areas begin at the lesser, and end at the greater,
+of the usual and the proposed limit (1), save where every other frame shows something larger than all markers, as
+strobes and lamps do: then they end between the two, no nearer than `NEARER` times the greatest marker (2).
 
 Frames in which nothing stands out are left aside. Where none shows any marker, the threshold is the usual share of the
 camera's white, or that far above bright ground (3), and limits are the usual ones.
@@ -60,11 +61,15 @@ def learned_limits(images: NDArray[np.uint8 | np.uint16], *, inverted: bool = Fa
     proposed = measured(images[out], inverted=inverted) if out.any() else None
     if proposed is None:
         return USUAL._replace(threshold=_usual_threshold(images, ground, variance, inverted))
-    return _wide(*proposed)
+    said, sizes, gap = proposed
+    usual = USUAL.threshold * white_level(images) / 255
+    if not inverted and gap.low <= usual < gap.threshold:
+        said = said._replace(threshold=usual / grey_scale(images.dtype))
+    return _wide(said, sizes)
 
 
 def _wide(said: Limits, sizes: Sizes) -> Limits:
-    """The proposed threshold, and limits by (1) and (2)."""
+    """The threshold, and limits by (1) and (2)."""
     lamps = sizes.strobes >= OFTEN
     most = max(sizes.high, NEARER * sizes.greatest) if lamps else max(sizes.high, USUAL.max_area)  # (2), (1)
     return Limits(

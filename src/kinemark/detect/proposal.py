@@ -95,14 +95,14 @@ def propose(images: Images | FrameSource, *, frames: int = FRAMES, inverted: boo
     )
 
 
-def measured(images: Images, *, inverted: bool) -> tuple[Limits, Sizes] | None:
+def measured(images: Images, *, inverted: bool) -> tuple[Limits, Sizes, LevelGap] | None:
     """What `propose` says of threshold and sizes, without the findings; None where there are no markers."""
     white = white_level(images)
     stack, gap, _ = _gap(images, white, inverted)
     if (sizes := _sizes(stack, gap)) is None:
         return None
     values = {one.parameter: one.value for one in _reasons(gap, sizes, white, grey_scale(stack.dtype), inverted)}
-    return _methods(values, inverted)[0].limits, sizes
+    return _methods(values, inverted)[0].limits, sizes, gap
 
 
 def _sizes(stack: Images, gap: LevelGap) -> Sizes | None:

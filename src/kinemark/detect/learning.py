@@ -1,11 +1,11 @@
 """What a method leaves open, learned from the recording of one camera.
 
 Frames spread over the whole recording propose a threshold and limits of size (`proposal`). The threshold is the usual
-share of white, where that lies in the gap between noise and markers and below what is proposed, as a low threshold
-keeps more of each marker; else the proposed one. Limits of size are only wide: a marker may be nearer, farther, half
-hidden or on another one in the frames that were not looked at. So areas begin at the lesser, and end at the greater,
-of the usual and the proposed limit (1), save where every other frame shows something larger than all markers, as
-strobes and lamps do: then they end between the two, no nearer than `NEARER` times the greatest marker (2).
+share of white, where that lies in the gap between noise and markers and is not clearly above what is proposed, as a
+low threshold keeps more of each marker; else the proposed one. Limits of size are only wide: a marker may be nearer,
+farther, half hidden or on another one in the frames that were not looked at. So areas begin at the lesser, and end at
+the greater, of the usual and the proposed limit (1), save where every other frame shows something larger than all
+markers, as strobes and lamps do: then they end between the two, no nearer than `NEARER` times the greatest marker (2).
 
 Frames in which nothing stands out are left aside. Where none shows any marker, the threshold is the usual share of the
 camera's white, or that far above bright ground (3), and limits are the usual ones.
@@ -28,6 +28,7 @@ from .sizes import Sizes
 FRAMES = 12  # looked at in each recording; chosen for speed
 STANDS_OUT = 10.0  # standard deviations of noise that a frame's brightest pixel must be above the ground; chosen
 NEARER = 4.0  # times the area of the greatest marker seen: at half its distance; chosen
+NEAR = 0.75  # of the usual threshold, down to which a proposed one is no better; chosen
 OFTEN = 0.5  # larger things a frame that are lamps, and no markers on each other; chosen
 
 
@@ -63,7 +64,7 @@ def learned_limits(images: NDArray[np.uint8 | np.uint16], *, inverted: bool = Fa
         return USUAL._replace(threshold=_usual_threshold(images, ground, variance, inverted))
     said, sizes, gap = proposed
     usual = USUAL.threshold * white_level(images) / 255
-    if not inverted and gap.low <= usual < gap.threshold:
+    if not inverted and gap.low <= usual < min(gap.high, gap.threshold / NEAR):
         said = said._replace(threshold=usual / grey_scale(images.dtype))
     return _wide(said, sizes)
 

@@ -23,7 +23,7 @@ from kinemark.digitise import (
     result,
     words,
 )
-from kinemark.digitise.machine import expected
+from kinemark.digitise.search import expected
 from kinemark.geometry import project_all
 from support.eating import CENTRE, SIZE, laboratory
 from support.pointing import RADIUS, Shown, U, film, image, method, run, straight

@@ -1,11 +1,12 @@
 """What a method leaves open, learned from the recording of one camera.
 
 Frames spread over the whole recording propose a threshold and limits of size (`proposal`). The threshold is the usual
-share of white, where that lies in the gap between noise and markers or so little above it that even the dimmest marker
-stands out clearly (`ABOVE`); else the proposed one. Limits of size are only wide: a marker may be nearer, farther, half
-hidden or on another one in the frames that were not looked at. So areas begin at the lesser, and end at the greater,
-of the usual and the proposed limit (1), save where every other frame shows something larger than all markers, as
-strobes and lamps do: then they end between the two, no nearer than `NEARER` times the greatest marker (2).
+share of white, where that lies in the gap between noise and markers, or barely above its end (`ABOVE`), and is not
+clearly above what is proposed, as a low threshold keeps more of each marker; else the proposed one. Limits of size are
+only wide: a marker may be nearer, farther, half hidden or on another one in the frames that were not looked at. So
+areas begin at the lesser, and end at the greater, of the usual and the proposed limit (1), save where every other frame
+shows something larger than all markers, as strobes and lamps do: then they end between the two, no nearer than `NEARER`
+times the greatest marker (2).
 
 Frames in which nothing stands out are left aside. Where none shows any marker, the threshold is the usual share of the
 camera's white, or that far above bright ground (3), and limits are the usual ones.
@@ -28,8 +29,9 @@ from .sizes import Sizes
 FRAMES = 12  # looked at in each recording; chosen for speed
 STANDS_OUT = 10.0  # standard deviations of noise that a frame's brightest pixel must be above the ground; chosen
 NEARER = 4.0  # times the area of the greatest marker seen: at half its distance; chosen
-OFTEN = 0.5  # share of frames with larger things that are lamps, and no markers on each other or nearer; chosen
+NEAR = 0.75  # of the usual threshold, down to which a proposed one is no better; chosen
 ABOVE = 1.1  # times the contrast of the gap's end, where the dimmest marker has twice that; chosen
+OFTEN = 0.5  # share of frames with larger things that are lamps, and no markers on each other or nearer; chosen
 
 
 def learned(method: Centroids, source: FrameSource) -> Centroids:
@@ -64,7 +66,8 @@ def learned_limits(images: NDArray[np.uint8 | np.uint16], *, inverted: bool = Fa
         return USUAL._replace(threshold=_usual_threshold(images, ground, variance, inverted))
     said, sizes, gap = proposed
     usual = USUAL.threshold * white_level(images) / 255
-    if not inverted and gap.low <= usual <= gap.background + ABOVE * (gap.high - gap.background):
+    end = gap.background + ABOVE * (gap.high - gap.background)
+    if not inverted and gap.low <= usual < min(end, gap.threshold / NEAR):
         said = said._replace(threshold=usual / grey_scale(images.dtype))
     return _wide(said, sizes)
 

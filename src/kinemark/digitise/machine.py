@@ -9,24 +9,9 @@ machine does so by itself, frame by frame.
        s = r − r₀                                                        (1)
 
    and places without the shift are c = u − s (2). Where it is not present, s is that of the frame before.
-2. **The others** are expected where a straight line through the latest two places takes them, in the image at
-
-       p = c₂ + (c₂ − c₁) (f − f₂) / (f₂ − f₁) + s                       (3)
-
-   With `history` 2 these are the two frames before, f₂ = f − 1 and f₁ = f − 2, and a marker that was not in both is not
-   looked for.
-3. **The search** takes the white pixel nearest to p on a square of 5 × 5, which grows to 10 × 10, 15 × 15 and so on up
-   to 50 × 50 (4). Of all pairs of a marker and an image that a square holds, the nearest is settled first, and an
-   image serves one marker (5): a hidden marker so does not take the image of a visible neighbour, which claims its
-   own in a smaller square. UM²AS does not say what it does there. Where two images run together and part again the
-   wrong one may be the nearer. So with d the distance of centroids from p, marker m is **ambiguous** about its image i,
-   and asked for, if another image j that is nobody's, or that of marker n, has
-
-       d_mj < k d_mi   or   d_mj + d_ni < k (d_mi + d_nj)               (6)
-
-   with k the parameter `clear`.
-4. **What was not found is asked for**, in the order of the markers. "Not present" is an answer.
-5. **The operator looks at the frame** and accepts it, or goes through it marker by marker; a wrong place is put where
+2. **The others** are expected on a straight line through their latest two places, and looked for there (`search`).
+3. **What was not found is asked for**, in the order of the markers. "Not present" is an answer.
+4. **The operator looks at the frame** and accepts it, or goes through it marker by marker; a wrong place is put where
    the cursor is. Only an accepted frame is saved. Any saved frame can be looked at again and changed.
 
 A state is a value and `advance` makes the next one of it and an answer, so that taking an answer back is having the
@@ -45,6 +30,7 @@ from numpy.typing import NDArray
 from ..data.answers import Absent, Accept, Answer, ByHand, No, Point, Revisit, Undo, Verify, Yes
 from ..data.array_types import Floats
 from .image_markers import ImageMarkers, clicked, nearest_free
+from .search import constant_place, expected, images_taken, searched, shift_of
 from .semi_automatic import FIRST, SemiAutomatic
 from .state import (
     AskedQuestion,
@@ -255,7 +241,7 @@ def _taken(state: DigitisingState, proposal: PlaceProposal, reason: str) -> Digi
 def _verified(state: DigitisingState, method: SemiAutomatic) -> DigitisingState:
     """On to the next marker, or back to the whole frame; the reference marker's place may have changed the shift."""
     last = state.marker == len(method.markers) - 1
-    state = replace(state, draft=replace(state.draft, shift=_shift(state, method)))
+    state = replace(state, draft=replace(state.draft, shift=shift_of(state, method)))
     return replace(
         state, phase=DigitisingPhase.REVIEW if last else DigitisingPhase.VERIFY, marker=-1 if last else state.marker + 1
     )
@@ -281,7 +267,7 @@ def _go_on(
         if proposal is None or not method.take_proposals:
             return replace(state, proposal=proposal)
         state = _taken(state, proposal, "unasked")
-    draft = replace(state.draft, shift=_shift(state, method))
+    draft = replace(state.draft, shift=shift_of(state, method))
     return replace(state, draft=draft, phase=DigitisingPhase.REVIEW, marker=-1)
 
 
@@ -291,110 +277,15 @@ def _reference(state: DigitisingState, images: ImageSource, method: SemiAutomati
     if r >= 0 and state.draft.found[r] == MarkerStatus.OPEN:
         refused = AskedQuestion(state.frame, r, "reference", False) in state.asked[-1:]
         state = replace(state, marker=r)
-        near = nearest_free(image_markers, _constant(state, method), free=image_markers.usable, side=method.grid)
+        near = nearest_free(image_markers, constant_place(state, method), free=image_markers.usable, side=method.grid)
         if near is None or refused:
             return state
         state = replace(state, draft=state.draft.put(r, image_markers.uv[near[1]], MarkerStatus.AUTOMATIC))
         if method.confirm_reference:
             return replace(state, phase=DigitisingPhase.REFERENCE)
-    draft = replace(state.draft, shift=_shift(state, method))
+    draft = replace(state.draft, shift=shift_of(state, method))
     state = replace(state, draft=draft, searched=True)
     return replace(state, draft=searched(draft, expected(state, method), image_markers, method))
-
-
-def searched(
-    draft: DigitisedFrame, places: Floats, image_markers: ImageMarkers, method: SemiAutomatic
-) -> DigitisedFrame:
-    """The frame with the markers found about the places (M, 2) px where they are expected, by (4), (5) and (6)."""
-    free = image_markers.usable & ~images_taken(draft, image_markers)
-    image_of: dict[int, int] = {}
-    for k in range(1, method.expansions + 1):
-        while True:
-            pairs = []
-            for m in np.flatnonzero(draft.found == MarkerStatus.OPEN):
-                near = nearest_free(image_markers, places[m], free=free, side=method.grid * k)
-                if near is not None:
-                    pairs.append((*near, int(m)))
-            if not pairs:
-                break
-            _, image, marker = min(pairs)  # (5)
-            draft = draft.put(marker, image_markers.uv[image], MarkerStatus.AUTOMATIC)
-            free[image] = False
-            image_of[marker] = image
-    for ambiguous in _ambiguous(image_of, places, image_markers, free, method):
-        draft = draft.put(ambiguous, None, MarkerStatus.AMBIGUOUS)
-    return draft
-
-
-def _ambiguous(
-    image_of: dict[int, int],
-    places: Floats,
-    image_markers: ImageMarkers,
-    free: NDArray[np.bool_],
-    method: SemiAutomatic,
-) -> list[int]:
-    """The markers of those found, each with its image, that (6) holds for; `free` (B) images are nobody's."""
-    owner = {image: m for m, image in image_of.items()}
-    reach, k = method.grid * method.expansions / 2, method.ambiguity_ratio
-    found = []
-    for m, i in image_of.items():
-        away = np.hypot(*(image_markers.uv - places[m]).T)
-        near = [int(j) for j in np.flatnonzero(np.abs(image_markers.uv - places[m]).max(1) <= reach) if j != i]
-        alone = [j for j in near if free[j] and away[j] < k * away[i]]
-        both = [
-            j
-            for j in near
-            if j in owner and _swappable(away[j], away[i], image_markers.uv[[i, j]], places[owner[j]], k)
-        ]
-        if k > 1 and (alone or both):
-            found.append(m)
-    return found
-
-
-def _swappable(other: float, own: float, uv: Floats, place: Floats, k: float) -> bool:
-    """The second of (6): d_mj, d_mi, the images i and j (2, 2), and where n is expected (2,)."""
-    swapped, kept = np.hypot(*(uv - place).T)
-    return bool(other + swapped < k * (own + kept))
-
-
-def images_taken(draft: DigitisedFrame, image_markers: ImageMarkers) -> NDArray[np.bool_]:
-    """(B) which markers of the image serve one of the frame already."""
-    uv = draft.uv[np.isfinite(draft.uv[:, 0])]
-    return np.asarray((np.abs(image_markers.uv[:, None] - uv).max(-1, initial=0.0) < 1e-9).any(1))
-
-
-def expected(state: DigitisingState, method: SemiAutomatic) -> Floats:
-    """(M, 2) px where markers are expected in the present frame by (3); NaN where too little is known of one."""
-    first = max(state.frame - method.history, 0)
-    past = [(f, s) for f, s in enumerate(state.saved[first : state.frame], first) if s is not None]
-    out = np.full((len(method.markers), 2), np.nan)
-    for m in range(len(out)):
-        seen = [(f, s.uv[m] - s.shift) for f, s in past if np.isfinite(s.uv[m]).all()]  # (2)
-        if len(seen) >= 2 and m != method.fixed:
-            (f1, c1), (f2, c2) = seen[-2:]
-            out[m] = c2 + (c2 - c1) * (state.frame - f2) / (f2 - f1) + state.draft.shift  # (3)
-    if method.fixed >= 0:
-        out[method.fixed] = _constant(state, method)
-    return out
-
-
-def _constant(state: DigitisingState, method: SemiAutomatic) -> Floats:
-    """(2,) px where the reference marker is without a shift; NaN where nobody said it yet."""
-    if state.constant is not None:
-        return state.constant
-    first = state.saved[0] if state.frame else state.draft
-    return np.full(2, np.nan) if first is None else first.uv[method.fixed]
-
-
-def _shift(state: DigitisingState, method: SemiAutomatic) -> Floats:
-    """(2,) px by (1)."""
-    if method.fixed < 0:
-        return np.zeros(2)
-    shift = state.draft.uv[method.fixed] - _constant(state, method)
-    if np.isfinite(shift).all():
-        return shift
-    before = state.saved[state.frame - 1] if state.frame else None
-    return np.zeros(2) if before is None else before.shift
 
 
 def _proposed(
@@ -403,6 +294,6 @@ def _proposed(
     """What other cameras say of the marker asked for; they do not see the reference marker as it shifts."""
     if proposer is None or state.marker == method.fixed:
         return None
-    image_markers, shift = images(state.frame), _shift(state, method)
+    image_markers, shift = images(state.frame), shift_of(state, method)
     free = image_markers.usable & ~images_taken(state.draft, image_markers)
     return proposer(state.frame, state.marker, shift, expected(state, method)[state.marker], image_markers, free)

@@ -7,9 +7,9 @@ what u loses counts too:
 
 and b may be "none", worth 0. All through the trial, exchanges of whole labels must lose as well: x_a is the least that
 an exchange with a loses (`exchange` (1)). Pairs are not independent, so that neither is a logarithm of odds. The odds are
-measured: with f = e(t, a) over what the template expects, n the neighbours' expected nats and w independent frames,
+measured: with f = e(t, a) over what the template expects, F the same of the whole trial, and w independent frames,
 
-    logit p = β · (1, log(1 + m), log(1 + x), min(f, 1), log w)                                                   (2)
+    logit p = β · (1, log(1 + m), log(1 + x), min(f, 1), log w, min(F, 1))                                        (2)
 """
 
 from __future__ import annotations
@@ -25,20 +25,23 @@ from .stretches import Stretches
 from .sweeps import Floats, evidence, expectation, places
 from .template import Template
 
-BETA = (-9.0, 1.5, 0.5, 6.0, 0.5)
+BETA = (-7.0, 1.1, 0.9, 4.0, 0.0, 0.0)
 """Of (2); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
 
 
 class Margins(NamedTuple):
-    """Of T tracks: m, x (nats), f; the runner-up's label, −1 where it is none; NaN and −1 for tracks without label."""
+    """Of T tracks: m, x (nats), f; the runner-up's label, −1 for none; NaN and −1 for tracks without label; F."""
 
     track: Floats
     exchange: Floats
     fit: Floats
     runner_up: Ints
+    trial_fit: float
 
 
-def margins(stretches: Stretches, label: Ints, template: Template, pairs: PairScore) -> Margins:
+def margins(
+    stretches: Stretches, label: Ints, template: Template, pairs: PairScore, trial_fit: float
+) -> Margins:
     """Of each track with a label."""
     nats = evidence(stretches, label, pairs)
     named = np.flatnonzero(label >= 0)
@@ -55,7 +58,7 @@ def margins(stretches: Stretches, label: Ints, template: Template, pairs: PairSc
     whole = _exchanges(stretches, label, template, pairs)
     exchange = np.full(len(label), np.nan)
     exchange[named] = whole[label[named]]
-    return Margins(track, exchange, fit, runner_up)
+    return Margins(track, exchange, fit, runner_up, trial_fit)
 
 
 def _overlap(stretches: Stretches, label: Ints, named: Ints, nats: Floats) -> Floats:
@@ -84,10 +87,10 @@ def _exchanges(stretches: Stretches, label: Ints, template: Template, pairs: Pai
 
 
 def features(found: Margins, weight: Floats) -> Floats:
-    """(T, 5) of (2)."""
+    """(T, 6) of (2)."""
     ones = np.ones(len(weight))
     track, exchange = (np.log1p(np.maximum(part, 0.0)) for part in (found.track, found.exchange))
-    return np.stack([ones, track, exchange, np.clip(found.fit, -1.0, 1.0), np.log(weight)], axis=1)
+    return np.stack([ones, track, exchange, np.clip(found.fit, -1.0, 1.0), np.log(weight), ones * min(found.trial_fit, 1.0)], axis=1)
 
 
 def probability(found: Margins, weight: Floats, beta: NDArray[np.float64] | tuple[float, ...] = BETA) -> Floats:

@@ -1,0 +1,9 @@
+"""Tracks become markers: names from a subject's template, each with a probability."""
+
+from .distances import Distances
+from .label import label
+from .labels import Labels, named
+from .stage import LABEL
+from .template import Template, learn_template
+
+__all__ = ["LABEL", "Distances", "Labels", "Template", "label", "learn_template", "named"]

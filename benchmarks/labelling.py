@@ -275,7 +275,7 @@ def fitted(rows_of: list[Row], pieces: list[int], seeds: list[int]) -> NDArray[n
                 own = number >= 0
                 X.append(features(about, stretches.weight)[own])
                 y.append(np.array([row.fits and a == b for a, b in zip(found.names, truth, strict=True)])[own])
-                w.append(np.full(own.sum(), 1 / own.sum()))
+                w.append(np.full(own.sum(), 1 / max(own.sum(), 1)))
     x, right, weight = np.concatenate(X), 2.0 * np.concatenate(y) - 1, np.concatenate(w)
 
     def loss(beta: NDArray[np.float64]) -> float:

@@ -8,7 +8,7 @@ import kinemark
 from kinemark import digitise, geometry
 from kinemark.digitise import OtherViews, propose
 from kinemark.geometry.weighted_points import usable_points, weighted_points
-from kinemark.label import label, learn_template, named
+from kinemark.label import find_exchanges, label, learn_template, named
 from kinemark.match import MATCH, NearestEpipolar
 from kinemark.reconstruct import RECONSTRUCT, LeastSquares
 from kinemark.track import TRACK, Swamidas, blend, swamidas, track, within_volume, without_short
@@ -141,9 +141,11 @@ def _(by):
     return Answer(rest=kinemark.score(moved(tracks(), by), walk().xyz[:, :60] + by))
 
 
-@law(learn_template, label, named, share=1e-6)
+@law(learn_template, label, named, find_exchanges, share=1e-6)
 def _(by):
     """Places are float32 about one of the points."""
     learnt, seen = learn_template(moved(trial(gaps=False), by)), moved(trial(), by)
     found = label(seen, learnt)
-    return Answer(named(seen, found).xyz, (learnt, found))
+    first, second = seen.paths[:2]
+    turned = replace(first, name=second.name), replace(second, name=first.name), *seen.paths[2:]
+    return Answer(named(seen, found).xyz, (learnt, found, find_exchanges(replace(seen, paths=turned), learnt)))

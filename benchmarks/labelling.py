@@ -2,14 +2,14 @@
 
     python benchmarks/labelling.py [part of a row's name …] [--pieces 1 15] [--seeds 1 2] [--fit]
 
-Real trials come from KINEMARK_DATA (default ../shared/data); those that are absent are left out. Each marker is one track
-or is cut at random into 15; 2 ghosts a frame of 3 to 40 frames each are added, and all are shuffled. For each row: samples
-with the right name, with a wrong one, and not sure, in % of all that markers have (a name that is not sure counts as none);
-ghosts that have a sure name, in % of their samples; right and wrong if all names were taken; fit; CPU s. Below stands how
-often names are right by their probability, over the rows on which the probability was tuned, and over the others.
+Real trials come from KINEMARK_DATA (default ../shared/data); those that are absent are left out. Each marker is
+one track or is cut at random into 15; 2 ghosts a frame of 3 to 40 frames each are added, and all are shuffled. For each
+row: samples with the right name, with a wrong one, and not sure, in % of all that markers have (a name that is not sure
+counts as none); ghosts that have a sure name, in % of their samples; right and wrong if all names were taken; fit; CPU
+s. Below stands how often names are right by their probability, over the rows on which it was tuned, and over the others.
 
-References mended: LWRA and LWRB are exchanged in all three files of HC030A (the wrist of the left side has the handedness of
-the right one's); RHLX and RNAV are exchanged in HC032A18 from about frame 150 on.
+References mended: LWRA and LWRB are exchanged in all three files of HC030A (the left wrist has the handedness of the
+right one); RHLX and RNAV are exchanged in HC032A18 from about frame 200 on.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from __future__ import annotations
 import argparse
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -38,11 +39,22 @@ from kinemark.label.stretches import stretches_of
 from kinemark.synth import walking, with_markers
 
 ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data")) / "mocap3d"
-TUNED = ("HC030A05", "HC002D", "HC031A", "prone", "whole body static", "walker 15 seed 1", "other child HC002D", "wrong: child")
+TUNED = (
+    "HC030A05",
+    "HC002D",
+    "HC031A",
+    "prone",
+    "whole body static",
+    "walker 15 seed 1",
+    "other child HC002D",
+    "wrong: child",
+)
 """Rows by whose names the probability was tuned, and all parameters with them; the others are checks."""
-CHILD = """LFHD LBHD RFHD RBHD C7 T2 T6 T10 T12 RBAK CLAV STRN LSHO LELB LWRA LWRB LFIN RSHO RELB RWRA RWRB RFIN SACR RASI
+MARKERS_OF_CHILD = """
+    LFHD LBHD RFHD RBHD C7 T2 T6 T10 T12 RBAK CLAV STRN LSHO LELB LWRA LWRB LFIN RSHO RELB RWRA RWRB RFIN SACR RASI
     LASI LTHI LKNE LHFB LTUB LTIB LSHN LANK LHEE LCPG LLCA LSTL LNAV LP1M LP5M LD5M LTOE LHLX RTHI RKNE RHFB RTUB RTIB
-    RSHN RANK RHEE RCPG RLCA RSTL RNAV RP1M RP5M RD5M RTOE RHLX""".split()
+    RSHN RANK RHEE RCPG RLCA RSTL RNAV RP1M RP5M RD5M RTOE RHLX"""
+CHILD = tuple(MARKERS_OF_CHILD.split())
 SIDE = {
     "thigh": "THI KNE THAP HTAD THAD KNM",
     "shank": "HFB TUB TIB SHN ANK TIAP TIAD KNE KNM MED",
@@ -59,7 +71,7 @@ SEGMENTS = {name: markers.split() for name, markers in BODY.items()} | {
     f"{side} {name}": [side + marker for marker in markers.split()] for side in "LR" for name, markers in SIDE.items()
 }
 STATIC = 0.14
-"""Relative spread of distances that a static trial does not show (published for none; as `docs/theory/label.md`)."""
+"""Relative spread of distances that a static trial does not show ; chosen, see docs/theory/label.md."""
 OTHER = 0.06
 """Of distances of one child in another, scaled by height; chosen."""
 
@@ -93,15 +105,13 @@ def _mended_foot(trial: Trajectories) -> Trajectories:
     )
 
 
-def only(trial: Trajectories, names: list[str]) -> Trajectories:
+def only(trial: Trajectories, names: Sequence[str]) -> Trajectories:
     """Those of the markers that the trial has."""
     return trial.select([name for name in names if name in trial.names])
 
 
-def shredded(
-    trial: Trajectories, pieces: int, ghosts: float, seed: int
-) -> tuple[Trajectories, tuple[str | None, ...]]:
-    """Tracks without names, each marker in so many pieces, with `ghosts` a frame; and whose each is, None for ghosts."""
+def shredded(trial: Trajectories, pieces: int, ghosts: float, seed: int) -> tuple[Trajectories, tuple[str | None, ...]]:
+    """Tracks without names, each marker in `pieces`, `ghosts` a frame; and whose each is, None for ghosts."""
     rng, F = np.random.default_rng(seed), trial.n_frames
     parts: list[tuple[NDArray[np.float64], str | None]] = []
     for path in trial:
@@ -177,7 +187,11 @@ def static_trials() -> Iterator[Row]:
     gait, move = read("qualisys_gait/Gait - CGM2 1.c3d"), read("pig_wholebody/Movement_trial.c3d")
     body = _whole_body()
     for name, static, trial in (
-        ("HC030A static", only(read("pig_gait_child/HC030A01.c3d"), CHILD), only(read("pig_gait_child/HC030A22.c3d"), CHILD)),
+        (
+            "HC030A static",
+            only(read("pig_gait_child/HC030A01.c3d"), CHILD),
+            only(read("pig_gait_child/HC030A22.c3d"), CHILD),
+        ),
         ("qualisys static", read("qualisys_gait/Static - CGM2 1.c3d"), gait),
         ("whole body static", body, only(move, list(body.names))),
     ):
@@ -249,7 +263,7 @@ def reliability(results: list[Result]) -> list[str]:
     """A line a bin: names, mean probability, share right; by tracks and by samples."""
     p, good, n = (np.concatenate([getattr(one, name) for one in results]) for name in ("p", "good", "samples"))
     lines = []
-    for low, high in zip(BINS, BINS[1:], strict=False):
+    for low, high in pairwise(BINS):
         own = (p >= low) & (p < high)
         if own.any():
             by_sample = (good[own] * n[own]).sum() / n[own].sum()
@@ -279,7 +293,9 @@ def fitted(rows_of: list[Row], pieces: list[int], seeds: list[int]) -> NDArray[n
     x, right, weight = np.concatenate(X), 2.0 * np.concatenate(y) - 1, np.concatenate(w)
 
     def loss(beta: NDArray[np.float64]) -> float:
-        return float((weight * np.logaddexp(0, -right * (x @ beta))).sum() / weight.sum() + 1e-4 * (beta[1:] ** 2).sum())
+        return float(
+            (weight * np.logaddexp(0, -right * (x @ beta))).sum() / weight.sum() + 1e-4 * (beta[1:] ** 2).sum()
+        )
 
     return np.asarray(scipy.optimize.minimize(loss, np.zeros(x.shape[1])).x)
 

@@ -97,7 +97,7 @@ def test_exchanged_markers_are_found_by_moves_of_whole_labels():
 
 
 def test_names_join_pieces_and_keep_the_others():
-    tracks, truth = shredded(walk(7), 3, 2.0, 5)
+    tracks, _ = shredded(walk(7), 3, 2.0, 5)
     found = label(tracks, template())
     whole = named(tracks, found)
     taken = {name for name, state in zip(found.names, found.state, strict=True) if state == "sure"}

@@ -29,7 +29,7 @@ def assert_same(a, b, factor=1.0):
 
 @pytest.mark.parametrize(
     ("change", "factor"),
-    [(lambda x: x + [1e5, -2e5, 3e4], 1.0), (lambda x: x @ TURN, 1.0), (lambda x: 0.001 * x, 0.001)],
+    [(lambda x: x + np.array([1e5, -2e5, 3e4]), 1.0), (lambda x: x @ TURN, 1.0), (lambda x: 0.001 * x, 0.001)],
     ids=["shift", "rotation", "unit"],
 )
 def test_origin_axes_and_unit_do_not_matter(change, factor):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from .finding import FindingKind as Kind
 
 LABELLING = (
-    Kind("labels_refused", "label", "red", "The template does not fit the trial, so that nothing is named: the score of "
-         "the best labelling as a share of what the template scores on its own data, and the share of samples that "
+    Kind("labels_refused", "label", "red", "The template does not fit the trial, so that nothing is named: the score "
+         "of the best labelling as a share of what the template scores on its own data, and the share of samples that "
          "it could place.", {"fit_share": "share", "placed_share": "share"}),
 )  # fmt: skip
 

@@ -51,7 +51,9 @@ def template_of(
     if not files:
         raise KinemarkError("There is no template. Give one or more labelled trials of the subject: --template TRIAL.")
     if not 0.2 < scale < 5:
-        raise KinemarkError(f"The scale is {scale:g}. Wanted is the height of this subject over that of the template's.")
+        raise KinemarkError(
+            f"The scale is {scale:g}. Wanted is the height of this subject over that of the template's."
+        )
     trials = [read_trial(file).trajectories for file in files]
     template = learn_template(*trials, names=tuple(markers) or None, relative_spread=STATIC_SPREAD if static else 0.0)
     return template if scale == 1.0 else template.scaled(scale, relative_spread=0.06)  # as benchmarks/labelling.py
@@ -68,8 +70,8 @@ def label_file(
         template: of the subject. method: of `label.LABEL`. unsure: also take names that are not sure.
 
     Raises:
-        KinemarkError: a file is absent, damaged or holds no trajectories, the target exists or has an unknown ending, or
-            the template does not fit; then nothing is written.
+        KinemarkError: a file is absent, damaged or holds no trajectories, the target exists or has an unknown ending,
+            or the template does not fit; nothing is written then.
     """
     if target.exists():
         raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
@@ -115,8 +117,8 @@ def label_text(found: LabelledFile) -> str:
     of = {state: [one for one in each if one["state"] == state] for state in ("sure", "unsure", "unknown")}
     names = {one["name"] for one in of["sure"]}
     lines = [
-        f"sure:     {len(of['sure'])} of {len(each)} tracks, {len(names)} markers; the trial fits {found.labels.fit:.2f} "
-        "of what the template scores on its own data",
+        f"sure:     {len(of['sure'])} of {len(each)} tracks, {len(names)} markers; the trial scores "
+        f"{found.labels.fit:.2f} of what the template scores on its own data",
         *(
             f"unsure:   {one['track']} ({one['samples']} samples): {one['name']}, {100 * one['probability']:.0f} %, "
             f"or {one['runner_up'] or 'no marker'}"

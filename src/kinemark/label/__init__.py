@@ -7,4 +7,14 @@ from .labels import Labels, named
 from .stage import LABEL
 from .template import Template, learn_template
 
-__all__ = ["LABEL", "Distances", "Exchanged", "Labels", "Template", "find_exchanges", "label", "learn_template", "named"]
+__all__ = [
+    "LABEL",
+    "Distances",
+    "Exchanged",
+    "Labels",
+    "Template",
+    "find_exchanges",
+    "label",
+    "learn_template",
+    "named",
+]

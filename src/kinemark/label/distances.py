@@ -34,13 +34,12 @@ class Distances(Method):
         0.55,
         low=0,
         high=1,
-        meaning="score of the trial, as a share of what the template scores on its own data, below which nothing is named",
+        meaning="score of the trial, as a share of the template's on its own data, below which nothing is named",
     )
     least_placed: float = parameter(
         0.5, low=0, high=1, meaning="share of the samples that could have a name below which nothing is named"
     )
     sure: float = parameter(0.95, above=0, high=1, meaning="probability from which on a name is sure")
-
 
 
 @LABEL.method("distances", Distances)

@@ -6,7 +6,8 @@ point of this volume" is
     l = max( log(0.75 R / (σ √(2π))) − (d − D)² / (2 σ²),  log 0.25 )                                            (1)
 
 with D and σ of the pair and R half the size of the template: (1) is the greater of the two parts of the mixture
-0.75 N(d; D, σ) + 0.25 / R. A neighbour that tells nothing gives 0, one that is wrong or oddly placed costs log 0.25.
+0.75 N(d; D, σ) + 0.25 / R. A neighbour that tells nothing gives 0, one that is wrong or oddly placed costs log 0.25;
+less where the pair hardly tells anything, in proportion, as postures that the template never showed put many such off.
 """
 
 from __future__ import annotations
@@ -28,9 +29,9 @@ REST = float(np.log(1 - INLIERS))
 WIDER = 1.3
 """By which another trial's spread is greater than the template's; chosen."""
 RELATIVE, OF_SIZE = 0.02, 0.002
-"""σ is never below these shares of D and of the template's size; chosen: markers are placed and seen as well as that."""
+"""σ is never below these shares of D and of the template's size; chosen: as well are markers placed and seen."""
 RIGID = 4.0
-"""Base of a pair that hardly moves, nats; a pair with less costs less where it is off: chosen, unseen postures are."""
+"""Base of a pair that hardly moves, nats; chosen. A pair with less costs less where it is off."""
 WRONG_HAND = 4.0
 """What a quadruple of the wrong orientation costs, nats; chosen."""
 

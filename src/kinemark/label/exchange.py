@@ -42,7 +42,9 @@ class Exchanger(NamedTuple):
     @classmethod
     def of(cls, template: Template, pairs: PairScore) -> Exchanger:
         """Moves among labels that are near each other."""
-        d = np.where(np.isfinite(template.distance), template.distance, np.inf) + np.diag(np.full(len(template), np.inf))
+        d = np.where(np.isfinite(template.distance), template.distance, np.inf) + np.diag(
+            np.full(len(template), np.inf)
+        )
         near = np.argsort(d, axis=1, kind="stable")
         twos = {tuple(sorted((a, int(b)))) for a, row in enumerate(near) for b in row[:NEAR] if a != b}
         groups = {

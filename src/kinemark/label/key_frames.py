@@ -1,9 +1,9 @@
 """A first labelling of single frames, without any knowledge but the template: beam search.
 
-Labels are placed one after the other, each time the one that those placed before tell most of. A state says which point
-each placed label has, or none; all its continuations are scored by the distances to a label's most telling neighbours and
-by quadruples' orientation, and the best `beam` go on. Frames are ranked by the score of what was found, not by how
-many points they have.
+Labels are placed one after the other, each time the one that those placed before tell most of. A state says which
+point each placed label has, or none; all its continuations are scored by the distances to a label's most telling
+neighbours and by quadruples' orientation, and the best `beam` go on. Frames are ranked by the score of what was found,
+not by how many points they have.
 """
 
 from __future__ import annotations

@@ -51,7 +51,9 @@ class Labels:
             margin=column("margin", self.margin, np.float64, n),
         )
         if not len(self.state) == len(self.runner_up) == n:
-            raise ValueError(f"{n} names, {len(self.state)} states and {len(self.runner_up)} runners-up, wanted as many")
+            raise ValueError(
+                f"{n} names, {len(self.state)} states and {len(self.runner_up)} runners-up, wanted as many"
+            )
 
     def __len__(self) -> int:
         return len(self.names)
@@ -78,14 +80,14 @@ def named(trajectories: Trajectories, labels: Labels, *, unsure: bool = False) -
             pieces.setdefault(name, []).append(path)
     rest = [path for name, path in zip(taken, trajectories, strict=True) if name is None]
     whole = [_joined(name, pieces[name]) for name in sorted(pieces)]
-    return replace(
-        trajectories, paths=(*whole, *(replace(path, name=f"*{k}") for k, path in enumerate(rest, 1)))
-    )
+    return replace(trajectories, paths=(*whole, *(replace(path, name=f"*{k}") for k, path in enumerate(rest, 1))))
 
 
 def _joined(name: str, pieces: list[MarkerTrajectory]) -> MarkerTrajectory:
     """One trajectory of pieces that are seen one after the other."""
-    columns = {key: getattr(pieces[0], key).copy() for key in ("xyz", "cov", "origin", "residual", "cameras", "detection")}
+    columns = {
+        key: getattr(pieces[0], key).copy() for key in ("xyz", "cov", "origin", "residual", "cameras", "detection")
+    }
     for piece in pieces[1:]:
         rows = piece.origin != Origin.MISSING
         for key, values in columns.items():

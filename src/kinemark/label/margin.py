@@ -6,8 +6,8 @@ what u loses counts too:
     m_t = min over b of  e(t, a) − e(t, b) + [ e(u, b) − max(e(u, a), 0) ]                                        (1)
 
 and b may be "none", worth 0. All through the trial, exchanges of whole labels must lose as well: x_a is the least that
-an exchange with a loses (`exchange` (1)). Pairs are not independent, so that neither is a logarithm of odds. The odds are
-measured: with f = e(t, a) over what the template expects, F the same of the whole trial, and w independent frames,
+an exchange with a loses (`exchange` (1)). Pairs are not independent, so that neither is a logarithm of odds. The odds
+are measured: with f = e(t, a) over what the template expects, F the same of the whole trial, and w independent frames,
 
     logit p = β · (1, log(1 + m), log(1 + x), min(f, 1), log w, min(F, 1))                                        (2)
 """
@@ -39,9 +39,7 @@ class Margins(NamedTuple):
     trial_fit: float
 
 
-def margins(
-    stretches: Stretches, label: Ints, template: Template, pairs: PairScore, trial_fit: float
-) -> Margins:
+def margins(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, trial_fit: float) -> Margins:
     """Of each track with a label."""
     nats = evidence(stretches, label, pairs)
     named = np.flatnonzero(label >= 0)
@@ -90,7 +88,9 @@ def features(found: Margins, weight: Floats) -> Floats:
     """(T, 6) of (2)."""
     ones = np.ones(len(weight))
     track, exchange = (np.log1p(np.maximum(part, 0.0)) for part in (found.track, found.exchange))
-    return np.stack([ones, track, exchange, np.clip(found.fit, -1.0, 1.0), np.log(weight), ones * min(found.trial_fit, 1.0)], axis=1)
+    return np.stack(
+        [ones, track, exchange, np.clip(found.fit, -1.0, 1.0), np.log(weight), ones * min(found.trial_fit, 1.0)], axis=1
+    )
 
 
 def probability(found: Margins, weight: Floats, beta: NDArray[np.float64] | tuple[float, ...] = BETA) -> Floats:

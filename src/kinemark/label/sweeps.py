@@ -71,7 +71,9 @@ class Decided:
         """These tracks take these labels."""
         self.label[tracks] = labels
         for t, a in zip(tracks.tolist(), labels.tolist(), strict=True):
-            self.taken[a, stretches.start[t] : stretches.stop[t]] |= stretches.seen[t, stretches.start[t] : stretches.stop[t]]
+            self.taken[a, stretches.start[t] : stretches.stop[t]] |= stretches.seen[
+                t, stretches.start[t] : stretches.stop[t]
+            ]
 
     def free(self, stretches: Stretches, tracks: Ints) -> NDArray[np.bool_]:
         """(n, L) whether a label is free wherever a track is seen."""
@@ -106,7 +108,7 @@ def outwards(stretches: Stretches, key: int, tracks: Ints, labels: Ints, pairs: 
 
 
 def sweep(stretches: Stretches, label: Ints, pairs: PairScore, least_fit: float) -> Ints:
-    """(T) labels decided anew by the evidence of the present ones; none with less than `least_fit` of what it should."""
+    """(T) labels decided anew by the evidence of the present ones; none below `least_fit` of what is expected."""
     nats = evidence(stretches, label, pairs)
     worth = stretches.weight[:, None] * nats + continuity(stretches, label, nats.shape[1])
     worth = np.where(nats < least_fit * expectation(stretches, label, pairs), 0.0, worth)

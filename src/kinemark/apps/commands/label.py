@@ -30,15 +30,15 @@ def label(
         source: a file of trajectories, with or without names: C3D, TDF, TRC, CSV, HDF5 or TDC.
         template: one or more labelled trials of the subject.
         output: the file to write; an existing file is not replaced.
-        markers: names that the template learns, as LASI,RASI,SACR; all where none is given. Name them where the template's
-            files also hold computed points, such as segments' axes.
+        markers: names that the template learns, as LASI,RASI,SACR; all where none is given. Name them where the files
+            of the template also hold computed points, such as segments' axes.
         static: the template's trials show no motion.
         scale: height of the subject over that of the template's subject.
         unsure: also take names that are not sure.
         check: write nothing; list where names that the file has are exchanged.
         json: print name, probability and runner-up of each track for a machine.
     """
-    learnt = template_of(template, markers=[name for name in markers.split(",") if name], static=static, scale=scale)
+    learnt = template_of(template, markers=tuple(filter(None, markers.split(","))), static=static, scale=scale)
     if check:
         found = check_file(source, learnt)
         print_result([one._asdict() for one in found] if json else check_text(source, found))

@@ -29,7 +29,7 @@ STAGES: dict[str, Stage] = {
 """The stages in their order."""
 
 SETTABLE: dict[str, Stage] = {name: stage for name, stage in STAGES.items() if stage not in (LABEL, ANGLES, SMOOTH)}
-"""Those that have a table in a session file; the others are chosen by the options of `kinemark label` and `kinemark angles`."""
+"""Those that have a table in a session file; the others belong to `kinemark label` and `kinemark angles`."""
 
 COMMON: dict[str, tuple[Parameter, ...]] = {"fill": parameters_of(Filling)}
 """Parameters that a stage has besides those of its methods."""

@@ -6,7 +6,7 @@ Real trials come from KINEMARK_DATA (default ../shared/data); those that are abs
 one track or is cut at random into 15; 2 ghosts a frame of 3 to 40 frames each are added, and all are shuffled. For each
 row: samples with the right name, with a wrong one, and not sure, in % of all that markers have (a name that is not sure
 counts as none); ghosts that have a sure name, in % of their samples; right and wrong if all names were taken; fit; CPU
-s. Below stands how often names are right by their probability, over the rows on which it was tuned, and over the others.
+s. Below stands how often names are right by their probability, over the rows on which it was tuned and over the rest.
 
 References mended: LWRA and LWRB are exchanged in all three files of HC030A (the left wrist has the handedness of the
 right one); RHLX and RNAV are exchanged in HC032A18 from about frame 200 on.
@@ -247,7 +247,7 @@ def result(row: Row, pieces: int, seed: int) -> tuple[Result, Trajectories, Labe
     share = [100 * n[part].sum() / total for part in (good & sure, has & ~good & known & sure)]
     return (
         Result(
-            *share, 100 - sum(share), 100 * n[has & sure & ~known].sum() / max(n[~known].sum(), 1),
+            share[0], share[1], 100 - sum(share), 100 * n[has & sure & ~known].sum() / max(n[~known].sum(), 1),
             100 * n[good].sum() / total, 100 * n[has & ~good & known].sum() / total,
             found.fit, found.refused is not None, spent, found.probability[has], good[has], n[has],
         ),
@@ -336,9 +336,9 @@ def main() -> None:
                 kept[row.name.startswith(TUNED)].append(one)
                 figures = "".join(f"{value:8.2f}" for value in (*one[:7], one.cpu_s))
                 print(f"{row.name:40s}{'×' + str(pieces):>4s}{figures}{'  refused' if one.refused else ''}", flush=True)
-    for tuned, title in ((True, "tuned"), (False, "checked")):
-        if kept[tuned]:
-            print(f"reliability, {title}", *reliability(kept[tuned]), sep="\n")
+    for own, title in ((True, "tuned"), (False, "checked")):
+        if kept[own]:
+            print(f"reliability, {title}", *reliability(kept[own]), sep="\n")
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
 from .evidence import Ints, PairScore, Single
@@ -59,7 +60,7 @@ def find_exchanges(trajectories: Trajectories, template: Template) -> tuple[Exch
 
 def _in_window(y: Single, exchanger: Exchanger, template: Template, frame: Ints) -> list[Exchanged]:
     """Of these frames."""
-    seen = np.isfinite(y[..., 0]).any(0)
+    seen: NDArray[np.bool_] = np.isfinite(y[..., 0]).sum(0) > 0
     moves = [move for move in exchanger.twos if seen[list(move[0])].all()]
     gains = exchanger.gains(y, moves)
     return [

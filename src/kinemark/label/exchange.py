@@ -53,7 +53,7 @@ class Exchanger(NamedTuple):
             for b, c in combinations(row[:NEAR_THREE], 2)
             if len({a, int(b), int(c)}) == 3
         }
-        cycles = [(g, to) for g in sorted(groups) for to in ((g[1], g[2], g[0]), (g[2], g[0], g[1]))]
+        cycles: list[Move] = [(g, to) for g in sorted(groups) for to in ((g[1], g[2], g[0]), (g[2], g[0], g[1]))]
         return cls(pairs, template.handed, template.sign, [((a, b), (b, a)) for a, b in sorted(twos)], cycles)
 
     def gain(self, y: Single, d: Single, move: Move) -> float:
@@ -69,7 +69,7 @@ class Exchanger(NamedTuple):
         quads = np.flatnonzero(np.isin(self.handed, was).any(1))
         back = np.argsort(new)  # who is label a after the move
         old, now = self.handed[quads], back[self.handed[quads]]
-        seen = max(1, int(np.isfinite(y[:, was]).all(-1).any(1).sum()))
+        seen = max(1, int(np.isfinite(y[:, was, 0]).any(1).sum()))
         hands = (_wrong(y, now, self.sign[quads]) - _wrong(y, old, self.sign[quads])).sum()
         return float((each.sum() - WRONG_HAND * hands) / seen)
 

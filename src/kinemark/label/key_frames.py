@@ -74,7 +74,7 @@ def search(xyz: Single, pairs: PairScore, order: list[Placing], beam: int) -> In
         gain = np.zeros((len(state), N + 1), np.float32)
         for b in turn.by:
             table = np.zeros((N + 1, N + 1), np.float32)
-            table[:N, :N] = pairs.at(d, turn.label, b)
+            table[:N, :N] = pairs.at(d, np.array(turn.label), np.array(b))
             gain += table[state[:, b]]
         for others, sign in zip(turn.others, turn.sign, strict=True):
             gain[:, :N] += _hand(far[state[:, others]], xyz, sign)

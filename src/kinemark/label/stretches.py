@@ -52,7 +52,7 @@ class Stretches:
 def stretches_of(trajectories: Trajectories, size: float) -> Stretches:
     """The tracks of a trial; `size` of the body, mm. Tracks without samples have start and stop 0."""
     xyz, rate = trajectories.xyz, trajectories.rate
-    seen = np.isfinite(xyz).all(-1)
+    seen = np.isfinite(xyz[..., 0])
     some = seen.any(1)
     origin = xyz[seen][0] if some.any() else np.zeros(3)
     start = np.where(some, seen.argmax(1), 0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Trajectories
-from ..data.method import Method, parameter
+from ..data.method import ONE, Method, parameter
 from .evidence import Ints, PairScore
 from .label import refusal, state_of
 from .labels import Labels
@@ -22,24 +22,26 @@ from .template import Template
 class Distances(Method):
     """By distances of pairs and orientation of quadruples: key frames, outwards in time, sweeps and exchanges."""
 
-    key_frames: int = parameter(10, low=1, meaning="frames in which a first labelling is looked for")
-    beam: int = parameter(500, low=1, meaning="states of the search in a key frame that go on")
+    key_frames: int = parameter(10, unit="frames", low=1, meaning="frames in which a first labelling is looked for")
+    beam: int = parameter(500, unit=ONE, low=1, meaning="states of the search in a key frame that go on")
     least_track_fit: float = parameter(
         0.3,
+        unit=ONE,
         low=0,
         below=1,
         meaning="evidence of a track, as a share of what the template expects, below which it has no name",
     )
     least_fit: float = parameter(
         0.55,
+        unit=ONE,
         low=0,
         high=1,
         meaning="score of the trial, as a share of the template's on its own data, below which nothing is named",
     )
     least_placed: float = parameter(
-        0.5, low=0, high=1, meaning="share of the samples that could have a name below which nothing is named"
+        0.5, unit=ONE, low=0, high=1, meaning="share of the samples that could have a name below which nothing is named"
     )
-    sure: float = parameter(0.95, above=0, high=1, meaning="probability from which on a name is sure")
+    sure: float = parameter(0.95, unit=ONE, above=0, high=1, meaning="probability from which on a name is sure")
 
 
 @LABEL.method("distances", Distances)

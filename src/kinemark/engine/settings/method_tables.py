@@ -17,18 +17,19 @@ from ...detect import DETECT
 from ...digitise import DIGITISE
 from ...fill import FILL, Filling
 from ...kinematics import ANGLES, SMOOTH
+from ...label import LABEL
 from ...match import MATCH
 from ...reconstruct import RECONSTRUCT
 from ...track import TRACK
 from .suggestions import are, guess
 
 STAGES: dict[str, Stage] = {
-    stage.name: stage for stage in (CALIBRATE, DETECT, MATCH, RECONSTRUCT, TRACK, FILL, DIGITISE, ANGLES, SMOOTH)
+    stage.name: stage for stage in (CALIBRATE, DETECT, MATCH, RECONSTRUCT, TRACK, LABEL, FILL, DIGITISE, ANGLES, SMOOTH)
 }
 """The stages in their order."""
 
-SETTABLE: dict[str, Stage] = {name: stage for name, stage in STAGES.items() if stage not in (ANGLES, SMOOTH)}
-"""Those that have a table in a session file; the others are chosen by the options of `kinemark angles`."""
+SETTABLE: dict[str, Stage] = {name: stage for name, stage in STAGES.items() if stage not in (LABEL, ANGLES, SMOOTH)}
+"""Those that have a table in a session file; the others belong to `kinemark label` and `kinemark angles`."""
 
 COMMON: dict[str, tuple[Parameter, ...]] = {"fill": parameters_of(Filling)}
 """Parameters that a stage has besides those of its methods."""

@@ -145,9 +145,28 @@ def test_volume_given_and_spanned():
     assert found(figures, "outside_volume")[0].values["samples_share"] == pytest.approx(15 / 31)
 
 
-def test_jitter_is_the_noise_that_was_added():
+def test_jitter_is_the_noise_that_was_added_and_filled_samples_have_none():
     noise = np.random.default_rng(3).normal(0, 0.7, (20000, 3))
-    assert jitter(walk(1, 20000)[0] + noise) == pytest.approx(0.7, rel=0.03)
+    noise[5000:] = 0
+    path = MarkerTrajectory.measured("m", walk(1, 20000)[0] + noise)
+    assert jitter(path) < 0.01
+    origin = np.where(np.arange(20000) < 5000, Origin.MEASURED, Origin.FILLED)
+    assert jitter(replace(path, origin=origin)) == pytest.approx(0.7, rel=0.05)
+
+
+def test_the_deviation_of_positions_is_told_in_noise_and_what_stays():
+    rig, xyz = ring(), walk(frames=2000)
+    shown = {}
+    for noise in (0.3, 1.2):  # the capture states 0.5
+        noisy = xyz + noise * np.random.default_rng(5).normal(size=xyz.shape)
+        figures = judge(rig, capture(rig, noisy))
+        markers = figures["trajectories"]
+        assert markers["jitter_median_mm"] == pytest.approx(noise, rel=0.1)
+        assert markers["steady_sd_mm"] == pytest.approx(math.sqrt(max(0.25 - markers["jitter_median_mm"] ** 2, 0)))
+        shown[noise] = summary(figures)
+        assert [one.severity for one in found(figures, "noise_above_deviation")] == ["amber"] * (noise > 0.5)
+    assert "0.50 mm per axis on average, of which 0.30 mm is noise" in shown[0.3].replace("\u00a0", " ")
+    assert "the positions tremble by 1.2" in shown[1.2].replace("\u00a0", " ")
 
 
 @pytest.mark.parametrize(

@@ -4,14 +4,11 @@ With C the covariance of a sample, the standard deviation of one axis, averaged 
 
     σ = √(trace C / 3)                mm                                     (1)
 
-A measure of noise that asks no model, from third differences of positions through time: white noise of
-standard deviation σ gives d = x[f+3] − 3 x[f+2] + 3 x[f+1] − x[f] the variance (1 + 9 + 9 + 1) σ² = 20 σ²,
-while smooth movement nearly cancels, so that with the median, which single jumps cannot move,
+What of it changes from frame to frame is seen in the path itself, as its white noise (`signal.white_noise`), which asks
+no model and to which movement adds nothing: its jitter. The rest of σ stays the same from frame to frame or changes
+slowly, as the errors of the calibration and of the lenses do:
 
-    jitter = 1.4826 · median |d| / √20        mm                             (2)
-
-1.4826 turns the median of absolute normal deviates into their standard deviation. Movement that is fast for
-the frame rate adds to (2): it is an upper bound of the noise.
+    steady = √(σ² − jitter²)      mm, 0 where the jitter is more               (2)
 """
 
 from __future__ import annotations
@@ -24,7 +21,7 @@ from numpy.typing import NDArray
 
 from ..data import MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Bools, Floats
-from ..numerics.robust import SD_PER_MEDIAN
+from ..signal.white_noise import white_noise_sd
 from .plain import mean, quantile, runs, share
 
 IN_VIEW = 0.75
@@ -42,9 +39,14 @@ def sample_deviation(path: MarkerTrajectory) -> Floats:
     return np.where(path.origin == Origin.MISSING, np.nan, standard_deviation(path.cov))
 
 
-def jitter(xyz: Floats) -> float:
-    """Noise of one axis of a path (F, 3), mm; NaN with fewer than four samples in a row."""
-    return SD_PER_MEDIAN * quantile(np.abs(np.diff(xyz, n=3, axis=0)), 0.5) / math.sqrt(20)  # (2)
+def jitter(path: MarkerTrajectory) -> float:
+    """White noise of one axis of the measured samples of a path, mm; NaN with too few in a row."""
+    return white_noise_sd(np.where((path.origin == Origin.MEASURED)[:, None], path.xyz, np.nan))
+
+
+def steady(sd: float, noise: float) -> float:
+    """What of σ `sd` mm is not `noise` mm, by (2); NaN where either is unknown."""
+    return math.sqrt(max(sd**2 - noise**2, 0.0)) if math.isfinite(sd + noise) else math.nan
 
 
 def positions(trajectories: Trajectories) -> Floats:
@@ -102,6 +104,8 @@ def trajectory_figures(trajectories: Trajectories, markers: list[dict[str, Any]]
     first, stop = in_view(trajectories)
     seen = present(trajectories)
     origin = np.array([path.origin for path in trajectories]).reshape(seen.shape)
+    sd = mean(np.array([sample_deviation(path) for path in trajectories]))
+    noise = quantile(np.array([marker["jitter_mm"] for marker in markers], float), 0.5)
     return {
         "count": len(trajectories),
         "unlabelled": unlabelled(trajectories),
@@ -116,8 +120,9 @@ def trajectory_figures(trajectories: Trajectories, markers: list[dict[str, Any]]
         "gaps": sum(marker["gaps"] for marker in markers),
         "longest_gap_frames": max((marker["longest_gap_frames"] for marker in markers), default=0),
         "longest_gap_s": max((marker["longest_gap_s"] for marker in markers), default=0.0),
-        "sd_per_axis_mean_mm": mean(np.array([sample_deviation(path) for path in trajectories])),
-        "jitter_median_mm": quantile(np.array([marker["jitter_mm"] for marker in markers], float), 0.5),
+        "sd_per_axis_mean_mm": sd,
+        "jitter_median_mm": noise,
+        "steady_sd_mm": steady(sd, noise),
         "markers": markers,
     }
 
@@ -152,7 +157,7 @@ def _exactness(path: MarkerTrajectory) -> dict[str, float]:
     return {
         "sd_per_axis_mean_mm": mean(sd),
         "sd_per_axis_95_mm": quantile(sd, 0.95),
-        "jitter_mm": jitter(path.xyz),
+        "jitter_mm": jitter(path),
         "residual_mean_mm": mean(path.residual),
     }
 

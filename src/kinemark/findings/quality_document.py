@@ -186,7 +186,7 @@ class MarkerData(TypedDict):
     sd_per_axis_mean_mm: Number
     sd_per_axis_95_mm: Number
     jitter_mm: Number
-    """Noise of one axis as third differences show it."""
+    """White noise of one axis that the path itself shows, whatever it moves."""
     residual_mean_mm: Number
     cameras_mean: Number
 
@@ -212,6 +212,9 @@ class TrajectoriesData(TypedDict):
     longest_gap_s: float
     sd_per_axis_mean_mm: Number
     jitter_median_mm: Number
+    """The white noise of one axis, of the middle marker."""
+    steady_sd_mm: Number
+    """What of `sd_per_axis_mean_mm` is not `jitter_median_mm`: errors that stay, as those of the calibration."""
     markers: list[MarkerData]
 
 

@@ -36,6 +36,8 @@ FILLED_SHARE = 0.1
 """Share of a marker's samples that may be filled; chosen."""
 SD_AMBER_MM = 2.0
 """Standard deviation of one axis: about a degree over a segment of 100 mm; chosen."""
+NOISE_RATIO = 1.5
+"""Times as much as their standard deviation that positions may tremble; chosen."""
 OUTSIDE_SHARE = 0.02
 """Share of samples that may lie outside the control volume; chosen."""
 
@@ -104,7 +106,8 @@ def _statements(figures: Figures) -> Findings:
         at_subject = median * statistics.median(pixels) if pixels else None
         yield make_finding("agreement", residual_px=median, at_subject_mm=at_subject)
     if markers["sd_per_axis_mean_mm"] is not None:
-        yield make_finding("position_deviation", sd_mm=markers["sd_per_axis_mean_mm"])
+        noise = markers["jitter_median_mm"]
+        yield make_finding("position_deviation", sd_mm=markers["sd_per_axis_mean_mm"], noise_mm=noise)
 
 
 def _nothing(figures: Figures, *, diagnosed: bool) -> Findings:
@@ -248,6 +251,12 @@ def _uncertain(figures: Figures) -> Findings:
         yield make_finding("markers_uncertain", markers=vague, limit_mm=SD_AMBER_MM)
 
 
+def _trembling(figures: Figures) -> Findings:
+    sd, noise = (figures["trajectories"][key] for key in ("sd_per_axis_mean_mm", "jitter_median_mm"))
+    if sd is not None and noise is not None and noise > NOISE_RATIO * sd:
+        yield make_finding("noise_above_deviation", sd_mm=sd, noise_mm=noise)
+
+
 def _outside(figures: Figures) -> Findings:
     outside = figures["volume"]["samples_outside_given_share"] or 0
     if outside > OUTSIDE_SHARE:
@@ -292,5 +301,5 @@ def inconsistent_cameras(figures: Figures) -> list[str]:
 
 CAMERA_CHECKS = (_blind, _unlike_others, _residual, _calibration, _judged)
 MARKER_CHECKS = (
-    *(_few_cameras, _incomplete, _broken, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
+    *(_few_cameras, _incomplete, _broken, _long_gaps, _filled, _uncertain, _trembling, _outside, _unnamed, _left_over),
 )

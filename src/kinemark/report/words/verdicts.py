@@ -65,6 +65,17 @@ def _agreement(found: Finding) -> str:
     )
 
 
+def _deviation(found: Finding) -> str:
+    sd, noise = found.values["sd_mm"], found.values["noise_mm"]
+    said = fill("The standard deviation of a position is {sd_mm:2} per axis on average", found)
+    if not isinstance(sd, float | int) or not isinstance(noise, float | int):
+        return f"{said}."
+    if noise > sd:
+        return said + fill("; from frame to frame the positions tremble by {noise_mm:2}.", found)
+    rest = "the rest is of errors that stay, as the calibration's"
+    return said + fill(f", of which {{noise_mm:2}} is noise from frame to frame; {rest}.", found)
+
+
 def _calibrated_by(found: Finding) -> str:
     v = found.values
     text = "{camera_count} {camera_count:camera|cameras} calibrated by {way}"
@@ -173,7 +184,7 @@ VERDICT_WORDS = {
     "recorded": Words(_recorded),
     "completeness": Words(_complete),
     "agreement": Words(_agreement),
-    "position_deviation": Words("The standard deviation of a position is {sd_mm:2} per axis on average."),
+    "position_deviation": Words(_deviation),
     "calibration_good": Words(calibration_headline),
     "calibration_usable": Words(calibration_headline),
     "calibration_unknown": Words(calibration_headline),

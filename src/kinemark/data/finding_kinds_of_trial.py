@@ -95,6 +95,9 @@ TRIAL_KINDS = (
           "frame_count": "count", "rate_hz": "Hz"}),
     Kind("completeness", "track", "info", "How complete the markers are while the subject is in view.",
          {"complete_share": "share", "filled_share": "share", "gaps": "count", "longest_s": "s"}),
+    Kind("completeness_unknown", "track", "info", "How complete the markers are is not known: of the images only that share "
+         "belongs to a point; the other values are of the markers that were found.",
+         {"complete_share": "share", "used_share": "share", "filled_share": "share", "gaps": "count", "longest_s": "s"}),
     Kind("agreement", "reconstruct", "info", "The median residual, and what it is at the subject.",
          {"residual_px": "px", "at_subject_mm": "mm"}),
     Kind("position_deviation", "reconstruct", "info", "Mean standard deviation of a position, per axis, and how much of "

@@ -206,7 +206,12 @@ class TrajectoriesData(TypedDict):
     completeness_share: Share
     in_view_frames: Annotated[list[int], Field(min_length=2, max_length=2)]
     """First frame in which the subject is in view, and the one after the last."""
+    in_view_runs: list[Annotated[list[int], Field(min_length=2, max_length=2)]]
+    """The same of each stretch, where it was away in between."""
     completeness_in_view_share: Share
+    """Null also where so many images belong to no point that markers may be missing altogether."""
+    completeness_of_found_share: Share
+    """The same of the markers that were found, whatever is left over."""
     gaps: Count
     longest_gap_frames: Count
     longest_gap_s: float

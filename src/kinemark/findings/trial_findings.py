@@ -92,11 +92,12 @@ def _statements(figures: Figures) -> Findings:
         rate_hz=recording["rate_hz"],
     )
     if markers["samples"]:
-        first, stop = markers["in_view_frames"]
+        known = markers["completeness_in_view_share"] is not None
         yield make_finding(
-            "completeness",
-            frames=[(first, stop - 1)],
-            complete_share=markers["completeness_in_view_share"],
+            "completeness" if known else "completeness_unknown",
+            frames=[(first, stop - 1) for first, stop in markers["in_view_runs"]],
+            complete_share=markers["completeness_of_found_share"],
+            **({} if known else {"used_share": _used_share(figures)}),
             filled_share=markers["filled_samples"] / markers["samples"],
             gaps=markers["gaps"],
             longest_s=markers["longest_gap_s"],
@@ -186,11 +187,17 @@ def _unused(figures: Figures, named: set[str]) -> Findings:
     used = {c["name"]: c["used_of_valid_share"] for c in figures["cameras"]}
     little = {name: part for name, part in used.items() if part is not None and part < USED_SHARE and name not in named}
     if figures["points"]["count"] and little:
-        valid = {c["name"]: c["detections"] - sum(c["invalid"].values()) for c in figures["cameras"]}
-        whole = sum(valid[name] * (part or 0.0) for name, part in used.items()) / max(sum(valid.values()), 1)
+        whole = _used_share(figures)
         yield make_finding(
             "detections_unused", severity=red_if(whole < USED_RED), cameras=little, used_share=min(little.values())
         )
+
+
+def _used_share(figures: Figures) -> float:
+    """Share of the valid detections of all cameras that belong to a point."""
+    valid = [c["detections"] - sum(c["invalid"].values()) for c in figures["cameras"]]
+    used = [n * (c["used_of_valid_share"] or 0.0) for n, c in zip(valid, figures["cameras"], strict=True)]
+    return sum(used) / max(sum(valid), 1)
 
 
 def _few_cameras(figures: Figures) -> Findings:
@@ -212,11 +219,11 @@ def _absent(figures: Figures, outside: set[str]) -> Findings:
 
 def _incomplete(figures: Figures) -> Findings:
     trajectories = figures["trajectories"]
-    complete = trajectories["completeness_in_view_share"]
-    if not trajectories["samples"] or complete >= COMPLETE_AMBER:
+    complete = trajectories["completeness_of_found_share"]
+    if not trajectories["samples"] or complete is None or complete >= COMPLETE_AMBER:
         return
-    markers = [m for m in trajectories["markers"] if m["completeness_in_view_share"] < COMPLETE_AMBER]
-    least_complete = [m["name"] for m in sorted(markers, key=lambda m: float(m["completeness_in_view_share"]))]
+    markers = [m for m in trajectories["markers"] if (m["completeness_in_view_share"] or 0.0) < COMPLETE_AMBER]
+    least_complete = [m["name"] for m in sorted(markers, key=lambda m: m["completeness_in_view_share"] or 0.0)]
     yield make_finding(
         "incomplete",
         severity=red_if(complete < COMPLETE_RED),

@@ -166,8 +166,11 @@ def _marker_tiles(quality: dict[str, Any]) -> list[Tile]:
     longest = f"longest {measure(markers['longest_gap_s'], 2, 's')}, {count(markers['longest_gap_frames'], 'frame')}"
     median, rms = (measure(points[f"residual_{key}_px"], 2, "px") for key in ("median", "rms"))
     sd = measure(markers["sd_per_axis_mean_mm"], 2, "mm")
+    known = markers["completeness_in_view_share"] is not None or not markers["samples"]
     return [
-        Tile(complete, "complete in view", f"{whole} of the whole trial"),
+        Tile(
+            complete, "complete in view", f"{whole} of the whole trial" if known else "not known: images are left over"
+        ),
         Tile(number(markers["gaps"]), "gaps", longest if markers["gaps"] else "within what was seen"),
         Tile(median, "median residual", f"RMS {rms}"),
         Tile(sd, "σ of a position, per axis", _parts_of_sd(markers)),

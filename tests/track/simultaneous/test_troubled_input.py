@@ -178,7 +178,7 @@ def left_lying(gone):
     rig, dancing = ring(10), dance(n=12, frames=160)
     dancing[:, gone] = np.nan
     lying = np.broadcast_to(np.array([[0.0, 0, 0], [300, 0, 0], [0, 300, 0], [300, 300, 40]])[:, None], (4, 160, 3))
-    detections, marker = observe(rig, np.concatenate([dancing, lying + [200, 0, 500]]), noise=0.1)
+    detections, marker = observe(rig, np.concatenate([dancing, lying + np.array([200.0, 0, 500])]), noise=0.1)
     return rig, detections.keep((marker < 12) | (detections.camera < 2))
 
 

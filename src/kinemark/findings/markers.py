@@ -126,7 +126,7 @@ def completeness_known(cameras: list[dict[str, Any]]) -> bool:
     """Whether the images of the cameras, of which these are the figures, leave no room for as many markers again."""
     valid = [camera["detections"] - sum(camera["invalid"].values()) for camera in cameras]
     used = [n * camera["used_of_valid_share"] if n else 0.0 for n, camera in zip(valid, cameras, strict=True)]
-    poor = sum(0 < n and part < LEFT_OVER * n for n, part in zip(valid, used, strict=True))
+    poor = sum(n > 0 and part < LEFT_OVER * n for n, part in zip(valid, used, strict=True))
     return poor < 2 or sum(used) >= LEFT_OVER * sum(valid)
 
 

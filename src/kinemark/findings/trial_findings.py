@@ -92,16 +92,7 @@ def _statements(figures: Figures) -> Findings:
         rate_hz=recording["rate_hz"],
     )
     if markers["samples"]:
-        known = markers["completeness_in_view_share"] is not None
-        yield make_finding(
-            "completeness" if known else "completeness_unknown",
-            frames=[(first, stop - 1) for first, stop in markers["in_view_runs"]],
-            complete_share=markers["completeness_of_found_share"],
-            **({} if known else {"used_share": _used_share(figures)}),
-            filled_share=markers["filled_samples"] / markers["samples"],
-            gaps=markers["gaps"],
-            longest_s=markers["longest_gap_s"],
-        )
+        yield _complete(figures)
     if (median := figures["points"]["residual_median_px"]) is not None:
         pixels = [c["pixel_at_subject_mm"] for c in figures["cameras"] if c["pixel_at_subject_mm"] is not None]
         at_subject = median * statistics.median(pixels) if pixels else None
@@ -109,6 +100,20 @@ def _statements(figures: Figures) -> Findings:
     if markers["sd_per_axis_mean_mm"] is not None:
         noise = markers["jitter_median_mm"]
         yield make_finding("position_deviation", sd_mm=markers["sd_per_axis_mean_mm"], noise_mm=noise)
+
+
+def _complete(figures: Figures) -> Finding:
+    markers = figures["trajectories"]
+    values: dict[str, Any] = {
+        "complete_share": markers["completeness_of_found_share"],
+        "filled_share": markers["filled_samples"] / markers["samples"],
+        "gaps": markers["gaps"],
+        "longest_s": markers["longest_gap_s"],
+    }
+    frames = [(first, stop - 1) for first, stop in markers["in_view_runs"]]
+    if markers["completeness_in_view_share"] is not None:
+        return make_finding("completeness", frames=frames, **values)
+    return make_finding("completeness_unknown", frames=frames, used_share=_used_share(figures), **values)
 
 
 def _nothing(figures: Figures, *, diagnosed: bool) -> Findings:

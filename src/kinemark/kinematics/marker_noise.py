@@ -1,7 +1,7 @@
 """The error of markers whose file does not state it: assumed, or estimated from their own unsteadiness.
 
-The white noise of a path (`signal.white_noise`) is what changes from frame to frame: a path that was filtered before, and
-errors that are slow (calibration, skin, placement), leave it too small.
+The white noise of a path (`signal.white_noise`) is what changes from frame to frame: a path that was filtered before,
+and errors that are slow (calibration, skin, placement), leave it too small.
 """
 
 from __future__ import annotations

@@ -57,8 +57,8 @@ def _complete(found: Finding) -> str:
 
 def _not_known(found: Finding) -> str:
     return fill(
-        "How complete the markers are is not known: only {used_share} of the images belong to a reconstructed marker, so "
-        f"whole markers may be missing. Of those that were found, {{complete_share}} of the positions are there"
+        "How complete the markers are is not known: only {used_share} of the images belong to a reconstructed marker, "
+        f"so whole markers may be missing. Of those that were found, {{complete_share}} of the positions are there"
         f"{_filled(found)}; {_gaps(found)}.",
         found,
     )

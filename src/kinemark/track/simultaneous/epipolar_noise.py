@@ -70,7 +70,7 @@ CAMERA_LOG_SD = 1.0
 """ρ of (4), a natural logarithm of variances; chosen (see benchmarks/tracking_scenes.py)."""
 
 LASTING_LOG_SD = 0.3
-"""ρ of (6), a natural logarithm of variances; chosen: of 0.3 and 1, with which 95 % ellipsoids hold more nearly 95 %."""
+"""ρ of (6), a natural logarithm of variances; chosen of 0.3 and 1: 95 % ellipsoids hold more nearly 95 %."""
 
 STEPS = 20
 """Gauss–Newton steps to the least of (4), a number; chosen: it hardly moves after ten."""
@@ -105,8 +105,8 @@ class Residuals(NamedTuple):
 
 
 class Mixture(NamedTuple):
-    """v (n) px² of (3), the number (n) of residuals that are one marker's, and their mean μ (n) px, of n groups; weight (H)
-    of each residual in v, 0 where it is two markers' for certain."""
+    """v (n) px² of (3), the number (n) of residuals that are one marker's, and their mean μ (n) px, of n groups; weight
+    (H) of each residual in v, 0 where it is two markers' for certain."""
 
     variance: Floats
     number: Floats
@@ -124,7 +124,8 @@ def epipolar_noise(images: Images, F: Floats, frames: list[int]) -> CameraNoise:
     share = (
         np.bincount(number, (some.line[0] ** 2).sum(-1), C * C)[usable] / np.bincount(number, minlength=C * C)[usable]
     )
-    return _by_camera(Mixture(*(of[usable] for of in fit[:3]), fit.weight), share, np.array(divmod(usable, C)), C)
+    own = fit._replace(variance=fit.variance[usable], number=fit.number[usable], mean=fit.mean[usable])
+    return _by_camera(own, share, np.array(divmod(usable, C)), C)
 
 
 def peaked(fit: Mixture) -> Bools:
@@ -191,7 +192,7 @@ def _by_camera(fit: Mixture, share: Floats, camera: Ints, C: int) -> CameraNoise
 
 
 def _solved(log_v: Floats, log_variance: Floats, share: Floats, pair: Ints, log_sd: float = CAMERA_LOG_SD) -> Floats:
-    """a (n) of (4) with ρ `log_sd`, from ln v (K) of pairs of n cameras (2, K), the variance (K) of its error, w (K)."""
+    """a (n) of (4) with ρ `log_sd`, from ln v (K) of pairs of n cameras (2, K), its variance (K), and w (K)."""
     (r, s), k, n = pair, np.arange(len(log_v)), int(pair.max()) + 1
     certain = 1 / np.sqrt(log_variance)
     alike = (np.eye(n) - 1 / n) / log_sd

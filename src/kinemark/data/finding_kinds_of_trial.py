@@ -83,6 +83,8 @@ TRIAL_KINDS = (
     Kind("much_filled", "fill", "amber", "Much of these markers is filled, not measured.", {"limit_share": "share"}),
     Kind("markers_uncertain", "reconstruct", "amber", "The mean standard deviation is above the limit.",
          {"limit_mm": "mm"}),
+    Kind("noise_above_deviation", "reconstruct", "amber", "Positions tremble by more than their standard "
+         "deviation says.", {"sd_mm": "mm", "noise_mm": "mm"}),
     Kind("outside_volume", "reconstruct", "amber", "Samples lie outside the given control volume.",
          {"samples_share": "share"}),
     Kind("unnamed_trajectories", "track", "info", "Trajectories without a marker's name.",
@@ -99,8 +101,12 @@ TRIAL_KINDS = (
           "frame_count": "count", "rate_hz": "Hz"}),
     Kind("completeness", "track", "info", "How complete the markers are while the subject is in view.",
          {"complete_share": "share", "filled_share": "share", "gaps": "count", "longest_s": "s"}),
+    Kind("completeness_unknown", "track", "info", "How complete the markers are is not known: of the images only that "
+         "share belongs to a point; the other values are of the markers that were found.",
+         {"complete_share": "share", "used_share": "share", "filled_share": "share", "gaps": "count",
+          "longest_s": "s"}),
     Kind("agreement", "reconstruct", "info", "The median residual, and what it is at the subject.",
          {"residual_px": "px", "at_subject_mm": "mm"}),
-    Kind("position_deviation", "reconstruct", "info", "Mean standard deviation of a position, per axis.",
-         {"sd_mm": "mm"}),
+    Kind("position_deviation", "reconstruct", "info", "Mean standard deviation of a position, per axis, and how much "
+         "of it is noise from frame to frame.", {"sd_mm": "mm", "noise_mm": "mm"}),
 )  # fmt: skip

@@ -250,6 +250,10 @@ TRIAL_WORDS = {
         "Have more cameras see {markers:it|them} from wider apart; do not read angles of small segments from "
         "{markers:it|them}.",
     ),
+    "noise_above_deviation": Words(
+        "Positions tremble by {noise_mm:2} from frame to frame, and their standard deviation is stated as {sd_mm:2}.",
+        "Do not trust the stated standard deviations, nor those of angles; check the noise that the detections state.",
+    ),
     "outside_volume": Words(
         "{samples_share} of the samples lie outside the control volume, where the calibration was not checked.",
         "Trust them less, or calibrate a larger volume.",

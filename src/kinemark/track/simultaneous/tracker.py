@@ -102,7 +102,8 @@ def track_simultaneously(
     T = 1 / detections.rate
     images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
     working = _working(detections, rig, images, noise, method)
-    method = with_learned_motion(working.images, detections.rate, method)
+    moving, method = with_learned_motion(working.images, detections.rate, method)
+    working = working._replace(images=moving)
     every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
     solver = Solver(detections, working.rig, _variance(shared, working.images, working.noise), errors)

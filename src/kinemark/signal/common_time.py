@@ -20,7 +20,7 @@ stays where it is, and may be off by as far as the camera's others were moved, t
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -83,6 +83,14 @@ def at_common_time(
     columns = {f.name: getattr(detections, f.name)[row] for f in fields(detections) if f.name not in NOT_ROWS}
     columns["uv"], columns["cov"] = _moved(detections, row, np.concatenate(ahead))
     return CommonTime(Detections.build(detections.cameras, detections.rate, counts, **columns), row)
+
+
+def moved_in_time(detections: Detections, late: ArrayLike) -> Detections:
+    """The same rows where they were at the times of the frames, of cameras that take their images late by (C) s, at
+    most by the time between two."""
+    images_ahead = -np.asarray(late, np.float64)[detections.camera] * detections.rate
+    uv, cov = _moved(detections, np.arange(len(detections)), images_ahead)
+    return replace(detections, uv=uv, cov=cov)
 
 
 def nearest_images(n: int, rate: float, camera_rate: float, delay: float, first: int = 0) -> tuple[Ints, Floats]:

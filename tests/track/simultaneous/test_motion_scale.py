@@ -25,7 +25,7 @@ def fast(n=10, frames=100, *, accelerations=80_000.0, seed=0):
 
 def scale(xyz, *, rate=RATE, **options):
     detections, _ = observe(ring(6), xyz, noise=0.2, rate=rate)
-    return with_learned_motion(read_images(detections, ring(6)), rate, Simultaneous(**options))
+    return with_learned_motion(read_images(detections, ring(6)), rate, Simultaneous(**options)).method
 
 
 def test_slow_motion_is_tracked_as_it_was():
@@ -68,6 +68,6 @@ def test_a_sprinter_crosses():
     xyz = dance(n=10, frames=60) + (np.arange(60)[:, None] / RATE * 8000.0 - 2000) * np.array([1.0, 0, 0])
     detections, _ = observe(ring(6, focal=700.0), xyz, noise=0.2)
     images = read_images(detections, ring(6, focal=700.0))
-    method = with_learned_motion(images, RATE, Simultaneous())
+    method = with_learned_motion(images, RATE, Simultaneous()).method
     assert method.velocity_sd * 3 > 8000
     assert len(run(images, RATE, method).id) > len(run(images, RATE, Simultaneous()).id)

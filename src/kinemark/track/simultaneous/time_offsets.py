@@ -1,14 +1,14 @@
 """Whether the cameras are synchronous, from the tracks.
 
-A camera whose clock is late by τ shows a marker of velocity v where it was that long ago, so that its image lies off
+A camera that takes its images later by τ shows a marker of velocity v where it is by then, so that its image lies off
 the projection of the point X by
 
-    off_c = J_c (x − v τ_c) + noise,   J_c = ∂u_c/∂X                     (1)
+    off_c = J_c (x + v τ_c) + noise,   J_c = ∂u_c/∂X                     (1)
 
 where x is what all the cameras of the point have in common, and moves it instead. With Q = 1 − J (JᵀJ)⁻¹ Jᵀ, which
 takes x away, and D the images' velocities J_c v, each in its own camera's column,
 
-    τ = −(Σ DᵀQ D)⁻¹ Σ DᵀQ off                                           (2)
+    τ = (Σ DᵀQ D)⁻¹ Σ DᵀQ off                                            (2)
 
 over the points that three and more cameras see. What all cameras have in common no image shows, so delays are given
 less their median. Points of one track follow each other, and what bends one bends its neighbours; so the recording is
@@ -23,13 +23,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
 from .kalman_states import KalmanStates
 from .tracker import TrackingResult
 
 PARTS = 10
 """k of (3); chosen (see benchmarks/tracking.py)."""
+
+MIN_SHIFT = 0.5
+"""px; less is what a usual calibration leaves; chosen (see benchmarks/tracking.py)."""
+
+MIN_STANDARD_ERRORS = 5.0
+"""Standard errors of a delay; chosen (see benchmarks/tracking.py)."""
 
 MAX_POINTS = 100_000
 """Points that are looked at, at most, at even steps in time; chosen: more take memory, and the delay is known to a
@@ -50,12 +56,18 @@ FAST = 0.9
 
 
 class TimeOffsets(NamedTuple):
-    """delay, error (C): how much later than the others each camera sees, and its standard error, in frames; NaN where
+    """delay, error (C): how much later than the others each camera takes its images, and its standard error, in frames; NaN where
     not known. shift (C): by how much that moves its images where they are fast, px."""
 
     delay: Floats
     error: Floats
     shift: Floats
+
+
+    @property
+    def significant(self) -> Bools:
+        """(C) cameras whose delay is no chance, and moves their images by more than a usual calibration does."""
+        return (np.abs(self.delay) > MIN_STANDARD_ERRORS * self.error) & (self.shift > MIN_SHIFT)
 
 
 class Moving(NamedTuple):
@@ -120,5 +132,5 @@ def _time_offsets(A: Floats, b: Floats) -> Floats:
     """(C) frames by (2), less their median; NaN of cameras that saw nothing move."""
     seen = np.diag(A) > 0
     delay = np.full(len(b), np.nan)
-    delay[seen] = -np.linalg.pinv(A[np.ix_(seen, seen)], rcond=1e-6, hermitian=True) @ b[seen]
+    delay[seen] = np.linalg.pinv(A[np.ix_(seen, seen)], rcond=1e-6, hermitian=True) @ b[seen]
     return delay - np.median(delay[seen]) if seen.any() else delay

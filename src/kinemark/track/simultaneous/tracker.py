@@ -24,9 +24,8 @@ import numpy as np
 
 from ...data import Cloud, Detections, Matches, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
-from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors, usable_points, weighted_points
+from ...geometry.weighted_points import ImageErrors, usable_points, weighted_points
 from ...numerics.runs import begins
-from ..stage import DETECTIONS, TRACK
 from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
@@ -48,9 +47,6 @@ UNCERTAIN = 5.0
 AT_ONCE = 20_000
 """Points that are solved in one go; chosen: more would take memory and no less time."""
 
-VOLUME_MARGIN = 100.0
-"""mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
-
 ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
 (see benchmarks/tracking_scenes.py)."""
@@ -68,6 +64,8 @@ class TrackingResult(NamedTuple):
         stitches: those that were made or considered, of tracks of `seen`.
         images: what the cameras saw; noise: what was learned of them.
         outside: (K, 3) mm, points that were left out as they lie outside the volume.
+        delay, delay_error: (C) s by which cameras were found to take their images later, and its standard error; 0
+            where they count as synchronous.
     """
 
     tracks: Tracks
@@ -78,27 +76,14 @@ class TrackingResult(NamedTuple):
     images: Images
     noise: Noise
     outside: Floats
+    delay: Floats
+    delay_error: Floats
 
 
-@TRACK.method("simultaneous", Simultaneous, takes=DETECTIONS)
-def simultaneous_tracks(detections: Detections, rig: Rig, *, method: Simultaneous) -> Tracks:
-    """Tracks of all markers; called through `track_detections`."""
-    return track_simultaneously(detections, rig, method).tracks
-
-
-def track_simultaneously(
-    detections: Detections,
-    rig: Rig,
-    method: Simultaneous,
-    *,
-    errors: ImageErrors = DEFAULT_ERRORS,
-    volume_margin: float | None = VOLUME_MARGIN,
+def track_once(
+    detections: Detections, rig: Rig, method: Simultaneous, errors: ImageErrors, volume_margin: float | None
 ) -> TrackingResult:
-    """Tracks of all markers, their points by the `errors` of images, and how they came about.
-
-    Points farther than `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None
-    keeps all.
-    """
+    """`track_simultaneously` with all cameras taken for synchronous."""
     T = 1 / detections.rate
     images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
     working = _working(detections, rig, images, noise, method)
@@ -115,7 +100,9 @@ def track_simultaneously(
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
-    return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise, outside)
+    return TrackingResult(
+        Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise, outside, *np.zeros((2, len(rig)))
+    )
 
 
 class FirstPass(NamedTuple):

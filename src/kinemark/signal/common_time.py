@@ -86,10 +86,9 @@ def at_common_time(
 
 
 def moved_in_time(detections: Detections, late: ArrayLike) -> Detections:
-    """The same rows where they were at the times of the frames, of cameras that take their images late by (C) s, at
-    most by the time between two."""
-    images_ahead = -np.asarray(late, np.float64)[detections.camera] * detections.rate
-    uv, cov = _moved(detections, np.arange(len(detections)), images_ahead)
+    """The same rows where they were at the times of the frames, of images that are taken late by (D) s, at most by the
+    time between two."""
+    uv, cov = _moved(detections, np.arange(len(detections)), -np.asarray(late, np.float64) * detections.rate)
     return replace(detections, uv=uv, cov=cov)
 
 

@@ -61,7 +61,7 @@ def test_a_new_marker_continues_none(seed):
     elsewhere = tracks.cloud.xyz.copy()
     elsewhere[tracks.id == 12] += [60.0, 90.0, -70.0]
     moved = Tracks(
-        Cloud(RATE, tracks.cloud.start, elsewhere, tracks.cloud.cov, tracks.cloud.residual, tracks.cloud.view),
+        Cloud(RATE, tracks.cloud.start, elsewhere, tracks.cloud.cov, tracks.cloud.residual, tracks.cloud.detection),
         tracks.id,
     )
     assert continuations(tracks).tolist() == pairs and not len(continuations(moved))

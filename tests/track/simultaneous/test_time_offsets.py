@@ -1,5 +1,7 @@
 """What the tracks say of the cameras' time offsets."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,8 +60,8 @@ def test_delays_are_learned_and_then_cost_nothing(ball, late):
     result = track_simultaneously(detections, rig, Simultaneous())
     together = track_simultaneously(watched(rig, xyz, (0,) * 6), rig, Simultaneous())
     torn = track_simultaneously(detections, rig, Simultaneous(learn_delays=False))
-    assert result.delay == pytest.approx(np.array(late) / 100, abs=2e-4)
-    assert (result.delay_error[np.flatnonzero(late)] < 2e-4).all()
+    assert result.times.delay == pytest.approx(np.array(late) / 100, abs=2e-4)
+    assert (result.times.delay_error[np.flatnonzero(late)] < 2e-4).all()
     assert len(result.tracks) == len(together.tracks) == 12
     assert error(result, xyz) < 1.05 * error(together, xyz) < error(torn, xyz)
     residual, before = (np.sqrt((one.tracks.cloud.residual**2).mean()) for one in (result, torn))
@@ -68,6 +70,28 @@ def test_delays_are_learned_and_then_cost_nothing(ball, late):
     assert {one.cameras: one.kind for one in found} == {
         (rig.names[c],): "camera_delay_learned" for c in np.flatnonzero(late)
     }
+
+
+def test_a_rolling_shutter_is_learned_and_then_costs_nothing(ball):
+    rig, xyz = ball
+    readout = (0, 0.8, 0, 0, 0.5, 0)
+    detections = rolled(rig, xyz, readout)
+    result = track_simultaneously(detections, rig, Simultaneous())
+    torn = track_simultaneously(detections, rig, Simultaneous(learn_delays=False))
+    assert 2 * 100 * result.times.line == pytest.approx(np.array(readout), abs=0.05)
+    residual, before = (np.sqrt((one.tracks.cloud.residual**2).mean()) for one in (result, torn))
+    assert residual < 0.8 * before
+    named = [one.cameras for one in diagnose(detections, rig, result) if one.kind == "camera_rolling_shutter"]
+    assert named == [(rig.names[1],), (rig.names[4],)]
+
+
+def rolled(rig, xyz, readout):
+    """What cameras see whose last rows are taken so many frames later than their first."""
+    early, middle, late = (watched(rig, xyz, (shift,) * len(rig)) for shift in (-0.5, 0, 0.5))
+    y = middle.uv[:, 1] / rig.cameras[0].size[1] - 0.5
+    s = (np.array(readout)[middle.camera] * y)[:, None]
+    uv = middle.uv + s * (late.uv - early.uv) + 2 * s**2 * (late.uv - 2 * middle.uv + early.uv)
+    return replace(middle, uv=uv)
 
 
 def test_synchronous_cameras_are_tracked_once(ball):

@@ -196,6 +196,11 @@ TRIAL_WORDS = {
     "camera_delay_learned": Words(
         _delay_learned, "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras]."
     ),
+    "camera_rolling_shutter": Words(
+        "The rows of {cameras} are taken one after the other, the last {readout_ms:1} ± {readout_se_ms:1} after the "
+        "first. All was tracked with its images moved to the times of the frames.",
+        "Markers at the edges of the image are measured best with a global shutter.",
+    ),
     "camera_without_images": Words("{Cameras} has no images at all.", LOOK_AT_CAMERA),
     "camera_stopped": Words(_stopped, "Check whether the camera stopped recording; else leave it out."),
     "camera_started_late": Words(_started_late, "Check whether the camera started late; else leave it out."),

@@ -22,7 +22,7 @@ from .detection_index import Images
 from .kalman_states import KalmanStates
 from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE
 from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
-from .tracker import TrackingResult
+from .tracker import CameraTimes, TrackingResult
 
 PARTS = 10
 """Into which a recording is cut; chosen (see benchmarks/tracking.py)."""
@@ -45,14 +45,21 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
 
 def _learned_delays(rig: Rig, result: TrackingResult) -> list[Finding]:
     """About cameras that were tracked with delays of their own."""
-    return [
+    ms = CameraTimes(*(1000 * each for each in result.times))
+    late = [
         make_finding(
-            "camera_delay_learned",
-            cameras=[rig.names[c]],
-            delay_ms=1000 * result.delay[c],
-            delay_se_ms=1000 * result.delay_error[c],
+            "camera_delay_learned", cameras=[rig.names[c]], delay_ms=ms.delay[c], delay_se_ms=ms.delay_error[c]
         )
-        for c in np.flatnonzero(result.delay).tolist()
+        for c in np.flatnonzero(ms.delay).tolist()
+    ]
+    return late + [
+        make_finding(
+            "camera_rolling_shutter",
+            cameras=[rig.names[c]],
+            readout_ms=2 * ms.line[c],
+            readout_se_ms=2 * ms.line_error[c],
+        )
+        for c in np.flatnonzero(ms.line).tolist()
     ]
 
 

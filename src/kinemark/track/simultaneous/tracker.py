@@ -52,6 +52,16 @@ ADJUSTED_VARIANCE_RATIO = 0.7
 (see benchmarks/tracking_scenes.py)."""
 
 
+class CameraTimes(NamedTuple):
+    """Of C cameras: delay (C) s by which they take their images later than the others, and what the last row is taken
+    later than the middle one, line (C) s, with their standard errors; 0 where nothing was found."""
+
+    delay: Floats
+    delay_error: Floats
+    line: Floats
+    line_error: Floats
+
+
 class TrackingResult(NamedTuple):
     """What the method gives.
 
@@ -64,8 +74,7 @@ class TrackingResult(NamedTuple):
         stitches: those that were made or considered, of tracks of `seen`.
         images: what the cameras saw; noise: what was learned of them.
         outside: (K, 3) mm, points that were left out as they lie outside the volume.
-        delay, delay_error: (C) s by which cameras were found to take their images later, and its standard error; 0
-            where they count as synchronous.
+        times: of the cameras, by which all was tracked.
     """
 
     tracks: Tracks
@@ -76,8 +85,7 @@ class TrackingResult(NamedTuple):
     images: Images
     noise: Noise
     outside: Floats
-    delay: Floats
-    delay_error: Floats
+    times: CameraTimes
 
 
 def track_once(
@@ -101,7 +109,7 @@ def track_once(
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     return TrackingResult(
-        Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise, outside, *np.zeros((2, len(rig)))
+        Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise, outside, CameraTimes(*np.zeros((4, len(rig))))
     )
 
 

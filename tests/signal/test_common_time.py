@@ -39,11 +39,13 @@ def recorded(rig, rate, delays, rates=None, noise=0.1):
 def recall_and_error(tracks, rate):
     """The share of samples that have a point within 10 mm, and the RMS distance of these, mm."""
     xyz, cloud = places(np.arange(round(SECONDS * rate)) / rate), tracks.cloud
-    off = np.array([
-        np.linalg.norm(cloud[f] - xyz[m, f], axis=1).min(initial=np.inf)
-        for f in range(5, cloud.n_frames - 5)
-        for m in range(N)
-    ])
+    off = np.array(
+        [
+            np.linalg.norm(cloud[f] - xyz[m, f], axis=1).min(initial=np.inf)
+            for f in range(5, cloud.n_frames - 5)
+            for m in range(N)
+        ]
+    )
     found = off < 10
     return found.mean(), np.sqrt((off[found] ** 2).mean()), len(tracks)
 

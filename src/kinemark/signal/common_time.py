@@ -71,7 +71,9 @@ def at_common_time(
     delay = np.asarray(delay, np.float64)
     rates = np.full(C, detections.rate) if rate is None else np.asarray(rate, np.float64)
     if delay.shape != (C,) or rates.shape != (C,) or not (np.isfinite(delay).all() and (rates > 0).all()):
-        raise ValueError(f"wanted a finite delay and a rate above 0 for each of {C} cameras, found {delay} s, {rates} Hz")
+        raise ValueError(
+            f"wanted a finite delay and a rate above 0 for each of {C} cameras, found {delay} s, {rates} Hz"
+        )
     rows, counts, ahead = [np.zeros(0, np.int64)], np.zeros((C, F), np.int64), [np.zeros(0)]
     for c in range(C):
         image, late = nearest_images(F, detections.rate, float(rates[c]), float(delay[c]), first_frame)
@@ -143,7 +145,7 @@ def linked(uv: Floats, frame: Ints) -> tuple[Ints, Ints]:
     tree = scipy.spatial.cKDTree(place)
     near = []
     for way in (-1, 1):
-        found = tree.query(place + [0, 0, way * apart], k=NEIGHBOURS, distance_upper_bound=apart / 2)[1]
+        found = tree.query(place + np.array([0, 0, way * apart]), k=NEIGHBOURS, distance_upper_bound=apart / 2)[1]
         near.append(np.where(found < len(good), good[np.minimum(found, len(good) - 1)], -1))
     before, after = none.copy(), none.copy()
     before[good], after[good] = _smoothest(uv, good, *near)

@@ -57,7 +57,7 @@ class Recording:
     def corrections(self) -> list[object]:
         """What the session says of fixed marks and of the cameras' times, for a key; nothing where it says nothing."""
         way, cameras = self.settings.calibration, self.settings.cameras
-        times = [cameras.delays_ms, cameras.rates_hz] if self.own_times else []
+        times: list[object] = [cameras.delays_ms, cameras.rates_hz] if self.own_times else []
         if way.reference_marker is None:
             return times
         return [way.reference_marker, way.mark_reach_px, way.mark_tolerance_px, self.entry.reference_marker, *times]

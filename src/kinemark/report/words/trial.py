@@ -65,8 +65,8 @@ def _delay_learned(found: Finding) -> str:
     delay, error = (_number(found, name) for name in ("delay_ms", "delay_se_ms"))
     later = "earlier" if delay < 0 else "later"
     return fill(
-        f"{{Cameras}} takes its images {shown(abs(delay), 'ms')} ± {shown(error, 'ms')} {later} than the others. All was "
-        "tracked with its images moved to the times of the frames.",
+        f"{{Cameras}} takes its images {shown(abs(delay), 'ms')} ± {shown(error, 'ms')} {later} than the others. All "
+        "was tracked with its images moved to the times of the frames.",
         found,
     )
 
@@ -191,10 +191,13 @@ TRIAL_WORDS = {
         "All else was read. Export the recording again where these parts are wanted.",
     ),
     "cameras_swapped": Words(_swapped, "Swap the files, in the trial or in the calibration."),
-    "camera_out_of_sync": Words(_out_of_sync, "Check that all cameras are triggered together; where that cannot be, "
-        "state delays_ms in [cameras]."),
+    "camera_out_of_sync": Words(
+        _out_of_sync,
+        "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
+    ),
     "camera_delay_learned": Words(
-        _delay_learned, "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras]."
+        _delay_learned,
+        "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
     ),
     "camera_rolling_shutter": Words(
         "The rows of {cameras} are taken one after the other, the last {readout_ms:1} ± {readout_se_ms:1} after the "

@@ -1,9 +1,10 @@
 """Tracking, and tracking again where the tracks show that cameras are not synchronous.
 
-The tracks of a first run show delays of the cameras (`time_offsets`). Detections of cameras whose delay is significant
-are moved to the times of the frames (`signal.common_time`), and all is tracked again; what is left of the delays then
-shows once more, as a first run that was torn by them knows them less well. Errors of a calibration can look like a delay where all move one way; so a run that
-does not leave the images in better agreement counts for nothing (1).
+The tracks of a first run show delays of the cameras, and rolling shutters (`time_offsets`). Detections of cameras of
+which either is significant are moved to the times of the frames (`signal.common_time`), and all is tracked again; what
+is left then shows once more, as a first run that was torn by delays knows them less well. Errors of a calibration can
+look like a delay where all move one way; so a run that does not leave the images in better agreement counts for
+nothing (1).
 """
 
 from __future__ import annotations

@@ -87,7 +87,8 @@ class TimeOffsets(NamedTuple):
 
 
 class Moving(NamedTuple):
-    """N points in motion: J (N, C, 2, 3) px/mm, off and flow (N, C, 2) px and px a frame, 0 where unseen; y (N, C) of (4); frame (N)."""
+    """N points in motion: J (N, C, 2, 3) px/mm, off and flow (N, C, 2) px and px a frame, 0 where unseen; y (N, C) of
+    (4); frame (N)."""
 
     J: Floats
     off: Floats

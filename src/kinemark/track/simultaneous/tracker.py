@@ -109,7 +109,15 @@ def track_once(
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
     return TrackingResult(
-        Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise, outside, CameraTimes(*np.zeros((4, len(rig))))
+        Tracks(cloud, number),
+        every,
+        final,
+        speaks,
+        whole.stitches,
+        images,
+        noise,
+        outside,
+        CameraTimes(*np.zeros((4, len(rig)))),
     )
 
 

@@ -41,9 +41,15 @@ TRIAL_KINDS = (
          "well, cameras two by two. Shares of their detections confirmed by two more cameras, swapped and as it is.",
          {"swapped_share": "share", "as_is_share": "share"}),
     # What tracks show of their input
-    Kind("camera_out_of_sync", "track", "amber", "A camera sees everything later (or earlier, below 0) than the "
+    Kind("camera_out_of_sync", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "
          "others; shift_px is how far that moves its images.",
          {"delay_ms": "ms", "delay_frames": "frames", "shift_px": "px"}),
+    Kind("camera_delay_learned", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "
+         "others by delay_ms, of standard error delay_se_ms; all was tracked with this delay.",
+         {"delay_ms": "ms", "delay_se_ms": "ms"}),
+    Kind("camera_rolling_shutter", "track", "amber", "A camera takes the last row of its images later (or earlier, "
+         "below 0) than the first by readout_ms, of standard error readout_se_ms; all was tracked so.",
+         {"readout_ms": "ms", "readout_se_ms": "ms"}),
     Kind("camera_without_images", "track", "amber", "A camera has no images at all."),
     Kind("camera_stopped", "track", "amber", "A camera has no images in the last frames, though markers were in view.",
          {"recorded_frames": "count"}),

@@ -52,6 +52,14 @@ class Cameras(Strict):
         default=False,
         description="which field of an interlaced image was taken first, where fields are frames; true means top",
     )
+    delays_ms: dict[str, Annotated[float, Field(allow_inf_nan=False)]] = Field(
+        default={},
+        description="by how much each camera named takes its images later than the others, ms; below 0 where earlier",
+    )
+    rates_hz: dict[str, Annotated[float, Field(gt=0, allow_inf_nan=False)]] = Field(
+        default={},
+        description="images a second of each camera named that has another rate than the frames, Hz",
+    )
 
     @field_validator("names")
     @classmethod

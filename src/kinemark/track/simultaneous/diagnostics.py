@@ -23,17 +23,11 @@ from .associate import predict_images
 from .detection_index import Images
 from .kalman_states import KalmanStates
 from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE
-from .time_offsets import TimeOffsets, time_offsets
-from .tracker import TrackingResult
+from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
+from .tracker import CameraTimes, TrackingResult
 
 PARTS = 10
 """Into which a recording is cut; chosen (see benchmarks/tracking.py)."""
-
-MIN_SHIFT = 0.5
-"""px; less is what a usual calibration leaves; chosen (see benchmarks/tracking.py)."""
-
-MIN_STANDARD_ERRORS = 5.0
-"""Standard errors of a delay; chosen (see benchmarks/tracking.py)."""
 
 MAX_SPEED = 15_000.0
 """mm/s; markers on people hardly move faster than the hand of a thrower; chosen (see benchmarks/tracking.py)."""
@@ -48,12 +42,31 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     for c, name in enumerate(rig.names):
         found += _without_images(detections, result, c) or late.get(c) or _shifted(result, c, name)
     found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist()]
-    return found + _too_fast(result, detections.rate)
+    return found + _learned_delays(rig, result) + _too_fast(result, detections.rate)
+
+
+def _learned_delays(rig: Rig, result: TrackingResult) -> list[Finding]:
+    """About cameras that were tracked with delays of their own."""
+    ms = CameraTimes(*(1000 * each for each in result.times))
+    late = [
+        make_finding(
+            "camera_delay_learned", cameras=[rig.names[c]], delay_ms=ms.delay[c], delay_se_ms=ms.delay_error[c]
+        )
+        for c in np.flatnonzero(ms.delay).tolist()
+    ]
+    return late + [
+        make_finding(
+            "camera_rolling_shutter",
+            cameras=[rig.names[c]],
+            readout_ms=2 * ms.line[c],
+            readout_se_ms=2 * ms.line_error[c],
+        )
+        for c in np.flatnonzero(ms.line).tolist()
+    ]
 
 
 def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> dict[int, list[Finding]]:
     """About cameras that see at other times than the others, under their numbers."""
-    there = (np.abs(found.delay) > MIN_STANDARD_ERRORS * found.error) & (found.shift > MIN_SHIFT)
     return {
         c: [
             make_finding(
@@ -64,7 +77,7 @@ def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> di
                 shift_px=found.shift[c],
             )
         ]
-        for c in np.flatnonzero(there).tolist()
+        for c in np.flatnonzero(found.significant).tolist()
     }
 
 

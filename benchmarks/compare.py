@@ -23,6 +23,7 @@ from pathlib import Path
 import bundle
 import detection
 import gaps
+import labelling
 import pages
 import recording
 import startup
@@ -41,6 +42,7 @@ SUITE: dict[str, Callable[[], list[Metric]]] = {
     "tracking_scenes": tracking_scenes.metrics,
     "bundle": bundle.metrics,
     "gaps": gaps.metrics,
+    "labelling": labelling.metrics,
     "startup": startup.metrics,
     "pages": pages.metrics,
 }

@@ -9,7 +9,7 @@ counts as none); ghosts that have a sure name, in % of their samples; right and 
 s. Below stands how often names are right by their probability, over the rows on which it was tuned and over the rest.
 
 References mended: LWRA and LWRB are exchanged in all three files of HC030A (the left wrist has the handedness of the
-right one); RHLX and RNAV are exchanged in HC032A18 from about frame 200 on.
+right one); RHLX and RNAV are exchanged in HC032A18 from about frame 150 on.
 """
 
 from __future__ import annotations
@@ -149,6 +149,11 @@ def rows() -> Iterator[Row]:
         yield from static_trials()
         yield from other_children()
         yield from wrong_templates()
+    yield from walkers()
+
+
+def walkers() -> Iterator[Row]:
+    """One synthetic walk labels another."""
     for n in (15, 39):
         for seed in (1, 2, 3):
             one, two = (
@@ -302,9 +307,9 @@ def fitted(rows_of: list[Row], pieces: list[int], seeds: list[int]) -> NDArray[n
 
 def metrics() -> list[Metric]:
     """For `compare.py`: the synthetic walkers, which are everywhere."""
-    walkers = [row for row in rows() if row.name in ("walker 15 seed 2", "walker 39 seed 2")]
+    checked = [row for row in walkers() if row.name in ("walker 15 seed 2", "walker 39 seed 2")]
     out = []
-    for row in walkers:
+    for row in checked:
         for pieces in (1, 15):
             one = result(row, pieces, 1)[0]
             name = f"{row.name}, ×{pieces}"

@@ -8,7 +8,7 @@ and the score of all pairs that this touches is compared, by the template as it 
 
 from __future__ import annotations
 
-from itertools import combinations, permutations
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -111,8 +111,3 @@ def best_moves(y: Single, exchanger: Exchanger, least: float) -> Ints:
         new = turn[new]
         y = y[:, np.argsort(turn)]
     return new
-
-
-def all_orders(group: tuple[int, ...]) -> list[Move]:
-    """Every exchange within a small group of labels."""
-    return [(group, to) for to in permutations(group) if to != group]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..data import Detections, KinemarkError
 from ..data.masks import Masks
 from ..data.method import Method
+from ..numerics.blas_threads import one_blas_thread
 from .blobs import Blobs, joined
 from .centroids_method import Centroids
 from .detect_frames import detect_frames
@@ -25,6 +26,7 @@ from .masks import masked
 from .stage import DETECT
 
 
+@one_blas_thread()
 def detect(
     sources: Sequence[FrameSource],
     *,

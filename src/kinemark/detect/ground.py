@@ -10,8 +10,8 @@ is measured there, too. What is darker than p stays as it is.
 
 A marker that stands still is part of g. A *spot* is a group of pixels brighter, by c / 2, than the opening of g (the
 greatest of the least levels in a square of side `WIDER` √A for markers up to the area A), not larger nor longer than a
-marker, and so much brighter than all of the opening within `ROUND` pixels, too: it is no corner of something large.
-Spots are cut out of the ground (2), and so stay in the images.
+marker, as full (`sizes`), within the image, and so much brighter than all of the opening within `ROUND` pixels, too,
+and than most of the pixels that far away: it is no corner of something large, nor a slope. Spots are cut out of the ground (2), and so stay in the images.
 
 Whether it is worth it: a ground is uneven where more than `SHARE` of its pixels differ from its median b by more than
 `UNEVEN` (t − b), for the threshold t (3).
@@ -27,6 +27,8 @@ import scipy
 from numpy.typing import NDArray
 
 from .background_noise import background
+from .grouping import PixelGroups
+from .sizes import FILL
 from .stability import groups_above
 
 Images = NDArray[np.uint8 | np.uint16]
@@ -120,12 +122,26 @@ def _cut_out(light: Images, spots: Spots) -> Images:
     """One ground (H, W) without its spots."""
     side = int(np.ceil(WIDER * np.sqrt(spots.area))) | 1
     opened = scipy.ndimage.grey_opening(light, size=(side, side), mode="nearest")
-    groups = groups_above((light - opened)[None], spots.contrast / 2)
-    w, h = groups.right - groups.left + 1, groups.bottom - groups.top + 1
-    groups = groups.keep((groups.area <= spots.area) & (np.maximum(w, h) <= spots.aspect * np.minimum(w, h)))
+    above = light - opened
+    groups = groups_above(above[None], spots.contrast / 2)
+    groups = groups.keep(_like_markers(groups, light.shape, spots))
     kept = light.copy()
     for left, right, top, bottom in zip(groups.left, groups.right, groups.top, groups.bottom, strict=True):
         box = slice(max(top - ROUND, 0), bottom + ROUND + 1), slice(max(left - ROUND, 0), right + ROUND + 1)
-        if float(light[box].max()) - float(opened[box].max()) >= spots.contrast / 2:
-            kept[box] = np.minimum(light[box], opened[box])
+        if float(light[box].max()) - _beside(light[box], opened[box]) >= spots.contrast / 2:
+            kept[box] = opened[box]
     return kept
+
+
+def _beside(light: Images, opened: Images) -> float:
+    """How bright it is beside the spot in a box (h, w): its border mostly, and all of it in what is large."""
+    border = np.concatenate([light[0], light[-1], light[:, 0], light[:, -1]])
+    return max(float(np.median(border)), float(opened.max()))
+
+
+def _like_markers(groups: PixelGroups, shape: tuple[int, ...], spots: Spots) -> NDArray[np.bool_]:
+    """(G) which groups of an image (H, W) have a marker's size and form, and lie within it."""
+    w, h = groups.right - groups.left + 1, groups.bottom - groups.top + 1
+    good = (groups.area <= spots.area) & (np.maximum(w, h) <= spots.aspect * np.minimum(w, h))
+    good &= groups.area + np.sqrt(groups.area) >= FILL * w * h
+    return good & (groups.left > 0) & (groups.right < shape[1] - 1) & (groups.top > 0) & (groups.bottom < shape[0] - 1)

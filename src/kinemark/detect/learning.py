@@ -30,6 +30,7 @@ FRAMES = 12  # looked at in each recording; chosen for speed
 STANDS_OUT = 10.0  # standard deviations of noise that a frame's brightest pixel must be above the ground; chosen
 NEARER = 4.0  # times the area of the greatest marker seen: at half its distance; chosen
 OFTEN = 0.5  # larger things a frame that are lamps, and no markers on each other; chosen
+STILL = 2.0  # times the area of the greatest marker that moves: still ones may be nearer, lamps are larger; chosen
 LONG = 48  # frames of a recording whose ground is subtracted unasked; chosen: four times `FRAMES`, so that markers move
 
 
@@ -89,7 +90,7 @@ def _spots(images: Images, method: Centroids) -> Spots:
         return Spots(STANDS_OUT * float(np.sqrt(np.median(variance))), USUAL.max_area, USUAL.max_aspect)
     said, sizes, _ = proposed
     contrast = abs(said.threshold * grey_scale(images.dtype) - float(np.median(ground)))
-    return Spots(contrast, NEARER * sizes.greatest, max(said.max_aspect, USUAL.max_aspect))
+    return Spots(contrast, STILL * sizes.greatest, max(said.max_aspect, USUAL.max_aspect))
 
 
 def _from_ground(threshold: float | None, ground: Ground | None, method: Centroids, images: Images) -> float | None:
@@ -121,7 +122,7 @@ def _measured_limits(images: Images, *, inverted: bool) -> Limits | None:
     ground, variance = background(images)
     brightest = images.min((1, 2)) if inverted else images.max((1, 2))
     out = (ground - brightest if inverted else brightest - ground) > STANDS_OUT * np.sqrt(variance)
-    proposed = measured(images[out], inverted=inverted) if out.any() else None
+    proposed = measured(images if out.all() else images[out], inverted=inverted) if out.any() else None
     if proposed is None:
         return None
     said, sizes, gap = proposed

@@ -255,6 +255,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
         steps=(*inputs.calibrated.steps, *inputs.store.steps),
         findings=(
             *inputs.source.contradictions(),
+            *_subtracted(detections),
             *_channels(beside, filled.trajectories),
             *swapped,
             *tracked.diagnostics,
@@ -268,6 +269,12 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     if operated is not None:
         figures["digitising"] = dict(operated.figures)
     return figures
+
+
+def _subtracted(detections: Detections) -> Iterator[Finding]:
+    """From the images of which cameras a static ground was subtracted."""
+    if detections.ground_subtracted:
+        yield make_finding("ground_subtracted", cameras=detections.ground_subtracted)
 
 
 def _channels(beside: Trial | None, trajectories: Trajectories) -> Iterator[Finding]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from dataclasses import replace
 from threading import Event, Lock
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,7 @@ def detect(
     cameras: Sequence[str],
     rate: float,
     method: Method | None = None,
+    of_cameras: Mapping[str, Method] = MappingProxyType({}),
     masks: Masks | None = None,
     progress: Callable[[int], None] | None = None,
     threads: int | None = None,
@@ -45,17 +47,20 @@ def detect(
         rate: frames a second, Hz.
         method: one of `DETECT`, `Centroids()` where None; a relative threshold is measured once a camera, in the first
             frames that show something.
+        of_cameras: methods of single cameras by their names, in its place.
         masks: where nothing is a marker, for some or all of the cameras.
         progress: called with the number of frames done so far, all cameras together, from the threads that do them.
         threads: how many cameras are looked at side by side; as many as there are processors where None.
 
     Raises:
-        ValueError: not one name a source.
+        ValueError: not one name a source, or a method of a camera that is not there.
         KinemarkError: the cameras have unequal numbers of frames, a recording ends early, a threshold that lies
             in the noise, or masks of other cameras or of other sizes.
     """
     if len(sources) != len(cameras):
         raise ValueError(f"there are {len(sources)} sources and {len(cameras)} camera names, wanted one each")
+    if unknown := [name for name in of_cameras if name not in cameras]:
+        raise ValueError(f"of_cameras names {', '.join(unknown)}, and the cameras are {', '.join(cameras)}")
     _check_masks(masks, cameras)
     n_frames = _common_length(sources, cameras)
     done, lock, stopped = [0], Lock(), Event()
@@ -70,7 +75,7 @@ def detect(
 
     def one(source: FrameSource, name: str) -> tuple[Blobs, bool]:
         mask = masks.pixels(name) if masks and name in masks.cameras else None
-        return _detect_camera(source, name, method or DETECT.make(), mask, tell)
+        return _detect_camera(source, name, of_cameras.get(name) or method or DETECT.make(), mask, tell)
 
     with ThreadPoolExecutor(max(1, min(threads or os.cpu_count() or 1, len(sources)))) as pool:
         try:

@@ -57,7 +57,8 @@ def spread_at(
     """
     if isinstance(source, RandomAccess):
         return wanted, source.frames_at(wanted)
-    found, first = {}, 0
+    found: dict[int, NDArray[np.uint8 | np.uint16]] = {}
+    first = 0
     for batch in source.batches(BATCH):
         found |= {k: batch[k - first] for k in wanted.tolist() if first <= k < first + len(batch)}
         first += len(batch)

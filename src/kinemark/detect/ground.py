@@ -14,7 +14,7 @@ marker, as full (`sizes`), within the image, and so much brighter than all of th
 and than most of the pixels that far away: it is no corner of something large, nor a slope. Spots are cut out of the ground (2), and so stay in the images.
 
 Whether it is worth it: a ground is uneven where more than `SHARE` of its pixels differ from its median b by more than
-`UNEVEN` (t − b), for the threshold t (3).
+`UNEVEN` (t − b), for the threshold t, and by more than p (3).
 """
 
 from __future__ import annotations
@@ -94,7 +94,8 @@ def is_uneven(images: Images, threshold: float) -> bool:
         return False
     still = few[(len(few) - 1) // 2].astype(np.float64)
     b = float(np.median(still))
-    return bool((np.abs(still - b) > UNEVEN * abs(threshold - b)).mean() > SHARE)
+    least = max(UNEVEN * abs(threshold - b), DEPTH * float(np.sqrt(np.median(background(images)[1]))))
+    return bool((np.abs(still - b) > least).mean() > SHARE)
 
 
 def static_ground(images: Images, field: NDArray[np.int64], *, white: int | None = None) -> Ground:

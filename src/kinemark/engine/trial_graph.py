@@ -112,6 +112,7 @@ def trial_graph(name: str, settings: Settings, source: TrialSource, calibrated: 
     s, rig = settings, rig_key(calibrated.rig)
     detecting = Stage("detect", (), ("detections.h5",), _detect, save, _reader(Detections), s.detect)
     detecting = replace(detecting, given=(source.key(),), in_place=source.of.entry.answers is not None)
+    detecting = replace(detecting, cameras=s.detect_cameras)
     stages = [detecting]
     tracks = Tracking(("tracks.h5", DECISIONS))
     if identifies(source):

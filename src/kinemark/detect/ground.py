@@ -5,13 +5,14 @@ one each. Images are taken to
 
     I − max(g − p, 0), no lower than 0,   p = `DEPTH` σ                   (1)
 
-so that an even ground remains, at the level p, and with it the noise that covariances are made of; the noise of g itself
-is measured there, too. What is darker than p stays as it is.
+so that an even ground remains, at the level p, and with it the noise that covariances are made of, that of g itself
+included. What is darker than p stays as it is.
 
 A marker that stands still is part of g. A *spot* is a group of pixels brighter, by c / 2, than the opening of g (the
 greatest of the least levels in a square of side `WIDER` √A for markers up to the area A), not larger nor longer than a
 marker, as full (`sizes`), within the image, and so much brighter than all of the opening within `ROUND` pixels, too,
-and than most of the pixels that far away: it is no corner of something large, nor a slope. Spots are cut out of the ground (2), and so stay in the images.
+and than most of the pixels that far away: it is no corner of something large, nor a slope. Spots are cut out of the
+ground (2), and so stay in the images.
 
 Whether it is worth it: a ground is uneven where more than `SHARE` of its pixels differ from its median b by more than
 `UNEVEN` (t − b), for the threshold t, and by more than p (3).

@@ -7,6 +7,8 @@ hidden or on another one in the frames that were not looked at. So areas begin a
 of the usual and the proposed limit (1), save where every other frame shows something larger than all markers, as
 strobes and lamps do: then they end between the two, no nearer than `NEARER` times the greatest marker (2).
 
+Where the ground is uneven, it is learned as well, and all that follows is learned from the frames without it (`ground`).
+
 Frames in which nothing stands out are left aside. Where none shows any marker, the threshold is the usual share of the
 camera's white, or that far above bright ground (3), and limits are the usual ones.
 """
@@ -67,7 +69,7 @@ def learned(method: Centroids, source: FrameSource) -> Learned:
 def _without_ground(
     method: Centroids, source: FrameSource, numbers: NDArray[np.int64], images: Images, *, sure: bool
 ) -> tuple[Ground, Limits] | None:
-    """The ground without markers that stand still, and the limits seen without it; None where nothing stands out then."""
+    """The ground, save markers that stand still, and the limits seen without it; None where nothing stands out then."""
     field = numbers * 0
     if source.v_offset(0) != source.v_offset(1):  # as many frames of the other field
         numbers = np.unique(np.concatenate([numbers // 2 * 2, numbers // 2 * 2 + 1]))

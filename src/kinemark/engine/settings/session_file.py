@@ -189,7 +189,7 @@ class Settings(Strict):
     report: ReportTable = Field(default=ReportTable(), description="how pages are written")
     calibrate: Annotated[InstanceOf[Method], A_METHOD] = Field(default=None, validate_default=True)
     detect: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=DETECT.make)
-    detect_cameras: SkipJsonSchema[dict[str, Any]] = {}
+    detect_cameras: SkipJsonSchema[dict[str, Any]] = Field(default_factory=dict)
     match: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=MATCH.make)
     reconstruct: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=RECONSTRUCT.make)
     track: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=TRACK.make)

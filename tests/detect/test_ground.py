@@ -1,5 +1,6 @@
 """The static ground is subtracted where it is uneven, and nothing that may be a marker; dark grounds are left alone."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,8 +11,10 @@ from kinemark.data import same
 from kinemark.detect import Centroids, detect, stability
 from kinemark.detect.ground import Spots, static_ground, without_spots
 from kinemark.detect.stability import bright_pixels, groups_above, marker_gap
+from kinemark.engine.trial_graph import subtracted
 from kinemark.geometry import project, sphere_offset
 from kinemark.io.records import load, save
+from kinemark.report.words import text_of
 from kinemark.synth import Optics, render, ring
 
 W, H, FRAMES = 320, 240, 48
@@ -198,3 +201,12 @@ def test_thresholds_are_tried_on_bright_pixels_alone(monkeypatch):
     monkeypatch.setattr(stability, "find_runs", lambda *a, **k: calls.append(1) or find(*a, **k))
     marker_gap(images)
     assert len(calls) <= 2
+
+
+def test_a_finding_says_whose_ground_was_subtracted():
+    films, _, _ = filmed(11)
+    found = detect(films, cameras=AMONG, rate=100.0)
+    (finding,) = subtracted(found)
+    assert finding.kind == "ground_subtracted" and finding.cameras == tuple(AMONG)
+    assert "static ground was subtracted" in text_of(finding)
+    assert not list(subtracted(replace(found, ground_subtracted=())))

@@ -7,7 +7,7 @@ hidden or on another one in the frames that were not looked at. So areas begin a
 of the usual and the proposed limit (1), save where every other frame shows something larger than all markers, as
 strobes and lamps do: then they end between the two, no nearer than `NEARER` times the greatest marker (2).
 
-Where the ground is uneven, it is learned as well, and all that follows is learned from the frames without it (`ground`).
+Where the ground is uneven it is learned first, and all else from the frames without it (`ground`).
 
 Frames in which nothing stands out are left aside. Where none shows any marker, the threshold is the usual share of the
 camera's white, or that far above bright ground (3), and limits are the usual ones.

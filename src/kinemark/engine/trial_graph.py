@@ -256,7 +256,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
         steps=(*inputs.calibrated.steps, *inputs.store.steps),
         findings=(
             *inputs.source.contradictions(),
-            *_subtracted(detections),
+            *subtracted(detections),
             *_channels(beside, filled.trajectories),
             *swapped,
             *tracked.diagnostics,
@@ -272,7 +272,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     return figures
 
 
-def _subtracted(detections: Detections) -> Iterator[Finding]:
+def subtracted(detections: Detections) -> Iterator[Finding]:
     """From the images of which cameras a static ground was subtracted."""
     if detections.ground_subtracted:
         yield make_finding("ground_subtracted", cameras=detections.ground_subtracted)

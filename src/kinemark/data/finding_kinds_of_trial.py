@@ -13,6 +13,7 @@ TRIAL_KINDS = (
     Kind("no_trajectories", "track", "red", "There are points but no trajectory."),
     # Cameras
     Kind("camera_sees_nothing", "detect", "amber", "A camera has no detection, while others have some."),
+    Kind("ground_subtracted", "detect", "info", "Uneven static ground was subtracted from the images of cameras."),
     Kind("camera_disagrees", "reconstruct", "amber", "The median residual of a camera is far above the median of the "
          "others, by this ratio (None where theirs is 0); the offset is the median of detection less reprojection.",
          {"residual_px": "px", "ratio": "ratio", "offset_u_px": "px", "offset_v_px": "px"}),

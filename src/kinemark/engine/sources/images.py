@@ -12,7 +12,7 @@ from ...data.progress import tell
 from ...detect import detect
 from ...io.images import ImageSource
 from ..keys import digest, file_key
-from ..recordings import masks_key, masks_of
+from ..recordings import masks_key, masks_of, methods_of
 from .excerpt import excerpt_of, pictures_of
 from .recording import Recording
 from .trial_source import OperatorIdentities
@@ -43,6 +43,7 @@ class Images:
             cameras=of.rig.names,
             rate=self._rate(images),
             method=method,
+            of_cameras=methods_of(of.settings, of.rig.names),
             masks=masks_of(of.root, of.settings, of.rig.names),
             progress=lambda done: tell(done, total),
             threads=threads,

@@ -147,6 +147,10 @@ TRIAL_WORDS = {
         "{Cameras} saw nothing in the whole trial.",
         "Check its cable, lens cap, lights and threshold; then record again or leave it out.",
     ),
+    "ground_subtracted": Words(
+        "The static ground was subtracted from the images of {cameras}: it is uneven.",
+        'If a marker that stands still is missing there, set background = "none" in [detect].',
+    ),
     "camera_disagrees": Words(
         _disagrees,
         "When the offset explains the residual, the camera was moved: calibrate again. Otherwise check its focus and "

@@ -18,6 +18,8 @@ from ..report.words import advice_of, text_of
 
 STATIC_SPREAD = 0.14
 """Share of each distance that a static trial does not show; chosen, see docs/theory/label.md."""
+OTHER_SUBJECT = 0.06
+"""Share of each distance by which another subject differs, scaled by height; chosen, see docs/theory/label.md."""
 
 
 class LabelledFile(NamedTuple):
@@ -36,27 +38,28 @@ class LabelledFile(NamedTuple):
 
 
 def template_of(
-    files: Sequence[Path], *, markers: Sequence[str] = (), static: bool = False, scale: float = 1.0
+    files: Sequence[Path], *, markers: Sequence[str] = (), static: bool = False, scale: float | None = None
 ) -> Template:
     """The template of labelled trials.
 
     Args:
         files: of one subject. markers: names to learn; all that do not begin with "*" where there are none. Name them
             where the files also have computed points, such as segments' axes.
-        static: they show no motion. scale: times as tall is the subject who is to be labelled.
+        static: they show no motion. scale: of another subject; times as tall is
+            the one who is to be labelled.
 
     Raises:
         KinemarkError: there are none, one cannot be read, or they have too few names.
     """
     if not files:
         raise KinemarkError("There is no template. Give one or more labelled trials of the subject: --template TRIAL.")
-    if not 0.2 < scale < 5:
+    if scale is not None and not 0.2 < scale < 5:
         raise KinemarkError(
             f"The scale is {scale:g}. Wanted is the height of this subject over that of the template's."
         )
     trials = [read_trial(file).trajectories for file in files]
     template = learn_template(*trials, names=tuple(markers) or None, relative_spread=STATIC_SPREAD if static else 0.0)
-    return template if scale == 1.0 else template.scaled(scale, relative_spread=0.06)  # as benchmarks/labelling.py
+    return template if scale is None else template.scaled(scale, relative_spread=OTHER_SUBJECT)
 
 
 def label_file(

@@ -19,7 +19,7 @@ def label(
     output: Annotated[Path | None, Parameter(name=("--output", "-o"))] = None,
     markers: str = "",
     static: bool = False,
-    scale: float = 1.0,
+    scale: float | None = None,
     unsure: bool = False,
     check: bool = False,
     json: Json = False,
@@ -33,7 +33,7 @@ def label(
         markers: names that the template learns, as LASI,RASI,SACR; all where none is given. Name them where the files
             of the template also hold computed points, such as segments' axes.
         static: the template's trials show no motion.
-        scale: height of the subject over that of the template's subject.
+        scale: the template is of another subject; height of this one over that of the other.
         unsure: also take names that are not sure.
         check: write nothing; list where names that the file has are exchanged.
         json: print name, probability and runner-up of each track for a machine.

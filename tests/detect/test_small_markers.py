@@ -113,3 +113,20 @@ def test_the_usual_threshold_stays_where_it_parts_noise_from_markers():
     assert learned_limits(np.stack(bright.images)).threshold == USUAL.threshold
     dim, _ = filmed(14.0, seed=8, brightness=60.0)
     assert learned_limits(np.stack(dim.images)).threshold < USUAL.threshold
+
+
+def test_the_usual_threshold_stays_a_little_above_the_gap_too():
+    """There even the dimmest marker has nearly twice the contrast."""
+    source, places = filmed(19.0, seed=11, brightness=120.0)
+    gap = propose(source.images).gap
+    assert gap.threshold < gap.high < USUAL.threshold == learned_limits(source.images).threshold
+    assert judged(detect([source], cameras=["a"], rate=50.0), 0, places)[0] == 1
+
+
+@pytest.mark.parametrize(("near", "lowered"), [(1, False), (2, False), (4, True)])
+def test_only_what_is_larger_in_every_other_frame_is_a_lamp(near, lowered):
+    """Markers that come near in some frames are many larger things, and still markers."""
+    images = filmed(19.0, seed=12)[0].images.copy()
+    larger = filmed(44.0, seed=12)[0].images
+    images[:near] = np.maximum(images[:near], np.where(np.arange(752) < 270, larger[:near], 0))
+    assert (learned_limits(images).max_area < USUAL.max_area) == lowered

@@ -1,11 +1,12 @@
 """What a method leaves open, learned from the recording of one camera.
 
 Frames spread over the whole recording propose a threshold and limits of size (`proposal`). The threshold is the usual
-share of white, where that lies in the gap between noise and markers and is not clearly above what is proposed, as a
-low threshold keeps more of each marker; else the proposed one. Limits of size are only wide: a marker may be nearer,
-farther, half hidden or on another one in the frames that were not looked at. So areas begin at the lesser, and end at
-the greater, of the usual and the proposed limit (1), save where every other frame shows something larger than all
-markers, as strobes and lamps do: then they end between the two, no nearer than `NEARER` times the greatest marker (2).
+share of white, where that lies in the gap between noise and markers, or barely above its end (`ABOVE`), and is not
+clearly above what is proposed, as a low threshold keeps more of each marker; else the proposed one. Limits of size are
+only wide: a marker may be nearer, farther, half hidden or on another one in the frames that were not looked at. So
+areas begin at the lesser, and end at the greater, of the usual and the proposed limit (1), save where every other frame
+shows something larger than all markers, as strobes and lamps do: then they end between the two, no nearer than `NEARER`
+times the greatest marker (2).
 
 Where the ground is uneven it is learned first, and all else from the frames without it (`ground`).
 
@@ -32,7 +33,8 @@ FRAMES = 12  # looked at in each recording; chosen for speed
 STANDS_OUT = 10.0  # standard deviations of noise that a frame's brightest pixel must be above the ground; chosen
 NEARER = 4.0  # times the area of the greatest marker seen: at half its distance; chosen
 NEAR = 0.75  # of the usual threshold, down to which a proposed one is no better; chosen
-OFTEN = 0.5  # larger things a frame that are lamps, and no markers on each other; chosen
+ABOVE = 1.1  # times the contrast of the gap's end, where the dimmest marker has twice that; chosen
+OFTEN = 0.5  # share of frames with larger things that are lamps, and no markers on each other or nearer; chosen
 STILL = 2.0  # times the area of the greatest marker that moves: still ones may be nearer, lamps are larger; chosen
 LONG = 48  # frames of a recording whose ground is subtracted unasked; chosen: four times `FRAMES`, so that markers move
 
@@ -130,14 +132,15 @@ def _measured_limits(images: Images, *, inverted: bool) -> Limits | None:
         return None
     said, sizes, gap = proposed
     usual = USUAL.threshold * white_level(images) / 255
-    if not inverted and gap.low <= usual < min(gap.high, gap.threshold / NEAR):
+    end = gap.background + ABOVE * (gap.high - gap.background)
+    if not inverted and gap.low <= usual < min(end, gap.threshold / NEAR):
         said = said._replace(threshold=usual / grey_scale(images.dtype))
     return _wide(said, sizes)
 
 
 def _wide(said: Limits, sizes: Sizes) -> Limits:
     """The threshold, and limits by (1) and (2)."""
-    lamps = sizes.strobes >= OFTEN
+    lamps = sizes.strobe_frames >= OFTEN
     most = max(sizes.high, NEARER * sizes.greatest) if lamps else max(sizes.high, USUAL.max_area)  # (2), (1)
     return Limits(
         said.threshold,

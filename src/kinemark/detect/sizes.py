@@ -33,7 +33,8 @@ ROOM = 3.0  # times a marker's area, where there is nothing else; chosen
 class Sizes(NamedTuple):
     """Of markers: least, median and greatest area, px²; median width and height, px, and ratio of long to short side.
 
-    Of the others: specks and strobes a frame; low and high: the limits of area between which markers are, px².
+    Of the others: specks and strobes a frame, and the share of frames with strobes; low and high: the limits of area
+    between which markers are, px².
     """
 
     least: float
@@ -44,6 +45,7 @@ class Sizes(NamedTuple):
     aspect: float
     specks: float
     strobes: float
+    strobe_frames: float
     low: float
     high: float
 
@@ -69,6 +71,7 @@ def marker_sizes(groups: PixelGroups, *, height: int, width: int, frames: int) -
         aspect=float(np.median(np.maximum(w, h) / np.minimum(w, h))),
         specks=first / frames,
         strobes=(len(order) - 1 - last) / frames,
+        strobe_frames=len(np.unique(some.top[some.area > order[last]] // height)) / frames,
         low=_limit(order, first, -1),
         high=_limit(order, last, 1),
     )

@@ -22,7 +22,9 @@ from pathlib import Path
 
 import bundle
 import detection
+import detection_speed
 import gaps
+import labelling
 import pages
 import recording
 import startup
@@ -36,11 +38,13 @@ from kinemark.version import __version__
 BASELINE = Path(__file__).with_name("baseline.toml")
 SUITE: dict[str, Callable[[], list[Metric]]] = {
     "detection": detection.metrics,
+    "detection_speed": detection_speed.metrics,
     "recording": recording.metrics,
     "tracking": tracking.metrics,
     "tracking_scenes": tracking_scenes.metrics,
     "bundle": bundle.metrics,
     "gaps": gaps.metrics,
+    "labelling": labelling.metrics,
     "startup": startup.metrics,
     "pages": pages.metrics,
 }

@@ -40,14 +40,6 @@ file = "rig.toml"
 [[trials]]
 name = "target"
 images = "{videos}/calibration1_{{camera}}.mp4"
-
-[track]  # the cameras are not quite synchronous, and the tracker that matches at once takes that for other markers
-method = "extrapolation_ladder"
-
-[match]  # in motion the images of one LED stray from their lines
-search_band = 4.0
-search_radius = 4.0
-pair_band = 2.0
 """
 
 

@@ -50,6 +50,7 @@ from .io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .io.trc import read_trc, write_trc
 from .io.trial import read_trial, write_trial
 from .kinematics import InverseCosines, SignedAngles, joint_angles
+from .label import Distances, Labels, Template, label, learn_template, named
 from .match import EpipolarTriplets, KissTriplets, NearestEpipolar, match
 from .reconstruct import CameraPairs, LeastSquares, reconstruct
 from .synth.score import score
@@ -77,6 +78,7 @@ __all__ = [
     "ControlPoints",
     "Detections",
     "DistanceOnly",
+    "Distances",
     "Dlt",
     "EpipolarTriplets",
     "Events",
@@ -91,6 +93,7 @@ __all__ = [
     "KissScanning",
     "KissTracking",
     "KissTriplets",
+    "Labels",
     "LeastSquares",
     "Linearisation",
     "MarkerSet",
@@ -107,6 +110,7 @@ __all__ = [
     "SignedAngles",
     "Simultaneous",
     "Swamidas",
+    "Template",
     "Tracks",
     "Trajectories",
     "Trial",
@@ -124,11 +128,14 @@ __all__ = [
     "diagnose_tracks",
     "fill",
     "joint_angles",
+    "label",
     "learn_masks",
+    "learn_template",
     "linearise",
     "load",
     "load_model",
     "match",
+    "named",
     "open_images",
     "place_absent",
     "predicted_covariance",

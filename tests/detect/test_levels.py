@@ -6,6 +6,7 @@ import av
 import numpy as np
 import pytest
 from scipy import ndimage
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from kinemark.data import KinemarkError, Validity, same
 from kinemark.detect import Centroids, detect, detect_frames
@@ -252,3 +253,15 @@ def test_the_next_images_are_decoded_while_markers_are_looked_for():
 
     detect([Noted(np.zeros((64, 8, 8), np.uint8))], cameras=["a"], rate=50.0, progress=progress)
     assert ready == [True] * 4
+
+
+def test_matrix_products_take_one_thread():
+    """Threads of BLAS that wait for work cost more than they bring, and cameras have threads of their own."""
+    used = []
+
+    def progress(done):
+        used.extend(pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas")
+
+    with threadpool_limits(2, user_api="blas"):
+        detect([Recording(np.zeros((3, 8, 8), np.uint8))], cameras=["a"], rate=50.0, progress=progress)
+    assert used and set(used) == {1}

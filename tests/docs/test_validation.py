@@ -81,7 +81,8 @@ def test_the_baseline_states_unit_direction_and_tolerance_of_each_metric():
     import tomllib
 
     known = tomllib.loads((ROOT / "benchmarks" / "baseline.toml").read_text(encoding="utf-8"))
-    suite = {"detection", "recording", "tracking", "tracking_scenes", "bundle", "gaps", "startup", "pages"}
+    suite = {"detection", "detection_speed", "recording", "tracking", "tracking_scenes", "bundle", "gaps"}
+    suite |= {"labelling", "startup", "pages"}
     assert known.keys() == suite
     for metrics in known.values():
         for entry in metrics.values():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kinemark.apps.cli import app
-from kinemark.data import KinemarkError
+from kinemark.data import Detections, KinemarkError
 from kinemark.detect import detect, learn_masks
 from kinemark.engine.session import Session
 from kinemark.engine.settings import SETTABLE, read_settings
@@ -445,3 +445,30 @@ def test_a_rate_that_the_videos_contradict_is_a_doubt(filmed):
     (one,) = found(figures, "frame_rate_contradicted")
     assert one.cameras[0] == "c0" and one.values["rate_hz"] == 500 and set(one.values["stated_hz_list"]) == {50.0}
     assert figures["verdict"]["grade"] != "green"
+
+
+def test_delays_that_are_known_are_taken_into_account(tmp_path):
+    rate, delays, rates = 100.0, (0.0, 0.013, -0.006, 0.0), (100.0, 100.0, 100.0, 98.0)
+    rig, fine = ring(4), swarm(n=6, frames=6000, rate=10_000.0)
+    write_rig_toml(tmp_path / "rig.toml", rig)
+    counts, uv = [], []
+    for c, (late, own) in enumerate(zip(delays, rates, strict=True)):
+        taken = np.clip(np.rint((np.arange(50) / own + late + 0.02) * 10_000).astype(int), 0, 5999)
+        seen, _ = observe(rig, fine[:, taken], noise=0.1, rate=rate, seed=c)
+        counts.append(seen.counts[c])
+        uv.append(seen.uv[seen.camera == c])
+    write_detections_csv(tmp_path / "one.csv", Detections.build(rig.names, rate, np.array(counts), np.concatenate(uv)))
+    names = rig.names
+    said = f"[cameras]\ndelays_ms = {{ {names[1]} = 13, {names[2]} = -6 }}\nrates_hz = {{ {names[3]} = 98 }}\n"
+    (tmp_path / "session.toml").write_text(SETTINGS + said)
+    tracks = run(tmp_path, to="track").tracks
+    found = score(tracks, fine[:, 200::100][:, :50])
+    assert (found.recall > 0.97, found.swaps, len(tracks)) == (True, 0, 6)
+    changed(tmp_path, "= 13", "= 0")
+    assert run(tmp_path, to="track").computed == ("detect", "track")  # the input is another one
+
+
+def test_delays_of_cameras_that_are_not_there_are_refused(folder):
+    changed(folder, "[calibration]", "[cameras]\ndelays_ms = { nobody = 3 }\n[calibration]")
+    with pytest.raises(KinemarkError, match="name nobody, and the cameras are"):
+        run(folder)

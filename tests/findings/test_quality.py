@@ -123,6 +123,63 @@ def test_in_view_leaves_out_the_way_into_the_volume():
     assert in_view(trajectories) == (10, 50)
 
 
+@pytest.mark.parametrize("names", [None, [f"*{m + 1}" for m in range(4)]], ids=["named", "unnamed"])
+def test_a_subject_that_is_away_for_a_while_is_not_missing_then(names):
+    xyz, rig = walk(markers=4, frames=90), ring()
+    xyz[:, 30:60] = np.nan
+    figures = judge(rig, capture(rig, xyz, names=names))
+    assert figures["trajectories"]["in_view_runs"] == [[0, 30], [60, 90]]
+    assert figures["trajectories"]["completeness_in_view_share"] == 1
+    assert not found(figures, "incomplete")
+    assert "(frames 0 to 29 and 60 to 89), 100" in summary(figures)
+
+
+def test_markers_that_are_lost_while_the_cameras_see_them_are_missing():
+    xyz, rig = walk(markers=4, frames=90), ring()
+    records = capture(rig, xyz)
+    lost = xyz.copy()
+    lost[:, 30:60] = np.nan
+    there = np.isfinite(lost[:, :, 0])[records["tracks"].id, np.repeat(np.arange(90), 4)]
+    tracks = Tracks(records["tracks"].cloud.keep(there), records["tracks"].id[there])
+    figures = judge(rig, {**capture(rig, lost), "detections": records["detections"], "tracks": tracks})
+    assert figures["trajectories"]["completeness_in_view_share"] == pytest.approx(2 / 3)
+    assert [one.severity for one in found(figures, "incomplete")] == ["red"]
+
+
+@pytest.mark.parametrize("found_of_ten", [1, 4, 6])
+def test_completeness_is_not_known_where_most_images_are_left_over(found_of_ten):
+    rig, xyz = ring(), walk(markers=10)
+    records = capture(rig, xyz)
+    own = records["tracks"].id < found_of_ten
+    tracks = Tracks(records["tracks"].cloud.keep(own), records["tracks"].id[own])
+    paths = tuple(replace(path, name=f"*{m + 1}") for m, path in enumerate(records["trajectories"]))[:found_of_ten]
+    trajectories = replace(records["trajectories"], paths=paths)
+    figures = judge(rig, {**records, "tracks": tracks, "trajectories": trajectories})
+    check_quality(figures)
+    kinds = [one["kind"] for one in figures["verdict"]["statements"]]
+    assert ("completeness_unknown" in kinds) == (found_of_ten < 5) and ("completeness" in kinds) == (found_of_ten > 5)
+    assert (figures["trajectories"]["completeness_in_view_share"] is None) == (found_of_ten < 5)
+    assert ("is not known: only" in summary(figures)) == (found_of_ten < 5)
+
+
+@pytest.mark.parametrize("prefix", ["m", "*"])
+@pytest.mark.parametrize(("markers", "length"), [(10, 4), (20, 2), (6, 30)])
+def test_markers_that_are_never_there_together_are_reported(tmp_path, prefix, markers, length):
+    frames = max(markers * length, 12 * length)
+    xyz = np.full((markers, frames, 3), np.nan)
+    for m in range(markers):
+        xyz[m, m * length : (m + 1) * length] = walk(1, frames)[0, m * length : (m + 1) * length]
+    if length == 2:
+        xyz[2:] = np.nan  # in one of ten frames there is any marker
+    rig = ring()
+    records = capture(rig, xyz, names=[f"{prefix}{m + 1}" for m in range(markers)])
+    figures = judge(rig, records)
+    assert 0 <= figures["trajectories"]["completeness_of_found_share"] <= 1
+    assert markers_worn(records["trajectories"]) >= 1
+    assert all(isinstance(advice_of(one), str) for one in figures["findings"]) and summary(figures)
+    write_quality(tmp_path / "quality.json", figures)
+
+
 def test_filled_samples_are_told_apart():
     rig = ring()
     records = capture(rig, walk())
@@ -146,9 +203,28 @@ def test_volume_given_and_spanned():
     assert found(figures, "outside_volume")[0].values["samples_share"] == pytest.approx(15 / 31)
 
 
-def test_jitter_is_the_noise_that_was_added():
+def test_jitter_is_the_noise_that_was_added_and_filled_samples_have_none():
     noise = np.random.default_rng(3).normal(0, 0.7, (20000, 3))
-    assert jitter(walk(1, 20000)[0] + noise) == pytest.approx(0.7, rel=0.03)
+    noise[5000:] = 0
+    path = MarkerTrajectory.measured("m", walk(1, 20000)[0] + noise)
+    assert jitter(path) < 0.01
+    origin = np.where(np.arange(20000) < 5000, Origin.MEASURED, Origin.FILLED)
+    assert jitter(replace(path, origin=origin)) == pytest.approx(0.7, rel=0.05)
+
+
+def test_the_deviation_of_positions_is_told_in_noise_and_what_stays():
+    rig, xyz = ring(), walk(frames=2000)
+    shown = {}
+    for noise in (0.3, 1.2):  # the capture states 0.5
+        noisy = xyz + noise * np.random.default_rng(5).normal(size=xyz.shape)
+        figures = judge(rig, capture(rig, noisy))
+        markers = figures["trajectories"]
+        assert markers["jitter_median_mm"] == pytest.approx(noise, rel=0.1)
+        assert markers["steady_sd_mm"] == pytest.approx(math.sqrt(max(0.25 - markers["jitter_median_mm"] ** 2, 0)))
+        shown[noise] = summary(figures)
+        assert [one.severity for one in found(figures, "noise_above_deviation")] == ["amber"] * (noise > 0.5)
+    assert "0.50 mm per axis on average, of which 0.30 mm is noise" in shown[0.3].replace("\u00a0", " ")
+    assert "the positions tremble by 1.2" in shown[1.2].replace("\u00a0", " ")
 
 
 @pytest.mark.parametrize(
@@ -162,8 +238,8 @@ def test_jitter_is_the_noise_that_was_added():
         (lambda q: q["points"].update(residual_median_px=4.0), "cameras_agree_poorly", "red", None),
         (lambda q: q["points"].update(in_a_track_share=0.5), "points_in_no_track", "amber", None),
         (lambda q: q["cameras"][0].update(focal_px=[800.0, 600.0]), "pixels_not_square", "amber", "cam1"),
-        (lambda q: q["trajectories"].update(completeness_in_view_share=0.9), "incomplete", "amber", None),
-        (lambda q: q["trajectories"].update(completeness_in_view_share=0.5), "incomplete", "red", None),
+        (lambda q: q["trajectories"].update(completeness_of_found_share=0.9), "incomplete", "amber", None),
+        (lambda q: q["trajectories"].update(completeness_of_found_share=0.5), "incomplete", "red", None),
         (lambda q: q["trajectories"]["markers"][0].update(name="*1"), "unnamed_trajectories", "info", None),
         (lambda q: q["trajectories"]["markers"][0].update(samples=0), "markers_never_seen", "amber", "m0"),
         (lambda q: q["trajectories"]["markers"][0].update(sd_per_axis_mean_mm=4.0), "markers_uncertain", "amber", "m0"),

@@ -8,12 +8,13 @@ import kinemark
 from kinemark import digitise, geometry
 from kinemark.digitise import OtherViews, propose
 from kinemark.geometry.weighted_points import usable_points, weighted_points
+from kinemark.label import find_exchanges, label, learn_template, named
 from kinemark.match import MATCH, NearestEpipolar
 from kinemark.reconstruct import RECONSTRUCT, LeastSquares
 from kinemark.track import TRACK, Swamidas, blend, swamidas, track, within_volume, without_short
 from kinemark.track.simultaneous import FormerTwoCameras, Simultaneous, diagnose_points, track_with_decisions
 from support.shift_law import OPEN, Answer, law, moved
-from support.shift_scene import cloud, matches, observed, rig, tracks, walk
+from support.shift_scene import cloud, matches, observed, rig, tracks, trial, walk
 
 
 def first_cameras(n):
@@ -138,3 +139,13 @@ def two(uv):
 @law(kinemark.score)
 def _(by):
     return Answer(rest=kinemark.score(moved(tracks(), by), walk().xyz[:, :60] + by))
+
+
+@law(learn_template, label, named, find_exchanges, share=1e-6)
+def _(by):
+    """Places are float32 about one of the points."""
+    learnt, seen = learn_template(moved(trial(gaps=False), by)), moved(trial(), by)
+    found = label(seen, learnt)
+    first, second = seen.paths[:2]
+    turned = replace(first, name=second.name), replace(second, name=first.name), *seen.paths[2:]
+    return Answer(named(seen, found).xyz, (learnt, found, find_exchanges(replace(seen, paths=turned), learnt)))

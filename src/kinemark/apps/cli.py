@@ -18,6 +18,7 @@ COMMANDS = {
     "commands/session.py": ("run", "status", "calibrate"),
     "commands/listings.py": ("methods", "schema", "cite"),
     "commands/detect.py": ("detect",),
+    "commands/label.py": ("label",),
     "commands/fill.py": ("fill",),
     "commands/files.py": ("info", "convert"),
     "commands/analysis.py": ("angles", "sensitivity"),

@@ -23,7 +23,7 @@ class Validity(IntEnum):
     MASKED = 5
 
 
-NOT_ROWS = ("cameras", "rate", "start")
+NOT_ROWS = ("cameras", "rate", "start", "ground_subtracted")
 """Fields of `Detections` that are not one value a row."""
 
 
@@ -41,6 +41,7 @@ class Detections:
         validity: (D) a `Validity` each.
         merged: (D) whether markers lie on each other in this image: it was separated from another by a fit, or it may
             be more markers than one.
+        ground_subtracted: names of the cameras from whose images a static ground was subtracted.
     """
 
     cameras: tuple[str, ...]
@@ -54,12 +55,14 @@ class Detections:
     peak: NDArray[np.float64]
     validity: NDArray[np.uint8]
     merged: NDArray[np.bool_]
+    ground_subtracted: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         n = len(self.uv)
         set_columns(
             self,
             cameras=tuple(self.cameras),
+            ground_subtracted=tuple(self.ground_subtracted),
             start=column("start", self.start, np.int64, len(self.cameras), None),
             uv=column("uv", self.uv, np.float64, n, 2),
             cov=column("cov", self.cov, np.float64, n, 2, 2),
@@ -150,7 +153,8 @@ class Detections:
         chosen = [self.cameras.index(name) for name in names]
         rows = np.concatenate([np.arange(self.start[c, 0], self.start[c, -1]) for c in chosen] or [np.zeros(0, int)])
         columns = {f.name: getattr(self, f.name)[rows] for f in fields(self) if f.name not in NOT_ROWS}
-        return Detections.build(tuple(names), self.rate, self.counts[chosen], **columns)
+        found = Detections.build(tuple(names), self.rate, self.counts[chosen], **columns)
+        return replace(found, ground_subtracted=tuple(name for name in names if name in self.ground_subtracted))
 
     def keep(self, mask: NDArray[np.bool_]) -> Detections:
         """Only the rows where `mask` (D) is true."""

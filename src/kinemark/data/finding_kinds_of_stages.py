@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from .finding import FindingKind as Kind
 
+LABELLING = (
+    Kind("labels_refused", "label", "red", "The template does not fit the trial, so that nothing is named: the score "
+         "of the best labelling as a share of what the template scores on its own data, and the share of samples that "
+         "it could place.", {"fit_share": "share", "placed_share": "share"}),
+)  # fmt: skip
+
 FILLING = (
     Kind("gaps_open", "fill", "amber", "Gaps that stayed open; red where none was filled.", {"gaps": "count"}),
     Kind("gaps_uncertain", "fill", "amber", "Gaps whose expected error or standard deviation is above the limit.",
@@ -93,4 +99,4 @@ PROPOSAL = (
     Kind("few_bits_used", "detect", "info", "Images of 16 bits use no level above this.", {"white": "level"}),
 )  # fmt: skip
 
-STAGE_KINDS = (*FILLING, *KINEMATICS, *SENSITIVITY, *PROPOSAL)
+STAGE_KINDS = (*LABELLING, *FILLING, *KINEMATICS, *SENSITIVITY, *PROPOSAL)

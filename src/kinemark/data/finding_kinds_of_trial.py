@@ -13,6 +13,7 @@ TRIAL_KINDS = (
     Kind("no_trajectories", "track", "red", "There are points but no trajectory."),
     # Cameras
     Kind("camera_sees_nothing", "detect", "amber", "A camera has no detection, while others have some."),
+    Kind("ground_subtracted", "detect", "info", "Uneven static ground was subtracted from the images of cameras."),
     Kind("camera_disagrees", "reconstruct", "amber", "The median residual of a camera is far above the median of the "
          "others, by this ratio (None where theirs is 0); the offset is the median of detection less reprojection.",
          {"residual_px": "px", "ratio": "ratio", "offset_u_px": "px", "offset_v_px": "px"}),
@@ -41,9 +42,15 @@ TRIAL_KINDS = (
          "well, cameras two by two. Shares of their detections confirmed by two more cameras, swapped and as it is.",
          {"swapped_share": "share", "as_is_share": "share"}),
     # What tracks show of their input
-    Kind("camera_out_of_sync", "track", "amber", "A camera sees everything later (or earlier, below 0) than the "
+    Kind("camera_out_of_sync", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "
          "others; shift_px is how far that moves its images.",
          {"delay_ms": "ms", "delay_frames": "frames", "shift_px": "px"}),
+    Kind("camera_delay_learned", "track", "amber", "A camera takes its images later (or earlier, below 0) than the "
+         "others by delay_ms, of standard error delay_se_ms; all was tracked with this delay.",
+         {"delay_ms": "ms", "delay_se_ms": "ms"}),
+    Kind("camera_rolling_shutter", "track", "amber", "A camera takes the last row of its images later (or earlier, "
+         "below 0) than the first by readout_ms, of standard error readout_se_ms; all was tracked so.",
+         {"readout_ms": "ms", "readout_se_ms": "ms"}),
     Kind("camera_without_images", "track", "amber", "A camera has no images at all."),
     Kind("camera_stopped", "track", "amber", "A camera has no images in the last frames, though markers were in view.",
          {"recorded_frames": "count"}),
@@ -83,6 +90,8 @@ TRIAL_KINDS = (
     Kind("much_filled", "fill", "amber", "Much of these markers is filled, not measured.", {"limit_share": "share"}),
     Kind("markers_uncertain", "reconstruct", "amber", "The mean standard deviation is above the limit.",
          {"limit_mm": "mm"}),
+    Kind("noise_above_deviation", "reconstruct", "amber", "Positions tremble by more than their standard "
+         "deviation says.", {"sd_mm": "mm", "noise_mm": "mm"}),
     Kind("outside_volume", "reconstruct", "amber", "Samples lie outside the given control volume.",
          {"samples_share": "share"}),
     Kind("unnamed_trajectories", "track", "info", "Trajectories without a marker's name.",
@@ -99,8 +108,12 @@ TRIAL_KINDS = (
           "frame_count": "count", "rate_hz": "Hz"}),
     Kind("completeness", "track", "info", "How complete the markers are while the subject is in view.",
          {"complete_share": "share", "filled_share": "share", "gaps": "count", "longest_s": "s"}),
+    Kind("completeness_unknown", "track", "info", "How complete the markers are is not known: of the images only that "
+         "share belongs to a point; the other values are of the markers that were found.",
+         {"complete_share": "share", "used_share": "share", "filled_share": "share", "gaps": "count",
+          "longest_s": "s"}),
     Kind("agreement", "reconstruct", "info", "The median residual, and what it is at the subject.",
          {"residual_px": "px", "at_subject_mm": "mm"}),
-    Kind("position_deviation", "reconstruct", "info", "Mean standard deviation of a position, per axis.",
-         {"sd_mm": "mm"}),
+    Kind("position_deviation", "reconstruct", "info", "Mean standard deviation of a position, per axis, and how much "
+         "of it is noise from frame to frame.", {"sd_mm": "mm", "noise_mm": "mm"}),
 )  # fmt: skip

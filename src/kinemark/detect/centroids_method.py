@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -78,6 +78,12 @@ class Centroids(Method):
         meaning="variance that each grey level above the background adds (photon noise)",
     )  # fmt: skip
     inverted: bool = parameter(False, meaning="the markers are dark on bright ground")
+    background: Literal["auto", "none", "subtract"] = parameter(
+        "auto",
+        meaning="subtract: the static ground of each camera is learned from its recording and subtracted, save small "
+        "spots that may be markers, and a stated threshold counts from the ground; auto: where that is uneven, in "
+        "recordings of 48 frames or more, if threshold is learned",
+    )
     relative_threshold: float | None = parameter(
         None, former="relative", unit=ONE, above=0, below=1,
         meaning="instead of threshold, the share of the way from a camera's background to its bright level (its "

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from dataclasses import replace
 from threading import Event, Lock
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,22 +15,26 @@ from numpy.typing import NDArray
 from ..data import Detections, KinemarkError
 from ..data.masks import Masks
 from ..data.method import Method
+from ..numerics.blas_threads import one_blas_thread
 from .blobs import Blobs, joined
 from .centroids_method import Centroids
 from .detect_frames import detect_frames
 from .frame_source import FrameSource, prefetched
+from .ground import Ground
 from .learning import learned
 from .levels import levelled
 from .masks import masked
 from .stage import DETECT
 
 
+@one_blas_thread()
 def detect(
     sources: Sequence[FrameSource],
     *,
     cameras: Sequence[str],
     rate: float,
     method: Method | None = None,
+    of_cameras: Mapping[str, Method] = MappingProxyType({}),
     masks: Masks | None = None,
     progress: Callable[[int], None] | None = None,
     threads: int | None = None,
@@ -42,17 +47,20 @@ def detect(
         rate: frames a second, Hz.
         method: one of `DETECT`, `Centroids()` where None; a relative threshold is measured once a camera, in the first
             frames that show something.
+        of_cameras: methods of single cameras by their names, in its place.
         masks: where nothing is a marker, for some or all of the cameras.
         progress: called with the number of frames done so far, all cameras together, from the threads that do them.
         threads: how many cameras are looked at side by side; as many as there are processors where None.
 
     Raises:
-        ValueError: not one name a source.
+        ValueError: not one name a source, or a method of a camera that is not there.
         KinemarkError: the cameras have unequal numbers of frames, a recording ends early, a threshold that lies
             in the noise, or masks of other cameras or of other sizes.
     """
     if len(sources) != len(cameras):
         raise ValueError(f"there are {len(sources)} sources and {len(cameras)} camera names, wanted one each")
+    if unknown := [name for name in of_cameras if name not in cameras]:
+        raise ValueError(f"of_cameras names {', '.join(unknown)}, and the cameras are {', '.join(cameras)}")
     _check_masks(masks, cameras)
     n_frames = _common_length(sources, cameras)
     done, lock, stopped = [0], Lock(), Event()
@@ -65,23 +73,23 @@ def detect(
             if progress:
                 progress(done[0])
 
-    def one(source: FrameSource, name: str) -> Blobs:
+    def one(source: FrameSource, name: str) -> tuple[Blobs, bool]:
         mask = masks.pixels(name) if masks and name in masks.cameras else None
-        return _detect_camera(source, name, method or DETECT.make(), mask, tell)
+        return _detect_camera(source, name, of_cameras.get(name) or method or DETECT.make(), mask, tell)
 
     with ThreadPoolExecutor(max(1, min(threads or os.cpu_count() or 1, len(sources)))) as pool:
         try:
-            parts = list(pool.map(one, sources, cameras))
+            found = list(pool.map(one, sources, cameras))
         except BaseException:
             stopped.set()  # the other cameras go no further than their next batch
             raise
-    if not parts:
+    if not found:
         return Detections.build((), rate, np.zeros((0, 0), np.int64), np.zeros((0, 2)))
-    all_cameras = joined(parts)
+    all_cameras = joined([blobs for blobs, _ in found])
     counts = all_cameras.counts.reshape(len(cameras), n_frames)
-    return Detections.build(
-        tuple(cameras), rate, counts, **{k: v for k, v in all_cameras._asdict().items() if k != "counts"}
-    )
+    columns = {k: v for k, v in all_cameras._asdict().items() if k != "counts"}
+    subtracted = tuple(name for name, (_, taken) in zip(cameras, found, strict=True) if taken)
+    return replace(Detections.build(tuple(cameras), rate, counts, **columns), ground_subtracted=subtracted)
 
 
 def _check_masks(masks: Masks | None, cameras: Sequence[str]) -> None:
@@ -105,13 +113,13 @@ def _common_length(sources: Sequence[FrameSource], cameras: Sequence[str]) -> in
 
 def _detect_camera(
     source: FrameSource, name: str, method: Method, mask: NDArray[np.bool_] | None, tell: Callable[[int], None]
-) -> Blobs:
-    """One camera's detections, batch by batch.
+) -> tuple[Blobs, bool]:
+    """One camera's detections, batch by batch, and whether its ground was subtracted.
 
     Raises:
         KinemarkError: more or fewer frames come than the source has announced, or see `detect_frames`.
     """
-    method = _for_camera(method, source)
+    method, ground = _for_camera(method, source)
     parts, first, size = [_none(0)], 0, None
     ready = None
     for images in prefetched(source):
@@ -119,9 +127,11 @@ def _detect_camera(
             size = images.shape[1:]
             _check_mask(mask, size, name)
         _check_size(images, size, first, name)
+        images = images if ground is None else ground.taken_from(images, first)
         if ready is None:  # nothing has stood out from the background so far, so there was no marker either
             ready = levelled(method, images)
-        parts.append(_detect_batch(source, images, first, name, ready, mask) if ready else _none(len(images)))
+        blobs = _detect_batch(source, images, first, name, ready, mask, ground) if ready else _none(len(images))
+        parts.append(blobs)
         first += len(images)
         tell(len(images))
     if first != source.n_frames:
@@ -129,13 +139,13 @@ def _detect_camera(
             f"Camera {name}: {first} frames could be read of the {source.n_frames} that the recording announces. "
             "Copy the recording again, or cut all cameras to the frames that are there."
         )
-    return joined(parts)
+    return joined(parts), ground is not None
 
 
-def _for_camera(method: Method, source: FrameSource) -> Method:
-    """The method with what it leaves to the camera: threshold and sizes, and the form of markers in fields."""
+def _for_camera(method: Method, source: FrameSource) -> tuple[Method, Ground | None]:
+    """The method with what it leaves to the camera: threshold, sizes, form of markers in fields; and the ground."""
     if not isinstance(method, Centroids):
-        return method
+        return method, None
     if method.aspect is None:
         fields = source.v_offset(0) != source.v_offset(1)
         method = replace(method, aspect=0.5 if fields else 1.0)
@@ -174,11 +184,15 @@ def _detect_batch(
     name: str,
     method: Method,
     mask: NDArray[np.bool_] | None,
+    ground: Ground | None,
 ) -> Blobs:
     try:
         blobs = detect_frames(images, method=method)
     except KinemarkError as error:
         raise KinemarkError(f"Camera {name}, batch from frame {first} on: {error}") from None
+    if ground is not None:  # peaks are grey levels of the recording
+        light = ground.at(blobs.uv, np.repeat(first + np.arange(len(images)), blobs.counts))
+        blobs = blobs._replace(peak=blobs.peak - light if ground.white else blobs.peak + light)
     blobs = blobs if mask is None else masked(blobs, mask)
     offset = np.array([source.v_offset(first + k) for k in range(len(images))], np.float64)
     return blobs._replace(uv=blobs.uv + np.stack([np.zeros(len(blobs.uv)), np.repeat(offset, blobs.counts)], -1))

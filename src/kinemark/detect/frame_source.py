@@ -43,22 +43,32 @@ def evenly(n_frames: int, n: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, n_frames - 1, min(n, n_frames)).astype(np.int64))
 
 
-def spread(source: FrameSource, n: int) -> NDArray[np.uint8 | np.uint16]:
-    """At most n frames (n, H, W) of a recording, spread evenly; fewer where it ends early, or their size changes."""
-    wanted = evenly(source.n_frames, n)
+def spread(source: FrameSource, n: int) -> tuple[NDArray[np.int64], NDArray[np.uint8 | np.uint16]]:
+    """Numbers of at most n frames of a recording, spread evenly, and these (n, H, W): see `spread_at`."""
+    return spread_at(source, evenly(source.n_frames, n))
+
+
+def spread_at(
+    source: FrameSource, wanted: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.uint8 | np.uint16]]:
+    """Frames (n, H, W) of these rising numbers, and the numbers.
+
+    There are fewer where the recording ends early, or the size of its frames changes.
+    """
     if isinstance(source, RandomAccess):
-        return source.frames_at(wanted)
-    found, first = [], 0
+        return wanted, source.frames_at(wanted)
+    found: dict[int, NDArray[np.uint8 | np.uint16]] = {}
+    first = 0
     for batch in source.batches(BATCH):
-        found += [batch[k - first] for k in wanted.tolist() if first <= k < first + len(batch)]
+        found |= {k: batch[k - first] for k in wanted.tolist() if first <= k < first + len(batch)}
         first += len(batch)
         if first > wanted[-1]:
             break
-    return (
-        np.stack([image for image in found if image.shape == found[0].shape])
-        if found
-        else np.zeros((0, 1, 1), np.uint8)
-    )
+    if not found:
+        return wanted[:0], np.zeros((0, 1, 1), np.uint8)
+    shape = next(iter(found.values())).shape
+    same = {k: image for k, image in found.items() if image.shape == shape}
+    return np.array(list(same), np.int64), np.stack(list(same.values()))
 
 
 def prefetched(source: FrameSource) -> Iterator[NDArray[np.uint8 | np.uint16]]:

@@ -8,6 +8,8 @@ areas begin at the lesser, and end at the greater, of the usual and the proposed
 shows something larger than all markers, as strobes and lamps do: then they end between the two, no nearer than `NEARER`
 times the greatest marker (2).
 
+Where the ground is uneven it is learned first, and all else from the frames without it (`ground`).
+
 Frames in which nothing stands out are left aside. Where none shows any marker, the threshold is the usual share of the
 camera's white, or that far above bright ground (3), and limits are the usual ones.
 """
@@ -15,14 +17,15 @@ camera's white, or that far above bright ground (3), and limits are the usual on
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .background_noise import background
 from .centroids_method import USUAL, Centroids, Limits, grey_scale
-from .frame_source import FrameSource, spread
+from .frame_source import FrameSource, spread, spread_at
+from .ground import Ground, Images, Spots, is_uneven, static_ground, without_spots
 from .proposal import measured, white_level
 from .sizes import Sizes
 
@@ -32,19 +35,76 @@ NEARER = 4.0  # times the area of the greatest marker seen: at half its distance
 NEAR = 0.75  # of the usual threshold, down to which a proposed one is no better; chosen
 ABOVE = 1.1  # times the contrast of the gap's end, where the dimmest marker has twice that; chosen
 OFTEN = 0.5  # share of frames with larger things that are lamps, and no markers on each other or nearer; chosen
+STILL = 2.0  # times the area of the greatest marker that moves: still ones may be nearer, lamps are larger; chosen
+LONG = 48  # frames of a recording whose ground is subtracted unasked; chosen: four times `FRAMES`, so that markers move
 
 
-def learned(method: Centroids, source: FrameSource) -> Centroids:
+class Learned(NamedTuple):
+    """A method with nothing left open, and the ground that is taken from the images first; None: nothing is."""
+
+    method: Centroids
+    ground: Ground | None = None
+
+
+def learned(method: Centroids, source: FrameSource) -> Learned:
     """The method with a threshold and limits for what it leaves open, from the recording of a camera."""
     own = {name: getattr(method, name) for name in Limits._fields}
-    if method.relative_threshold is not None or None not in own.values() or source.n_frames == 0:
-        return method  # a relative threshold is measured in the first frames that show something: `levels`
-    images = spread(source, FRAMES)
+    wanted = method.background == "subtract" and source.n_frames >= FRAMES
+    opened = method.relative_threshold is None and None in own.values()
+    if not (wanted or opened) or source.n_frames == 0:
+        return Learned(method)  # a relative threshold is measured in the first frames that show something: `levels`
+    numbers, images = spread(source, FRAMES)
     if not len(images):  # the recording ends before it begins, which is said where it is read
-        return method
+        return Learned(method)
     found = learned_limits(images, inverted=method.inverted)
+    may = method.background == "auto" and own["threshold"] is None and source.n_frames >= LONG
+    ground = None
+    if (wanted or (opened and may and is_uneven(images, found.threshold * grey_scale(images.dtype)))) and (
+        under := _without_ground(method, source, numbers, images, sure=wanted)
+    ):
+        ground, found = under
+    own["threshold"] = _from_ground(own["threshold"], ground, method, images)
     open_ones: dict[str, Any] = {name: value for name, value in found._asdict().items() if own[name] is None}
-    return replace(method, **_consistent(own, open_ones))
+    stated = {} if own["threshold"] is None else {"threshold": own["threshold"]}
+    return Learned(replace(method, **stated, **(_consistent(own, open_ones) if opened else {})), ground)
+
+
+def _without_ground(
+    method: Centroids, source: FrameSource, numbers: NDArray[np.int64], images: Images, *, sure: bool
+) -> tuple[Ground, Limits] | None:
+    """The ground, save markers that stand still, and the limits seen without it; None where nothing stands out then."""
+    field = numbers * 0
+    if source.v_offset(0) != source.v_offset(1):  # as many frames of the other field
+        numbers = np.unique(np.concatenate([numbers // 2 * 2, numbers // 2 * 2 + 1]))
+        numbers, images = spread_at(source, numbers[numbers < source.n_frames])
+        field = numbers % 2
+    white = white_level(images) if method.inverted else None
+    whole = static_ground(images, field, white=white)
+    ground = without_spots(whole, _spots(whole.under(images, numbers), method))
+    found = _measured_limits(ground.under(images, numbers), inverted=method.inverted)
+    if found is None and not sure:
+        return None
+    return ground, found or learned_limits(ground.under(images, numbers), inverted=method.inverted)
+
+
+def _spots(images: Images, method: Centroids) -> Spots:
+    """What still markers look like beside those that move in images without all ground; where none does, by noise."""
+    ground, variance = background(images)
+    proposed = measured(images, inverted=method.inverted)
+    if proposed is None:
+        return Spots(STANDS_OUT * float(np.sqrt(np.median(variance))), USUAL.max_area, USUAL.max_aspect)
+    said, sizes, _ = proposed
+    contrast = abs(said.threshold * grey_scale(images.dtype) - float(np.median(ground)))
+    return Spots(contrast, STILL * sizes.greatest, max(said.max_aspect, USUAL.max_aspect))
+
+
+def _from_ground(threshold: float | None, ground: Ground | None, method: Centroids, images: Images) -> float | None:
+    """A stated threshold, which counts from the ground where that is subtracted, in the images without it."""
+    if threshold is None or ground is None:
+        return threshold
+    scale = grey_scale(images.dtype)
+    level = (ground.white - ground.level) / scale - threshold if ground.white else ground.level / scale + threshold
+    return float(np.clip(level, 0, 254.99))
 
 
 def _consistent(own: dict[str, Any], open_ones: dict[str, Any]) -> dict[str, Any]:
@@ -56,14 +116,20 @@ def _consistent(own: dict[str, Any], open_ones: dict[str, Any]) -> dict[str, Any
     return open_ones
 
 
-def learned_limits(images: NDArray[np.uint8 | np.uint16], *, inverted: bool = False) -> Limits:
+def learned_limits(images: Images, *, inverted: bool = False) -> Limits:
     """Threshold and limits of size that frames (n, H, W) of one camera show."""
+    found = _measured_limits(images, inverted=inverted)
+    return found or USUAL._replace(threshold=_usual_threshold(images, *background(images), inverted))
+
+
+def _measured_limits(images: Images, *, inverted: bool) -> Limits | None:
+    """The same; None where no marker is seen."""
     ground, variance = background(images)
     brightest = images.min((1, 2)) if inverted else images.max((1, 2))
     out = (ground - brightest if inverted else brightest - ground) > STANDS_OUT * np.sqrt(variance)
-    proposed = measured(images[out], inverted=inverted) if out.any() else None
+    proposed = measured(images if out.all() else images[out], inverted=inverted) if out.any() else None
     if proposed is None:
-        return USUAL._replace(threshold=_usual_threshold(images, ground, variance, inverted))
+        return None
     said, sizes, gap = proposed
     usual = USUAL.threshold * white_level(images) / 255
     end = gap.background + ABOVE * (gap.high - gap.background)
@@ -86,7 +152,7 @@ def _wide(said: Limits, sizes: Sizes) -> Limits:
 
 
 def _usual_threshold(
-    images: NDArray[np.uint8 | np.uint16], ground: NDArray[np.float64], variance: NDArray[np.float64], inverted: bool
+    images: Images, ground: NDArray[np.float64], variance: NDArray[np.float64], inverted: bool
 ) -> float:
     """(3), in grey levels of 8 bits."""
     white = white_level(images)

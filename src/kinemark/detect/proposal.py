@@ -128,7 +128,7 @@ def _spread(images: Images | FrameSource, frames: int) -> Images:
     n = len(images) if isinstance(images, np.ndarray) else images.n_frames
     if n == 0 or frames < 1:
         raise ValueError(f"{frames} of {n} frames cannot be looked at, wanted at least one")
-    return images[evenly(n, frames)] if isinstance(images, np.ndarray) else spread(images, frames)
+    return images[evenly(n, frames)] if isinstance(images, np.ndarray) else spread(images, frames)[1]
 
 
 def white_level(images: Images) -> int:

@@ -28,6 +28,7 @@ lower one and 5 σ above the ground.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -36,11 +37,12 @@ from numpy.typing import NDArray
 from .background_noise import background
 from .grouping import PixelGroups, group_runs
 from .kiss.white import pixels_of
-from .pixel_runs import find_runs
+from .pixel_runs import Runs, find_runs
 from .specks import blurred
 
 STEPS = 36  # thresholds that are tried, evenly in their logarithm; chosen for speed
 MOST_RUNS = 200_000  # in all images; a threshold with more lies in the noise; chosen
+FEW = 0.05  # of the pixels, that are kept in mind; chosen for speed and memory
 SHARE = 0.4  # of the peak's contrast; chosen: a little below half way, where the rim is
 
 CLEAR = 5.0  # standard deviations of noise that the threshold is above the ground at least; chosen
@@ -64,6 +66,37 @@ class LevelGap(NamedTuple):
     groups: float
 
 
+class BrightPixels(NamedTuple):
+    """The pixels of some frames that are brighter than a level, so that higher levels need not look at all.
+
+    key: (N) line (W + 1) + column, rising, with the width W, px; grey: (N) their grey levels.
+    """
+
+    level: float
+    width: int
+    key: NDArray[np.int64]
+    grey: NDArray[np.uint8 | np.uint16]
+
+    def runs(self, level: float) -> Runs:
+        """The runs of those brighter than a level that is no lower; the first `MOST_RUNS`."""
+        key = self.key[self.grey > level]
+        end = np.flatnonzero(np.diff(key) != 1)
+        first = key[np.concatenate([[0], end + 1])] if len(key) else key
+        last = key[np.concatenate([end, [len(key) - 1]])] if len(key) else key
+        y = first // (self.width + 1)
+        return Runs(*(a[:MOST_RUNS] for a in (y, first - y * (self.width + 1), last - y * (self.width + 1))))
+
+
+def bright_pixels(images: NDArray[np.uint8 | np.uint16], level: float) -> BrightPixels | None:
+    """Those of frames (n, H, W) that are brighter than a level; None where they are too many to be worth it."""
+    n, height, width = images.shape
+    runs = find_runs(images.reshape(n * height, width), np.floor(level), most=MOST_RUNS)
+    if len(runs.y) == MOST_RUNS or (runs.last - runs.first + 1).sum() > FEW * images.size:
+        return None
+    line, column = pixels_of(*(side.astype(np.int64, copy=False) for side in runs))
+    return BrightPixels(level, width, line * (width + 1) + column, images.reshape(-1, width)[line, column])
+
+
 def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     """The gap between noise and markers of frames (n, H, W)."""
     level, variance = background(images)
@@ -73,25 +106,33 @@ def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
     if top - b <= 4 * least:
         return none
     contrasts = np.geomspace(least, (top - b) / 2, STEPS)
-    numbers = np.array([len(_standing_out(images, b, c)[1]) for c in contrasts])
+    found, bright = [], None
+    for c in contrasts:
+        bright = bright or bright_pixels(images, b + c)
+        found.append(_standing_out(images, b, c, bright)[1])
+    numbers = np.array([len(peaks) for peaks in found])
     stretch = _stable_stretch(contrasts, numbers, len(images))
     if stretch is None:
         return none
     low, high = contrasts[stretch[0]], contrasts[stretch[1]]
-    peaks = _standing_out(images, b, low)[1] - b
+    peaks = found[stretch[0]] - b
     peak = float(np.median(peaks))
     c = float(
         np.clip(min(SHARE * peak, HALF * np.percentile(peaks, DIM)), min(max(1.1 * low, CLEAR * sigma), high), high)
     )  # (3)
-    return LevelGap(
-        b, sigma, b + low, b + high, b + peak, top, b + c, len(_standing_out(images, b, c)[1]) / len(images)
-    )
+    groups = len(_standing_out(images, b, c, bright)[1]) / len(images)
+    return LevelGap(b, sigma, b + low, b + high, b + peak, top, b + c, groups)
 
 
-def groups_above(images: NDArray[np.uint8 | np.uint16], level: float) -> PixelGroups:
-    """Groups of pixels brighter than `level` in frames (n, H, W), lone pixels among them."""
+def groups_above(
+    images: NDArray[np.uint8 | np.uint16], level: float, bright: BrightPixels | None = None
+) -> PixelGroups:
+    """Groups of pixels brighter than `level` in frames (n, H, W), lone pixels among them; faster with `bright`."""
     n, height, width = images.shape
-    runs = find_runs(images.reshape(n * height, width), np.floor(level), most=MOST_RUNS)
+    if bright is not None and level >= bright.level:
+        runs = bright.runs(np.floor(level))
+    else:
+        runs = find_runs(images.reshape(n * height, width), np.floor(level), most=MOST_RUNS)
     return group_runs(runs, height=height, width=width)
 
 
@@ -110,9 +151,11 @@ def peaks_of(images: NDArray[np.uint8 | np.uint16], groups: PixelGroups) -> NDAr
     return np.maximum.reduceat(grey, np.cumsum(groups.area) - groups.area).astype(np.float64)
 
 
-def _standing_out(images: NDArray[np.uint8 | np.uint16], b: float, c: float) -> tuple[PixelGroups, NDArray[np.float64]]:
+def _standing_out(
+    images: NDArray[np.uint8 | np.uint16], b: float, c: float, bright: BrightPixels | None
+) -> tuple[PixelGroups, NDArray[np.float64]]:
     """Groups brighter than b + c with a pixel brighter than b + 2 c, and their peaks; none where there are too many."""
-    groups = groups_above(images, b + c)
+    groups = groups_above(images, b + c, bright)
     if len(groups.runs.y) > MOST_RUNS // 2:
         groups = groups.keep(np.zeros(len(groups.area), np.bool_))
     peak = peaks_of(images, groups)
@@ -124,12 +167,14 @@ def _standing_out(images: NDArray[np.uint8 | np.uint16], b: float, c: float) -> 
 def _stable_stretch(c: NDArray[np.float64], numbers: NDArray[np.int64], n: int) -> tuple[int, int] | None:
     """First and last step of the stretch of (2) with the greatest (A)."""
     best, greatest = None, 0.0
+    root, number = np.sqrt(c).tolist(), numbers.tolist()
     for first in range(len(c)):
+        least = most = total = number[first]
         for last in range(first + 1, len(c)):
-            part = numbers[first : last + 1]
-            if part.min() < n / 2 or part.max() - part.min() > 0.1 * part.max() + 0.25 * n:  # (2)
+            least, most, total = min(least, number[last]), max(most, number[last]), total + number[last]
+            if least < n / 2 or most - least > 0.1 * most + 0.25 * n:  # (2)
                 break
-            score = float((np.sqrt(c[last]) - np.sqrt(c[first])) * np.log1p(part.mean() / n))  # (A)
+            score = (root[last] - root[first]) * math.log1p(total / (last - first + 1) / n)  # (A)
             if score > greatest:
                 best, greatest = (first, last), score
     return best

@@ -8,7 +8,7 @@ the keys of the stages that it needs.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -38,6 +38,7 @@ class Stage(Generic[Inputs]):
         method: the method and its parameters, a record; None where there is no choice.
         given: what else it depends on, for its key.
         in_place: whether `compute` itself writes files.
+        cameras: methods of single cameras, by their names, in place of `method`.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Stage(Generic[Inputs]):
     method: Any = None
     given: tuple[Any, ...] = ()
     in_place: bool = False
+    cameras: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +81,7 @@ class Graph(Generic[Inputs]):
         """The keys of a stage and of all that it needs."""
         keys: dict[str, str] = {}
         for stage in self.to(name):
-            parts = (stage.name, type(stage.method).__name__, stage.method, stage.given)
+            parts = (stage.name, type(stage.method).__name__, stage.method, dict(stage.cameras), stage.given)
             keys[stage.name] = digest(code_key(), *parts, [keys[need] for need in stage.needs])
         return keys
 
@@ -104,6 +106,7 @@ class Graph(Generic[Inputs]):
                     save=stage.save,
                     load=stage.load,
                     in_place=stage.in_place,
+                    cameras=stage.cameras,
                 )
                 tell(1, 1)
         return records

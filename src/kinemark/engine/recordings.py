@@ -19,7 +19,7 @@ from ..io.masks_toml import read_masks
 from ..io.named_points_csv import detections_of_csv
 from ..io.records import load
 from .keys import file_key
-from .settings import Settings, TargetRecording
+from .settings import Settings, TargetRecording, check_camera_names
 
 
 class Recorded(NamedTuple):
@@ -81,11 +81,26 @@ def recorded(
         cameras=tuple(names),
         rate=settings.rate_hz or 1.0,
         method=method,
+        of_cameras=methods_of(settings, names),
         masks=masks_of(root, settings, names) if masked else None,
         progress=lambda done: tell(done, total),
         threads=threads,
     )
     return Recorded(found, np.array([images[name].size for name in names]))
+
+
+def methods_of(settings: Settings, names: Sequence[str]) -> dict[str, Any]:
+    """What `[detect.cameras]` says of these cameras.
+
+    Raises:
+        KinemarkError: it names a camera that the session does not have.
+    """
+    if not settings.cameras.names:
+        try:
+            check_camera_names(settings.detect_cameras, names)
+        except ValueError as error:
+            raise KinemarkError(f"{error}. Correct the name in session.toml.") from error
+    return {name: method for name, method in settings.detect_cameras.items() if name in names}
 
 
 def masks_of(root: Path, settings: Settings, names: Sequence[str]) -> StaticMasks | None:

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 from filelock import FileLock, Timeout
@@ -77,6 +78,7 @@ class Store:
         save: Callable[[Path, Record], None],
         load: Callable[[Path], Record],
         in_place: bool = False,
+        cameras: Mapping[str, Any] = MappingProxyType({}),
     ) -> Record:
         """The record of a stage: loaded where it is there under this key and can be read, else made and saved.
 
@@ -87,6 +89,7 @@ class Store:
             files: what the stage leaves in the folder; the first holds the record.
             make: computes the record; save, load: write and read it.
             in_place: `make` itself writes files, so that an earlier record counts no longer once it begins.
+            cameras: methods of single cameras, by their names, for `steps.json` as well.
         """
         kept = self._kept(stage, key, files, load)
         if kept is not None:
@@ -101,7 +104,8 @@ class Store:
         save(self.folder / files[0], record)
         self.computed.append(stage)
         name = "" if method is None else type(method).__name__
-        self.steps.append(Step(stage, name, plain_parameters(method), f"{__version__}+{code_key()}", key, seconds))
+        done = _parameters(method, cameras)
+        self.steps.append(Step(stage, name, done, f"{__version__}+{code_key()}", key, seconds))
         self._write()
         return record
 
@@ -163,3 +167,11 @@ def _wait(lock: FileLock, waiting: Listener) -> None:
         except Timeout:
             waiting(0, 1)
             time.sleep(PAUSE)
+
+
+def _parameters(method: Any, cameras: Mapping[str, Any]) -> dict[str, Any]:
+    """The parameters of a method, and those of single cameras that differ."""
+    usual = plain_parameters(method)
+    own = {name: plain_parameters(one) for name, one in cameras.items()}
+    differ = {name: {k: v for k, v in one.items() if v != usual.get(k)} for name, one in own.items()}
+    return usual | ({"cameras": differ} if differ else {})

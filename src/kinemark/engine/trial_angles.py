@@ -294,7 +294,7 @@ def _words(before: Trajectories, stated: Trajectories, settings: AngleSettings) 
     origins = {
         "stated": "As the covariance of each marker in the file states.",
         "assumed": f"Assumed for all markers without one: {settings.marker_sd_mm} mm along each axis.",
-        "estimated": "Estimated from the unsteadiness of each marker from frame to frame (fourth differences); slow "
+        "estimated": "Estimated from the unsteadiness of each marker from frame to frame (twelfth differences); slow "
         "errors and what a filter took away are not in it.",
     }
     turns = {

@@ -112,6 +112,7 @@ def trial_graph(name: str, settings: Settings, source: TrialSource, calibrated: 
     s, rig = settings, rig_key(calibrated.rig)
     detecting = Stage("detect", (), ("detections.h5",), _detect, save, _reader(Detections), s.detect)
     detecting = replace(detecting, given=(source.key(),), in_place=source.of.entry.answers is not None)
+    detecting = replace(detecting, cameras=s.detect_cameras)
     stages = [detecting]
     tracks = Tracking(("tracks.h5", DECISIONS))
     if identifies(source):
@@ -255,6 +256,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
         steps=(*inputs.calibrated.steps, *inputs.store.steps),
         findings=(
             *inputs.source.contradictions(),
+            *subtracted(detections),
             *_channels(beside, filled.trajectories),
             *swapped,
             *tracked.diagnostics,
@@ -268,6 +270,12 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     if operated is not None:
         figures["digitising"] = dict(operated.figures)
     return figures
+
+
+def subtracted(detections: Detections) -> Iterator[Finding]:
+    """From the images of which cameras a static ground was subtracted."""
+    if detections.ground_subtracted:
+        yield make_finding("ground_subtracted", cameras=detections.ground_subtracted)
 
 
 def _channels(beside: Trial | None, trajectories: Trajectories) -> Iterator[Finding]:

@@ -4,14 +4,11 @@ With C the covariance of a sample, the standard deviation of one axis, averaged 
 
     σ = √(trace C / 3)                mm                                     (1)
 
-A measure of noise that asks no model, from third differences of positions through time: white noise of
-standard deviation σ gives d = x[f+3] − 3 x[f+2] + 3 x[f+1] − x[f] the variance (1 + 9 + 9 + 1) σ² = 20 σ²,
-while smooth movement nearly cancels, so that with the median, which single jumps cannot move,
+What of it changes from frame to frame is seen in the path itself, as its white noise (`signal.white_noise`), which asks
+no model and to which movement adds nothing: its jitter. The rest of σ stays the same from frame to frame or changes
+slowly, as the errors of the calibration and of the lenses do:
 
-    jitter = 1.4826 · median |d| / √20        mm                             (2)
-
-1.4826 turns the median of absolute normal deviates into their standard deviation. Movement that is fast for
-the frame rate adds to (2): it is an upper bound of the noise.
+    steady = √(σ² − jitter²)      mm, 0 where the jitter is more               (2)
 """
 
 from __future__ import annotations
@@ -23,12 +20,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import MarkerTrajectory, Origin, Trajectories
-from ..data.array_types import Bools, Floats
-from ..numerics.robust import SD_PER_MEDIAN
+from ..data.array_types import Bools, Floats, Ints
+from ..signal.white_noise import white_noise_sd
 from .plain import mean, quantile, runs, share
 
 IN_VIEW = 0.75
 """Share of the markers that must be there for the subject to count as in view; chosen."""
+OUT_OF_VIEW, OUT_S = 0.3, 0.25
+"""Share of the markers, and of the usual images, below both of which the subject is out of view, and for how long, s;
+chosen: markers that are lost while the cameras see as much as ever are missing."""
+LEFT_OVER = 0.5
+"""Share of the images of two cameras and of all that must belong to a point for completeness to be known; chosen: else
+there may be as many markers again as were found."""
 
 
 def standard_deviation(cov: Floats) -> Floats:
@@ -42,9 +45,14 @@ def sample_deviation(path: MarkerTrajectory) -> Floats:
     return np.where(path.origin == Origin.MISSING, np.nan, standard_deviation(path.cov))
 
 
-def jitter(xyz: Floats) -> float:
-    """Noise of one axis of a path (F, 3), mm; NaN with fewer than four samples in a row."""
-    return SD_PER_MEDIAN * quantile(np.abs(np.diff(xyz, n=3, axis=0)), 0.5) / math.sqrt(20)  # (2)
+def jitter(path: MarkerTrajectory) -> float:
+    """White noise of one axis of the measured samples of a path, mm; NaN with too few in a row."""
+    return white_noise_sd(np.where((path.origin == Origin.MEASURED)[:, None], path.xyz, np.nan))
+
+
+def steady(sd: float, noise: float) -> float:
+    """What of σ `sd` mm is not `noise` mm, by (2); NaN where either is unknown."""
+    return math.sqrt(max(sd**2 - noise**2, 0.0)) if math.isfinite(sd + noise) else math.nan
 
 
 def positions(trajectories: Trajectories) -> Floats:
@@ -63,12 +71,14 @@ def unlabelled(trajectories: Trajectories) -> bool:
 
 
 def markers_worn(trajectories: Trajectories) -> int:
-    """How many markers there are: all ever seen; of unlabelled tracks, as many as nine in ten frames do not exceed."""
+    """How many markers there are: all ever seen; of unlabelled tracks, as many as nine in ten frames
+    that have any do not exceed."""
     seen = present(trajectories)
     if not unlabelled(trajectories):
         return int(seen.any(axis=1).sum())
     at_once = seen.sum(axis=0)
-    return round(float(np.quantile(at_once, 0.9))) if at_once.size else 0
+    at_once = at_once[at_once > 0]
+    return max(round(float(np.quantile(at_once, 0.9))), 1) if at_once.size else 0
 
 
 def in_view(trajectories: Trajectories) -> tuple[int, int]:
@@ -83,25 +93,63 @@ def in_view(trajectories: Trajectories) -> tuple[int, int]:
     return (int(frames[0]), int(frames[-1]) + 1) if frames.size else (0, seen.shape[1])
 
 
-def completeness(trajectories: Trajectories) -> float:
-    """Share of the markers' positions that are there while the subject is in view; NaN without any."""
-    seen, (first, stop) = present(trajectories), in_view(trajectories)
+def frames_in_view(trajectories: Trajectories, images: Ints | None = None) -> Bools:
+    """(F) the frames of `in_view` but for those in which the subject was away in between.
+
+    It was where for a while there are few markers, and few of the images (F) that all cameras have together else.
+    """
+    at_once, (first, stop) = present(trajectories).sum(0), in_view(trajectories)
+    inside = np.zeros(len(at_once), np.bool_)
+    inside[first:stop] = True
+    if images is None or not inside.any():
+        return inside
+    worn = markers_worn(trajectories)
+    whole = inside & (at_once >= IN_VIEW * worn)
+    usual = np.median(images[whole]) if whole.any() else 0.0
+    for a, b in runs(inside & (at_once < OUT_OF_VIEW * worn) & (images < OUT_OF_VIEW * usual)):
+        if b - a >= OUT_S * trajectories.rate:
+            inside[a:b] = False
+    return inside
+
+
+def completeness(trajectories: Trajectories, inside: Bools | None = None) -> float:
+    """Share of the markers' positions that are there while the subject is in view, in the frames `inside` (F); NaN
+    without any."""
+    seen = present(trajectories)
+    inside = frames_in_view(trajectories) if inside is None else inside
     worn = markers_worn(trajectories) if unlabelled(trajectories) else len(trajectories)
-    there = np.minimum(seen[:, first:stop].sum(axis=0), worn)
-    return share(there.sum(), worn * (stop - first))
+    there = np.minimum(seen[:, inside].sum(axis=0), worn)
+    return share(there.sum(), worn * inside.sum())
 
 
-def marker_figures(trajectories: Trajectories) -> list[dict[str, Any]]:
-    """The figures of every marker, in order."""
-    span = in_view(trajectories)
-    return [_one(path, trajectories.rate, span) for path in trajectories]
+def completeness_known(cameras: list[dict[str, Any]]) -> bool:
+    """Whether the images of the cameras, of which these are the figures, leave no room for as many markers again."""
+    valid = [camera["detections"] - sum(camera["invalid"].values()) for camera in cameras]
+    used = [n * camera["used_of_valid_share"] if n else 0.0 for n, camera in zip(valid, cameras, strict=True)]
+    poor = sum(n > 0 and part < LEFT_OVER * n for n, part in zip(valid, used, strict=True))
+    return poor < 2 or sum(used) >= LEFT_OVER * sum(valid)
 
 
-def trajectory_figures(trajectories: Trajectories, markers: list[dict[str, Any]]) -> dict[str, Any]:
-    """The figures of all markers together; `markers` are theirs."""
-    first, stop = in_view(trajectories)
+def marker_figures(trajectories: Trajectories, inside: Bools) -> list[dict[str, Any]]:
+    """The figures of every marker, in order; the subject is in view in the frames `inside` (F)."""
+    return [_one(path, trajectories.rate, inside) for path in trajectories]
+
+
+def trajectory_figures(
+    trajectories: Trajectories, markers: list[dict[str, Any]], inside: Bools, *, known: bool = True
+) -> dict[str, Any]:
+    """The figures of all markers together.
+
+    Args:
+        trajectories: the markers.
+        markers: their figures.
+        inside: (F) where the subject is in view.
+        known: whether it is known how complete they are.
+    """
     seen = present(trajectories)
     origin = np.array([path.origin for path in trajectories]).reshape(seen.shape)
+    sd = mean(np.array([sample_deviation(path) for path in trajectories]))
+    noise = quantile(np.array([marker["jitter_mm"] for marker in markers], float), 0.5)
     return {
         "count": len(trajectories),
         "unlabelled": unlabelled(trajectories),
@@ -111,21 +159,24 @@ def trajectory_figures(trajectories: Trajectories, markers: list[dict[str, Any]]
         "filled_samples": (origin == Origin.FILLED).sum(),
         "edited_samples": (origin == Origin.EDITED).sum(),
         "completeness_share": share(seen.sum(), seen.size),
-        "in_view_frames": [first, stop],
-        "completeness_in_view_share": completeness(trajectories),
+        "in_view_frames": list(in_view(trajectories)),
+        "in_view_runs": runs(inside),
+        "completeness_in_view_share": completeness(trajectories, inside) if known else math.nan,
+        "completeness_of_found_share": completeness(trajectories, inside),
         "gaps": sum(marker["gaps"] for marker in markers),
         "longest_gap_frames": max((marker["longest_gap_frames"] for marker in markers), default=0),
         "longest_gap_s": max((marker["longest_gap_s"] for marker in markers), default=0.0),
-        "sd_per_axis_mean_mm": mean(np.array([sample_deviation(path) for path in trajectories])),
-        "jitter_median_mm": quantile(np.array([marker["jitter_mm"] for marker in markers], float), 0.5),
+        "sd_per_axis_mean_mm": sd,
+        "jitter_median_mm": noise,
+        "steady_sd_mm": steady(sd, noise),
         "markers": markers,
     }
 
 
-def _one(path: MarkerTrajectory, rate: float, span: tuple[int, int]) -> dict[str, Any]:
+def _one(path: MarkerTrajectory, rate: float, in_view: Bools) -> dict[str, Any]:
     seen = path.origin != Origin.MISSING
     at = np.flatnonzero(seen)
-    inside = seen[slice(*span)]
+    inside = seen[in_view]
     longest = max((b - a for a, b in path.gaps), default=0)
     filled = max((b - a for a, b in runs(path.origin == Origin.FILLED)), default=0)
     return {
@@ -152,7 +203,7 @@ def _exactness(path: MarkerTrajectory) -> dict[str, float]:
     return {
         "sd_per_axis_mean_mm": mean(sd),
         "sd_per_axis_95_mm": quantile(sd, 0.95),
-        "jitter_mm": jitter(path.xyz),
+        "jitter_mm": jitter(path),
         "residual_mean_mm": mean(path.residual),
     }
 

@@ -16,7 +16,7 @@ from ..io.files import replacing
 from ..track.simultaneous import AmbiguousDecision
 from ..version import __version__
 from .cameras import camera_figures, residuals
-from .markers import marker_figures, positions, trajectory_figures
+from .markers import completeness_known, frames_in_view, marker_figures, positions, trajectory_figures
 from .plain import SCHEMA_VERSION, mean, plain, quantile, rms, share
 from .trial_findings import trial_findings, trial_verdict
 
@@ -57,6 +57,7 @@ def quality(
     cloud, rig_used = tracks.cloud, rig.select(detections.cameras)
     _check(cloud, detections)
     offsets = residuals(rig_used, detections, cloud)
+    cameras = camera_figures(rig_used, detections, cloud, offsets)
     figures: dict[str, Any] = plain(
         {
             "kinemark": __version__,
@@ -71,10 +72,10 @@ def quality(
                 **({key: judged[key] for key in ("verdict", "findings", "precision")} if judged else {}),
             },
             "volume": _volume(rig, trajectories),
-            "cameras": camera_figures(rig_used, detections, cloud, offsets),
+            "cameras": cameras,
             "points": _points(cloud, tracks, offsets),
             "tracks": _tracks(tracks),
-            "trajectories": trajectory_figures(trajectories, marker_figures(trajectories)),
+            "trajectories": _trajectories(trajectories, detections, cameras),
             "timing": _timing(steps, detections.n_frames),
             "steps": [_step(step) for step in steps],
             "ambiguous_decisions": [_decision(row, detections.rate) for row in ambiguous_decisions],
@@ -141,6 +142,16 @@ def _points(cloud: Cloud, tracks: Tracks, offsets: list[Floats]) -> dict[str, An
         "residual_rms_px": rms(distance),
         "residual_95_px": quantile(distance, 0.95),
     }
+
+
+def _trajectories(trajectories: Trajectories, detections: Detections, cameras: list[dict[str, Any]]) -> dict[str, Any]:
+    frames = positions(trajectories).shape[1]
+    images = (
+        np.bincount(detections.frame[detections.valid], minlength=frames) if frames == detections.n_frames else None
+    )
+    inside = frames_in_view(trajectories, images)
+    markers = marker_figures(trajectories, inside)
+    return trajectory_figures(trajectories, markers, inside, known=completeness_known(cameras))
 
 
 def _tracks(tracks: Tracks) -> dict[str, Any]:

@@ -186,7 +186,7 @@ class MarkerData(TypedDict):
     sd_per_axis_mean_mm: Number
     sd_per_axis_95_mm: Number
     jitter_mm: Number
-    """Noise of one axis as third differences show it."""
+    """White noise of one axis that the path itself shows, whatever it moves."""
     residual_mean_mm: Number
     cameras_mean: Number
 
@@ -206,12 +206,20 @@ class TrajectoriesData(TypedDict):
     completeness_share: Share
     in_view_frames: Annotated[list[int], Field(min_length=2, max_length=2)]
     """First frame in which the subject is in view, and the one after the last."""
+    in_view_runs: list[Annotated[list[int], Field(min_length=2, max_length=2)]]
+    """The same of each stretch, where it was away in between."""
     completeness_in_view_share: Share
+    """Null also where so many images belong to no point that markers may be missing altogether."""
+    completeness_of_found_share: Share
+    """The same of the markers that were found, whatever is left over."""
     gaps: Count
     longest_gap_frames: Count
     longest_gap_s: float
     sd_per_axis_mean_mm: Number
     jitter_median_mm: Number
+    """The white noise of one axis, of the middle marker."""
+    steady_sd_mm: Number
+    """What of `sd_per_axis_mean_mm` is not `jitter_median_mm`: errors that stay, as those of the calibration."""
     markers: list[MarkerData]
 
 

@@ -36,6 +36,8 @@ FILLED_SHARE = 0.1
 """Share of a marker's samples that may be filled; chosen."""
 SD_AMBER_MM = 2.0
 """Standard deviation of one axis: about a degree over a segment of 100 mm; chosen."""
+NOISE_RATIO = 1.5
+"""Times as much as their standard deviation that positions may tremble; chosen."""
 OUTSIDE_SHARE = 0.02
 """Share of samples that may lie outside the control volume; chosen."""
 
@@ -95,21 +97,28 @@ def _statements(figures: Figures) -> Findings:
         rate_hz=recording["rate_hz"],
     )
     if markers["samples"]:
-        first, stop = markers["in_view_frames"]
-        yield make_finding(
-            "completeness",
-            frames=[(first, stop - 1)],
-            complete_share=markers["completeness_in_view_share"],
-            filled_share=markers["filled_samples"] / markers["samples"],
-            gaps=markers["gaps"],
-            longest_s=markers["longest_gap_s"],
-        )
+        yield _complete(figures)
     if (median := figures["points"]["residual_median_px"]) is not None:
         pixels = [c["pixel_at_subject_mm"] for c in figures["cameras"] if c["pixel_at_subject_mm"] is not None]
         at_subject = median * statistics.median(pixels) if pixels else None
         yield make_finding("agreement", residual_px=median, at_subject_mm=at_subject)
     if markers["sd_per_axis_mean_mm"] is not None:
-        yield make_finding("position_deviation", sd_mm=markers["sd_per_axis_mean_mm"])
+        noise = markers["jitter_median_mm"]
+        yield make_finding("position_deviation", sd_mm=markers["sd_per_axis_mean_mm"], noise_mm=noise)
+
+
+def _complete(figures: Figures) -> Finding:
+    markers = figures["trajectories"]
+    values: dict[str, Any] = {
+        "complete_share": markers["completeness_of_found_share"],
+        "filled_share": markers["filled_samples"] / markers["samples"],
+        "gaps": markers["gaps"],
+        "longest_s": markers["longest_gap_s"],
+    }
+    frames = [(first, stop - 1) for first, stop in markers["in_view_runs"]]
+    if markers["completeness_in_view_share"] is not None:
+        return make_finding("completeness", frames=frames, **values)
+    return make_finding("completeness_unknown", frames=frames, used_share=_used_share(figures), **values)
 
 
 def _nothing(figures: Figures, *, diagnosed: bool) -> Findings:
@@ -188,11 +197,17 @@ def _unused(figures: Figures, named: set[str]) -> Findings:
     used = {c["name"]: c["used_of_valid_share"] for c in figures["cameras"]}
     little = {name: part for name, part in used.items() if part is not None and part < USED_SHARE and name not in named}
     if figures["points"]["count"] and little:
-        valid = {c["name"]: c["detections"] - sum(c["invalid"].values()) for c in figures["cameras"]}
-        whole = sum(valid[name] * (part or 0.0) for name, part in used.items()) / max(sum(valid.values()), 1)
+        whole = _used_share(figures)
         yield make_finding(
             "detections_unused", severity=red_if(whole < USED_RED), cameras=little, used_share=min(little.values())
         )
+
+
+def _used_share(figures: Figures) -> float:
+    """Share of the valid detections of all cameras that belong to a point."""
+    valid = [c["detections"] - sum(c["invalid"].values()) for c in figures["cameras"]]
+    used = [n * (c["used_of_valid_share"] or 0.0) for n, c in zip(valid, figures["cameras"], strict=True)]
+    return sum(used) / max(sum(valid), 1)
 
 
 def _few_cameras(figures: Figures) -> Findings:
@@ -214,11 +229,11 @@ def _absent(figures: Figures, outside: set[str]) -> Findings:
 
 def _incomplete(figures: Figures) -> Findings:
     trajectories = figures["trajectories"]
-    complete = trajectories["completeness_in_view_share"]
-    if not trajectories["samples"] or complete >= COMPLETE_AMBER:
+    complete = trajectories["completeness_of_found_share"]
+    if not trajectories["samples"] or complete is None or complete >= COMPLETE_AMBER:
         return
-    markers = [m for m in trajectories["markers"] if m["completeness_in_view_share"] < COMPLETE_AMBER]
-    least_complete = [m["name"] for m in sorted(markers, key=lambda m: float(m["completeness_in_view_share"]))]
+    markers = [m for m in trajectories["markers"] if (m["completeness_in_view_share"] or 0.0) < COMPLETE_AMBER]
+    least_complete = [m["name"] for m in sorted(markers, key=lambda m: m["completeness_in_view_share"] or 0.0)]
     yield make_finding(
         "incomplete",
         severity=red_if(complete < COMPLETE_RED),
@@ -251,6 +266,12 @@ def _uncertain(figures: Figures) -> Findings:
     vague = [m["name"] for m in figures["trajectories"]["markers"] if (m["sd_per_axis_mean_mm"] or 0) > SD_AMBER_MM]
     if vague:
         yield make_finding("markers_uncertain", markers=vague, limit_mm=SD_AMBER_MM)
+
+
+def _trembling(figures: Figures) -> Findings:
+    sd, noise = (figures["trajectories"][key] for key in ("sd_per_axis_mean_mm", "jitter_median_mm"))
+    if sd is not None and noise is not None and noise > NOISE_RATIO * sd:
+        yield make_finding("noise_above_deviation", sd_mm=sd, noise_mm=noise)
 
 
 def _outside(figures: Figures) -> Findings:
@@ -311,5 +332,5 @@ def inconsistent_cameras(figures: Figures) -> list[str]:
 
 CAMERA_CHECKS = (_blind, _unlike_others, _residual, _calibration, _judged)
 MARKER_CHECKS = (
-    *(_few_cameras, _incomplete, _broken, _long_gaps, _filled, _uncertain, _outside, _unnamed, _left_over),
+    *(_few_cameras, _incomplete, _broken, _long_gaps, _filled, _uncertain, _trembling, _outside, _unnamed, _left_over),
 )

@@ -65,7 +65,7 @@ UNITS: dict[type, dict[str, str]] = {
 SOURCE = "source_c3d"
 """Dataset of the bytes of a trial's C3D document."""
 NOT_STORED = {(Trial, "source")}
-ADDED = ("notes", "about")
+ADDED = ("notes", "about", "ground_subtracted")
 """Fields that files of the first version lack."""
 FORMER = {"detection": "view", "gaps": "told"}
 """Names that fields have in earlier files."""

@@ -1,12 +1,7 @@
 """The error of markers whose file does not state it: assumed, or estimated from their own unsteadiness.
 
-A smooth path sampled fast has next to no fourth difference; that of white noise of standard deviation σ has the
-variance 70 σ² (Σ binomial(4, k)²), so that with the median, which fast moments do not disturb,
-
-    σ = median |Δ⁴ x| / (0.6745 √70)                                                                    (1)
-
-(after Lanshammar 1982). It sees only what changes from frame to frame: a path that was filtered before, and errors that
-are slow (calibration, skin, placement), leave it too small.
+The white noise of a path (`signal.white_noise`) is what changes from frame to frame: a path that was filtered before,
+and errors that are slow (calibration, skin, placement), leave it too small.
 """
 
 from __future__ import annotations
@@ -14,23 +9,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import MarkerTrajectory, Trajectories
-from ..numerics.robust import MEDIAN_OF_NORMAL
-
-DIFFERENCES = 4  # order of the differences; chosen: movement is gone from the fourth
-GAIN = 70.0  # Σ of the squared coefficients 1 4 6 4 1; exact
-FEWEST = 20  # differences that a median is taken of; chosen
+from ..data.array_types import Floats
+from ..signal.white_noise import white_noise_sd
 
 
-def estimated_sd(xyz: NDArray[np.float64]) -> float:
-    """σ mm along an axis of one marker's white noise (1), from its path (F, 3); NaN from fewer than 20 differences."""
-    change = np.diff(xyz, n=DIFFERENCES, axis=0)
-    known = change[np.isfinite(change).all(1)]
-    if len(known) < FEWEST:
-        return float("nan")
-    return float(np.sqrt(np.mean((np.median(np.abs(known), axis=0) / MEDIAN_OF_NORMAL) ** 2) / GAIN))  # (1)
+def estimated_sd(xyz: Floats) -> float:
+    """σ mm along an axis of one marker's white noise, from its path (F, 3); NaN where it is too short."""
+    return white_noise_sd(xyz)
 
 
 def with_marker_sd(trajectories: Trajectories, sd_mm: float | None = None) -> Trajectories:
@@ -38,7 +25,7 @@ def with_marker_sd(trajectories: Trajectories, sd_mm: float | None = None) -> Tr
 
     Args:
         trajectories: covariances that they have are kept.
-        sd_mm: σ; None estimates one for each marker by (1).
+        sd_mm: σ; None takes the white noise of each marker.
 
     Raises:
         ValueError: σ is not above 0.

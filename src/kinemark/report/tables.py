@@ -165,13 +165,22 @@ def _marker_tiles(quality: dict[str, Any]) -> list[Tile]:
     complete, whole = (percent(markers[f"completeness_{key}share"]) for key in ("in_view_", ""))
     longest = f"longest {measure(markers['longest_gap_s'], 2, 's')}, {count(markers['longest_gap_frames'], 'frame')}"
     median, rms = (measure(points[f"residual_{key}_px"], 2, "px") for key in ("median", "rms"))
-    sd, jitter = (measure(markers[key], 2, "mm") for key in ("sd_per_axis_mean_mm", "jitter_median_mm"))
+    sd = measure(markers["sd_per_axis_mean_mm"], 2, "mm")
+    known = markers["completeness_in_view_share"] is not None or not markers["samples"]
     return [
-        Tile(complete, "complete in view", f"{whole} of the whole trial"),
+        Tile(
+            complete, "complete in view", f"{whole} of the whole trial" if known else "not known: images are left over"
+        ),
         Tile(number(markers["gaps"]), "gaps", longest if markers["gaps"] else "within what was seen"),
         Tile(median, "median residual", f"RMS {rms}"),
-        Tile(sd, "σ of a position, per axis", f"observed jitter {jitter}"),
+        Tile(sd, "σ of a position, per axis", _parts_of_sd(markers)),
     ]
+
+
+def _parts_of_sd(markers: dict[str, Any]) -> str:
+    """What of σ is noise, and what stays; only the noise where it is more than σ or that is unknown."""
+    noise, steady = (measure(markers[key], 2, "mm") for key in ("jitter_median_mm", "steady_sd_mm"))
+    return f"noise {noise}, errors that stay {steady}" if markers["steady_sd_mm"] else f"observed jitter {noise}"
 
 
 def _recording_tiles(quality: dict[str, Any]) -> list[Tile]:

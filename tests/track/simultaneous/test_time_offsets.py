@@ -1,5 +1,7 @@
 """What the tracks say of the cameras' time offsets."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -19,11 +21,11 @@ def ball():
 
 
 def watched(rig, xyz, late):
-    """What cameras see of paths (M, F + 2, 3) mm, each so many frames later than it should."""
+    """What cameras see of paths (M, F + 2, 3) mm, each taken so many frames later than it should be."""
     frames = np.arange(1.0, FRAMES + 1)
     seen = []
     for c, delay in enumerate(late):
-        f = frames - delay
+        f = frames + delay
         low = f.astype(int)
         share = (f - low)[:, None]
         moved = (1 - share) * xyz[:, low] + share * xyz[:, low + 1]
@@ -36,7 +38,7 @@ def watched(rig, xyz, late):
 @pytest.mark.parametrize("late", [(0, 0, 0, 0, 0, 0), (0, 0, 0.3, 0, 0, 0), (0.2, 0, 0, -0.4, 0, 0)])
 def test_delays_are_found_with_their_errors(ball, late):
     rig, xyz = ball
-    found = time_offsets(track_simultaneously(watched(rig, xyz, late), rig, Simultaneous()))
+    found = time_offsets(track_simultaneously(watched(rig, xyz, late), rig, Simultaneous(learn_delays=False)))
     assert found.delay == pytest.approx(np.array(late) - np.median(late), abs=0.02)
     assert (found.error < 0.01).all()
     assert (np.abs(found.delay - late) < 8 * found.error + 0.01).all()
@@ -45,10 +47,67 @@ def test_delays_are_found_with_their_errors(ball, late):
 def test_a_late_camera_is_named_and_not_taken_for_a_moved_one(ball):
     rig, xyz = ball
     detections = watched(rig, xyz, (0, 0, 0.3, 0, 0, 0))
-    (found,) = diagnose(detections, rig, track_simultaneously(detections, rig, Simultaneous()))
+    (found,) = diagnose(detections, rig, track_simultaneously(detections, rig, Simultaneous(learn_delays=False)))
     assert (found.kind, found.cameras) == ("camera_out_of_sync", (rig.names[2],))
     assert found.values["delay_ms"] == pytest.approx(3.0, abs=0.15)
     assert found.values["delay_frames"] == pytest.approx(0.3, abs=0.015)
+
+
+@pytest.mark.parametrize("late", [(0, 0, 0.3, 0, 0, 0), (0.6, 0, 0, -0.7, 0, 0)])
+def test_delays_are_learned_and_then_cost_nothing(ball, late):
+    rig, xyz = ball
+    detections = watched(rig, xyz, late)
+    result = track_simultaneously(detections, rig, Simultaneous())
+    together = track_simultaneously(watched(rig, xyz, (0,) * 6), rig, Simultaneous())
+    torn = track_simultaneously(detections, rig, Simultaneous(learn_delays=False))
+    assert result.times.delay == pytest.approx(np.array(late) / 100, abs=2e-4)
+    assert (result.times.delay_error[np.flatnonzero(late)] < 2e-4).all()
+    assert len(result.tracks) == len(together.tracks) == 12
+    assert error(result, xyz) < 1.05 * error(together, xyz) < error(torn, xyz)
+    residual, before = (np.sqrt((one.tracks.cloud.residual**2).mean()) for one in (result, torn))
+    assert residual < 0.6 * before
+    found = diagnose(detections, rig, result)
+    assert {one.cameras: one.kind for one in found} == {
+        (rig.names[c],): "camera_delay_learned" for c in np.flatnonzero(late)
+    }
+
+
+def test_a_rolling_shutter_is_learned_and_then_costs_nothing(ball):
+    rig, xyz = ball
+    readout = (0, 0.8, 0, 0, 0.5, 0)
+    detections = rolled(rig, xyz, readout)
+    result = track_simultaneously(detections, rig, Simultaneous())
+    torn = track_simultaneously(detections, rig, Simultaneous(learn_delays=False))
+    assert 2 * 100 * result.times.line == pytest.approx(np.array(readout), abs=0.05)
+    residual, before = (np.sqrt((one.tracks.cloud.residual**2).mean()) for one in (result, torn))
+    assert residual < 0.8 * before
+    named = [one.cameras for one in diagnose(detections, rig, result) if one.kind == "camera_rolling_shutter"]
+    assert named == [(rig.names[1],), (rig.names[4],)]
+
+
+def rolled(rig, xyz, readout):
+    """What cameras see whose last rows are taken so many frames later than their first."""
+    early, middle, late = (watched(rig, xyz, (shift,) * len(rig)) for shift in (-0.5, 0, 0.5))
+    y = middle.uv[:, 1] / rig.cameras[0].size[1] - 0.5
+    s = (np.array(readout)[middle.camera] * y)[:, None]
+    uv = middle.uv + s * (late.uv - early.uv) + 2 * s**2 * (late.uv - 2 * middle.uv + early.uv)
+    return replace(middle, uv=uv)
+
+
+def test_synchronous_cameras_are_tracked_once(ball):
+    rig, xyz = ball
+    detections = watched(rig, xyz, (0,) * 6)
+    result, once = (
+        track_simultaneously(detections, rig, Simultaneous(learn_delays=learn)).tracks for learn in (True, False)
+    )
+    assert np.array_equal(result.cloud.xyz, once.cloud.xyz)
+
+
+def error(result, xyz):
+    """RMS distance of the points from the nearest true one, mm."""
+    cloud = result.tracks.cloud
+    off = np.linalg.norm(cloud.xyz[:, None] - xyz[:, 1:-1].swapaxes(0, 1)[cloud.frame], axis=-1).min(1)
+    return np.sqrt((off**2).mean())
 
 
 def test_nothing_is_known_of_clocks_when_nothing_moves(ball):

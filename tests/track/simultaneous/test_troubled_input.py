@@ -170,3 +170,27 @@ def test_good_input_raises_no_doubts(ball):
     rig, _, detections = ball
     tracks, found = track_with_decisions(detections, rig)
     assert len(tracks) == 12 and found == []
+
+
+def left_lying(gone):
+    """A dance that is in view but in the frames `gone`, and four markers that lie about all the time in sight of two of
+    ten cameras."""
+    rig, dancing = ring(10), dance(n=12, frames=160)
+    dancing[:, gone] = np.nan
+    lying = np.broadcast_to(np.array([[0.0, 0, 0], [300, 0, 0], [0, 300, 0], [300, 300, 40]])[:, None], (4, 160, 3))
+    detections, marker = observe(rig, np.concatenate([dancing, lying + np.array([200.0, 0, 500])]), noise=0.1)
+    return rig, detections.keep((marker < 12) | (detections.camera < 2))
+
+
+@pytest.mark.parametrize("gone", [slice(90, 160), slice(0, 70), slice(50, 110)], ids=["out", "in", "between"])
+def test_a_subject_that_leaves_stops_no_camera(gone):
+    rig, detections = left_lying(gone)
+    result = track_simultaneously(detections, rig, METHOD)
+    assert (result.tracks.cloud.frame >= 150).any() and diagnose(detections, rig, result) == []
+
+
+def test_a_camera_that_stops_before_the_subject_leaves_is_named():
+    rig, detections = left_lying(slice(120, 160))
+    stopped = detections.keep((detections.camera != 4) | (detections.frame < 60))
+    (found,) = diagnose(stopped, rig, track_simultaneously(stopped, rig, METHOD))
+    assert (found.kind, found.cameras, found.frames) == ("camera_stopped", ("c4",), ((60, 159),))

@@ -102,7 +102,7 @@ def calibration_key(task: Task) -> str:
     distance = c.single_marker.distance if c.single_marker else None
     for seen in (c.wand, c.single_marker, distance, c.l_frame):
         paths += files_of(root, s, seen, s.cameras.names)
-    detected = [s.detect] if len(paths) > known else []
+    detected = [s.detect, s.detect_cameras] if len(paths) > known else []
     masks = masks_key(root, s, s.cameras.names) if detected else []
     said = [s.name, asdict(stated_identity(s)), s.cameras, c, s.calibrate, s.volume_mm, detected]
     return digest(code_key(), file_key(*paths), said, masks)

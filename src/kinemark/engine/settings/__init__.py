@@ -2,7 +2,7 @@
 
 from .calibration_table import CalibrationTable, DigitisedPoints, Distance, LFrame, LinearisationGrid, TargetRecording
 from .listing import methods_figures, methods_table_markdown, methods_text
-from .method_tables import SETTABLE, STAGES, calibrate_method, method_of
+from .method_tables import SETTABLE, STAGES, calibrate_method, check_camera_names, method_of
 from .read import ADVICE, read_settings
 from .schema import session_schema
 from .session_file import Cameras, MaskTable, ReportTable, Settings, TrialEntry, is_da
@@ -23,6 +23,7 @@ __all__ = [
     "TargetRecording",
     "TrialEntry",
     "calibrate_method",
+    "check_camera_names",
     "is_da",
     "method_of",
     "methods_figures",

@@ -5,6 +5,7 @@ All that there is to say of a method is declared beside its function (`data.meth
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -17,18 +18,19 @@ from ...detect import DETECT
 from ...digitise import DIGITISE
 from ...fill import FILL, Filling
 from ...kinematics import ANGLES, SMOOTH
+from ...label import LABEL
 from ...match import MATCH
 from ...reconstruct import RECONSTRUCT
 from ...track import TRACK
 from .suggestions import are, guess
 
 STAGES: dict[str, Stage] = {
-    stage.name: stage for stage in (CALIBRATE, DETECT, MATCH, RECONSTRUCT, TRACK, FILL, DIGITISE, ANGLES, SMOOTH)
+    stage.name: stage for stage in (CALIBRATE, DETECT, MATCH, RECONSTRUCT, TRACK, LABEL, FILL, DIGITISE, ANGLES, SMOOTH)
 }
 """The stages in their order."""
 
-SETTABLE: dict[str, Stage] = {name: stage for name, stage in STAGES.items() if stage not in (ANGLES, SMOOTH)}
-"""Those that have a table in a session file; the others are chosen by the options of `kinemark angles`."""
+SETTABLE: dict[str, Stage] = {name: stage for name, stage in STAGES.items() if stage not in (LABEL, ANGLES, SMOOTH)}
+"""Those that have a table in a session file; the others belong to `kinemark label` and `kinemark angles`."""
 
 COMMON: dict[str, tuple[Parameter, ...]] = {"fill": parameters_of(Filling)}
 """Parameters that a stage has besides those of its methods."""
@@ -44,6 +46,38 @@ def filling_of(table: dict[str, Any]) -> Filling:
     method = method_of("fill", {key: value for key, value in table.items() if key not in common})
     settled = _validated("fill", common, {key: value for key, value in table.items() if key in common})
     return replace(Filling(**settled), method=method, name=method_name("fill", method))
+
+
+def methods_of_cameras(table: dict[str, Any], cameras: Any) -> dict[str, Any]:
+    """The method of each camera: `[detect]` with what `[detect.cameras.NAME]` says in its place.
+
+    Raises:
+        ValueError: as `method_of`, or one is no table, or names another method.
+    """
+    if not isinstance(cameras, dict) or not all(isinstance(own, dict) for own in cameras.values()):
+        raise ValueError("detect.cameras: wants a table for each camera, as [detect.cameras.left] and threshold = 40")
+    made = {}
+    for name, own in cameras.items():
+        if "method" in own:
+            raise ValueError(f"detect.cameras.{name}: method is one for all cameras, give it in [detect]")
+        try:
+            made[name] = method_of("detect", table | own)
+        except ValueError as error:
+            raise ValueError(f"detect.cameras.{name}: {error}") from error
+    return made
+
+
+def check_camera_names(cameras: Iterable[str], known: Sequence[str]) -> None:
+    """Refuse parameters of cameras that are not among these.
+
+    Raises:
+        ValueError: there is one.
+    """
+    for name in cameras:
+        if name not in known:
+            raise ValueError(
+                f"detect.cameras.{name}: no camera has this name{guess(name, list(known))}; there {are(list(known))}"
+            )
 
 
 def methods_of_way(way: str) -> list[str]:

@@ -30,8 +30,28 @@ def overridden(table: dict[str, Any], overrides: Iterable[str]) -> dict[str, Any
             raise ValueError(
                 f"{stage!r} of {text!r} is no stage{guess(stage, list(SETTABLE))}; there {are(list(SETTABLE))}"
             )
-        given.setdefault(stage, {})[key] = _value(value.strip())
+        _put(given.setdefault(stage, {}), key, _value(value.strip()))
     return table | {stage: _merged(stage, table.get(stage), new) for stage, new in given.items()}
+
+
+def _put(table: dict[str, Any], key: str, value: Any) -> None:
+    """A value by its key; `cameras.left.threshold` is one of the camera left."""
+    if not key.startswith("cameras."):
+        table[key] = value
+        return
+    camera, dot, name = key.removeprefix("cameras.").rpartition(".")
+    if not (camera and dot and name):
+        raise ValueError(f"{key!r} is not understood, wanted cameras.NAME.parameter, as cameras.left.threshold")
+    table.setdefault("cameras", {}).setdefault(camera, {})[name] = value
+
+
+def _with_cameras(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
+    """Both tables; what each says of single cameras is put together."""
+    before, after = old.get("cameras"), new.get("cameras")
+    if not (isinstance(before, dict) and isinstance(after, dict)):
+        return old | new
+    own = {name: (before.get(name) or {}) | after.get(name, {}) for name in before | after}
+    return old | new | {"cameras": own}
 
 
 def _merged(stage: str, old: Any, new: dict[str, Any]) -> dict[str, Any]:
@@ -40,7 +60,7 @@ def _merged(stage: str, old: Any, new: dict[str, Any]) -> dict[str, Any]:
     if stage == "calibrate" and "method" not in old:  # its default is not known here: it follows from [calibration]
         return old | new
     usual = old.get("method", SETTABLE[stage].default)
-    return old | new if new.get("method", usual) == usual else new
+    return _with_cameras(old, new) if new.get("method", usual) == usual else new
 
 
 def _value(text: str) -> Any:

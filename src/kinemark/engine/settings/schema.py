@@ -10,6 +10,7 @@ import math
 from typing import Any, get_args, get_origin
 
 from ...data.method import ONE, Declaration, Parameter, Stage, plain
+from ...detect import DETECT
 from .calibration_table import WAYS
 from .method_tables import COMMON, SETTABLE, methods_of_way
 from .session_file import Settings
@@ -17,6 +18,8 @@ from .session_file import Settings
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
+
+OF_CAMERAS = "parameters of single cameras by their names, in place of those for all"
 
 BOUNDS = {"low": "minimum", "high": "maximum", "above": "exclusiveMinimum", "below": "exclusiveMaximum"}
 
@@ -37,11 +40,14 @@ def method_schema(stage: Stage, declared: Declaration) -> dict[str, Any]:
     parameters = (*COMMON.get(stage.name, ()), *declared.stateable)
     named = {"const": declared.name, "description": declared.summary}
     required = [] if _unnamed(stage, declared) else ["method"]
+    own = {p.name: parameter_schema(p) for p in parameters}
+    cameras = {"type": "object", "additionalProperties": False, "properties": own}
+    of_cameras = {"type": "object", "description": OF_CAMERAS, "additionalProperties": cameras}
     return {
         "type": "object",
         "title": declared.name,
         "description": declared.summary,
-        "properties": {"method": named} | {p.name: parameter_schema(p) for p in parameters},
+        "properties": {"method": named} | own | ({"cameras": of_cameras} if stage is DETECT else {}),
         "required": required + [p.name for p in parameters if p.required],
         "additionalProperties": False,
     }

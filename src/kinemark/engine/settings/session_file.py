@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, InstanceOf, WithJsonSchema, field_validator, model_validator
+from pydantic.json_schema import SkipJsonSchema
 
 from ...data.method import Method
 from ...detect import DETECT, Centroids
@@ -18,7 +19,14 @@ from ...track import TRACK, matches_itself
 from ...track.simultaneous import Simultaneous
 from ...track.stage import CLOUD
 from .calibration_table import CalibrationTable, Places, one_of
-from .method_tables import calibrate_method, filling_of, method_name, method_of
+from .method_tables import (
+    calibrate_method,
+    check_camera_names,
+    filling_of,
+    method_name,
+    method_of,
+    methods_of_cameras,
+)
 from .table import Strict
 
 A_METHOD = WithJsonSchema({"type": "object"})
@@ -51,6 +59,14 @@ class Cameras(Strict):
     interlaced: bool | Literal["top", "bottom"] = Field(
         default=False,
         description="which field of an interlaced image was taken first, where fields are frames; true means top",
+    )
+    delays_ms: dict[str, Annotated[float, Field(allow_inf_nan=False)]] = Field(
+        default={},
+        description="by how much each camera named takes its images later than the others, ms; below 0 where earlier",
+    )
+    rates_hz: dict[str, Annotated[float, Field(gt=0, allow_inf_nan=False)]] = Field(
+        default={},
+        description="images a second of each camera named that has another rate than the frames, Hz",
     )
 
     @field_validator("names")
@@ -181,11 +197,35 @@ class Settings(Strict):
     report: ReportTable = Field(default=ReportTable(), description="how pages are written")
     calibrate: Annotated[InstanceOf[Method], A_METHOD] = Field(default=None, validate_default=True)
     detect: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=DETECT.make)
+    detect_cameras: SkipJsonSchema[dict[str, Any]] = Field(default_factory=dict)
     match: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=MATCH.make)
     reconstruct: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=RECONSTRUCT.make)
     track: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=TRACK.make)
     digitise: Annotated[InstanceOf[SemiAutomatic], A_METHOD] | None = None
     fill: Annotated[InstanceOf[Filling], A_METHOD] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def cameras_apart(cls, table: Any) -> Any:
+        """`[detect.cameras.NAME]`, beside `[detect]` for all, becomes a method of that camera in `detect_cameras`."""
+        if not isinstance(table, dict):
+            return table
+        if "detect_cameras" in table:
+            raise ValueError("detect_cameras: there is no such key; parameters of a camera go in [detect.cameras.NAME]")
+        detect = table.get("detect")
+        if not isinstance(detect, dict) or "cameras" not in detect:
+            return table
+        rest = {key: value for key, value in detect.items() if key != "cameras"}
+        return table | {"detect": rest, "detect_cameras": methods_of_cameras(rest, detect["cameras"])}
+
+    @model_validator(mode="after")
+    def cameras_known(self) -> Settings:
+        """Parameters of a camera that is not there would do nothing."""
+        if self.cameras.names:
+            check_camera_names(self.detect_cameras, self.cameras.names)
+        if self.detect_cameras and any(trial.answers for trial in self.trials):
+            raise ValueError("a trial has answers, which are digitised by [detect] alone: leave out [detect.cameras]")
+        return self
 
     @field_validator("calibrate", "detect", "match", "reconstruct", "track", "fill", "digitise", mode="before")
     @classmethod

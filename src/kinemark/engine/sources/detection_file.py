@@ -30,12 +30,12 @@ class DetectionFile:
         return self.of.root / str(self.of.entry.detections)
 
     def key(self) -> str:
-        """Of the file, the cameras' order, the rate and fixed marks."""
+        """Of the file, the cameras' order, the rate, fixed marks and the cameras' times."""
         of = self.of
         if not self.path.is_file():
             raise KinemarkError(f"{self.path} is not a file. Check detections of trial {of.entry.name!r}.")
         rate = of.rate(None) if self.path.suffix.lower() == ".csv" else of.settings.rate_hz
-        return digest(file_key(self.path), of.rig.names, rate, of.marks(), of.frames)
+        return digest(file_key(self.path), of.rig.names, rate, of.corrections(), of.frames)
 
     def detections(self, threads: int | None = None) -> Detections:
         """Those of the calibrated cameras.
@@ -57,7 +57,7 @@ class DetectionFile:
                 f"{self.path} has cameras {', '.join(found.cameras)}, and the calibration also {', '.join(missing)}. "
                 "Give them the same names in both, and name in [cameras] those to be used."
             )
-        return of.unshifted(within(found.select(of.rig.names), of))
+        return of.corrected(within(found.select(of.rig.names), of)).detections
 
     def _read(self) -> Detections:
         """All that the file holds."""

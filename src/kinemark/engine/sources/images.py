@@ -12,7 +12,7 @@ from ...data.progress import tell
 from ...detect import detect
 from ...io.images import ImageSource
 from ..keys import digest, file_key
-from ..recordings import masks_key, masks_of
+from ..recordings import masks_key, masks_of, methods_of
 from .excerpt import excerpt_of, pictures_of
 from .recording import Recording
 from .trial_source import OperatorIdentities
@@ -25,12 +25,12 @@ class Images:
     of: Recording
 
     def key(self) -> str:
-        """Of the files, the cameras' order, the rate, the fields, fixed marks and masks."""
+        """Of the files, the cameras' order, the rate, the fields, fixed marks, the cameras' times and masks."""
         of, images = self.of, self.of.images()
         files = [path for source in images.values() for path in source.paths]
         fields, names = str(of.settings.cameras.first_field), of.rig.names
         masks = masks_key(of.root, of.settings, names)
-        return digest(file_key(*files), names, self._rate(images), fields, of.marks(), masks, of.frames)
+        return digest(file_key(*files), names, self._rate(images), fields, of.corrections(), masks, of.frames)
 
     def detections(self, threads: int | None = None) -> Detections:
         """By the session's `[detect]`, without what its `[masks]` cover."""
@@ -43,11 +43,12 @@ class Images:
             cameras=of.rig.names,
             rate=self._rate(images),
             method=method,
+            of_cameras=methods_of(of.settings, of.rig.names),
             masks=masks_of(of.root, of.settings, of.rig.names),
             progress=lambda done: tell(done, total),
             threads=threads,
         )
-        return of.unshifted(found)
+        return of.corrected(found).detections
 
     def contradictions(self) -> tuple[Finding, ...]:
         """Where the videos' own frame rates contradict the one that is used."""

@@ -42,11 +42,11 @@ class NamedDetectionFile:
         return {name: self.of.root / text.replace(HOLE, name) for name in self.of.rig.names}
 
     def key(self) -> str:
-        """Of the files, the cameras' order, the rate and fixed marks."""
+        """Of the files, the cameras' order, the rate, fixed marks and the cameras' times."""
         of, files = self.of, tuple(dict.fromkeys(self.paths.values()))
         if missing := [path for path in files if not path.is_file()]:
             raise KinemarkError(f"{missing[0]} is not a file. Check detections of trial {of.entry.name!r}.")
-        return digest(file_key(*files), of.rig.names, of.rate(None), of.marks(), of.frames)
+        return digest(file_key(*files), of.rig.names, of.rate(None), of.corrections(), of.frames)
 
     def detections(self, threads: int | None = None) -> Detections:
         """Those of the calibrated cameras.
@@ -57,7 +57,7 @@ class NamedDetectionFile:
         found = self._read().detections
         if not len(found):
             raise KinemarkError(f"{self.of.root / str(self.of.entry.detections)} has no 2D points. Export it again.")
-        return self.of.unshifted(within(found, self.of))
+        return self.of.corrected(within(found, self.of)).detections
 
     def _read(self) -> NamedDetections:
         """All that is there of the calibrated cameras, in their order."""

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...data import Detections, Finding, KinemarkError, Trial
 from ...data.array_types import Floats, GreyLevels, Ints
 from ...data.progress import tell
@@ -34,9 +36,9 @@ class DigitisedFiles:
         return self.of.root / str(self.of.entry.detections)
 
     def key(self) -> str:
-        """Of all files of the set, the cameras' order, the rate and fixed marks."""
+        """Of all files of the set, the cameras' order, the rate, fixed marks and the cameras' times."""
         of, files = self.of, (self.path, *files_of_set(self.path, "da"))
-        return digest(file_key(*files), of.rig.names, of.settings.rate_hz, of.marks(), of.frames)
+        return digest(file_key(*files), of.rig.names, of.settings.rate_hz, of.corrections(), of.frames)
 
     def detections(self, threads: int | None = None) -> Detections:
         """Of all markers that the files have."""
@@ -44,7 +46,7 @@ class DigitisedFiles:
         found = read_digitised(self.path, cameras=of.rig.names, rate=of.rate(None)).seen.detections
         if not len(found):
             raise KinemarkError(f"{self.path} has no 2D points. Check that it was written to the end.")
-        return of.unshifted(within(found, of))
+        return of.corrected(within(found, of)).detections
 
     def contradictions(self) -> tuple[Finding, ...]:
         """None is known."""
@@ -115,6 +117,11 @@ class OperatedImages:
         of, task = self.of, self.task()
         if of.frames is not None:
             raise KinemarkError(f"Trial {of.entry.name!r} is digitised from its first frame on: leave out frames.")
+        if of.own_times:
+            raise KinemarkError(
+                f"Trial {of.entry.name!r} is digitised, for which all cameras count as synchronous: leave out "
+                "delays_ms and rates_hz."
+            )
         try:
             uv, figures = digitise_trial(task, announce=lambda camera: tell(0, 1))
         except KinemarkError as error:
@@ -147,9 +154,10 @@ class OperatedImages:
 
 
 def marker_within(seen: Any, of: Recording) -> Ints:
-    """The markers of the detections in the stretch that is asked for."""
-    if of.frames is None:
-        return seen.marker
-    first, stop = of.stretch(seen.detections.n_frames)
-    frame = seen.detections.frame
-    return seen.marker[(frame >= first) & (frame < stop)]
+    """The markers of the detections in the stretch that is asked for, at the times of its frames."""
+    marker, part = seen.marker, within(seen.detections, of)
+    if of.frames is not None:
+        first, stop = of.stretch(seen.detections.n_frames)
+        frame = seen.detections.frame
+        marker = marker[(frame >= first) & (frame < stop)]
+    return np.asarray(marker[of.at_common_time(part).row])

@@ -12,6 +12,7 @@ from ...calibrate.reference_marker import corrected, find_marks, reference_shift
 from ...data import Camera, Detections, KinemarkError, Rig
 from ...data.array_types import Floats
 from ...io.images import ImageSource
+from ...signal.common_time import CommonTime, at_common_time
 from ..recordings import open_cameras
 from ..settings import Settings, TrialEntry
 
@@ -53,12 +54,41 @@ class Recording:
             _check_size(camera, images[camera.name], self.settings.cameras.interlaced is not False)
         return images
 
-    def marks(self) -> list[object]:
-        """What the session says of fixed marks, for a key; nothing where it says nothing."""
-        way = self.settings.calibration
+    def corrections(self) -> list[object]:
+        """What the session says of fixed marks and of the cameras' times, for a key; nothing where it says nothing."""
+        way, cameras = self.settings.calibration, self.settings.cameras
+        times: list[object] = [cameras.delays_ms, cameras.rates_hz] if self.own_times else []
         if way.reference_marker is None:
-            return []
-        return [way.reference_marker, way.mark_reach_px, way.mark_tolerance_px, self.entry.reference_marker]
+            return times
+        return [way.reference_marker, way.mark_reach_px, way.mark_tolerance_px, self.entry.reference_marker, *times]
+
+    @property
+    def own_times(self) -> bool:
+        """Whether the session says that cameras take their images at times of their own."""
+        return bool(self.settings.cameras.delays_ms or self.settings.cameras.rates_hz)
+
+    def corrected(self, found: Detections) -> CommonTime:
+        """The detections with fixed marks and the cameras' times taken into account, and the row of each in `found`."""
+        return self.at_common_time(self.unshifted(found))
+
+    def at_common_time(self, found: Detections) -> CommonTime:
+        """The detections at the times of the frames, by `delays_ms` and `rates_hz`.
+
+        Raises:
+            KinemarkError: one of these names a camera that is not there.
+        """
+        cameras, names = self.settings.cameras, found.cameras
+        if not self.own_times:
+            return CommonTime(found, np.arange(len(found)))
+        if unknown := sorted({*cameras.delays_ms, *cameras.rates_hz} - set(names)):
+            raise KinemarkError(
+                f"delays_ms and rates_hz of [cameras] name {', '.join(unknown)}, and the cameras are "
+                f"{', '.join(names)}. Call them alike."
+            )
+        delay = [cameras.delays_ms.get(name, 0.0) / 1000 for name in names]
+        rate = [cameras.rates_hz.get(name, found.rate) for name in names]
+        first = 0 if self.frames is None else self.frames[0] - 1
+        return at_common_time(found, delay, rate=rate, first_frame=first)
 
     def unshifted(self, found: Detections) -> Detections:
         """The detections as they would be, had no image shifted since the calibration; by fixed marks, where given."""

@@ -15,7 +15,7 @@ from .control_points import CONTROL_POINT_WORDS
 from .decisions import reason_text
 from .error_sources import SOURCE_ADVICE, evidence_text
 from .open_gaps import open_gap_text
-from .stages import ANGLE_WORDS, FILLING_WORDS, PROPOSAL_WORDS
+from .stages import ANGLE_WORDS, FILLING_WORDS, LABELLING_WORDS, PROPOSAL_WORDS
 from .template import Words
 from .trial import TRIAL_WORDS
 from .verdicts import VERDICT_WORDS
@@ -41,6 +41,7 @@ WORDS: dict[str, Words] = {
     **TRIAL_WORDS,
     **CONTROL_POINT_WORDS,
     **CALIBRATION_WORDS,
+    **LABELLING_WORDS,
     **FILLING_WORDS,
     **ANGLE_WORDS,
     **PROPOSAL_WORDS,

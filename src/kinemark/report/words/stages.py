@@ -1,9 +1,17 @@
-"""What findings of filling, of joint angles and of the proposal of detection say."""
+"""What findings of labelling, of filling, of joint angles and of the proposal of detection say."""
 
 from __future__ import annotations
 
 from ...data import Finding
 from .template import Words, fill
+
+LABELLING_WORDS = {
+    "labels_refused": Words(
+        "The template does not fit: the best labelling scores {fit_share} of what the template scores on its own data "
+        "and places {placed_share} of the samples. Nothing is named.",
+        "Give a template of this subject and marker set, or of a trial with such a posture, or scale it by height.",
+    ),
+}
 
 FILLING_WORDS = {
     "gaps_open": Words(

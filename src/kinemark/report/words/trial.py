@@ -55,8 +55,18 @@ def _out_of_sync(found: Finding) -> str:
     delay, frames = (_number(found, f"delay_{unit}") for unit in ("ms", "frames"))
     later = "earlier" if delay < 0 else "later"
     return fill(
-        f"{{Cameras}} sees everything {shown(abs(delay), 'ms')} {later} than the others, "
+        f"{{Cameras}} takes its images {shown(abs(delay), 'ms')} {later} than the others, "
         f"{shown(abs(frames), 'frames')} of a frame, which moves its images by up to {{shift_px:1}}.",
+        found,
+    )
+
+
+def _delay_learned(found: Finding) -> str:
+    delay, error = (_number(found, name) for name in ("delay_ms", "delay_se_ms"))
+    later = "earlier" if delay < 0 else "later"
+    return fill(
+        f"{{Cameras}} takes its images {shown(abs(delay), 'ms')} ± {shown(error, 'ms')} {later} than the others. All "
+        "was tracked with its images moved to the times of the frames.",
         found,
     )
 
@@ -137,6 +147,10 @@ TRIAL_WORDS = {
         "{Cameras} saw nothing in the whole trial.",
         "Check its cable, lens cap, lights and threshold; then record again or leave it out.",
     ),
+    "ground_subtracted": Words(
+        "The static ground was subtracted from the images of {cameras}: it is uneven.",
+        'If a marker that stands still is missing there, set background = "none" in [detect].',
+    ),
     "camera_disagrees": Words(
         _disagrees,
         "When the offset explains the residual, the camera was moved: calibrate again. Otherwise check its focus and "
@@ -181,7 +195,19 @@ TRIAL_WORDS = {
         "All else was read. Export the recording again where these parts are wanted.",
     ),
     "cameras_swapped": Words(_swapped, "Swap the files, in the trial or in the calibration."),
-    "camera_out_of_sync": Words(_out_of_sync, "Check that all cameras are triggered together."),
+    "camera_out_of_sync": Words(
+        _out_of_sync,
+        "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
+    ),
+    "camera_delay_learned": Words(
+        _delay_learned,
+        "Check that all cameras are triggered together; where that cannot be, state delays_ms in [cameras].",
+    ),
+    "camera_rolling_shutter": Words(
+        "The rows of {cameras} are taken one after the other, the last {readout_ms:1} ± {readout_se_ms:1} after the "
+        "first. All was tracked with its images moved to the times of the frames.",
+        "Markers at the edges of the image are measured best with a global shutter.",
+    ),
     "camera_without_images": Words("{Cameras} has no images at all.", LOOK_AT_CAMERA),
     "camera_stopped": Words(_stopped, "Check whether the camera stopped recording; else leave it out."),
     "camera_started_late": Words(_started_late, "Check whether the camera started late; else leave it out."),
@@ -249,6 +275,10 @@ TRIAL_WORDS = {
         "A standard deviation above {limit_mm:.3g} per axis in {markers}.",
         "Have more cameras see {markers:it|them} from wider apart; do not read angles of small segments from "
         "{markers:it|them}.",
+    ),
+    "noise_above_deviation": Words(
+        "Positions tremble by {noise_mm:2} from frame to frame, and their standard deviation is stated as {sd_mm:2}.",
+        "Do not trust the stated standard deviations, nor those of angles; check the noise that the detections state.",
     ),
     "outside_volume": Words(
         "{samples_share} of the samples lie outside the control volume, where the calibration was not checked.",

@@ -48,13 +48,34 @@ def _recorded(found: Finding) -> str:
 
 
 def _complete(found: Finding) -> str:
-    filled = " ({filled_share} of all samples are filled)" if found.values["filled_share"] else ""
-    gaps = "{gaps} {gaps:gap|gaps} left, the longest {longest_s}" if found.values["gaps"] else "no gaps left"
     return fill(
-        "While the subject was in view (frames {first_frame} to {last_frame}), {complete_share} of the marker "
-        f"positions are there{filled}; {gaps}.",
+        f"While the subject was in view ({_stretches(found)}), {{complete_share}} of the marker positions are there"
+        f"{_filled(found)}; {_gaps(found)}.",
         found,
     )
+
+
+def _not_known(found: Finding) -> str:
+    return fill(
+        "How complete the markers are is not known: only {used_share} of the images belong to a reconstructed marker, "
+        f"so whole markers may be missing. Of those that were found, {{complete_share}} of the positions are there"
+        f"{_filled(found)}; {_gaps(found)}.",
+        found,
+    )
+
+
+def _stretches(found: Finding) -> str:
+    return f"frames {' and '.join(f'{first} to {last}' for first, last in found.frames[:3]) or '–'}" + (
+        f" and {len(found.frames) - 3} more stretches" if len(found.frames) > 3 else ""
+    )
+
+
+def _filled(found: Finding) -> str:
+    return " ({filled_share} of all samples are filled)" if found.values["filled_share"] else ""
+
+
+def _gaps(found: Finding) -> str:
+    return "{gaps} {gaps:gap|gaps} left, the longest {longest_s}" if found.values["gaps"] else "no gaps left"
 
 
 def _agreement(found: Finding) -> str:
@@ -63,6 +84,17 @@ def _agreement(found: Finding) -> str:
         "Half of all image points lie within {residual_px} of where the calibrated cameras expect them" + subject + ".",
         found,
     )
+
+
+def _deviation(found: Finding) -> str:
+    sd, noise = found.values["sd_mm"], found.values["noise_mm"]
+    said = fill("The standard deviation of a position is {sd_mm:2} per axis on average", found)
+    if not isinstance(sd, float | int) or not isinstance(noise, float | int):
+        return f"{said}."
+    if noise > sd:
+        return said + fill("; from frame to frame the positions tremble by {noise_mm:2}.", found)
+    rest = "the rest is of errors that stay, as the calibration's"
+    return said + fill(f", of which {{noise_mm:2}} is noise from frame to frame; {rest}.", found)
 
 
 def _calibrated_by(found: Finding) -> str:
@@ -172,8 +204,9 @@ VERDICT_WORDS = {
     "trial_unusable": Words("Do not use these data as they are."),
     "recorded": Words(_recorded),
     "completeness": Words(_complete),
+    "completeness_unknown": Words(_not_known),
     "agreement": Words(_agreement),
-    "position_deviation": Words("The standard deviation of a position is {sd_mm:2} per axis on average."),
+    "position_deviation": Words(_deviation),
     "calibration_good": Words(calibration_headline),
     "calibration_usable": Words(calibration_headline),
     "calibration_unknown": Words(calibration_headline),

@@ -5,9 +5,10 @@ from .ambiguous import AmbiguousDecision, ambiguous_decisions, track_with_decisi
 from .diagnostics import diagnose
 from .diagnostics_of_points import diagnose_points
 from .diagnostics_of_tracks import diagnose_tracks
+from .learned_delays import track_simultaneously
 from .simultaneous_method import Simultaneous
 from .track_detections import track_detections
-from .tracker import TrackingResult, track_simultaneously
+from .tracker import TrackingResult
 
 __all__ = [
     "AmbiguousDecision",

@@ -27,10 +27,11 @@ from ...data import Detections, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
 from ...data.finding import plain_value
 from ...numerics.runs import equal_runs
+from .learned_delays import track_simultaneously
 from .passes import Associations
 from .simultaneous_method import DEFAULT, Simultaneous
 from .stitch import CLEAR_MARGIN
-from .tracker import TrackingResult, track_simultaneously
+from .tracker import TrackingResult
 
 WEAK_EVIDENCE = float(np.log(1000.0))
 """A marker is then a thousand times likelier than chance; chosen."""

@@ -3,6 +3,8 @@
 Each camera is compared with what all the others together say. From its images in the tracks, the median of image less
 projection over a tenth of the recording shows a camera that stands otherwise than it is calibrated (1), and since when.
 The share of the tracked points for which it has an image shows one whose images fit nothing, or nothing any more (2).
+A camera without any image has stopped only where it misses markers that it saw before: when the subject has left, what
+still lies about may never have been in its sight (5).
 A camera whose images fit nothing may be another one's: its images are tried with the calibration of each other (3).
 Images that lie where the marker was, or will be, show a camera that is not synchronous (`time_offsets`).
 A rate that is wrong changes all speeds by one factor, which no image tells; only one that makes people faster than they
@@ -21,17 +23,11 @@ from .associate import predict_images
 from .detection_index import Images
 from .kalman_states import KalmanStates
 from .measurement_noise import MAX_DISTANCE, MIN_FOUND_SHARE
-from .time_offsets import TimeOffsets, time_offsets
-from .tracker import TrackingResult
+from .time_offsets import MIN_SHIFT, TimeOffsets, time_offsets
+from .tracker import CameraTimes, TrackingResult
 
 PARTS = 10
 """Into which a recording is cut; chosen (see benchmarks/tracking.py)."""
-
-MIN_SHIFT = 0.5
-"""px; less is what a usual calibration leaves; chosen (see benchmarks/tracking.py)."""
-
-MIN_STANDARD_ERRORS = 5.0
-"""Standard errors of a delay; chosen (see benchmarks/tracking.py)."""
 
 MAX_SPEED = 15_000.0
 """mm/s; markers on people hardly move faster than the hand of a thrower; chosen (see benchmarks/tracking.py)."""
@@ -46,12 +42,31 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
     for c, name in enumerate(rig.names):
         found += _without_images(detections, result, c) or late.get(c) or _shifted(result, c, name)
     found += [_inconsistent_camera(result, rig, c) for c in result.noise.inconsistent.tolist()]
-    return found + _too_fast(result, detections.rate)
+    return found + _learned_delays(rig, result) + _too_fast(result, detections.rate)
+
+
+def _learned_delays(rig: Rig, result: TrackingResult) -> list[Finding]:
+    """About cameras that were tracked with delays of their own."""
+    ms = CameraTimes(*(1000 * each for each in result.times))
+    late = [
+        make_finding(
+            "camera_delay_learned", cameras=[rig.names[c]], delay_ms=ms.delay[c], delay_se_ms=ms.delay_error[c]
+        )
+        for c in np.flatnonzero(ms.delay).tolist()
+    ]
+    return late + [
+        make_finding(
+            "camera_rolling_shutter",
+            cameras=[rig.names[c]],
+            readout_ms=2 * ms.line[c],
+            readout_se_ms=2 * ms.line_error[c],
+        )
+        for c in np.flatnonzero(ms.line).tolist()
+    ]
 
 
 def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> dict[int, list[Finding]]:
     """About cameras that see at other times than the others, under their numbers."""
-    there = (np.abs(found.delay) > MIN_STANDARD_ERRORS * found.error) & (found.shift > MIN_SHIFT)
     return {
         c: [
             make_finding(
@@ -62,7 +77,7 @@ def _not_synchronous(detections: Detections, rig: Rig, found: TimeOffsets) -> di
                 shift_px=found.shift[c],
             )
         ]
-        for c in np.flatnonzero(there).tolist()
+        for c in np.flatnonzero(found.significant).tolist()
     }
 
 
@@ -71,13 +86,20 @@ def _without_images(detections: Detections, result: TrackingResult, c: int) -> l
     n, some, name = detections.n_frames, np.flatnonzero(detections.counts[c]), [detections.cameras[c]]
     if not n or not len(some):
         return [make_finding("camera_without_images", cameras=name)] if n else []
-    should = result.tracks.cloud.frame[_in_view(result, c, _expected(result, c), min(2, len(detections.cameras) - 1))]
+    inside = _in_view(result, c, _expected(result, c), min(2, len(detections.cameras) - 1))
+    should = result.tracks.cloud.frame[inside & _of_tracks_seen(result, c)]
     found = []
     if n - some[-1] > n / PARTS and (should > some[-1]).sum() >= FEW:
         found.append(make_finding("camera_stopped", cameras=name, frames=[(some[-1] + 1, n - 1)], recorded_frames=n))
     if some[0] > n / PARTS and (should < some[0]).sum() >= FEW:
         found.append(make_finding("camera_started_late", cameras=name, frames=[(0, some[0] - 1)], recorded_frames=n))
     return found
+
+
+def _of_tracks_seen(result: TrackingResult, c: int) -> Bools:
+    """(P) points of tracks of which camera c has an image at some time (5)."""
+    cloud, ids = result.tracks.cloud, result.tracks.id
+    return np.isin(ids, ids[cloud.detection[:, c] >= 0])
 
 
 class Parts(NamedTuple):
@@ -97,16 +119,18 @@ def _shifted(result: TrackingResult, c: int, name: str) -> list[Finding]:
     usual = np.nanmax(parts.share, initial=0.0)
     lost = parts.share < 0.1 * usual
     if usual > MIN_FOUND_SHARE and lost[-1]:  # (2)
-        last = len(lost) - int(np.argmin(lost[::-1]))
-        return [make_finding("camera_moved", cameras=[name], frames=[(parts.first[last], end)])]
+        since = parts.first[len(lost) - int(np.argmin(lost[::-1]))]
+        own = result.images.usable & (result.images.camera == c) & (result.images.frame >= since)
+        if own.sum() >= FEW:  # without images, nothing says that they fit no longer
+            return [make_finding("camera_moved", cameras=[name], frames=[(since, end)])]
     far = np.linalg.norm(parts.off, axis=1)
     wrong = np.flatnonzero(far > MIN_SHIFT)  # (1)
     if not len(wrong):
         return []
     whole = len(wrong) >= np.isfinite(far).sum() - 1
-    since = [] if whole else [(parts.first[wrong[0]], end)]
+    began = [] if whole else [(parts.first[wrong[0]], end)]
     u, v = np.nanmedian(parts.off[wrong], axis=0)
-    return [make_finding("camera_shifted", cameras=[name], frames=since, offset_u_px=u, offset_v_px=v)]
+    return [make_finding("camera_shifted", cameras=[name], frames=began, offset_u_px=u, offset_v_px=v)]
 
 
 def _parts_of_recording(result: TrackingResult, c: int) -> Parts:

@@ -13,7 +13,7 @@ from .diagnostics import diagnose
 from .measurement_noise import learn_noise
 from .passes import Associations
 from .simultaneous_method import DEFAULT
-from .tracker import TrackingResult
+from .tracker import CameraTimes, TrackingResult
 
 
 def diagnose_tracks(detections: Detections, rig: Rig, tracks: Tracks) -> list[Finding]:
@@ -29,7 +29,15 @@ def diagnose_tracks(detections: Detections, rig: Rig, tracks: Tracks) -> list[Fi
     own = tracks.id >= 0
     tracks = Tracks(tracks.cloud.keep(own), tracks.id[own])
     result = TrackingResult(
-        tracks, _not_known(len(rig)), np.zeros(0, np.int64), np.zeros(0), [], images, noise, np.zeros((0, 3))
+        tracks,
+        _not_known(len(rig)),
+        np.zeros(0, np.int64),
+        np.zeros(0),
+        [],
+        images,
+        noise,
+        np.zeros((0, 3)),
+        CameraTimes(*np.zeros((4, len(rig)))),
     )
     return [_nobody_left_out(found) for found in diagnose(detections, rig, result)]
 

@@ -8,7 +8,9 @@ recording the variance σ² of the images of each camera is found from their dis
     a² = σ² − σ_stated²                                                                   (1)
 
 is added to all images of the camera, where it is more than MIN_MISSING_SHARE of what is stated and three standard
-errors (2). No camera is taken to lack less than the median of all (3).
+errors (2). No camera is taken to lack less than the median of all (3). What is stated has a margin for association
+(`detection_index`); whether the positions' errors have to be widened is judged by (2) without it, and the variance that
+they are given then is that of `epipolar_noise` (6) and (7), less what the calibration states of itself.
 
 Images are then grouped (`candidate_points`). Where three and more agree, each camera is compared with what the others
 say without it. A camera of which hardly any image is where one is expected is `Noise.inconsistent`: its calibration
@@ -90,22 +92,36 @@ def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     groups = find_candidate_points(noisy, images.usable, F, frames, gate)
     groups = groups.take((groups.detection >= 0).sum(0) >= 3)
     found = np.array([_found_share(noisy, groups, c) for c in range(C)])
-    total = np.where(known, noise.variance, np.nanmedian(noise.variance))
-    least = np.where((added > 0) | (not images.stated), total, 0.0)
-    return noisy, Noise(np.sqrt(np.where(known, added, 0.0)), least, found)
+    return noisy, Noise(np.sqrt(np.where(known, added, 0.0)), _least(images, noise), found)
+
+
+def _least(images: Images, noise: CameraNoise) -> Floats:
+    """(C) px², `Noise.least`."""
+    total = np.where(np.isfinite(noise.for_positions), noise.for_positions, np.nanmedian(noise.for_positions))
+    total = np.maximum(total - images.calibration, 0.0)
+    if not images.stated:
+        return total
+    missing = _missing_of(noise, _usual(images, images.variance - images.margin))
+    return np.where(np.maximum(missing, _median(missing[np.isfinite(missing)])) > 0, total, 0.0)  # (3)
 
 
 def _missing(images: Images, noise: CameraNoise) -> Floats:
     """(C) px² by (1) to (3), NaN where nothing is known."""
-    own = images.usable & ~images.merged
-    stated = np.array([_median(images.variance[own & (images.camera == c)]) for c in range(len(images.P))])
-    a = noise.variance - stated
-    a = (
-        np.where((a < MIN_MISSING_SHARE * stated) | (a < 3 * noise.error), 0.0, a)
-        if images.stated
-        else np.maximum(a, 0)
-    )
+    stated = _usual(images, images.variance)
+    a = _missing_of(noise, stated) if images.stated else np.maximum(noise.variance - stated, 0.0)
     return np.where(np.isfinite(noise.variance), np.maximum(a, _median(a[np.isfinite(a)])), np.nan)
+
+
+def _missing_of(noise: CameraNoise, stated: Floats) -> Floats:
+    """(C) px² by (1) and (2) beside what is stated (C) px²; NaN where nothing is known."""
+    a = noise.variance - stated
+    return np.where((a < MIN_MISSING_SHARE * stated) | (a < 3 * noise.error), 0.0, a)
+
+
+def _usual(images: Images, variance: Floats) -> Floats:
+    """(C) px², the median of variances (D) of the images of each camera that are one marker's."""
+    own = images.usable & ~images.merged
+    return np.array([_median(variance[own & (images.camera == c)]) for c in range(len(images.P))])
 
 
 def _found_share(images: Images, groups: CandidatePoints, c: int) -> float:

@@ -11,6 +11,17 @@ which the 99th percentile of speeds is USUAL_REACH (3). Both are only ever raise
 What was not followed the first time may be followed then, so this is done up to ROUNDS times; and as runners whom no
 new track keeps up with leave no track at all, windows are also tracked as if all were runners, which counts where
 tracks then have GAIN times as many images (4).
+
+Where few frames are taken a second of something that moves evenly, as a plate that is carried about at 10 Hz, the
+usual process noise reaches beyond the neighbours, and tracks break. Of tracks of L frames the length
+
+    Σ L² / Σ L                                                                           (5)
+
+is that of the track on which a point is on average. Where it is less than FOLLOWED of a window, windows are also
+tracked as if all moved evenly, which counts where (5) grows by LONGER; and then as if images were noisier by NOISIER,
+which counts where tracks have GAIN times as many images (6): a calibration that fits in the middle and not at the
+sides, or cameras out of step, make images noisy in a part of the recording, of which the noise of the whole says
+nothing.
 """
 
 from __future__ import annotations
@@ -57,6 +68,18 @@ ROUNDS = 3
 """Times that parts are tracked; chosen (see benchmarks/tracking_scenes.py)."""
 
 
+FOLLOWED, LONGER = 0.7, 1.2
+"""Of the length of a window, and of (5); chosen (see studies/infrared_footage.py): of seeds 0 to 19 of
+benchmarks/tracking_scenes.py none has less than 0.77 of a window, and the infrared footage 0.55."""
+
+EVEN_PROCESS_NOISE, EVEN_VELOCITY_SD, EVEN_ACCELERATION_SD = 4000.0, 400.0, 3000.0
+"""mm/s² per √s, mm/s and mm/s² of what moves evenly: a tenth and less of walking; chosen (see
+studies/infrared_footage.py)."""
+
+NOISIER = 1.0
+"""px by which images may be noisier than learned; chosen (see studies/infrared_footage.py)."""
+
+
 class Movement(NamedTuple):
     """Process noise in mm/s² per √s by (2) and standard deviation of velocities in mm/s by (3)."""
 
@@ -64,21 +87,56 @@ class Movement(NamedTuple):
     velocity_sd: float
 
 
-def with_learned_motion(images: Images, rate: float, method: Simultaneous) -> Simultaneous:
-    """The method with more process noise and velocity, where the recording has them."""
+class Learned(NamedTuple):
+    """The images, noisier where that is so, and the method with the motion of the recording."""
+
+    images: Images
+    method: Simultaneous
+
+
+def with_learned_motion(images: Images, rate: float, method: Simultaneous) -> Learned:
+    """The method with more process noise and velocity, where the recording has them, or less where its tracks break."""
     if not method.learn_motion:
-        return method
+        return Learned(images, method)
     seen = _windows(images, rate, method)
     if _share(images, seen) < MOST:
         running = _windows(images, rate, _raised(method, RUNNING_PROCESS_NOISE, RUNNING_VELOCITY_SD))
-        seen = running if (running.detection >= 0).sum() > GAIN * (seen.detection >= 0).sum() else seen  # (4)
+        seen = running if _count(running) > GAIN * _count(seen) else seen  # (4)
     for _ in range(ROUNDS):
         faster = _raised(method, *movement(images, seen, rate))
         if faster == method:
             break
         method = faster
         seen = _windows(images, rate, method)
-    return method
+    if _track_length(seen) < FOLLOWED * _window_length(images, rate):
+        return _mended(images, rate, method, seen)
+    return Learned(images, method)
+
+
+def _mended(images: Images, rate: float, method: Simultaneous, seen: Associations) -> Learned:
+    """What keeps tracks whole that break in windows `seen`, by (6)."""
+    even = replace(
+        method,
+        process_noise=min(EVEN_PROCESS_NOISE, method.process_noise),
+        velocity_sd=min(EVEN_VELOCITY_SD, method.velocity_sd),
+        acceleration_sd=min(EVEN_ACCELERATION_SD, method.acceleration_sd),
+    )
+    tried = _windows(images, rate, even)
+    if _track_length(tried) > LONGER * _track_length(seen):
+        method, seen = even, tried
+    noisier = images.noisier(np.full(len(images.P), NOISIER**2))
+    return Learned(noisier if _count(_windows(noisier, rate, method)) > GAIN * _count(seen) else images, method)
+
+
+def _count(seen: Associations) -> int:
+    """Images that tracks have."""
+    return int((seen.detection >= 0).sum())
+
+
+def _track_length(seen: Associations) -> float:
+    """(5), frames."""
+    length = np.bincount(seen.id).astype(float)
+    return float((length**2).sum() / max(length.sum(), 1.0))
 
 
 def _share(images: Images, seen: Associations) -> float:
@@ -99,10 +157,15 @@ def _raised(method: Simultaneous, process_noise: float, velocity_sd: float) -> S
 def _windows(images: Images, rate: float, method: Simultaneous) -> Associations:
     """Tracks in short windows all over the recording, forwards only."""
     n = images.n_frames
-    length = min(max(MIN_WINDOW, round(WINDOW * rate)), n)
+    length = _window_length(images, rate)
     count = int(np.clip(n // max(length, 1), 1, WINDOWS))
     first = np.linspace(0, n - length, count).astype(int)
     return Run(images, rate, method).forwards(first, length)
+
+
+def _window_length(images: Images, rate: float) -> int:
+    """Frames of a window."""
+    return min(max(MIN_WINDOW, round(WINDOW * rate)), images.n_frames)
 
 
 def movement(images: Images, seen: Associations, rate: float) -> Movement:

@@ -62,7 +62,12 @@ class Simultaneous(Method):
         100.0, former="worst", unit="mm", above=0, meaning="standard deviation beyond which a point is not given"
     )
     learn_motion: bool = parameter(
-        True, meaning="raise process_noise and velocity_sd to what the recording has, where that is more"
+        True,
+        meaning="raise process_noise and velocity_sd to what the recording has, where that is more, and "
+        "lower them, with acceleration_sd, where tracks break that then do not",
+    )
+    learn_delays: bool = parameter(
+        True, meaning="track again with the delays of cameras that the tracks show not to be synchronous"
     )
 
 

@@ -15,7 +15,8 @@ it,
 
 against a distance that could be any of a length L, the usual distance between tracks. The three others of least σ
 count. Where the standard deviation by S exceeds `Simultaneous.uncertain_sd`, motion alone stitches nothing: (2) is
-needed as well.
+needed as well. This does not hold from one frame to the next (4), where a track that has images goes on by itself
+however uncertain its prediction is, and where all tracks end at once, at the seams of `passes.Run`.
 
 The assignment with the greatest sum of scores gives the stitches to consider. One is only made where its score exceeds
 that of any other stitch of either track, and of none, by CLEAR_MARGIN (3); otherwise both tracks stay as they are and
@@ -118,7 +119,8 @@ def _best_pairs(points: TrackPoints, T: float, method: Simultaneous, distances: 
     a, b = _possible(ends, T, method)
     score, sd = _by_motion(points, ends, a, b, T, method)
     gain = scores_by_distance(points, a, b, score) if distances else np.zeros(len(a))
-    score = np.where((sd < method.uncertain_sd) | (gain > 0), score + gain, 0.0)
+    certain = (sd < method.uncertain_sd) | (ends.first[b] - ends.last[a] == 1)  # (4)
+    score = np.where(certain | (gain > 0), score + gain, 0.0)
     n = len(ends.first)
     table = np.zeros((n, n))
     table[a, b] = np.maximum(score, 0.0)

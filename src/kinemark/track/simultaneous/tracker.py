@@ -24,9 +24,8 @@ import numpy as np
 
 from ...data import Cloud, Detections, Matches, Rig, Tracks
 from ...data.array_types import Bools, Floats, Ints
-from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors, usable_points, weighted_points
+from ...geometry.weighted_points import ImageErrors, usable_points, weighted_points
 from ...numerics.runs import begins
-from ..stage import DETECTIONS, TRACK
 from .adjusted_rig import adjusted_rig
 from .candidate_points import fundamentals
 from .detection_index import Images, read_images
@@ -48,12 +47,19 @@ UNCERTAIN = 5.0
 AT_ONCE = 20_000
 """Points that are solved in one go; chosen: more would take memory and no less time."""
 
-VOLUME_MARGIN = 100.0
-"""mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
-
 ADJUSTED_VARIANCE_RATIO = 0.7
 """Of the variance of the images with the rig as given, the most that is left where the adjusted rig is used; chosen
 (see benchmarks/tracking_scenes.py)."""
+
+
+class CameraTimes(NamedTuple):
+    """Of C cameras: delay (C) s by which they take their images later than the others, and what the last row is taken
+    later than the middle one, line (C) s, with their standard errors; 0 where nothing was found."""
+
+    delay: Floats
+    delay_error: Floats
+    line: Floats
+    line_error: Floats
 
 
 class TrackingResult(NamedTuple):
@@ -68,6 +74,7 @@ class TrackingResult(NamedTuple):
         stitches: those that were made or considered, of tracks of `seen`.
         images: what the cameras saw; noise: what was learned of them.
         outside: (K, 3) mm, points that were left out as they lie outside the volume.
+        times: of the cameras, by which all was tracked.
     """
 
     tracks: Tracks
@@ -78,31 +85,18 @@ class TrackingResult(NamedTuple):
     images: Images
     noise: Noise
     outside: Floats
+    times: CameraTimes
 
 
-@TRACK.method("simultaneous", Simultaneous, takes=DETECTIONS)
-def simultaneous_tracks(detections: Detections, rig: Rig, *, method: Simultaneous) -> Tracks:
-    """Tracks of all markers; called through `track_detections`."""
-    return track_simultaneously(detections, rig, method).tracks
-
-
-def track_simultaneously(
-    detections: Detections,
-    rig: Rig,
-    method: Simultaneous,
-    *,
-    errors: ImageErrors = DEFAULT_ERRORS,
-    volume_margin: float | None = VOLUME_MARGIN,
+def track_once(
+    detections: Detections, rig: Rig, method: Simultaneous, errors: ImageErrors, volume_margin: float | None
 ) -> TrackingResult:
-    """Tracks of all markers, their points by the `errors` of images, and how they came about.
-
-    Points farther than `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None
-    keeps all.
-    """
+    """`track_simultaneously` with all cameras taken for synchronous."""
     T = 1 / detections.rate
     images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
     working = _working(detections, rig, images, noise, method)
-    method = with_learned_motion(working.images, detections.rate, method)
+    moving, method = with_learned_motion(working.images, detections.rate, method)
+    working = working._replace(images=moving)
     every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
     solver = Solver(detections, working.rig, _variance(shared, working.images, working.noise), errors)
@@ -114,7 +108,17 @@ def track_simultaneously(
     kept, number = np.unique(ids, return_inverse=True)
     final = np.full(int(every.id.max(initial=-1)) + 1, -1)
     final[: len(whole.id)] = np.where(np.isin(whole.id, kept), np.searchsorted(kept, whole.id), -1)
-    return TrackingResult(Tracks(cloud, number), every, final, speaks, whole.stitches, images, noise, outside)
+    return TrackingResult(
+        Tracks(cloud, number),
+        every,
+        final,
+        speaks,
+        whole.stitches,
+        images,
+        noise,
+        outside,
+        CameraTimes(*np.zeros((4, len(rig)))),
+    )
 
 
 class FirstPass(NamedTuple):

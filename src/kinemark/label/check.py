@@ -1,0 +1,83 @@
+"""Labelled trials checked: where two markers carry each other's names, for a while or all through."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import KinemarkError, Trajectories
+from .evidence import Ints, PairScore, Single
+from .exchange import Exchanger
+from .stretches import stretches_of
+from .sweeps import places
+from .template import Template
+
+WINDOW_S = 0.5
+"""Length of the parts of a trial that are looked at, s; chosen, as long as a new pose takes."""
+LEAST_NATS = 8.0
+"""What an exchange must gain a frame to be said; chosen: it stands above what soft tissue makes of near markers."""
+
+
+class Exchanged(NamedTuple):
+    """Two markers whose names fit better the other way round.
+
+    Attributes:
+        markers: the two. first, stop: first and last-plus-one frame, from 0.
+        gain: nats a frame by which the exchanged names are better, mean over these frames.
+    """
+
+    markers: tuple[str, str]
+    first: int
+    stop: int
+    gain: float
+
+
+def find_exchanges(trajectories: Trajectories, template: Template) -> tuple[Exchanged, ...]:
+    """Stretches of a labelled trial in which the names of two near markers are exchanged, in the order of time.
+
+    Raises:
+        KinemarkError: fewer than four of the template's names are in the trial.
+    """
+    known = trajectories.select([name for name in template.names if name in trajectories.names])
+    if len(known) < 4:
+        raise KinemarkError(
+            f"{len(known)} of the template's {len(template)} markers are in the trial. Wanted are four or more: "
+            "names must be spelt alike."
+        )
+    stretches = stretches_of(known, template.size)
+    label = np.array([template.names.index(name) for name in known.names])
+    y = places(stretches, label, len(template))
+    exchanger = Exchanger.of(template, PairScore.of_template(template))
+    window = stretches.frame // max(1, round(WINDOW_S * trajectories.rate))
+    found: list[Exchanged] = []
+    for part in np.unique(window):
+        rows = np.flatnonzero(window == part)
+        found += _in_window(y[rows], exchanger, template, stretches.frame[rows])
+    return _merged(found, round(2 * WINDOW_S * trajectories.rate))
+
+
+def _in_window(y: Single, exchanger: Exchanger, template: Template, frame: Ints) -> list[Exchanged]:
+    """Of these frames."""
+    seen: NDArray[np.bool_] = np.isfinite(y[..., 0]).sum(0) > 0
+    moves = [move for move in exchanger.twos if seen[list(move[0])].all()]
+    gains = exchanger.gains(y, moves)
+    return [
+        Exchanged((template.names[a], template.names[b]), int(frame[0]), int(frame[-1]) + 1, float(gain))
+        for ((a, b), _), gain in zip(moves, gains, strict=True)
+        if gain > LEAST_NATS
+    ]
+
+
+def _merged(found: list[Exchanged], near: int) -> tuple[Exchanged, ...]:
+    """Neighbouring windows of the same two as one."""
+    out: dict[tuple[str, str], list[Exchanged]] = {}
+    for one in found:
+        own = out.setdefault(one.markers, [])
+        if own and one.first - own[-1].stop < near:
+            old = own.pop()
+            n, m = old.stop - old.first, one.stop - one.first
+            one = Exchanged(one.markers, old.first, one.stop, (n * old.gain + m * one.gain) / (n + m))
+        own.append(one)
+    return tuple(sorted((one for own in out.values() for one in own), key=lambda one: (one.first, one.markers)))

@@ -1,0 +1,82 @@
+"""Labelling by the distances of markers: the method `distances`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Trajectories
+from ..data.method import ONE, Method, parameter
+from .evidence import Ints, PairScore
+from .label import refusal, state_of
+from .labels import Labels
+from .margin import margins, probability
+from .solve import Solution, solve
+from .stage import LABEL
+from .stretches import Stretches, stretches_of
+from .template import Template
+
+
+@dataclass(frozen=True, slots=True)
+class Distances(Method):
+    """By distances of pairs and orientation of quadruples: key frames, outwards in time, sweeps and exchanges."""
+
+    key_frames: int = parameter(10, unit="frames", low=1, meaning="frames in which a first labelling is looked for")
+    beam: int = parameter(500, unit=ONE, low=1, meaning="states of the search in a key frame that go on")
+    least_track_fit: float = parameter(
+        0.3,
+        unit=ONE,
+        low=0,
+        below=1,
+        meaning="evidence of a track, as a share of what the template expects, below which it has no name",
+    )
+    least_fit: float = parameter(
+        0.55,
+        unit=ONE,
+        low=0,
+        high=1,
+        meaning="score of the trial, as a share of the template's on its own data, below which nothing is named",
+    )
+    least_placed: float = parameter(
+        0.5, unit=ONE, low=0, high=1, meaning="share of the samples that could have a name below which nothing is named"
+    )
+    sure: float = parameter(0.95, unit=ONE, above=0, high=1, meaning="probability from which on a name is sure")
+
+
+@LABEL.method("distances", Distances)
+def label_by_distances(trajectories: Trajectories, template: Template, *, method: Distances) -> Labels:
+    """See `label`."""
+    stretches = stretches_of(trajectories, template.size)
+    pairs = PairScore.of_template(template)
+    found = solve(
+        stretches, template, pairs,
+        key_frames=method.key_frames, beam=method.beam, least_fit=method.least_track_fit,
+    )  # fmt: skip
+    fit, placed = found.score / max(found.expected, 1e-9), _placed(stretches, found.label, len(template))
+    refused = refusal(fit, placed, least_fit=method.least_fit, least_placed=method.least_placed)
+    if refused:
+        found = Solution(np.full(len(stretches), -1), found.score, found.expected)
+    about = margins(stretches, found.label, template, pairs, fit)
+    p = probability(about, stretches.weight)
+    return Labels(
+        names=_names(found.label, template),
+        probability=p,
+        state=tuple(state_of(float(one), method.sure) for one in p),
+        runner_up=_names(about.runner_up, template),
+        margin=about.track,
+        fit=fit,
+        placed=placed,
+        refused=refused,
+    )
+
+
+def _names(label: Ints, template: Template) -> tuple[str | None, ...]:
+    """Names of labels, None for −1."""
+    return tuple(template.names[a] if a >= 0 else None for a in label.tolist())
+
+
+def _placed(stretches: Stretches, label: Ints, L: int) -> float:
+    """Of the samples that could have a name, at most L a frame, those that have one."""
+    could = np.minimum(stretches.seen.sum(0), L).sum()
+    return float(stretches.seen[label >= 0].sum() / max(could, 1))

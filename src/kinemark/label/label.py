@@ -1,0 +1,45 @@
+"""The names of a trial's tracks, each with a probability; nothing is named where the template does not fit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..data import KinemarkError, Tracks, Trajectories, make_finding
+from ..data.finding import Finding
+from ..data.track_trajectories import trajectories_of
+from .labels import Labels, State
+from .stage import LABEL
+from .template import Template
+
+
+def label(tracks: Tracks | Trajectories, template: Template, *, method: Any = None) -> Labels:
+    """Which marker each track is, as far as distances tell.
+
+    Args:
+        tracks: of a recording, whole or in pieces, with ghosts; names that they have are not looked at.
+        template: what is known of the subject's markers.
+        method: one of `LABEL`, with its parameters; `Distances()` where None.
+
+    Raises:
+        KinemarkError: there are no tracks.
+        ValueError: the method is none that labels.
+    """
+    trajectories = trajectories_of(tracks) if isinstance(tracks, Tracks) else tracks
+    if not len(trajectories) or not np.isfinite(trajectories.xyz).any():
+        raise KinemarkError("There are no tracks with samples to be labelled. Track the recording first.")
+    method = LABEL.make() if method is None else method
+    return LABEL.function(method)(trajectories, template, method=method)
+
+
+def refusal(fit: float, placed: float, *, least_fit: float, least_placed: float) -> Finding | None:
+    """The finding that a template does not fit a trial; None where it does."""
+    if fit >= least_fit and placed >= least_placed:
+        return None
+    return make_finding("labels_refused", fit_share=fit, placed_share=placed)
+
+
+def state_of(probability: float, sure: float) -> State:
+    """In a word."""
+    return "sure" if probability >= sure else "unsure" if probability > 0 else "unknown"

@@ -1,0 +1,89 @@
+"""From a template and tracks to a label for each track: key frames, outwards, sweeps and exchanges."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .evidence import Ints, PairScore
+from .exchange import Exchanger, best_moves
+from .key_frames import Placing, frame_score, placings, search, settle
+from .stretches import Stretches
+from .sweeps import outwards, places, sweep, total_score
+from .template import Template
+
+SWEEPS = 6
+"""At most; chosen, most trials need two."""
+LEAST_GAIN = 1.0
+"""Of an exchange of labels, nats a frame; chosen."""
+
+
+class Solution(NamedTuple):
+    """(T) label of each track or −1; nats a frame of all pairs, and those that the template expects of as many."""
+
+    label: Ints
+    score: float
+    expected: float
+
+
+class Start(NamedTuple):
+    """A labelled key frame: its score in nats, its row in the sampled frames, tracks and their labels."""
+
+    score: float
+    frame: int
+    tracks: Ints
+    labels: Ints
+
+
+def solve(
+    stretches: Stretches, template: Template, pairs: PairScore, *, key_frames: int, beam: int, least_fit: float
+) -> Solution:
+    """The labelling of the greatest score that was found; without a label for any track where no frame has points."""
+    best = Solution(np.full(len(stretches), -1), 0.0, 0.0)
+    start = _start(stretches, template, pairs, key_frames, beam)
+    if start is None:
+        return best
+    label = outwards(stretches, start.frame, start.tracks, start.labels, pairs)
+    exchanger = Exchanger.of(template, pairs)
+    tried = False
+    for _ in range(SWEEPS):
+        label = sweep(stretches, label, pairs, least_fit)
+        score, expected = total_score(stretches, label, pairs)
+        settled = score <= best.score + 1e-6 * abs(best.score)
+        best = best if settled else Solution(label, score, expected)
+        if settled and tried:
+            break
+        if settled:
+            turn = best_moves(places(stretches, best.label, len(template)), exchanger, LEAST_GAIN)
+            tried = True
+            if (turn == np.arange(len(turn))).all():
+                break
+            label = np.where(best.label >= 0, turn[best.label], -1)
+            score, expected = total_score(stretches, label, pairs)
+            best = Solution(label, score, expected) if score > best.score else best
+    return best
+
+
+def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int) -> Start | None:
+    """The best of `n` key frames, evenly spread over those with points."""
+    order = placings(pairs, template.handed, template.sign)
+    points = np.isfinite(stretches.xyz[..., 0]).sum(0)
+    usable = np.flatnonzero(points >= min(4, points.max(initial=1)))
+    if not len(usable):
+        return None
+    some = np.unique(usable[np.linspace(0, len(usable) - 1, n).round().astype(int)])
+    found = [_labelled(stretches, int(k), template, pairs, order, beam) for k in some]
+    return max(found, key=lambda one: one.score)
+
+
+def _labelled(
+    stretches: Stretches, k: int, template: Template, pairs: PairScore, order: list[Placing], beam: int
+) -> Start:
+    """The labelling of one frame."""
+    here = np.flatnonzero(np.isfinite(stretches.xyz[:, k, 0]))
+    xyz = stretches.xyz[here, k]
+    point = settle(xyz, search(xyz, pairs, order, beam), pairs)
+    labels = np.flatnonzero(point >= 0)
+    score = frame_score(xyz, point, pairs, template.handed, template.sign)
+    return Start(score, k, here[point[labels]], labels)

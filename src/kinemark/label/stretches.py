@@ -1,0 +1,107 @@
+"""Tracks as the labelling sees them: which are there in which of some frames, and which may go on as which."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from ..data import Trajectories
+
+Ints = NDArray[np.int64]
+
+GRID_HZ = 15.0
+"""Frames a second that are looked at; chosen: distances change little in 0.07 s."""
+LINK_S = 0.25
+"""Longest gap over which one track may say that another goes on with it, s; chosen."""
+SPEED_S = 0.05
+"""Over which the speed at a track's end is taken, s; chosen."""
+NOISE_SHARE = 0.002
+"""Of a marker's place, as a share of the body's size; chosen: 3 mm of 1.6 m."""
+ACCELERATION = 12.0
+"""Standard deviation of a marker's acceleration in sizes of the body a second squared; chosen: 20 m/s² of 1.6 m."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretches:
+    """T tracks at K of F frames.
+
+    Attributes:
+        xyz: (T, K, 3) mm, about one of the points; NaN where not seen.
+        frame: (K) the frames.
+        seen: (T, F) where there are samples.
+        start, stop: (T) first and last-plus-one frame.
+        weight: (T) how many independent frames a track is worth.
+        link: (T, T) nats that the column goes on where the row ends; 0 where nothing is said.
+    """
+
+    xyz: NDArray[np.float32]
+    frame: Ints
+    seen: NDArray[np.bool_]
+    start: Ints
+    stop: Ints
+    weight: NDArray[np.float64]
+    link: scipy.sparse.csr_array
+
+    def __len__(self) -> int:
+        return len(self.xyz)
+
+
+def stretches_of(trajectories: Trajectories, size: float) -> Stretches:
+    """The tracks of a trial; `size` of the body, mm. Tracks without samples have start and stop 0."""
+    xyz, rate = trajectories.xyz, trajectories.rate
+    seen = np.isfinite(xyz[..., 0])
+    some = seen.any(1)
+    origin = xyz[seen][0] if some.any() else np.zeros(3)
+    start = np.where(some, seen.argmax(1), 0)
+    stop = np.where(some, seen.shape[1] - seen[:, ::-1].argmax(1), 0)
+    frame = _frames(seen, start, stop, rate)
+    near = xyz - origin
+    weight = 1.0 + seen.sum(1) / rate / 0.5  # a new pose each half second
+    link = _links(near, seen, start, stop, rate, size)
+    return Stretches(near[:, frame].astype(np.float32), frame, seen, start, stop, weight, link)
+
+
+def _frames(seen: NDArray[np.bool_], start: Ints, stop: Ints, rate: float) -> Ints:
+    """Those of a grid, and one of each track that has none there."""
+    step = max(1, round(rate / GRID_HZ))
+    grid = np.arange(step // 2, seen.shape[1], step) if seen.shape[1] > step else np.arange(min(seen.shape[1], 1))
+    missed = np.flatnonzero(~seen[:, grid].any(1) & (stop > start))
+    middles = [(lambda own: own[len(own) // 2])(np.flatnonzero(seen[t])) for t in missed]
+    return np.unique([*grid.tolist(), *middles]).astype(np.int64)
+
+
+def _links(
+    xyz: NDArray[np.float64], seen: NDArray[np.bool_], start: Ints, stop: Ints, rate: float, size: float
+) -> scipy.sparse.csr_array:
+    """For ends and beginnings that are near in time: log density of the step over that of any place in the volume."""
+    T = len(xyz)
+    some = np.flatnonzero(stop > start)
+    order = some[np.argsort(start[some], kind="stable")]
+    begins = start[order]
+    lo, hi = np.searchsorted(begins, stop[some]), np.searchsorted(begins, stop[some] + round(LINK_S * rate) + 1)
+    row = np.repeat(some, hi - lo)
+    if not len(row):
+        return scipy.sparse.csr_array((T, T))
+    column = np.concatenate([order[a:b] for a, b in zip(lo, hi, strict=True)])
+    width = max(1, round(SPEED_S * rate))
+    last, first = stop - 1, start
+    out = np.array([_speed(xyz[t], seen[t], last[t], -width) if stop[t] > start[t] else np.zeros(3) for t in range(T)])
+    into = np.array([_speed(xyz[t], seen[t], first[t], width) if stop[t] > start[t] else np.zeros(3) for t in range(T)])
+    frames = (first[column] - last[row]).astype(float)
+    step = xyz[column, first[column]] - xyz[row, last[row]] - 0.5 * (out[row] + into[column]) * frames[:, None]
+    dt = frames / rate
+    sigma = size * np.hypot(NOISE_SHARE, ACCELERATION * 0.25 * dt * dt + NOISE_SHARE * frames / width)
+    volume = (0.5 * size) ** 3
+    nats = np.log(volume / (sigma * np.sqrt(2 * np.pi)) ** 3) - 0.5 * (step**2).sum(1) / sigma**2
+    return scipy.sparse.csr_array((np.maximum(nats, -4.0), (row, column)), shape=(T, T))
+
+
+def _speed(xyz: NDArray[np.float64], seen: NDArray[np.bool_], at: int, width: int) -> NDArray[np.float64]:
+    """mm a frame at a track's end, of what is seen within `width` frames of it."""
+    other = min(max(at + width, 0), len(xyz) - 1)
+    frames = np.arange(min(at, other), max(at, other) + 1)
+    own = frames[seen[frames]]
+    return (xyz[own[-1]] - xyz[own[0]]) / (own[-1] - own[0]) if len(own) > 1 else np.zeros(3)

@@ -1,0 +1,152 @@
+"""Names for all tracks, from one labelled frame: outwards in time, then in sweeps until nothing changes.
+
+The evidence that track t is label a is the mean over its frames k of
+
+    e(t, a) = ‹ Σ_b l(|x_t − y_b|; D_ab, σ_ab) ›_k                                                               (1)
+
+over all labelled neighbours b, with l of `evidence` (1) and y_b the place of the track that is b in that frame. A track
+takes the label with the most of w_t e(t, a) + c(t, a), where w_t counts its independent frames and c says how well its
+ends meet those of the label's own tracks before and after; tracks seen at the same time take labels together, as one
+assignment, and one that no label explains better than chance stays unnamed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from .evidence import Ints, PairScore, Single, distances
+from .stretches import Stretches
+
+Floats = NDArray[np.float64]
+
+NONE = -1
+"""The label of a track without one; by definition."""
+
+
+def places(stretches: Stretches, label: Ints, L: int) -> Single:
+    """(K, L, 3) where each label is in each frame; NaN where no track is it."""
+    out = np.full((len(stretches.frame), L, 3), np.nan, np.float32)
+    for t in np.flatnonzero(label >= 0):
+        rows = np.isfinite(stretches.xyz[t, :, 0])
+        out[rows, label[t]] = stretches.xyz[t, rows]
+    return out
+
+
+def evidence(stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
+    """(T, L) nats (1) of each track as each label, by all that is labelled."""
+    L = len(pairs.distance)
+    labelled = places(stretches, label, L)
+    total, count = np.zeros((len(stretches), L)), np.zeros(len(stretches))
+    for k in range(len(stretches.frame)):
+        here = np.flatnonzero(np.isfinite(stretches.xyz[:, k, 0]))
+        total[here] += pairs.of_points(stretches.xyz[here, k], labelled[k], label[here])
+        count[here] += 1
+    return total / np.maximum(count, 1)[:, None]
+
+
+def continuity(stretches: Stretches, label: Ints, L: int) -> Floats:
+    """(T, L) nats: how well a track goes on from, and into, the tracks that have each label now."""
+    of = np.flatnonzero(label >= 0)
+    member = scipy.sparse.csr_array((np.ones(len(of)), (of, label[of])), shape=(len(stretches), L))
+    return np.asarray((stretches.link.T @ member).todense() + (stretches.link @ member).todense())
+
+
+@dataclass
+class Decided:
+    """What has been decided: the label of each track, and in which frames a label is taken."""
+
+    label: Ints
+    taken: NDArray[np.bool_]
+
+    @classmethod
+    def nothing(cls, stretches: Stretches, L: int) -> Decided:
+        """No track has a label."""
+        return cls(np.full(len(stretches), NONE), np.zeros((L, stretches.seen.shape[1]), bool))
+
+    def give(self, stretches: Stretches, tracks: Ints, labels: Ints) -> None:
+        """These tracks take these labels."""
+        self.label[tracks] = labels
+        for t, a in zip(tracks.tolist(), labels.tolist(), strict=True):
+            self.taken[a, stretches.start[t] : stretches.stop[t]] |= stretches.seen[
+                t, stretches.start[t] : stretches.stop[t]
+            ]
+
+    def free(self, stretches: Stretches, tracks: Ints) -> NDArray[np.bool_]:
+        """(n, L) whether a label is free wherever a track is seen."""
+        lo, hi = stretches.start[tracks].min(), stretches.stop[tracks].max()
+        both = stretches.seen[tracks, lo:hi].astype(np.float32) @ self.taken[:, lo:hi].T.astype(np.float32)
+        return both == 0
+
+    def assign(self, stretches: Stretches, tracks: Ints, worth: Floats, least: float = 0.0) -> None:
+        """Tracks (n) seen together take free labels, with the greatest sum of worth (n, L) above `least`."""
+        gain = np.where(self.free(stretches, tracks), np.maximum(worth - least, 0.0), 0.0)
+        rows, columns = scipy.optimize.linear_sum_assignment(-gain)
+        good = gain[rows, columns] > 0
+        self.give(stretches, tracks[rows[good]], columns[good])
+
+
+def outwards(stretches: Stretches, key: int, tracks: Ints, labels: Ints, pairs: PairScore) -> Ints:
+    """(T) labels from those of some tracks in key frame `key`, first forwards, then backwards in time."""
+    L, K = len(pairs.distance), len(stretches.frame)
+    done = Decided.nothing(stretches, L)
+    done.give(stretches, tracks, labels)
+    for k in [*range(key + 1, K), *range(key - 1, -1, -1)]:
+        here = np.flatnonzero(np.isfinite(stretches.xyz[:, k, 0]))
+        new = here[done.label[here] < 0]
+        old = here[done.label[here] >= 0]
+        if not len(new) or not len(old):
+            continue
+        labelled = np.full((L, 3), np.nan, np.float32)
+        labelled[done.label[old]] = stretches.xyz[old, k]
+        nats = pairs.of_points(stretches.xyz[new, k], labelled, np.full(len(new), NONE))
+        done.assign(stretches, new, nats + continuity(stretches, done.label, L)[new])
+    return done.label
+
+
+def sweep(stretches: Stretches, label: Ints, pairs: PairScore, least_fit: float) -> Ints:
+    """(T) labels decided anew by the evidence of the present ones; none below `least_fit` of what is expected."""
+    nats = evidence(stretches, label, pairs)
+    worth = stretches.weight[:, None] * nats + continuity(stretches, label, nats.shape[1])
+    worth = np.where(nats < least_fit * expectation(stretches, label, pairs), 0.0, worth)
+    done = Decided.nothing(stretches, worth.shape[1])
+    waiting = stretches.stop > stretches.start
+    best = worth.max(1)
+    waiting &= best > 0
+    load = np.where(waiting, best, 0.0)
+    while waiting.any():
+        first = int(load.argmax())
+        middle = _fullest(stretches, waiting, first)
+        batch = np.flatnonzero(waiting & stretches.seen[:, middle])
+        done.assign(stretches, batch, worth[batch])
+        waiting[batch], load[batch] = False, 0.0
+    return done.label
+
+
+def expectation(stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
+    """(L) nats that the evidence of each label is, where the template holds, from as many neighbours as there are."""
+    present = np.isfinite(places(stretches, label, len(pairs.distance))[..., 0]).mean(0)
+    return np.asarray(pairs.expected @ present)
+
+
+def total_score(stretches: Stretches, label: Ints, pairs: PairScore) -> tuple[float, float]:
+    """Nats a frame of all pairs of labelled tracks, and what the template expects of as many."""
+    L = len(pairs.distance)
+    labelled, every = places(stretches, label, L), np.arange(L)
+    some = np.unique(np.linspace(0, len(labelled) - 1, min(len(labelled), 40)).round().astype(int))
+    total = expected = 0.0
+    for y in labelled[some]:
+        seen = np.isfinite(y[:, 0])
+        total += float(pairs.at(distances(y, y), every[:, None], every[None]).sum()) / 2
+        expected += float(pairs.expected[np.ix_(seen, seen)].sum()) / 2
+    return total / max(len(some), 1), expected / max(len(some), 1)
+
+
+def _fullest(stretches: Stretches, waiting: NDArray[np.bool_], track: int) -> int:
+    """The frame of a track in which most of those that wait are seen."""
+    own = np.flatnonzero(stretches.seen[track])
+    own = own[:: max(1, len(own) // 20)]
+    return int(own[stretches.seen[np.ix_(waiting, own)].sum(0).argmax()])

@@ -1,0 +1,210 @@
+"""What is known of a subject's markers before a trial is labelled: how far they are from each other.
+
+Over the frames of labelled trials, each pair of labels a, b has the distances d(t). The template keeps
+
+    D = mean d,   S² = var d,   s² = mean over windows of 0.6 s of the variance in the window                    (1)
+
+and, of quadruples a, b, c, d of labels, the sign of the triple product
+
+    h = sign (b − a) · ((c − a) × (d − a))                                                                       (2)
+
+where that is one and the same in all frames. (1) cannot tell a body from its mirror image, so left from right; (2) can.
+Neither hangs on where the origin is, on how the axes lie, or on the order of the labels; lengths scale with the unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import KinemarkError, Trajectories
+from ..data.arrays import check_positive, column, set_columns
+
+Floats = NDArray[np.float64]
+
+FRAMES = 300
+"""Frames of a trial that a template looks at, evenly spread; chosen: a pair's mean and spread need no more."""
+WINDOW_S = 0.6
+"""Of the spread in short windows, s; chosen, about half a step."""
+NEIGHBOURS = 8
+"""Labels with which a label makes quadruples; chosen: 56 triples of them."""
+QUADRUPLES = 12
+"""That are kept of each label, the widest; chosen."""
+LEAST_VOLUME = 0.1
+"""Least triple product over the product of its edges, in all frames: 6° out of one plane; chosen."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Template:
+    """L labels of one subject.
+
+    Attributes:
+        names: (L).
+        distance: (L, L) mean distance, mm; NaN where two were never seen together.
+        spread: (L, L) standard deviation of it over the motion, mm.
+        short_spread: (L, L) the same in windows of 0.6 s, mm.
+        handed: (Q, 4) labels whose orientation never changes.
+        sign: (Q) of their triple product, 1 or −1.
+        frames: (L, L) in how many frames both were seen.
+    """
+
+    names: tuple[str, ...]
+    distance: Floats
+    spread: Floats
+    short_spread: Floats
+    handed: NDArray[np.int64]
+    sign: NDArray[np.int64]
+    frames: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        n, q = len(self.names), len(self.handed)
+        set_columns(
+            self,
+            names=tuple(self.names),
+            distance=column("distance", self.distance, np.float64, n, n),
+            spread=column("spread", self.spread, np.float64, n, n),
+            short_spread=column("short_spread", self.short_spread, np.float64, n, n),
+            handed=column("handed", self.handed, np.int64, q, 4),
+            sign=column("sign", self.sign, np.int64, q),
+            frames=column("frames", self.frames, np.int64, n, n),
+        )
+        if len(set(self.names)) != n:
+            raise ValueError(f"the names of a template must differ, found {self.names}")
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def size(self) -> float:
+        """The greatest mean distance of two labels, mm."""
+        return float(np.nanmax(self.distance))
+
+    def scaled(self, ratio: float, *, relative_spread: float = 0.0) -> Template:
+        """Of a subject `ratio` times as tall; each distance uncertain by a further share of itself.
+
+        Raises:
+            ValueError: the ratio is not above 0, or the share below 0.
+        """
+        check_positive(ratio=ratio)
+        if not 0 <= relative_spread < np.inf:
+            raise ValueError(f"relative_spread is {relative_spread}, wanted 0 or more")
+        D = self.distance * ratio
+        spread = np.hypot(self.spread * ratio, relative_spread * D)
+        return replace(self, distance=D, spread=spread, short_spread=self.short_spread * ratio)
+
+
+def learn_template(
+    *trials: Trajectories,
+    names: Sequence[str] | None = None,
+    relative_spread: float = 0.0,
+    segments: Mapping[str, Sequence[str]] | None = None,
+) -> Template:
+    """The template of labelled trials of one subject.
+
+    Args:
+        trials: labelled; a marker's name means the same in all.
+        names: of the markers to learn; where None, all names that have samples, without those that begin with "*".
+        relative_spread: a further spread of each distance as a share of it; 0.14 suits a static trial, which shows no
+            motion.
+        segments: name → markers of one body, as `MarkerSet` has them: their distances have no such further spread.
+
+    Raises:
+        KinemarkError: there are fewer than four names with samples, or no two of them are ever seen together.
+        ValueError: relative_spread is below 0.
+    """
+    known = tuple(names) if names is not None else names_in(trials)
+    if len(known) < 4:
+        raise KinemarkError(
+            f"The template has {len(known)} named markers with samples. Wanted are four or more: give labelled trials."
+        )
+    parts = [_sampled(trial, known) for trial in trials]
+    d = np.concatenate([_distances(xyz) for xyz, _ in parts], axis=2)
+    n = np.isfinite(d).sum(2)
+    if not (n[np.triu_indices(len(known), 1)] > 0).any():
+        raise KinemarkError("No two markers of the template are ever seen in one frame.")
+    sums = np.nansum(d, 2) / np.maximum(n, 1)
+    mean = np.where(n > 0, sums, np.nan)
+    spread = np.sqrt(np.nansum((d - sums[..., None]) ** 2, 2) / np.maximum(n, 1))  # (1)
+    handed, sign = _handed(np.concatenate([xyz for xyz, _ in parts], axis=1), spread, n)
+    template = Template(known, mean, spread, _short_spread(parts, known), handed, sign, n)
+    wider = template.scaled(1.0, relative_spread=relative_spread)
+    rigid = _rigid(known, segments or {})
+    return replace(wider, spread=np.where(rigid, template.spread, wider.spread))
+
+
+def _rigid(names: tuple[str, ...], segments: Mapping[str, Sequence[str]]) -> NDArray[np.bool_]:
+    """(L, L) whether two labels are on one segment."""
+    on = np.array([[name in markers for name in names] for markers in segments.values()], int).reshape(-1, len(names))
+    return np.asarray(on.T @ on > 0)
+
+
+def names_in(trials: Sequence[Trajectories]) -> tuple[str, ...]:
+    """Names that have samples in any of the trials, sorted; those that begin with "*" are none."""
+    seen = {path.name for trial in trials for path in trial if np.isfinite(path.xyz).any()}
+    return tuple(sorted(name for name in seen if not name.startswith("*")))
+
+
+def _sampled(trial: Trajectories, names: tuple[str, ...]) -> tuple[Floats, float]:
+    """(L, K, 3) places about one of them in some frames, and how many frames a second these are."""
+    F = trial.n_frames
+    rows = np.unique(np.linspace(0, F - 1, min(F, FRAMES)).round().astype(int))
+    xyz = np.full((len(names), len(rows), 3), np.nan)
+    for path in trial:
+        if path.name in names:
+            xyz[names.index(path.name)] = path.xyz[rows]
+    seen = xyz[np.isfinite(xyz).all(-1)]
+    return xyz - (seen[0] if len(seen) else 0.0), trial.rate * len(rows) / max(F, 1)
+
+
+def _distances(xyz: Floats) -> Floats:
+    """(L, L, K) of each pair in each frame."""
+    return np.sqrt(((xyz[:, None] - xyz[None]) ** 2).sum(-1))
+
+
+def _short_spread(parts: Sequence[tuple[Floats, float]], names: tuple[str, ...]) -> Floats:
+    """(L, L) root of the mean variance in windows."""
+    total, count = np.zeros((len(names),) * 2), np.zeros((len(names),) * 2)
+    for xyz, rate in parts:
+        width = max(2, round(WINDOW_S * rate))
+        for start in range(0, xyz.shape[1] - 1, width):
+            d = _distances(xyz[:, start : start + width])
+            n = np.isfinite(d).sum(2)
+            mean = np.nansum(d, 2) / np.maximum(n, 1)
+            total += np.nansum((d - mean[..., None]) ** 2, 2) * (n > 1)
+            count += n * (n > 1)
+    return np.sqrt(total / np.maximum(count, 1))
+
+
+def _handed(xyz: Floats, spread: Floats, n: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """(Q, 4) quadruples whose orientation (2) is the same in all frames, and (Q) its sign."""
+    rank = np.where(n > 0, spread, np.inf)
+    np.fill_diagonal(rank, np.inf)
+    near = np.argsort(rank, axis=1, kind="stable")[:, :NEIGHBOURS]
+    quads = np.unique(
+        [sorted((a, *three)) for a, row in enumerate(near) for three in combinations(row.tolist(), 3)], axis=0
+    )
+    width = np.concatenate([_volume(xyz, part) for part in np.array_split(quads, len(quads) // 500 + 1)])
+    seen = np.isfinite(width)
+    least = np.where(seen, np.abs(width), np.inf).min(1)
+    one_sided = (np.nanmin(np.where(seen, width, 9), 1) > 0) | (np.nanmax(np.where(seen, width, -9), 1) < 0)
+    good = np.flatnonzero(seen.any(1) & one_sided & (least > LEAST_VOLUME))
+    used, kept = np.zeros(len(xyz), int), []
+    for q in good[np.argsort(-least[good], kind="stable")]:
+        if (used[quads[q]] < QUADRUPLES).any():
+            used[quads[q]] += 1
+            kept.append(q)
+    sign = [1 if width[q][seen[q]][0] > 0 else -1 for q in kept]
+    return quads[kept].reshape(-1, 4), np.array(sign, np.int64)
+
+
+def _volume(xyz: Floats, quads: NDArray[np.int64]) -> Floats:
+    """(Q, K) triple product of quadruples over the product of its edges."""
+    a = xyz[quads[:, 0]]
+    u, v, w = (xyz[quads[:, k]] - a for k in (1, 2, 3))
+    edges = np.sqrt((u * u).sum(-1) * (v * v).sum(-1) * (w * w).sum(-1))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return (u * np.cross(v, w)).sum(-1) / edges

@@ -1,0 +1,86 @@
+"""Tracking, and tracking again where the tracks show that cameras are not synchronous.
+
+The tracks of a first run show delays of the cameras, and rolling shutters (`time_offsets`). Detections of cameras of
+which either is significant are moved to the times of the frames (`signal.common_time`), and all is tracked again; what
+is left then shows once more, as a first run that was torn by delays knows them less well. Errors of a calibration can
+look like a delay where all move one way; so a run that does not leave the images in better agreement counts for
+nothing (1).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...data import Detections, Rig, Tracks
+from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
+from ...signal.common_time import moved_in_time
+from ..stage import DETECTIONS, TRACK
+from .simultaneous_method import Simultaneous
+from .time_offsets import TimeOffsets, row_of_images, time_offsets
+from .tracker import CameraTimes, TrackingResult, track_once
+
+VOLUME_MARGIN = 100.0
+"""mm outside the volume that a point may lie; chosen: markers of a subject within it may."""
+
+ROUNDS = 3
+"""Times at most that delays are learned; chosen: the third changes them by less than their standard error."""
+
+BETTER, SAME = 0.9, 0.99
+"""Of the RMS residual, the most that is left, and of the images in tracks, the least, by (1); chosen (see
+benchmarks/tracking_scenes.py): where calibrations 1 px off looked like delays, 1.0 was left, or 0.93 of the images."""
+
+MAX_DELAY = 1.0
+"""Frames: beyond the next image nothing is known of where a marker was; by definition of `common_time`."""
+
+
+@TRACK.method("simultaneous", Simultaneous, takes=DETECTIONS)
+def simultaneous_tracks(detections: Detections, rig: Rig, *, method: Simultaneous) -> Tracks:
+    """Tracks of all markers; called through `track_detections`."""
+    return track_simultaneously(detections, rig, method).tracks
+
+
+def track_simultaneously(
+    detections: Detections,
+    rig: Rig,
+    method: Simultaneous,
+    *,
+    errors: ImageErrors = DEFAULT_ERRORS,
+    volume_margin: float | None = VOLUME_MARGIN,
+) -> TrackingResult:
+    """Tracks of all markers, their points by the `errors` of images, and how they came about.
+
+    Points farther than `volume_margin` mm outside the rig's volume, where it has one, are left out and listed; None
+    keeps all.
+    """
+    result = track_once(detections, rig, method, errors, volume_margin)
+    for _ in range(ROUNDS if method.learn_delays else 0):
+        times = _with_what_is_left(result.times, time_offsets(result), 1 / detections.rate)
+        camera = result.images.camera
+        late = np.nan_to_num(times.delay[camera] + times.line[camera] * row_of_images(result.images))
+        if times is result.times or np.abs(late).max(initial=0.0) > MAX_DELAY / detections.rate:
+            break
+        again = track_once(moved_in_time(detections, late), rig, method, errors, volume_margin)
+        if not _better(again, result):
+            break
+        result = again._replace(times=times)
+    return result
+
+
+def _better(again: TrackingResult, before: TrackingResult) -> bool:
+    """Whether images agree better by (1), and no fewer are in tracks."""
+    off, off_before = (float(np.sqrt((one.tracks.cloud.residual**2).mean())) for one in (again, before))
+    seen, seen_before = ((one.tracks.cloud.detection >= 0).sum() for one in (again, before))
+    return bool(off < BETTER * off_before and seen >= SAME * seen_before)
+
+
+def _with_what_is_left(times: CameraTimes, found: TimeOffsets, T: float) -> CameraTimes:
+    """The times with what was found of them in a run by these times, T s between frames; the same where nothing was."""
+    late, rolling = found.significant, found.rolling
+    if not (late | rolling).any():
+        return times
+    return CameraTimes(
+        times.delay + T * np.where(late, found.delay, 0.0),
+        np.where(late, T * found.error, times.delay_error),
+        times.line + T * np.where(rolling, found.line, 0.0),
+        np.where(rolling, T * found.line_error, times.line_error),
+    )

@@ -1,0 +1,122 @@
+"""Names that were taken from a trial come back: shuffled, in pieces, among ghosts; and nothing is guessed."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from labelling import shredded
+
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
+from kinemark.label import Distances, label, learn_template, named
+from kinemark.label.evidence import PairScore
+from kinemark.label.exchange import Exchanger, best_moves
+from kinemark.label.stretches import stretches_of
+from kinemark.label.sweeps import places
+from kinemark.synth import arm, walking, with_markers
+
+
+@cache
+def walk(seed, n=15):
+    return with_markers(walking(duration_s=3.0, rate=100.0, seed=seed, wobble_mm=1.0), n, seed=1).trajectories
+
+
+@cache
+def template(n=15):
+    return learn_template(walk(1, n))
+
+
+def shares(tracks, truth, found):
+    """Samples with a right name, and with a wrong one, of those that have a marker; samples of ghosts with a name."""
+    n = np.isfinite(tracks.xyz[..., 0]).sum(1)
+    sure = np.array([state == "sure" for state in found.state])
+    right = np.array([a == b is not None for a, b in zip(found.names, truth, strict=True)])
+    real = np.array([name is not None for name in truth])
+    return n[right & sure].sum() / n[real].sum(), n[~right & sure & real].sum(), n[sure & ~real].sum()
+
+
+@pytest.mark.parametrize(("n", "pieces", "seed"), [(15, 1, 1), (15, 15, 2), (39, 1, 3), (39, 6, 4)])
+def test_another_walk_of_the_subject_is_named(n, pieces, seed):
+    tracks, truth = shredded(walk(7, n), pieces, 2.0, seed)
+    found = label(tracks, template(n))
+    right, wrong, ghosts = shares(tracks, truth, found)
+    assert found.refused is None and wrong == 0 and ghosts == 0
+    assert right > (0.999 if pieces == 1 else 0.97)
+
+
+def test_left_is_told_from_right():
+    """All distances of a mirror image agree: only quadruples tell, and in it left is right."""
+    mirrored = replace(walk(7), paths=tuple(replace(p, xyz=p.xyz * [1, -1, 1]) for p in walk(7)))
+    other = {"L": "R", "R": "L"}
+    sides = tuple(other[n[0]] + n[1:] if other.get(n[0], "") + n[1:] in walk(7).names else n for n in walk(7).names)
+    assert label(walk(7), template()).names == walk(7).names
+    assert label(mirrored, template()).names == sides != walk(7).names
+
+
+def test_the_answer_does_not_hang_on_the_order_of_tracks_or_their_names():
+    tracks, _ = shredded(walk(7), 4, 2.0, 1)
+    turned = Trajectories(tracks.paths[::-1], tracks.rate)
+    assert label(tracks, template()).names == label(turned, template()).names[::-1]
+
+
+def test_a_template_of_something_else_is_refused():
+    other = arm().trajectories
+    rng = np.random.default_rng(0)
+    cloud = rng.normal(0, 400, (15, 1, 3)) + np.cumsum(rng.normal(0, 2, (15, 300, 3)), 1)
+    chance = Trajectories(tuple(MarkerTrajectory.measured(f"*{k}", xyz) for k, xyz in enumerate(cloud)), 100.0)
+    for trial in (other, chance):
+        found = label(trial, template())
+        assert found.refused is not None and found.refused.kind == "labels_refused"
+        assert set(found.names) == {None} and set(found.state) == {"unknown"}
+
+
+def test_ghosts_alone_and_single_tracks_do_not_raise():
+    one = Trajectories((walk(7).paths[0],), 100.0)
+    assert label(one, template()).refused is not None
+    with pytest.raises(KinemarkError, match="no tracks"):
+        label(Trajectories((), 100.0), template())
+
+
+def test_a_marker_that_is_absent_stays_absent():
+    gone = walk(7).names[4]
+    rest = walk(7).select([name for name in walk(7).names if name != gone])
+    assert label(rest, template()).names == rest.names
+
+
+def test_exchanged_markers_are_found_by_moves_of_whole_labels():
+    trial, pairs = walk(7, 39), PairScore.of_template(template(39))
+    stretches = stretches_of(trial, template(39).size)
+    index = np.array([template(39).names.index(name) for name in trial.names])
+    d = template(39).distance + np.diag(np.full(39, np.inf))
+    a, b = np.unravel_index(d.argmin(), d.shape)
+    order = np.arange(39)
+    order[[a, b]] = b, a
+    y = places(stretches, order[index], 39)
+    turn = best_moves(y, Exchanger.of(template(39), pairs), 1.0)
+    assert np.array_equal(turn[order], np.arange(39))
+
+
+def test_names_join_pieces_and_keep_the_others():
+    tracks, _ = shredded(walk(7), 3, 2.0, 5)
+    found = label(tracks, template())
+    whole = named(tracks, found)
+    taken = {name for name, state in zip(found.names, found.state, strict=True) if state == "sure"}
+    assert set(whole.names) >= taken and len(whole.names) == len(set(whole.names))
+    assert np.isfinite(whole.xyz[..., 0]).sum() == np.isfinite(tracks.xyz[..., 0]).sum()
+    for name in taken:
+        rows = np.isfinite(whole[name].xyz[:, 0])
+        np.testing.assert_array_equal(whole[name].xyz[rows], walk(7)[name].xyz[rows])
+    with pytest.raises(ValueError, match="wanted one each"):
+        named(walk(7), found)
+
+
+def test_probabilities_are_true_of_names_in_pieces():
+    """Brier score against the names' own frequency; and those that are wrong have less than those that are right."""
+    tracks, truth = shredded(walk(7), 25, 4.0, 9)
+    found = label(tracks, template(), method=Distances(least_track_fit=0.0))
+    has = np.array([name is not None for name in found.names])
+    right = np.array([a == b for a, b in zip(found.names, truth, strict=True)])[has]
+    p = found.probability[has]
+    assert ((p >= 0) & (p <= 1)).all() and (found.probability[~has] == 0).all()
+    assert ((p - right) ** 2).mean() < 0.05
+    assert right[p >= 0.95].mean() > 0.98

@@ -1,0 +1,79 @@
+"""A template hangs on nothing but the body: not on origin, axes, unit, or the order of labels."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
+from kinemark.label import learn_template
+from kinemark.synth import walking, with_markers
+
+TURN = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+TURN = TURN * np.sign(np.linalg.det(TURN))
+
+
+def walk(seed=1, n=15):
+    return with_markers(walking(duration_s=2.0, rate=100.0, seed=seed, wobble_mm=1.0), n, seed=1).trajectories
+
+
+def changed(trial, change):
+    return replace(trial, paths=tuple(replace(path, xyz=change(path.xyz)) for path in trial))
+
+
+def assert_same(a, b, factor=1.0):
+    assert a.names == b.names and np.array_equal(a.handed, b.handed) and np.array_equal(a.sign, b.sign)
+    for name in ("distance", "spread", "short_spread"):
+        np.testing.assert_allclose(factor * getattr(a, name), getattr(b, name), rtol=1e-6, atol=1e-6 * factor)
+
+
+@pytest.mark.parametrize(
+    ("change", "factor"),
+    [(lambda x: x + np.array([1e5, -2e5, 3e4]), 1.0), (lambda x: x @ TURN, 1.0), (lambda x: 0.001 * x, 0.001)],
+    ids=["shift", "rotation", "unit"],
+)
+def test_origin_axes_and_unit_do_not_matter(change, factor):
+    assert_same(learn_template(walk()), learn_template(changed(walk(), change)), factor)
+
+
+def test_the_order_of_markers_does_not_matter():
+    trial = walk()
+    assert_same(learn_template(trial), learn_template(replace(trial, paths=trial.paths[::-1])))
+
+
+def test_a_mirror_image_has_the_same_distances_and_every_quadruple_turned():
+    one, other = learn_template(walk()), learn_template(changed(walk(), lambda x: x * [1, -1, 1]))
+    np.testing.assert_allclose(one.distance, other.distance)
+    assert len(one.handed) > 10 and np.array_equal(one.sign, -other.sign)
+
+
+def test_mean_and_spread_are_those_of_the_distances():
+    trial = walk()
+    template = learn_template(trial)
+    a, b = template.names[2], template.names[7]
+    d = np.linalg.norm(trial[a].xyz - trial[b].xyz, axis=1)
+    assert template.distance[2, 7] == pytest.approx(d.mean()) and template.spread[2, 7] == pytest.approx(d.std())
+    assert template.short_spread[2, 7] <= template.spread[2, 7]
+
+
+def test_scaling_scales_and_a_relative_spread_widens_all_but_segments():
+    names = learn_template(walk()).names
+    plain = learn_template(walk())
+    wide = learn_template(walk(), relative_spread=0.1, segments={"one": names[:2]})
+    assert wide.spread[0, 1] == plain.spread[0, 1]
+    assert wide.spread[0, 5] == pytest.approx(np.hypot(plain.spread[0, 5], 0.1 * plain.distance[0, 5]))
+    assert plain.scaled(1.2).size == pytest.approx(1.2 * plain.size)
+
+
+def test_unnamed_tracks_are_not_learnt_and_too_few_markers_are_refused():
+    ghost = MarkerTrajectory.measured("*1", walk().paths[0].xyz)
+    assert "*1" not in learn_template(replace(walk(), paths=(*walk().paths, ghost))).names
+    with pytest.raises(KinemarkError, match="3 named markers"):
+        learn_template(Trajectories(walk().paths[:3], 100.0))
+
+
+def test_several_trials_are_pooled():
+    one, two = walk(1), walk(2)
+    both = learn_template(one, two)
+    parts = learn_template(one), learn_template(two)
+    np.testing.assert_allclose(both.distance, np.mean([part.distance for part in parts], axis=0))

@@ -54,7 +54,7 @@ def test_ctrl_c_ends_a_command_with_one_line(name, folder):
     for after in (0.0, random.Random(name).uniform(0.05, longest)):
         said, status = interrupted(arguments, folder, after)
         assert "Traceback" not in said and "Exception" not in said, said
-        assert status in (0, 130)
+        assert status in (0, 130, -signal.SIGINT)  # the last: at the interpreter's own end
         if status == 130:
             assert [line for line in said.splitlines() if "stopped" in line] == [said.strip().splitlines()[-1]]
         else:

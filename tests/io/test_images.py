@@ -18,3 +18,30 @@ def test_single_frames_are_those_of_the_whole_recording(tmp_path, interlaced):
         source = open_images(tmp_path / pattern, interlaced=interlaced)
         frames, wanted = np.stack(list(source.frames())), np.array([0, 3, 4, 11, 22])
         np.testing.assert_array_equal(source.frames_at(wanted), frames[wanted])
+
+
+@pytest.mark.parametrize("interlaced", [False, "top", "bottom"])
+def test_frames_near_those_wanted_are_what_their_numbers_say(tmp_path, interlaced):
+    """Key frames of a video, each cheap to decode; the wanted ones of image files."""
+    film = np.random.default_rng(1).integers(0, 255, (100, 8, 12), np.uint8)
+    write_video(tmp_path / "a.mkv", film, rate=29.97)
+    for k, image in enumerate(film[:20]):
+        write_png(tmp_path / f"{k:03}.png", image)
+    for pattern in ("a.mkv", "*.png"):
+        source = open_images(tmp_path / pattern, interlaced=interlaced)
+        frames = np.stack(list(source.frames()))
+        wanted = np.linspace(0, len(frames) - 1, 12).astype(int)
+        numbers, near = source.frames_near(wanted)
+        np.testing.assert_array_equal(near, frames[numbers])
+        assert (np.diff(numbers) > 0).all() and len(numbers) >= 6
+        assert np.abs(numbers[:, None] - wanted).min(1).max() <= 24  # FFmpeg's FFV1 has a key frame every 12
+        if pattern == "*.png":
+            np.testing.assert_array_equal(numbers, wanted)
+
+
+def test_a_video_with_a_single_key_frame_gives_the_wanted_frames(tmp_path):
+    film = np.random.default_rng(2).integers(0, 255, (12, 8, 12), np.uint8)
+    write_video(tmp_path / "a.mkv", film, rate=25)
+    numbers, near = open_images(tmp_path / "a.mkv").frames_near(np.arange(0, 12, 2))
+    np.testing.assert_array_equal(numbers, np.arange(0, 12, 2))
+    np.testing.assert_array_equal(near, film[::2])

@@ -37,6 +37,10 @@ class RandomAccess(Protocol):
         """The frames (n, H, W) of these numbers (n), which rise."""
         ...
 
+    def frames_near(self, wanted: NDArray[np.int64], /) -> tuple[NDArray[np.int64], NDArray[np.uint8 | np.uint16]]:
+        """Numbers (n) of frames near these rising ones, and the frames, at the least cost of decoding."""
+        ...
+
 
 def evenly(n_frames: int, n: int) -> NDArray[np.int64]:
     """Numbers of at most n frames of so many, spread evenly from the first to the last."""
@@ -44,8 +48,9 @@ def evenly(n_frames: int, n: int) -> NDArray[np.int64]:
 
 
 def spread(source: FrameSource, n: int) -> tuple[NDArray[np.int64], NDArray[np.uint8 | np.uint16]]:
-    """Numbers of at most n frames of a recording, spread evenly, and these (n, H, W): see `spread_at`."""
-    return spread_at(source, evenly(source.n_frames, n))
+    """Numbers of at most n frames of a recording, spread about evenly, and these (n, H, W): see `spread_at`."""
+    wanted = evenly(source.n_frames, n)
+    return source.frames_near(wanted) if isinstance(source, RandomAccess) else spread_at(source, wanted)
 
 
 def spread_at(

@@ -8,7 +8,7 @@ a point at v in a bottom field lies at v + ½ in the lines of the top field: tha
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from fractions import Fraction
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from ..data import KinemarkError
 from .files import read_bytes, replacing
 from .pixels import MOST_PIXELS, Image, check_pixels, grey
-from .video import VideoInfo, decode_video, frames_at, probe_video
+from .video import VideoInfo, decode_video, frames_at, key_frames_near, probe_video
 
 Interlaced = Literal[False, "top", "bottom"]
 MAGIC = (
@@ -98,9 +98,29 @@ class ImageSource:
             images = frames_at(self.paths[0], self.video, numbers)
         else:
             images = [*decode_images(tuple(self.paths[n] for n in numbers))]
+        return self._shown(dict(zip(numbers, images, strict=True)), wanted)
+
+    def frames_near(self, wanted: NDArray[np.int64]) -> tuple[NDArray[np.int64], Image]:
+        """Numbers (n) of frames near these rising ones, and the frames (n, H, W), at the least cost of decoding.
+
+        They are the wanted ones, or the key frames of a video where these are at least half as many.
+
+        Raises:
+            KinemarkError: as `frames`.
+        """
+        fields = 2 if self.interlaced else 1
+        found = key_frames_near(self.paths[0], self.video, np.unique(wanted // fields).tolist()) if self.video else {}
+        if len(found) * 2 * fields < len(wanted):
+            return wanted, self.frames_at(wanted)
+        frames = np.array(list(found))
+        before = np.maximum(np.searchsorted(frames, wanted // fields, side="right") - 1, 0)
+        near = np.unique(frames[before] * fields + wanted % fields)
+        return near, self._shown(found, near)
+
+    def _shown(self, whole: Mapping[int, Image], wanted: NDArray[np.int64]) -> Image:
+        """Frames or fields (n, H, W) of these numbers from whole images by their numbers."""
         if not self.interlaced:
-            return np.stack(images)
-        whole = dict(zip(numbers, images, strict=True))
+            return np.stack([whole[f] for f in wanted.tolist()])
         first = int(self.interlaced == "bottom")
         return np.stack([whole[f // 2][(f + first) % 2 :: 2] for f in wanted.tolist()])
 

@@ -160,6 +160,29 @@ def frames_at(path: Path | str, info: VideoInfo, wanted: Sequence[int]) -> list[
     return [image for n, image in enumerate(decode_video(path, info)) if n in numbers]
 
 
+def key_frames_near(path: Path | str, info: VideoInfo, wanted: Sequence[int]) -> dict[int, Image]:
+    """Number → frame: for each wanted number the last frame up to it that is decoded by itself, where times tell which.
+
+    To decode frame n of a compressed video takes all frames from such a key frame on: these cost one frame each.
+    """
+    found: dict[int, Image] = {}
+    try:
+        with opened(path) as container:
+            stream = video_stream(path, container)
+            stream.thread_type = "SLICE"
+            rate, unit, start = stream.average_rate, stream.time_base, stream.start_time or 0
+            if rate is None or unit is None:
+                return {}
+            for n in wanted:
+                container.seek(start + round((n + 0.25) / rate / unit), stream=stream)
+                frame = next(container.decode(stream), None)
+                if frame is not None and frame.pts is not None and (frame.width, frame.height) == info.size:
+                    found[round(float((frame.pts - start) * unit * rate))] = grey(frame, str(path))
+    except av.FFmpegError:
+        return {}
+    return {n: found[n] for n in sorted(found) if 0 <= n < info.n_frames}
+
+
 def _sought(container: av.container.InputContainer, stream: av.VideoStream, n: int, path: Path | str) -> Image | None:
     """Frame n, by its time; None where times are not known."""
     rate, unit = stream.average_rate, stream.time_base

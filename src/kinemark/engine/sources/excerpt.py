@@ -37,6 +37,12 @@ class Excerpt:
         """Frames (n, H, W) of these rising numbers within the excerpt."""
         return self.source.frames_at(self.first + wanted)
 
+    def frames_near(self, wanted: Ints) -> tuple[Ints, GreyLevels]:
+        """Numbers (n) of frames near these rising ones, and the frames, those of the excerpt alone."""
+        numbers, images = self.source.frames_near(self.first + wanted)
+        inside = numbers >= self.first
+        return (numbers[inside] - self.first, images[inside]) if inside.any() else (wanted, self.frames_at(wanted))
+
     def v_offset(self, f: int) -> float:
         """What to add to v in frame f of the excerpt, px."""
         return self.source.v_offset(self.first + f)

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
 import re
-import tomllib
-from pathlib import Path
 from typing import Any
 
 from generated import write
 from sphinx.application import Sphinx
 
-PROJECT = Path(__file__).resolve().parents[2] / "pyproject.toml"
-
-
-def command() -> Any:
-    """The app that the script `kinemark` of pyproject.toml runs."""
-    module, _ = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]["scripts"]["kinemark"].split(":")
-    return importlib.import_module(module).app
+from kinemark.apps.cli import app as commands
 
 
 def text(app: Any) -> str:
@@ -29,5 +20,5 @@ def text(app: Any) -> str:
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Write the fragment before sources are read."""
-    app.connect("builder-inited", lambda app: write(app, "commands.md", text(command())))
+    app.connect("builder-inited", lambda app: write(app, "commands.md", text(commands)))
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -286,7 +286,7 @@ TRIAL_WORDS = {
     ),
     "unnamed_trajectories": Words(
         "{unnamed} of {trajectories} {trajectories:trajectory|trajectories} {unnamed:has|have} no marker name.",
-        "Label {unnamed:it|them} before computing angles.",
+        "Name {unnamed:it|them} before computing angles: kinemark label does, by a labelled trial of the subject.",
     ),
     "points_in_no_track": Words(
         "{points_share} of the 3D points belong to no track: ghosts, or markers that were lost.",

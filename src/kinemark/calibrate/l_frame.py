@@ -33,8 +33,7 @@ class RestingLFrame(NamedTuple):
     """An L-frame over F frames.
 
     seen: (m, 3) its markers in the rig's world, the mean over frames; known: (m, 3) mm, where they are in its own;
-    frames: in how many it was recognised; moved: in how many of these it stood elsewhere; off: how far at most, in the
-    rig's units.
+    frames: in how many it was recognised; moved: in how many of these it stood elsewhere; off: how far at most, mm.
     """
 
     seen: Floats
@@ -108,7 +107,8 @@ def resting_l_frame(
     rests: Bools = off <= max(MOVED * float(np.median(off)), STILL * float(_distances(places).max()))
     seen = places[rests].mean(0)
     known = _facing(rig, seen, model, scale, cameras_above=True) + np.array([0.0, 0.0, height])
-    return RestingLFrame(seen, known, len(places), int((~rests).sum()), float(off.max()))
+    mm = float(_distances(known).max() / _distances(seen).max())  # a unit of the rig's world
+    return RestingLFrame(seen, known, len(places), int((~rests).sum()), mm * float(off.max()))
 
 
 def _spread(n: int) -> Ints:

@@ -27,12 +27,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from ..data.array_types import GreyLevels
 from .background_noise import background
 from .grouping import PixelGroups
 from .sizes import FILL
 from .stability import groups_above
-
-Images = NDArray[np.uint8 | np.uint16]
 
 DEPTH = 6.0  # standard deviations of noise that are left below the ground; chosen: none of it is clipped
 UNEVEN = 0.35  # of the way from the ground to the threshold; chosen: markers lose a third of their rim's contrast
@@ -61,11 +60,11 @@ class Ground:
         white: grey level from which negatives count; None where markers are bright.
     """
 
-    light: Images
+    light: GreyLevels
     level: int
     white: int | None = None
 
-    def taken_from(self, images: Images, first: int) -> Images:
+    def taken_from(self, images: GreyLevels, first: int) -> GreyLevels:
         """Frames (n, H, W), of which the first has this number, without the ground; (1)."""
         k, out = len(self.light), np.empty_like(images)
         for field, light in enumerate(self.light):
@@ -78,7 +77,7 @@ class Ground:
                 np.add(out[own], light, out=out[own])
         return out
 
-    def under(self, images: Images, frames: NDArray[np.int64]) -> Images:
+    def under(self, images: GreyLevels, frames: NDArray[np.int64]) -> GreyLevels:
         """The same of frames (n, H, W) of these numbers (n)."""
         return np.concatenate([self.taken_from(image[None], int(f)) for image, f in zip(images, frames, strict=True)])
 
@@ -88,7 +87,7 @@ class Ground:
         return self.light[frame % len(self.light), row, column].astype(np.float64)
 
 
-def is_uneven(images: Images, threshold: float) -> bool:
+def is_uneven(images: GreyLevels, threshold: float) -> bool:
     """Whether the static ground of frames (n, H, W) is uneven by (3), for a threshold in their own grey levels."""
     few = np.sort(images[:, STRIDE // 2 :: STRIDE, STRIDE // 2 :: STRIDE].reshape(len(images), -1), axis=0)
     if not few.size:
@@ -99,7 +98,7 @@ def is_uneven(images: Images, threshold: float) -> bool:
     return bool((np.abs(still - b) > least).mean() > SHARE)
 
 
-def static_ground(images: Images, field: NDArray[np.int64], *, white: int | None = None) -> Ground:
+def static_ground(images: GreyLevels, field: NDArray[np.int64], *, white: int | None = None) -> Ground:
     """All that stands still in frames (n, H, W) of these fields (n), 0 or 1; `white` where markers are dark."""
     bright = images if white is None else np.subtract(white, np.minimum(images, white)).astype(images.dtype)
     level = int(np.ceil(DEPTH * np.sqrt(np.median(background(images)[1]))))
@@ -113,14 +112,14 @@ def without_spots(ground: Ground, spots: Spots) -> Ground:
     return Ground(np.stack([_cut_out(light, spots) for light in ground.light]), ground.level, ground.white)
 
 
-def _median(stack: Images) -> Images:
+def _median(stack: GreyLevels) -> GreyLevels:
     """(H, W) the lower median of each pixel of frames (n, H, W)."""
     middle = (len(stack) - 1) // 2
     bands = range(0, stack.shape[1], BAND)
     return np.concatenate([np.partition(stack[:, y : y + BAND], middle, axis=0)[middle] for y in bands])
 
 
-def _cut_out(light: Images, spots: Spots) -> Images:
+def _cut_out(light: GreyLevels, spots: Spots) -> GreyLevels:
     """One ground (H, W) without its spots."""
     side = int(np.ceil(WIDER * np.sqrt(spots.area))) | 1
     opened = scipy.ndimage.grey_opening(light, size=(side, side), mode="nearest")
@@ -135,7 +134,7 @@ def _cut_out(light: Images, spots: Spots) -> Images:
     return kept
 
 
-def _beside(light: Images, opened: Images) -> float:
+def _beside(light: GreyLevels, opened: GreyLevels) -> float:
     """How bright it is beside the spot in a box (h, w): its border mostly, and all of it in what is large."""
     border = np.concatenate([light[0], light[-1], light[:, 0], light[:, -1]])
     return max(float(np.median(border)), float(opened.max()))

@@ -22,10 +22,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.array_types import GreyLevels
 from .background_noise import background
 from .centroids_method import USUAL, Centroids, Limits, grey_scale
 from .frame_source import FrameSource, spread, spread_at
-from .ground import Ground, Images, Spots, is_uneven, static_ground, without_spots
+from .ground import Ground, Spots, is_uneven, static_ground, without_spots
 from .proposal import measured, white_level
 from .sizes import Sizes
 
@@ -70,7 +71,7 @@ def learned(method: Centroids, source: FrameSource) -> Learned:
 
 
 def _without_ground(
-    method: Centroids, source: FrameSource, numbers: NDArray[np.int64], images: Images, *, sure: bool
+    method: Centroids, source: FrameSource, numbers: NDArray[np.int64], images: GreyLevels, *, sure: bool
 ) -> tuple[Ground, Limits] | None:
     """The ground, save markers that stand still, and the limits seen without it; None where nothing stands out then."""
     field = numbers * 0
@@ -87,7 +88,7 @@ def _without_ground(
     return ground, found or learned_limits(ground.under(images, numbers), inverted=method.inverted)
 
 
-def _spots(images: Images, method: Centroids) -> Spots:
+def _spots(images: GreyLevels, method: Centroids) -> Spots:
     """What still markers look like beside those that move in images without all ground; where none does, by noise."""
     ground, variance = background(images)
     proposed = measured(images, inverted=method.inverted)
@@ -98,7 +99,7 @@ def _spots(images: Images, method: Centroids) -> Spots:
     return Spots(contrast, STILL * sizes.greatest, max(said.max_aspect, USUAL.max_aspect))
 
 
-def _from_ground(threshold: float | None, ground: Ground | None, method: Centroids, images: Images) -> float | None:
+def _from_ground(threshold: float | None, ground: Ground | None, method: Centroids, images: GreyLevels) -> float | None:
     """A stated threshold, which counts from the ground where that is subtracted, in the images without it."""
     if threshold is None or ground is None:
         return threshold
@@ -116,13 +117,13 @@ def _consistent(own: dict[str, Any], open_ones: dict[str, Any]) -> dict[str, Any
     return open_ones
 
 
-def learned_limits(images: Images, *, inverted: bool = False) -> Limits:
+def learned_limits(images: GreyLevels, *, inverted: bool = False) -> Limits:
     """Threshold and limits of size that frames (n, H, W) of one camera show."""
     found = _measured_limits(images, inverted=inverted)
     return found or USUAL._replace(threshold=_usual_threshold(images, *background(images), inverted))
 
 
-def _measured_limits(images: Images, *, inverted: bool) -> Limits | None:
+def _measured_limits(images: GreyLevels, *, inverted: bool) -> Limits | None:
     """The same; None where no marker is seen."""
     ground, variance = background(images)
     brightest = images.min((1, 2)) if inverted else images.max((1, 2))
@@ -152,7 +153,7 @@ def _wide(said: Limits, sizes: Sizes) -> Limits:
 
 
 def _usual_threshold(
-    images: Images, ground: NDArray[np.float64], variance: NDArray[np.float64], inverted: bool
+    images: GreyLevels, ground: NDArray[np.float64], variance: NDArray[np.float64], inverted: bool
 ) -> float:
     """(3), in grey levels of 8 bits."""
     white = white_level(images)

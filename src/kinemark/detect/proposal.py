@@ -13,16 +13,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Finding, make_finding
+from ..data.array_types import GreyLevels
 from .centroids_method import Centroids, Limits, check_images, grey_scale
 from .frame_source import FrameSource, evenly, spread
 from .kiss import KissNearest, KissScanning
 from .sizes import Sizes, marker_sizes
 from .stability import LevelGap, marker_gap, peaks_of, real_groups
-
-Images = NDArray[np.uint8 | np.uint16]
 
 FRAMES = 12  # frames that a proposal looks at; chosen for speed
 WIDE_GAP = 1.3
@@ -65,7 +63,9 @@ class DetectionProposal:
     findings: tuple[Finding, ...]
 
 
-def propose(images: Images | FrameSource, *, frames: int = FRAMES, inverted: bool | None = None) -> DetectionProposal:
+def propose(
+    images: GreyLevels | FrameSource, *, frames: int = FRAMES, inverted: bool | None = None
+) -> DetectionProposal:
     """Parameters for images (n, H, W) or for what a camera recorded; of many frames, so many spread over all.
 
     Args:
@@ -95,7 +95,7 @@ def propose(images: Images | FrameSource, *, frames: int = FRAMES, inverted: boo
     )
 
 
-def measured(images: Images, *, inverted: bool) -> tuple[Limits, Sizes, LevelGap] | None:
+def measured(images: GreyLevels, *, inverted: bool) -> tuple[Limits, Sizes, LevelGap] | None:
     """What `propose` says of threshold and sizes, without the findings; None where there are no markers."""
     white = white_level(images)
     stack, gap, _ = _gap(images, white, inverted)
@@ -105,7 +105,7 @@ def measured(images: Images, *, inverted: bool) -> tuple[Limits, Sizes, LevelGap
     return _methods(values, inverted)[0].limits, sizes, gap
 
 
-def _sizes(stack: Images, gap: LevelGap) -> Sizes | None:
+def _sizes(stack: GreyLevels, gap: LevelGap) -> Sizes | None:
     """Of the groups above the threshold, where there is one."""
     if not np.isfinite(gap.threshold):
         return None
@@ -113,7 +113,7 @@ def _sizes(stack: Images, gap: LevelGap) -> Sizes | None:
     return marker_sizes(groups, height=stack.shape[1], width=stack.shape[2], frames=len(stack))
 
 
-def _gap(stack: Images, white: int, inverted: bool | None) -> tuple[Images, LevelGap, bool]:
+def _gap(stack: GreyLevels, white: int, inverted: bool | None) -> tuple[GreyLevels, LevelGap, bool]:
     """The images or their negative, the gap in these, and whether it is the negative."""
     gap = marker_gap(stack)
     if inverted is False or (inverted is None and gap.background <= 0.25 * white):
@@ -123,7 +123,7 @@ def _gap(stack: Images, white: int, inverted: bool | None) -> tuple[Images, Leve
     return (negative, dark, True) if inverted or _wider(dark, gap) else (stack, gap, False)
 
 
-def _spread(images: Images | FrameSource, frames: int) -> Images:
+def _spread(images: GreyLevels | FrameSource, frames: int) -> GreyLevels:
     """So many frames, spread evenly."""
     n = len(images) if isinstance(images, np.ndarray) else images.n_frames
     if n == 0 or frames < 1:
@@ -131,7 +131,7 @@ def _spread(images: Images | FrameSource, frames: int) -> Images:
     return images[evenly(n, frames)] if isinstance(images, np.ndarray) else spread(images, frames)[1]
 
 
-def white_level(images: Images) -> int:
+def white_level(images: GreyLevels) -> int:
     """The brightest level that a camera of 8, 10, 12, 14 or 16 bits can give, whichever holds the images."""
     top = int(images.max())
     levels = (255,) if images.dtype == np.uint8 else (1023, 4095, 16383, 65535)
@@ -228,7 +228,7 @@ def _methods(value: dict[str, float], inverted: bool) -> tuple[Centroids, KissSc
     return centroids, scanning, KissNearest(threshold=threshold, inverted=inverted)
 
 
-def _findings(images: Images, white: int, gap: LevelGap, sizes: Sizes | None, inverted: bool) -> Iterator[Finding]:
+def _findings(images: GreyLevels, white: int, gap: LevelGap, sizes: Sizes | None, inverted: bool) -> Iterator[Finding]:
     """What looks wrong."""
     share = float((images >= white).mean())
     if not inverted and (gap.background >= 0.95 * white or share > 0.5):
@@ -255,7 +255,7 @@ def _findings(images: Images, white: int, gap: LevelGap, sizes: Sizes | None, in
         yield make_finding("few_bits_used", white=white)
 
 
-def _no_markers(images: Images, gap: LevelGap, sizes: Sizes) -> float:
+def _no_markers(images: GreyLevels, gap: LevelGap, sizes: Sizes) -> float:
     """Share of the pixels that are above the threshold in groups of another size than markers have."""
     area = real_groups(images, gap.threshold).area
     return float(area[(area < sizes.low) | (area > sizes.high)].sum() / images.size)

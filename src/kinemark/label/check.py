@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
-from .evidence import Ints, PairScore, Single
+from ..data.array_types import Ints
+from .evidence import PairScore, Single
 from .exchange import Exchanger
 from .stretches import stretches_of
 from .sweeps import places

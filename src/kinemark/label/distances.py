@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Trajectories
+from ..data.array_types import Ints
 from ..data.method import ONE, Method, parameter
-from .evidence import Ints, PairScore
+from .evidence import PairScore
 from .label import refusal, state_of
 from .labels import Labels
 from .margin import margins, probability

@@ -17,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.array_types import Ints
 from .template import Template
 
 Single = NDArray[np.float32]
-Ints = NDArray[np.int64]
 
 INLIERS = 0.75
 """Share of distances that are as the template says; chosen (robust log score)."""

@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .evidence import WRONG_HAND, Ints, PairScore, Single
+from ..data.array_types import Ints
+from .evidence import WRONG_HAND, PairScore, Single
 from .template import Template
 
 FRAMES = 40

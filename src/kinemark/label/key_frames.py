@@ -14,7 +14,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from .evidence import WRONG_HAND, Ints, PairScore, Single, distances, hands
+from ..data.array_types import Ints
+from .evidence import WRONG_HAND, PairScore, Single, distances, hands
 
 TELLING = 14
 """Placed labels to which a new one is compared; chosen: more change nothing but the time."""

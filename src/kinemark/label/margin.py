@@ -19,10 +19,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .evidence import Ints, PairScore
+from ..data.array_types import Floats, Ints
+from .evidence import PairScore
 from .exchange import FRAMES, Exchanger
 from .stretches import Stretches
-from .sweeps import Floats, evidence, expectation, places
+from .sweeps import evidence, expectation, places
 from .template import Template
 
 BETA = (-9.4, 0.53, 0.80, 3.26, 0.80, 6.9)

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .evidence import Ints, PairScore
+from ..data.array_types import Ints
+from .evidence import PairScore
 from .exchange import Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
 from .stretches import Stretches

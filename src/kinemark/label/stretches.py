@@ -9,8 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..data import Trajectories
-
-Ints = NDArray[np.int64]
+from ..data.array_types import Bools, Floats, Ints
 
 GRID_HZ = 15.0
 """Frames a second that are looked at; chosen: distances change little in 0.07 s."""
@@ -39,10 +38,10 @@ class Stretches:
 
     xyz: NDArray[np.float32]
     frame: Ints
-    seen: NDArray[np.bool_]
+    seen: Bools
     start: Ints
     stop: Ints
-    weight: NDArray[np.float64]
+    weight: Floats
     link: scipy.sparse.csr_array
 
     def __len__(self) -> int:
@@ -64,7 +63,7 @@ def stretches_of(trajectories: Trajectories, size: float) -> Stretches:
     return Stretches(near[:, frame].astype(np.float32), frame, seen, start, stop, weight, link)
 
 
-def _frames(seen: NDArray[np.bool_], start: Ints, stop: Ints, rate: float) -> Ints:
+def _frames(seen: Bools, start: Ints, stop: Ints, rate: float) -> Ints:
     """Those of a grid, and one of each track that has none there."""
     step = max(1, round(rate / GRID_HZ))
     grid = np.arange(step // 2, seen.shape[1], step) if seen.shape[1] > step else np.arange(min(seen.shape[1], 1))
@@ -73,9 +72,7 @@ def _frames(seen: NDArray[np.bool_], start: Ints, stop: Ints, rate: float) -> In
     return np.unique([*grid.tolist(), *middles]).astype(np.int64)
 
 
-def _links(
-    xyz: NDArray[np.float64], seen: NDArray[np.bool_], start: Ints, stop: Ints, rate: float, size: float
-) -> scipy.sparse.csr_array:
+def _links(xyz: Floats, seen: Bools, start: Ints, stop: Ints, rate: float, size: float) -> scipy.sparse.csr_array:
     """For ends and beginnings that are near in time: log density of the step over that of any place in the volume."""
     T = len(xyz)
     some = np.flatnonzero(stop > start)
@@ -99,7 +96,7 @@ def _links(
     return scipy.sparse.csr_array((np.maximum(nats, -4.0), (row, column)), shape=(T, T))
 
 
-def _speed(xyz: NDArray[np.float64], seen: NDArray[np.bool_], at: int, width: int) -> NDArray[np.float64]:
+def _speed(xyz: Floats, seen: Bools, at: int, width: int) -> Floats:
     """mm a frame at a track's end, of what is seen within `width` frames of it."""
     other = min(max(at + width, 0), len(xyz) - 1)
     frames = np.arange(min(at, other), max(at, other) + 1)

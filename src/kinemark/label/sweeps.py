@@ -18,10 +18,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from .evidence import Ints, PairScore, Single, distances
+from ..data.array_types import Floats, Ints
+from .evidence import PairScore, Single, distances
 from .stretches import Stretches
-
-Floats = NDArray[np.float64]
 
 NONE = -1
 """The label of a track without one; by definition."""
@@ -81,9 +80,9 @@ class Decided:
         both = stretches.seen[tracks, lo:hi].astype(np.float32) @ self.taken[:, lo:hi].T.astype(np.float32)
         return both == 0
 
-    def assign(self, stretches: Stretches, tracks: Ints, worth: Floats, least: float = 0.0) -> None:
-        """Tracks (n) seen together take free labels, with the greatest sum of worth (n, L) above `least`."""
-        gain = np.where(self.free(stretches, tracks), np.maximum(worth - least, 0.0), 0.0)
+    def assign(self, stretches: Stretches, tracks: Ints, score: Floats, least: float = 0.0) -> None:
+        """Tracks (n) seen together take free labels, with the greatest sum of scores (n, L) above `least`."""
+        gain = np.where(self.free(stretches, tracks), np.maximum(score - least, 0.0), 0.0)
         rows, columns = scipy.optimize.linear_sum_assignment(-gain)
         good = gain[rows, columns] > 0
         self.give(stretches, tracks[rows[good]], columns[good])
@@ -110,18 +109,18 @@ def outwards(stretches: Stretches, key: int, tracks: Ints, labels: Ints, pairs: 
 def sweep(stretches: Stretches, label: Ints, pairs: PairScore, least_fit: float) -> Ints:
     """(T) labels decided anew by the evidence of the present ones; none below `least_fit` of what is expected."""
     nats = evidence(stretches, label, pairs)
-    worth = stretches.weight[:, None] * nats + continuity(stretches, label, nats.shape[1])
-    worth = np.where(nats < least_fit * expectation(stretches, label, pairs), 0.0, worth)
-    done = Decided.nothing(stretches, worth.shape[1])
+    score = stretches.weight[:, None] * nats + continuity(stretches, label, nats.shape[1])
+    score = np.where(nats < least_fit * expectation(stretches, label, pairs), 0.0, score)
+    done = Decided.nothing(stretches, score.shape[1])
     waiting = stretches.stop > stretches.start
-    best = worth.max(1)
+    best = score.max(1)
     waiting &= best > 0
     load = np.where(waiting, best, 0.0)
     while waiting.any():
         first = int(load.argmax())
         middle = _fullest(stretches, waiting, first)
         batch = np.flatnonzero(waiting & stretches.seen[:, middle])
-        done.assign(stretches, batch, worth[batch])
+        done.assign(stretches, batch, score[batch])
         waiting[batch], load[batch] = False, 0.0
     return done.label
 

@@ -22,9 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
+from ..data.array_types import Floats
 from ..data.arrays import check_positive, column, set_columns
-
-Floats = NDArray[np.float64]
 
 FRAMES = 300
 """Frames of a trial that a template looks at, evenly spread; chosen: a pair's mean and spread need no more."""

@@ -16,11 +16,10 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from ..data import Detections, Validity
+from ..data.array_types import GreyLevels
 from ..io.images import png_bytes
 from .formatting import number
 from .theme import axis_style, empty, figure, labels
-
-Picture = NDArray[np.uint8 | np.uint16]
 
 LOOKED_AT = 100  # frames of a camera among which one is chosen; for speed
 DARK = "rgb(28,39,51)"
@@ -61,7 +60,7 @@ def fullest_frames(detections: Detections) -> list[int]:
 
 
 def spots_figure(
-    detections: Detections, cameras: list[dict[str, Any]], pictures: Sequence[Picture] | None = None
+    detections: Detections, cameras: list[dict[str, Any]], pictures: Sequence[GreyLevels] | None = None
 ) -> go.Figure:
     """A panel a camera: its picture (H, W) of the frame of `fullest_frames`, the spots in it, and all invalid ones."""
     if not len(detections):
@@ -145,7 +144,7 @@ def _size_text(detections: Detections, row: int) -> str:
     return f"area {number(area, 1)} px², peak {number(peak, 0)}" if np.isfinite(area) else ""
 
 
-def _picture(fig: go.Figure, picture: Picture, place: dict[str, int], *, most: int) -> None:
+def _picture(fig: go.Figure, picture: GreyLevels, place: dict[str, int], *, most: int) -> None:
     """The image in grey, coarser where it is large, and in few levels, as a compressed picture."""
     k = max(1, -(-picture.shape[1] // WIDEST))
     while len(content := _png(brightest(picture, k))) > most and picture.shape[1] > 2 * k * LEAST_WIDE:
@@ -156,13 +155,13 @@ def _picture(fig: go.Figure, picture: Picture, place: dict[str, int], *, most: i
     )
 
 
-def _png(grey: Picture) -> bytes:
+def _png(grey: GreyLevels) -> bytes:
     """A picture in a few levels from black to its brightest."""
     level = np.rint(LEVELS * (grey / max(int(grey.max()), 1))).astype(np.uint8)
     return png_bytes(level * np.uint8(255 // LEVELS))
 
 
-def brightest(picture: Picture, k: int) -> Picture:
+def brightest(picture: GreyLevels, k: int) -> GreyLevels:
     """The brightest pixel of each block of k × k; what is left over at the right and lower edge falls away."""
     height, width = (n // k * k for n in picture.shape)
     return picture[:height, :width].reshape(height // k, k, width // k, k).max((1, 3))

@@ -9,6 +9,7 @@ from typing import Any
 import plotly.graph_objects as go
 
 from ..data import Detections, Rig, Tracks, Trajectories
+from ..data.array_types import GreyLevels
 from ..findings.cameras import upwards
 from ..findings.trial_findings import LONG_GAP_S, inconsistent_cameras
 from ..track.simultaneous import Simultaneous
@@ -18,7 +19,7 @@ from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures import exactness_figure, timeline_figure, trajectories_figure, uncertainty_figure
 from .figures_calibration import slices_figure
 from .figures_cameras import detections_figure, offset_figure, residual_figure, timing_figure, views_figure
-from .figures_detections import Picture, spots_figure
+from .figures_detections import spots_figure
 from .formatting import number
 from .identity_text import identity_text
 from .scene3d import scene
@@ -48,7 +49,7 @@ def write_report(
     tracks: Tracks,
     trajectories: Trajectories,
     judged: Mapping[str, Any] | None = None,
-    pictures: Sequence[Picture] | None = None,
+    pictures: Sequence[GreyLevels] | None = None,
     assets: Path | None = None,
 ) -> None:
     """Write the page, whole or not at all.
@@ -86,7 +87,7 @@ def page(
     tracks: Tracks,
     trajectories: Trajectories,
     judged: Mapping[str, Any] | None = None,
-    pictures: Sequence[Picture] | None = None,
+    pictures: Sequence[GreyLevels] | None = None,
     library: DrawingLibrary | None = None,
 ) -> str:
     """The page as text; the drawing library is inside where `library` is None."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import KinemarkError, Validity
+from ...data.array_types import GreyLevels
 from ..blobs import Blobs, joined
 from ..centroids_method import grey_scale
 from ..pixel_runs import Runs
@@ -25,15 +26,13 @@ from .submarkers import merge_sub_markers
 from .white import pixels_of, runs_of
 from .white_centroids import centroids, peaks
 
-Images = NDArray[np.uint8 | np.uint16]
-
 MOST_GROUPS = 10_000
 """Groups of a frame at most; chosen: more are the noise of a threshold set too low (see studies/kiss_detection.py)."""
 MOST_PIXELS = 1 << 20  # white, of a batch; above that its frames are done in smaller batches, for memory's sake; chosen
 
 
 @DETECT.method("kiss_scanning", KissScanning, source="Shafiq, Tümer and Güler 2001, 2.1 to 2.3")
-def detect_scanning(images: Images, first: int, *, method: KissScanning) -> Blobs:
+def detect_scanning(images: GreyLevels, first: int, *, method: KissScanning) -> Blobs:
     """Markers in consecutive frames (n, H, W), of which the first has this number, by the present method of KISS.
 
     Raises:
@@ -68,7 +67,7 @@ def advanced_analysis(groups: KissGroups, method: KissScanning, *, height: int) 
 
 
 @DETECT.method("kiss_nearest", KissNearest, source="Shafiq, Tümer and Güler 2001, section 2")
-def detect_nearest(images: Images, first: int, *, method: KissNearest) -> Blobs:
+def detect_nearest(images: GreyLevels, first: int, *, method: KissNearest) -> Blobs:
     """Markers in consecutive frames (n, H, W), of which the first has this number, by the former method of KISS.
 
     Raises:
@@ -88,7 +87,7 @@ def detect_nearest(images: Images, first: int, *, method: KissNearest) -> Blobs:
     return _blobs(images, groups, np.zeros(len(groups.frame), np.uint8), method.inverted)
 
 
-def _white_runs(images: Images, method: KissScanning | KissNearest) -> Runs:
+def _white_runs(images: GreyLevels, method: KissScanning | KissNearest) -> Runs:
     """Runs of pixels beyond the threshold."""
     level = method.threshold * grey_scale(images.dtype)
     if not method.inverted:
@@ -107,7 +106,7 @@ def _without_noise(groups: KissGroups, method: KissScanning | KissNearest) -> Ki
     )
 
 
-def _blobs(images: Images, groups: KissGroups, validity: NDArray[np.uint8], inverted: bool) -> Blobs:
+def _blobs(images: GreyLevels, groups: KissGroups, validity: NDArray[np.uint8], inverted: bool) -> Blobs:
     """The columns of every group; where it is too large for a marker, no covariance and no peak."""
     brect = rectangles(groups)
     uv, cov = centroids(groups, height=images.shape[1])
@@ -128,7 +127,7 @@ def _blobs(images: Images, groups: KissGroups, validity: NDArray[np.uint8], inve
     )
 
 
-def _by_halves(detect: Callable[[Images, int], Blobs], images: Images, first: int) -> Blobs:
+def _by_halves(detect: Callable[[GreyLevels, int], Blobs], images: GreyLevels, first: int) -> Blobs:
     """The detections of a batch, one half after the other."""
     half = len(images) // 2
     return joined([detect(images[:half], first), detect(images[half:], first + half)])

@@ -64,13 +64,7 @@ def _moved(frame: RestingLFrame) -> tuple[Finding, ...]:
     """Says in how many frames the L-frame did not rest."""
     if not frame.moved:
         return ()
-    apart = _distances_of(frame.known) / _distances_of(frame.seen)
-    return (make_finding("l_frame_moved", frame_count=frame.moved, read_frames=frame.frames, off_mm=frame.off * apart),)
-
-
-def _distances_of(points: Floats) -> float:
-    """The longest distance between any two."""
-    return float(np.linalg.norm(points[:, None] - points, axis=-1).max())
+    return (make_finding("l_frame_moved", frame_count=frame.moved, read_frames=frame.frames, off_mm=frame.off),)
 
 
 def _apart(task: Task, rig: Rig, way: Distance) -> float:

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ...data import Detections, Finding, KinemarkError, Trial
+from ...data import Detections, KinemarkError
 from ...io.detections_csv import NamedDetections
 from ...io.named_points_csv import layout_of, read_camera_files, read_named_detections
 from ..keys import digest, file_key
 from .excerpt import within
 from .operated import marker_within
 from .recording import Recording
-from .trial_source import OperatorIdentities
+from .trial_source import OperatorIdentities, PointsAlone
 
 HOLE = "{camera}"
 
@@ -30,7 +30,7 @@ def names_markers(of: Recording) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class NamedDetectionFile:
+class NamedDetectionFile(PointsAlone):
     """A CSV file of 2D points with names, or one a camera."""
 
     of: Recording
@@ -72,18 +72,6 @@ class NamedDetectionFile:
                 'with {camera} where a camera\'s name stands: detections = "walk01_{camera}.csv".'
             )
         return selected(path, read_named_detections(path, rate=rate, cameras=of.rig.names), of.rig.names)
-
-    def contradictions(self) -> tuple[Finding, ...]:
-        """None is known."""
-        return ()
-
-    def beside(self) -> Trial | None:
-        """Nothing was recorded beside."""
-        return None
-
-    def pictures(self, frames: Sequence[int]) -> None:
-        """There are no images."""
-        return
 
     def operated(self) -> OperatorIdentities:
         """The markers as the file names them."""

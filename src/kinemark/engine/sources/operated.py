@@ -21,11 +21,11 @@ from ..recordings import masks_key, masks_of
 from .excerpt import pictures_of, within
 from .images import other_rates
 from .recording import Recording, places_of
-from .trial_source import OperatorIdentities
+from .trial_source import OperatorIdentities, PointsAlone
 
 
 @dataclass(frozen=True, slots=True)
-class DigitisedFiles:
+class DigitisedFiles(PointsAlone):
     """A set of UM²AS's files of digitised centroids, one a camera, of which the entry names one."""
 
     of: Recording
@@ -47,18 +47,6 @@ class DigitisedFiles:
         if not len(found):
             raise KinemarkError(f"{self.path} has no 2D points. Check that it was written to the end.")
         return of.corrected(within(found, of)).detections
-
-    def contradictions(self) -> tuple[Finding, ...]:
-        """None is known."""
-        return ()
-
-    def beside(self) -> Trial | None:
-        """Nothing was recorded beside."""
-        return None
-
-    def pictures(self, frames: Sequence[int]) -> None:
-        """There are no images."""
-        return
 
     def operated(self) -> OperatorIdentities:
         """The markers by the columns of the files, with the names of `[digitise]`, else their numbers."""

@@ -44,6 +44,24 @@ class TrialSource(Protocol):
         ...
 
 
+class PointsAlone:
+    """What sources of 2D points have in common that come without images and without anything recorded beside."""
+
+    __slots__ = ()
+
+    def contradictions(self) -> tuple[Finding, ...]:
+        """None is known."""
+        return ()
+
+    def beside(self) -> Trial | None:
+        """Nothing was recorded beside."""
+        return None
+
+    def pictures(self, frames: Sequence[int]) -> None:
+        """There are no images."""
+        return
+
+
 @dataclass(frozen=True, slots=True)
 class OperatorIdentities:
     """What an operator said of a trial.

@@ -34,6 +34,7 @@ from .measurement_noise import Noise, learn_noise, sampled_frames
 from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints, smoothed
 from .passes import Associations, run
+from .rival_pairs import without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
 from .stitch import Stitch, stitched
@@ -140,6 +141,7 @@ def _first_pass(
     least = max(method.min_duration / T, 4)
     every = run(working.images, detections.rate, method)
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
+    every = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
     seen = _kept_associations(every, least)
     every = every._replace(cov=np.zeros((3, 3, 0)))  # takes much memory, and only that of `seen` is needed
     own = _unshared(seen, images)

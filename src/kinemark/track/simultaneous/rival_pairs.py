@@ -1,0 +1,209 @@
+"""Rival pairs: what else two images of a track may be, and which of the two is likelier.
+
+Where two cameras alone see a marker, the images of two markers now and then lie on each other's epipolar lines for as
+long as both move alike, so no motion, and no distance to other markers, tells such a pair from a marker. But one of its
+images has often its true partner, which no track has. A stretch of a track is a run of frames in which the same two
+cameras see it, and no other. For either image of a stretch, the free images of each other camera that lie near its
+lines are chained from frame to frame,
+
+    r₁ r₂ … : the image nearest to 2 r₂ − r₁, where the three points fit one motion by (1) of `initiate`        (1)
+
+and a chain that has MIN_COVERED of the frames of the stretch is a rival. With q and q′ the squared distances of the
+two images of the stretch and of the rival, in standard deviations, from the point that fits them best, and Student's
+t of `likelihood`,
+
+    score = Σ ln t(q′) − ln t(q)                                                          (2)
+
+over the frames of the chain is the log-likelihood ratio. A stretch with a rival of more than `likelihood.SURE` is given
+up: its rivals become tracks of their own, what comes before and after it becomes two tracks, and stitching decides
+which of these go on as which.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Bools, Floats, Ints
+from ...numerics.robust import student_log_likelihood
+from ...numerics.runs import equal_runs
+from .candidate_points import batches, intersect, near_lines
+from .detection_index import Images
+from .likelihood import DEGREES_OF_FREEDOM, SURE
+from .passes import Associations
+from .simultaneous_method import Simultaneous
+
+MIN_COVERED = 0.75
+"""Share of the frames of a stretch that a rival has at least; chosen (see benchmarks/tracking_scenes.py)."""
+
+MIN_FRAMES = 4
+"""Frames of a stretch, and of a rival, at least: fewer make no track; chosen."""
+
+
+class Rivals(NamedTuple):
+    """H pairs of images, one `kept` of a stretch and one `free`: indices in `Images`; row of the stretch's association;
+    squared (H) of the two images and xyz (3, H) mm, cov (3, 3, H) mm² of their point."""
+
+    row: Ints
+    kept: Ints
+    free: Ints
+    squared: Floats
+    xyz: Floats
+    cov: Floats
+
+    def take(self, which: Bools | Ints) -> Rivals:
+        """Only these."""
+        return Rivals(*(column[..., which] for column in self))
+
+
+def without_rivalled(every: Associations, images: Images, F: Floats, T: float, method: Simultaneous) -> Associations:
+    """The associations in which stretches with a likelier rival are replaced by their rivals, as tracks of their own."""
+    stretch = stretches(every)
+    held = every.detection[:, (every.detection >= 0).sum(0) >= 2]
+    free = images.usable.copy()
+    free[held[held >= 0]] = False
+    rivals = _rivals(every, stretch, images, free, F, method)
+    own = _squared(images, every.detection, np.flatnonzero(stretch >= 0))
+    won, gone = [], []
+    for score, chain in sorted(_chains(rivals, stretch, own, images, T, method), key=lambda one: -one[0]):
+        if free[rivals.free[chain]].all():
+            free[rivals.free[chain]] = False
+            won.append(rivals.take(chain))
+            gone.append(int(stretch[won[-1].row[0]]))
+    return _replaced(every, stretch, won, gone, images) if won else every
+
+
+def stretches(every: Associations) -> Ints:
+    """(S) the stretch of each association, −1 for none."""
+    has = every.detection >= 0
+    rows = np.flatnonzero(has.sum(0) == 2)
+    pair = has[:, rows].argmax(0) * len(has) + len(has) - has[::-1, rows].argmax(0)
+    order = np.lexsort([every.frame[rows], every.id[rows]])
+    rows, pair = rows[order], pair[order]
+    run = np.arange(len(rows)) - every.frame[rows]
+    cuts = equal_runs(every.id[rows], pair, run)
+    out = np.full(len(every.id), -1)
+    number = np.repeat(np.arange(len(cuts) - 1), np.diff(cuts))
+    out[rows] = np.where(np.diff(cuts)[number] >= MIN_FRAMES, number, -1)
+    return out
+
+
+def _squared(images: Images, detection: Ints, rows: Ints) -> Floats:
+    """(S) the squared distances of the images of some rows of detection (C, S), NaN of the others."""
+    out = np.full(detection.shape[1], np.nan)
+    found = intersect(images, detection[:, rows]).squared
+    out[rows] = np.where(detection[:, rows] >= 0, found, 0.0).sum(0)
+    return out
+
+
+def _rivals(
+    every: Associations, stretch: Ints, images: Images, free: Bools, F: Floats, method: Simultaneous
+) -> Rivals:
+    """All pairs of an image of a stretch and a free one that lie near each other's lines."""
+    rows = np.flatnonzero(stretch >= 0)
+    row_of = np.full(len(images.uv), -1)
+    for camera in every.detection[:, rows]:
+        row_of[camera[camera >= 0]] = rows[camera >= 0]
+    some = free | (row_of >= 0)
+    frames = np.unique(every.frame[rows]).tolist()
+    looked_at = [own[some[own]] for own in images.in_frames(frames)]
+    pair = np.concatenate([near_lines(images, part, F, method.gate) for part in batches(looked_at)], -1)
+    pair = np.concatenate([pair, pair[::-1]], -1)
+    pair = pair[:, (row_of[pair[0]] >= 0) & free[pair[1]]]
+    point = intersect(images, pair, images.camera[pair])
+    squared = point.squared.sum(0)
+    good = (squared < method.gate**2) & np.isfinite(point.xyz).all(0) & np.isfinite(point.cov).all((0, 1))
+    return Rivals(row_of[pair[0]], pair[0], pair[1], squared, point.xyz, point.cov).take(good)
+
+
+def _chains(
+    rivals: Rivals, stretch: Ints, own: Floats, images: Images, T: float, method: Simultaneous
+) -> list[tuple[float, Ints]]:
+    """Scores (2) of rivals that are likelier than their stretches, of associations own (S), and their pairs."""
+    length = np.bincount(stretch[stretch >= 0], minlength=1)
+    number, kept, free = stretch[rivals.row], images.camera[rivals.kept], images.camera[rivals.free]
+    order = np.lexsort([images.frame[rivals.kept], free, kept, number])
+    cuts = equal_runs(number[order], kept[order], free[order])
+    found = []
+    for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
+        group = order[a:b]
+        least = max(MIN_COVERED * length[number[group[0]]], MIN_FRAMES)
+        if len(np.unique(images.frame[rivals.kept[group]])) < least:
+            continue
+        chain = _longest(rivals, group, images, T, method)
+        score = _log_likelihood(rivals.squared[chain]) - _log_likelihood(own[rivals.row[chain]])
+        if len(chain) >= least and score > SURE:
+            found.append((score, chain))
+    return found
+
+
+def _log_likelihood(squared: Floats) -> float:
+    """Σ ln t of (2), but for a constant."""
+    return float(student_log_likelihood(squared, DEGREES_OF_FREEDOM, np.ones(len(squared))).sum())
+
+
+def _longest(rivals: Rivals, group: Ints, images: Images, T: float, method: Simultaneous) -> Ints:
+    """The longest chain (1) of a group of pairs, by frame."""
+    at: dict[int, list[int]] = defaultdict(list)
+    for pair in group.tolist():
+        at[int(images.frame[rivals.kept[pair]])].append(pair)
+    best: list[int] = []
+    used: set[int] = set()
+    for pair in group.tolist():
+        if pair in used:
+            continue
+        chain = [pair]
+        while (after := _next(rivals, chain, at, images, T, method)) is not None and after not in used:
+            chain.append(after)
+        used.update(chain)
+        best = chain if len(chain) > len(best) else best
+    return np.array(best)
+
+
+def _next(
+    rivals: Rivals, chain: list[int], at: dict[int, list[int]], images: Images, T: float, method: Simultaneous
+) -> int | None:
+    """The pair by (1) that goes on a chain."""
+    uv = images.uv[rivals.free[chain[-2:]]]
+    towards = 2 * uv[-1] - uv[0]
+    options = at.get(int(images.frame[rivals.kept[chain[-1]]]) + 1, [])
+    options = [pair for pair in options if len(chain) < 2 or _fits(rivals, [*chain[-2:], pair], T, method)]
+    far = [float(np.hypot(*(images.uv[rivals.free[pair]] - towards))) for pair in options]
+    return options[int(np.argmin(far))] if far else None
+
+
+def _fits(rivals: Rivals, three: list[int], T: float, method: Simultaneous) -> bool:
+    """Whether three points are one motion."""
+    bend = rivals.xyz[:, three] @ [1.0, -2.0, 1.0]
+    S = rivals.cov[..., three] @ [1.0, 4.0, 1.0] + (method.acceleration_sd * T * T) ** 2 * np.eye(3)
+    return bool(bend @ np.linalg.solve(S, bend) < method.gate**2)
+
+
+def _replaced(
+    every: Associations, stretch: Ints, won: list[Rivals], gone: list[int], images: Images
+) -> Associations:
+    """The associations without the stretches `gone`, what comes after each a track of its own, and with the rivals."""
+    lost = np.isin(stretch, gone)
+    ids, number = every.id.copy(), int(every.id.max(initial=-1)) + 1
+    for one in sorted(set(gone), key=lambda one: -int(every.frame[stretch == one].max())):
+        rows = np.flatnonzero(stretch == one)
+        ids[(every.id == every.id[rows[0]]) & (ids == every.id) & (every.frame > every.frame[rows].max())] = number
+        number += 1
+    new = [_as_associations(rival, every, images, number + k) for k, rival in enumerate(won)]
+    parts = [every._replace(id=ids).take(~lost), *new]
+    return Associations(*(np.concatenate(columns, -1) for columns in zip(*parts, strict=True)))
+
+
+def _as_associations(rival: Rivals, every: Associations, images: Images, id: int) -> Associations:
+    """A rival as a track."""
+    n = len(rival.row)
+    detection = np.full((len(every.detection), n), -1)
+    for each in (rival.kept, rival.free):
+        detection[images.camera[each], np.arange(n)] = each
+    sd = np.sqrt(np.trace(rival.cov))
+    none = np.zeros(detection.shape, bool)
+    return Associations(
+        every.frame[rival.row], np.full(n, id), detection, none, rival.squared, sd, rival.xyz, rival.cov
+    )

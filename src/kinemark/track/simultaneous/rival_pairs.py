@@ -35,7 +35,7 @@ from .likelihood import DEGREES_OF_FREEDOM, SURE
 from .passes import Associations
 from .simultaneous_method import Simultaneous
 
-MIN_COVERED = 0.75
+MIN_COVERED = 0.3
 """Share of the frames of a stretch that a rival has at least; chosen (see benchmarks/tracking_scenes.py)."""
 
 MIN_FRAMES = 4
@@ -58,8 +58,31 @@ class Rivals(NamedTuple):
         return Rivals(*(column[..., which] for column in self))
 
 
-def without_rivalled(every: Associations, images: Images, F: Floats, T: float, method: Simultaneous) -> Associations:
-    """The associations in which stretches with a likelier rival are replaced by their rivals, as tracks of their own."""
+class Rivalled(NamedTuple):
+    """Associations in which rivals, as tracks of their own, stand for the stretches that they are likelier than; and
+    the cuts (K, 3) of the tracks that had these: track, last frame before the cut, the number of what comes after it,
+    later cuts first."""
+
+    associations: Associations
+    cuts: Ints
+
+    def pieces(self, id: Ints, frame: Ints) -> Ints:
+        """The piece that tracks id (N) are in frame (N)."""
+        id = id.copy()
+        for track, last, number in self.cuts.tolist():
+            id[(id == track) & (frame > last)] = number
+        return id
+
+    def whole(self) -> Ints:
+        """The track that each piece is of."""
+        number = max(int(self.associations.id.max(initial=-1)), int(self.cuts[:, 2].max(initial=-1))) + 1
+        whole = np.arange(number)
+        whole[self.cuts[:, 2]] = self.cuts[:, 0]
+        return whole
+
+
+def without_rivalled(every: Associations, images: Images, F: Floats, T: float, method: Simultaneous) -> Rivalled:
+    """The associations with rivals in place of stretches that are less likely."""
     stretch = stretches(every)
     held = every.detection[:, (every.detection >= 0).sum(0) >= 2]
     free = images.usable.copy()
@@ -72,7 +95,7 @@ def without_rivalled(every: Associations, images: Images, F: Floats, T: float, m
             free[rivals.free[chain]] = False
             won.append(rivals.take(chain))
             gone.append(int(stretch[won[-1].row[0]]))
-    return _replaced(every, stretch, won, gone, images) if won else every
+    return _replaced(every, stretch, won, gone, images)
 
 
 def stretches(every: Associations) -> Ints:
@@ -183,17 +206,22 @@ def _fits(rivals: Rivals, three: list[int], T: float, method: Simultaneous) -> b
 
 def _replaced(
     every: Associations, stretch: Ints, won: list[Rivals], gone: list[int], images: Images
-) -> Associations:
-    """The associations without the stretches `gone`, what comes after each a track of its own, and with the rivals."""
-    lost = np.isin(stretch, gone)
-    ids, number = every.id.copy(), int(every.id.max(initial=-1)) + 1
-    for one in sorted(set(gone), key=lambda one: -int(every.frame[stretch == one].max())):
-        rows = np.flatnonzero(stretch == one)
-        ids[(every.id == every.id[rows[0]]) & (ids == every.id) & (every.frame > every.frame[rows].max())] = number
-        number += 1
+) -> Rivalled:
+    """The associations without the stretches `gone`, and with the rivals."""
+    number = int(every.id.max(initial=-1)) + 1
     new = [_as_associations(rival, every, images, number + k) for k, rival in enumerate(won)]
-    parts = [every._replace(id=ids).take(~lost), *new]
-    return Associations(*(np.concatenate(columns, -1) for columns in zip(*parts, strict=True)))
+    parts = [every.take(~np.isin(stretch, gone)), *new]
+    last = [(int(every.id[rows[0]]), int(every.frame[rows].max())) for rows in _rows_of(stretch, gone)]
+    latest_first = sorted(last, key=lambda end: -end[1])
+    cuts = [(id, frame, number + len(won) + k) for k, (id, frame) in enumerate(latest_first)]
+    return Rivalled(
+        Associations(*(np.concatenate(columns, -1) for columns in zip(*parts, strict=True))), np.array(cuts, np.int64).reshape(-1, 3)
+    )
+
+
+def _rows_of(stretch: Ints, gone: list[int]) -> list[Ints]:
+    """The rows of each of the stretches `gone`, each once."""
+    return [np.flatnonzero(stretch == one) for one in sorted(set(gone))]
 
 
 def _as_associations(rival: Rivals, every: Associations, images: Images, id: int) -> Associations:

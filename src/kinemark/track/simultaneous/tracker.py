@@ -141,7 +141,8 @@ def _first_pass(
     least = max(method.min_duration / T, 4)
     every = run(working.images, detections.rate, method)
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
-    every = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
+    rivalled = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
+    every = rivalled.associations
     seen = _kept_associations(every, least)
     every = every._replace(cov=np.zeros((3, 3, 0)))  # takes much memory, and only that of `seen` is needed
     own = _unshared(seen, images)
@@ -154,7 +155,10 @@ def _first_pass(
     cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method)
     good = usable_points(cloud, rig, margin=None) & _precise_enough(cloud, own.sum(0), method)
     good &= (speaks > SURE)[seen.id]
-    return FirstPass(every, speaks, shared, cloud.keep(good), seen.id[good])
+    every = every._replace(id=rivalled.pieces(every.id, every.frame))
+    ids = rivalled.pieces(seen.id[good], seen.frame[good])
+    speaks = np.append(speaks, 0.0)[np.minimum(rivalled.whole(), len(speaks))]
+    return FirstPass(every, speaks, shared, cloud.keep(good), ids)
 
 
 class Solver(NamedTuple):

@@ -89,13 +89,14 @@ def without_rivalled(every: Associations, images: Images, F: Floats, T: float, m
     free[held[held >= 0]] = False
     rivals = _rivals(every, stretch, images, free, F, method)
     own = _squared(images, every.detection, np.flatnonzero(stretch >= 0))
-    won, gone = [], []
+    won: list[Rivals] = []
+    gone: list[Ints] = []
     for score, chain in sorted(_chains(rivals, stretch, own, images, T, method), key=lambda one: -one[0]):
         if free[rivals.free[chain]].all():
             free[rivals.free[chain]] = False
             won.append(rivals.take(chain))
-            gone.append(int(stretch[won[-1].row[0]]))
-    return _replaced(every, stretch, won, gone, images)
+            gone.append(_given_up(every.frame, stretch, won[-1].row))
+    return _replaced(every, won, gone, images)
 
 
 def stretches(every: Associations) -> Ints:
@@ -204,24 +205,27 @@ def _fits(rivals: Rivals, three: list[int], T: float, method: Simultaneous) -> b
     return bool(bend @ np.linalg.solve(S, bend) < method.gate**2)
 
 
-def _replaced(
-    every: Associations, stretch: Ints, won: list[Rivals], gone: list[int], images: Images
-) -> Rivalled:
-    """The associations without the stretches `gone`, and with the rivals."""
+def _given_up(frame: Ints, stretch: Ints, row: Ints) -> Ints:
+    """The rows of a stretch that go with those of its rival (n): on either side the rest, where it is shorter."""
+    rows = np.flatnonzero(stretch == stretch[row[0]])
+    first, last = int(frame[row].min()), int(frame[row].max())
+    before, after = frame[rows] < first, frame[rows] > last
+    stays = (before & (before.sum() >= len(row))) | (after & (after.sum() >= len(row)))
+    return rows[~stays]
+
+
+def _replaced(every: Associations, won: list[Rivals], gone: list[Ints], images: Images) -> Rivalled:
+    """The associations without the rows `gone`, and with the rivals."""
     number = int(every.id.max(initial=-1)) + 1
     new = [_as_associations(rival, every, images, number + k) for k, rival in enumerate(won)]
-    parts = [every.take(~np.isin(stretch, gone)), *new]
-    last = [(int(every.id[rows[0]]), int(every.frame[rows].max())) for rows in _rows_of(stretch, gone)]
-    latest_first = sorted(last, key=lambda end: -end[1])
-    cuts = [(id, frame, number + len(won) + k) for k, (id, frame) in enumerate(latest_first)]
-    return Rivalled(
-        Associations(*(np.concatenate(columns, -1) for columns in zip(*parts, strict=True))), np.array(cuts, np.int64).reshape(-1, 3)
-    )
-
-
-def _rows_of(stretch: Ints, gone: list[int]) -> list[Ints]:
-    """The rows of each of the stretches `gone`, each once."""
-    return [np.flatnonzero(stretch == one) for one in sorted(set(gone))]
+    kept = np.ones(len(every.id), bool)
+    cuts = []
+    for rows in gone:
+        kept[rows] = False
+        cuts += [(int(every.id[rows[0]]), int(every.frame[rows].max()))]
+    cuts = [(*cut, number + len(won) + k) for k, cut in enumerate(sorted(set(cuts), key=lambda cut: -cut[1]))]
+    columns = zip(every.take(kept), *new, strict=True)
+    return Rivalled(Associations(*(np.concatenate(each, -1) for each in columns)), np.array(cuts, np.int64).reshape(-1, 3))
 
 
 def _as_associations(rival: Rivals, every: Associations, images: Images, id: int) -> Associations:

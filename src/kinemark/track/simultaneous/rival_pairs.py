@@ -122,9 +122,7 @@ def _squared(images: Images, detection: Ints, rows: Ints) -> Floats:
     return out
 
 
-def _rivals(
-    every: Associations, stretch: Ints, images: Images, free: Bools, F: Floats, method: Simultaneous
-) -> Rivals:
+def _rivals(every: Associations, stretch: Ints, images: Images, free: Bools, F: Floats, method: Simultaneous) -> Rivals:
     """All pairs of an image of a stretch and a free one that lie near each other's lines."""
     rows = np.flatnonzero(stretch >= 0)
     row_of = np.full(len(images.uv), -1)
@@ -225,7 +223,9 @@ def _replaced(every: Associations, won: list[Rivals], gone: list[Ints], images: 
         cuts += [(int(every.id[rows[0]]), int(every.frame[rows].max()))]
     cuts = [(*cut, number + len(won) + k) for k, cut in enumerate(sorted(set(cuts), key=lambda cut: -cut[1]))]
     columns = zip(every.take(kept), *new, strict=True)
-    return Rivalled(Associations(*(np.concatenate(each, -1) for each in columns)), np.array(cuts, np.int64).reshape(-1, 3))
+    return Rivalled(
+        Associations(*(np.concatenate(each, -1) for each in columns)), np.array(cuts, np.int64).reshape(-1, 3)
+    )
 
 
 def _as_associations(rival: Rivals, every: Associations, images: Images, id: int) -> Associations:

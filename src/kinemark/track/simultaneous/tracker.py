@@ -34,7 +34,7 @@ from .measurement_noise import Noise, learn_noise, sampled_frames
 from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints, smoothed
 from .passes import Associations, run
-from .rival_pairs import without_rivalled
+from .rival_pairs import Rivalled, without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
 from .stitch import Stitch, stitched
@@ -141,13 +141,14 @@ def _first_pass(
     least = max(method.min_duration / T, 4)
     every = run(working.images, detections.rate, method)
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
+    sure = _evidence(_kept_associations(every, least), images, working, method) > SURE
     rivalled = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
-    every = rivalled.associations
-    seen = _kept_associations(every, least)
-    every = every._replace(cov=np.zeros((3, 3, 0)))  # takes much memory, and only that of `seen` is needed
-    own = _unshared(seen, images)
-    off = disagreement(working.images, np.where(own, seen.detection, -1))
-    speaks = evidence(seen._replace(squared=off), own, method.gate)
+    seen = _kept_associations(rivalled.associations, least)
+    every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # takes much memory, only that of `seen` is needed
+    speaks, own = _evidence(seen, images, working, method), _unshared(seen, images)
+    speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
+    speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
+    every, seen = (one._replace(id=rivalled.pieces(one.id, one.frame)) for one in (every, seen))
     shared = np.zeros(len(images.uv), bool)
     shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
     solver = Solver(detections, working.rig, _variance(shared, working.images, working.noise), errors)
@@ -155,10 +156,7 @@ def _first_pass(
     cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method)
     good = usable_points(cloud, rig, margin=None) & _precise_enough(cloud, own.sum(0), method)
     good &= (speaks > SURE)[seen.id]
-    every = every._replace(id=rivalled.pieces(every.id, every.frame))
-    ids = rivalled.pieces(seen.id[good], seen.frame[good])
-    speaks = np.append(speaks, 0.0)[np.minimum(rivalled.whole(), len(speaks))]
-    return FirstPass(every, speaks, shared, cloud.keep(good), ids)
+    return FirstPass(every, speaks, shared, cloud.keep(good), seen.id[good])
 
 
 class Solver(NamedTuple):
@@ -227,6 +225,13 @@ def _with_second_pass(
     names = ("xyz", "cov", "residual", "detection")
     columns = (np.concatenate([getattr(cloud, name), getattr(new, name)])[left] for name in names)
     return Cloud(cloud.rate, start, *columns), ids[left]
+
+
+def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:
+    """(N) the evidence for each track, by how its images agree in the working rig."""
+    own = _unshared(seen, images)
+    off = disagreement(working.images, np.where(own, seen.detection, -1))
+    return evidence(seen._replace(squared=off), own, method.gate)
 
 
 def _kept_associations(seen: Associations, least: float) -> Associations:

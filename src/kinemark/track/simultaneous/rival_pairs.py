@@ -55,7 +55,14 @@ class Rivals(NamedTuple):
 
     def take(self, which: Bools | Ints) -> Rivals:
         """Only these."""
-        return Rivals(*(column[..., which] for column in self))
+        return Rivals(
+            self.row[which],
+            self.kept[which],
+            self.free[which],
+            self.squared[which],
+            self.xyz[:, which],
+            self.cov[..., which],
+        )
 
 
 class Rivalled(NamedTuple):
@@ -91,7 +98,7 @@ def without_rivalled(every: Associations, images: Images, F: Floats, T: float, m
     own = _squared(images, every.detection, np.flatnonzero(stretch >= 0))
     won: list[Rivals] = []
     gone: list[Ints] = []
-    for score, chain in sorted(_chains(rivals, stretch, own, images, T, method), key=lambda one: -one[0]):
+    for _, chain in sorted(_chains(rivals, stretch, own, images, T, method), key=lambda one: -one[0]):
         if free[rivals.free[chain]].all():
             free[rivals.free[chain]] = False
             won.append(rivals.take(chain))
@@ -217,11 +224,10 @@ def _replaced(every: Associations, won: list[Rivals], gone: list[Ints], images: 
     number = int(every.id.max(initial=-1)) + 1
     new = [_as_associations(rival, every, images, number + k) for k, rival in enumerate(won)]
     kept = np.ones(len(every.id), bool)
-    cuts = []
-    for rows in gone:
-        kept[rows] = False
-        cuts += [(int(every.id[rows[0]]), int(every.frame[rows].max()))]
-    cuts = [(*cut, number + len(won) + k) for k, cut in enumerate(sorted(set(cuts), key=lambda cut: -cut[1]))]
+    kept[np.concatenate([np.zeros(0, np.int64), *gone])] = False
+    last = {(int(every.id[rows[0]]), int(every.frame[rows].max())) for rows in gone}
+    latest_first = sorted(last, key=lambda cut: -cut[1])
+    cuts = [(*cut, number + len(won) + k) for k, cut in enumerate(latest_first)]
     columns = zip(every.take(kept), *new, strict=True)
     return Rivalled(
         Associations(*(np.concatenate(each, -1) for each in columns)), np.array(cuts, np.int64).reshape(-1, 3)

@@ -16,9 +16,12 @@ RATE, METHOD, FRAMES = 100.0, Simultaneous(), 40
 STRETCH = slice(10, 30)
 
 
-def made(*, wrong=1, by=0.4):
-    """Images of one marker, and a track of all of them but that in frames STRETCH it has those of cameras 0 and 1
-    only, and that of camera 2 is free; the image there of camera `wrong` is `by` px off the line of camera 0's."""
+def made(*, wrong=1, by=0.4, hidden=(3,)):
+    """Images of one marker, and a track of all of them, but in frames STRETCH of cameras 0 and 1 only.
+
+    There those of the others are free, but for `hidden` cameras, and that of camera `wrong` is `by` px off the line of
+    camera 0's.
+    """
     rig = ring(4)
     detections, marker = observe(rig, dance(n=1, frames=FRAMES, seed=2), noise=0.05, seed=3)
     images = read_images(detections, rig)
@@ -29,7 +32,7 @@ def made(*, wrong=1, by=0.4):
     line = uv[detection[0, STRETCH]] @ fundamentals(images.P)[0, wrong][:2, :2].T
     line += fundamentals(images.P)[0, wrong][:2, 2]
     uv[detection[wrong, STRETCH]] += by * line / np.linalg.norm(line, axis=1)[:, None]
-    usable[detection[3, STRETCH]] = False
+    usable[detection[list(hidden), STRETCH]] = False
     images = images._replace(uv=uv, usable=usable, by_cell=images.by_cell.keep(usable))
     held = detection.copy()
     held[2:, STRETCH] = -1
@@ -73,6 +76,13 @@ def test_a_rival_that_fits_worse_changes_nothing(by):
     np.testing.assert_array_equal(found.associations.detection, track.detection)
     np.testing.assert_array_equal(found.pieces(track.id, track.frame), track.id)
     np.testing.assert_array_equal(found.whole(), [0])
+
+
+def test_an_image_goes_into_one_rival_alone():
+    images, track, _ = made(hidden=())
+    after = judged(images, track).associations
+    held = after.detection[after.detection >= 0]
+    assert len(np.unique(held)) == len(held)
 
 
 def test_images_of_other_tracks_are_no_rivals():

@@ -94,13 +94,14 @@ def without_rivalled(every: Associations, images: Images, F: Floats, T: float, m
     held = every.detection[:, (every.detection >= 0).sum(0) >= 2]
     free = images.usable.copy()
     free[held[held >= 0]] = False
+    taken = np.zeros(len(free), bool)
     rivals = _rivals(every, stretch, images, free, F, method)
     own = _squared(images, every.detection, np.flatnonzero(stretch >= 0))
     won: list[Rivals] = []
     gone: list[Ints] = []
     for _, chain in sorted(_chains(rivals, stretch, own, images, T, method), key=lambda one: -one[0]):
-        if free[rivals.free[chain]].all():
-            free[rivals.free[chain]] = False
+        if free[rivals.free[chain]].all() and not taken[rivals.kept[chain]].any():
+            free[rivals.free[chain]], taken[rivals.kept[chain]] = False, True
             won.append(rivals.take(chain))
             gone.append(_given_up(every.frame, stretch, won[-1].row))
     return _replaced(every, won, gone, images)

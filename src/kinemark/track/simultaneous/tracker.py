@@ -5,7 +5,8 @@ same time. Here the tracks, predicted with their covariance (`kalman_states`), a
 (`associate`). Images that no track has initiate new tracks (`candidate_points`, `initiate`). Tracks go forwards and
 then backwards (`passes`), and each point is solved from its images as by the other methods
 (`geometry.weighted_points`). A track is confirmed by its evidence (`likelihood`), and so is what it finds after it was
-lost. Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
+lost. Where two cameras alone see a track, what explains one of its images better takes its place (`rival_pairs`).
+Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
 points (`second_pass`).
 
 Where two cameras look along almost one line, or markers run together, a point is known better from its motion than from

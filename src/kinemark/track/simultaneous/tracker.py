@@ -5,7 +5,8 @@ same time. Here the tracks, predicted with their covariance (`kalman_states`), a
 (`associate`). Images that no track has initiate new tracks (`candidate_points`, `initiate`). Tracks go forwards and
 then backwards (`passes`), and each point is solved from its images as by the other methods
 (`geometry.weighted_points`). A track is confirmed by its evidence (`likelihood`), and so is what it finds after it was
-lost. Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
+lost. Where two cameras alone see a track, what explains one of its images better takes its place (`rival_pairs`).
+Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
 points (`second_pass`).
 
 Where two cameras look along almost one line, or markers run together, a point is known better from its motion than from
@@ -34,6 +35,7 @@ from .measurement_noise import Noise, learn_noise, sampled_frames
 from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints, smoothed
 from .passes import Associations, run
+from .rival_pairs import without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
 from .stitch import Stitch, stitched
@@ -140,11 +142,14 @@ def _first_pass(
     least = max(method.min_duration / T, 4)
     every = run(working.images, detections.rate, method)
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
-    seen = _kept_associations(every, least)
-    every = every._replace(cov=np.zeros((3, 3, 0)))  # takes much memory, and only that of `seen` is needed
-    own = _unshared(seen, images)
-    off = disagreement(working.images, np.where(own, seen.detection, -1))
-    speaks = evidence(seen._replace(squared=off), own, method.gate)
+    sure = _evidence(_kept_associations(every, least), images, working, method) > SURE
+    rivalled = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
+    seen = _kept_associations(rivalled.associations, least)
+    every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # takes much memory, only that of `seen` is needed
+    speaks, own = _evidence(seen, images, working, method), _unshared(seen, images)
+    speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
+    speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
+    every, seen = (one._replace(id=rivalled.pieces(one.id, one.frame)) for one in (every, seen))
     shared = np.zeros(len(images.uv), bool)
     shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
     solver = Solver(detections, working.rig, _variance(shared, working.images, working.noise), errors)
@@ -221,6 +226,13 @@ def _with_second_pass(
     names = ("xyz", "cov", "residual", "detection")
     columns = (np.concatenate([getattr(cloud, name), getattr(new, name)])[left] for name in names)
     return Cloud(cloud.rate, start, *columns), ids[left]
+
+
+def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:
+    """(N) the evidence for each track, by how its images agree in the working rig."""
+    own = _unshared(seen, images)
+    off = disagreement(working.images, np.where(own, seen.detection, -1))
+    return evidence(seen._replace(squared=off), own, method.gate)
 
 
 def _kept_associations(seen: Associations, least: float) -> Associations:

@@ -44,10 +44,7 @@ def test_errors_of_spheres_are_as_large_as_stated(fields):
     ratio = {}
     for k, (d, blur) in enumerate(product((4, 5, 6, 8, 10, 12), (0.0, 0.3, 0.6))):
         image, places = sphere_images(d, blur, seed=300 + k)
-        if fields:
-            both = [(image[f::2], (places - [0, f]) / [1, 2]) for f in (0, 1)]
-        else:
-            both = [(image, places)]
+        both = [(image[f::2], (places - [0, f]) / [1, 2]) for f in (0, 1)] if fields else [(image, places)]
         ratio[d, blur] = np.concatenate([squared_errors(*one, 0.5 if fields else 1.0) for one in both]).mean(0)
     of_all = np.array(list(ratio.values()))
     assert (of_all.max() < 2.8) and (of_all.min() > 0.25), ratio

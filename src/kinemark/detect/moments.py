@@ -29,14 +29,14 @@ and for lines that are taken from every second row of a sensor ½. So an axis ha
 
     (G'(1))² / 2π²,    G'(1) = [(cos πh − (1 + 4π² σ²) sinc h) D − 2 J₂ sinc h] exp(−2π² σ²),  x = π a   (7)
 
-which for h = 1 is (D exp(−2π² σ²))² / 2π². Where lines are apart, h < 1, the terms between lines count across them, too:
-for u, D² becomes D² + 2 (sinc h · D(π √(a_u² + a_v²)))², with the blur of both (8). A marker that is longer than wide and
-stands aslant brings t times the error of v to u, t = Σ w x y / Σ w y² about the centroid (9).
+which for h = 1 is (D exp(−2π² σ²))² / 2π². Where lines are apart, h < 1, the terms between lines count across them:
+for u, D² becomes D² + 2 (sinc h · D(π √(a_u² + a_v²)))², with the blur of both (8). A marker that is longer than wide
+and stands aslant brings t times the error of v to u, t = Σ w x y / Σ w y² about the centroid (9).
 
 a follows from the area, (5), the peak less what noise adds to the brightest of many, √(2 ln A) standard deviations; σ
-from the second moment, s² = a²/16 + σ² + 1/12, along u where pixels are densest there, else the mean of both axes. As a is not known to better than
-some per cent, (7) is a mean over it (`NODES`). All of it is nothing to blurred markers of 4 px; to the smallest, and to
-the lines of a field, it is most of the error.
+from the second moment, s² = a²/16 + σ² + 1/12, along u where pixels are densest there, else the mean of both axes. As a
+is not known to better than some per cent, (7) is a mean over it (`NODES`). All of it is nothing to blurred markers of
+4 px; to the smallest, and to the lines of a field, it is most of the error.
 
 The area is S / (peak − b) (5): a pixel at the rim counts by the share of it that is bright, so that the areas of one
 marker in several images agree within a per cent, where counts of white pixels would differ by five.

@@ -216,5 +216,5 @@ def test_masks_are_learned_with_each_cameras_own_settings():
     assert not learned.pixels("a").any() and learned.pixels("b")[20:26, 30:36].all()
     with pytest.raises(ValueError, match="of_cameras names c, and the cameras are a, b"):
         learn_masks(sources, cameras=("a", "b"), of_cameras={"c": Centroids()})
-    with pytest.raises(ValueError, match="relative_threshold is 0.5"):
+    with pytest.raises(ValueError, match=r"relative_threshold is 0\.5"):
         learn_masks(sources, cameras=("a", "b"), of_cameras={"b": Centroids(relative_threshold=0.5)})

@@ -121,9 +121,7 @@ def rectangles(mask: NDArray[np.bool_]) -> tuple[NDArray[np.float64], ...]:
     return tuple(np.array([(x1, y1), (x2, y1), (x2, y2), (x1, y2)]) for x1, x2, y1, y2 in sides)
 
 
-def _often_white(
-    source: FrameSource, name: str, method: Method, share: float, grow: float
-) -> NDArray[np.bool_]:
+def _often_white(source: FrameSource, name: str, method: Method, share: float, grow: float) -> NDArray[np.bool_]:
     """(H, W) the pixels that are white in at least this share of a camera's frames, grown."""
     white, frames = None, 0
     for images in source.batches(BATCH):

@@ -69,7 +69,7 @@ def learn_masks(
             f"relative_threshold is {relative[0]}, wanted None: an empty recording has no markers "
             "to measure it by. Say a threshold"
         )
-    masks = [_often_white(source, *one, share, grow) for source, *one in zip(sources, cameras, each, strict=True)]
+    masks = [_often_white(*one, share, grow) for one in zip(sources, cameras, each, strict=True)]
     sizes = np.array([mask.shape[::-1] for mask in masks]).reshape(-1, 2)
     return Masks(tuple(cameras), sizes, tuple(rectangles(mask) for mask in masks))
 

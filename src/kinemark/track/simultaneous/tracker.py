@@ -260,7 +260,7 @@ def _without_evidence(every: Associations, own: Bools, least: float, method: Sim
 def _variance(shared: Bools, images: Images, noise: Noise) -> Floats:
     """(D) px², of all images, those that tracks share (D) lying anywhere in their blobs."""
     variance = images.variance - images.margin - images.calibration[images.camera]  # `weighted_points` adds them
-    variance = np.maximum(variance, np.maximum(noise.least[images.camera], LEAST))
+    variance = np.maximum(variance, np.maximum(noise.white[images.camera], LEAST)) + noise.lasting[images.camera]
     return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
 
 

@@ -108,11 +108,11 @@ def test_the_images_are_given_at_least_the_noise_that_was_learned():
     images = read_images(detections, rig)
     _, noise = learn_noise(images, fundamentals(images.P), 5.0)
     assert np.sqrt(noise.white) == pytest.approx(0.3, rel=0.1)
-    assert (noise.lasting < 0.06**2).all()
+    assert (noise.lasting < 0.25 * noise.white).all()
 
 
-def off_by(error, stated, seeds=range(12)):
-    """Variances (S, 6) px² that positions are solved with, of 12 scenes of images of 0.1 px and files that are off."""
+def off_by(error, stated, seeds=range(4)):
+    """Variances (S, 6) px² that positions are solved with, of scenes of images of 0.1 px and files that are off."""
     out = []
     for seed in seeds:
         optics = Optics(noise=0.1, stated=stated, merge=0.0, marked=True, dropout=0.0, false=0.0)
@@ -128,5 +128,6 @@ def off_by(error, stated, seeds=range(12)):
 @pytest.mark.parametrize("error", [0.0, 0.3])
 def test_positions_are_given_what_a_calibration_that_is_off_really_leaves(error, stated):
     variance = off_by(error, stated)
-    assert 0.55 < variance.mean() / (0.01 + error**2) < 1.3  # errors that are smooth over the image are few
-    assert np.median(variance) > 0.45 * (0.01 + error**2)  # none is taken to be right for want of residuals
+    true = 0.01 + error**2
+    assert 0.7 < variance.mean() / true < 1.8  # more than the truth, as few degrees of freedom show it
+    assert (variance > 0.6 * true).all()  # none is taken to be right for want of residuals

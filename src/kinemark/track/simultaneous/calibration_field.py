@@ -3,27 +3,28 @@
 A camera that stands or looks a little otherwise than its file says has its images off by δ(x), much the same for
 neighbouring places x and in every frame, so no number of residuals averages it out. Each axis of δ is taken as
 
-    δ(x) = Σ θ_k φ_k(x),   θ_k ~ N(0, s²),   Σ φ_k² = 1                                    (1)
+    δ(x) = θ₀ + Σ θ_k φ_k(x),   θ₀ ~ N(0, s₀²),   θ_k ~ N(0, s₁²),   Σ φ_k² = 1            (1)
 
-where φ is a constant of weight w, and cosines and sines of one wave along four directions that share 1 − w: everywhere
-of variance s², and less alike the farther apart places are (a Gaussian process; Rasmussen & Williams 2006, ch. 2). The
-residual of two images (`epipolar_noise`) is
+where φ are cosines and sines of waves along four directions: everywhere of variance s₀² + s₁², and less alike the
+farther apart places are (a Gaussian process; Rasmussen & Williams 2006, ch. 2). s₀ is of cameras that were turned or
+moved, s₁ of focal lengths and lenses. The residual of two images (`epipolar_noise`) is
 
     e = Σ l δ + white noise = J θ + white noise                                            (2)
 
-With g and v of the mixture that e − J θ is, A = Σ g J Jᵀ / v with eigenvalues λ, and c the part of Σ g J e / v along
-each of its eigenvectors, the residuals have the likelihood
+With g and v of the mixture that e − J θ is, A = Σ g J Jᵀ / v and b = Σ g J e / v. Parts of A and b that are of θ₀ and
+of all θ_k have the indices 0 and 1. With D = s₁² / (1 + s₁² A₁₁), the residuals have, θ_k left open,
 
-    ln L(s²) = ½ Σ (s² c² / (1 + s² λ) − ln(1 + s² λ))                                     (3)
+    A′ = A₀₀ − A₀₁ D A₁₀,   b′ = b₀ − A₀₁ D b₁
+    ln L = ½ (b₁ᵀ D b₁ − ln |1 + s₁² A₁₁| + s₀² b′ᵀ (1 + s₀² A′)⁻¹ b′ − ln |1 + s₀² A′|)     (3)
 
-and θ the mean s² c / (1 + s² λ) along them (4). Directions of which the images say nothing (the rig moved as a whole)
-have λ = 0 and weigh nothing: the few that a subject in one place shows are as many degrees of freedom as (3) has. With
-a broad prior of ln s² (5) it gives its posterior, and the variance V that images are given is that with which 95 %
-ellipsoids hold 95 % of the errors of all s² by their probabilities,
+Directions of which the images say nothing, as the rig moved as a whole, have the eigenvalue 0 and weigh nothing: the
+few that a subject in one place shows are as many degrees of freedom as (3) has. With broad priors (4) it gives the
+posterior of both variances. The variance V that images are given is that with which 95 % ellipsoids hold 95 % of
+the errors, of all s² = s₀² + s₁² by their probabilities, beside white noise of σ²:
 
-    Σ p(s²) P(χ²₃ < q (σ² + V) / (σ² + s²)) = 0.95,   P(χ²₃ < q) = 0.95                     (6)
+    Σ p(s²) P(χ²₃ < q (σ² + V) / (σ² + s²)) = 0.95,   P(χ²₃ < q) = 0.95                     (5)
 
-with σ² the white noise. V belongs to a place, not to a frame: no filter makes it less.
+V belongs to a place, not to a frame: no filter makes it less.
 """
 
 from __future__ import annotations
@@ -37,26 +38,28 @@ from ...data.array_types import Floats, Ints
 from .detection_index import Images
 from .epipolar_noise import Mixture, Residuals, mixture, pair_of, peaked
 
-CONSTANT_SHARE = 0.8
-"""w of (1), a share of s²; chosen (see benchmarks/tracking_scenes.py)."""
-
-WAVE = 1.2
-"""Phase of (1) from the middle of an image to its edge, rad; chosen (see benchmarks/tracking_scenes.py)."""
-
-USUAL_SD, LOG_SD = 0.2, 2.3
-"""Of (5): s in px, and the standard deviation of ln s²: calibrations are 0.02 to 2 px off; chosen."""
-
-LOG_VARIANCES = np.linspace(2 * np.log(0.005), 2 * np.log(6.0), 141)
-"""ln s² in px² at which (3) is worked out; chosen: finer and wider than any posterior."""
+WAVES = np.pi * np.array([0.5, 1.0])
+"""Phases of (1) from the middle of an image to its edge, rad; chosen: what focal lengths and lenses do."""
 
 DIRECTIONS = np.array([[1.0, 0.0], [0.0, 1.0], [0.5**0.5, 0.5**0.5], [0.5**0.5, -(0.5**0.5)]])
 """Of the waves of (1), unit vectors; chosen: the fewest that are alike along and across."""
 
-ROUNDS = 4
-"""Of (2) to (4), in which the mixture narrows; chosen (see benchmarks/tracking_scenes.py)."""
+USUAL_SD, LOG_SD = (0.2, 0.1), 2.0
+"""Of (4): s₀ and s₁ in px, and the standard deviation of their ln s²: calibrations are 0.03 to 1.5 px off.
+Chosen of 1.5, 2 and 2.3 (see benchmarks/tracking_scenes.py)."""
+
+LOG_VARIANCES = np.linspace(2 * np.log(0.005), 2 * np.log(6.0), 61)
+"""ln s² in px² at which (3) is worked out; chosen: finer and wider than any posterior."""
+
+MOST_RESIDUALS = 50.0
+"""Residuals of two cameras that count, a number: what the waves do not fit is alike in neighbouring ones, and with more
+it would be taken for large waves; chosen (see benchmarks/tracking_scenes.py)."""
+
+ROUNDS = 3
+"""Of (2) and (3), in which the mixture narrows; chosen (see benchmarks/tracking_scenes.py)."""
 
 HELD = 0.95
-"""Of (6): the share of errors that the ellipsoid of this probability is to hold; by definition of the report."""
+"""Of (5): the share of errors that the ellipsoid of this probability is to hold; by definition of the report."""
 
 
 class CalibrationField(NamedTuple):
@@ -66,11 +69,11 @@ class CalibrationField(NamedTuple):
     left: Mixture
 
     def variance(self, white: float) -> float:
-        """V px² of (6) beside white noise of a variance in px²."""
+        """V px² of (5) beside white noise of a variance in px²."""
         s2 = np.exp(LOG_VARIANCES)
         half = scipy.special.gammaincinv(1.5, HELD) * (white + s2[:, None]) / (white + s2)
         held = scipy.special.gammainc(1.5, half) @ self.posterior
-        return float(np.interp(HELD, held, s2))
+        return float(np.exp(np.interp(HELD, held, LOG_VARIANCES)))
 
     def exceeds(self, variance: float) -> bool:
         """Whether s² is more than a variance in px², with a probability of HELD."""
@@ -78,45 +81,88 @@ class CalibrationField(NamedTuple):
 
 
 def calibration_field(images: Images, some: Residuals) -> CalibrationField:
-    """The field of the images' residuals, by (1) to (5)."""
+    """The field of the images' residuals, by (1) to (4)."""
     C = len(images.P)
-    J, group = _jacobian(images, some), pair_of(some, C)
-    left, posterior = some.off, _usual()
+    group, own, index = pair_of(some, C), _jacobian(images, some), _index(C)
+    columns = index[some.camera.T].reshape(len(own), -1)
+    fit = mixture(some.off, group, C * C)
     for _ in range(ROUNDS):
-        fit = mixture(left, group, C * C)
-        weighted = J * np.where(peaked(fit)[group], fit.weight / fit.variance[group], 0.0)[:, None]
-        size, along = np.linalg.eigh(weighted.T @ J)
-        size, part = np.maximum(size, 0.0), along.T @ (weighted.T @ some.off)
-        posterior = _posterior(size, part)
-        s2 = np.exp(LOG_VARIANCES[posterior.argmax()])
-        left = some.off - J @ (along @ (s2 * part / (1 + s2 * size)))  # (4)
-    return CalibrationField(posterior, mixture(left, group, C * C))
+        spread = fit.variance * np.maximum(fit.number / MOST_RESIDUALS, 1.0)
+        weight = np.where(peaked(fit)[group], fit.weight / spread[group], 0.0)
+        A, b = _normal_equations(own, some, weight, index)
+        posterior = _posterior(A, b, 2 * C)
+        s1, s0 = np.exp(LOG_VARIANCES[list(np.unravel_index(posterior.argmax(), posterior.shape))])
+        expected = np.repeat([s0, s1], [2 * C, len(b) - 2 * C])
+        theta = expected * np.linalg.solve(np.eye(len(b)) + A * expected, b)
+        fit = mixture(some.off - (own * theta[columns]).sum(1), group, C * C)
+    return CalibrationField(_of_sum(posterior), fit)
 
 
-def _usual() -> Floats:
-    """The prior (5), not normalised."""
-    return np.asarray(np.exp(-0.5 * ((LOG_VARIANCES - 2 * np.log(USUAL_SD)) / LOG_SD) ** 2))
+def _of_sum(posterior: Floats) -> Floats:
+    """(n) the posterior of ln (s₀² + s₁²) at the nearest of LOG_VARIANCES."""
+    total = np.log(np.exp(LOG_VARIANCES)[:, None] + np.exp(LOG_VARIANCES))
+    place = np.rint((total - LOG_VARIANCES[0]) / (LOG_VARIANCES[1] - LOG_VARIANCES[0])).astype(int)
+    n = len(LOG_VARIANCES)
+    return np.asarray(np.bincount(np.minimum(place, n - 1).ravel(), posterior.ravel(), n))
 
 
-def _posterior(size: Floats, part: Floats) -> Floats:
-    """(5) from λ and c of (3)."""
-    s2 = np.exp(LOG_VARIANCES)[:, None]
-    log = (s2 * part**2 / (1 + s2 * size) - np.log1p(s2 * size)).sum(1) / 2  # (3)
-    both = np.exp(log - log.max()) * _usual()
+def _normal_equations(own: Floats, some: Residuals, weight: Floats, index: Ints) -> tuple[Floats, Floats]:
+    """A and b of (2), two cameras after two, of all θ."""
+    n, C = index.size, len(index)
+    A, b, group = np.zeros((n, n)), np.zeros(n), pair_of(some, C)
+    for pair in np.unique(group[weight > 0]):
+        rows = np.flatnonzero((group == pair) & (weight > 0))
+        J, which = own[rows], index[list(divmod(int(pair), C))].ravel()
+        weighted = J.T * weight[rows]
+        A[np.ix_(which, which)] += weighted @ J
+        b[which] += weighted @ some.off[rows]
+    return A, b
+
+
+def _posterior(A: Floats, b: Floats, n: int) -> Floats:
+    """(n, n) the posterior of ln s₁² and ln s₀² by (3) and (4), the first n of θ being θ₀."""
+    size, along = np.linalg.eigh(A[n:, n:])
+    size, between, part = np.maximum(size, 0.0), along.T @ A[n:, :n], along.T @ b[n:]
+    log = np.empty((len(LOG_VARIANCES), len(LOG_VARIANCES)))
+    for k, s1 in enumerate(np.exp(LOG_VARIANCES)):
+        D = s1 / (1 + s1 * size)
+        left = A[:n, :n] - between.T @ (D[:, None] * between)
+        of_waves = (D * part**2 - np.log1p(s1 * size)).sum() / 2
+        log[k] = of_waves + _log_likelihood(left, b[:n] - between.T @ (D * part))
+    prior = -0.5 * ((LOG_VARIANCES[:, None] - 2 * np.log(USUAL_SD)) / LOG_SD) ** 2
+    log += prior[:, 1:] + prior[:, 0]
+    both = np.exp(log - log.max())
     return np.asarray(both / both.sum())
 
 
+def _log_likelihood(A: Floats, b: Floats) -> Floats:
+    """(n) of b and A at LOG_VARIANCES, as the last two terms of (3)."""
+    size, along = np.linalg.eigh(A)
+    size, part, s2 = np.maximum(size, 0.0), along.T @ b, np.exp(LOG_VARIANCES)[:, None]
+    return np.asarray((s2 * part**2 / (1 + s2 * size) - np.log1p(s2 * size)).sum(1) / 2)
+
+
+def _index(C: int) -> Ints:
+    """(C, 2 K) where the θ of each camera are among all, θ₀ of all cameras first."""
+    waves = 4 * WAVES.size * len(DIRECTIONS)
+    first = np.arange(2 * C).reshape(C, 2)
+    return np.hstack([first, 2 * C + np.arange(waves * C).reshape(C, waves)])
+
+
 def _jacobian(images: Images, some: Residuals) -> Floats:
-    """J (H, 2 C K) of (2), of θ in px."""
-    J = np.zeros((len(some.off), len(images.P), 2, 9))
-    for camera, detection, line in zip(some.camera, some.detection, some.line, strict=True):
-        J[np.arange(len(detection)), camera] += line[:, :, None] * _functions(images, camera, detection)[:, None]
-    return J.reshape(len(some.off), -1)
+    """(H, 4 K) what of J of (2) is of the two cameras of each residual, px a px."""
+    sides = zip(some.camera, some.detection, some.line, strict=True)
+    return np.hstack(
+        [
+            (_functions(images, camera, detection)[:, :, None] * line[:, None]).reshape(len(line), -1)
+            for camera, detection, line in sides
+        ]
+    )
 
 
 def _functions(images: Images, camera: Ints, detection: Ints) -> Floats:
-    """φ (H, K) of (1) at images of cameras (H)."""
-    phase = WAVE * (2 * images.uv[detection] / images.size[camera] - 1) @ DIRECTIONS.T
-    share = np.sqrt((1 - CONSTANT_SHARE) / len(DIRECTIONS))
-    constant = np.full((len(phase), 1), np.sqrt(CONSTANT_SHARE))
-    return np.hstack([constant, share * np.cos(phase), share * np.sin(phase)])
+    """1 and φ (H, K) of (1) at images of cameras (H)."""
+    place = 2 * images.uv[detection] / images.size[camera] - 1
+    phase = place @ (WAVES[:, None, None] * DIRECTIONS).reshape(-1, 2).T
+    waves = np.hstack([np.cos(phase), np.sin(phase)]) / np.sqrt(WAVES.size * len(DIRECTIONS))
+    return np.hstack([np.ones((len(phase), 1)), waves])

@@ -32,7 +32,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from ...data.array_types import Bools, Floats, Ints
 from .candidate_points import batches, near_lines

@@ -24,7 +24,8 @@ the errors, of all s² = s₀² + s₁² by their probabilities, beside white no
 
     Σ p(s²) P(χ²₃ < q (σ² + V) / (σ² + s²)) = 0.95,   P(χ²₃ < q) = 0.95                     (5)
 
-V belongs to a place, not to a frame: no filter makes it less.
+V belongs to a place, not to a frame: no filter makes it less. A camera whose |θ₀|² is more than UNLIKE times the median
+of all, as one that was knocked, would make V large for all; its residuals are left out (6), and are noise of its own.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from .detection_index import Images
 from .epipolar_noise import Mixture, Residuals, mixture, pair_of, peaked
 
@@ -54,6 +55,10 @@ LOG_VARIANCES = np.linspace(2 * np.log(0.005), 2 * np.log(6.0), 61)
 MOST_RESIDUALS = 50.0
 """Residuals of two cameras that count, a number: what the waves do not fit is alike in neighbouring ones, and with more
 it would be taken for large waves; chosen (see benchmarks/tracking_scenes.py)."""
+
+UNLIKE = 8.0
+"""Of (6), a ratio of squares; chosen: where cameras are alike, one of 250 is so by chance, and of four cameras one that
+was knocked reaches 9."""
 
 ROUNDS = 3
 """Of (2) and (3), in which the mixture narrows; chosen (see benchmarks/tracking_scenes.py)."""
@@ -81,21 +86,31 @@ class CalibrationField(NamedTuple):
 
 
 def calibration_field(images: Images, some: Residuals) -> CalibrationField:
-    """The field of the images' residuals, by (1) to (4)."""
+    """The field of the images' residuals, by (1) to (4); what a camera unlike the others leaves (6) is noise."""
+    field, constant = _field(images, some, np.ones(len(some.off), bool))
+    size = (constant**2).sum(1)
+    unlike = size > UNLIKE * np.median(size)
+    if not unlike.any() or (~unlike).sum() < 2:
+        return field
+    return _field(images, some, ~unlike[some.camera].any(0))[0]
+
+
+def _field(images: Images, some: Residuals, used: Bools) -> tuple[CalibrationField, Floats]:
+    """The field of those residuals (H) that are used, and θ₀ (C, 2) px of the cameras."""
     C = len(images.P)
     group, own, index = pair_of(some, C), _jacobian(images, some), _index(C)
     columns = index[some.camera.T].reshape(len(own), -1)
     fit = mixture(some.off, group, C * C)
     for _ in range(ROUNDS):
         spread = fit.variance * np.maximum(fit.number / MOST_RESIDUALS, 1.0)
-        weight = np.where(peaked(fit)[group], fit.weight / spread[group], 0.0)
+        weight = np.where(used & peaked(fit)[group], fit.weight / spread[group], 0.0)
         A, b = _normal_equations(own, some, weight, index)
         posterior = _posterior(A, b, 2 * C)
         s1, s0 = np.exp(LOG_VARIANCES[list(np.unravel_index(posterior.argmax(), posterior.shape))])
         expected = np.repeat([s0, s1], [2 * C, len(b) - 2 * C])
         theta = expected * np.linalg.solve(np.eye(len(b)) + A * expected, b)
         fit = mixture(some.off - (own * theta[columns]).sum(1), group, C * C)
-    return CalibrationField(_of_sum(posterior), fit)
+    return CalibrationField(_of_sum(posterior), fit), theta[: 2 * C].reshape(C, 2)
 
 
 def _of_sum(posterior: Floats) -> Floats:

@@ -83,7 +83,7 @@ def sampled_frames(images: Images) -> list[int]:
 def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     """The images with the noise that their cameras really have, and that noise."""
     C, frames = len(images.P), sampled_frames(images)
-    nothing = Noise(*np.zeros((3, C)), np.full(C, np.nan))
+    nothing = Noise(np.zeros(C), np.zeros(C), np.zeros(C), np.full(C, np.nan))
     if not frames:
         return images, nothing
     stated = images if images.stated else images.noisier(np.full(C, LEAST_SD**2) - images.usual)

@@ -7,25 +7,34 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Ints
+from .arrange import arranged
 from .evidence import PairScore
 from .exchange import Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
+from .pool import pooled
 from .stretches import Stretches
 from .sweeps import outwards, places, sweep, total_score
 from .template import Template
 
 SWEEPS = 6
 """At most; chosen, most trials need two."""
+POOLINGS = 3
+"""At most; chosen, most trials need one."""
 LEAST_GAIN = 1.0
 """Of an exchange of labels, nats a frame; chosen."""
 
 
 class Solution(NamedTuple):
-    """(T) label of each track or −1; nats a frame of all pairs, and those that the template expects of as many."""
+    """(T) label of each track or −1; nats a frame of all pairs, and those that the template expects of as many.
+
+    And how well distances agree with what is known of the subject after the trial: of pieces it tells more than the
+    template, of whole labels it is no judge, as it was learnt from them.
+    """
 
     label: Ints
     score: float
     expected: float
+    after: PairScore | None = None
 
 
 class Start(NamedTuple):
@@ -46,24 +55,45 @@ def solve(
     if start is None:
         return best
     label = outwards(stretches, start.frame, start.tracks, start.labels, pairs)
-    exchanger = Exchanger.of(template, pairs)
-    tried = False
+    label = _settled(stretches, label, template, pairs, least_fit)
+    if np.any(template.doubt):
+        label = arranged(stretches, label, template, pairs)
+    return _pooled(stretches, label, template, pairs, least_fit)
+
+
+def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, least_fit: float) -> Ints:
+    """(T) labels after sweeps and exchanges, those of the greatest score."""
+    best, most, tried = label, -np.inf, False
     for _ in range(SWEEPS):
         label = sweep(stretches, label, pairs, least_fit)
-        score, expected = total_score(stretches, label, pairs)
-        settled = score <= best.score + 1e-6 * abs(best.score)
-        best = best if settled else Solution(label, score, expected)
+        score, _ = total_score(stretches, label, pairs)
+        settled = score <= most + 1e-6 * abs(most)
+        best, most = (best, most) if settled else (label, score)
         if settled and tried:
             break
         if settled:
-            turn = best_moves(places(stretches, best.label, len(template)), exchanger, LEAST_GAIN)
+            turn = best_moves(places(stretches, best, len(template)), Exchanger.of(template, pairs), LEAST_GAIN)
             tried = True
             if (turn == np.arange(len(turn))).all():
                 break
-            label = np.where(best.label >= 0, turn[best.label], -1)
-            score, expected = total_score(stretches, label, pairs)
-            best = Solution(label, score, expected) if score > best.score else best
+            label = np.where(best >= 0, turn[best], -1)
+            score, _ = total_score(stretches, label, pairs)
+            best, most = (label, score) if score > most else (best, most)
     return best
+
+
+def _pooled(
+    stretches: Stretches, label: Ints, template: Template, pairs: PairScore, least_fit: float
+) -> Solution:
+    """After sweeps by what is known of the subject after the trial."""
+    after = pairs
+    for _ in range(POOLINGS):
+        after = PairScore.of_template(pooled(template, places(stretches, label, len(template))))
+        new = sweep(stretches, label, after, least_fit)
+        if (new == label).all():
+            break
+        label = new
+    return Solution(label, *total_score(stretches, label, pairs), after)
 
 
 def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int) -> Start | None:

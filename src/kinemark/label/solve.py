@@ -6,20 +6,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data.array_types import Ints
+from ..data.array_types import Bools, Floats, Ints
 from .arrange import arranged
 from .evidence import PairScore
 from .exchange import Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
 from .pool import pooled
 from .stretches import Stretches
-from .sweeps import outwards, places, sweep, total_score
+from .sweeps import evidence, expectation, outwards, places, sweep, total_score
 from .template import Template
 
 SWEEPS = 6
 """At most; chosen, most trials need two."""
 POOLINGS = 3
 """At most; chosen, most trials need one."""
+BRIEF = 0.3
+"""Share of the frames below which a marker is seen too little to be known by the trial; chosen."""
+DOUBTFUL = 0.6
+"""Fit of a track as a share of the median one, below which it is none of a brief marker's; chosen: ghosts have less."""
+OFF = 0.3
+"""The same for tracks of a marker that is known by the trial; chosen."""
 LEAST_GAIN = 1.0
 """Of an exchange of labels, nats a frame; chosen."""
 
@@ -93,7 +99,28 @@ def _pooled(
         if (new == label).all():
             break
         label = new
+    label = np.where(_doubtful(stretches, label, pairs, after), -1, label)
     return Solution(label, *total_score(stretches, label, pairs), after)
+
+
+def _doubtful(stretches: Stretches, label: Ints, pairs: PairScore, after: PairScore) -> Bools:
+    """(T) tracks that take an absent marker's name and do not move with its body, or not as the marker's others do.
+
+    What is known after the trial tells of markers that are seen for long; of the rest only what was known before.
+    """
+    named = np.flatnonzero(label >= 0)
+    brief = _share_of_frames(stretches, label, len(pairs.distance)) < BRIEF
+    out = np.zeros(len(label), bool)
+    for score, whole, share in ((pairs, brief, DOUBTFUL), (after, ~brief, OFF)):
+        nats, expected = evidence(stretches, label, score), expectation(stretches, label, score)
+        fit = nats[named, label[named]] / np.maximum(expected[label[named]], 1e-9)
+        out[named] |= (fit < share * np.median(fit) if len(fit) else fit < 0) & whole[label[named]]
+    return out
+
+
+def _share_of_frames(stretches: Stretches, label: Ints, L: int) -> Floats:
+    """(L) of the trial's frames, those in which each label is."""
+    return np.array([stretches.seen[label == a].any(0).mean() for a in range(L)])
 
 
 def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int) -> Start | None:

@@ -56,8 +56,7 @@ class Template:
         handed: (Q, 4) labels whose orientation never changes.
         sign: (Q) of their triple product, 1 or −1.
         frames: (L, L) in how many frames both were seen.
-        doubt: (L, L) standard uncertainty of the mean distance in a trial to come, mm, beyond what the spread tells: of
-            another subject, or of postures that a static trial does not show; 0 where None.
+        doubt: (L, L) standard uncertainty of the mean distance, mm, where the template is another subject's; 0 where None.
     """
 
     names: tuple[str, ...]
@@ -104,9 +103,9 @@ class Template:
         if not 0 <= relative_spread < np.inf:
             raise ValueError(f"relative_spread is {relative_spread}, wanted 0 or more")
         D = self.distance * ratio
-        doubt = np.hypot(np.asarray(self.doubt) * ratio, relative_spread * D)
-        spread, short = self.spread * ratio, self.short_spread * ratio
-        return replace(self, distance=D, spread=spread, short_spread=short, doubt=doubt)
+        spread = np.hypot(self.spread * ratio, relative_spread * D)
+        doubt = np.asarray(self.doubt) * ratio
+        return replace(self, distance=D, spread=spread, short_spread=self.short_spread * ratio, doubt=doubt)
 
     def of_another(self, ratio: float) -> Template:
         """Of another subject, `ratio` times as tall, whose proportions and places of markers differ: (3).
@@ -142,6 +141,8 @@ def learn_template(
         KinemarkError: there are fewer than four names with samples, or no two of them are ever seen together.
         ValueError: relative_spread is below 0.
     """
+    if not 0 <= relative_spread < np.inf:
+        raise ValueError(f"relative_spread is {relative_spread}, wanted 0 or more")
     known = tuple(names) if names is not None else names_in(trials)
     if len(known) < 4:
         raise KinemarkError(
@@ -155,11 +156,11 @@ def learn_template(
     sums = np.nansum(d, 2) / np.maximum(n, 1)
     mean = np.where(n > 0, sums, np.nan)
     spread = np.sqrt(np.nansum((d - sums[..., None]) ** 2, 2) / np.maximum(n, 1))  # (1)
-    handed, sign = _handed(np.concatenate([xyz for xyz, _ in parts], axis=1), spread, n)
-    template = Template(known, mean, spread, _short_spread(parts, known), handed, sign, n)
-    wider = template.scaled(1.0, relative_spread=relative_spread)
     rigid = _rigid(known, segments or {})
-    return replace(wider, doubt=np.where(rigid, 0.0, wider.doubt))
+    wide = np.where(rigid, spread, np.hypot(spread, relative_spread * mean))
+    xyz = np.concatenate([xyz for xyz, _ in parts], axis=1)
+    handed, sign = _handed(xyz, spread, n)
+    return Template(known, mean, wide, _short_spread(parts, known), handed, sign, n)
 
 
 def _rigid(names: tuple[str, ...], segments: Mapping[str, Sequence[str]]) -> NDArray[np.bool_]:

@@ -58,7 +58,10 @@ def arranged(stretches: Stretches, label: Ints, template: Template, pairs: PairS
     now, best = markers.label, markers.label
     most = _sum(_nats(markers, now, shapes, pairs, TEMPER), now, L)
     for share in ROUNDS:
-        now = _assigned(_nats(markers, _trusted(markers, now, shapes, pairs), shapes, pairs, share), FLOOR if share == 0 else -ABSENT)
+        now = _assigned(
+            _nats(markers, _trusted(markers, now, shapes, pairs), shapes, pairs, share),
+            FLOOR if share == 0 else -ABSENT,
+        )
         total = _sum(_nats(markers, now, shapes, pairs, TEMPER), now, L)
         if total > most + 1e-6:
             best, most = now, total

@@ -88,11 +88,9 @@ def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairS
     return best
 
 
-def _pooled(
-    stretches: Stretches, label: Ints, template: Template, pairs: PairScore, least_fit: float
-) -> Solution:
+def _pooled(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, least_fit: float) -> Solution:
     """After sweeps by what is known of the subject after the trial."""
-    after = pairs
+    judged, after = total_score(stretches, label, pairs), pairs  # what comes now is fitted to this labelling
     for _ in range(POOLINGS):
         after = PairScore.of_template(pooled(template, places(stretches, label, len(template))))
         new = sweep(stretches, label, after, least_fit)
@@ -100,7 +98,7 @@ def _pooled(
             break
         label = new
     label = np.where(_doubtful(stretches, label, pairs, after), -1, label)
-    return Solution(label, *total_score(stretches, label, pairs), after)
+    return Solution(label, *judged, after)
 
 
 def _doubtful(stretches: Stretches, label: Ints, pairs: PairScore, after: PairScore) -> Bools:

@@ -1,7 +1,7 @@
 """Whole markers exchanged where the places that a template foretells say so: for templates that may be off.
 
-All that has one label is taken as one marker, and tracks without a label that are seen for long, alone or as a chain, with them. Markers
-take labels anew as one assignment by
+All that has one label is taken as one marker, and so are tracks without a label that are seen for long, alone or as a
+chain. Markers take labels anew as one assignment by
 
     e3(m, a) + 0.1 e(m, a)                                                                                       (1)
 
@@ -32,7 +32,8 @@ TEMPER = 0.1
 ROUNDS = (0.0, 0.0, 0.0, TEMPER, TEMPER, TEMPER)
 """Share of distances in each round; chosen."""
 ABSENT = 10.0
-"""What a label costs that no marker has, nats; chosen: one marker in a hundred is absent, and one track in a hundred is none."""
+"""What a label costs that no marker has, nats; chosen: one marker in a hundred is absent,
+and one long track in a hundred is no marker."""
 CLEAR = 3.0
 """By which a track goes on as another rather than as the next, nats; chosen."""
 TRUSTED = -2.0
@@ -42,7 +43,7 @@ LONG = 0.3
 
 
 class Markers(NamedTuple):
-    """M markers in some frames: (K, M, 3) places, (M) the label of each now, −1 for none; (T) which a track is part of."""
+    """M markers in some frames: (K, M, 3) places, (M) their labels, −1 for none; (T) which a track is part of."""
 
     xyz: Single
     label: Ints

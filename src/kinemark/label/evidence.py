@@ -37,7 +37,7 @@ WRONG_HAND = 4.0
 
 
 class Hands(NamedTuple):
-    """Quadruples seen from each of their members: (H) a member, (H, 3) the others, (H) sign of (others, member); (Q, 5) all."""
+    """Quadruples seen from their members: (H) a member, (H, 3) others, (H) sign of (others, member); (Q, 5) all."""
 
     label: NDArray[np.int64]
     others: NDArray[np.int64]

@@ -24,6 +24,8 @@ BRIEF = 0.3
 """Share of the frames below which a marker is seen too little to be known by the trial; chosen."""
 DOUBTFUL = 0.6
 """Fit of a track as a share of the median one, below which it is none of a brief marker's; chosen: ghosts have less."""
+LEAST_KNOWN = 0.5
+"""Share of the samples that must have a name before a trial may tell of the subject; chosen, as for a refusal."""
 OFF = 0.3
 """The same for tracks of a marker that is known by the trial; chosen."""
 LEAST_GAIN = 1.0
@@ -91,6 +93,9 @@ def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairS
 def _pooled(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, least_fit: float) -> Solution:
     """After sweeps by what is known of the subject after the trial."""
     judged, after = total_score(stretches, label, pairs), pairs  # what comes now is fitted to this labelling
+    could = np.minimum(stretches.seen.sum(0), len(template)).sum()
+    if stretches.seen[label >= 0].sum() < LEAST_KNOWN * could:
+        return Solution(label, *judged, after)
     for _ in range(POOLINGS):
         after = PairScore.of_template(pooled(template, places(stretches, label, len(template))))
         new = sweep(stretches, label, after, least_fit)

@@ -56,7 +56,7 @@ class Template:
         handed: (Q, 4) labels whose orientation never changes.
         sign: (Q) of their triple product, 1 or −1.
         frames: (L, L) in how many frames both were seen.
-        doubt: (L, L) standard uncertainty of the mean distance, mm, where the template is another subject's; 0 where None.
+        doubt: (L, L) standard uncertainty of the mean distance, mm, of another subject's template; 0 where None.
     """
 
     names: tuple[str, ...]

@@ -85,7 +85,7 @@ def _chains(stretches: Stretches, label: Ints) -> Ints:
     """(T) which tracks without label go on with each other, by motion, where no other does nearly as well."""
     link = stretches.link.tocoo()
     free = (label[link.row] < 0) & (label[link.col] < 0) & (link.data > 0)
-    row, column, nats = link.row[free], link.col[free], link.data[free]
+    row, column, nats = link.row[free].astype(np.int64), link.col[free].astype(np.int64), link.data[free]
     sure = _clearly_best(row, nats) & _clearly_best(column, nats)
     joined = scipy.sparse.coo_array((nats[sure], (row[sure], column[sure])), shape=link.shape)
     return np.asarray(scipy.sparse.csgraph.connected_components(joined, directed=False)[1])

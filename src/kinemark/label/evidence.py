@@ -96,7 +96,7 @@ class PairScore(NamedTuple):
     @classmethod
     def of_template(cls, template: Template) -> PairScore:
         """As the template has them, a little wider; with quadruples where its distances are another subject's."""
-        plain = cls.of(template.distance, np.hypot(WIDER * template.spread, template.doubt), template.size)
+        plain = cls.of(template.distance, np.hypot(WIDER * template.spread, np.asarray(template.doubt)), template.size)
         if not np.any(template.doubt):
             return plain
         return plain._replace(hands=Hands.of(template.handed, template.sign))

@@ -114,7 +114,7 @@ class Template:
             ValueError: the ratio is not above 0.
         """
         new = self.scaled(ratio)
-        return replace(new, doubt=np.hypot(new.doubt, between_subjects(new.distance, new.size)))
+        return replace(new, doubt=np.hypot(np.asarray(new.doubt), between_subjects(new.distance, new.size)))
 
 
 def between_subjects(D: Floats, size: float) -> Floats:

@@ -39,7 +39,7 @@ NEIGHBOURS = 8
 QUADRUPLES = 12
 """That are kept of each label, the widest; chosen."""
 PLACING, PROPORTION, LIMB = 0.004, 0.018, 0.2
-"""Of (3), shares of the body's size; chosen to fit what five children of 1.2 to 1.5 m show who wear the same 59 markers."""
+"""Of (3), shares of the body's size; chosen to fit five children of 1.2 to 1.5 m with the same 59 markers."""
 LEAST_VOLUME = 0.1
 """Least triple product over the product of its edges, in all frames: 6° out of one plane; chosen."""
 

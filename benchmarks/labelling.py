@@ -19,7 +19,7 @@ import os
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, permutations
 from pathlib import Path
 from typing import NamedTuple
 
@@ -46,10 +46,18 @@ TUNED = (
     "prone",
     "whole body static",
     "walker 15 seed 1",
-    "other child HC002D",
+    "other child HC002D by HC030A",
     "wrong: child",
 )
 """Rows by whose names the probability was tuned, and all parameters with them; the others are checks."""
+FIRST_WALKS = (
+    "pig_gait_child/HC030A05",
+    "pig_gait_children/HC002D06",
+    "pig_gait_children/HC031A06",
+    "pig_gait_children/HC032A03",
+    "pig_gait_children/HC033A10",
+)
+"""One walk of each child."""
 MARKERS_OF_CHILD = """
     LFHD LBHD RFHD RBHD C7 T2 T6 T10 T12 RBAK CLAV STRN LSHO LELB LWRA LWRB LFIN RSHO RELB RWRA RWRB RFIN SACR RASI
     LASI LTHI LKNE LHFB LTUB LTIB LSHN LANK LHEE LCPG LLCA LSTL LNAV LP1M LP5M LD5M LTOE LHLX RTHI RKNE RHFB RTUB RTIB
@@ -72,8 +80,6 @@ SEGMENTS = {name: markers.split() for name, markers in BODY.items()} | {
 }
 STATIC = 0.14
 """Relative spread of distances that a static trial does not show ; chosen, see docs/theory/label.md."""
-OTHER = 0.06
-"""Of distances of one child in another, scaled by height; chosen."""
 
 
 class Row(NamedTuple):
@@ -204,12 +210,11 @@ def static_trials() -> Iterator[Row]:
 
 
 def other_children() -> Iterator[Row]:
-    """The template of one child, scaled by height."""
-    one = only(read("pig_gait_child/HC030A05.c3d"), CHILD)
-    for file in ("HC002D06", "HC031A06", "HC032A03", "HC033A10"):
-        other = only(read(f"pig_gait_children/{file}.c3d"), CHILD)
-        ratio = height(other) / height(one)
-        yield Row(f"other child {file}", learn_template(one).scaled(ratio, relative_spread=OTHER), other)
+    """The template of one child, scaled by height, for each other child."""
+    trials = {file[-8:-2]: only(read(f"{file}.c3d"), CHILD) for file in FIRST_WALKS}
+    for a, b in permutations(trials, 2):
+        ratio = height(trials[b]) / height(trials[a])
+        yield Row(f"other child {b} by {a}", learn_template(trials[a]).of_another(ratio), trials[b])
 
 
 def wrong_templates() -> Iterator[Row]:

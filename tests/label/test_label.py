@@ -9,8 +9,11 @@ from labelling import shredded
 
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
 from kinemark.label import Distances, label, learn_template, named
-from kinemark.label.evidence import PairScore
+from kinemark.label.arrange import arranged
+from kinemark.label.evidence import Hands, PairScore
 from kinemark.label.exchange import Exchanger, best_moves
+from kinemark.label.pool import pooled
+from kinemark.label.shape import Shapes
 from kinemark.label.stretches import stretches_of
 from kinemark.label.sweeps import places
 from kinemark.synth import arm, walking, with_markers
@@ -120,3 +123,62 @@ def test_probabilities_are_true_of_names_in_pieces():
     assert ((p >= 0) & (p <= 1)).all() and (found.probability[~has] == 0).all()
     assert ((p - right) ** 2).mean() < 0.05
     assert right[p >= 0.95].mean() > 0.98
+
+
+def test_a_trial_narrows_what_is_doubtful_of_another_subject_and_moves_it_to_the_truth():
+    trial = walk(7)
+    plain = template().of_another(1.0)
+    off = replace(plain, distance=plain.distance * 1.02)
+    own = np.array([off.names.index(name) for name in trial.names])
+    new = pooled(off, places(stretches_of(trial, off.size), own, len(off)))
+    truth = learn_template(trial).distance
+    before, after = (np.abs(one.distance - truth)[np.triu_indices(len(off), 1)] for one in (off, new))
+    assert np.median(after) < 0.3 * np.median(before)
+    assert (new.doubt <= np.hypot(off.doubt, off.spread) + 1e-9).all() and np.any(new.doubt < 0.5 * off.doubt)
+
+
+def test_places_foretold_from_neighbours_are_those_of_the_markers_and_turn_with_them():
+    trial, shapes = walk(7, 39), Shapes.of(template(39))
+    index = np.array([template(39).names.index(name) for name in trial.names])
+    y = places(stretches_of(trial, template(39).size), index, 39)
+    off = np.linalg.norm(shapes.foretold(y) - y, axis=-1)
+    assert np.nanmedian(off[:, shapes.known]) < 0.03 * template(39).size
+    mirrored = np.linalg.norm(shapes.foretold(y * np.float32([1, -1, 1])) - y * np.float32([1, -1, 1]), axis=-1)
+    assert np.nanmedian(mirrored[:, shapes.known]) > 2 * np.nanmedian(off[:, shapes.known])
+
+
+def test_a_chain_of_names_that_are_one_further_is_put_right():
+    """Three neighbours each carry the next one's name, and the last is unnamed: single tracks cannot leave that."""
+    trial = walk(7, 39)
+    other = template(39).of_another(1.0)
+    pairs, stretches = PairScore.of_template(other), stretches_of(trial, other.size)
+    truth = np.array([other.names.index(name) for name in trial.names])
+    near = np.argsort(other.distance[3] + np.where(np.arange(39) == 3, np.inf, 0))[:2]
+    chain = [3, *near.tolist()]
+    wrong = truth.copy()
+    tracks = [int(np.flatnonzero(truth == a)[0]) for a in chain]
+    wrong[tracks[0]], wrong[tracks[1]], wrong[tracks[2]] = chain[1], chain[2], -1
+    np.testing.assert_array_equal(arranged(stretches, wrong, other, pairs), truth)
+
+
+def test_ghosts_do_not_take_the_name_of_an_absent_marker():
+    gone = walk(7).names[4]
+    rest = walk(7).select([name for name in walk(7).names if name != gone])
+    for seed in (1, 2, 3):
+        tracks, truth = shredded(rest, 1, 3.0, seed)
+        found = label(tracks, template())
+        taken = {n for n, t, s in zip(found.names, truth, found.state, strict=True) if t is None and s == "sure"}
+        assert not taken
+
+
+def test_quadruples_seen_from_their_members_agree_with_the_quadruples():
+    rng = np.random.default_rng(1)
+    y = rng.normal(size=(8, 3)).astype(np.float32)
+    handed = np.array([[0, 1, 2, 3], [1, 2, 4, 5], [0, 3, 6, 7]])
+    a = y[handed[:, 0]]
+    sign = np.sign(((y[handed[:, 1]] - a) * np.cross(y[handed[:, 2]] - a, y[handed[:, 3]] - a)).sum(-1)).astype(int)
+    right, wrong = Hands.of(handed, sign), Hands.of(handed, -sign)
+    own = np.arange(8)
+    assert not right.of_points(y, y)[own, own].any() and right.total(y) == 0
+    np.testing.assert_array_equal(wrong.of_points(y, y)[own, own], -4.0 * np.bincount(handed.ravel(), minlength=8))
+    assert wrong.total(y) == -12

@@ -7,6 +7,7 @@ import pytest
 
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
 from kinemark.label import learn_template
+from kinemark.label.template import between_subjects
 from kinemark.synth import walking, with_markers
 
 TURN = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
@@ -77,3 +78,12 @@ def test_several_trials_are_pooled():
     both = learn_template(one, two)
     parts = learn_template(one), learn_template(two)
     np.testing.assert_allclose(both.distance, np.mean([part.distance for part in parts], axis=0))
+
+
+def test_another_subjects_distances_are_doubtful_the_more_the_longer_up_to_a_limb():
+    one = learn_template(walk()).of_another(1.1)
+    size = one.size
+    assert one.doubt[0, 5] == pytest.approx(between_subjects(one.distance[0, 5], size))
+    near, limb, body = (between_subjects(share * size, size) for share in (0.02, 0.2, 1.0))
+    assert near < limb < body < 0.02 * size
+    np.testing.assert_allclose(one.spread, 1.1 * learn_template(walk()).spread)

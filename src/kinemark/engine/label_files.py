@@ -18,8 +18,6 @@ from ..report.words import advice_of, text_of
 
 STATIC_SPREAD = 0.14
 """Share of each distance that a static trial does not show; chosen, see docs/theory/label.md."""
-OTHER_SUBJECT = 0.06
-"""Share of each distance by which another subject differs, scaled by height; chosen, see docs/theory/label.md."""
 
 
 class LabelledFile(NamedTuple):
@@ -59,7 +57,7 @@ def template_of(
         )
     trials = [read_trial(file).trajectories for file in files]
     template = learn_template(*trials, names=tuple(markers) or None, relative_spread=STATIC_SPREAD if static else 0.0)
-    return template if scale is None else template.scaled(scale, relative_spread=OTHER_SUBJECT)
+    return template if scale is None else template.of_another(scale)
 
 
 def label_file(

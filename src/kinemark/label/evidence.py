@@ -36,6 +36,41 @@ WRONG_HAND = 4.0
 """What a quadruple of the wrong orientation costs, nats; chosen."""
 
 
+class Hands(NamedTuple):
+    """Quadruples seen from their members: (H) a member, (H, 3) others, (H) sign of (others, member); (Q, 5) all."""
+
+    label: NDArray[np.int64]
+    others: NDArray[np.int64]
+    sign: NDArray[np.int64]
+    four: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, handed: Ints, sign: Ints) -> Hands:
+        """Of quadruples (Q, 4); to bring a member to the end changes the sign where it passes an odd number."""
+        places = range(4)
+        rest = np.concatenate([np.delete(handed, k, axis=1) for k in places])
+        signs = np.concatenate([sign * (-1) ** (3 - k) for k in places])
+        label = np.concatenate([handed[:, k] for k in places])
+        order = np.argsort(label, kind="stable")
+        return cls(label[order], rest[order], signs[order], np.column_stack([handed, sign]))
+
+    def of_points(self, xyz: Single, labelled: Single) -> Single:
+        """(N, L) nats that points xyz (N, 3) lose as each label beside the labelled (L, 3); 0 where nothing is told."""
+        out = np.zeros((len(labelled), len(xyz)), np.float32)
+        if len(self.label):
+            three = labelled[self.others]
+            p = three[:, 0]
+            normal = np.cross(three[:, 1] - p, three[:, 2] - p) * self.sign[:, None].astype(np.float32)
+            wrong = normal @ xyz.T < (normal * p).sum(-1)[:, None]  # not where one of the three is NaN
+            own, first = np.unique(self.label, return_index=True)
+            out[own] = -WRONG_HAND * np.add.reduceat(wrong.astype(np.float32), first, axis=0)
+        return out.T
+
+    def total(self, labelled: Single) -> float:
+        """Nats that the labelled (L, 3) lose by all quadruples."""
+        return float(hands(labelled, self.four[:, :4], self.four[:, 4]).sum())
+
+
 class PairScore(NamedTuple):
     """(1) of all pairs of labels, (L, L) each: mm, 1/mm, nats; inverse and base are 0 where nothing is known."""
 
@@ -43,6 +78,7 @@ class PairScore(NamedTuple):
     inverse: Single
     base: Single
     least: Single
+    hands: Hands | None = None
 
     @classmethod
     def of(cls, D: NDArray[np.float64], spread: NDArray[np.float64], size: float) -> PairScore:
@@ -59,8 +95,11 @@ class PairScore(NamedTuple):
 
     @classmethod
     def of_template(cls, template: Template) -> PairScore:
-        """As the template has them, a little wider."""
-        return cls.of(template.distance, WIDER * template.spread, template.size)
+        """As the template has them, a little wider; with quadruples where its distances are another subject's."""
+        plain = cls.of(template.distance, np.hypot(WIDER * template.spread, np.asarray(template.doubt)), template.size)
+        if not np.any(template.doubt):
+            return plain
+        return plain._replace(hands=Hands.of(template.handed, template.sign))
 
     def at(self, d: Single, a: Ints | slice, b: Ints | slice) -> Single:
         """(1) of distances (…) for labels a and b that broadcast with them; 0 where the distance is NaN."""
@@ -75,15 +114,18 @@ class PairScore(NamedTuple):
         """
         d = distances(xyz, labelled)
         mine = np.flatnonzero(own >= 0)
-        d[mine, own[mine]] = np.nan
-        seen = np.flatnonzero(np.isfinite(d).any(0))
+        seen = np.flatnonzero(np.isfinite(labelled[:, 0]))
         d = d[:, None, seen]
         z = (d - self.distance[:, seen]) * self.inverse[:, seen]
         np.multiply(z, z, out=z)
         z *= -0.5
         z += self.base[:, seen]
         np.maximum(z, self.least[:, seen], out=z)
-        return np.nansum(z, axis=2)
+        nats = z.sum(axis=2)
+        column = np.searchsorted(seen, own[mine])  # what a point gains by its own place is taken off again
+        there = (column < len(seen)) & (seen[np.minimum(column, len(seen) - 1)] == own[mine]) if len(seen) else mine < 0
+        nats[mine[there]] -= z[mine[there], :, column[there]]
+        return nats if self.hands is None else nats + self.hands.of_points(xyz, labelled)
 
     @property
     def expected(self) -> NDArray[np.float64]:

@@ -6,26 +6,43 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data.array_types import Ints
+from ..data.array_types import Bools, Floats, Ints
+from .arrange import arranged
 from .evidence import PairScore
 from .exchange import Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
+from .pool import pooled
 from .stretches import Stretches
-from .sweeps import outwards, places, sweep, total_score
+from .sweeps import evidence, expectation, outwards, places, sweep, total_score
 from .template import Template
 
 SWEEPS = 6
 """At most; chosen, most trials need two."""
+POOLINGS = 3
+"""At most; chosen, most trials need one."""
+BRIEF = 0.3
+"""Share of the frames below which a marker is seen too little to be known by the trial; chosen."""
+DOUBTFUL = 0.6
+"""Fit of a track as a share of the median one, below which it is none of a brief marker's; chosen: ghosts have less."""
+LEAST_KNOWN = 0.5
+"""Share of the samples that must have a name before a trial may tell of the subject; chosen, as for a refusal."""
+OFF = 0.3
+"""The same for tracks of a marker that is known by the trial; chosen."""
 LEAST_GAIN = 1.0
 """Of an exchange of labels, nats a frame; chosen."""
 
 
 class Solution(NamedTuple):
-    """(T) label of each track or −1; nats a frame of all pairs, and those that the template expects of as many."""
+    """(T) label of each track or −1; nats a frame of all pairs, and those that the template expects of as many.
+
+    And how well distances agree with what is known of the subject after the trial: of pieces it tells more than the
+    template, of whole labels it is no judge, as it was learnt from them.
+    """
 
     label: Ints
     score: float
     expected: float
+    after: PairScore | None = None
 
 
 class Start(NamedTuple):
@@ -46,24 +63,67 @@ def solve(
     if start is None:
         return best
     label = outwards(stretches, start.frame, start.tracks, start.labels, pairs)
-    exchanger = Exchanger.of(template, pairs)
-    tried = False
+    label = _settled(stretches, label, template, pairs, least_fit)
+    if np.any(template.doubt):
+        label = arranged(stretches, label, template, pairs)
+    return _pooled(stretches, label, template, pairs, least_fit)
+
+
+def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, least_fit: float) -> Ints:
+    """(T) labels after sweeps and exchanges, those of the greatest score."""
+    best, most, tried = label, -np.inf, False
     for _ in range(SWEEPS):
         label = sweep(stretches, label, pairs, least_fit)
-        score, expected = total_score(stretches, label, pairs)
-        settled = score <= best.score + 1e-6 * abs(best.score)
-        best = best if settled else Solution(label, score, expected)
+        score, _ = total_score(stretches, label, pairs)
+        settled = score <= most + 1e-6 * abs(most)
+        best, most = (best, most) if settled else (label, score)
         if settled and tried:
             break
         if settled:
-            turn = best_moves(places(stretches, best.label, len(template)), exchanger, LEAST_GAIN)
+            turn = best_moves(places(stretches, best, len(template)), Exchanger.of(template, pairs), LEAST_GAIN)
             tried = True
             if (turn == np.arange(len(turn))).all():
                 break
-            label = np.where(best.label >= 0, turn[best.label], -1)
-            score, expected = total_score(stretches, label, pairs)
-            best = Solution(label, score, expected) if score > best.score else best
+            label = np.where(best >= 0, turn[best], -1)
+            score, _ = total_score(stretches, label, pairs)
+            best, most = (label, score) if score > most else (best, most)
     return best
+
+
+def _pooled(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, least_fit: float) -> Solution:
+    """After sweeps by what is known of the subject after the trial."""
+    judged, after = total_score(stretches, label, pairs), pairs  # what comes now is fitted to this labelling
+    could = np.minimum(stretches.seen.sum(0), len(template)).sum()
+    if stretches.seen[label >= 0].sum() < LEAST_KNOWN * could:
+        return Solution(label, *judged, after)
+    for _ in range(POOLINGS):
+        after = PairScore.of_template(pooled(template, places(stretches, label, len(template))))
+        new = sweep(stretches, label, after, least_fit)
+        if (new == label).all():
+            break
+        label = new
+    label = np.where(_doubtful(stretches, label, pairs, after), -1, label)
+    return Solution(label, *judged, after)
+
+
+def _doubtful(stretches: Stretches, label: Ints, pairs: PairScore, after: PairScore) -> Bools:
+    """(T) tracks that take an absent marker's name and do not move with its body, or not as the marker's others do.
+
+    What is known after the trial tells of markers that are seen for long; of the rest only what was known before.
+    """
+    named = np.flatnonzero(label >= 0)
+    brief = _share_of_frames(stretches, label, len(pairs.distance)) < BRIEF
+    out = np.zeros(len(label), bool)
+    for score, whole, share in ((pairs, brief, DOUBTFUL), (after, ~brief, OFF)):
+        nats, expected = evidence(stretches, label, score), expectation(stretches, label, score)
+        fit = nats[named, label[named]] / np.maximum(expected[label[named]], 1e-9)
+        out[named] |= (fit < share * np.median(fit) if len(fit) else fit < 0) & whole[label[named]]
+    return out
+
+
+def _share_of_frames(stretches: Stretches, label: Ints, L: int) -> Floats:
+    """(L) of the trial's frames, those in which each label is."""
+    return np.array([stretches.seen[label == a].any(0).mean() for a in range(L)])
 
 
 def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int) -> Start | None:

@@ -1,0 +1,140 @@
+"""Whole markers exchanged where the places that a template foretells say so: for templates that may be off.
+
+All that has one label is taken as one marker, and so are tracks without a label that are seen for long, alone or as a
+chain. Markers take labels anew as one assignment by
+
+    e3(m, a) + 0.1 e(m, a)                                                                                       (1)
+
+with e3 the mean of `shape` (2) and e of `sweeps` (1), and the places follow, until nothing changes. The first rounds go
+by e3 alone: distances carry a chain of wrong names, each of which supports the next. Of the labellings before and after
+that is kept whose sum of (1) is greater; each label without a marker costs 10 nats.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from ..data.array_types import Floats, Ints
+from .evidence import PairScore, Single
+from .shape import FLOOR, Shapes
+from .stretches import Stretches
+from .sweeps import places
+from .template import Template
+
+FRAMES = 40
+"""In which markers are looked at; chosen."""
+TEMPER = 0.1
+"""Of distances' evidence: some ten of them are worth one independent proof; chosen."""
+ROUNDS = (0.0, 0.0, 0.0, TEMPER, TEMPER, TEMPER)
+"""Share of distances in each round; chosen."""
+ABSENT = 10.0
+"""What a label costs that no marker has, nats; chosen: one marker in a hundred is absent,
+and one long track in a hundred is no marker."""
+CLEAR = 3.0
+"""By which a track goes on as another rather than as the next, nats; chosen."""
+TRUSTED = -2.0
+"""Least of e3 with which a marker tells where others are, nats; chosen: one that is off misleads."""
+LONG = 0.3
+"""Share of the frames in which a track without label counts as a marker; chosen."""
+
+
+class Markers(NamedTuple):
+    """M markers in some frames: (K, M, 3) places, (M) their labels, −1 for none; (T) which a track is part of."""
+
+    xyz: Single
+    label: Ints
+    of: Ints
+
+
+def arranged(stretches: Stretches, label: Ints, template: Template, pairs: PairScore) -> Ints:
+    """(T) labels after whole markers took those that suit them better."""
+    shapes, L = Shapes.of(template), len(template)
+    if not shapes.known.any() or not (label >= 0).any():
+        return label
+    markers = _markers(stretches, label, L)
+    now, best = markers.label, markers.label
+    most = _sum(_nats(markers, now, shapes, pairs, TEMPER), now, L)
+    for share in ROUNDS:
+        now = _assigned(
+            _nats(markers, _trusted(markers, now, shapes, pairs), shapes, pairs, share),
+            FLOOR if share == 0 else -ABSENT,
+        )
+        total = _sum(_nats(markers, now, shapes, pairs, TEMPER), now, L)
+        if total > most + 1e-6:
+            best, most = now, total
+    return np.where(markers.of >= 0, best[markers.of], label)
+
+
+def _markers(stretches: Stretches, label: Ints, L: int) -> Markers:
+    """Labels that are there, and long chains of tracks without one."""
+    chain = L + _chains(stretches, label)
+    long = np.array([stretches.seen[chain == c].any(0).mean() > LONG for c in range(L, chain.max() + 1)], bool)
+    whose = np.where(label >= 0, label, np.where(np.r_[np.zeros(L, bool), long][chain], chain, -1))
+    kept, of = np.unique(whose[whose >= 0], return_inverse=True)
+    part = np.full(len(label), -1)
+    part[whose >= 0] = of
+    some = np.unique(np.linspace(0, len(stretches.frame) - 1, min(len(stretches.frame), FRAMES)).round().astype(int))
+    return Markers(places(stretches, part, len(kept))[some], np.where(kept < L, kept, -1), part)
+
+
+def _chains(stretches: Stretches, label: Ints) -> Ints:
+    """(T) which tracks without label go on with each other, by motion, where no other does nearly as well."""
+    link = stretches.link.tocoo()
+    free = (label[link.row] < 0) & (label[link.col] < 0) & (link.data > 0)
+    row, column, nats = link.row[free].astype(np.int64), link.col[free].astype(np.int64), link.data[free]
+    sure = _clearly_best(row, nats) & _clearly_best(column, nats)
+    joined = scipy.sparse.coo_array((nats[sure], (row[sure], column[sure])), shape=link.shape)
+    return np.asarray(scipy.sparse.csgraph.connected_components(joined, directed=False)[1])
+
+
+def _clearly_best(group: Ints, nats: Floats) -> NDArray[np.bool_]:
+    """Entries that are the best of their group, by `CLEAR` at least."""
+    order = np.lexsort((-nats, group))
+    first = np.r_[True, np.diff(group[order]) != 0] if len(order) else np.zeros(0, bool)
+    next_in_group = np.r_[~first[1:], False] if len(order) else first
+    gap = np.where(next_in_group, nats[order] - np.r_[nats[order][1:], 0.0][: len(order)], np.inf)
+    out = np.zeros(len(nats), bool)
+    out[order] = first & (gap > CLEAR)
+    return out
+
+
+def _nats(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore, share: float) -> Floats:
+    """(M, L) of (1), 0.1 being `share`; the names of now tell where labels are."""
+    K, L = len(markers.xyz), len(shapes.sigma)
+    y = np.full((K, L, 3), np.nan, np.float32)
+    y[:, now[now >= 0]] = markers.xyz[:, now >= 0]
+    each = shapes.nats(markers.xyz.astype(float), shapes.foretold(y))
+    count = np.maximum(np.isfinite(each).sum(0), 1)
+    nats = np.nansum(each, 0) / count
+    if share > 0:
+        far = np.where(np.isfinite(markers.xyz), markers.xyz, np.nan)
+        seen = np.maximum(np.isfinite(far[..., 0]).sum(0), 1)
+        told = sum(np.nan_to_num(pairs.of_points(far[k], y[k], now)) for k in range(K))
+        nats = nats + share * np.asarray(told) / seen[:, None]
+    return np.asarray(nats)
+
+
+def _trusted(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore) -> Ints:
+    """(M) the labels of now without those of markers that are far from where they should be."""
+    own = _nats(markers, now, shapes, pairs, 0.0)[np.arange(len(now)), np.maximum(now, 0)]
+    return np.where((now >= 0) & (own > TRUSTED), now, -1)
+
+
+def _assigned(nats: Floats, least: float) -> Ints:
+    """(M) labels with the greatest sum; a marker that is not worth `least` has none."""
+    gain = np.maximum(nats + ABSENT, 0.0)
+    rows, columns = scipy.optimize.linear_sum_assignment(-gain)
+    out = np.full(len(nats), -1)
+    good = nats[rows, columns] > least
+    out[rows[good]] = columns[good]
+    return out
+
+
+def _sum(nats: Floats, now: Ints, L: int) -> float:
+    """Nats of a labelling."""
+    own = np.flatnonzero(now >= 0)
+    return float(nats[own, now[own]].sum()) - ABSENT * (L - len(own))

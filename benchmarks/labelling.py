@@ -29,8 +29,12 @@ from numpy.typing import NDArray
 
 from kinemark.label import Distances, Labels, LabelScore, Shredded, label, reliability, score_labels, shredded
 from kinemark.label.evidence import PairScore
-from kinemark.label.margin import features, margins
+from kinemark.label.margin import label_features, margins, track_features
+from kinemark.label.solve import solve
 from kinemark.label.stretches import stretches_of
+
+RIDGE = 1e-4
+"""On the squares of coefficients; chosen, so small that it only holds back what the cases do not tell."""
 
 
 class Result(NamedTuple):
@@ -55,29 +59,66 @@ def result(row: Row, how: Shredding, seed: int) -> Result:
     return Result(score_labels(found, parts, row.template.names if row.fits else ()), found, spent)
 
 
-def fitted(tuned: Sequence[Row]) -> NDArray[np.float64]:
-    """β of `label.margin` (2): logistic regression, each case with the same weight."""
-    X, y, w = [], [], []
-    for k, row in enumerate(tuned):
-        for seed, how in ((1, Shredding(15)), (101, VARIED[k % len(VARIED)])):
-            parts = tracks_of(row, how, seed)
-            found = label(parts.tracks, row.template, method=Distances(least_fit=0.0, least_placed=0.0))
-            stretches = stretches_of(parts.tracks, row.template.size)
-            place = {name: i for i, name in enumerate(row.template.names)}
-            number = np.array([-1 if name is None else place[name] for name in found.names])
-            about = margins(stretches, number, row.template, PairScore.of_template(row.template), found.fit)
-            own = number >= 0
-            X.append(features(about, stretches.weight)[own])
-            y.append(np.array([row.fits and a == b for a, b in zip(found.names, parts.truth, strict=True)])[own])
-            w.append(np.full(own.sum(), 1 / max(own.sum(), 1)))
-    x, right, weight = np.concatenate(X), 2.0 * np.concatenate(y) - 1, np.concatenate(w)
+class Cases(NamedTuple):
+    """Of one shredded trial's named tracks: features of `label.margin` (3) and (4), and what came true.
 
-    def loss(beta: NDArray[np.float64]) -> float:
-        return float(
-            (weight * np.logaddexp(0, -right * (x @ beta))).sum() / weight.sum() + 1e-4 * (beta[1:] ** 2).sum()
-        )
+    Attributes:
+        track: (n, 7). label: (n, 7). mate: (n) the track is what most samples of its label are. right: (n) these
+        samples are what they are called. share: (n) one over the label's tracks, so that each label counts once.
+    """
 
-    return np.asarray(scipy.optimize.minimize(loss, np.zeros(x.shape[1])).x)
+    track: NDArray[np.float64]
+    label: NDArray[np.float64]
+    mate: NDArray[np.bool_]
+    right: NDArray[np.bool_]
+    share: NDArray[np.float64]
+
+
+def cases(row: Row, how: Shredding, seed: int) -> Cases:
+    """A row's tracks, with the labels that `solve` gives them, whether or not the template fits."""
+    parts, method = tracks_of(row, how, seed), Distances()
+    stretches, pairs = stretches_of(parts.tracks, row.template.size), PairScore.of_template(row.template)
+    found = solve(
+        stretches, row.template, pairs,
+        key_frames=method.key_frames, beam=method.beam, least_fit=method.least_track_fit,
+    ).label  # fmt: skip
+    about = margins(stretches, found, row.template, pairs)
+    number = {name: k for k, name in enumerate(row.template.names)} if row.fits else {}
+    truth = np.array([-1 if name is None else number.get(name, -2) for name in parts.truth])
+    n, of, own = stretches.seen.sum(1), np.full(len(row.template), -3), np.flatnonzero(found >= 0)
+    for a in np.unique(found[own]):
+        tracks = np.flatnonzero(found == a)
+        of[a] = max(set(truth[tracks].tolist()), key=lambda b: n[tracks[truth[tracks] == b]].sum())
+    a = found[own]
+    return Cases(
+        track_features(about, stretches.weight)[own], label_features(about)[own],
+        truth[own] == of[a], of[a] == a, 1 / np.bincount(a, minlength=len(of))[a],
+    )  # fmt: skip
+
+
+def fitted(tuned: Sequence[Row]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """β of `label.margin` (3) and (4): logistic regressions over the tuned rows, each shredded in two ways."""
+    found = [
+        cases(row, how, seed)
+        for k, row in enumerate(tuned)
+        for seed, how in ((1, Shredding(15)), (101, VARIED[k % len(VARIED)]))
+    ]
+    track, of_label, mate, right, share = (np.concatenate(part) for part in zip(*found, strict=True))
+    return logistic_regression(track, mate, np.ones(len(mate))), logistic_regression(of_label, right, share)
+
+
+def logistic_regression(
+    x: NDArray[np.float64], y: NDArray[np.bool_], weight: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Coefficients of the columns of x, the first of which is one; a little ridge."""
+    sign = 2.0 * y - 1
+
+    def loss(beta: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+        z, ridge = sign * (x @ beta), RIDGE * np.r_[0, beta[1:]]
+        slope = -(weight * sign / (1 + np.exp(np.clip(z, -50, 50)))) @ x / weight.sum()
+        return float(weight @ np.logaddexp(0, -z) / weight.sum() + beta @ ridge), slope + 2 * ridge
+
+    return np.asarray(scipy.optimize.minimize(loss, np.zeros(x.shape[1]), jac=True, method="L-BFGS-B").x)
 
 
 def reliability_text(scores: Sequence[LabelScore]) -> list[str]:
@@ -143,7 +184,8 @@ def main() -> None:
     every = [*rows(), *(more_rows() if asked.varied or asked.fit else ())]
     chosen = [row for row in every if not asked.names or any(name in row.name for name in asked.names)]
     if asked.fit:
-        print("beta", np.round(fitted([row for row in chosen if row.tuned]), 2))
+        for name, beta in zip(("BETA_TRACK", "BETA_LABEL"), fitted([row for row in chosen if row.tuned]), strict=True):
+            print(name, "=", tuple(np.round(beta, 2).tolist()))
     elif asked.varied:
         table([(row, VARIED[(k + 3) % len(VARIED)]) for k, row in enumerate(chosen)], asked.seeds)
     else:

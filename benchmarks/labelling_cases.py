@@ -145,6 +145,7 @@ def more_rows() -> Iterator[Row]:
         for one in tuple(CHILDREN)[1:]:
             yield from other_child(one)
         yield from several_children()
+        yield from placed_otherwise()
         yield from halves()
         yield from static_children()
     yield from walkers_of_many_kinds()
@@ -166,7 +167,7 @@ def _walk(walk: int, n: int, seed: int, **more: Any) -> Trajectories:
 
 def walkers_of_many_kinds() -> Iterator[Row]:
     """Other sizes, rates and marker numbers; templates of a static posture of the walk, of another's size, scaled."""
-    for k, (n, rate) in enumerate(((15, 50.0), (15, 200.0), (22, 100.0), (39, 120.0), (53, 100.0), (53, 240.0))):
+    for k, (n, rate) in enumerate(((15, 50.0), (15, 200.0), (22, 100.0), (39, 120.0), (53, 100.0), (26, 240.0))):
         one, two = (_walk(s, n, k, rate=rate, duration_s=3.0, wobble_mm=2.0) for s in (k, k + 20))
         tuned, name = k % 2 == 0, f"walker {n}, {rate:g} Hz"
         yield Row(name, learn_template(one), two, tuned=tuned)
@@ -253,6 +254,33 @@ def several_children() -> Iterator[Row]:
 
 def _scaled(trial: Trajectories, ratio: float) -> Trajectories:
     return replace(trial, paths=tuple(replace(path, xyz=ratio * path.xyz) for path in trial))
+
+
+def placed_otherwise() -> Iterator[Row]:
+    """Children whose markers sit a few centimetres beside where the template has them: further subjects."""
+    for k, (name, mm) in enumerate((name, mm) for name in sorted(TUNED_CHILDREN) for mm in (15.0, 30.0, 45.0)):
+        template = learn_template(child(name, 0)).scaled(1.0, relative_spread=OTHER)
+        yield Row(f"{name}, placed {mm:g} mm otherwise", template, _moved(child(name, 1), mm, k), tuned=True)
+    template = learn_template(child("HC032A", 0)).scaled(1.0, relative_spread=OTHER)
+    for k, mm in enumerate((15.0, 30.0, 45.0), 50):
+        yield Row(f"HC032A, placed {mm:g} mm otherwise", template, _moved(child("HC032A", 1), mm, k))
+
+
+def _moved(trial: Trajectories, mm: float, seed: int) -> Trajectories:
+    """Each marker moved by an offset that is fixed to it and the two markers nearest to it."""
+    rng, xyz = np.random.default_rng(seed), trial.xyz
+    d = np.nanmean(np.linalg.norm(xyz[:, None] - xyz[None], axis=3), axis=2) + np.diag(np.full(len(xyz), np.inf))
+    near = np.argsort(d, axis=1)[:, :2]
+    u, w = (xyz[near[:, k]] - xyz for k in (0, 1))
+    x = u / np.linalg.norm(u, axis=2, keepdims=True)
+    z = np.cross(u, w)
+    z /= np.linalg.norm(z, axis=2, keepdims=True)
+    axes = np.stack([x, np.cross(z, x), z], axis=2)
+    offset = np.einsum("mk,mfkc->mfc", rng.normal(0, mm / np.sqrt(3), (len(xyz), 3)), axes)
+    new = xyz + np.where(np.isfinite(offset), offset, 0.0)
+    return replace(
+        trial, paths=tuple(MarkerTrajectory.measured(p.name, one) for p, one in zip(trial, new, strict=True))
+    )
 
 
 def wrong_templates() -> Iterator[Row]:

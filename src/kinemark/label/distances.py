@@ -9,6 +9,8 @@ import numpy as np
 from ..data import Trajectories
 from ..data.array_types import Ints
 from ..data.method import ONE, Method, parameter
+from .against import against
+from .calibration import calibrated_shift
 from .evidence import PairScore
 from .label import refusal, state_of
 from .labels import Labels
@@ -42,7 +44,7 @@ class Distances(Method):
     least_placed: float = parameter(
         0.5, unit=ONE, low=0, high=1, meaning="share of the samples that could have a name below which nothing is named"
     )
-    sure: float = parameter(0.95, unit=ONE, above=0, high=1, meaning="probability from which on a name is sure")
+    sure: float = parameter(0.99, unit=ONE, above=0, high=1, meaning="probability from which on a name is sure")
 
 
 @LABEL.method("distances", Distances)
@@ -58,17 +60,23 @@ def label_by_distances(trajectories: Trajectories, template: Template, *, method
     refused = refusal(fit, placed, least_fit=method.least_fit, least_placed=method.least_placed)
     if refused:
         found = Solution(np.full(len(stretches), -1), found.score, found.expected)
-    about = margins(stretches, found.label, template, pairs, fit)
+    about = margins(stretches, found.label, template, pairs)
     p = probability(about, stretches.weight)
+    shift = calibrated_shift(
+        trajectories, template, pairs, found.label, p, sure=method.sure, least_fit=method.least_track_fit
+    )
+    p = probability(about, stretches.weight, shift=shift)
+    state = tuple(state_of(float(one), method.sure) for one in p)
     return Labels(
         names=_names(found.label, template),
         probability=p,
-        state=tuple(state_of(float(one), method.sure) for one in p),
+        state=state,
         runner_up=_names(about.runner_up, template),
         margin=about.track,
         fit=fit,
         placed=placed,
         refused=refused,
+        against=against(stretches, found.label, about.runner_up, template, pairs, [one == "unsure" for one in state]),
     )
 
 

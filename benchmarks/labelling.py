@@ -33,7 +33,7 @@ from kinemark.label.margin import label_features, margins, track_features
 from kinemark.label.solve import solve
 from kinemark.label.stretches import stretches_of
 
-RIDGE = 1e-4
+RIDGE = 3e-5
 """On the squares of coefficients; chosen, so small that it only holds back what the cases do not tell."""
 
 
@@ -63,8 +63,9 @@ class Cases(NamedTuple):
     """Of one shredded trial's named tracks: features of `label.margin` (3) and (4), and what came true.
 
     Attributes:
-        track: (n, 7). label: (n, 7). mate: (n) the track is what most samples of its label are. right: (n) these
-        samples are what they are called. share: (n) one over the label's tracks, so that each label counts once.
+        track: (n, 7). label: (n, 6). mate: (n) the track is what most samples of its label are. right: (n) these
+        samples are what they are called. share: (n) one over the label's tracks, so that each label counts once; 0
+        where an exchange loses less than a nat, which (4) judges without coefficients.
     """
 
     track: NDArray[np.float64]
@@ -92,7 +93,7 @@ def cases(row: Row, how: Shredding, seed: int) -> Cases:
     a = found[own]
     return Cases(
         track_features(about, stretches.weight)[own], label_features(about)[own],
-        truth[own] == of[a], of[a] == a, 1 / np.bincount(a, minlength=len(of))[a],
+        truth[own] == of[a], of[a] == a, (about.exchange[own] > 1) / np.bincount(a, minlength=len(of))[a],
     )  # fmt: skip
 
 

@@ -258,11 +258,11 @@ def _scaled(trial: Trajectories, ratio: float) -> Trajectories:
 
 def placed_otherwise() -> Iterator[Row]:
     """Children whose markers sit a few centimetres beside where the template has them: further subjects."""
-    for k, (name, mm) in enumerate((name, mm) for name in sorted(TUNED_CHILDREN) for mm in (15.0, 30.0, 45.0)):
+    for k, (name, mm) in enumerate((name, mm) for name in sorted(TUNED_CHILDREN) for mm in (5.0, 10.0, 15.0)):
         template = learn_template(child(name, 0)).scaled(1.0, relative_spread=OTHER)
         yield Row(f"{name}, placed {mm:g} mm otherwise", template, _moved(child(name, 1), mm, k), tuned=True)
     template = learn_template(child("HC032A", 0)).scaled(1.0, relative_spread=OTHER)
-    for k, mm in enumerate((15.0, 30.0, 45.0), 50):
+    for k, mm in enumerate((5.0, 10.0, 15.0), 50):
         yield Row(f"HC032A, placed {mm:g} mm otherwise", template, _moved(child("HC032A", 1), mm, k))
 
 

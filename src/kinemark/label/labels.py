@@ -31,6 +31,7 @@ class Labels:
         refused: why nothing is named; None where the template fits.
         against: (T) of names that are not sure, the markers whose distance speaks most for the runner-up, and by how
             many nats; empty where none does. They say what to look at.
+        undecided: that left and right of the whole subject cannot be told; None where they can.
     """
 
     names: tuple[str | None, ...]
@@ -42,6 +43,7 @@ class Labels:
     placed: float
     refused: Finding | None = None
     against: tuple[tuple[tuple[str, float], ...], ...] = ()
+    undecided: Finding | None = None
 
     def __post_init__(self) -> None:
         n = len(self.names)

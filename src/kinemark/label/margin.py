@@ -2,7 +2,7 @@
 
 A name is right when two things hold: what is called a all through the trial is a, and this track is one of it.
 
-    p = p_label(a) · p_track(t)                                                                                    (1)
+    p = p_label(a) · p_track(t)                                                                                   (1)
 
 *The track.* A track t with label a could be b. Where another track u seen at the same time is b, both would have to
 change, so that what u loses counts too:
@@ -16,13 +16,14 @@ w independent frames, c how well the track goes on from others that are a, and F
 
 δ is measured on the trial itself (`calibration`).
 
-*The label.* A whole label exchanged all through the trial is invisible to its pieces. Exchanges must lose: x₂ and x₃
-are the least that one of two and of three with a loses (`exchange` (1)). Chains of labels that have all moved up one
-place end at one that fits badly, so that the worst fit f_n of the four nearest labels counts as well:
+*The label.* A whole label exchanged all through the trial is invisible to its pieces. Exchanges must lose: x is the
+least that one with a loses (`exchange` (1)), and where x is 0 the other way round is as likely. Chains of labels that
+have all moved up one place end at one that fits badly, or at a piece of a marker, so that the worst fit f_n of the four
+nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well:
 
-    logit p_label = β · (1, log(1 + x₂), log(1 + x₃), f_a, f_n, F, log n)                                        (4)
+    p_label = logistic(x) · logistic( β · (1, log(1 + x), f_a, f_n, F, log n) )                                  (4)
 
-with n frames in which a is seen. Pairs are not independent, so that none of these is a logarithm of odds: all β are
+Pairs are not independent, so that none of these is a logarithm of odds: all β are
 measured, over many templates and trials (`benchmarks/labelling.py --fit`).
 """
 
@@ -35,15 +36,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
-from .evidence import PairScore, Single, distances
-from .exchange import FRAMES, Exchanger, Move
+from .evidence import PairScore, Single, frame_fit
+from .exchange import FRAMES, Exchanger
 from .stretches import Stretches
 from .sweeps import continuity, evidence, expectation, places
 from .template import Template
 
-BETA_TRACK = (1.78, 0.49, 1.17, 0.94, 0.33, 0.79, -0.25)
+BETA_TRACK = (1.93, 0.43, 1.99, 1.24, 1.11, 0.75, -0.97)
 """Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
-BETA_LABEL = (-14.22, 0.98, -0.24, 4.47, 1.26, 4.44, 1.67)
+BETA_LABEL = (-8.04, 1.43, 3.24, 1.56, 4.84, 3.64)
 """Of (4); measured likewise."""
 NEAR = 4
 """Nearest labels whose fit counts for a label; chosen."""
@@ -58,7 +59,7 @@ class Margins(NamedTuple):
 
     Attributes:
         track: m, nats a frame. runner_up: the label that comes second, −1 for none. fit: f_t. link: c, nats.
-        exchange: x₂. exchange_three: x₃. label_fit: f_a. near_fit: f_n. frames: n. frame_fit: F.
+        exchange: x. label_fit: f_a. near_fit: f_n. present: n. frame_fit: F.
     """
 
     track: Floats
@@ -66,35 +67,36 @@ class Margins(NamedTuple):
     fit: Floats
     link: Floats
     exchange: Floats
-    exchange_three: Floats
     label_fit: Floats
     near_fit: Floats
-    frames: Floats
+    present: Floats
     frame_fit: Floats
 
 
 def margins(
     stretches: Stretches, label: Ints, template: Template, pairs: PairScore, *, exchanges: bool = True
 ) -> Margins:
-    """Of each track with a label; x₂ and x₃, which (3) does not need, are 0 without exchanges."""
+    """Of each track with a label; x, which (3) does not need, is 0 without exchanges."""
     nats, y = evidence(stretches, label, pairs), places(stretches, label, len(template))
     T, L = nats.shape
     t = np.flatnonzero(label >= 0)
     a = label[t]
     share = nats[t, a] / np.maximum(expectation(stretches, label, pairs), 1e-9)[a]
-    label_fit, frames = _of_labels(stretches, t, a, share, L)
-    two, three = _exchanges(y, template, pairs) if exchanges else (np.zeros(L), np.zeros(L))
+    label_fit, present = _of_labels(stretches, t, a, share, L)
+    lost = _exchanges(y, template, pairs) if exchanges else np.zeros(L)
     least, second = _second(stretches, t, a, nats[t])
     found = Margins(
-        least, second, share, continuity(stretches, label, L)[t, a], two[a], three[a],
-        label_fit[a], _worst_near(template, label_fit)[a], frames[a], _fit_meanwhile(stretches, t, y, pairs),
+        least, second, share, continuity(stretches, label, L)[t, a], lost[a],
+        label_fit[a], _worst_near(template, label_fit)[a], present[a], _fit_meanwhile(stretches, t, y, pairs),
     )  # fmt: skip
-    return Margins(*(_of_all(part, t, T) for part in found))
+    runner_up = np.full(T, -1)
+    runner_up[t] = second
+    return Margins(*(_of_all(part, t, T) for part in found))._replace(runner_up=runner_up)
 
 
-def _of_all(part: NDArray[np.generic], t: Ints, T: int) -> NDArray[np.generic]:
-    """(T) from those of tracks t; NaN, or −1, elsewhere."""
-    out = np.full(T, -1 if part.dtype.kind == "i" else np.nan, part.dtype)
+def _of_all(part: NDArray[np.generic], t: Ints, T: int) -> Floats:
+    """(T) from those of tracks t; NaN elsewhere."""
+    out = np.full(T, np.nan)
     out[t] = part
     return out
 
@@ -117,10 +119,10 @@ def _second(stretches: Stretches, t: Ints, a: Ints, nats: Floats) -> tuple[Float
 
 
 def _of_labels(stretches: Stretches, t: Ints, a: Ints, share: Floats, L: int) -> tuple[Floats, Floats]:
-    """(L) the fit of all tracks that are a label, and its frames; 0 for labels that no track is."""
+    """(L) the fit of all tracks that are a label, 1 where none is, and its frames as a share of the most of any."""
     n = np.isfinite(stretches.xyz[t, :, 0]).sum(1).astype(float)
     total, frames = np.bincount(a, n * share, L), np.bincount(a, n, L)
-    return total / np.maximum(frames, 1), frames
+    return np.where(frames > 0, total / np.maximum(frames, 1), 1.0), frames / max(frames.max(initial=0.0), 1.0)
 
 
 def _worst_near(template: Template, label_fit: Floats) -> Floats:
@@ -137,45 +139,35 @@ def _fit_meanwhile(stretches: Stretches, t: Ints, y: Single, pairs: PairScore) -
     return np.asarray((here * fit).sum(1) / np.maximum(here.sum(1), 1))
 
 
-def frame_fit(y: Single, pairs: PairScore) -> Floats:
-    """(K) nats of all pairs of labels in each frame over what the template expects; y (K, L, 3) mm. 0 without pairs."""
-    every, out = np.arange(y.shape[1]), np.zeros(len(y))
-    for k, xyz in enumerate(y):
-        seen = np.isfinite(xyz[:, 0])
-        expected = pairs.expected[np.ix_(seen, seen)].sum()
-        score = pairs.at(distances(xyz, xyz), every[:, None], every[None]).sum()
-        out[k] = score / expected if expected > 0 else 0.0
-    return out
-
-
-def _exchanges(y: Single, template: Template, pairs: PairScore) -> tuple[Floats, Floats]:
-    """(L) the least that exchanges of two, and of three, with each label lose, nats; 0 where there are none."""
+def _exchanges(y: Single, template: Template, pairs: PairScore) -> Floats:
+    """(L) the least that an exchange of two, with each label, loses, nats; negative where it gains, 0 without any."""
     exchanger = Exchanger.of(template, pairs)
     y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
-    two, three = (_least_lost(moves, exchanger.gains(y, moves), len(template)) for moves in exchanger[3:5])
-    return two, three
-
-
-def _least_lost(moves: list[Move], gains: Floats, L: int) -> Floats:
-    """(L) of the moves that each label takes part in."""
-    lost = np.full(L, np.inf)
-    for move, gain in zip(moves, gains, strict=True):
+    lost = np.full(len(template), np.inf)
+    for move, gain in zip(exchanger.twos, exchanger.gains(y, exchanger.twos), strict=True):
         lost[list(move[0])] = np.minimum(lost[list(move[0])], -gain)
-    return np.where(np.isfinite(lost), np.maximum(lost, 0.0), 0.0)
+    return np.where(np.isfinite(lost), lost, 0.0)
 
 
 def track_features(found: Margins, weight: Floats) -> Floats:
     """(T, 7) of (3)."""
     fit, off = np.minimum(found.fit, FIT_HIGH), np.minimum(found.fit - found.label_fit, FIT_HIGH)
-    parts = (_log(found.track), fit, off, np.log(weight), _log(found.link), np.minimum(found.frame_fit, 1.0))
+    parts = (
+        _log(np.maximum(found.track, 0.0)),
+        fit,
+        off,
+        np.log(weight),
+        _log(np.maximum(found.link, 0.0)),
+        np.minimum(found.frame_fit, 1.0),
+    )
     return np.stack([np.ones(len(weight)), *parts], axis=1)
 
 
 def label_features(found: Margins) -> Floats:
-    """(T, 7) of (4); the same for all tracks of a label, but for the fit of their frames."""
+    """(T, 6) of (4); the same for all tracks of a label, but for the fit of their frames."""
     fits = (np.minimum(part, FIT_HIGH) for part in (found.label_fit, found.near_fit))
-    parts = (_log(found.exchange), _log(found.exchange_three), *fits, np.minimum(found.frame_fit, 1.0))
-    return np.stack([np.ones(len(found.fit)), *parts, np.log(found.frames)], axis=1)
+    parts = (_log(found.exchange), *fits, np.minimum(found.frame_fit, 1.0), np.log(found.present))
+    return np.stack([np.ones(len(found.fit)), *parts], axis=1)
 
 
 def _log(nats: Floats) -> Floats:
@@ -192,7 +184,8 @@ def probability(
     label: Sequence[float] = BETA_LABEL,
 ) -> Floats:
     """(T) by (1), with δ = shift; 0 for tracks without label."""
-    p = logistic(track_logit(found, weight, track) + shift) * logistic(label_features(found) @ np.asarray(label))
+    p_label = logistic(found.exchange) * logistic(label_features(found) @ np.asarray(label))
+    p = p_label * logistic(track_logit(found, weight, track) + shift)
     return np.where(np.isfinite(p), p, 0.0)
 
 

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from ..data import KinemarkError, Trajectories
 from ..data.array_types import Floats
 from ..data.arrays import check_positive, column, set_columns
+from .own_fit import own_fit
 
 FRAMES = 300
 """Frames of a trial that a template looks at, evenly spread; chosen: a pair's mean and spread need no more."""
@@ -49,6 +50,8 @@ class Template:
         handed: (Q, 4) labels whose orientation never changes.
         sign: (Q) of their triple product, 1 or −1.
         frames: (L, L) in how many frames both were seen.
+        own_fit: what parts of its own data score, as a share of what is expected, where the template is learnt from
+            the others: the least of them; 1 where there are too few frames to tell. See `own_fit`.
     """
 
     names: tuple[str, ...]
@@ -58,6 +61,7 @@ class Template:
     handed: NDArray[np.int64]
     sign: NDArray[np.int64]
     frames: NDArray[np.int64]
+    own_fit: float = 1.0
 
     def __post_init__(self) -> None:
         n, q = len(self.names), len(self.handed)
@@ -132,7 +136,8 @@ def learn_template(
     template = Template(known, mean, spread, _short_spread(parts, known), handed, sign, n)
     wider = template.scaled(1.0, relative_spread=relative_spread)
     rigid = _rigid(known, segments or {})
-    return replace(wider, spread=np.where(rigid, template.spread, wider.spread))
+    whole = replace(wider, spread=np.where(rigid, template.spread, wider.spread))
+    return replace(whole, own_fit=own_fit([xyz for xyz, _ in parts], whole))
 
 
 def _rigid(names: tuple[str, ...], segments: Mapping[str, Sequence[str]]) -> NDArray[np.bool_]:

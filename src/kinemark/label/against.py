@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..data.array_types import Floats, Ints
-from .evidence import PairScore
+from .evidence import PairScore, Single
 from .stretches import Stretches
 from .sweeps import places
 from .template import Template
@@ -43,7 +43,7 @@ def against(
     return tuple(out)
 
 
-def _speaking(xyz: Floats, y: Floats, a: int, b: int, pairs: PairScore) -> Floats:
+def _speaking(xyz: Single, y: Single, a: int, b: int, pairs: PairScore) -> Floats:
     """(L) nats for b rather than a, by each neighbour; 0 by those two themselves and by those never seen with it."""
     rows = np.flatnonzero(np.isfinite(xyz[:, 0]))
     d = np.sqrt(((y[rows] - xyz[rows, None]) ** 2).sum(-1))
@@ -53,4 +53,4 @@ def _speaking(xyz: Floats, y: Floats, a: int, b: int, pairs: PairScore) -> Float
     seen = np.isfinite(d)
     nats = (np.where(seen, other - own, 0.0)).sum(0) / np.maximum(seen.sum(0), 1)
     nats[[a] if b < 0 else [a, b]] = 0.0
-    return np.asarray(nats)
+    return np.asarray(nats, np.float64)

@@ -45,7 +45,7 @@ from .template import Template
 BETA_TRACK = (1.93, 0.43, 1.99, 1.24, 1.11, 0.75, -0.97)
 """Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
 BETA_LABEL = (-8.04, 1.43, 3.24, 1.56, 4.84, 3.64)
-"""Of (4); measured likewise."""
+"""Of (4); measured by benchmarks/labelling.py --fit likewise."""
 NEAR = 4
 """Nearest labels whose fit counts for a label; chosen."""
 FIT_HIGH = 1.3
@@ -91,7 +91,8 @@ def margins(
     )  # fmt: skip
     runner_up = np.full(T, -1)
     runner_up[t] = second
-    return Margins(*(_of_all(part, t, T) for part in found))._replace(runner_up=runner_up)
+    full = {name: _of_all(part, t, T) for name, part in found._asdict().items() if name != "runner_up"}
+    return Margins(runner_up=runner_up, **full)
 
 
 def _of_all(part: NDArray[np.generic], t: Ints, T: int) -> Floats:

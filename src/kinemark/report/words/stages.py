@@ -12,7 +12,7 @@ LABELLING_WORDS = {
         "Give a template of this subject and marker set, or of a trial with such a posture, or scale it by height.",
     ),
     "sides_undecided": Words(
-        "Left and right cannot be told: {markers} fit as well the other way round. None of these names is sure.",
+        "Left and right cannot be told: {markers} fit as well the other way round, so that these names are not sure.",
         "Say which side one marker is on, or give a template with a marker that breaks the symmetry.",
     ),
 }

@@ -5,10 +5,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from labelling import shredded
 
 from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories
-from kinemark.label import Distances, label, learn_template, named
+from kinemark.label import Distances, label, learn_template, named, shredded
 from kinemark.label.arrange import arranged
 from kinemark.label.evidence import Hands, PairScore
 from kinemark.label.exchange import Exchanger, best_moves
@@ -40,7 +39,7 @@ def shares(tracks, truth, found):
 
 @pytest.mark.parametrize(("n", "pieces", "seed"), [(15, 1, 1), (15, 15, 2), (39, 1, 3), (39, 6, 4)])
 def test_another_walk_of_the_subject_is_named(n, pieces, seed):
-    tracks, truth = shredded(walk(7, n), pieces, 2.0, seed)
+    tracks, truth, _ = shredded(walk(7, n), pieces, 2.0, seed)
     found = label(tracks, template(n))
     right, wrong, ghosts = shares(tracks, truth, found)
     assert found.refused is None and wrong == 0 and ghosts == 0
@@ -57,7 +56,7 @@ def test_left_is_told_from_right():
 
 
 def test_the_answer_does_not_hang_on_the_order_of_tracks_or_their_names():
-    tracks, _ = shredded(walk(7), 4, 2.0, 1)
+    tracks, _, _ = shredded(walk(7), 4, 2.0, 1)
     turned = Trajectories(tracks.paths[::-1], tracks.rate)
     assert label(tracks, template()).names == label(turned, template()).names[::-1]
 
@@ -100,7 +99,7 @@ def test_exchanged_markers_are_found_by_moves_of_whole_labels():
 
 
 def test_names_join_pieces_and_keep_the_others():
-    tracks, _ = shredded(walk(7), 3, 2.0, 5)
+    tracks, _, _ = shredded(walk(7), 3, 2.0, 5)
     found = label(tracks, template())
     whole = named(tracks, found)
     taken = {name for name, state in zip(found.names, found.state, strict=True) if state == "sure"}
@@ -115,7 +114,7 @@ def test_names_join_pieces_and_keep_the_others():
 
 def test_probabilities_are_true_of_names_in_pieces():
     """Brier score against the names' own frequency; and those that are wrong have less than those that are right."""
-    tracks, truth = shredded(walk(7), 25, 4.0, 9)
+    tracks, truth, _ = shredded(walk(7), 25, 4.0, 9)
     found = label(tracks, template(), method=Distances(least_track_fit=0.0))
     has = np.array([name is not None for name in found.names])
     right = np.array([a == b for a, b in zip(found.names, truth, strict=True)])[has]

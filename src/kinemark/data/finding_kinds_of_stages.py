@@ -8,6 +8,8 @@ LABELLING = (
     Kind("labels_refused", "label", "red", "The template does not fit the trial, so that nothing is named: the score "
          "of the best labelling as a share of what the template scores on its own data, and the share of samples that "
          "it could place.", {"fit_share": "share", "placed_share": "share"}),
+    Kind("sides_undecided", "label", "amber", "All names of the left and the right could change places: nothing in "
+         "the template tells the one from the other, and none of them is sure."),
 )  # fmt: skip
 
 FILLING = (

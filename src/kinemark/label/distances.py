@@ -7,13 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Trajectories
-from ..data.array_types import Ints
+from ..data.array_types import Floats, Ints
 from ..data.method import ONE, Method, parameter
+from .against import against
+from .calibration import calibrated_shift
 from .evidence import PairScore
 from .label import refusal, state_of
 from .labels import Labels
-from .margin import margins, probability
-from .solve import Solution, solve
+from .margin import Margins, margins, probability
+from .sides import at_most_even, decided_sides
+from .solve import solve
 from .stage import LABEL
 from .stretches import Stretches, stretches_of
 from .template import Template
@@ -42,7 +45,7 @@ class Distances(Method):
     least_placed: float = parameter(
         0.5, unit=ONE, low=0, high=1, meaning="share of the samples that could have a name below which nothing is named"
     )
-    sure: float = parameter(0.95, unit=ONE, above=0, high=1, meaning="probability from which on a name is sure")
+    sure: float = parameter(0.99, unit=ONE, above=0, high=1, meaning="probability from which on a name is sure")
 
 
 @LABEL.method("distances", Distances)
@@ -54,22 +57,44 @@ def label_by_distances(trajectories: Trajectories, template: Template, *, method
         stretches, template, pairs,
         key_frames=method.key_frames, beam=method.beam, least_fit=method.least_track_fit,
     )  # fmt: skip
-    fit, placed = found.score / max(found.expected, 1e-9), _placed(stretches, found.label, len(template))
+    sides = decided_sides(stretches, found.label, template, pairs)
+    fit = found.score / max(found.expected, 1e-9) / template.own_fit
+    placed = _placed(stretches, sides.label, len(template))
     refused = refusal(fit, placed, least_fit=method.least_fit, least_placed=method.least_placed)
-    if refused:
-        found = Solution(np.full(len(stretches), -1), found.score, found.expected)
-    about = margins(stretches, found.label, template, pairs, fit)
-    p = probability(about, stretches.weight)
+    label = np.full(len(stretches), -1) if refused else sides.label
+    about = margins(stretches, label, template, pairs)
+    p = _probability(trajectories, template, pairs, label, about, stretches.weight, method)
+    p = at_most_even(p, sides.undecided)
+    state = tuple(state_of(float(one), method.sure) for one in p)
     return Labels(
-        names=_names(found.label, template),
+        names=_names(label, template),
         probability=p,
-        state=tuple(state_of(float(one), method.sure) for one in p),
+        state=state,
         runner_up=_names(about.runner_up, template),
         margin=about.track,
         fit=fit,
         placed=placed,
         refused=refused,
+        against=against(stretches, label, about.runner_up, template, pairs, [one == "unsure" for one in state]),
+        undecided=None if refused else sides.finding,
     )
+
+
+def _probability(
+    trajectories: Trajectories,
+    template: Template,
+    pairs: PairScore,
+    label: Ints,
+    about: Margins,
+    weight: Floats,
+    method: Distances,
+) -> Floats:
+    """(T) by the coefficients of all trials, shifted by what the trial itself shows."""
+    p = probability(about, weight)
+    shift = calibrated_shift(
+        trajectories, template, pairs, label, p, sure=method.sure, least_fit=method.least_track_fit
+    )
+    return probability(about, weight, shift=shift)
 
 
 def _names(label: Ints, template: Template) -> tuple[str | None, ...]:

@@ -12,13 +12,15 @@ less where the pair hardly tells anything, in proportion, as postures that the t
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.array_types import Ints
-from .template import Template
+from ..data.array_types import Floats, Ints
+
+if TYPE_CHECKING:
+    from .template import Template
 
 Single = NDArray[np.float32]
 
@@ -144,3 +146,14 @@ def hands(xyz: Single, handed: Ints, sign: Ints) -> Single:
     u, v, w = (xyz[handed[:, k]] - a for k in (1, 2, 3))
     wrong = sign * (u * np.cross(v, w)).sum(-1) < 0
     return np.where(wrong, np.float32(-WRONG_HAND), np.float32(0.0))
+
+
+def frame_fit(y: Single, pairs: PairScore) -> Floats:
+    """(K) nats of all pairs of labels in each frame over what the template expects; y (K, L, 3) mm. 0 without pairs."""
+    every, out = np.arange(y.shape[1]), np.zeros(len(y))
+    for k, xyz in enumerate(y):
+        seen = np.isfinite(xyz[:, 0])
+        expected = pairs.expected[np.ix_(seen, seen)].sum()
+        score = pairs.at(distances(xyz, xyz), every[:, None], every[None]).sum()
+        out[k] = score / expected if expected > 0 else 0.0
+    return out

@@ -29,6 +29,9 @@ class Labels:
         fit: score of the whole trial as a share of what the template scores on its own data.
         placed: samples that have a name, as a share of those that could have one.
         refused: why nothing is named; None where the template fits.
+        against: (T) of names that are not sure, the markers whose distance speaks most for the runner-up, and by how
+            many nats; empty where none does. They say what to look at.
+        undecided: that left and right of the whole subject cannot be told; None where they can.
     """
 
     names: tuple[str | None, ...]
@@ -39,6 +42,8 @@ class Labels:
     fit: float
     placed: float
     refused: Finding | None = None
+    against: tuple[tuple[tuple[str, float], ...], ...] = ()
+    undecided: Finding | None = None
 
     def __post_init__(self) -> None:
         n = len(self.names)
@@ -47,13 +52,13 @@ class Labels:
             names=tuple(self.names),
             state=tuple(self.state),
             runner_up=tuple(self.runner_up),
+            against=tuple(self.against) or ((),) * n,
             probability=column("probability", self.probability, np.float64, n),
             margin=column("margin", self.margin, np.float64, n),
         )
-        if not len(self.state) == len(self.runner_up) == n:
-            raise ValueError(
-                f"{n} names, {len(self.state)} states and {len(self.runner_up)} runners-up, wanted as many"
-            )
+        lengths = {name: len(getattr(self, name)) for name in ("state", "runner_up", "against")}
+        if set(lengths.values()) != {n}:
+            raise ValueError(f"there are {n} names and, of other columns, {lengths}, wanted as many")
 
     def __len__(self) -> int:
         return len(self.names)

@@ -1,100 +1,200 @@
 """How much better a track's label is than what else it could be, and the probability that follows.
 
-A track t with label a could be b. Where another track u seen at the same time is b, both would have to change, so that
-what u loses counts too:
+A name is right when two things hold: what is called a all through the trial is a, and this track is one of it.
 
-    m_t = min over b of  e(t, a) − e(t, b) + [ e(u, b) − max(e(u, a), 0) ]                                        (1)
+    p = p_label(a) · p_track(t)                                                                                   (1)
 
-and b may be "none", worth 0. All through the trial, exchanges of whole labels must lose as well: x_a is the least that
-an exchange with a loses (`exchange` (1)). Pairs are not independent, so that neither is a logarithm of odds. The odds
-are measured: with f = e(t, a) over what the template expects, F the same of the whole trial, and w independent frames,
+*The track.* A track t with label a could be b. Where another track u seen at the same time is b, both would have to
+change, so that what u loses counts too:
 
-    logit p = β · (1, log(1 + m), log(1 + x), min(f, 1), log w, min(F, 1))                                        (2)
+    m_t = min over b of  e(t, a) − e(t, b) + [ e(u, b) − max(e(u, a), 0) ]                                        (2)
+
+and b may be "none", worth 0. With f_t = e(t, a) over what the template expects, f_a the same of all tracks that are a,
+w independent frames, c how well the track goes on from others that are a, and F the fit of the frames that it is in,
+
+    logit p_track = β · (1, log(1 + m), f_t, f_t − f_a, log w, log(1 + c), F) + δ                                (3)
+
+δ is measured on the trial itself (`calibration`).
+
+*The label.* A whole label exchanged all through the trial is invisible to its pieces. Exchanges must lose: x is the
+least that one with a loses (`exchange` (1)), and where x is 0 the other way round is as likely. Chains of labels that
+have all moved up one place end at one that fits badly, or at a piece of a marker, so that the worst fit f_n of the four
+nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well:
+
+    p_label = logistic(x) · logistic( β · (1, log(1 + x), f_a, f_n, F, log n) )                                  (4)
+
+Pairs are not independent, so that none of these is a logarithm of odds: all β are
+measured, over many templates and trials (`benchmarks/labelling.py --fit`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
-from .evidence import PairScore
+from .evidence import PairScore, Single, frame_fit
 from .exchange import FRAMES, Exchanger
 from .stretches import Stretches
-from .sweeps import evidence, expectation, places
+from .sweeps import continuity, evidence, expectation, places
 from .template import Template
 
-BETA = (-9.4, 0.53, 0.80, 3.26, 0.80, 6.9)
-"""Of (2); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
+BETA_TRACK = (1.93, 0.43, 1.99, 1.24, 1.11, 0.75, -0.97)
+"""Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
+BETA_LABEL = (-8.04, 1.43, 3.24, 1.56, 4.84, 3.64)
+"""Of (4); measured by benchmarks/labelling.py --fit likewise."""
+NEAR = 4
+"""Nearest labels whose fit counts for a label; chosen."""
+FIT_HIGH = 1.3
+"""Fits above it tell no more than it; chosen, a third above what the template expects."""
+MOST_NATS = 500.0
+"""Margins above it tell no more than it; chosen."""
 
 
 class Margins(NamedTuple):
-    """Of T tracks: m, x (nats), f; the runner-up's label, −1 for none; NaN and −1 for tracks without label; F."""
+    """Of T tracks; NaN, and −1, for tracks without label.
+
+    Attributes:
+        track: m, nats a frame. runner_up: the label that comes second, −1 for none. fit: f_t. link: c, nats.
+        exchange: x. label_fit: f_a. near_fit: f_n. present: n. frame_fit: F.
+    """
 
     track: Floats
-    exchange: Floats
-    fit: Floats
     runner_up: Ints
-    trial_fit: float
+    fit: Floats
+    link: Floats
+    exchange: Floats
+    label_fit: Floats
+    near_fit: Floats
+    present: Floats
+    frame_fit: Floats
 
 
-def margins(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, trial_fit: float) -> Margins:
-    """Of each track with a label."""
-    nats = evidence(stretches, label, pairs)
-    named = np.flatnonzero(label >= 0)
-    apart = _overlap(stretches, label, named, nats)
-    fit = np.full(len(label), np.nan)
-    expected = np.maximum(expectation(stretches, label, pairs), 1e-9)
-    fit[named] = nats[named, label[named]] / expected[label[named]]
-    track, runner_up = np.full(len(label), np.nan), np.full(len(label), -1)
-    rest = np.concatenate([apart, nats[named, label[named]][:, None]], axis=1)
-    rest[np.arange(len(named)), label[named]] = np.inf
-    second = rest.argmin(1)
-    track[named] = rest[np.arange(len(named)), second]
-    runner_up[named] = np.where(second == nats.shape[1], -1, second)
-    whole = _exchanges(stretches, label, template, pairs)
-    exchange = np.full(len(label), np.nan)
-    exchange[named] = whole[label[named]]
-    return Margins(track, exchange, fit, runner_up, trial_fit)
+def margins(
+    stretches: Stretches, label: Ints, template: Template, pairs: PairScore, *, exchanges: bool = True
+) -> Margins:
+    """Of each track with a label; x, which (3) does not need, is 0 without exchanges."""
+    nats, y = evidence(stretches, label, pairs), places(stretches, label, len(template))
+    T, L = nats.shape
+    t = np.flatnonzero(label >= 0)
+    a = label[t]
+    share = nats[t, a] / np.maximum(expectation(stretches, label, pairs), 1e-9)[a]
+    label_fit, present = _of_labels(stretches, t, a, share, L)
+    lost = _exchanges(y, template, pairs) if exchanges else np.zeros(L)
+    least, second = _second(stretches, t, a, nats[t])
+    found = Margins(
+        least, second, share, continuity(stretches, label, L)[t, a], lost[a],
+        label_fit[a], _worst_near(template, label_fit)[a], present[a], _fit_meanwhile(stretches, t, y, pairs),
+    )  # fmt: skip
+    runner_up = np.full(T, -1)
+    runner_up[t] = second
+    full = {name: _of_all(part, t, T) for name, part in found._asdict().items() if name != "runner_up"}
+    return Margins(runner_up=runner_up, **full)
 
 
-def _overlap(stretches: Stretches, label: Ints, named: Ints, nats: Floats) -> Floats:
-    """(n, L) the margin (1) of named tracks against each label."""
-    own = nats[named, label[named]]
-    apart = own[:, None] - nats[named]
-    seen = stretches.seen[named].astype(np.float32)
+def _of_all(part: NDArray[np.generic], t: Ints, T: int) -> Floats:
+    """(T) from those of tracks t; NaN elsewhere."""
+    out = np.full(T, np.nan)
+    out[t] = part
+    return out
+
+
+def _second(stretches: Stretches, t: Ints, a: Ints, nats: Floats) -> tuple[Floats, Ints]:
+    """(n) the margin (2) of tracks t with labels a, and the label that is second."""
+    own = nats[np.arange(len(t)), a]
+    apart = own[:, None] - nats
+    seen = stretches.seen[t].astype(np.float32)
     together = seen @ seen.T > 0
     np.fill_diagonal(together, False)
-    for i, j in zip(*np.nonzero(together), strict=True):  # u = j holds b = label of j
-        lost = own[j] - max(nats[named[j], label[named[i]]], 0.0)
-        b = label[named[j]]
-        apart[i, b] = max(apart[i, b], own[i] - nats[named[i], b] + max(lost, 0.0))
-    return apart
+    i, j = np.nonzero(together)  # u = j holds b, the label of j
+    lost = np.maximum(own[j] - np.maximum(nats[j, a[i]], 0.0), 0.0)
+    both = np.full_like(apart, -np.inf)
+    np.maximum.at(both, (i, a[j]), own[i] - nats[i, a[j]] + lost)
+    rest = np.concatenate([np.maximum(apart, both), own[:, None]], axis=1)
+    rest[np.arange(len(t)), a] = np.inf
+    second = rest.argmin(1)
+    return rest[np.arange(len(t)), second], np.where(second == nats.shape[1], -1, second)
 
 
-def _exchanges(stretches: Stretches, label: Ints, template: Template, pairs: PairScore) -> Floats:
-    """(L) the least that an exchange with each label loses, nats; a large number where there is none."""
+def _of_labels(stretches: Stretches, t: Ints, a: Ints, share: Floats, L: int) -> tuple[Floats, Floats]:
+    """(L) the fit of all tracks that are a label, 1 where none is, and its frames as a share of the most of any."""
+    n = np.isfinite(stretches.xyz[t, :, 0]).sum(1).astype(float)
+    total, frames = np.bincount(a, n * share, L), np.bincount(a, n, L)
+    return np.where(frames > 0, total / np.maximum(frames, 1), 1.0), frames / max(frames.max(initial=0.0), 1.0)
+
+
+def _worst_near(template: Template, label_fit: Floats) -> Floats:
+    """(L) the least fit of the nearest labels, not below 0."""
+    D = np.where(np.isfinite(template.distance), template.distance, np.inf) + np.diag(np.full(len(template), np.inf))
+    near = np.argsort(D, axis=1, kind="stable")[:, : min(NEAR, len(template) - 1)]
+    return np.asarray(np.maximum(label_fit[near].min(1), 0.0))
+
+
+def _fit_meanwhile(stretches: Stretches, t: Ints, y: Single, pairs: PairScore) -> Floats:
+    """(n) fit of the frames in which tracks t are seen."""
+    fit = frame_fit(y, pairs)
+    here = np.isfinite(stretches.xyz[t, :, 0])
+    return np.asarray((here * fit).sum(1) / np.maximum(here.sum(1), 1))
+
+
+def _exchanges(y: Single, template: Template, pairs: PairScore) -> Floats:
+    """(L) the least that an exchange of two, with each label, loses, nats; negative where it gains, 0 without any."""
     exchanger = Exchanger.of(template, pairs)
-    y = places(stretches, label, len(template))
     y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
     lost = np.full(len(template), np.inf)
     for move, gain in zip(exchanger.twos, exchanger.gains(y, exchanger.twos), strict=True):
         lost[list(move[0])] = np.minimum(lost[list(move[0])], -gain)
-    return np.where(np.isfinite(lost), np.maximum(lost, 0.0), 0.0)
+    return np.where(np.isfinite(lost), lost, 0.0)
 
 
-def features(found: Margins, weight: Floats) -> Floats:
-    """(T, 6) of (2)."""
-    ones = np.ones(len(weight))
-    track, exchange = (np.log1p(np.maximum(part, 0.0)) for part in (found.track, found.exchange))
-    return np.stack(
-        [ones, track, exchange, np.clip(found.fit, -1.0, 1.0), np.log(weight), ones * min(found.trial_fit, 1.0)], axis=1
+def track_features(found: Margins, weight: Floats) -> Floats:
+    """(T, 7) of (3)."""
+    fit, off = np.minimum(found.fit, FIT_HIGH), np.minimum(found.fit - found.label_fit, FIT_HIGH)
+    parts = (
+        _log(np.maximum(found.track, 0.0)),
+        fit,
+        off,
+        np.log(weight),
+        _log(np.maximum(found.link, 0.0)),
+        np.minimum(found.frame_fit, 1.0),
     )
+    return np.stack([np.ones(len(weight)), *parts], axis=1)
 
 
-def probability(found: Margins, weight: Floats, beta: NDArray[np.float64] | tuple[float, ...] = BETA) -> Floats:
-    """(T) by (2); 0 for tracks without label."""
-    logit = features(found, weight) @ np.asarray(beta)
-    return np.where(np.isfinite(logit), 1 / (1 + np.exp(-np.clip(np.nan_to_num(logit), -30, 30))), 0.0)
+def label_features(found: Margins) -> Floats:
+    """(T, 6) of (4); the same for all tracks of a label, but for the fit of their frames."""
+    fits = (np.minimum(part, FIT_HIGH) for part in (found.label_fit, found.near_fit))
+    parts = (_log(found.exchange), *fits, np.minimum(found.frame_fit, 1.0), np.log(found.present))
+    return np.stack([np.ones(len(found.fit)), *parts], axis=1)
+
+
+def _log(nats: Floats) -> Floats:
+    """log(1 + nats), of those from 0 to the most that tell anything."""
+    return np.asarray(np.log1p(np.clip(nats, 0.0, MOST_NATS)))
+
+
+def probability(
+    found: Margins,
+    weight: Floats,
+    *,
+    shift: float = 0.0,
+    track: Sequence[float] = BETA_TRACK,
+    label: Sequence[float] = BETA_LABEL,
+) -> Floats:
+    """(T) by (1), with δ = shift; 0 for tracks without label."""
+    p_label = logistic(found.exchange) * logistic(label_features(found) @ np.asarray(label))
+    p = p_label * logistic(track_logit(found, weight, track) + shift)
+    return np.where(np.isfinite(p), p, 0.0)
+
+
+def track_logit(found: Margins, weight: Floats, beta: Sequence[float] = BETA_TRACK) -> Floats:
+    """(T) by (3), without δ."""
+    return np.asarray(track_features(found, weight) @ np.asarray(beta))
+
+
+def logistic(logit: Floats) -> Floats:
+    """1 / (1 + exp(−logit)), without overflow."""
+    return np.asarray(1 / (1 + np.exp(-np.clip(logit, -30, 30))))

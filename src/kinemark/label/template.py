@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from ..data import KinemarkError, Trajectories
 from ..data.array_types import Floats
 from ..data.arrays import check_positive, column, set_columns
+from .own_fit import own_fit
 
 FRAMES = 300
 """Frames of a trial that a template looks at, evenly spread; chosen: a pair's mean and spread need no more."""
@@ -57,6 +58,8 @@ class Template:
         sign: (Q) of their triple product, 1 or −1.
         frames: (L, L) in how many frames both were seen.
         doubt: (L, L) standard uncertainty of the mean distance, mm, of another subject's template; 0 where None.
+        own_fit: what parts of its own data score, as a share of what is expected, where the template is learnt from
+            the others: the least of them; 1 where there are too few frames to tell. See `own_fit`.
     """
 
     names: tuple[str, ...]
@@ -67,6 +70,7 @@ class Template:
     sign: NDArray[np.int64]
     frames: NDArray[np.int64]
     doubt: Floats | None = None
+    own_fit: float = 1.0
 
     def __post_init__(self) -> None:
         n, q = len(self.names), len(self.handed)
@@ -158,9 +162,9 @@ def learn_template(
     spread = np.sqrt(np.nansum((d - sums[..., None]) ** 2, 2) / np.maximum(n, 1))  # (1)
     rigid = _rigid(known, segments or {})
     wide = np.where(rigid, spread, np.hypot(spread, relative_spread * mean))
-    xyz = np.concatenate([xyz for xyz, _ in parts], axis=1)
-    handed, sign = _handed(xyz, spread, n)
-    return Template(known, mean, wide, _short_spread(parts, known), handed, sign, n)
+    handed, sign = _handed(np.concatenate([xyz for xyz, _ in parts], axis=1), spread, n)
+    whole = Template(known, mean, wide, _short_spread(parts, known), handed, sign, n)
+    return replace(whole, own_fit=own_fit([xyz for xyz, _ in parts], whole))
 
 
 def _rigid(names: tuple[str, ...], segments: Mapping[str, Sequence[str]]) -> NDArray[np.bool_]:

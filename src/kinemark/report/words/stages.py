@@ -11,6 +11,10 @@ LABELLING_WORDS = {
         "and places {placed_share} of the samples. Nothing is named.",
         "Give a template of this subject and marker set, or of a trial with such a posture, or scale it by height.",
     ),
+    "sides_undecided": Words(
+        "Left and right cannot be told: {markers} fit as well the other way round, so that these names are not sure.",
+        "Say which side one marker is on, or give a template with a marker that breaks the symmetry.",
+    ),
 }
 
 FILLING_WORDS = {

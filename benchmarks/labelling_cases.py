@@ -1,0 +1,292 @@
+"""Templates and the trials that they label: real ones, synthetic ones, of the same subject, of others, and wrong ones.
+
+Real trials come from KINEMARK_DATA (default ../shared/data); those that are absent are left out.
+
+References mended: LWRA and LWRB are exchanged in all three files of HC030A (the left wrist has the handedness of the
+right one); RHLX and RNAV are exchanged in HC032A18 from about frame 150 on.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.io.trial import read_trial
+from kinemark.label import Template, learn_template
+from kinemark.synth import walking, with_markers
+
+ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data")) / "mocap3d"
+MARKERS_OF_CHILD = """
+    LFHD LBHD RFHD RBHD C7 T2 T6 T10 T12 RBAK CLAV STRN LSHO LELB LWRA LWRB LFIN RSHO RELB RWRA RWRB RFIN SACR RASI
+    LASI LTHI LKNE LHFB LTUB LTIB LSHN LANK LHEE LCPG LLCA LSTL LNAV LP1M LP5M LD5M LTOE LHLX RTHI RKNE RHFB RTUB RTIB
+    RSHN RANK RHEE RCPG RLCA RSTL RNAV RP1M RP5M RD5M RTOE RHLX"""
+CHILD = tuple(MARKERS_OF_CHILD.split())
+CHILDREN = {
+    "HC030A": ("pig_gait_child", "05", "22", "01"),
+    "HC002D": ("pig_gait_children", "06", "25", "02"),
+    "HC031A": ("pig_gait_children", "06", "23", "01"),
+    "HC032A": ("pig_gait_children", "03", "18", "01"),
+    "HC033A": ("pig_gait_children", "10", "22", "01"),
+}
+"""Folder, a walk, another, and the static trial of each."""
+TUNED_CHILDREN = {"HC030A", "HC002D", "HC031A"}
+"""Every row with another child, as template or as trial, is a check."""
+SIDE = {
+    "thigh": "THI KNE THAP HTAD THAD KNM",
+    "shank": "HFB TUB TIB SHN ANK TIAP TIAD KNE KNM MED",
+    "foot": "ANK HEE CPG LCA STL NAV P1M D1M P5M D5M TOE FMH SMH VMH MED",
+    "upper arm": "SHO UPA ELB",
+    "forearm": "ELB FRM WRA WRB",
+}
+BODY = {
+    "head": "LFHD LBHD RFHD RBHD",
+    "trunk": "C7 T2 T6 T10 T12 RBAK CLAV STRN",
+    "pelvis": "LASI RASI LPSI RPSI SACR",
+}
+SEGMENTS = {name: markers.split() for name, markers in BODY.items()} | {
+    f"{side} {name}": [side + marker for marker in markers.split()] for side in "LR" for name, markers in SIDE.items()
+}
+STATIC = 0.14
+"""Relative spread of distances that a static trial does not show ; chosen, see docs/theory/label.md."""
+OTHER = 0.06
+"""Of distances of one child in another, scaled by height; chosen."""
+
+
+class Row(NamedTuple):
+    """A template, and the trial that it labels, with its names; tuned: probabilities are fitted to it."""
+
+    name: str
+    template: Template
+    trial: Trajectories
+    fits: bool = True
+    tuned: bool = False
+
+
+class Shredding(NamedTuple):
+    """How a trial is made into tracks: arguments of `label.shredded`."""
+
+    pieces: int = 1
+    ghosts: float = 2.0
+    kinds: tuple[Any, ...] = ("walk",)
+    absent: int = 0
+    extra: int = 0
+
+
+MIXED = ("walk", "midpoint", "reflection")
+VARIED = (
+    Shredding(1, 2.0, MIXED),
+    Shredding(4, 5.0, MIXED, absent=2, extra=2),
+    Shredding(15, 1.0),
+    Shredding(25, 3.0, MIXED, absent=3, extra=1),
+    Shredding(40, 2.0, MIXED, extra=1),
+    Shredding(8, 0.0, absent=4),
+)
+"""Ways of shredding; rows take them in turn."""
+
+
+@cache
+def read(file: str) -> Trajectories:
+    """A trial of the data folder, with its names mended."""
+    trial = read_trial(ROOT / file).trajectories
+    if "HC030A" in file:
+        other = {"LWRA": "LWRB", "LWRB": "LWRA"}
+        return replace(trial, paths=tuple(replace(path, name=other.get(path.name, path.name)) for path in trial))
+    return _mended_foot(trial) if "HC032A18" in file else trial
+
+
+def _mended_foot(trial: Trajectories) -> Trajectories:
+    """RHLX and RNAV as they were at first: the navicular bone is the one nearer to the heel."""
+    a, b, heel = trial["RHLX"].xyz, trial["RNAV"].xyz, trial["RHEE"].xyz
+    turned = (np.linalg.norm(a - heel, axis=1) < np.linalg.norm(b - heel, axis=1))[:, None]
+    new = {"RHLX": np.where(turned, b, a), "RNAV": np.where(turned, a, b)}
+    return replace(
+        trial,
+        paths=tuple(MarkerTrajectory.measured(p.name, new[p.name]) if p.name in new else p for p in trial),
+    )
+
+
+def only(trial: Trajectories, names: Sequence[str]) -> Trajectories:
+    """Those of the markers that the trial has."""
+    return trial.select([name for name in names if name in trial.names])
+
+
+def child(name: str, trial: int) -> Trajectories:
+    """A child's first or second walk (0, 1) or static trial (2)."""
+    folder, *trials = CHILDREN[name]
+    return only(read(f"{folder}/{name}{trials[trial]}.c3d"), CHILD)
+
+
+def height(trial: Trajectories) -> float:
+    """Head to heel, mm: what one would measure of a subject."""
+    ends = [(a, b) for a in ("LFHD", "RFHD") for b in ("LHEE", "RHEE")]
+    return max(float(np.nanmedian(np.linalg.norm(trial[a].xyz - trial[b].xyz, axis=1))) for a, b in ends)
+
+
+def rows() -> Iterator[Row]:
+    """All cases of the tables whose files are here."""
+    if ROOT.is_dir():
+        yield from same_subject()
+        yield from static_trials()
+        yield from other_child("HC030A")
+        yield from wrong_templates()
+    yield from walkers()
+
+
+def more_rows() -> Iterator[Row]:
+    """Further ones, by which probabilities are fitted and checked."""
+    if ROOT.is_dir():
+        for one in tuple(CHILDREN)[1:]:
+            yield from other_child(one)
+        yield from several_children()
+        yield from placed_otherwise()
+        yield from halves()
+        yield from static_children()
+    yield from walkers_of_many_kinds()
+
+
+def walkers() -> Iterator[Row]:
+    """One synthetic walk labels another."""
+    for n in (15, 39):
+        for seed in (1, 2, 3):
+            one, two = (_walk(k, n, seed) for k in (seed, seed + 10))
+            yield Row(f"walker {n} seed {seed}", learn_template(one), two, tuned=seed == 1)
+
+
+def _walk(walk: int, n: int, seed: int, **more: Any) -> Trajectories:
+    """A walker with n markers, placed by `seed`."""
+    subject = walking(**({"duration_s": 4, "rate": 100.0, "seed": walk, "wobble_mm": 1.0} | more))
+    return with_markers(subject, n, seed=seed).trajectories
+
+
+def walkers_of_many_kinds() -> Iterator[Row]:
+    """Other sizes, rates and marker numbers; templates of a static posture of the walk, of another's size, scaled."""
+    for k, (n, rate) in enumerate(((15, 50.0), (15, 200.0), (22, 100.0), (39, 120.0), (53, 100.0), (26, 240.0))):
+        one, two = (_walk(s, n, k, rate=rate, duration_s=3.0, wobble_mm=2.0) for s in (k, k + 20))
+        tuned, name = k % 2 == 0, f"walker {n}, {rate:g} Hz"
+        yield Row(name, learn_template(one), two, tuned=tuned)
+        yield Row(f"{name}, one frame", learn_template(one.frames(0, 1), relative_spread=STATIC), two, tuned=tuned)
+        yield Row(f"{name}, scaled", learn_template(one).of_another(1.03), two, tuned=tuned)
+
+
+def same_subject() -> Iterator[Row]:
+    """Another trial, or the other half of one."""
+    for name, (_, one, two, _) in CHILDREN.items():
+        a, b, tuned = child(name, 0), child(name, 1), name in TUNED_CHILDREN
+        yield Row(f"{name}{one} labels {two}", learn_template(a), b, tuned=tuned)
+        yield Row(f"{name}{two} labels {one}", learn_template(b), a, tuned=tuned)
+    gait, prone = read("qualisys_gait/Gait - CGM2 1.c3d"), read("labelling/PronetoRun01.c3d")
+    yield Row("qualisys, first half labels second", learn_template(gait.frames(0, 172)), gait.frames(172, 344))
+    yield Row(
+        "prone to run, end labels begin", learn_template(prone.frames(626, 1253)), prone.frames(0, 626), tuned=True
+    )
+    move = only(read("pig_wholebody/Movement_trial.c3d"), list(_whole_body().names))
+    yield Row("whole body, first half labels second", learn_template(move.frames(0, 160)), move.frames(160, 323))
+
+
+def _whole_body() -> Trajectories:
+    static = read("pig_wholebody/Static_trial.c3d")
+    return replace(static, paths=static.paths[:39])  # the markers; the others are segments' axes and ghosts
+
+
+def halves() -> Iterator[Row]:
+    """Other laboratories' trials, by their other half."""
+    for file, tuned in (
+        ("fullbody_cmu/85_02.c3d", True),
+        ("gait_emg_ccby/2014001_C1_01.c3d", False),
+        ("tennis_serve_gap_pair/kinematics_tennis_serve.c3d", False),
+        ("arm_box_lift_gaps/Vicon.c3d", False),
+    ):
+        trial = read(file)
+        middle, name = trial.n_frames // 2, file.split("/")[0]
+        a, b = trial.frames(0, middle), trial.frames(middle, trial.n_frames)
+        yield Row(f"{name}, first half labels second", learn_template(a), b, tuned=tuned)
+        yield Row(f"{name}, second half labels first", learn_template(b), a, tuned=tuned)
+
+
+def static_trials() -> Iterator[Row]:
+    """A static trial and segments."""
+    gait, move = read("qualisys_gait/Gait - CGM2 1.c3d"), read("pig_wholebody/Movement_trial.c3d")
+    body = _whole_body()
+    for name, static, trial, tuned in (
+        ("HC030A static", child("HC030A", 2), child("HC030A", 1), False),
+        ("qualisys static", read("qualisys_gait/Static - CGM2 1.c3d"), gait, False),
+        ("whole body static", body, only(move, list(body.names)), True),
+    ):
+        template = learn_template(static, relative_spread=STATIC, segments=SEGMENTS)
+        yield Row(f"{name}, segments", template, trial, tuned=tuned)
+
+
+def static_children() -> Iterator[Row]:
+    """A static trial, with and without segments."""
+    for name in tuple(CHILDREN)[1:]:
+        for segments in (SEGMENTS, None):
+            template = learn_template(child(name, 2), relative_spread=STATIC, segments=segments)
+            words = "segments" if segments else "no segments"
+            yield Row(f"{name} static, {words}", template, child(name, 0), tuned=name in TUNED_CHILDREN)
+
+
+def other_child(one: str) -> Iterator[Row]:
+    """The template of one child, scaled by height, labels the others."""
+    template, tall = learn_template(child(one, 0)), height(child(one, 0))
+    for name in CHILDREN:
+        if name != one:
+            trial = child(name, 0)
+            scaled = template.of_another(height(trial) / tall)
+            yield Row(f"other child {one} labels {name}", scaled, trial, tuned={one, name} <= TUNED_CHILDREN)
+
+
+def several_children() -> Iterator[Row]:
+    """The template of the three children that are tuned on, or of two of them for the third, scaled by height."""
+    for name in CHILDREN:
+        trial = child(name, 0)
+        others = [child(one, 0) for one in TUNED_CHILDREN - {name}]
+        alike = [_scaled(one, height(trial) / height(one)) for one in sorted(others, key=height)]
+        template = learn_template(*alike, relative_spread=0.5 * OTHER)
+        yield Row(f"{len(alike)} other children label {name}", template, trial, tuned=name in TUNED_CHILDREN)
+
+
+def _scaled(trial: Trajectories, ratio: float) -> Trajectories:
+    return replace(trial, paths=tuple(replace(path, xyz=ratio * path.xyz) for path in trial))
+
+
+def placed_otherwise() -> Iterator[Row]:
+    """Children whose markers sit a few centimetres beside where the template has them: further subjects."""
+    for k, (name, mm) in enumerate((name, mm) for name in sorted(TUNED_CHILDREN) for mm in (5.0, 10.0, 15.0)):
+        template = learn_template(child(name, 0)).of_another(1.0)
+        yield Row(f"{name}, placed {mm:g} mm otherwise", template, _moved(child(name, 1), mm, k), tuned=True)
+    template = learn_template(child("HC032A", 0)).of_another(1.0)
+    for k, mm in enumerate((5.0, 10.0, 15.0), 50):
+        yield Row(f"HC032A, placed {mm:g} mm otherwise", template, _moved(child("HC032A", 1), mm, k))
+
+
+def _moved(trial: Trajectories, mm: float, seed: int) -> Trajectories:
+    """Each marker moved by an offset that is fixed to it and the two markers nearest to it."""
+    rng, xyz = np.random.default_rng(seed), trial.xyz
+    d = np.nanmean(np.linalg.norm(xyz[:, None] - xyz[None], axis=3), axis=2) + np.diag(np.full(len(xyz), np.inf))
+    near = np.argsort(d, axis=1)[:, :2]
+    u, w = (xyz[near[:, k]] - xyz for k in (0, 1))
+    x = u / np.linalg.norm(u, axis=2, keepdims=True)
+    z = np.cross(u, w)
+    z /= np.linalg.norm(z, axis=2, keepdims=True)
+    axes = np.stack([x, np.cross(z, x), z], axis=2)
+    offset = np.einsum("mk,mfkc->mfc", rng.normal(0, mm / np.sqrt(3), (len(xyz), 3)), axes)
+    new = xyz + np.where(np.isfinite(offset), offset, 0.0)
+    return replace(
+        trial, paths=tuple(MarkerTrajectory.measured(p.name, one) for p, one in zip(trial, new, strict=True))
+    )
+
+
+def wrong_templates() -> Iterator[Row]:
+    """Nothing should be named."""
+    gait, prone = read("qualisys_gait/Gait - CGM2 1.c3d"), read("labelling/PronetoRun01.c3d")
+    one = child("HC030A", 0)
+    yield Row("wrong: child labels qualisys", learn_template(one), gait, fits=False, tuned=True)
+    yield Row("wrong: prone labels qualisys", learn_template(prone), gait, fits=False)
+    yield Row("wrong: qualisys labels prone", learn_template(gait), prone, fits=False)

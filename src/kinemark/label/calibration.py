@@ -1,0 +1,135 @@
+"""The probability of tracks measured on the trial itself: its own names, shredded at random, are given back or not.
+
+The names that are confident are taken as the truth. Their markers are joined, cut at random into pieces as long as the
+tracks that are not sure, put among as many ghosts as the trial has unnamed points, and named again by the evidence of
+the same template, outwards from the fullest frame. Each of the n pieces has the logit η that `margin` (3) gives it, and
+is right or not, y. The trial's own shift δ of all logits is the most probable one,
+
+    δ = argmax  r Σ [ y log p + (1 − y) log(1 − p) ] − δ² / (2 τ²),   p = logistic(η + δ)                          (1)
+
+where τ, by which trials differ, is the prior that shrinks δ to 0 where there are few cases or few errors, and r < 1
+because pieces of one marker, seen in the same half second, are no independent cases: r is independent segments over
+pieces. An exchange of whole labels is invisible to this: `margin` (4) judges it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data import MarkerTrajectory, Trajectories
+from ..data.array_types import Bools, Floats, Ints
+from .evidence import PairScore
+from .margin import logistic, margins, track_logit
+from .shredded import GHOSTS, Shredded, shredded
+from .stretches import Stretches, stretches_of
+from .sweeps import outwards, sweep
+from .template import Template
+
+CONFIDENT = 0.9
+"""Probability from which on a name is taken as the truth; chosen, nine in ten at least."""
+BETWEEN = 1.0
+"""τ of (1), in logits; chosen: with it the log score of tracks in the rows of benchmarks/labelling.py rose most."""
+SEGMENT_S = 0.5
+"""Length of independent segments, s; chosen, as long as a new pose takes."""
+MOST_PIECES, MOST_FRAMES = 10, 600
+"""Of a marker, and of the trial; chosen, as many as are needed to see one error in a hundred."""
+SWEEPS = 2
+"""After the first naming; chosen, most trials need no more."""
+
+
+class Cases(NamedTuple):
+    """Pieces of the trial that were named again: logit by `margin` (3), whether right, share that is independent."""
+
+    logit: Floats
+    right: Bools
+    independent: float
+
+
+def calibrated_shift(
+    trajectories: Trajectories,
+    template: Template,
+    pairs: PairScore,
+    label: Ints,
+    probability: Floats,
+    *,
+    sure: float,
+    least_fit: float,
+) -> float:
+    """δ of a labelled trial; 0 where all its names are sure, or too few are confident to tell.
+
+    Args:
+        trajectories: T tracks that were labelled. template, pairs: by which. label: (T) −1 for none.
+        probability: (T) before. sure: from which on a name is sure. least_fit: of a track, below which it has
+            no name.
+    """
+    unsure = (label >= 0) & (probability < sure)
+    confident = np.flatnonzero(probability >= CONFIDENT)
+    if not unsure.any() or len(np.unique(label[confident])) < 4:
+        return 0.0
+    seen = np.isfinite(trajectories.xyz[..., 0])
+    first, stop = _window(seen, unsure)
+    trial = _joined(trajectories, label, confident, template, first, stop)
+    n = stop - first
+    pieces = int(np.clip(round(n / np.median(seen[unsure].sum(1))), 1, min(MOST_PIECES, n)))
+    ghosts = seen[label < 0, first:stop].sum() / n
+    return shift_of(cases_of(shredded(trial, pieces, ghosts, kinds=GHOSTS), template, pairs, least_fit))
+
+
+def _window(seen: Bools, unsure: Bools) -> tuple[int, int]:
+    """At most so many frames, about the middle of the samples that are not sure."""
+    F = seen.shape[1]
+    middle = int(np.median(np.nonzero(seen[unsure])[1])) if seen[unsure].any() else F // 2
+    first = int(np.clip(middle - MOST_FRAMES // 2, 0, max(F - MOST_FRAMES, 0)))
+    return first, min(F, first + MOST_FRAMES)
+
+
+def _joined(
+    trajectories: Trajectories, label: Ints, confident: Ints, template: Template, first: int, stop: int
+) -> Trajectories:
+    """The markers of confident tracks, in these frames."""
+    xyz = {int(a): np.full((stop - first, 3), np.nan) for a in np.unique(label[confident])}
+    for t in confident:
+        part = trajectories.paths[t].xyz[first:stop]
+        rows = np.isfinite(part[:, 0])
+        xyz[int(label[t])][rows] = part[rows]
+    paths = (MarkerTrajectory.measured(template.names[a], part) for a, part in xyz.items() if np.isfinite(part).any())
+    return Trajectories(tuple(paths), trajectories.rate)
+
+
+def cases_of(parts: Shredded, template: Template, pairs: PairScore, least_fit: float) -> Cases:
+    """The pieces named again from the fullest frame, without key frames."""
+    number = {name: a for a, name in enumerate(template.names)}
+    truth = np.array([-1 if name is None else number[name] for name in parts.truth], np.int64)
+    stretches = stretches_of(parts.tracks, template.size)
+    label = _again(stretches, truth, pairs, least_fit)
+    named = np.flatnonzero(label >= 0)
+    logit = track_logit(margins(stretches, label, template, pairs, exchanges=False), stretches.weight)[named]
+    segments = len(template) * max(1.0, parts.tracks.n_frames / parts.tracks.rate / SEGMENT_S)
+    return Cases(logit, label[named] == truth[named], min(1.0, segments / max(len(named), 1)))
+
+
+def _again(stretches: Stretches, truth: Ints, pairs: PairScore, least_fit: float) -> Ints:
+    """(T) labels, from the true ones of the frame that has most."""
+    here = np.isfinite(stretches.xyz[..., 0]) & (truth >= 0)[:, None]
+    key = int(here.sum(0).argmax())
+    known = np.flatnonzero(here[:, key])
+    label = outwards(stretches, key, known, truth[known], pairs)
+    for _ in range(SWEEPS):
+        label = sweep(stretches, label, pairs, least_fit)
+    return label
+
+
+def shift_of(cases: Cases) -> float:
+    """δ of (1), by Newton's method; the sum is concave, so that there is one."""
+    shift = 0.0
+    for _ in range(50):
+        p = logistic(cases.logit + shift)
+        slope = cases.independent * (cases.right - p).sum() - shift / BETWEEN**2
+        curve = cases.independent * (p * (1 - p)).sum() + 1 / BETWEEN**2
+        step = float(np.clip(slope / curve, -1.0, 1.0))
+        shift += step
+        if abs(step) < 1e-6:
+            break
+    return shift

@@ -1,0 +1,205 @@
+"""A labelled trial as an unlabelled one: whole or in pieces, among ghosts, shuffled, with the truth beside it.
+
+Markers may be absent, there may be some that no template knows, and two tracks may go over into each other. The names
+that come back are compared with the truth by `score_labels`; `calibration` does so on the trial that was labelled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ..data import MarkerTrajectory, Trajectories
+from ..data.array_types import Bools, Floats, Ints
+
+Ghost = Literal["walk", "midpoint", "reflection"]
+"""A point that wanders near the body, one midway between two markers, one that stands still."""
+GHOSTS: tuple[Ghost, ...] = ("walk", "midpoint", "reflection")
+LEAST_GHOST, GREATEST_GHOST, MEAN_GHOST = 3, 40, 20
+"""How long a ghost lives, frames: any number from the first to below the second, which are 20 in the mean where the
+trial's end cuts some short; chosen, as trackers leave them."""
+STEP_MM = 3.0
+"""Standard deviation of a ghost's step a frame, mm; chosen, as fast as a walking subject's limbs."""
+
+
+class Change(NamedTuple):
+    """A track is another marker from this frame on."""
+
+    frame: int
+    marker: str
+
+
+class Shredded(NamedTuple):
+    """Tracks without names, and whose each is.
+
+    Attributes:
+        tracks: T of them, called `*1`, `*2`, …
+        truth: (T) the marker that each is where it begins; None for ghosts.
+        changes: track → where it goes over to another marker; tracks that keep theirs are not in it.
+    """
+
+    tracks: Trajectories
+    truth: tuple[str | None, ...]
+    changes: Mapping[int, Change] = MappingProxyType({})
+
+
+class _Piece(NamedTuple):
+    """A track to be: (F, 3) mm, its marker, and from which frame on it is another's."""
+
+    xyz: Floats
+    marker: str | None
+    change: Change | None = None
+
+
+def shredded(
+    trial: Trajectories,
+    pieces: int = 1,
+    ghosts: float = 0.0,
+    seed: int = 0,
+    *,
+    kinds: Sequence[Ghost] = ("walk",),
+    at_gaps: bool = False,
+    absent: int = 0,
+    extra: int = 0,
+    exchanges: int = 0,
+) -> Shredded:
+    """A trial's markers as tracks without names.
+
+    Args:
+        trial: labelled.
+        pieces: into how many each marker is cut, at random.
+        ghosts: mean number in a frame.
+        seed: of all that is random; the same seed gives the same tracks.
+        kinds: of ghosts, taken in turn.
+        at_gaps: each marker is also cut where it has a gap.
+        absent: markers left out, at random.
+        extra: markers that the trial does not have, fixed to three near ones; called `+1`, `+2`, …
+        exchanges: pairs of near markers whose tracks go over into each other at some frame.
+
+    Raises:
+        ValueError: pieces is below 1 or above the number of frames, another number is below 0, or there are not so
+            many markers.
+    """
+    _check(trial, pieces, ghosts, absent, extra, exchanges)
+    rng, other = np.random.default_rng(seed), np.random.default_rng([seed, 1])
+    gone = set(other.choice(len(trial), absent, replace=False).tolist())
+    whole = [_Piece(path.xyz, path.name) for i, path in enumerate(trial) if i not in gone]
+    whole += [_Piece(_fixed_to(trial.xyz, other), f"+{k}") for k in range(1, extra + 1)]
+    whole = _exchanged(whole, exchanges, other)
+    parts = [part for one in whole for part in _cut(one, pieces, at_gaps, rng)]
+    parts += _ghosts(trial.xyz, ghosts, kinds, rng)
+    order = [parts[i] for i in rng.permutation(len(parts))]
+    paths = tuple(MarkerTrajectory.measured(f"*{k}", one.xyz) for k, one in enumerate(order, 1))
+    changes = {t: one.change for t, one in enumerate(order) if one.change is not None}
+    return Shredded(Trajectories(paths, trial.rate), tuple(one.marker for one in order), MappingProxyType(changes))
+
+
+def _check(trial: Trajectories, pieces: int, ghosts: float, absent: int, extra: int, exchanges: int) -> None:
+    """Numbers that make sense for this trial."""
+    if not 1 <= pieces <= max(trial.n_frames, 1):
+        raise ValueError(f"pieces is {pieces}, wanted 1 to {trial.n_frames}, the number of frames")
+    for name, value in {"ghosts": ghosts, "absent": absent, "extra": extra, "exchanges": exchanges}.items():
+        if not 0 <= value < np.inf:
+            raise ValueError(f"{name} is {value}, wanted 0 or more")
+    if absent + 2 * exchanges > len(trial) or (extra and len(trial) < 3):
+        raise ValueError(
+            f"the trial has {len(trial)} markers, too few for {absent} absent, {exchanges} exchanges and {extra} extra"
+        )
+
+
+def _cut(one: _Piece, pieces: int, at_gaps: bool, rng: np.random.Generator) -> list[_Piece]:
+    """At random frames, and at gaps if that is wanted; parts without samples are left out."""
+    F = len(one.xyz)
+    cuts = np.sort(rng.choice(np.arange(1, F), pieces - 1, replace=False)) if pieces > 1 else np.zeros(0, int)
+    if at_gaps:
+        seen = np.isfinite(one.xyz[:, 0]).astype(int)
+        cuts = np.union1d(cuts, np.flatnonzero(np.diff(seen)) + 1)
+    out = []
+    for a, b in zip([0, *cuts.tolist()], [*cuts.tolist(), F], strict=True):
+        if np.isfinite(one.xyz[a:b, 0]).any():
+            out.append(_part(one, a, b))
+    return out
+
+
+def _part(one: _Piece, a: int, b: int) -> _Piece:
+    """Frames from a to below b; the track is what it is there."""
+    xyz = np.full_like(one.xyz, np.nan)
+    xyz[a:b] = one.xyz[a:b]
+    if one.change is None or one.change.frame >= b:
+        return _Piece(xyz, one.marker)
+    if one.change.frame <= a:
+        return _Piece(xyz, one.change.marker)
+    return _Piece(xyz, one.marker, one.change)
+
+
+def _exchanged(whole: list[_Piece], n: int, rng: np.random.Generator) -> list[_Piece]:
+    """With n pairs of nearest markers exchanged from a frame on in which both are seen."""
+    left = list(rng.permutation(len(whole)))
+    out = list(whole)
+    for _ in range(n):
+        a = left.pop()
+        apart = [_apart(whole[a], whole[b]) for b in left]
+        b = left.pop(int(np.argmin(apart)))
+        frames = np.flatnonzero(_both(whole[a], whole[b]))
+        if len(frames) < 3:
+            continue
+        at = int(frames[rng.integers(1, len(frames) - 1)])
+        out[a], out[b] = _turned(whole[a], whole[b], at), _turned(whole[b], whole[a], at)
+    return out
+
+
+def _apart(a: _Piece, b: _Piece) -> float:
+    """Mean distance, mm; infinite where they are never seen together."""
+    d = np.linalg.norm(a.xyz - b.xyz, axis=1)[_both(a, b)]
+    return float(d.mean()) if len(d) else np.inf
+
+
+def _both(a: _Piece, b: _Piece) -> Bools:
+    """(F) whether both are seen."""
+    return np.isfinite(a.xyz[:, 0]) & np.isfinite(b.xyz[:, 0])
+
+
+def _turned(a: _Piece, b: _Piece, at: int) -> _Piece:
+    """The one, and from frame `at` on the other."""
+    xyz = a.xyz.copy()
+    xyz[at:] = b.xyz[at:]
+    return _Piece(xyz, a.marker, Change(at, str(b.marker)))
+
+
+def _fixed_to(xyz: Floats, rng: np.random.Generator) -> Floats:
+    """(F, 3) a marker fixed to a random one and the two that are nearest to it in the mean."""
+    a = int(rng.integers(len(xyz)))
+    apart = np.linalg.norm(xyz - xyz[a], axis=2)
+    seen = np.isfinite(apart)
+    mean = np.where(seen.any(1), np.where(seen, apart, 0.0).sum(1) / np.maximum(seen.sum(1), 1), np.inf)
+    b, c = np.argsort(mean, kind="stable")[1:3]
+    s, t = rng.uniform(-1, 1, 2)
+    return xyz[a] + s * (xyz[b] - xyz[a]) + t * (xyz[c] - xyz[a])
+
+
+def _ghosts(xyz: Floats, each: float, kinds: Sequence[Ghost], rng: np.random.Generator) -> list[_Piece]:
+    """As many as are `each` in a frame in the mean."""
+    F, out = xyz.shape[1], []
+    for k in range(int(each * F / MEAN_GHOST)):
+        a = int(rng.integers(F))
+        b = min(F, a + int(rng.integers(LEAST_GHOST, GREATEST_GHOST)))
+        if len(now := np.flatnonzero(np.isfinite(xyz[:, a, 0]))) > 1:
+            place = np.full((F, 3), np.nan)
+            place[a:b] = _ghost(kinds[k % len(kinds)], xyz[:, a:b], now, rng)
+            out.append(_Piece(place, None))
+    return [one for one in out if np.isfinite(one.xyz).any()]
+
+
+def _ghost(kind: Ghost, xyz: Floats, now: Ints, rng: np.random.Generator) -> Floats:
+    """(n, 3) of one kind; xyz (M, n, 3) of the markers meanwhile, `now` those seen when it begins."""
+    if kind == "midpoint":
+        a, b = rng.choice(now, 2, replace=False)
+        return 0.5 * (xyz[a] + xyz[b])
+    here = xyz[now, 0]
+    place = here.mean(0) + rng.normal(0, 1, 3) * here.std(0)
+    if kind == "reflection":
+        return np.broadcast_to(place, xyz.shape[1:])
+    return place + np.cumsum(rng.normal(0, STEP_MM, xyz.shape[1:]), 0)

@@ -1,0 +1,141 @@
+"""What is said of a name: how likely, by what, what else, and whether left and right can be told at all."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.label import label, learn_template, shredded
+from kinemark.label.calibration import Cases, calibrated_shift, cases_of, shift_of
+from kinemark.label.evidence import PairScore
+from kinemark.label.margin import logistic, margins, probability
+from kinemark.label.sides import decided_sides, mirrored
+from kinemark.label.stretches import stretches_of
+from kinemark.synth import walking, with_markers
+
+
+@cache
+def walk(seed, n=15):
+    return with_markers(walking(duration_s=3.0, rate=100.0, seed=seed, wobble_mm=1.0), n, seed=1).trajectories
+
+
+@cache
+def template(n=15):
+    return learn_template(walk(1, n))
+
+
+def known(trial, by):
+    """Stretches, pairs, and the true labels."""
+    true = np.array([by.names.index(name) for name in trial.names])
+    return stretches_of(trial, by.size), PairScore.of_template(by), true
+
+
+def flat(seed):
+    """A body of eight markers that is its own mirror image, moving in space."""
+    rng, t = np.random.default_rng(seed), np.linspace(0, 3, 150)
+    y, z = np.array([300.0, 200, 150, 120]), np.array([1400.0, 1000, 500, 100])
+    body = np.concatenate([np.stack([0 * y, s * y, z], 1) for s in (-1, 1)])
+    angle = 0.5 * np.sin(t)
+    turn = np.stack([np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)], 1).reshape(-1, 2, 2)
+    xyz = np.broadcast_to(body[:, None], (8, 150, 3)).copy()
+    xyz[..., :2] = np.einsum("tij,mtj->mti", turn, xyz[..., :2])
+    xyz[..., 0] += 1000 * t
+    names = [side + name for side in "LR" for name in ("SHO", "ASI", "KNE", "ANK")]
+    noise = rng.normal(0, 1.0, xyz.shape)
+    return Trajectories(tuple(MarkerTrajectory.measured(n, x) for n, x in zip(names, xyz + noise, strict=True)), 50.0)
+
+
+def test_a_symmetric_body_is_named_but_its_sides_are_asked_for():
+    found = label(flat(2), learn_template(flat(1)))
+    assert found.refused is None and found.undecided.kind == "sides_undecided"
+    assert set(found.undecided.markers) == set(flat(1).names)
+    assert max(found.probability) <= 0.5 and set(found.state) == {"unsure"}
+    assert [name[1:] for name in found.names] == [name[1:] for name in flat(2).names]
+
+
+def test_a_whole_subject_with_its_sides_exchanged_is_turned():
+    stretches, pairs, true = known(walk(7), template())
+    other = mirrored(template().names)
+    assert (other[other] == np.arange(15)).all() and (other != np.arange(15)).sum() == 14
+    for given in (true, other[true]):
+        sides = decided_sides(stretches, given, template(), pairs)
+        np.testing.assert_array_equal(sides.label, true)
+        assert sides.finding is None and not sides.undecided.any()
+
+
+@pytest.mark.parametrize(
+    ("name", "other"),
+    [("LASI", "RASI"), ("Male:RFWT", "Male:LFWT"), ("L_IAS", "R_IAS"), ("R.Heel", "L.Heel"), ("ASISr", "ASISl")],
+)
+def test_the_other_side_of_a_name_is_found(name, other):
+    names = ("CLAV", name, "SACR", other)
+    assert mirrored(names).tolist() == [0, 3, 2, 1]
+    assert mirrored(names[:3]).tolist() == [0, 1, 2]
+
+
+def test_the_shift_is_the_most_probable_and_shrinks_to_none_without_cases():
+    logit = np.full(400, 3.0)
+    for share in (0.7, 0.95, 1.0):
+        right = np.arange(400) < 400 * share
+        shift = shift_of(Cases(logit, right, 1.0))
+
+        def cost(d, right=right):
+            return np.where(right, np.logaddexp(0, -logit - d), np.logaddexp(0, logit + d)).sum() + d * d / 2
+
+        assert cost(shift) <= min(cost(shift + 0.01), cost(shift - 0.01))
+    few = shift_of(Cases(logit[:4], np.zeros(4, bool), 1.0))
+    many = shift_of(Cases(logit, np.arange(400) < 280, 1.0))
+    assert shift_of(Cases(logit[:0], np.zeros(0, bool), 1.0)) == 0
+    assert logistic(3.0 + many) == pytest.approx(0.7, abs=0.02) and -3 < few < 0
+    assert abs(shift_of(Cases(logit, np.arange(400) < 280, 0.01))) < abs(many)
+
+
+def test_pieces_of_the_trial_are_named_again_and_calibrate_it():
+    parts = shredded(walk(7), 6, 2.0, 3)
+    cases = cases_of(parts, template(), PairScore.of_template(template()), 0.3)
+    assert 0.5 * 90 < len(cases.right) <= len(parts.tracks) and cases.right.mean() > 0.95 and 0 < cases.independent <= 1
+    stretches = stretches_of(walk(7), template().size)
+    true = np.array([template().names.index(name) for name in walk(7).names])
+    pairs, p = PairScore.of_template(template()), np.full(15, 0.999)
+    about = dict(sure=0.99, least_fit=0.3)
+    assert len(stretches) == 15 and calibrated_shift(walk(7), template(), pairs, true, p, **about) == 0
+    p[3] = 0.8
+    assert abs(calibrated_shift(walk(7), template(), pairs, true, p, **about)) < 2
+
+
+def test_an_exchange_all_through_the_trial_makes_its_two_labels_improbable_and_no_other():
+    stretches, pairs, true = known(walk(7, 39), template(39))
+    d = template(39).distance + np.diag(np.full(39, np.inf))
+    a, b = np.unravel_index(d.argmin(), d.shape)
+    turn = np.arange(39)
+    turn[[a, b]] = b, a
+    right, wrong = (
+        probability(margins(stretches, given, template(39), pairs), stretches.weight) for given in (true, turn[true])
+    )
+    off = np.isin(true, [a, b])
+    assert right.min() > 0.99 and wrong[off].max() < 0.9 and np.median(wrong[~off]) > 0.99
+    assert (wrong[off] < right[off]).all()
+
+
+def test_who_speaks_for_the_runner_up_is_said_of_names_that_are_not_sure():
+    """A knee that sits 10 cm beside where the template has it."""
+    names = walk(7).names
+    moved = [p.xyz + (60.0 if p.name == "LKNE" else 0.0) for p in walk(7)]
+    trial = Trajectories(tuple(MarkerTrajectory.measured(n, x) for n, x in zip(names, moved, strict=True)), 100.0)
+    found = label(trial, template())
+    for state, against, runner_up in zip(found.state, found.against, found.runner_up, strict=True):
+        assert state != "sure" or against == ()
+        nats = [value for _, value in against]
+        assert nats == sorted(nats, reverse=True) and all(value > 0 for value in nats)
+        assert all(name in template().names and name != runner_up for name, _ in against)
+    at = names.index("LKNE")
+    assert found.state[at] != "sure"
+
+
+def test_a_template_knows_what_it_scores_on_its_own_data():
+    rng = np.random.default_rng(0)
+    assert learn_template(walk(1)).own_fit > 0.95 and learn_template(walk(1).frames(0, 1)).own_fit == 1
+    jump = np.repeat(rng.normal(0, 400, (12, 3, 3)), 40, axis=1) + rng.normal(0, 1.0, (12, 120, 3))
+    odd = Trajectories(tuple(MarkerTrajectory.measured(f"m{k}", x) for k, x in enumerate(jump)), 100.0)
+    assert learn_template(odd).own_fit == pytest.approx(0.7)

@@ -21,7 +21,7 @@ import scipy
 
 from ..data import KinemarkError, MarkerSet, Trajectories
 from ..data.array_types import Bools, Floats, Ints
-from ..data.marker_set import Face, Place
+from ..data.marker_set import Place
 from .sides import sides_by_name, sides_by_shape
 from .template import names_in
 
@@ -191,14 +191,15 @@ def _joints(
 
 
 def _figure(names: tuple[str, ...], xyz: Floats, pairs: Sequence[tuple[str, str]]) -> dict[str, dict[str, object]]:
-    """Places and views of the markers in the frame that shows most of them; none without a left and a right."""
+    """Places of the markers in the tallest pose that shows most of them; none without a left and a right."""
     if not pairs:
         return {}
     left, right = (np.array([names.index(pair[k]) for pair in pairs]) for k in (0, 1))
     across = np.nanmean(xyz[left] - xyz[right], 0) * [1, 1, 0]
     wide = np.linalg.norm(across, axis=1)
-    seen = np.isfinite(xyz[..., 0]).sum(0) + np.where(np.isfinite(wide), 0.5 * wide / max(np.nanmax(wide), 1e-9), -1)
-    k = int(np.argmax(seen))
+    seen = np.isfinite(xyz[..., 0]).sum(0)
+    tall = np.nanmax(xyz[..., 2], 0) - np.nanmin(xyz[..., 2], 0)
+    k = int(np.argmax(np.where((seen >= seen.max() - 2) & np.isfinite(wide), tall, -1.0)))
     if not wide[k] > 0:
         return {}
     y = across[k] / wide[k]
@@ -214,9 +215,4 @@ def _figure(names: tuple[str, ...], xyz: Floats, pairs: Sequence[tuple[str, str]
         for name, p, ok in zip(names, shares, there, strict=True)
         if ok
     }
-    return {"places": dict(places), "faces": {name: _face(place) for name, place in places.items()}}
-
-
-def _face(place: Place) -> Face:
-    """In front of the body, behind it, or at its side."""
-    return "front" if place[0] > 0.03 else "back" if place[0] < -0.03 else "both"
+    return {"places": dict(places)}

@@ -86,7 +86,7 @@ def _view(of: MarkerSet, view: str, x0: float) -> str:
         [
             f'<g transform="translate({x0 + WIDTH / 2:g} 0)">',
             f'<text y="46" text-anchor="middle" fill="{FAINT}">{view}</text>{sides}',
-            _body() if of.joints else "",
+            _body() if _is_body(of) else "",
             *(_line(a.x, a.y, b.x, b.y, FAINT, 1.2) for a, b in lines),
             *_labels(of, [spot for spot in spots if spot.x < 0], -1.0),
             *_labels(of, [spot for spot in spots if spot.x >= 0], 1.0),
@@ -97,17 +97,22 @@ def _view(of: MarkerSet, view: str, x0: float) -> str:
 
 
 def _spots(of: MarkerSet, view: str, sign: float) -> list[Spot]:
-    """The markers that are seen in a view, from the top down; what has no joints, a thing, fills the picture."""
-    low, high = (0.0, 1.0) if of.joints else _range(of.places[name][2] for name in of.names if name in of.places)
+    """The markers that are seen in a view, from the top down; what is no standing body fills the picture."""
+    low, high = (0.0, 1.0) if _is_body(of) else _range(of.places[name][2] for name in of.names if name in of.places)
     out = []
     for name in of.names:
         if name in of.places and of.faces.get(name, "both") in (view, "both"):
             _, left, up = of.places[name]
             side = next((side for side, k in (("left", 0), ("right", 1)) if name in (p[k] for p in of.pairs)), "middle")
             y = TOP + SCALE * (1 - (up - low) / (high - low))
-            wide = 1.0 if of.joints else min(1.0, 0.25 * WIDTH / SCALE / max(_widest(of), 1e-9))
+            wide = 1.0 if _is_body(of) else min(1.0, 0.25 * WIDTH / SCALE / max(_widest(of), 1e-9))
             out.append(Spot(name, sign * left * SCALE * wide, y, side))
     return sorted(out, key=lambda spot: spot.y)
+
+
+def _is_body(of: MarkerSet) -> bool:
+    """Whether the places are those of one who stands as the drawn body does: joints have places there too."""
+    return any(joint in of.places for joint in of.joints)
 
 
 def _range(values: Iterable[float]) -> tuple[float, float]:

@@ -8,6 +8,9 @@ LABELLING = (
     Kind("labels_refused", "label", "red", "The template does not fit the trial, so that nothing is named: the score "
          "of the best labelling as a share of what the template scores on its own data, and the share of samples that "
          "it could place.", {"fit_share": "share", "placed_share": "share"}),
+    Kind("trial_contradicts_template", "label", "amber", "Markers of a labelled trial sit elsewhere than its subject's "
+         "template says, so that the template does not learn from it: the share of the distances within segments that "
+         "are off, and the most.", {"pairs_share": "share", "off_mm": "mm"}),
 )  # fmt: skip
 
 FILLING = (

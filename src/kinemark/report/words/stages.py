@@ -11,6 +11,11 @@ LABELLING_WORDS = {
         "and places {placed_share} of the samples. Nothing is named.",
         "Give a template of this subject and marker set, or of a trial with such a posture, or scale it by height.",
     ),
+    "trial_contradicts_template": Words(
+        "The trial says otherwise than the subject's template about {markers}: {pairs_share} of the distances within "
+        "segments are off, by up to {off_mm}. The template does not learn from it.",
+        "Check its names with `kinemark label --check`; if a marker was moved, make a new template.",
+    ),
 }
 
 FILLING_WORDS = {

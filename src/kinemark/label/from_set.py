@@ -16,6 +16,7 @@ import numpy as np
 
 from ..data import KinemarkError, MarkerSet, MarkerTrajectory, Trajectories
 from ..data.array_types import Floats, Ints
+from .labels import Labels, State
 from .template import LEAST_VOLUME, Template, learn_template, triple_products, widest
 
 STATIC_SPREAD = 0.18
@@ -24,6 +25,9 @@ SEGMENT_SPREAD = 0.03
 """Share of the distances within a segment whose set does not say how rigid it is; chosen, as skin moves in gait."""
 LEAST_ACROSS = 0.3
 """Least triple product over its edges, as `LEAST_VOLUME`, of quadruples across a joint: 17° out of one plane; chosen."""
+MOST_BY_FIGURE = 0.8
+"""Greatest probability of a name that rests on the figure alone; measured on ten walks of nine subjects of five
+laboratories, whole and in pieces: 83 % of such names are right, and where they are wrong, often all are."""
 FIGURE_SPREAD = 0.028
 """Share of the height by which distances differ from those of the figure; measured: 0.02 on an axis, see above."""
 
@@ -115,3 +119,9 @@ def _figure(places: Mapping[str, tuple[float, float, float]], height_mm: float) 
     """One who stands as the figure, in one frame."""
     paths = (MarkerTrajectory.measured(n, height_mm * np.array([place])) for n, place in places.items())
     return Trajectories(tuple(paths), 1.0)
+
+
+def by_figure_alone(labels: Labels) -> Labels:
+    """Names that the figure alone gave: none of them is sure, since a body much unlike it is named wrongly as a whole."""
+    state: tuple[State, ...] = tuple("unsure" if name is not None else "unknown" for name in labels.names)
+    return replace(labels, probability=np.minimum(labels.probability, MOST_BY_FIGURE), state=state)

@@ -54,6 +54,11 @@ class SubjectTemplate:
         if self.height_mm <= 0 or np.isinf(self.height_mm):
             raise ValueError(f"height_mm is {self.height_mm}, wanted a number above 0, or NaN where it is not known")
 
+    @property
+    def figure_alone(self) -> bool:
+        """Whether nothing of the subject is known but the marker set and the height."""
+        return bool(self.sources) and all(source.kind == "marker set" for source in self.sources)
+
     def grown(self, trial: Trajectories, labels: Labels, source: TemplateSource) -> Grown:
         """With what a labelled and accepted trial adds; only sure names count, each trial by its frames.
 

@@ -1,4 +1,4 @@
-"""The template of a subject from what there is: templates kept, labelled trials, static trials, other subjects, a set."""
+"""The template of a subject from what there is: kept templates, labelled and static trials, other subjects, a set."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..data import KinemarkError, MarkerSet, Trajectories, make_finding
+from ..data import KinemarkError, MarkerSet, Trajectories
 from ..io.trial import read_trial
 from ..label import Template, learn_template
 from ..label.from_set import STATIC_SPREAD, from_figure, from_static
@@ -27,7 +27,8 @@ class Known(NamedTuple):
     """What is known of a subject beside files.
 
     Attributes:
-        marker_set: that the subject wears; None where it is not known. markers: names to learn; all where none is given.
+        marker_set: that the subject wears; None where it is not known.
+        markers: names to learn; all where none is given.
         static: the trials show no motion. subject: name.
         height_mm: of the subject, mm; None where it is not known.
         heights_mm: of the others whose files are given, mm, in their order; none where the files are of the subject.
@@ -139,8 +140,8 @@ def _learnt(trials: Sequence[Trajectories], known: Known) -> Template:
     names = tuple(name for name in _wanted(known) if name in there or name in known.markers)
     if known.marker_set is not None and not known.markers and len(names) < 4:
         raise KinemarkError(
-            f"{len(names)} of the {len(known.marker_set)} markers of {known.marker_set.name or 'the marker set'} are in "
-            f"the trial, which has {', '.join(sorted(there)[:8])} …. Wanted are four or more, spelt alike."
+            f"{len(names)} of the {len(known.marker_set)} markers of {known.marker_set.name or 'the marker set'} are "
+            f"in the trial, which has {', '.join(sorted(there)[:8])} …. Wanted are four or more, spelt alike."
         )
     return learn_template(*trials, names=names or None, relative_spread=STATIC_SPREAD if known.static else 0.0)
 
@@ -179,8 +180,7 @@ def with_trial(own: SubjectTemplate, file: Path) -> SubjectTemplate:
     new = learn_template(trial, names=names)
     found = contradiction(own.template, new, trial)
     if found is not None:
-        values = {"pairs_share": found.pairs_share, "off_mm": found.off_mm}
-        said = make_finding("trial_contradicts_template", markers=found.markers, **values)
+        said = found.finding
         raise KinemarkError(f"{file} is not added. {text_of(said)} {advice_of(said)}")
     source = TemplateSource(file.name, trial.n_frames, _today())
     return replace(own, template=pooled(own.template, new, trial), sources=(*own.sources, source))

@@ -1,8 +1,8 @@
 """Labelled trials checked for left and right: limbs whose sides are swapped, for a while or all through.
 
 A limb that is swapped keeps all distances within itself, so that no exchange of two markers shows it. Which markers
-make a limb follows from the pairs of left and right names: single linkage by their distance in the template gives groups
-from single pairs to the whole body. Each group is swapped as one and judged by all pairs that this touches, as any
+make a limb follows from the pairs of left and right names: single linkage by their distance in the template gives
+groups from single pairs to the whole body. Each group is swapped as one and judged by all pairs that this touches, as any
 exchange ((1) of `exchange`); of groups that gain, the one that gains most is taken, and pairs are added to it and taken
 from it as long as that gains more.
 """
@@ -16,7 +16,6 @@ import numpy as np
 import scipy
 
 from ..data import Trajectories
-from ..data.array_types import Ints
 from .check import LEAST_NATS, WINDOW_S
 from .evidence import PairScore, Single
 from .exchange import Exchanger, Move
@@ -69,7 +68,9 @@ def find_side_swaps(
         best = _best(y[rows], template, exchanger, groups)
         if best is not None:
             group, gain, off = best
-            found.append(SideSwap(tuple(group), int(stretches.frame[rows[0]]), int(stretches.frame[rows[-1]]) + 1, gain, *off))
+            found.append(
+                SideSwap(tuple(group), int(stretches.frame[rows[0]]), int(stretches.frame[rows[-1]]) + 1, gain, *off)
+            )
     return _merged(found, round(2 * WINDOW_S * trajectories.rate))
 
 
@@ -91,9 +92,9 @@ def _best(
     y: Single, template: Template, exchanger: Exchanger, groups: list[list[tuple[str, str]]]
 ) -> tuple[list[tuple[str, str]], float, tuple[float, float]] | None:
     """The group whose swap gains most in these frames, if any gains enough."""
-    seen = np.isfinite(y[..., 0]).any(0)
+    seen = np.asarray(np.isfinite(y[..., 0]).any(0))
     moves = [_move(template, group) for group in groups]
-    usable = np.array([seen[list(move[0])].mean() > 0.5 for move in moves])
+    usable = np.array([float(np.mean(seen[list(move[0])])) > 0.5 for move in moves])
     gains = np.where(usable, exchanger.gains(y, moves), -np.inf)
     best, gain = groups[int(gains.argmax())], float(gains.max())
     if gain <= LEAST_NATS:
@@ -130,7 +131,9 @@ def _merged(found: list[SideSwap], near: int) -> tuple[SideSwap, ...]:
     """Neighbouring windows with the same pairs as one."""
     out: list[SideSwap] = []
     for one in found:
-        old = next((k for k, other in enumerate(out) if other.pairs == one.pairs and one.first - other.stop < near), None)
+        old = next(
+            (k for k, other in enumerate(out) if other.pairs == one.pairs and one.first - other.stop < near), None
+        )
         if old is None:
             out.append(one)
             continue
@@ -139,12 +142,3 @@ def _merged(found: list[SideSwap], near: int) -> tuple[SideSwap, ...]:
         mean = [(n * x + m * z) / (n + m) for x, z in zip(before[3:], one[3:], strict=True)]
         out[old] = SideSwap(one.pairs, before.first, one.stop, *mean)
     return tuple(out)
-
-
-def frames_of(swaps: Sequence[SideSwap], n_frames: int) -> dict[str, Ints]:
-    """Of each marker that is swapped, the frames in which it is."""
-    out: dict[str, Ints] = {}
-    for one in swaps:
-        for name in (name for pair in one.pairs for name in pair):
-            out[name] = np.union1d(out.get(name, np.zeros(0, np.int64)), np.arange(one.first, min(one.stop, n_frames)))
-    return out

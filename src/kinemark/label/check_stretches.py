@@ -2,8 +2,9 @@
 
 In windows of half a second the mean evidence e(a) of what is called a, by the four names that tell most of it there
 ((1) of `sweeps`), is below 0 where most of them say that it is none. Names farther off tell little of a marker, and all
-of them together would outvote those of its own segment. A wrong marker spoils the evidence of its neighbours too, so that the worst is set
-aside before the others are judged anew. What it may be instead is told where a name that is free there fits it well.
+of them together would outvote those of its own segment. A wrong marker spoils the evidence of its neighbours too, so
+that the worst is set aside before the others are judged anew. What it may be instead is told where a name that is free
+there fits it well.
 """
 
 from __future__ import annotations
@@ -95,7 +96,7 @@ def _in_window(y: Single, template: Template, pairs: PairScore, frame: Ints) -> 
 
 
 def _evidence(y: Single, pairs: PairScore) -> tuple[Floats, Floats]:
-    """(L) mean nats of each label by those that tell most, and what is expected of as many; 0 for labels that are not there."""
+    """(L) mean nats of each label by those that tell most, and what is expected of as many; 0 for absent labels."""
     L = y.shape[1]
     every = np.arange(L)
     d = np.sqrt(((y[:, :, None] - y[:, None]) ** 2).sum(-1))
@@ -142,6 +143,6 @@ def _merged(found: list[Mislabelled], near: int) -> tuple[Mislabelled, ...]:
             continue
         old = out[k]
         n, m = old.stop - old.first, one.stop - one.first
-        mean = [(n * x + m * z) / (n + m) for x, z in zip(old[3:6], one[3:6], strict=True)]
-        out[k] = Mislabelled(one.marker, old.first, one.stop, *mean, old.instead or one.instead)
+        evidence, expected, off = ((n * x + m * z) / (n + m) for x, z in zip(old[3:6], one[3:6], strict=True))
+        out[k] = Mislabelled(one.marker, old.first, one.stop, evidence, expected, off, old.instead or one.instead)
     return tuple(sorted(out, key=lambda one: (one.first, one.marker)))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data import Trajectories, make_finding
+from ..data import Trajectories
 from ..data.arrays import set_columns
 from ..data.finding import Finding
 from .labels import Labels, named
@@ -77,8 +77,7 @@ class SubjectTemplate:
         new = learn_template(whole, names=sure)
         found = contradiction(self.template, new, whole)
         if found is not None:
-            values = {"pairs_share": found.pairs_share, "off_mm": found.off_mm}
-            return Grown(self, (), make_finding("trial_contradicts_template", markers=found.markers, **values))
+            return Grown(self, (), found.finding)
         template = pooled(self.template, new, whole)
         return Grown(replace(self, template=template, sources=(*self.sources, source)), tuple(sure))
 

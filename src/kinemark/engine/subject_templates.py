@@ -13,8 +13,8 @@ import numpy as np
 from ..data import KinemarkError, MarkerSet, Trajectories
 from ..io.trial import read_trial
 from ..label import Template, learn_template
-from ..label.from_set import STATIC_SPREAD, from_figure, from_static
-from ..label.pooled import contradiction, of_subjects, pooled
+from ..label.from_set import STATIC_SPREAD, figure_template, static_template
+from ..label.pooled import contradiction, pooled, template_of_subjects
 from ..label.subject_template import SubjectTemplate, TemplateSource
 from ..report.words import advice_of, text_of
 from .template_files import is_template, load_template
@@ -97,7 +97,7 @@ def _by_set(known: Known) -> SubjectTemplate:
             "the subject's height: --height-mm 1700; better with a labelled trial: --template TRIAL."
         )
     source = TemplateSource(known.marker_set.name, 0, _today(), "marker set")
-    return _named(SubjectTemplate(from_figure(known.marker_set, known.height_mm), sources=(source,)), known)
+    return _named(SubjectTemplate(figure_template(known.marker_set, known.height_mm), sources=(source,)), known)
 
 
 def _by_others(files: Sequence[Path], known: Known) -> SubjectTemplate:
@@ -107,7 +107,7 @@ def _by_others(files: Sequence[Path], known: Known) -> SubjectTemplate:
         load_template(file) if is_template(file) else _by_trials([file], known._replace(heights_mm=()))
         for file in files
     ]
-    template = of_subjects([one.template for one in others], known.heights_mm, known.height_mm)
+    template = template_of_subjects([one.template for one in others], known.heights_mm, known.height_mm)
     frames = [sum(source.frames for source in one.sources) for one in others]
     sources = tuple(
         TemplateSource(file.name, n, _today(), "other subject") for file, n in zip(files, frames, strict=True)
@@ -131,7 +131,7 @@ def _wanted(known: Known) -> tuple[str, ...]:
 
 def _learnt(trials: Sequence[Trajectories], known: Known) -> Template:
     if known.static and known.marker_set is not None and not known.markers:
-        found = from_static(trials[0], known.marker_set)
+        found = static_template(trials[0], known.marker_set)
         for trial in trials[1:]:
             new = learn_template(trial, names=[name for name in found.names if name in trial.names])
             found = pooled(found, new, trial)

@@ -2,9 +2,9 @@
 
 A limb that is swapped keeps all distances within itself, so that no exchange of two markers shows it. Which markers
 make a limb follows from the pairs of left and right names: single linkage by their distance in the template gives
-groups from single pairs to the whole body. Each group is swapped as one and judged by all pairs that this touches, as any
-exchange ((1) of `exchange`); of groups that gain, the one that gains most is taken, and pairs are added to it and taken
-from it as long as that gains more.
+groups from single pairs to the whole body. Each group is swapped as one and judged by all pairs that this touches, as
+any exchange ((1) of `exchange`); of groups that gain, the one that gains most is taken, and pairs are added to it and
+taken from it as long as that gains more.
 """
 
 from __future__ import annotations

@@ -138,7 +138,7 @@ def _turned(own: Template, trial: Trajectories) -> Floats:
     return np.asarray((volume < 0).sum(1) / np.maximum(np.isfinite(volume).sum(1), 1))
 
 
-def of_subjects(templates: Sequence[Template], heights_mm: Sequence[float], height_mm: float) -> Template:
+def template_of_subjects(templates: Sequence[Template], heights_mm: Sequence[float], height_mm: float) -> Template:
     """The template of a subject by those of others who wear the same markers, scaled by body height.
 
     Args:

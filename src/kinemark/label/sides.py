@@ -88,7 +88,7 @@ def sides_by_shape(names: Sequence[str], mean: Floats, xyz: Floats) -> tuple[tup
 def mirror_partners(mean: Floats) -> list[int] | None:
     """Of M markers the partner of each in the body's mirror image, itself for one in the middle; None without symmetry.
 
-    The mean distances are embedded in space (classical scaling, Torgerson 1952). The plane between any two markers may
+    The mean distances are embedded in space (classical scaling). The plane between any two markers may
     be that of symmetry; the best is the one whose mirror image lies nearest to the markers.
     """
     if not np.isfinite(mean).all() or len(mean) < 4:

@@ -68,7 +68,7 @@ def test_sets_name_markers_as_models_and_simulated_subjects_do():
     assert set(read_marker_set("um2as-7").names) == set(arm(duration_s=0.1).names)
     assert read_marker_set("rods").names == control_frame().marker_names
     worn = {name.removeprefix("R") for name in read_marker_set("isb-upper-limb").names}
-    used = {marker for a, b in load_model("isb_upper_limb").stick for marker in (a, b)}
+    used = {marker for a, b in load_model("isb_upper_limb").links for marker in (a, b)}
     assert used - worn == {"GH", "MC3"}  # which are calculated
 
 

@@ -170,7 +170,9 @@ def _(by):
     sides = sides_by_name(names)
     other = {a: b for pair in sides for a, b in (pair, pair[::-1])}
     turned = replace(whole, paths=tuple(replace(path, name=other.get(path.name, path.name)) for path in whole))
-    off = replace(whole, paths=(replace(whole.paths[0], xyz=whole.paths[0].xyz + np.array([500.0, 0, 0])), *whole.paths[1:]))
+    off = replace(
+        whole, paths=(replace(whole.paths[0], xyz=whole.paths[0].xyz + np.array([500.0, 0, 0])), *whole.paths[1:])
+    )
     worn = MarkerSet(names, {"all": names})
     swaps, wrong = find_side_swaps(turned, learnt, sides), find_mislabelled(off, learnt)
     return Answer(rest=(learn_marker_set(whole), static_template(whole, worn), swaps, wrong))

@@ -23,8 +23,8 @@ STATIC_SPREAD = 0.18
 """Share of each distance that a static trial does not show; chosen, see docs/theory/label.md."""
 SEGMENT_SPREAD = 0.03
 """Share of the distances within a segment whose set does not say how rigid it is; chosen, as skin moves in gait."""
-LEAST_ACROSS = 0.3
-"""Least triple product over its edges, as `LEAST_VOLUME`, of quadruples across a joint: 17° out of plane; chosen."""
+LEAST_ACROSS = 0.15
+"""Least triple product over its edges, as `LEAST_VOLUME`, of quadruples across a joint: 9° out of plane; chosen."""
 MOST_BY_FIGURE = 0.8
 """Greatest probability of a name that rests on the figure alone; measured on ten walks of nine subjects of five
 laboratories, whole and in pieces: 83 % of such names are right, and where they are wrong, often all are."""

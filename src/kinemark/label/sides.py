@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable, Sequence
 
@@ -27,6 +28,8 @@ RULES: tuple[Rule, ...] = (
 """How names say left, and where "right" stands instead; conventions of the common programs."""
 LEAST_SHARE = 0.05
 """Of the body's size: how far the mirror image of a marker may be from its partner; chosen."""
+AXES = 5
+"""Of the space in which mean distances are embedded; chosen: a body that moves needs more than three."""
 LEAST_PAIRED = 0.7
 """Share of the markers that a body's mirror image must find again, in pairs or in the middle; chosen."""
 
@@ -79,8 +82,8 @@ def sides_by_shape(names: Sequence[str], mean: Floats, xyz: Floats) -> tuple[tup
         return ()
     pairs = []
     for a, b in enumerate(partner):
-        if a < b:
-            side = np.nanmean((xyz[a] - xyz[b]) @ left.T if left.ndim > 1 else (xyz[a] - xyz[b]) @ left)
+        if 0 <= a < b:
+            side = np.nanmean((xyz[a] - xyz[b]) @ left)
             pairs.append((names[a], names[b]) if side > 0 else (names[b], names[a]))
     return tuple(pairs)
 
@@ -88,38 +91,31 @@ def sides_by_shape(names: Sequence[str], mean: Floats, xyz: Floats) -> tuple[tup
 def mirror_partners(mean: Floats) -> list[int] | None:
     """Of M markers the partner of each in the body's mirror image, itself for one in the middle; None without symmetry.
 
-    The mean distances are embedded in space (classical scaling). The plane between any two markers may
-    be that of symmetry; the best is the one whose mirror image lies nearest to the markers.
+    The mean distances are embedded in a space (classical scaling) whose axes each stay as they are or change their sign
+    when left and right do. Of all ways to change signs the one counts whose image lies nearest to the markers and in
+    which most of them have a partner.
     """
     if not np.isfinite(mean).all() or len(mean) < 4:
         return None
     x = _embedded(mean)
-    size = float(mean.max())
+    reach = LEAST_SHARE * float(mean.max())
     best, found = np.inf, None
-    for a in range(len(x)):
-        for b in range(a + 1, len(x)):
-            n = x[a] - x[b]
-            n = n / max(np.linalg.norm(n), 1e-12)
-            image = x - 2 * ((x - (x[a] + x[b]) / 2) @ n)[:, None] * n
-            d = np.linalg.norm(image[:, None] - x[None], axis=-1)
-            nearest = d.min(1)
-            cost = float(np.minimum(nearest, LEAST_SHARE * size).mean())
-            if cost < best:
-                best, found = cost, d
-    if found is None:
-        return None
-    to = scipy.optimize.linear_sum_assignment(np.minimum(found, LEAST_SHARE * size))[1].tolist()
-    partner = [b if to[b] == a and found[a, b] < LEAST_SHARE * size else -1 for a, b in enumerate(to)]
-    if np.mean([b >= 0 for b in partner]) < LEAST_PAIRED or all(b in (-1, a) for a, b in enumerate(partner)):
-        return None
-    return partner
+    for signs in itertools.product((1.0, -1.0), repeat=x.shape[1]):
+        d = np.linalg.norm((x * signs)[:, None] - x[None], axis=-1)
+        to = scipy.optimize.linear_sum_assignment(np.minimum(d, 2 * reach))[1]
+        own = np.arange(len(x))
+        partner = np.where((to[to] == own) & (d[own, to] < reach), to, -1)
+        cost = float(np.minimum(d[own, to], 2 * reach).mean())
+        if cost < best and (partner >= 0).mean() >= LEAST_PAIRED and (partner != own).mean() >= LEAST_PAIRED / 2:
+            best, found = cost, partner
+    return None if found is None else [int(b) for b in found]
 
 
 def _embedded(mean: Floats) -> Floats:
-    """(M, 3) places with nearly these distances."""
+    """(M, n) places with nearly these distances, on the `AXES` along which they reach farthest."""
     centred = np.eye(len(mean)) - 1 / len(mean)
     value, vector = np.linalg.eigh(-0.5 * centred @ (mean**2) @ centred)
-    return np.asarray(vector[:, -3:] * np.sqrt(np.maximum(value[-3:], 0.0)))
+    return np.asarray(vector[:, -AXES:] * np.sqrt(np.maximum(value[-AXES:], 0.0)))
 
 
 def _left(xyz: Floats, size: float) -> Floats | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ from ..label.learn_set import learn_marker_set
 from ..report.marker_figure import marker_set_html, marker_set_svg
 from ..report.templating import write_text
 
+ALIKE = 0.6
+"""Share of a set's names that a trial must have for them to mean the same; chosen: names such as C7 are in many."""
 PICTURES = (".svg", ".html", ".htm")
 """Endings of the pictures that are written."""
 
@@ -115,8 +118,18 @@ def set_from_file(source: Path, target: Path, *, names: Sequence[str] = ()) -> M
         found = learn_marker_set(trial, names=names or None, name=target.stem)
     except KinemarkError as error:
         raise KinemarkError(f"{source}: {error}") from None
+    found = _in_words(found)
     write_marker_set(target, found)
     return found
+
+
+def _in_words(found: MarkerSet) -> MarkerSet:
+    """With the meaning of names that are those of a set that comes with Kinemark."""
+    sets = [read_marker_set(name) for name in marker_sets()]
+    like = max(sets, key=lambda one: len(set(one.names) & set(found.names)) / len(one))
+    if len(set(like.names) & set(found.names)) < ALIKE * len(like):
+        return found
+    return replace(found, meaning={name: like.meaning[name] for name in found.names if name in like.meaning})
 
 
 def _check_free(path: Path) -> None:

@@ -67,8 +67,8 @@ def learn_marker_set(trial: Trajectories, *, names: Sequence[str] | None = None,
         KinemarkError: fewer than three markers have names and samples, or the trial shows no motion, so that segments
             cannot be told from each other.
     """
-    known = tuple(names) if names is not None else names_in([trial])
-    there = tuple(one for one in known if one in trial.names and np.isfinite(trial[one].xyz).any())
+    wanted = [name for name in trial.names if name in names_in([trial])] if names is None else list(names)
+    there = tuple(one for one in wanted if one in trial.names and np.isfinite(trial[one].xyz).any())
     if len(there) < 3:
         raise KinemarkError(f"The trial has {len(there)} named markers with samples. Wanted are three or more.")
     xyz = _sampled(trial, there)

@@ -33,8 +33,12 @@ RIGID = 0.05
 T = TypeVar("T", bound=np.generic)
 OFF, OFF_SIZE = 3.0, 0.006
 """A rigid pair contradicts where its mean is off by so many spreads, and by this share of the size; chosen."""
+PEERS = 6
+"""Steadiest distances of a marker that judge it; chosen: as many as a segment or two have."""
 TURNED = 0.5
 """Share of the frames in which a quadruple must be turned to contradict; chosen."""
+FEWEST_TURNED = 2
+"""Quadruples of a marker that must be turned for it to be said, and more than half as many as of any; chosen."""
 SELDOM = 0.02
 """Share of the frames in which one may be turned and still counts as never changing; chosen, for single bad frames."""
 
@@ -100,23 +104,24 @@ class Contradiction(NamedTuple):
 def contradiction(own: Template, new: Template, trial: Trajectories) -> Contradiction | None:
     """Where a named trial says otherwise than the template of its subject; None where it does not.
 
-    Only what is rigid counts, as a posture that is new is no contradiction: distances within a segment, and the
-    orientation of quadruples. Said are the markers most of whose pairs are off, or all markers of pairs that are.
+    Only what is rigid counts, as a posture that is new is no contradiction: the steadiest distances of each marker, and
+    the orientation of quadruples. A marker contradicts where half of these are off: a single one may be of two markers
+    that one motion happened not to move.
     """
     at = np.array([own.names.index(name) for name in new.names], np.int64)
     part = np.ix_(at, at)
     D, S = own.distance[part], np.hypot(own.spread, np.asarray(own.doubt))[part]
     rigid = (S <= RIGID * D) & np.isfinite(D) & np.isfinite(new.distance)
+    np.fill_diagonal(rigid, False)
+    rank = np.where(rigid, S, np.inf).argsort(axis=1, kind="stable").argsort(axis=1, kind="stable")
+    rigid &= rank < PEERS
     off = np.abs(new.distance - D)
     wrong = rigid & (off > OFF * np.hypot(S, RIGID / 2 * D)) & (off > OFF_SIZE * own.size)
-    turned = np.zeros(len(own), bool)
-    quads = own.handed[_turned(own, trial) > TURNED]
-    counts = np.bincount(quads.ravel(), minlength=len(own))
-    turned[counts > np.bincount(own.handed.ravel(), minlength=len(own)) / 2] = True
-    if not wrong.any() and not turned.any():
+    counts = np.bincount(own.handed[_turned(own, trial) > TURNED].ravel(), minlength=len(own))
+    turned = (counts >= FEWEST_TURNED) & (counts > counts.max() / 2)
+    said: Bools = ((wrong.sum(1) >= rigid.sum(1) / 2) & wrong.any(1)) | turned[at]
+    if not said.any():
         return None
-    mostly = wrong.sum(1) > rigid.sum(1) / 2
-    said: Bools = np.where(mostly.any(), mostly, wrong.any(1)) | turned[at]
     share = wrong.sum() / max(rigid.sum(), 1)
     most = float(off[wrong].max()) if wrong.any() else 0.0
     return Contradiction(tuple(name for name, yes in zip(new.names, said, strict=True) if yes), float(share), most)

@@ -39,7 +39,7 @@ NEIGHBOURS = 8
 QUADRUPLES = 12
 """That are kept of each label, the widest; chosen."""
 PLACING, PROPORTION, LIMB = 0.004, 0.018, 0.2
-"""Of (3), shares of the body's size; measured between five children who wear the same 59 markers, 1.2 to 1.5 m tall."""
+"""Of (3), shares of the body's size; measured on five children who wear the same 59 markers, 1.2 to 1.5 m tall."""
 LEAST_VOLUME = 0.1
 """Least triple product over the product of its edges, in all frames: 6° out of one plane; chosen."""
 

@@ -42,6 +42,7 @@ from .io.c3d import read_c3d, write_c3d
 from .io.detections_csv import read_detections_csv, write_detections_csv
 from .io.dlt_csv import read_dlt_csv, write_dlt_csv
 from .io.images import open_images
+from .io.marker_sets import marker_sets, read_marker_set, write_marker_set
 from .io.model_toml import load_model
 from .io.records import load, save
 from .io.rig_toml import read_rig_toml, write_rig_toml
@@ -50,7 +51,18 @@ from .io.trajectories_csv import read_trajectories_csv, write_trajectories_csv
 from .io.trc import read_trc, write_trc
 from .io.trial import read_trial, write_trial
 from .kinematics import InverseCosines, SignedAngles, joint_angles
-from .label import Distances, Labels, Template, label, learn_template, named
+from .label import (
+    Distances,
+    Labels,
+    SubjectTemplate,
+    Template,
+    figure_template,
+    label,
+    learn_marker_set,
+    learn_template,
+    named,
+    static_template,
+)
 from .match import EpipolarTriplets, KissTriplets, NearestEpipolar, match
 from .reconstruct import CameraPairs, LeastSquares, reconstruct
 from .synth.score import score
@@ -109,6 +121,7 @@ __all__ = [
     "Signals",
     "SignedAngles",
     "Simultaneous",
+    "SubjectTemplate",
     "Swamidas",
     "Template",
     "Tracks",
@@ -126,14 +139,17 @@ __all__ = [
     "detect",
     "diagnose",
     "diagnose_tracks",
+    "figure_template",
     "fill",
     "joint_angles",
     "label",
+    "learn_marker_set",
     "learn_masks",
     "learn_template",
     "linearise",
     "load",
     "load_model",
+    "marker_sets",
     "match",
     "named",
     "open_images",
@@ -144,6 +160,7 @@ __all__ = [
     "read_c3d",
     "read_detections_csv",
     "read_dlt_csv",
+    "read_marker_set",
     "read_rig_toml",
     "read_tdf",
     "read_trajectories_csv",
@@ -153,6 +170,7 @@ __all__ = [
     "refine",
     "save",
     "score",
+    "static_template",
     "to_trajectories",
     "track",
     "track_detections",
@@ -163,6 +181,7 @@ __all__ = [
     "write_c3d",
     "write_detections_csv",
     "write_dlt_csv",
+    "write_marker_set",
     "write_rig_toml",
     "write_trajectories_csv",
     "write_trc",

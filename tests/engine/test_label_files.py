@@ -2,10 +2,16 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial
-from kinemark.engine.label_files import check_file, check_text, label_file, label_text, template_of
+from kinemark.data import KinemarkError, MarkerTrajectory, Trajectories, Trial, same
+from kinemark.engine.check_files import check_figures, check_file, check_text
+from kinemark.engine.label_files import label_file, label_files, label_text, template_of
+from kinemark.engine.subject_templates import Known, subject_template, with_trial
+from kinemark.engine.template_files import load_template, save_template
+from kinemark.io.marker_sets import read_marker_set
+from kinemark.io.track_names import TrackName
 from kinemark.io.trial import read_trial, write_trial
 from kinemark.synth import walking, with_markers
 
@@ -53,11 +59,13 @@ def test_names_exchanged_for_a_while_are_found_where_they_are(files):
     write_trial(Trial("turned", Trajectories(paths, 100.0)), files / "turned.c3d")
     write_trial(Trial("right", trial), files / "right.c3d")
     template = template_of([files / "known.c3d"])
-    assert check_file(files / "right.c3d", template) == ()
+    assert check_file(files / "right.c3d", template).good
     found = check_file(files / "turned.c3d", template)
-    assert [set(one.markers) for one in found] == [{a, b}]
-    assert abs(found[0].first - 100) < 30 and found[0].stop > 180
+    assert [set(one.markers) for one in found.exchanged] == [{a, b}] and not found.swapped and not found.mislabelled
+    assert abs(found.exchanged[0].first - 100) < 30 and found.exchanged[0].stop > 180
     assert "exchanged in frames" in check_text(files / "turned.c3d", found)
+    first, last = check_figures(found)["exchanged"][0]["frames"]
+    assert first == found.exchanged[0].first + 1 and last == found.exchanged[0].stop
 
 
 def test_what_is_missing_is_said(files):
@@ -67,3 +75,104 @@ def test_what_is_missing_is_said(files):
         template_of([files / "known.c3d"], scale=0.0)
     with pytest.raises(KinemarkError, match="four or more"):
         check_file(files / "new.c3d", template_of([files / "known.c3d"]))
+
+
+def saved(files, name, trial):
+    write_trial(Trial(name, trial), files / f"{name}.c3d")
+    return files / f"{name}.c3d"
+
+
+def without_names(trial):
+    return replace(trial, paths=tuple(replace(path, name=f"*{k}") for k, path in enumerate(trial.paths, 1)))
+
+
+def test_a_template_that_was_kept_stands_for_the_trials(files):
+    learnt = template_of([files / "known.c3d"], Known(read_marker_set("kiss-15"), subject="Anna", height_mm=1730.0))
+    save_template(files / "anna.template.h5", learnt)
+    kept = template_of([files / "anna.template.h5"])
+    assert same(kept, learnt) and kept.subject == "Anna" and kept.marker_set == "kiss-15"
+    done = label_file(files / "new.c3d", files / "out.c3d", kept)
+    assert done.figures["missing"] == []
+    grown = template_of([files / "anna.template.h5", saved(files, "other", walk(3))])
+    assert [source.file for source in grown.sources] == ["known.c3d", "other.c3d"]
+    assert grown.template.frames.max() == 2 * kept.template.frames.max()
+    data = bytearray((files / "anna.template.h5").read_bytes())
+    data[5000] ^= 1
+    (files / "bad.template.h5").write_bytes(data)
+    for bad in ("bad.template.h5", "absent.template.h5"):
+        with pytest.raises(KinemarkError, match=bad):
+            load_template(files / bad)
+    with pytest.raises(KinemarkError, match="2 templates"):
+        template_of([files / "anna.template.h5", files / "anna.template.h5"])
+    with pytest.raises(KinemarkError, match=r"anna\.template\.h5"):
+        save_template(files / "anna.h5", learnt)
+
+
+def test_a_trial_of_another_body_or_with_wrong_names_is_not_added(files):
+    own = template_of([files / "known.c3d"])
+    tall = replace(walk(3), paths=tuple(replace(p, xyz=1.2 * p.xyz) for p in walk(3)))
+    with pytest.raises(KinemarkError, match="says otherwise"):
+        with_trial(own, saved(files, "tall", tall))
+    other = {"LKNE": "LANK", "LANK": "LKNE"}
+    turned = replace(walk(3), paths=tuple(replace(p, name=other.get(p.name, p.name)) for p in walk(3)))
+    with pytest.raises(KinemarkError, match="LKNE"):
+        with_trial(own, saved(files, "turned", turned))
+
+
+def test_names_with_a_subjects_prefix_are_those_of_the_set(files):
+    prefixed = replace(walk(1), paths=tuple(replace(p, name=f"Anna:{p.name}") for p in walk(1)))
+    known = Known(read_marker_set("kiss-15"))
+    assert set(subject_template([saved(files, "prefixed", prefixed)], known).template.names) == set(walk(1).names)
+
+
+def test_the_set_and_a_height_name_what_they_can_and_are_never_sure(files):
+    worn = read_marker_set("kiss-15")
+    found = template_of([], Known(worn, height_mm=1730.0))
+    assert found.figure_alone
+    done = label_file(files / "new.c3d", files / "out.c3d", found)
+    assert "sure" not in done.labels.state and "figure alone" in label_text(done)
+    for known, says in (
+        (Known(worn), "height"), (Known(), "--template"), (Known(worn, height_mm=1.73), "in mm"),
+        (Known(worn, height_mm=1730.0, heights_mm=(1600.0,)), "1 heights of others and 0 files"),
+    ):  # fmt: skip
+        with pytest.raises(KinemarkError, match=says):
+            template_of([], known)
+
+
+def test_other_subjects_scaled_by_height_name_this_one(files):
+    paths = []
+    for k, height in enumerate((1500.0, 1850.0)):
+        trial = walking(duration_s=2.0, rate=100.0, seed=k, wobble_mm=1.0, height_mm=height).trajectories
+        paths.append(saved(files, f"other{k}", trial))
+    found = template_of(paths, Known(height_mm=1730.0, heights_mm=(1500.0, 1850.0)))
+    done = label_file(files / "new.c3d", files / "out.c3d", found)
+    assert done.figures["missing"] == [] and not found.figure_alone
+    assert {source.kind for source in found.sources} == {"other subject"}
+
+
+def test_several_files_go_into_a_folder_and_one_that_fails_keeps_nobody_from_the_others(files):
+    template = template_of([files / "known.c3d"])
+    done = label_files([files / "new.c3d", files / "absent.c3d"], files / "out", template)
+    assert (files / "out" / "new.c3d").is_file()
+    assert isinstance(done[files / "absent.c3d"], KinemarkError)
+    with pytest.raises(KinemarkError, match="Name a folder"):
+        label_files([files / "new.c3d", files / "known.c3d"], files / "one.c3d", template)
+
+
+def test_what_is_stated_of_tracks_stands(files):
+    tracks = without_names(walk(7))
+    source = saved(files, "tracks", tracks)
+    truth = dict(zip(tracks.names, walk(7).names, strict=True))
+    a, b = "*4", "*9"
+    stated = (TrackName(a, "WAND"), TrackName(b, None), TrackName("*1", truth["*1"], 1, 50), TrackName("*1", "X", 51))
+    done = label_file(source, files / "out.c3d", template_of([files / "known.c3d"]), stated=stated)
+    names = set(done.trajectories.names)
+    assert {"WAND", "X", truth["*1"]} <= names and truth[b] not in names and truth[a] not in names
+    assert np.isfinite(done.trajectories["X"].xyz[:, 0]).sum() == 150
+    for wrong, says in (
+        ((TrackName("*99", "LASI"),), "no track"),
+        ((TrackName("*1", "LASI"), TrackName("*2", "LASI")), "both said to be LASI"),
+        ((TrackName("*1", "LASI", 500, 600),), "no sample"),
+    ):
+        with pytest.raises(KinemarkError, match=says):
+            label_file(source, files / "other.c3d", template_of([files / "known.c3d"]), stated=wrong)

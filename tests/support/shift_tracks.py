@@ -6,9 +6,20 @@ import numpy as np
 
 import kinemark
 from kinemark import digitise, geometry, match, reconstruct
+from kinemark.data import MarkerSet
 from kinemark.digitise import OtherViews, propose
 from kinemark.geometry.weighted_points import usable_points, weighted_points
-from kinemark.label import find_exchanges, label, learn_template, named
+from kinemark.label import (
+    find_exchanges,
+    find_mislabelled,
+    find_side_swaps,
+    label,
+    learn_marker_set,
+    learn_template,
+    named,
+    sides_by_name,
+    static_template,
+)
 from kinemark.match import MATCH, NearestEpipolar
 from kinemark.reconstruct import RECONSTRUCT, LeastSquares
 from kinemark.track import TRACK, Swamidas, blend, swamidas, track, within_volume, without_short
@@ -149,3 +160,19 @@ def _(by):
     first, second = seen.paths[:2]
     turned = replace(first, name=second.name), replace(second, name=first.name), *seen.paths[2:]
     return Answer(named(seen, found).xyz, (learnt, found, find_exchanges(replace(seen, paths=turned), learnt)))
+
+
+@law(learn_marker_set, static_template, find_side_swaps, find_mislabelled, share=1e-6)
+def _(by):
+    """Left and right of all markers but one swapped; that one is moved by half a metre."""
+    whole = moved(trial(gaps=False), by)
+    learnt, names = learn_template(whole), whole.names
+    sides = sides_by_name(names)
+    other = {a: b for pair in sides for a, b in (pair, pair[::-1])}
+    turned = replace(whole, paths=tuple(replace(path, name=other.get(path.name, path.name)) for path in whole))
+    off = replace(
+        whole, paths=(replace(whole.paths[0], xyz=whole.paths[0].xyz + np.array([500.0, 0, 0])), *whole.paths[1:])
+    )
+    worn = MarkerSet(names, {"all": names})
+    swaps, wrong = find_side_swaps(turned, learnt, sides), find_mislabelled(off, learnt)
+    return Answer(rest=(learn_marker_set(whole), static_template(whole, worn), swaps, wrong))

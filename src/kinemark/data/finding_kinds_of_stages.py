@@ -10,6 +10,9 @@ LABELLING = (
          "it could place.", {"fit_share": "share", "placed_share": "share"}),
     Kind("sides_undecided", "label", "amber", "All names of the left and the right could change places: nothing in "
          "the template tells the one from the other, and none of them is sure."),
+    Kind("trial_contradicts_template", "label", "amber", "Markers of a labelled trial sit elsewhere than its subject's "
+         "template says, so that the template does not learn from it: the share of the distances within segments that "
+         "are off, and the most.", {"pairs_share": "share", "off_mm": "mm"}),
 )  # fmt: skip
 
 FILLING = (

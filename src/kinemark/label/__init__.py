@@ -1,12 +1,19 @@
 """Tracks become markers: names from a subject's template, each with a probability."""
 
 from .check import Exchanged, find_exchanges
+from .check_sides import SideSwap, find_side_swaps
+from .check_stretches import Mislabelled, find_mislabelled
 from .distances import Distances
+from .from_set import figure_template, static_template
 from .label import label
 from .labels import Labels, named
+from .learn_set import learn_marker_set
+from .pooled import template_of_subjects
 from .score import LabelScore, Reliability, reliability, score_labels
 from .shredded import Change, Shredded, shredded
+from .side_pairs import sides_by_name
 from .stage import LABEL
+from .subject_template import Grown, SubjectTemplate, TemplateSource
 from .template import Template, learn_template
 
 __all__ = [
@@ -14,16 +21,28 @@ __all__ = [
     "Change",
     "Distances",
     "Exchanged",
+    "Grown",
     "LabelScore",
     "Labels",
+    "Mislabelled",
     "Reliability",
     "Shredded",
+    "SideSwap",
+    "SubjectTemplate",
     "Template",
+    "TemplateSource",
+    "figure_template",
     "find_exchanges",
+    "find_mislabelled",
+    "find_side_swaps",
     "label",
+    "learn_marker_set",
     "learn_template",
     "named",
     "reliability",
     "score_labels",
     "shredded",
+    "sides_by_name",
+    "static_template",
+    "template_of_subjects",
 ]

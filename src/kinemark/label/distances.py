@@ -11,11 +11,11 @@ from ..data.array_types import Floats, Ints
 from ..data.method import ONE, Method, parameter
 from .against import against
 from .calibration import calibrated_shift
+from .decided_sides import at_most_even, decided_sides
 from .evidence import PairScore
 from .label import refusal, state_of
 from .labels import Labels
 from .margin import Margins, margins, probability
-from .sides import at_most_even, decided_sides
 from .solve import solve
 from .stage import LABEL
 from .stretches import Stretches, stretches_of

@@ -40,7 +40,7 @@ NEIGHBOURS = 8
 QUADRUPLES = 12
 """That are kept of each label, the widest; chosen."""
 PLACING, PROPORTION, LIMB = 0.004, 0.018, 0.2
-"""Of (3), shares of the body's size; chosen to fit five children of 1.2 to 1.5 m with the same 59 markers."""
+"""Of (3), shares of the body's size; measured on five children who wear the same 59 markers, 1.2 to 1.5 m tall."""
 LEAST_VOLUME = 0.1
 """Least triple product over the product of its edges, in all frames: 6° out of one plane; chosen."""
 
@@ -218,21 +218,27 @@ def _handed(xyz: Floats, spread: Floats, n: NDArray[np.int64]) -> tuple[NDArray[
     quads = np.unique(
         [sorted((a, *three)) for a, row in enumerate(near) for three in combinations(row.tolist(), 3)], axis=0
     )
-    width = np.concatenate([_volume(xyz, part) for part in np.array_split(quads, len(quads) // 500 + 1)])
+    width = np.concatenate([triple_products(xyz, part) for part in np.array_split(quads, len(quads) // 500 + 1)])
     seen = np.isfinite(width)
     least = np.where(seen, np.abs(width), np.inf).min(1)
     one_sided = (np.nanmin(np.where(seen, width, 9), 1) > 0) | (np.nanmax(np.where(seen, width, -9), 1) < 0)
     good = np.flatnonzero(seen.any(1) & one_sided & (least > LEAST_VOLUME))
-    used, kept = np.zeros(len(xyz), int), []
-    for q in good[np.argsort(-least[good], kind="stable")]:
-        if (used[quads[q]] < QUADRUPLES).any():
-            used[quads[q]] += 1
-            kept.append(q)
+    kept = widest(quads, least, good, len(xyz))
     sign = [1 if width[q][seen[q]][0] > 0 else -1 for q in kept]
     return quads[kept].reshape(-1, 4), np.array(sign, np.int64)
 
 
-def _volume(xyz: Floats, quads: NDArray[np.int64]) -> Floats:
+def widest(quads: NDArray[np.int64], width: Floats, good: NDArray[np.int64], L: int) -> list[int]:
+    """Of the good among quadruples (Q, 4), the widest, `QUADRUPLES` of each of L labels."""
+    used, kept = np.zeros(L, int), []
+    for q in good[np.argsort(-width[good], kind="stable")].tolist():
+        if (used[quads[q]] < QUADRUPLES).any():
+            used[quads[q]] += 1
+            kept.append(q)
+    return kept
+
+
+def triple_products(xyz: Floats, quads: NDArray[np.int64]) -> Floats:
     """(Q, K) triple product of quadruples over the product of its edges."""
     a = xyz[quads[:, 0]]
     u, v, w = (xyz[quads[:, k]] - a for k in (1, 2, 3))

@@ -15,6 +15,11 @@ LABELLING_WORDS = {
         "Left and right cannot be told: {markers} fit as well the other way round, so that these names are not sure.",
         "Say which side one marker is on, or give a template with a marker that breaks the symmetry.",
     ),
+    "trial_contradicts_template": Words(
+        "The trial says otherwise than the subject's template about {markers}: {pairs_share} of the distances within "
+        "segments are off, by up to {off_mm}. The template does not learn from it.",
+        "Check its names with `kinemark label --check`; if a marker was moved, make a new template.",
+    ),
 }
 
 FILLING_WORDS = {

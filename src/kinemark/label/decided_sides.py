@@ -8,7 +8,6 @@ is worth, the sides are undecided: their names are as likely as the other way ro
 
 from __future__ import annotations
 
-import re
 from typing import NamedTuple
 
 import numpy as np
@@ -19,26 +18,19 @@ from ..data.array_types import Floats, Ints
 from ..data.finding import Finding
 from .evidence import WRONG_HAND, PairScore
 from .exchange import FRAMES, Exchanger
+from .side_pairs import sides_by_name
 from .stretches import Stretches
 from .sweeps import places
 from .template import Template
-
-OTHER = {"L": "R", "R": "L", "l": "r", "r": "l", "Left": "Right", "Right": "Left", "left": "right", "right": "left"}
-SIDE = re.compile(r"^(Left|Right|left|right)|(?<=[:_. ])(Left|Right|left|right)|^[LR]|(?<=[:_. ])[LR]|[LRlr]$")
-"""Where a name says its side: at its beginning, after a separator, at its end."""
 
 
 def mirrored(names: tuple[str, ...]) -> Ints:
     """(L) the label of each name's other side; its own where it has none."""
     number = {name: a for a, name in enumerate(names)}
     out = np.arange(len(names))
-    for name, a in number.items():
-        for found in SIDE.finditer(name):
-            other = name[: found.start()] + OTHER[found.group()] + name[found.end() :]
-            if other in number:
-                out[a] = number[other]
-                break
-    return np.where(out[out] == np.arange(len(names)), out, np.arange(len(names)))
+    for one, other in sides_by_name(names):
+        out[[number[one], number[other]]] = number[other], number[one]
+    return out
 
 
 class Sides(NamedTuple):

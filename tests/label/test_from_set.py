@@ -1,0 +1,84 @@
+"""A marker set with a static trial, or with a height, names the markers of a subject who wears it."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from labelling import shredded
+
+from kinemark.data import KinemarkError
+from kinemark.io.marker_sets import marker_sets, read_marker_set
+from kinemark.label import figure_template, label, static_template
+from kinemark.label.from_set import by_figure_alone
+from support.wearing import body_of, moving, standing
+
+WORN = [name for name in marker_sets() if len(read_marker_set(name)) >= 4]
+
+
+@cache
+def subject(name, seed):
+    worn = read_marker_set(name)
+    body = body_of(worn, seed)
+    return worn, standing(worn, body), moving(worn, body, seed + 20, duration_s=2.0)
+
+
+@pytest.mark.parametrize("name", WORN)
+def test_a_static_trial_and_the_set_name_all_markers_of_a_subject_who_wears_it(name):
+    worn, still, walk = subject(name, 4)
+    tracks, truth = shredded(walk, 1, 2.0, 1)
+    found = label(tracks, static_template(still, worn))
+    assert found.refused is None
+    assert {a for a, b in zip(found.names, truth, strict=True) if b is None and a is not None} == set()
+    assert [a for a, b in zip(found.names, truth, strict=True) if b is not None] == [b for b in truth if b is not None]
+    assert all(state == "sure" for state, b in zip(found.state, truth, strict=True) if b is not None)
+
+
+def test_segments_say_which_distances_a_static_trial_shows():
+    worn, still, _ = subject("plug-in-gait-full", 4)
+    found = static_template(still, worn)
+    at = found.names.index
+    same, apart = (at("LFHD"), at("RBHD")), (at("LWRA"), at("RANK"))
+    doubt = np.hypot(found.spread, found.doubt)
+    assert doubt[same] < 0.02 * found.distance[same] and doubt[apart] > 0.1 * found.distance[apart]
+    assert len(found.handed) > 10
+    for quad in found.handed.tolist():  # on one segment, or on two that meet
+        there = {found.names[i] for i in quad}
+        two = [{*worn.segments[a], *worn.segments[b]} for a, b in worn.joints.values()]
+        assert any(there <= group for group in two)
+
+
+def test_markers_of_the_static_trial_alone_are_not_looked_for():
+    worn, still, walk = subject("plug-in-gait-lower", 4)
+    assert "LKNM" in still.names and "LKNM" not in static_template(still, worn).names
+    assert "LKNM" not in walk.names
+
+
+def test_the_figure_alone_names_but_is_never_sure():
+    worn, _, walk = subject("plug-in-gait-full", 4)
+    found = by_figure_alone(label(walk, figure_template(worn, 1700.0)))
+    right = np.mean([a == b for a, b in zip(found.names, walk.names, strict=True)])
+    assert right > 0.8 and "sure" not in found.state and found.probability.max() <= 0.8
+
+
+def test_the_height_scales_the_figure_whatever_the_subject():
+    worn = read_marker_set("kiss-15")
+    one, other = figure_template(worn, 1000.0), figure_template(worn, 1800.0)
+    np.testing.assert_allclose(1.8 * one.distance, other.distance)
+    np.testing.assert_allclose(1.8 * one.doubt, other.doubt)
+    assert {tuple(quad) for quad in one.handed.tolist()} == {tuple(quad) for quad in other.handed.tolist()}
+
+
+def test_what_cannot_be_a_template_is_said():
+    with pytest.raises(KinemarkError, match="2 markers of wand have places"):
+        figure_template(read_marker_set("wand"), 502.5)
+    worn, _, walk = subject("plug-in-gait-full", 4)
+    with pytest.raises(KinemarkError, match="0 of the 7 markers of um2as-7"):
+        static_template(walk, read_marker_set("um2as-7"))
+    with pytest.raises(ValueError, match="height_mm"):
+        figure_template(worn, 0.0)
+
+
+def test_hardly_a_name_of_another_set_is_sure():
+    worn, still, _ = subject("isb-upper-limb", 4)
+    _, _, walk = subject("kiss-15", 4)
+    assert label(walk, static_template(still, worn)).state.count("sure") <= 1

@@ -3,6 +3,7 @@
 from .check import Exchanged, find_exchanges
 from .distances import Distances
 from .label import label
+from .labelling import Labelling
 from .labels import Labels, named
 from .stage import LABEL
 from .template import Template, learn_template
@@ -11,6 +12,7 @@ __all__ = [
     "LABEL",
     "Distances",
     "Exchanged",
+    "Labelling",
     "Labels",
     "Template",
     "find_exchanges",

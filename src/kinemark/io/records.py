@@ -80,6 +80,15 @@ def save(path: Path | str, record: Record) -> None:
     """
     if type(record).__name__ not in RECORDS:
         raise ValueError(f"record is a {type(record).__name__}, wanted one of {', '.join(RECORDS)}")
+    save_any(path, record)
+
+
+def save_any(path: Path | str, record: object) -> None:
+    """Write a record of any kind, of which a stage is the owner, as HDF5.
+
+    Raises:
+        KinemarkError: the file cannot be written.
+    """
     with replacing(path) as beside:
         with h5py.File(beside, "w", userblock_size=SEAL_SIZE) as file:
             file.attrs.update({"format": FORMAT, "version": VERSION, "record": type(record).__name__})
@@ -160,6 +169,16 @@ def load(path: Path | str) -> Record:
     Raises:
         KinemarkError: the file is absent, truncated, not ours, of a later version, or contradicts itself.
     """
+    found: Record = load_any(path, RECORDS)
+    return found
+
+
+def load_any(path: Path | str, kinds: Mapping[str, type]) -> Any:
+    """Read a record that `save_any` wrote and that is one of these kinds, by the name of its class.
+
+    Raises:
+        KinemarkError: the file is absent, truncated, not ours, of a later version, or contradicts itself.
+    """
     path = Path(path)
     if not path.is_file():
         raise KinemarkError(f"{path} is not a file. Check the path.")
@@ -167,21 +186,23 @@ def load(path: Path | str) -> Record:
         if not sealed(path):
             raise ValueError("it is truncated or damaged")
         with h5py.File(path, "r") as file:
-            return whole_record(path, file)
+            return whole_record(path, file, kinds)
     except (OSError, KeyError, ValueError, TypeError, RuntimeError, IndexError, OverflowError) as error:
         raise KinemarkError(
             f"{path} is not a whole Kinemark record ({error}). Delete it and run the stage that writes it again."
         ) from error
 
 
-def whole_record(path: Path, file: h5py.File) -> Record:
+def whole_record(path: Path, file: h5py.File, kinds: Mapping[str, type]) -> Any:
     """The record in an open file."""
     stated, version, kind = (file.attrs.get(name) for name in ("format", "version", "record"))
-    if not isinstance(stated, str) or stated != FORMAT or kind not in RECORDS:
+    if not isinstance(stated, str) or stated != FORMAT:
         raise KinemarkError(f"{path} is an HDF5 file but not of Kinemark. Check the path.")
+    if kind not in kinds:
+        raise KinemarkError(f"{path} holds {kind}, wanted {' or '.join(kinds)}. Check the path.")
     if int(version) != VERSION:
         raise KinemarkError(f"{path} has version {version}, wanted {VERSION}. Use the Kinemark that wrote it.")
-    return get(file, RECORDS[str(kind)])
+    return get(file, kinds[str(kind)])
 
 
 def get(group: h5py.Group, kind: type) -> Any:

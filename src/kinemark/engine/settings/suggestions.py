@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
+from ...data.nearest_word import guess
 
-
-def guess(key: str, keys: list[str]) -> str:
-    """A suggestion for a mistyped key."""
-    near = difflib.get_close_matches(key, keys, 1)
-    return f" (did you mean {near[0]!r}?)" if near else ""
+__all__ = ["are", "guess"]
 
 
 def are(keys: list[str]) -> str:

@@ -8,6 +8,15 @@ LABELLING = (
     Kind("labels_refused", "label", "red", "The template does not fit the trial, so that nothing is named: the score "
          "of the best labelling as a share of what the template scores on its own data, and the share of samples that "
          "it could place.", {"fit_share": "share", "placed_share": "share"}),
+    Kind("labels_without_template", "label", "amber", "The session is to name markers, and neither a template nor a "
+         "statement tells which is which in this trial."),
+    Kind("labels_unsure", "label", "amber", "Stretches of tracks whose name is not sure, so that they have none.",
+         {"stretches": "count"}),
+    Kind("markers_not_found", "label", "amber", "Markers of the template that no track was named."),
+    Kind("ghosts_removed", "label", "info", "Tracks that were taken for no markers, as most of their images are those "
+         "of named ones.", {"tracks": "count"}),
+    Kind("stated_names_lost", "label", "amber", "Names that were stated of places where no track is.",
+         {"statements": "count"}),
 )  # fmt: skip
 
 FILLING = (
@@ -40,6 +49,8 @@ FILLING = (
 )  # fmt: skip
 
 KINEMATICS = (
+    Kind("angles_not_computed", "kinematics", "amber", "The session is to compute joint angles, and this trial has "
+         "none, for this reason.", {"reason": "text"}),
     Kind("joints_without_angles", "kinematics", "red", "No frame has angles of these joints.", {"joints_list": "text"}),
     Kind("frames_without_angles", "kinematics", "info", "So many frames have no angles of these joints.",
          {"count": "count", "joints_list": "text"}),

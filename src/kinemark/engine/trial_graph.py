@@ -3,6 +3,9 @@
 detect → track → fill → quality → write                          trackers that match by themselves
 detect → match → reconstruct → track → fill → quality → write    matching first, then tracks of points
 detect → track → fill → quality → write                          an operator has said which marker is which
+
+Where a session has `[label]`, the stage `label` follows on `track`; where it has `[angles]`, `angles` comes before
+`quality`.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ from ..data import (
     Fills,
     Finding,
     KinemarkError,
+    MarkerTrajectory,
     Matches,
     Rig,
     Step,
@@ -31,6 +35,7 @@ from ..data import (
 )
 from ..digitise import called, identified_matches, identified_tracks
 from ..fill import Filled, FilledGap, Rays, fill_recording
+from ..fill.fill_recording import STATIC
 from ..findings.gaps import filling_figures
 from ..findings.quality import write_quality
 from ..geometry.ideal_pixels import check_cameras
@@ -56,10 +61,13 @@ from ..track.simultaneous import (
     track_simultaneously,
 )
 from ..track.simultaneous.diagnostics_of_points import points_left_out
+from .angle_stage import ANGLE_FILES, compute_angles, found_by_angles, load_angles
 from .calibration.calibrated import Calibrated
 from .graph import Graph, Records, Stage
 from .identities import identity_of_entry, stated_identity, with_identity
 from .keys import rig_key
+from .naming import FILES, Earlier, NamedTracks, load_named, save_named
+from .naming.label_stage import given_of, name_trial, static_of
 from .settings import Settings
 from .sources import OperatorIdentities, TrialSource, identifies
 from .store import Store
@@ -82,6 +90,7 @@ class TrialInputs:
         store: of the results, which knows how the stages were done.
         threads: how many detection may use; None leaves it to the machine.
         assets: folder of what pages share; None where each page is to hold it.
+        earlier: trials of the session by whose names this one's are found.
     """
 
     name: str
@@ -92,6 +101,7 @@ class TrialInputs:
     store: Store
     threads: int | None = None
     assets: Path | None = None
+    earlier: tuple[Earlier, ...] = ()
 
     @property
     def rig(self) -> Rig:
@@ -107,8 +117,10 @@ class Tracked(NamedTuple):
     diagnostics: tuple[Finding, ...] = ()
 
 
-def trial_graph(name: str, settings: Settings, source: TrialSource, calibrated: Calibrated) -> Graph[TrialInputs]:
-    """The stages of a trial by its settings."""
+def trial_graph(
+    name: str, settings: Settings, source: TrialSource, calibrated: Calibrated, earlier: tuple[Earlier, ...] = ()
+) -> Graph[TrialInputs]:
+    """The stages of a trial by its settings; `earlier` are those by whose names its own are found."""
     s, rig = settings, rig_key(calibrated.rig)
     detecting = Stage("detect", (), ("detections.h5",), _detect, save, _reader(Detections), s.detect)
     detecting = replace(detecting, given=(source.key(),), in_place=source.of.entry.answers is not None)
@@ -126,9 +138,16 @@ def trial_graph(name: str, settings: Settings, source: TrialSource, calibrated: 
         stages.append(Stage("reconstruct", places, ("cloud.h5",), _reconstruct, save, cloud, s.reconstruct))
         stages.append(tracks.stage(_from_points, ("detect", "reconstruct"), s.track, ()))
     needs: tuple[str, ...] = ("detect", "track")
+    if s.label is not None:
+        given = given_of(source.of, earlier)
+        stages.append(Stage("label", needs, FILES, _label, save_named, load_named, s.label, given))
+        needs = (*needs, "label")
     if s.fill is not None:
         stages.append(Stage("fill", needs, ("fills.h5",), _fill, save, _reader(Fills), s.fill))
         needs = (*needs, "fill")
+    if s.angles is not None:
+        stages.append(Stage("angles", needs, ANGLE_FILES, _angles, _done, load_angles, given=(s.angles,), in_place=True))
+        needs = (*needs, "angles")
     made = [(step.input, step.method) for step in calibrated.steps]
     stated = (s.name, asdict(stated_identity(s, source.of.entry)), s.match, s.reconstruct, made, calibrated.figures)
     stages.append(Stage("quality", needs, (QUALITY,), _quality, write_quality, _load_quality, given=stated))
@@ -153,13 +172,24 @@ class Tracking(NamedTuple):
         return Stage("track", needs, self.files, compute, _save_tracked, _load_tracked, method, given)
 
 
+def tracks_of(records: Records) -> Tracks:
+    """The tracks, joined to markers where they were labelled."""
+    return records["label"].tracks if "label" in records else records["track"].tracks
+
+
 def measured_of(inputs: TrialInputs, records: Records) -> Trajectories:
-    """The trajectories as they were measured, named where an operator said how."""
-    measured = to_trajectories(records["track"].tracks, inputs.rig)
+    """The trajectories as they were measured, named where an operator said how, or the labelling."""
+    measured = to_trajectories(tracks_of(records), inputs.rig)
     if inputs.source.of.frames is not None:
         measured = replace(measured, first_frame=inputs.source.of.frames[0])
     operated = inputs.source.operated()
-    return measured if operated is None else called(measured, operated.names, records["detect"].n_frames)
+    if operated is not None:
+        return called(measured, operated.names, records["detect"].n_frames)
+    if "label" in records:
+        names = records["label"].names
+        paths = tuple(replace(path, name=name) for path, name in zip(measured, names, strict=True))
+        measured = replace(measured, paths=paths)
+    return measured
 
 
 def filled_of(inputs: TrialInputs, records: Records) -> Filled:
@@ -168,7 +198,15 @@ def filled_of(inputs: TrialInputs, records: Records) -> Filled:
     if "fill" not in records:
         return Filled(measured, ())
     fills: Fills = records["fill"]
-    return Filled(fills.on(measured), tuple(FilledGap(**json.loads(text)) for text in fills.gaps))
+    gaps = tuple(FilledGap(**json.loads(text)) for text in fills.gaps)
+    return Filled(fills.on(with_placed(measured, gaps)), gaps)
+
+
+def with_placed(measured: Trajectories, gaps: Sequence[FilledGap]) -> Trajectories:
+    """The trajectories and, empty, those markers that were placed from a static trial alone."""
+    new = [gap.marker for gap in gaps if gap.method == STATIC and gap.marker not in measured.names]
+    nowhere = np.full((measured.n_frames, 3), np.nan)
+    return replace(measured, paths=(*measured, *(MarkerTrajectory.measured(name, nowhere) for name in new)))
 
 
 def _detect(inputs: TrialInputs, records: Records) -> Detections:
@@ -232,13 +270,35 @@ def _from_points(inputs: TrialInputs, records: Records) -> Tracked:
     return Tracked(tracks, diagnostics=tuple(diagnose_tracks(records["detect"], inputs.rig, tracks)))
 
 
+def _label(inputs: TrialInputs, records: Records) -> NamedTracks:
+    """Names for the tracks, by `[label]`."""
+    if inputs.source.operated() is None:
+        named = None
+    else:  # what an operator said are facts
+        named = measured_of(inputs, {key: record for key, record in records.items() if key != "label"})
+    return name_trial(inputs.source.of, records["track"].tracks, inputs.earlier, named)
+
+
 def _fill(inputs: TrialInputs, records: Records) -> Fills:
     """What filling adds, by `[fill]`."""
     method, measured = inputs.settings.fill, measured_of(inputs, records)
     assert method is not None  # else there is no such stage
-    rays = Rays.left_by(records["track"].tracks, records["detect"], inputs.rig)
-    filled = fill_recording(measured, rays, method=method)
-    return Fills.between(measured, filled.trajectories, tuple(json.dumps(asdict(gap)) for gap in filled.gaps))
+    rays = Rays.left_by(tracks_of(records), records["detect"], inputs.rig)
+    filled = fill_recording(measured, rays, method=method, static=static_of(inputs.earlier))
+    before = with_placed(measured, filled.gaps)
+    return Fills.between(before, filled.trajectories, tuple(json.dumps(asdict(gap)) for gap in filled.gaps))
+
+
+def _angles(inputs: TrialInputs, records: Records) -> dict[str, Any]:
+    """Joint angles, by `[angles]`."""
+    return compute_angles(_trial(inputs, records), inputs.source.of, inputs.folder, inputs.earlier, inputs.assets)
+
+
+def _trial(inputs: TrialInputs, records: Records) -> Trial:
+    """The trial with what was recorded beside it."""
+    trajectories = filled_of(inputs, records).trajectories
+    beside = inputs.source.beside() or Trial("", trajectories)
+    return replace(beside, trajectories=trajectories, name=inputs.name)
 
 
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
@@ -251,7 +311,7 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
         trial=inputs.name,
         rig=inputs.rig,
         detections=detections,
-        tracks=tracked.tracks,
+        tracks=tracks_of(records),
         trajectories=filled.trajectories,
         steps=(*inputs.calibrated.steps, *inputs.store.steps),
         findings=(
@@ -260,13 +320,18 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
             *_channels(beside, filled.trajectories),
             *swapped,
             *tracked.diagnostics,
+            *(records["label"].findings if "label" in records else ()),
+            *(found_by_angles(records["angles"]) if "angles" in records else ()),
         ),
         ambiguous_decisions=tracked.ambiguous_decisions,
+        track_names=records["label"].tracker_names if "label" in records else None,
         judged=inputs.calibrated.figures,
         filling=_gap_figures(inputs, filled, measured_of(inputs, records)),
         identity=identity_of_entry(of.root, s, of.entry, beside.about if beside else None),
     )
     operated = inputs.source.operated()
+    if "label" in records:
+        figures["labels"] = dict(records["label"].figures)
     if operated is not None:
         figures["digitising"] = dict(operated.figures)
     return figures
@@ -297,37 +362,36 @@ def _gap_figures(inputs: TrialInputs, filled: Filled, measured: Trajectories) ->
     method = inputs.settings.fill
     if method is None:
         return None
+    measured = with_placed(measured, filled.gaps)
     return filling_figures(filled, measured, source=inputs.name, method=method.name, limit_mm=method.limit_mm)
 
 
 def _write(inputs: TrialInputs, records: Records) -> None:
     """The trial for other programs, and for a person who reads."""
-    trajectories, figures = filled_of(inputs, records).trajectories, records["quality"]
-    folder, name, steps = inputs.folder, inputs.name, tuple(inputs.store.steps)
-    beside = inputs.source.beside() or Trial("", trajectories)
-    about = with_identity(beside.about, figures["identity"])
-    trial = replace(beside, trajectories=trajectories, name=name, steps=_own(steps), about=about)
-    write_c3d(folder / f"{name}.c3d", trial)
+    trial, figures = _trial(inputs, records), records["quality"]
+    folder, name, trajectories = inputs.folder, inputs.name, trial.trajectories
+    about = with_identity(trial.about, figures["identity"])
+    write_c3d(folder / f"{name}.c3d", replace(trial, steps=_own(inputs.store.steps), about=about))
     write_report(
         folder / REPORT,
         quality=figures,
         rig=inputs.rig,
         detections=records["detect"],
-        tracks=records["track"].tracks,
+        tracks=tracks_of(records),
         trajectories=trajectories,
         judged=inputs.calibrated.figures,
         pictures=inputs.source.pictures(fullest_frames(records["detect"])),
         assets=inputs.assets,
     )
     if inputs.settings.fill is not None:
-        before = measured_of(inputs, records)
+        before = with_placed(measured_of(inputs, records), filled_of(inputs, records).gaps)
         drawn = figures["filling"] | {"identity": figures["identity"]}
         write_filling_page(folder / GAPS, figures=drawn, trajectories=trajectories, before=before)
 
 
 def _own(steps: Sequence[Step]) -> tuple[Step, ...]:
     """The steps that made the trajectories."""
-    return tuple(step for step in steps if step.stage not in ("quality", "write"))
+    return tuple(step for step in steps if step.stage not in ("angles", "quality", "write"))
 
 
 def _save_tracked(path: Path, record: Tracked) -> None:

@@ -11,6 +11,28 @@ LABELLING_WORDS = {
         "and places {placed_share} of the samples. Nothing is named.",
         "Give a template of this subject and marker set, or of a trial with such a posture, or scale it by height.",
     ),
+    "labels_without_template": Words(
+        "No marker is named: nothing tells which is which in this trial.",
+        'Give [label] a labelled trial of the subject (template), label a trial of kind = "static", or state names.',
+    ),
+    "labels_unsure": Words(
+        "{stretches} {stretches:stretch has|stretches have} no name, as {stretches:it is|they are} not sure: probably "
+        "{marker_names}; {frames}.",
+        "See them in the table of markers; state {stretches:its name|their names} in the file of names, or say "
+        "unsure = true.",
+    ),
+    "markers_not_found": Words(
+        "{Markers} of the template {markers:is|are} not in this trial, or {markers:has|have} no sure name.",
+        "Check that {markers:it was|they were} worn and seen.",
+    ),
+    "ghosts_removed": Words(
+        "{tracks} {tracks:track was|tracks were} taken for ghosts and left out: most of {tracks:its|their} images are "
+        "those of named markers.",
+    ),
+    "stated_names_lost": Words(
+        "{statements} {statements:name was|names were} stated of places where no track is: {marker_names}; {frames}.",
+        "State them where the marker is tracked; the frame counts from 1 in the file of names.",
+    ),
 }
 
 FILLING_WORDS = {
@@ -70,6 +92,7 @@ def _beyond_normal(found: Finding) -> str:
 
 
 ANGLE_WORDS = {
+    "angles_not_computed": Words("No joint angles: {reason}", "Correct [angles], or name the markers that it wants."),
     "joints_without_angles": Words("No frame has angles of: {joints_list}. Markers are missing.", FILL_THE_GAPS),
     "frames_without_angles": Words(
         "{count} {count:frame|frames} without angles of: {joints_list}. Markers are missing there.", FILL_THE_GAPS

@@ -12,7 +12,7 @@ LABELLING = (
          "statement tells which is which in this trial."),
     Kind("labels_unsure", "label", "amber", "Stretches of tracks whose name is not sure, so that they have none.",
          {"stretches": "count"}),
-    Kind("markers_not_found", "label", "amber", "Markers of the template that no track was named."),
+    Kind("markers_not_found", "label", "amber", "Markers of the template that no track is, not even probably."),
     Kind("ghosts_removed", "label", "info", "Tracks that were taken for no markers, as most of their images are those "
          "of named ones.", {"tracks": "count"}),
     Kind("stated_names_lost", "label", "amber", "Names that were stated of places where no track is.",

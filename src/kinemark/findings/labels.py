@@ -97,16 +97,17 @@ def label_findings(figures: Mapping[str, Any], labels: Labels, *, template: bool
     if labels.refused is not None:
         return (labels.refused,)
     found = []
+    probably = {one["name"] for one in figures["unsure"]}
     if unsure := figures["unsure"]:
         found.append(
             make_finding(
                 "labels_unsure",
-                markers=sorted({one["name"] for one in unsure}),
+                markers=sorted(probably),
                 frames=[(one["first_frame"], one["last_frame"]) for one in unsure],
                 stretches=len(unsure),
             )
         )
-    if missing := [one["name"] for one in figures["markers"] if one["state"] == "missing"]:
+    if missing := [one["name"] for one in figures["markers"] if one["state"] == "missing" and one["name"] not in probably]:
         found.append(make_finding("markers_not_found", markers=missing))
     if figures["ghosts_removed"]:
         found.append(make_finding("ghosts_removed", tracks=figures["ghosts_removed"]))

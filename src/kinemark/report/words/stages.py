@@ -22,7 +22,7 @@ LABELLING_WORDS = {
         "unsure = true.",
     ),
     "markers_not_found": Words(
-        "{Markers} of the template {markers:is|are} not in this trial, or {markers:has|have} no sure name.",
+        "{Markers} of the template {markers:is|are} not found in this trial.",
         "Check that {markers:it was|they were} worn and seen.",
     ),
     "ghosts_removed": Words(

@@ -19,6 +19,8 @@ COMMANDS = {
     "commands/listings.py": ("methods", "schema", "cite"),
     "commands/detect.py": ("detect",),
     "commands/label.py": ("label",),
+    "commands/marker_set.py": ("marker-set",),
+    "commands/template.py": ("template",),
     "commands/fill.py": ("fill",),
     "commands/files.py": ("info", "convert"),
     "commands/analysis.py": ("angles", "sensitivity"),
@@ -49,7 +51,8 @@ def command_line() -> App:
         said = descriptions(here / file)
         for name in names:
             module = f"{__package__}.{file.removesuffix('.py').replace('/', '.')}"
-            app.command(f"{module}:{name}", name=name, help=said[name])
+            function = name.replace("-", "_")
+            app.command(f"{module}:{function}", name=name, help=said[function])
     return app
 
 

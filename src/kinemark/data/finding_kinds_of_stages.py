@@ -17,6 +17,9 @@ LABELLING = (
          "of named ones.", {"tracks": "count"}),
     Kind("stated_names_lost", "label", "amber", "Names that were stated of places where no track is.",
          {"statements": "count"}),
+    Kind("trial_contradicts_template", "label", "amber", "Markers of a labelled trial sit elsewhere than its subject's "
+         "template says, so that the template does not learn from it: the share of the distances within segments that "
+         "are off, and the most.", {"pairs_share": "share", "off_mm": "mm"}),
 )  # fmt: skip
 
 FILLING = (

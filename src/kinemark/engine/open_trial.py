@@ -105,12 +105,12 @@ class OpenTrial:
         watch = Watch(progress, cancel)
         calibrated = self.workspace.calibrate(progress=progress, cancel=cancel, threads=threads)
         earlier = self._earlier(calibrated, progress=progress, cancel=cancel, threads=threads)
-        return self._run(to, calibrated, earlier, watch, threads)
+        return self.run_after(earlier, to, calibrated, watch, threads)
 
-    def _run(
-        self, to: str, calibrated: Calibrated, earlier: tuple[Earlier, ...], watch: Watch, threads: int | None
+    def run_after(
+        self, earlier: tuple[Earlier, ...], to: str, calibrated: Calibrated, watch: Watch, threads: int | None
     ) -> OpenTrial:
-        """The same, where the trials before this one are named."""
+        """The same, where the trials before this one are named; raises as `run` does."""
         source, graph = self.source(calibrated.rig), self._graph(calibrated, earlier)
         with one_blas_thread(), Store.open(self.folder, self._lock, watch.of("wait")) as store:
             s = self.workspace
@@ -185,28 +185,10 @@ class OpenTrial:
         known = self._earlier(calibrated) if earlier is None else earlier
         return trial_graph(self.name, self.workspace.settings, self.source(calibrated.rig), calibrated, known)
 
-    def _earlier(
-        self,
-        calibrated: Calibrated,
-        *,
-        progress: Progress | None = None,
-        cancel: Cancel | None = None,
-        threads: int | None = None,
-    ) -> tuple[Earlier, ...]:
-        """The trials by whose names this one's are found; with `progress` they are run so far where they were not.
+    def _earlier(self, calibrated: Calibrated, **options: Any) -> tuple[Earlier, ...]:
+        return earlier_trials(self.workspace, self.entry, calibrated, **options)
 
-        One that cannot be run names nobody, which it says itself when it is run.
-        """
-        found: tuple[Earlier, ...] = ()
-        for entry in before(self.workspace.settings, self.entry):
-            trial = OpenTrial(self.workspace, entry, entry.frames)
-            if progress is not None and trial._label_key(calibrated, found) == ABSENT:
-                with suppress(KinemarkError):
-                    trial._run("label", calibrated, found, Watch(progress, cancel), threads)
-            found += (Earlier(trial.name, entry.kind, trial.folder, trial._label_key(calibrated, found)),)
-        return found
-
-    def _label_key(self, calibrated: Calibrated, earlier: tuple[Earlier, ...]) -> str:
+    def label_key(self, calibrated: Calibrated, earlier: tuple[Earlier, ...]) -> str:
         """Of the trial's names, where they are there and up to date."""
         try:
             graph = self._graph(calibrated, earlier)
@@ -226,3 +208,30 @@ class OpenTrial:
                 raise KinemarkError(f"{self.folder / needed.files[0]} was changed since trial {self.name!r} was run.")
             found[needed.name] = needed.load(self.folder / needed.files[0])
         return found
+
+
+def earlier_trials(
+    workspace: Workspace,
+    entry: TrialEntry | None,
+    calibrated: Calibrated,
+    *,
+    progress: Progress | None = None,
+    cancel: Cancel | None = None,
+    threads: int | None = None,
+) -> tuple[Earlier, ...]:
+    """The trials by whose names another's are found; with `progress` they are named first where they were not.
+
+    One that cannot be run names nobody, which it says itself when it is run.
+
+    Args:
+        workspace: the session. entry: the other trial; all trials that help any where None.
+        calibrated: the cameras. progress, cancel, threads: as `OpenTrial.run` has them.
+    """
+    found: tuple[Earlier, ...] = ()
+    for one in before(workspace.settings, entry):
+        trial = OpenTrial(workspace, one, one.frames)
+        if progress is not None and trial.label_key(calibrated, found) == ABSENT:
+            with suppress(KinemarkError):
+                trial.run_after(found, "label", calibrated, Watch(progress, cancel), threads)
+        found += (Earlier(trial.name, one.kind, trial.folder, trial.label_key(calibrated, found)),)
+    return found

@@ -27,7 +27,7 @@ class Labelling(Method):
         (), meaning="names to learn; empty: those of marker_set, else all. Give them where files hold computed points"
     )
     height_mm: float | None = parameter(
-        None, unit="mm", above=0, meaning="height of the subject, where the files are of another one"
+        None, unit="mm", above=0, meaning="height of the subject, where the files are of another one, or there is nothing but marker_set"
     )
     template_height_mm: float | None = parameter(
         None, unit="mm", above=0, meaning="height of the one whom the files are of"
@@ -39,9 +39,9 @@ class Labelling(Method):
     unsure: bool = parameter(False, meaning="also take names that are not sure")
 
     def check_together(self) -> None:
-        """Refuse a height without the one that it is compared with."""
-        if (self.height_mm is None) != (self.template_height_mm is None):
-            raise ValueError("height_mm and template_height_mm go together: give both, or none where it is one subject")
+        """Refuse the height of another subject without that of this one."""
+        if self.height_mm is None and self.template_height_mm is not None:
+            raise ValueError("template_height_mm is given without height_mm: give both, or none where it is one subject")
 
     @property
     def scale(self) -> float | None:

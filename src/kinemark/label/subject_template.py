@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
+from ..data import Trajectories, make_finding
 from ..data.arrays import set_columns
-from .template import Template
+from ..data.finding import Finding
+from .labels import Labels, named
+from .pooled import contradiction, pooled
+from .template import Template, learn_template
+
+FEWEST = 4
+"""Sure names without which a trial adds nothing; by definition of `learn_template`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,3 +53,40 @@ class SubjectTemplate:
         set_columns(self, sources=tuple(self.sources))
         if self.height_mm <= 0 or np.isinf(self.height_mm):
             raise ValueError(f"height_mm is {self.height_mm}, wanted a number above 0, or NaN where it is not known")
+
+    def grown(self, trial: Trajectories, labels: Labels, source: TemplateSource) -> Grown:
+        """With what a labelled and accepted trial adds; only sure names count, each trial by its frames.
+
+        Args:
+            trial: that was labelled. labels: of its tracks. source: what it is called.
+
+        Returns:
+            The greater template, or this one with a finding where the trial is refused or contradicts it.
+        """
+        if labels.refused is not None:
+            return Grown(self, (), labels.refused)
+        whole = named(trial, labels)
+        sure = [name for name in self.template.names if name in whole.names]
+        if len(sure) < FEWEST:
+            return Grown(self, ())
+        new = learn_template(whole, names=sure)
+        found = contradiction(self.template, new, whole)
+        if found is not None:
+            values = {"pairs_share": found.pairs_share, "off_mm": found.off_mm}
+            return Grown(self, (), make_finding("trial_contradicts_template", markers=found.markers, **values))
+        template = pooled(self.template, new, whole)
+        return Grown(replace(self, template=template, sources=(*self.sources, source)), tuple(sure))
+
+
+class Grown(NamedTuple):
+    """What became of a template.
+
+    Attributes:
+        template: the new one, or the old one where the trial adds nothing.
+        added: names of the markers that the trial adds samples of.
+        refused: why the trial was not added; None where it was, or where too few of its names are sure.
+    """
+
+    template: SubjectTemplate
+    added: tuple[str, ...]
+    refused: Finding | None = None

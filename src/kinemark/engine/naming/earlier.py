@@ -33,13 +33,16 @@ class Earlier(NamedTuple):
     key: str
 
 
-def before(settings: Settings, entry: TrialEntry) -> tuple[TrialEntry, ...]:
-    """The trials whose names help this one, in their order; none where the session says nothing of labelling."""
+def before(settings: Settings, entry: TrialEntry | None) -> tuple[TrialEntry, ...]:
+    """The trials whose names help this one, in their order; all that help any where None.
+
+    There are none where the session says nothing of labelling.
+    """
     if settings.label is None:
         return ()
     ordered = sorted(settings.trials, key=lambda one: RANK[one.kind])
     names = [one.name for one in ordered]
-    first = ordered[: names.index(entry.name)] if entry.name in names else ordered
+    first = ordered if entry is None else ordered[: names.index(entry.name)]
     return tuple(one for one in first if settings.label.grow or one.kind != "motion")
 
 

@@ -12,7 +12,9 @@ from ...data.array_types import Bools, Ints
 from ...data.track_trajectories import trajectories_of
 from ...findings.labels import label_figures, label_findings
 from ...io.stated_names_csv import StatedName
-from ...label import Labelling, Labels, label, named
+from ...label import Labelling, label, learn_template, named
+from ...label.pooled import contradiction
+from ...label.subject_template import FEWEST
 from .named_tracks import NamedTracks
 from .statements import facts_of, labels_of_facts, with_facts
 from .templates import SessionTemplate
@@ -57,14 +59,28 @@ def name_tracks(
     figures = label_figures(points, labels, done, by.template.names if by else (), by.sources if by else ())
     figures["ghosts_removed"] = len(ghosts)
     figures["stated"] = len(facts.of)
-    findings = (*_lost(facts.lost), *label_findings(figures, labels, template=by is not None))
+    findings = [*_lost(facts.lost), *label_findings(figures, labels, template=by is not None)]
     kept = _without(joined, ghosts)
     names = _renumbered([name for k, name in enumerate(done.names) if k not in ghosts])
-    accepted = not labels.refused and figures["sure_share"] >= ACCEPTED or (by is None and bool(facts.of))
+    contradicts = _contradicts(done, by)
+    accepted = contradicts is None and (by is None or (not labels.refused and figures["sure_share"] >= ACCEPTED))
     return NamedTracks(
-        Tracks(tracks.cloud, kept), names, tracker_names(tracks, kept, names), figures, findings,
-        learnt_of(done, accepted),
+        Tracks(tracks.cloud, kept), names, tracker_names(tracks, kept, names), figures,
+        (*findings, *([contradicts] if contradicts else ())), learnt_of(done, accepted),
     )  # fmt: skip
+
+
+def _contradicts(done: Trajectories, by: SessionTemplate | None) -> Finding | None:
+    """Where the named markers sit elsewhere than the template says, so that others should not learn from them."""
+    sure = [name for name in done.names if not name.startswith("*")]
+    if by is None or len(sure) < FEWEST:
+        return None
+    known = [name for name in sure if name in by.template.names]
+    found = contradiction(by.template, learn_template(done, names=known), done) if len(known) >= FEWEST else None
+    if found is None:
+        return None
+    values = {"pairs_share": found.pairs_share, "off_mm": found.off_mm}
+    return make_finding("trial_contradicts_template", markers=found.markers, **values)
 
 
 def stated_by_recording(tracks: Tracks, trajectories: Trajectories) -> NamedTracks:

@@ -14,11 +14,16 @@ from ...data import MarkerSet, Trajectories
 from ...io.marker_sets import marker_sets, read_marker_set
 from ...io.trial import read_trial
 from ...label import Template, learn_template
-from ..label_files import OTHER_SUBJECT, STATIC_SPREAD
+from ...label.from_set import STATIC_SPREAD, from_figure, from_static
+from ...label.pooled import OTHER_SUBJECT
+from ...label.subject_template import SubjectTemplate, TemplateSource
 from ..settings import Settings
-from ..template_files import is_template, load_template
+from ..template_files import ENDING, is_template, load_template, save_template
 from .earlier import ABSENT, Earlier
 from .named_tracks import load_learnt
+
+TEMPLATE = f"subject{ENDING}"
+"""Below a session's results: what its trials show of the subject."""
 
 
 class SessionTemplate(NamedTuple):
@@ -62,24 +67,26 @@ def session_template(root: Path, settings: Settings, earlier: Sequence[Earlier])
     names = label.markers or (marker_set.moving if marker_set else ())
     files = [file for file in label.template if not is_template(file)]
     given = [Shown(file, read_trial(root / file).trajectories) for file in files]
-    seen = [Shown(one.name, load_learnt(one.folder)) for one in earlier if one.key != ABSENT]
-    still = [shown for one, shown in zip(_done(earlier), seen, strict=True) if one.kind == "static"]
-    moved = [shown for one, shown in zip(_done(earlier), seen, strict=True) if one.kind != "static"]
+    named = [(one.kind, Shown(one.name, load_learnt(one.folder))) for one in earlier if one.key != ABSENT]
+    moved = [shown for kind, shown in named if kind != "static"]
+    still = [shown for kind, shown in named if kind == "static"]
     still += [Shown(file, read_trial(root / file).trajectories) for file in label.static]
-    segments = dict(marker_set.segments) if marker_set else {}
-    own = moved if label.scale else given + moved
-    found = _learnt(own, names) or _learnt(still, names, spread=STATIC_SPREAD, segments=segments)
+    own = _learnt(moved if label.scale else given + moved, names) or _of_static(still, names, marker_set)
     kept = [_kept(root / file) for file in label.template if is_template(file)]
-    other = _learnt(given, names) if label.scale else None
-    if other is not None and label.scale is not None:
-        scaled = other.template.scaled(label.scale, relative_spread=OTHER_SUBJECT)
-        kept.append(SessionTemplate(scaled, other.sources))
+    if label.scale is not None and (other := _learnt(given, names)):
+        kept.append(other._replace(template=other.template.scaled(label.scale, relative_spread=OTHER_SUBJECT)))
+    if marker_set is not None and label.height_mm is not None and not given and not kept:
+        kept.append(SessionTemplate(from_figure(marker_set, label.height_mm), (f"marker set {marker_set.name}",)))
     best = max(kept, key=lambda one: len(one.template), default=None)
-    return best if found is None or (best and len(best.template) > len(found.template)) else found
+    return best if own is None or (best and len(best.template) > len(own.template)) else own
 
 
-def _done(earlier: Sequence[Earlier]) -> list[Earlier]:
-    return [one for one in earlier if one.key != ABSENT]
+def _of_static(shown: Sequence[Shown], names: Sequence[str], marker_set: MarkerSet | None) -> SessionTemplate | None:
+    """Of those who stand still: by the segments of the marker set, where there is one."""
+    useful = _with_names(shown)
+    if not useful or marker_set is None:
+        return _learnt(useful, names, spread=STATIC_SPREAD)
+    return SessionTemplate(from_static(useful[0].trial, marker_set), (useful[0].source, f"marker set {marker_set.name}"))
 
 
 def _kept(path: Path) -> SessionTemplate:
@@ -87,16 +94,30 @@ def _kept(path: Path) -> SessionTemplate:
     return SessionTemplate(load_template(path).template, (path.name,))
 
 
-def _learnt(
-    shown: Sequence[Shown], names: Sequence[str], *, spread: float = 0.0, segments: dict[str, tuple[str, ...]] | None = None
-) -> SessionTemplate | None:
+def _with_names(shown: Sequence[Shown]) -> list[Shown]:
+    return [one for one in shown if any(not name.startswith("*") for name in one.trial.names)]
+
+
+def _learnt(shown: Sequence[Shown], names: Sequence[str], *, spread: float = 0.0) -> SessionTemplate | None:
     """The template of trials that have names; None where none has."""
-    useful = [one for one in shown if any(not name.startswith("*") for name in one.trial.names)]
+    useful = _with_names(shown)
     if not useful:
         return None
     there = {name for one in useful for name in one.trial.names}
     known = tuple(name for name in names if name in there)
-    template = learn_template(
-        *(one.trial for one in useful), names=known or None, relative_spread=spread, segments=segments
-    )
+    template = learn_template(*(one.trial for one in useful), names=known or None, relative_spread=spread)
     return SessionTemplate(template, tuple(one.source for one in useful))
+
+
+def keep_template(path: Path, settings: Settings, known: SessionTemplate) -> None:
+    """Write what a session knows of its subject, so that others may be named by it.
+
+    Raises:
+        KinemarkError: the file cannot be written.
+    """
+    label = settings.label
+    height = label.height_mm if label and label.height_mm else float("nan")
+    date = settings.date.isoformat() if settings.date else ""
+    n = int(known.template.frames.max(initial=0))
+    sources = tuple(TemplateSource(source, n, date, "accepted") for source in known.sources)
+    save_template(path, SubjectTemplate(known.template, settings.marker_set or "", settings.subject or "", height, sources))

@@ -45,6 +45,7 @@ RESERVED = (
     "calibrations",
     "assets",
     "index.html",
+    "subject.template.h5",
 )
 """What a trial cannot be called, since results are kept by these names."""
 

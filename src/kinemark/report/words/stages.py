@@ -33,6 +33,11 @@ LABELLING_WORDS = {
         "{statements} {statements:name was|names were} stated of places where no track is: {marker_names}; {frames}.",
         "State them where the marker is tracked; the frame counts from 1 in the file of names.",
     ),
+    "trial_contradicts_template": Words(
+        "The trial says otherwise than the subject's template about {markers}: {pairs_share} of the distances within "
+        "segments are off, by up to {off_mm}. The template does not learn from it.",
+        "Check its names with `kinemark label --check`; if a marker was moved, make a new template.",
+    ),
 }
 
 FILLING_WORDS = {

@@ -1,0 +1,94 @@
+"""Templates from a marker set: with a static trial of the subject, or with nothing but the body height.
+
+A static trial shows the distances of one posture. Within a segment they stay, up to the spread that the set states;
+all others are uncertain by 14 %. Without any trial the set's figure, scaled by the height, stands for the subject:
+markers of a person sit about 2 % of the height from there on each axis, so that a distance is uncertain by 2.8 % of the
+height besides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ..data import KinemarkError, MarkerSet, MarkerTrajectory, Trajectories
+from ..data.array_types import Floats
+from .template import Template, learn_template
+
+STATIC_SPREAD = 0.14
+"""Share of each distance that a static trial does not show; chosen, see docs/theory/label.md."""
+SEGMENT_SPREAD = 0.03
+"""Share of the distances within a segment whose set does not say how rigid it is; chosen, as skin moves in gait."""
+FIGURE_SPREAD = 0.028
+"""Share of the height by which distances differ from those of the figure; measured: 0.02 on an axis, see above."""
+
+
+def from_static(trial: Trajectories, marker_set: MarkerSet) -> Template:
+    """The template of a subject by a static trial and the marker set that the subject wears.
+
+    Markers that the set has and the trial does not show are left out, as are those of the static trial alone where
+    they would be looked for in vain: ask for `marker_set.moving` when the subject moves.
+
+    Args:
+        trial: labelled; a frame is enough.
+        marker_set: with segments.
+
+    Raises:
+        KinemarkError: fewer than four of the set's markers are in the trial.
+    """
+    names = [name for name in marker_set.moving if name in trial.names and np.isfinite(trial[name].xyz).any()]
+    if len(names) < 4:
+        near = ", ".join(trial.names[:8])
+        raise KinemarkError(
+            f"{len(names)} of the {len(marker_set.moving)} markers of {marker_set.name or 'the marker set'} are in the "
+            f"static trial, which has {near}{' …' if len(trial.names) > 8 else ''}. Wanted are four or more, spelt alike."
+        )
+    segments = segments_of(marker_set, names)
+    template = learn_template(trial, names=names, relative_spread=STATIC_SPREAD, segments=segments)
+    return replace(template, spread=np.hypot(template.spread, _rigidity(template, marker_set) * template.distance))
+
+
+def segments_of(marker_set: MarkerSet, names: list[str]) -> dict[str, tuple[str, ...]]:
+    """The segments with those of their markers that are among the names, two or more."""
+    kept = {key: tuple(name for name in markers if name in names) for key, markers in marker_set.segments.items()}
+    return {key: markers for key, markers in kept.items() if len(markers) > 1}
+
+
+def _rigidity(template: Template, marker_set: MarkerSet) -> Floats:
+    """(L, L) share of its distance by which a pair on one segment moves; 0 of all others."""
+    out = np.zeros((len(template),) * 2)
+    for key, markers in marker_set.segments.items():
+        at = [template.names.index(name) for name in markers if name in template.names]
+        share = marker_set.rigidity.get(key, SEGMENT_SPREAD)
+        out[np.ix_(at, at)] = np.maximum(out[np.ix_(at, at)], share)
+    np.fill_diagonal(out, 0.0)
+    return out
+
+
+def from_figure(marker_set: MarkerSet, height_mm: float) -> Template:
+    """The template of any subject by the set's figure and a body height, with wide spreads.
+
+    Args:
+        marker_set: with places of its markers. height_mm: of the subject; of an object, its length.
+
+    Raises:
+        KinemarkError: fewer than four markers have places.
+        ValueError: the height is not above 0.
+    """
+    if not 0 < height_mm < np.inf:
+        raise ValueError(f"height_mm is {height_mm}, wanted a number above 0")
+    placed = [name for name in marker_set.moving if name in marker_set.places]
+    if len(placed) < 4:
+        raise KinemarkError(
+            f"{len(placed)} markers of {marker_set.name or 'the marker set'} have places. Wanted are four or more."
+        )
+    template = from_static(_figure({name: marker_set.places[name] for name in placed}, height_mm), marker_set)
+    return replace(template, spread=np.hypot(template.spread, FIGURE_SPREAD * height_mm))
+
+
+def _figure(places: Mapping[str, tuple[float, float, float]], height_mm: float) -> Trajectories:
+    """One who stands as the figure, in one frame."""
+    paths = (MarkerTrajectory.measured(n, height_mm * np.array([place])) for n, place in places.items())
+    return Trajectories(tuple(paths), 1.0)

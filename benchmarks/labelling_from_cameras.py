@@ -6,8 +6,10 @@ Synthetic walkers with 15, 39 and 53 markers are tracked as `benchmarks/tracking
 some run together, some come from nowhere and limbs hide many, and named by a template of another walk, of another
 speed, of the same person. `gait9` (KINEMARK_DATA) is tracked from its 2D points and named by its own first second, and
 each half by the other; its 24 named reference tracks are the judge. Each tracked point belongs to the marker within
-10 mm, one point a marker. Of the reference's stretches only those count in which no marker leaps (`mended`). In % of the points that have a marker: named rightly, wrongly, not at all; named points that
-have none, in % of all named; swaps, pieces a marker and tracked points without marker a frame, before → after naming.
+10 mm, one point a marker. Of the reference's stretches only those count in which no marker leaps (`mended`). In % of
+the points that have a marker: named rightly, wrongly, not at all; named points that have none, in % of all named (for
+`gait9` also markers whose reference is left out); swaps, pieces a marker and tracked points without marker a frame,
+before → after naming.
 """
 
 from __future__ import annotations
@@ -88,9 +90,7 @@ def one_person(n: int, rate: float, seed: int) -> tuple[Subject, Subject]:
     are drawn until both walks have the same.
     """
     walks = [
-        walking(
-            duration_s=2.0, rate=rate, seed=s, wobble_mm=3.0, marker_radius_mm=7.0, speed_mm_s=speed, phase=phase
-        )
+        walking(duration_s=2.0, rate=rate, seed=s, wobble_mm=3.0, marker_radius_mm=7.0, speed_mm_s=speed, phase=phase)
         for s, speed, phase in ((seed, 1100.0, 0.8), (seed + 50, 850.0, 0.3))
     ]
     for k in range(100):
@@ -139,7 +139,8 @@ def mended(reference: Trajectories) -> Trajectories:
     paths = []
     for path in reference:
         seen = np.flatnonzero(np.isfinite(path.xyz[:, 0]))
-        parts = np.split(seen, [k + 1 for k in range(2, len(seen) - 3) if leaps(path.xyz[seen[k - 2 : k + 4]], seen[k - 2 : k + 4])])
+        cuts = [k + 1 for k in range(2, len(seen) - 3) if leaps(path.xyz, seen[k - 2 : k + 4])]
+        parts = np.split(seen, cuts)
         longest = max(parts, key=len)
         xyz = np.full_like(path.xyz, np.nan)
         xyz[longest] = path.xyz[longest]
@@ -148,10 +149,10 @@ def mended(reference: Trajectories) -> Trajectories:
 
 
 def leaps(xyz: NDArray[np.float64], frame: NDArray[np.int64]) -> bool:
-    """Whether a marker leaps between the third and the fourth of six samples, by the speeds before and after."""
-    before = (xyz[2] - xyz[0]) / (frame[2] - frame[0])
-    after = (xyz[5] - xyz[3]) / (frame[5] - frame[3])
-    return bool(np.linalg.norm(xyz[3] - xyz[2] - (before + after) / 2 * (frame[3] - frame[2])) > LEAP)
+    """Whether a marker leaps between the third and the fourth of six frames, by the speeds before and after."""
+    a, b, c, d = xyz[frame[[0, 2, 3, 5]]]
+    speed = (b - a) / (frame[2] - frame[0]) + (d - c) / (frame[5] - frame[3])
+    return bool(np.linalg.norm(c - b - speed / 2 * (frame[3] - frame[2])) > LEAP)
 
 
 def is_name(name: str) -> bool:
@@ -204,14 +205,14 @@ def result(row: Row) -> Result:
     has = owner >= 0
     good = has & is_named & (name == truth)
     total = max(int(has.sum()), 1)
-    swaps, pieces = zip(changes(row.tracks.id, owner, frame), changes(after, owner, frame), strict=True)
+    before, now = (changes(identity, owner, frame) for identity in (row.tracks.id, after))
     ghosts = [float(((identity >= 0) & ~has).sum() / F) for identity in (row.tracks.id, after)]
     return Result(
         100 * good.sum() / total,
         100 * (has & is_named & ~good).sum() / total,
         100 * (has & ~is_named).sum() / total,
         100 * (is_named & ~has).sum() / max(is_named.sum(), 1),
-        swaps, pieces, (ghosts[0], ghosts[1]),
+        (before[0], now[0]), (before[1], now[1]), (ghosts[0], ghosts[1]),
     )  # fmt: skip
 
 

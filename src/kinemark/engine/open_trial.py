@@ -21,7 +21,8 @@ from .progress import Cancel, Progress, Watch, check_threads, silent
 from .settings import TrialEntry
 from .sources import Frames, Recording, TrialSource, source_of
 from .store import Store
-from .trial_graph import REPORT, TrialInputs, filled_of, tracks_of, trial_graph
+from .trial_graph import REPORT, trial_graph
+from .trial_inputs import TrialInputs, filled_of, tracks_of
 from .workspace import Workspace
 
 PREVIEW = "preview"

@@ -31,9 +31,7 @@ def label_figures(
     markers = [_of_marker(name, done, labels, n) for name in names]
     markers += [_missing(name) for name in expected if name not in names]
     unsure = [] if labels is None else [_unsure(tracks, labels, k, n) for k in _of_state(labels, "unsure")]
-    could = min(len(expected), len(tracks)) and np.minimum(
-        np.isfinite(tracks.xyz[..., 0]).sum(0), len(expected)
-    ).sum()
+    could = min(len(expected), len(tracks)) and np.minimum(np.isfinite(tracks.xyz[..., 0]).sum(0), len(expected)).sum()
     sure = sum(int(n[k]) for k in _of_state(labels, "sure")) if labels else int(n.sum())
     return plain(
         {
@@ -107,7 +105,9 @@ def label_findings(figures: Mapping[str, Any], labels: Labels, *, template: bool
                 stretches=len(unsure),
             )
         )
-    if missing := [one["name"] for one in figures["markers"] if one["state"] == "missing" and one["name"] not in probably]:
+    if missing := [
+        one["name"] for one in figures["markers"] if one["state"] == "missing" and one["name"] not in probably
+    ]:
         found.append(make_finding("markers_not_found", markers=missing))
     if figures["ghosts_removed"]:
         found.append(make_finding("ghosts_removed", tracks=figures["ghosts_removed"]))

@@ -80,9 +80,7 @@ def quality(
             "trajectories": _trajectories(trajectories, detections, cameras),
             "timing": _timing(steps, detections.n_frames),
             "steps": [_step(step) for step in steps],
-            "ambiguous_decisions": [
-                _decision(row, detections.rate, track_names) for row in ambiguous_decisions
-            ],
+            "ambiguous_decisions": [_decision(row, detections.rate, track_names) for row in ambiguous_decisions],
             "filling": filling,
         }
     )

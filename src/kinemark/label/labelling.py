@@ -27,7 +27,10 @@ class Labelling(Method):
         (), meaning="names to learn; empty: those of marker_set, else all. Give them where files hold computed points"
     )
     height_mm: float | None = parameter(
-        None, unit="mm", above=0, meaning="height of the subject, where the files are of another one, or there is nothing but marker_set"
+        None,
+        unit="mm",
+        above=0,
+        meaning="height of the subject, where the files are of another one, or there is nothing but marker_set",
     )
     template_height_mm: float | None = parameter(
         None, unit="mm", above=0, meaning="height of the one whom the files are of"
@@ -41,7 +44,9 @@ class Labelling(Method):
     def check_together(self) -> None:
         """Refuse the height of another subject without that of this one."""
         if self.height_mm is None and self.template_height_mm is not None:
-            raise ValueError("template_height_mm is given without height_mm: give both, or none where it is one subject")
+            raise ValueError(
+                "template_height_mm is given without height_mm: give both, or none where it is one subject"
+            )
 
     @property
     def scale(self) -> float | None:

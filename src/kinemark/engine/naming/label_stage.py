@@ -22,9 +22,7 @@ def given_of(of: Recording, earlier: Sequence[Earlier]) -> tuple[Any, ...]:
     return template_files_key(of.root, label), worn(of.root, of.settings), before
 
 
-def name_trial(
-    of: Recording, tracks: Tracks, earlier: Sequence[Earlier], named: Trajectories | None
-) -> NamedTracks:
+def name_trial(of: Recording, tracks: Tracks, earlier: Sequence[Earlier], named: Trajectories | None) -> NamedTracks:
     """The tracks of a trial joined to markers.
 
     Args:

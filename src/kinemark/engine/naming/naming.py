@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -79,8 +80,12 @@ def _contradicts(done: Trajectories, by: SessionTemplate | None) -> Finding | No
     found = contradiction(by.template, learn_template(done, names=known), done) if len(known) >= FEWEST else None
     if found is None:
         return None
-    values = {"pairs_share": found.pairs_share, "off_mm": found.off_mm}
-    return make_finding("trial_contradicts_template", markers=found.markers, **values)
+    return make_finding(
+        "trial_contradicts_template",
+        markers=found.markers,
+        pairs_share=found.pairs_share,
+        off_mm=found.off_mm,
+    )
 
 
 def stated_by_recording(tracks: Tracks, trajectories: Trajectories) -> NamedTracks:
@@ -101,10 +106,9 @@ def rows_of(done: Trajectories, n_points: int) -> Ints:
 def ghost_tracks(tracks: Tracks, joined: Ints, n_named: int) -> frozenset[int]:
     """Nameless tracks, by their place among all, most of whose points have an image in common with a named marker's."""
     image = tracks.cloud.detection
-    of_named = joined >= 0
-    of_named &= joined < n_named
+    of_named: Bools = np.asarray((joined >= 0) & (joined < n_named))
     taken = _images(image, of_named)
-    shares = (taken[image] & (image >= 0)).any(1)
+    shares: Bools = np.asarray((taken[image] & (image >= 0)).any(1))
     rest = np.flatnonzero(joined >= n_named)
     count = np.bincount(joined[rest], minlength=n_named)
     shared = np.bincount(joined[rest], weights=shares[rest], minlength=n_named)
@@ -140,6 +144,27 @@ def tracker_names(tracks: Tracks, joined: Ints, names: Sequence[str]) -> tuple[s
         own = own[own >= 0]
         found.append(names[int(np.bincount(own).argmax())] if len(own) else "")
     return tuple(found)
+
+
+def with_names(found: Finding, names: Sequence[str]) -> Finding | None:
+    """What the tracker found, its tracks `*1`, `*2`, … by what they became; None where that has settled it.
+
+    Args:
+        found: by the tracker. names: of its tracks, empty for no marker.
+    """
+
+    def called(text: Any) -> Any:
+        own = isinstance(text, str) and text[:1] == "*" and text[1:].isdigit() and int(text[1:]) <= len(names)
+        return (names[int(text[1:]) - 1] or "no marker") if own else text
+
+    values = {k: tuple(map(called, v)) if isinstance(v, tuple) else called(v) for k, v in found.values.items()}
+    if found.kind == "tracks_continue":
+        pairs = [pair for pair in zip(values["earlier_list"], values["later_list"], strict=True) if len(set(pair)) > 1]
+        if not pairs:
+            return None  # they were joined
+        earlier, later = zip(*pairs, strict=True)
+        values |= {"tracks": len(pairs), "earlier_list": earlier, "later_list": later}
+    return replace(found, markers=tuple(map(called, found.markers)), values=values)
 
 
 def learnt_of(trajectories: Trajectories, accepted: bool) -> Trajectories:

@@ -11,6 +11,7 @@ import numpy as np
 from ...data import Trajectories
 from ...io.stated_names_csv import StatedName
 from ...label import Labels
+from ...label.labels import State
 
 REACH_MM = 30.0
 """How far a statement's place may be from its track; chosen: it is read off a page, and markers are farther apart."""
@@ -57,4 +58,6 @@ def with_facts(labels: Labels, tracks: Trajectories, facts: dict[int, str]) -> L
 def labels_of_facts(n_tracks: int) -> Labels:
     """Labels of nothing, for trials that only statements name."""
     none = (None,) * n_tracks
-    return Labels(none, np.zeros(n_tracks), ("unknown",) * n_tracks, none, np.full(n_tracks, np.nan), np.nan, np.nan)
+    unknown: State = "unknown"
+    state = (unknown,) * n_tracks
+    return Labels(none, np.zeros(n_tracks), state, none, np.full(n_tracks, np.nan), np.nan, np.nan)

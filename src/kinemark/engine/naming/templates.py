@@ -86,7 +86,9 @@ def _of_static(shown: Sequence[Shown], names: Sequence[str], marker_set: MarkerS
     useful = _with_names(shown)
     if not useful or marker_set is None:
         return _learnt(useful, names, spread=STATIC_SPREAD)
-    return SessionTemplate(from_static(useful[0].trial, marker_set), (useful[0].source, f"marker set {marker_set.name}"))
+    return SessionTemplate(
+        from_static(useful[0].trial, marker_set), (useful[0].source, f"marker set {marker_set.name}")
+    )
 
 
 def _kept(path: Path) -> SessionTemplate:
@@ -120,4 +122,6 @@ def keep_template(path: Path, settings: Settings, known: SessionTemplate) -> Non
     date = settings.date.isoformat() if settings.date else ""
     n = int(known.template.frames.max(initial=0))
     sources = tuple(TemplateSource(source, n, date, "accepted") for source in known.sources)
-    save_template(path, SubjectTemplate(known.template, settings.marker_set or "", settings.subject or "", height, sources))
+    save_template(
+        path, SubjectTemplate(known.template, settings.marker_set or "", settings.subject or "", height, sources)
+    )

@@ -36,6 +36,39 @@ WRONG_HAND = 4.0
 """What a quadruple of the wrong orientation costs, nats; chosen."""
 
 
+class Hands(NamedTuple):
+    """Quadruples seen from each of their members: (H) a member, (H, 3) the others, (H) sign of (others, member)."""
+
+    label: NDArray[np.int64]
+    others: NDArray[np.int64]
+    sign: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, handed: Ints, sign: Ints) -> Hands:
+        """Of quadruples (Q, 4); to bring a member to the end changes the sign where it passes an odd number."""
+        places = range(4)
+        rest = np.concatenate([np.delete(handed, k, axis=1) for k in places])
+        signs = np.concatenate([sign * (-1) ** (3 - k) for k in places])
+        return cls(np.concatenate([handed[:, k] for k in places]), rest, signs)
+
+    def of_points(self, xyz: Single, labelled: Single) -> Single:
+        """(N, L) nats that points xyz (N, 3) lose as each label beside the labelled (L, 3); 0 where nothing is told."""
+        three = labelled[self.others]
+        seen = np.flatnonzero(np.isfinite(three[..., 0]).all(1))
+        p = three[seen, 0]
+        normal = np.cross(three[seen, 1] - p, three[seen, 2] - p) * self.sign[seen, None]
+        wrong = normal @ xyz.T < (normal * p).sum(-1)[:, None]
+        out = np.zeros((len(labelled), len(xyz)), np.float32)
+        np.add.at(out, self.label[seen], np.where(wrong, np.float32(-WRONG_HAND), np.float32(0.0)))
+        return out.T
+
+    def total(self, labelled: Single) -> float:
+        """Nats that the labelled (L, 3) lose by all quadruples."""
+        own = len(self.label) // 4
+        four = np.concatenate([self.others[:own], self.label[:own, None]], axis=1)
+        return float(hands(labelled, four, self.sign[:own]).sum())
+
+
 class PairScore(NamedTuple):
     """(1) of all pairs of labels, (L, L) each: mm, 1/mm, nats; inverse and base are 0 where nothing is known."""
 
@@ -43,6 +76,7 @@ class PairScore(NamedTuple):
     inverse: Single
     base: Single
     least: Single
+    hands: Hands | None = None
 
     @classmethod
     def of(cls, D: NDArray[np.float64], spread: NDArray[np.float64], size: float) -> PairScore:
@@ -60,7 +94,8 @@ class PairScore(NamedTuple):
     @classmethod
     def of_template(cls, template: Template) -> PairScore:
         """As the template has them, a little wider."""
-        return cls.of(template.distance, WIDER * template.spread, template.size)
+        plain = cls.of(template.distance, np.hypot(WIDER * template.spread, template.doubt), template.size)
+        return plain._replace(hands=Hands.of(template.handed, template.sign))
 
     def at(self, d: Single, a: Ints | slice, b: Ints | slice) -> Single:
         """(1) of distances (…) for labels a and b that broadcast with them; 0 where the distance is NaN."""
@@ -83,7 +118,8 @@ class PairScore(NamedTuple):
         z *= -0.5
         z += self.base[:, seen]
         np.maximum(z, self.least[:, seen], out=z)
-        return np.nansum(z, axis=2)
+        nats = np.nansum(z, axis=2)
+        return nats if self.hands is None else nats + self.hands.of_points(xyz, labelled)
 
     @property
     def expected(self) -> NDArray[np.float64]:

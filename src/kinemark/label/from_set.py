@@ -1,7 +1,7 @@
 """Templates from a marker set: with a static trial of the subject, or with nothing but the body height.
 
 A static trial shows the distances of one posture. Within a segment they stay, up to the spread that the set states;
-all others are uncertain by 14 %. Without any trial the set's figure, scaled by the height, stands for the subject:
+all others are uncertain by 18 %. Without any trial the set's figure, scaled by the height, stands for the subject:
 markers of a person sit about 2 % of the height from there on each axis, so that a distance is uncertain by 2.8 % of the
 height besides.
 """
@@ -10,17 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
 from ..data import KinemarkError, MarkerSet, MarkerTrajectory, Trajectories
-from ..data.array_types import Floats
-from .template import Template, learn_template
+from ..data.array_types import Floats, Ints
+from .template import LEAST_VOLUME, Template, learn_template, triple_products, widest
 
-STATIC_SPREAD = 0.14
+STATIC_SPREAD = 0.18
 """Share of each distance that a static trial does not show; chosen, see docs/theory/label.md."""
 SEGMENT_SPREAD = 0.03
 """Share of the distances within a segment whose set does not say how rigid it is; chosen, as skin moves in gait."""
+LEAST_ACROSS = 0.3
+"""Least triple product over its edges, as `LEAST_VOLUME`, of quadruples across a joint: 17° out of one plane; chosen."""
 FIGURE_SPREAD = 0.028
 """Share of the height by which distances differ from those of the figure; measured: 0.02 on an axis, see above."""
 
@@ -47,7 +50,8 @@ def from_static(trial: Trajectories, marker_set: MarkerSet) -> Template:
         )
     segments = segments_of(marker_set, names)
     template = learn_template(trial, names=names, relative_spread=STATIC_SPREAD, segments=segments)
-    return replace(template, spread=np.hypot(template.spread, _rigidity(template, marker_set) * template.distance))
+    handed, sign = _quadruples(trial, template.names, marker_set)
+    return replace(template, handed=handed, sign=sign, spread=np.hypot(template.spread, _rigidity(template, marker_set) * template.distance))
 
 
 def segments_of(marker_set: MarkerSet, names: list[str]) -> dict[str, tuple[str, ...]]:
@@ -65,6 +69,25 @@ def _rigidity(template: Template, marker_set: MarkerSet) -> Floats:
         out[np.ix_(at, at)] = np.maximum(out[np.ix_(at, at)], share)
     np.fill_diagonal(out, 0.0)
     return out
+
+
+def _quadruples(trial: Trajectories, names: tuple[str, ...], marker_set: MarkerSet) -> tuple[Ints, Ints]:
+    """(Q, 4) quadruples of the static trial that no usual motion turns, and (Q) their signs.
+
+    They are on one segment, or on two that meet and far out of one plane: one posture does not show which of the others
+    stay as they are.
+    """
+    at = {key: [names.index(m) for m in markers if m in names] for key, markers in marker_set.segments.items()}
+    alone = {quad for markers in at.values() for quad in combinations(sorted(markers), 4)}
+    met = [sorted({*at[a], *at[b]}) for a, b in marker_set.joints.values()]
+    across = {quad for markers in met for quad in combinations(markers, 4)} - alone
+    xyz = np.stack([np.nanmedian(trial[name].xyz, axis=0) for name in names])[:, None]
+    quads = np.array(sorted(alone | across), np.int64).reshape(-1, 4)
+    volume = triple_products(xyz, quads)[:, 0]
+    least = np.array([LEAST_VOLUME if tuple(quad) in alone else LEAST_ACROSS for quad in quads.tolist()])
+    good = np.flatnonzero(np.abs(volume) > least)
+    kept = widest(quads, np.abs(volume), good, len(names))
+    return quads[kept].reshape(-1, 4), np.where(volume[kept] > 0, 1, -1).astype(np.int64)
 
 
 def from_figure(marker_set: MarkerSet, height_mm: float) -> Template:
@@ -85,7 +108,7 @@ def from_figure(marker_set: MarkerSet, height_mm: float) -> Template:
             f"{len(placed)} markers of {marker_set.name or 'the marker set'} have places. Wanted are four or more."
         )
     template = from_static(_figure({name: marker_set.places[name] for name in placed}, height_mm), marker_set)
-    return replace(template, spread=np.hypot(template.spread, FIGURE_SPREAD * height_mm))
+    return replace(template, doubt=np.hypot(np.asarray(template.doubt), FIGURE_SPREAD * height_mm))
 
 
 def _figure(places: Mapping[str, tuple[float, float, float]], height_mm: float) -> Trajectories:

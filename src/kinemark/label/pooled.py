@@ -4,10 +4,12 @@ Of two parts with n₁, n₂ frames, means D₁, D₂ and standard deviations S�
 
     D = (n₁ D₁ + n₂ D₂) / n,   S² = (n₁ (S₁² + (D₁ − D)²) + n₂ (S₂² + (D₂ − D)²)) / n,   n = n₁ + n₂             (1)
 
-Subjects i of the same height differ by the standard deviation s of their D_i, of which k subjects tell; κ more are
-taken to differ by 6 %, so that few subjects are not taken for all:
+and what only another subject or a static trial told of the first part is doubted as far as that part counts: √(n₁ / n).
 
-    s² = (κ (0.06 D)² + Σ (D_i − D)²) / (κ + k − 1),   of a new subject (1 + 1/k) s²                            (2)
+Subjects i of one height differ in their D_i by the standard deviation s, of which the k that there are tell, and which
+is s₀, (3) of `template`, between subjects in general. κ subjects more are taken to differ by s₀, lest few stand for all:
+
+    s² = (κ s₀² + Σ (D_i − D)²) / (κ + k − 1),   doubt of a new subject √(1 + 1/k) s                              (2)
 """
 
 from __future__ import annotations
@@ -21,10 +23,8 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError, Trajectories
 from ..data.array_types import Bools, Floats, Ints
-from .template import Template
+from .template import Template, between_subjects
 
-OTHER_SUBJECT = 0.06
-"""Share of each distance by which another subject differs, scaled by height; chosen, see docs/theory/label.md."""
 SUBJECTS = 2.0
 """κ of (2); chosen."""
 RIGID = 0.05
@@ -49,8 +49,10 @@ def pooled(own: Template, new: Template, trial: Trajectories) -> Template:
     D, S = _together(own.distance[part], own.spread[part], n1, new.distance, new.spread, n2)
     _, s = _together(own.distance[part], own.short_spread[part], n1, own.distance[part], new.short_spread, n2)
     kept = _turned(own, trial) <= SELDOM
+    known = np.sqrt(n1 / np.maximum(n1 + n2, 1))
     return replace(
         own,
+        doubt=_put(np.asarray(own.doubt), part, np.asarray(own.doubt)[part] * known),
         distance=_put(own.distance, part, D),
         spread=_put(own.spread, part, S),
         short_spread=_put(own.short_spread, part, s),
@@ -94,7 +96,7 @@ def contradiction(own: Template, new: Template, trial: Trajectories) -> Contradi
     """
     at = np.array([own.names.index(name) for name in new.names], np.int64)
     part = np.ix_(at, at)
-    D, S = own.distance[part], own.spread[part]
+    D, S = own.distance[part], np.hypot(own.spread, np.asarray(own.doubt))[part]
     rigid = (S <= RIGID * D) & np.isfinite(D) & np.isfinite(new.distance)
     off = np.abs(new.distance - D)
     wrong = rigid & (off > OFF * np.hypot(S, RIGID / 2 * D)) & (off > OFF_SIZE * own.size)
@@ -149,12 +151,12 @@ def of_subjects(templates: Sequence[Template], heights_mm: Sequence[float], heig
     D = np.mean([one.distance for one in scaled], axis=0)
     S = np.sqrt(np.mean([one.spread**2 for one in scaled], axis=0))
     short = np.sqrt(np.mean([one.short_spread**2 for one in scaled], axis=0))
-    between = (SUBJECTS * (OTHER_SUBJECT * D) ** 2 + sum((one.distance - D) ** 2 for one in scaled)) / (SUBJECTS + k - 1)
+    usual = between_subjects(D, scaled[0].size)
+    between = (SUBJECTS * usual**2 + sum((one.distance - D) ** 2 for one in scaled)) / (SUBJECTS + k - 1)  # (2)
     handed, sign = _common_quadruples(scaled)
-    spread = np.sqrt(S**2 + (1 + 1 / k) / (1 + 1 / SUBJECTS) * between)
-    frames = np.sum([one.frames for one in scaled], axis=0)
+    frames, doubt = np.sum([one.frames for one in scaled], axis=0), np.sqrt((1 + 1 / k) * between)
     return replace(
-        scaled[0], distance=D, spread=spread, short_spread=short, frames=frames, handed=handed, sign=sign
+        scaled[0], distance=D, spread=S, short_spread=short, frames=frames, handed=handed, sign=sign, doubt=doubt
     )
 
 
@@ -183,7 +185,7 @@ def part_of(template: Template, names: Sequence[str]) -> Template:
     kept = (new[template.handed] >= 0).all(1) if len(template.handed) else np.zeros(0, bool)
     handed, sign = _sorted_quadruples(new[template.handed[kept]], template.sign[kept])
     square = {
-        key: getattr(template, key)[part] for key in ("distance", "spread", "short_spread", "frames")
+        key: getattr(template, key)[part] for key in ("distance", "spread", "short_spread", "frames", "doubt")
     }
     return replace(template, names=tuple(names), handed=handed, sign=sign, **square)
 

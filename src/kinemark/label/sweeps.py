@@ -140,6 +140,7 @@ def total_score(stretches: Stretches, label: Ints, pairs: PairScore) -> tuple[fl
     for y in labelled[some]:
         seen = np.isfinite(y[:, 0])
         total += float(pairs.at(distances(y, y), every[:, None], every[None]).sum()) / 2
+        total += pairs.hands.total(y) if pairs.hands is not None else 0.0
         expected += float(pairs.expected[np.ix_(seen, seen)].sum()) / 2
     return total / max(len(some), 1), expected / max(len(some), 1)
 

@@ -15,7 +15,6 @@ from ...io.marker_sets import marker_sets, read_marker_set
 from ...io.trial import read_trial
 from ...label import Template, learn_template
 from ...label.from_set import STATIC_SPREAD, from_figure, from_static
-from ...label.pooled import OTHER_SUBJECT
 from ...label.subject_template import SubjectTemplate, TemplateSource
 from ..settings import Settings
 from ..template_files import ENDING, is_template, load_template, save_template
@@ -74,7 +73,7 @@ def session_template(root: Path, settings: Settings, earlier: Sequence[Earlier])
     own = _learnt(moved if label.scale else given + moved, names) or _of_static(still, names, marker_set)
     kept = [_kept(root / file) for file in label.template if is_template(file)]
     if label.scale is not None and (other := _learnt(given, names)):
-        kept.append(other._replace(template=other.template.scaled(label.scale, relative_spread=OTHER_SUBJECT)))
+        kept.append(other._replace(template=other.template.of_another(label.scale)))
     if marker_set is not None and label.height_mm is not None and not given and not kept:
         kept.append(SessionTemplate(from_figure(marker_set, label.height_mm), (f"marker set {marker_set.name}",)))
     best = max(kept, key=lambda one: len(one.template), default=None)

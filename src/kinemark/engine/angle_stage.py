@@ -11,6 +11,7 @@ from ..data import Finding, KinemarkError, Trial, make_finding
 from ..io.files import replacing
 from ..kinematics import static_template
 from .identities import identity_of_entry
+from .keys import file_key
 from .naming import Earlier
 from .naming.label_stage import static_of
 from .sources import Recording
@@ -21,6 +22,12 @@ ANGLE_FILES = (f"{FOLDER}/angles.json",)
 """What the stage leaves for the next; the page, CSV and C3D lie beside it."""
 REASON = "not_computed"
 """Key of the reason, where a trial has no angles."""
+
+
+def model_key(of: Recording) -> str:
+    """Of the model's file, where the session has one of its own."""
+    table = of.settings.angles
+    return "" if table is None else file_key(of.root / table.model)
 
 
 def compute_angles(

@@ -40,7 +40,7 @@ from ..report.filling_page import write_filling_page
 from ..report.page import write_report
 from ..report.trial_quality import quality
 from ..track import matches_itself
-from .angle_stage import ANGLE_FILES, compute_angles, found_by_angles, load_angles
+from .angle_stage import ANGLE_FILES, compute_angles, found_by_angles, load_angles, model_key
 from .calibration.calibrated import Calibrated
 from .graph import Graph, Records, Stage
 from .identities import identity_of_entry, stated_identity, with_identity

@@ -87,7 +87,7 @@ def trial_graph(
         needs = (*needs, "fill")
     if s.angles is not None:
         stages.append(
-            Stage("angles", needs, ANGLE_FILES, _angles, _done, load_angles, given=(s.angles,), in_place=True)
+            Stage("angles", needs, ANGLE_FILES, _angles, _done, load_angles, given=(s.angles, model_key(source.of)), in_place=True)
         )
         needs = (*needs, "angles")
     made = [(step.input, step.method) for step in calibrated.steps]

@@ -1,4 +1,4 @@
-"""Which markers a subject wears: names with their meaning, segments, joints, links, sides, and a figure of their places."""
+"""Which markers a subject wears: names and their meaning, segments, joints, links, sides, places in a figure."""
 
 from __future__ import annotations
 

@@ -125,7 +125,7 @@ def fill_files(
         raise KinemarkError(f"{output} is one file, and there are {len(sources)} trials. Name a folder.")
     done: dict[Path, FilledFile | KinemarkError] = {}
     for number, source in enumerate(sources, 1):
-        target = output / _own_name(source) if into else output
+        target = output / own_name(source) if into else output
         try:
             with listening(Watch(progress).of(f"{source.name} ({number} of {len(sources)})" if many else source.name)):
                 page = target.with_suffix(".html") if report else None
@@ -137,7 +137,7 @@ def fill_files(
     return done
 
 
-def _own_name(source: Path) -> str:
+def own_name(source: Path) -> str:
     """What the result of a file is called in a folder."""
     return source.name if source.suffix.lower() in endings("trajectories") else f"{source.stem}.c3d"
 

@@ -1,4 +1,4 @@
-"""Naming the markers of a file of trajectories by labelled trials of the subject, and checking names that are there."""
+"""Naming the markers of files of trajectories by what is known of the subject."""
 
 from __future__ import annotations
 
@@ -12,14 +12,16 @@ import numpy as np
 from ..data import KinemarkError, Trajectories
 from ..io.formats import endings
 from ..io.notes import FileNote, read_notes
+from ..io.track_names import TrackName
 from ..io.trial import read_trial, write_trial
-from ..label import Exchanged, Labels, Template, find_exchanges, label, learn_template, named
+from ..label import Labels, label, named
+from ..label.from_set import by_figure_alone
+from ..label.stated import with_stated
+from ..label.subject_template import SubjectTemplate
 from ..report.words import advice_of, text_of
-
-STATIC_SPREAD = 0.14
-"""Share of each distance that a static trial does not show; chosen, see docs/theory/label.md."""
-OTHER_SUBJECT = 0.06
-"""Share of each distance by which another subject differs, scaled by height; chosen, see docs/theory/label.md."""
+from .fill_files import own_name
+from .stated_tracks import stated_tracks
+from .subject_templates import Known, subject_template
 
 
 class LabelledFile(NamedTuple):
@@ -37,33 +39,32 @@ class LabelledFile(NamedTuple):
     notes: tuple[FileNote, ...]
 
 
-def template_of(
-    files: Sequence[Path], *, markers: Sequence[str] = (), static: bool = False, scale: float | None = None
-) -> Template:
-    """The template of labelled trials.
+def template_of(files: Sequence[Path], known: Known = Known(), *, scale: float | None = None) -> SubjectTemplate:  # noqa: B008  immutable
+    """The template of labelled trials, or of what else is known.
 
     Args:
-        files: of one subject. markers: names to learn; all that do not begin with "*" where there are none. Name them
-            where the files also have computed points, such as segments' axes.
-        static: they show no motion. scale: of another subject; times as tall is
-            the one who is to be labelled.
+        files: labelled trials, and templates that were kept. known: what is known beside them.
+        scale: the files are of another subject; times as tall is the one who is to be labelled.
 
     Raises:
-        KinemarkError: there are none, one cannot be read, or they have too few names.
+        KinemarkError: there is nothing, a file cannot be read, or has too few names.
     """
-    if not files:
-        raise KinemarkError("There is no template. Give one or more labelled trials of the subject: --template TRIAL.")
     if scale is not None and not 0.2 < scale < 5:
         raise KinemarkError(
             f"The scale is {scale:g}. Wanted is the height of this subject over that of the template's."
         )
-    trials = [read_trial(file).trajectories for file in files]
-    template = learn_template(*trials, names=tuple(markers) or None, relative_spread=STATIC_SPREAD if static else 0.0)
-    return template if scale is None else template.scaled(scale, relative_spread=OTHER_SUBJECT)
+    found = subject_template(files, known)
+    return found if scale is None else replace(found, template=found.template.of_another(scale))
 
 
 def label_file(
-    source: Path, target: Path, template: Template, *, method: Any = None, unsure: bool = False
+    source: Path,
+    target: Path,
+    template: SubjectTemplate,
+    *,
+    method: Any = None,
+    unsure: bool = False,
+    stated: Sequence[TrackName] = (),
 ) -> LabelledFile:
     """Name the markers of a trial and write it; channels, events and parameters stay as they were.
 
@@ -71,25 +72,57 @@ def label_file(
         source: any file of trajectories; names that it has are not looked at.
         target: the file to write; an existing one is not replaced.
         template: of the subject. method: of `label.LABEL`. unsure: also take names that are not sure.
+        stated: names that a person states of its tracks; they are facts.
 
     Raises:
         KinemarkError: a file is absent, damaged or holds no trajectories, the target exists or has an unknown ending,
-            or the template does not fit; nothing is written then.
+            a statement is of no track, or the template does not fit; nothing is written then.
     """
     if target.exists():
         raise KinemarkError(f"{target} exists, and nothing is overwritten. Name another file or remove it.")
     if target.suffix.lower() not in endings("trajectories"):
         raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
     trial = read_trial(source)
-    labels = label(trial.trajectories, template, method=method)
+    tracks, facts = stated_tracks(trial.trajectories, stated)
+    labels = label(tracks, template.template, method=method)
     if labels.refused:
         raise KinemarkError(f"{source} is not labelled. {text_of(labels.refused)} {advice_of(labels.refused)}")
-    done = named(trial.trajectories, labels, unsure=unsure)
+    labels = with_stated(by_figure_alone(labels) if template.figure_alone else labels, tracks, facts)
+    done = named(tracks, labels, unsure=unsure)
     notes = (*read_notes(trial.notes), *write_trial(replace(trial, trajectories=done), target))
-    return LabelledFile(done, labels, _figures(trial.trajectories, labels, template), target, notes)
+    return LabelledFile(done, labels, _figures(tracks, labels, template), target, notes)
 
 
-def _figures(tracks: Trajectories, labels: Labels, template: Template) -> dict[str, Any]:
+def label_files(
+    sources: Sequence[Path], output: Path, template: SubjectTemplate, **options: Any
+) -> dict[Path, LabelledFile | KinemarkError]:
+    """Label one trial into a file or folder, or many into a folder under their own names.
+
+    Of many, one that cannot be labelled keeps nobody from the others: its error stands in its place.
+
+    Args:
+        sources: files as `label_file` takes them.
+        output: a file, or a folder, which is made where it is not there.
+        template: of the subject. options: the others of `label_file`.
+
+    Raises:
+        KinemarkError: there are many files for one, or the only one cannot be labelled.
+    """
+    many, into = len(sources) > 1, output.is_dir() or not output.suffix
+    if many and not into:
+        raise KinemarkError(f"{output} is one file, and there are {len(sources)} trials. Name a folder.")
+    done: dict[Path, LabelledFile | KinemarkError] = {}
+    for source in sources:
+        try:
+            done[source] = label_file(source, output / own_name(source) if into else output, template, **options)
+        except KinemarkError as error:
+            if not many:
+                raise
+            done[source] = error
+    return done
+
+
+def _figures(tracks: Trajectories, labels: Labels, template: SubjectTemplate) -> dict[str, Any]:
     """For a machine."""
     n = np.isfinite(tracks.xyz[..., 0]).sum(1)
     each = [
@@ -109,7 +142,8 @@ def _figures(tracks: Trajectories, labels: Labels, template: Template) -> dict[s
     return {
         "fit": round(labels.fit, 3),
         "placed_share": round(labels.placed, 4),
-        "missing": [name for name in template.names if name not in sure],
+        "figure_alone": template.figure_alone,
+        "missing": [name for name in template.template.names if name not in sure],
         "tracks": each,
     }
 
@@ -123,6 +157,11 @@ def label_text(found: LabelledFile) -> str:
         f"sure:     {len(of['sure'])} of {len(each)} tracks, {len(names)} markers; the trial scores "
         f"{found.labels.fit:.2f} of what the template scores on its own data",
         *(
+            ["          by the marker set's figure alone, so that no name is sure"]
+            if found.figures["figure_alone"]
+            else []
+        ),
+        *(
             f"unsure:   {one['track']} ({one['samples']} samples): {one['name']}, {100 * one['probability']:.0f} %, "
             f"or {one['runner_up'] or 'no marker'}"
             for one in of["unsure"]
@@ -132,23 +171,3 @@ def label_text(found: LabelledFile) -> str:
     if found.figures["missing"]:
         lines.append(f"missing:  {', '.join(found.figures['missing'])}")
     return "\n".join([*lines, f"results:  {found.written}"])
-
-
-def check_file(source: Path, template: Template) -> tuple[Exchanged, ...]:
-    """Where names of a labelled file are exchanged.
-
-    Raises:
-        KinemarkError: the file cannot be read, or has too few of the template's names.
-    """
-    return find_exchanges(read_trial(source).trajectories, template)
-
-
-def check_text(source: Path, found: Sequence[Exchanged]) -> str:
-    """A line for each; frames from 1."""
-    if not found:
-        return f"{source}: no exchanged names"
-    return "\n".join(
-        f"{source}: {one.markers[0]} and {one.markers[1]} are exchanged in frames {one.first + 1}–{one.stop}: "
-        f"the other way round fits better by {one.gain:.0f} nats a frame"
-        for one in found
-    )

@@ -106,7 +106,9 @@ def _marker_set(table: Mapping[str, Any]) -> MarkerSet:
         spread,
         tuple(_two("a pair", pair) for pair in _list("pairs", table.get("pairs", []))),
         **{key: _text(key, table.get(key, "")) for key in ("name", "description", "source")},
-        meaning={name: _text(f"meaning of {name}", row["meaning"]) for name, row in markers.items() if "meaning" in row},
+        meaning={
+            name: _text(f"meaning of {name}", row["meaning"]) for name, row in markers.items() if "meaning" in row
+        },
         rigidity={
             name: _number(f"spread of {name}", row["spread"]) for name, row in segments.items() if "spread" in row
         },
@@ -226,7 +228,7 @@ def marker_set_toml(of: MarkerSet) -> str:
         if table:
             document[key] = tomlkit.table()
             for name, row in table.items():
-                document[key].append(name, _inline(row))  # type: ignore[union-attr]
+                document[key].append(name, _inline(row))
     return tomlkit.dumps(document)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..data import KinemarkError, MarkerSet, MarkerTrajectory, Trajectories
 from ..data.array_types import Floats, Ints
+from .labels import Labels, State
 from .template import LEAST_VOLUME, Template, learn_template, triple_products, widest
 
 STATIC_SPREAD = 0.18
@@ -23,7 +24,10 @@ STATIC_SPREAD = 0.18
 SEGMENT_SPREAD = 0.03
 """Share of the distances within a segment whose set does not say how rigid it is; chosen, as skin moves in gait."""
 LEAST_ACROSS = 0.3
-"""Least triple product over its edges, as `LEAST_VOLUME`, of quadruples across a joint: 17° out of one plane; chosen."""
+"""Least triple product over its edges, as `LEAST_VOLUME`, of quadruples across a joint: 17° out of plane; chosen."""
+MOST_BY_FIGURE = 0.8
+"""Greatest probability of a name that rests on the figure alone; measured on ten walks of nine subjects of five
+laboratories, whole and in pieces: 83 % of such names are right, and where they are wrong, often all are."""
 FIGURE_SPREAD = 0.028
 """Share of the height by which distances differ from those of the figure; measured: 0.02 on an axis, see above."""
 
@@ -45,13 +49,18 @@ def from_static(trial: Trajectories, marker_set: MarkerSet) -> Template:
     if len(names) < 4:
         near = ", ".join(trial.names[:8])
         raise KinemarkError(
-            f"{len(names)} of the {len(marker_set.moving)} markers of {marker_set.name or 'the marker set'} are in the "
-            f"static trial, which has {near}{' …' if len(trial.names) > 8 else ''}. Wanted are four or more, spelt alike."
+            f"{len(names)} of the {len(marker_set.moving)} markers of {marker_set.name or 'the marker set'} are in "
+            f"the static trial, which has {near}{' …' if len(trial.names) > 8 else ''}. Wanted are four or more, spelt alike."
         )
     segments = segments_of(marker_set, names)
     template = learn_template(trial, names=names, relative_spread=STATIC_SPREAD, segments=segments)
     handed, sign = _quadruples(trial, template.names, marker_set)
-    return replace(template, handed=handed, sign=sign, spread=np.hypot(template.spread, _rigidity(template, marker_set) * template.distance))
+    return replace(
+        template,
+        handed=handed,
+        sign=sign,
+        spread=np.hypot(template.spread, _rigidity(template, marker_set) * template.distance),
+    )
 
 
 def segments_of(marker_set: MarkerSet, names: list[str]) -> dict[str, tuple[str, ...]]:
@@ -115,3 +124,9 @@ def _figure(places: Mapping[str, tuple[float, float, float]], height_mm: float) 
     """One who stands as the figure, in one frame."""
     paths = (MarkerTrajectory.measured(n, height_mm * np.array([place])) for n, place in places.items())
     return Trajectories(tuple(paths), 1.0)
+
+
+def by_figure_alone(labels: Labels) -> Labels:
+    """Names that the figure alone gave: none of them is sure, as a body much unlike it is named wrongly as a whole."""
+    state: tuple[State, ...] = tuple("unsure" if name is not None else "unknown" for name in labels.names)
+    return replace(labels, probability=np.minimum(labels.probability, MOST_BY_FIGURE), state=state)

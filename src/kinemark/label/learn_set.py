@@ -6,9 +6,9 @@ camera noise alone move them against each other, so that S stays below
     r_ab = √( (0.012 D)² + (0.004 R)² )                                                                           (1)
 
 with R the greatest mean distance; a third of it where D is more than 0.45 R, as no segment of a body is that long and
-only what is rigid, as a tool, may be. Segments are the groups that complete linkage by S / r leaves where no pair of a group
-exceeds 1; a marker that keeps its distance to all of another group as well, as one on the axis of a hinge does, belongs
-to both. What never moves against each other in the trial cannot be told apart: the more it shows, the better.
+only what is rigid, as a tool, may be. Segments are the groups that complete linkage by S / r leaves where no pair of a
+group exceeds 1; a marker that keeps its distance to all of another group as well, as one on the axis of a hinge does,
+belongs to both. What never moves against each other in the trial cannot be told apart: the more it shows, the better.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def learn_marker_set(trial: Trajectories, *, names: Sequence[str] | None = None,
         name=name,
         rigidity={s: _share(distances, g) for s, g in zip(segments, groups, strict=True)},
         joints=_joints(segments, groups, loose, distances),
-        **_figure(there, xyz, pairs),
+        places=_places(there, xyz, pairs),
     )
 
 
@@ -133,7 +133,9 @@ def _groups(loose: Floats) -> list[list[int]]:
     own = scipy.cluster.hierarchy.fcluster(tree, 1.0, "distance")
     groups = [np.flatnonzero(own == k).tolist() for k in dict.fromkeys(own.tolist())]
     wider = [[i for i in range(len(far)) if i in group or (far[i, group] <= ALSO).all()] for group in groups]
-    kept = [g for k, g in enumerate(wider) if len(g) > 1 and not any(_within(g, k, wider, j) for j in range(len(wider)))]
+    kept = [
+        g for k, g in enumerate(wider) if len(g) > 1 and not any(_within(g, k, wider, j) for j in range(len(wider)))
+    ]
     return sorted(kept)
 
 
@@ -190,7 +192,7 @@ def _joints(
     return {f"{names[i]} – {names[j]}": (names[i], names[j]) for i, j in pairs}
 
 
-def _figure(names: tuple[str, ...], xyz: Floats, pairs: Sequence[tuple[str, str]]) -> dict[str, dict[str, object]]:
+def _places(names: tuple[str, ...], xyz: Floats, pairs: Sequence[tuple[str, str]]) -> dict[str, Place]:
     """Places of the markers in the tallest pose that shows most of them; none without a left and a right."""
     if not pairs:
         return {}
@@ -215,4 +217,4 @@ def _figure(names: tuple[str, ...], xyz: Floats, pairs: Sequence[tuple[str, str]
         for name, p, ok in zip(names, shares, there, strict=True)
         if ok
     }
-    return {"places": dict(places)}
+    return places

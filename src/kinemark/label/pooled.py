@@ -7,7 +7,7 @@ Of two parts with n₁, n₂ frames, means D₁, D₂ and standard deviations S�
 and what only another subject or a static trial told of the first part is doubted as far as that part counts: √(n₁ / n).
 
 Subjects i of one height differ in their D_i by the standard deviation s, of which the k that there are tell, and which
-is s₀, (3) of `template`, between subjects in general. κ subjects more are taken to differ by s₀, lest few stand for all:
+is s₀ of (3) of `template` between subjects in general. κ more are taken to differ by s₀, lest few stand for all:
 
     s² = (κ s₀² + Σ (D_i − D)²) / (κ + k − 1),   doubt of a new subject √(1 + 1/k) s                              (2)
 """
@@ -16,19 +16,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import KinemarkError, Trajectories
+from ..data import KinemarkError, Trajectories, make_finding
 from ..data.array_types import Bools, Floats, Ints
+from ..data.finding import Finding
 from .template import Template, between_subjects
 
 SUBJECTS = 2.0
 """κ of (2); chosen."""
 RIGID = 0.05
 """Spread over distance up to which a pair tells whether a trial is of the same markers; chosen: on one segment."""
+T = TypeVar("T", bound=np.generic)
 OFF, OFF_SIZE = 3.0, 0.006
 """A rigid pair contradicts where its mean is off by so many spreads, and by this share of the size; chosen."""
 TURNED = 0.5
@@ -73,7 +75,7 @@ def _together(D1: Floats, S1: Floats, n1: Ints, D2: Floats, S2: Floats, n2: Ints
     return np.where(none, np.nan, D), np.where(none, np.nan, S)
 
 
-def _put(of: NDArray[np.generic], part: tuple[Ints, ...], values: NDArray[np.generic]) -> NDArray[np.generic]:
+def _put(of: NDArray[T], part: tuple[Ints, ...], values: NDArray[T]) -> NDArray[T]:
     """A copy with a part replaced."""
     new = of.copy()
     new[part] = values
@@ -86,6 +88,13 @@ class Contradiction(NamedTuple):
     markers: tuple[str, ...]
     pairs_share: float
     off_mm: float
+
+    @property
+    def finding(self) -> Finding:
+        """The same for a report."""
+        return make_finding(
+            "trial_contradicts_template", markers=self.markers, pairs_share=self.pairs_share, off_mm=self.off_mm
+        )
 
 
 def contradiction(own: Template, new: Template, trial: Trajectories) -> Contradiction | None:
@@ -184,9 +193,7 @@ def part_of(template: Template, names: Sequence[str]) -> Template:
     new[at] = np.arange(len(at))
     kept = (new[template.handed] >= 0).all(1) if len(template.handed) else np.zeros(0, bool)
     handed, sign = _sorted_quadruples(new[template.handed[kept]], template.sign[kept])
-    square = {
-        key: getattr(template, key)[part] for key in ("distance", "spread", "short_spread", "frames", "doubt")
-    }
+    square = {key: getattr(template, key)[part] for key in ("distance", "spread", "short_spread", "frames", "doubt")}
     return replace(template, names=tuple(names), handed=handed, sign=sign, **square)
 
 

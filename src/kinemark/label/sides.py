@@ -36,7 +36,10 @@ def sides_by_name(names: Sequence[str]) -> tuple[tuple[str, str], ...]:
 
     The rule that pairs most names comes first, so that LFLL has its partner by how the others are spelt.
     """
-    found = [[(name, other) for name in names if (other := swapped(name)) in names] for swapped in map(_swap, RULES)]
+    found = [
+        [(name, other) for name in names if (other := swapped(name)) is not None and other in names]
+        for swapped in map(_swap, RULES)
+    ]
     pairs: dict[str, str] = {}
     for rows in sorted(found, key=len, reverse=True):
         for left, right in rows:

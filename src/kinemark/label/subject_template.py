@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data import Trajectories, make_finding
+from ..data import Trajectories
 from ..data.arrays import set_columns
 from ..data.finding import Finding
 from .labels import Labels, named
@@ -54,6 +54,11 @@ class SubjectTemplate:
         if self.height_mm <= 0 or np.isinf(self.height_mm):
             raise ValueError(f"height_mm is {self.height_mm}, wanted a number above 0, or NaN where it is not known")
 
+    @property
+    def figure_alone(self) -> bool:
+        """Whether nothing of the subject is known but the marker set and the height."""
+        return bool(self.sources) and all(source.kind == "marker set" for source in self.sources)
+
     def grown(self, trial: Trajectories, labels: Labels, source: TemplateSource) -> Grown:
         """With what a labelled and accepted trial adds; only sure names count, each trial by its frames.
 
@@ -72,8 +77,7 @@ class SubjectTemplate:
         new = learn_template(whole, names=sure)
         found = contradiction(self.template, new, whole)
         if found is not None:
-            values = {"pairs_share": found.pairs_share, "off_mm": found.off_mm}
-            return Grown(self, (), make_finding("trial_contradicts_template", markers=found.markers, **values))
+            return Grown(self, (), found.finding)
         template = pooled(self.template, new, whole)
         return Grown(replace(self, template=template, sources=(*self.sources, source)), tuple(sure))
 

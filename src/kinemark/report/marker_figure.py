@@ -6,7 +6,7 @@ shares of the body's height times `SCALE`, y downwards.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import NamedTuple
 
@@ -78,9 +78,13 @@ def _view(of: MarkerSet, view: str, x0: float) -> str:
     lines = [(places[a], places[b]) for a, b in _links(of) if a in places and b in places]
     left, right = ("right", "left") if view == "front" else ("left", "right")
     half = WIDTH / 2 - 8
-    sides = "" if not of.pairs else (
-        f'<text x="{-half:g}" y="46" fill="{SIDE[left]}">{left}</text>'
-        f'<text x="{half:g}" y="46" text-anchor="end" fill="{SIDE[right]}">{right}</text>'
+    sides = (
+        ""
+        if not of.pairs
+        else (
+            f'<text x="{-half:g}" y="46" fill="{SIDE[left]}">{left}</text>'
+            f'<text x="{half:g}" y="46" text-anchor="end" fill="{SIDE[right]}">{right}</text>'
+        )
     )
     return "\n".join(
         [
@@ -166,9 +170,7 @@ def _dot(of: MarkerSet, spot: Spot) -> str:
 
 
 def _line(x1: float, y1: float, x2: float, y2: float, colour: str, width: float) -> str:
-    return (
-        f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{colour}" stroke-width="{width:g}"/>'
-    )
+    return f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{colour}" stroke-width="{width:g}"/>'
 
 
 def _legend(of: MarkerSet, y: float) -> str:
@@ -193,7 +195,7 @@ def _body() -> str:
             f'<g fill="{GRID}" stroke="{GRID}" stroke-linecap="round" stroke-linejoin="round">',
             *limbs,
             f'<polygon points="{_points(outline)}" stroke-width="{0.03 * SCALE:.0f}"/>',
-            f'<ellipse cx="0" cy="{TOP + SCALE * (1 - middle):.1f}" rx="{across * SCALE:.1f}" ry="{along * SCALE:.1f}"/>',
+            f'<ellipse cy="{TOP + SCALE * (1 - middle):.1f}" rx="{across * SCALE:.1f}" ry="{along * SCALE:.1f}"/>',
             "</g>",
         ]
     )
@@ -226,6 +228,6 @@ def _share(rigidity: Mapping[str, float], name: str) -> str:
     return f"{100 * rigidity[name]:.1f} %" if name in rigidity else ""
 
 
-def _html_table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def _html_table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     lines = [f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows]
     return f"<h2>{head[0]}s</h2><table><tr>{''.join(f'<th>{h}</th>' for h in head)}</tr>{''.join(lines)}</table>"

@@ -1,49 +1,102 @@
-"""`kinemark label`: names for the markers of a file."""
+"""`kinemark label`: names for the markers of files, and checks of names that they have."""
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ...engine.label_files import check_file, check_text, label_file, label_text, template_of
-from ..output import Json, print_result
+from ...engine.check_files import CheckedNames, check_figures, check_files, check_text
+from ...engine.label_files import LabelledFile, label_files, label_text, template_of
+from ...engine.subject_templates import Known
+from ...io.marker_sets import read_marker_set
+from ...io.track_names import read_track_names
+from ..output import BAD_VERDICT, Json, print_errors, print_result
 
 
 def label(
     source: Path,
-    *,
-    template: Annotated[list[Path], Parameter(name=("--template", "-t"), consume_multiple=True, negative="")],
+    *sources: Path,
+    template: Annotated[
+        list[Path] | None, Parameter(name=("--template", "-t"), consume_multiple=True, negative="")
+    ] = None,
     output: Annotated[Path | None, Parameter(name=("--output", "-o"))] = None,
+    marker_set: str | None = None,
     markers: str = "",
     static: bool = False,
     scale: float | None = None,
+    height_mm: float | None = None,
+    heights_mm: Annotated[
+        list[float] | None, Parameter(name="--heights-mm", consume_multiple=True, negative="")
+    ] = None,
+    names: Path | None = None,
     unsure: bool = False,
     check: bool = False,
     json: Json = False,
 ) -> None:
-    """Name the markers of a trial by labelled trials of the subject; what is not sure stays unnamed.
+    """Name the markers of trials by what is known of the subject; what is not sure stays unnamed.
 
     Args:
         source: a file of trajectories, with or without names: C3D, TDF, TRC, CSV, HDF5 or TDC.
-        template: one or more labelled trials of the subject.
-        output: the file to write; an existing file is not replaced.
-        markers: names that the template learns, as LASI,RASI,SACR; all where none is given. Name them where the files
-            of the template also hold computed points, such as segments' axes.
-        static: the template's trials show no motion.
+        sources: and others, which go into a folder under their names.
+        template: labelled trials of the subject, or a template that was kept (NAME.template.h5), or both. Without it a
+            marker set and a height give names that are never sure.
+        output: the file to write, or a folder; an existing file is not replaced.
+        marker_set: what the subject wears: one of `kinemark marker-set list`, or a TOML file.
+        markers: names that the template learns, as LASI,RASI,SACR; those of the marker set, or all, where none is
+            given. Name them where the files of the template also hold computed points, such as segments' axes.
+        static: the template's trials show no motion; with a marker set, its segments say which distances stay.
         scale: the template is of another subject; height of this one over that of the other.
+        height_mm: of the subject, mm.
+        heights_mm: the templates are of other subjects; height of each, mm.
+        names: a TOML or CSV file of names that are stated of tracks; they are facts.
         unsure: also take names that are not sure.
-        check: write nothing; list where names that the file has are exchanged.
-        json: print name, probability and runner-up of each track for a machine.
+        check: write nothing; list exchanged markers, swapped sides and stretches with a wrong name in files that have
+            names; status 3 where there are any.
+        json: print name, probability and runner-up of each track, or what the check found, for a machine.
     """
-    learnt = template_of(template, markers=tuple(filter(None, markers.split(","))), static=static, scale=scale)
+    worn = read_marker_set(marker_set) if marker_set else None
+    known = Known(
+        worn, tuple(filter(None, markers.split(","))), static, height_mm=height_mm, heights_mm=tuple(heights_mm or ())
+    )
+    learnt = template_of(template or [], known, scale=scale)
+    every = (source, *sources)
     if check:
-        found = check_file(source, learnt)
-        print_result([one._asdict() for one in found] if json else check_text(source, found))
+        _print_checks(check_files(every, learnt), json)
         return
     if output is None:
         raise KinemarkError("There is no output. Name the file to write with -o, or --check to write none.")
-    done = label_file(source, output, learnt, unsure=unsure)
-    print_result(done.figures if json else label_text(done))
+    stated = read_track_names(names) if names is not None else ()
+    if stated and sources:
+        raise KinemarkError(
+            "Names are stated of one file's tracks, and there are several files. Label them one by one."
+        )
+    done = label_files(every, output, learnt, unsure=unsure, stated=stated)
+    found = {str(path): one for path, one in done.items() if isinstance(one, LabelledFile)}
+    if json:
+        figures = {path: one.figures for path, one in found.items()}
+        print_result(figures if sources else figures[str(source)])
+    else:
+        print_result("\n\n".join(label_text(one) for one in found.values()))
+    _exit_by_errors({str(path): one for path, one in done.items() if isinstance(one, KinemarkError)})
+
+
+def _print_checks(done: dict[Path, CheckedNames | KinemarkError], json: bool) -> None:
+    """What was found; status 1 where a file could not be checked, 3 where names are wrong."""
+    found = {path: one for path, one in done.items() if isinstance(one, CheckedNames)}
+    if json:
+        print_result({str(path): check_figures(one) for path, one in found.items()})
+    else:
+        print_result("\n".join(check_text(path, one) for path, one in found.items()))
+    _exit_by_errors({str(path): one for path, one in done.items() if isinstance(one, KinemarkError)})
+    if not all(one.good for one in found.values()):
+        sys.exit(BAD_VERDICT)
+
+
+def _exit_by_errors(failed: dict[str, KinemarkError]) -> None:
+    print_errors(failed)
+    if failed:
+        sys.exit(1)

@@ -1,2 +1,85 @@
-"""x"""
-def template(): pass
+"""Templates of subjects: learnt from what there is, shown, and grown with further trials."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+
+from ...data import KinemarkError
+from ...engine.subject_templates import Known, subject_template, template_figures, template_text, with_trial
+from ...engine.template_files import load_template, save_template
+from ...io.marker_sets import read_marker_set
+from ..output import Json, print_result
+
+template = App(name="template", help=__doc__)
+Heights = Annotated[
+    list[float] | None,
+    Parameter(name="--heights-mm", consume_multiple=True, negative="", help="Of the others whose files are given."),
+]
+
+
+@template.command
+def learn(
+    *files: Path,
+    output: Annotated[Path, Parameter(name=("--output", "-o"))],
+    marker_set: str | None = None,
+    markers: str = "",
+    static: bool = False,
+    subject: str = "",
+    height_mm: float | None = None,
+    heights_mm: Heights = None,
+    json: Json = False,
+) -> None:
+    """Learn a subject's template and keep it in a file.
+
+    Args:
+        files: labelled trials of the subject; with --heights-mm, labelled trials or templates of other subjects; none
+            where nothing but the marker set and the height is known.
+        output: the file to write, NAME.template.h5; an existing file is not replaced.
+        marker_set: what the subject wears: one of `kinemark marker-set list`, or a TOML file.
+        markers: names to learn, as LASI,RASI,SACR; those of the marker set, or all, where none is given.
+        static: the trials show no motion.
+        subject: name of the subject.
+        height_mm: of the subject, mm.
+        heights_mm: of the other subjects, mm, one for each file.
+        json: print what it holds for a machine.
+    """
+    if output.exists():
+        raise KinemarkError(f"{output} exists, and nothing is overwritten. Name another file or remove it.")
+    worn = read_marker_set(marker_set) if marker_set else None
+    names = tuple(filter(None, markers.split(",")))
+    known = Known(worn, names, static, subject, height_mm, tuple(heights_mm or ()))
+    found = subject_template(files, known)
+    save_template(output, found)
+    print_result(template_figures(found) if json else template_text(found))
+
+
+@template.command
+def show(file: Path, *, json: Json = False) -> None:
+    """Show what a template holds: markers, subject, and the trials that it was learnt from.
+
+    Args:
+        file: NAME.template.h5.
+        json: print it for a machine.
+    """
+    found = load_template(file)
+    print_result(template_figures(found) if json else template_text(found))
+
+
+@template.command
+def grow(file: Path, trial: Path, *trials: Path, json: Json = False) -> None:
+    """Add labelled trials of the subject to a template; one that contradicts it is refused, and nothing is written.
+
+    Args:
+        file: NAME.template.h5, which is replaced.
+        trial: labelled, and looked through.
+        trials: and others.
+        json: print what it holds for a machine.
+    """
+    found = load_template(file)
+    for one in (trial, *trials):
+        found = with_trial(found, one)
+    save_template(file, found)
+    print_result(template_figures(found) if json else template_text(found))

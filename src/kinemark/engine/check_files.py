@@ -1,0 +1,162 @@
+"""Names of labelled files checked: exchanged markers, swapped sides, stretches that are called what they are not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..data import KinemarkError
+from ..data.array_types import Ints
+from ..io.marker_sets import marker_sets, read_marker_set
+from ..io.trial import read_trial
+from ..label import Exchanged, find_exchanges
+from ..label.check_sides import SideSwap, find_side_swaps
+from ..label.check_stretches import Mislabelled, find_mislabelled
+from ..label.sides import sides_by_name
+from ..label.subject_template import SubjectTemplate
+from .subject_templates import without_prefix
+
+
+class CheckedNames(NamedTuple):
+    """What is wrong with the names of a labelled file.
+
+    Attributes:
+        exchanged: two markers that carry each other's name. swapped: limbs whose left and right are.
+        mislabelled: stretches of another marker, or of none.
+        first_frame: number of the file's first frame.
+    """
+
+    exchanged: tuple[Exchanged, ...]
+    swapped: tuple[SideSwap, ...]
+    mislabelled: tuple[Mislabelled, ...]
+    first_frame: int = 1
+
+    @property
+    def good(self) -> bool:
+        """Whether nothing was found."""
+        return not (self.exchanged or self.swapped or self.mislabelled)
+
+
+def check_file(source: Path, template: SubjectTemplate) -> CheckedNames:
+    """Where names of a labelled file are wrong.
+
+    Raises:
+        KinemarkError: the file cannot be read, or has too few of the template's names.
+    """
+    own = template.template
+    trial = without_prefix(read_trial(source).trajectories, own.names)
+    known = template.marker_set if template.marker_set in marker_sets() else None
+    pairs = read_marker_set(known).pairs if known else sides_by_name(own.names)
+    swapped = find_side_swaps(trial, own, pairs)
+    exchanged = tuple(one for one in find_exchanges(trial, own) if not _of_swap(one, swapped))
+    besides = _frames([*exchanged, *swapped])
+    return CheckedNames(exchanged, swapped, find_mislabelled(trial, own, besides=besides), trial.first_frame)
+
+
+def check_files(sources: Sequence[Path], template: SubjectTemplate) -> dict[Path, CheckedNames | KinemarkError]:
+    """Each of many; an error stands in the place of one that cannot be checked.
+
+    Raises:
+        KinemarkError: the only one cannot be checked.
+    """
+    done: dict[Path, CheckedNames | KinemarkError] = {}
+    for source in sources:
+        try:
+            done[source] = check_file(source, template)
+        except KinemarkError as error:
+            if len(sources) == 1:
+                raise
+            done[source] = error
+    return done
+
+
+def _of_swap(one: Exchanged, swapped: Sequence[SideSwap]) -> bool:
+    """Whether an exchange is part of a swap of sides at the same time."""
+    names = {
+        frozenset(pair) for swap in swapped if swap.first < one.stop and one.first < swap.stop for pair in swap.pairs
+    }
+    return any(set(one.markers) & pair for pair in names)
+
+
+def _frames(found: Sequence[Exchanged | SideSwap]) -> dict[str, Ints]:
+    """Of each marker, the frames in which its name is known to be exchanged."""
+    out: dict[str, Ints] = {}
+    for one in found:
+        names = one.markers if isinstance(one, Exchanged) else [name for pair in one.pairs for name in pair]
+        for name in names:
+            out[name] = np.union1d(out.get(name, np.zeros(0, np.int64)), np.arange(one.first, one.stop))
+    return out
+
+
+def check_figures(found: CheckedNames) -> dict[str, Any]:
+    """For a machine: frames count as the file does, both included."""
+    return {
+        "good": found.good,
+        "exchanged": [
+            {"markers": list(one.markers), "frames": _span(one, found), "nats_a_frame": round(one.gain, 1)}
+            for one in found.exchanged
+        ],
+        "sides_swapped": [
+            {
+                "pairs": [list(pair) for pair in one.pairs],
+                "frames": _span(one, found),
+                "nats_a_frame": round(one.gain, 1),
+                "off_mm": _number(one.off_mm),
+                "off_swapped_mm": _number(one.off_swapped_mm),
+            }
+            for one in found.swapped
+        ],
+        "mislabelled": [
+            {
+                "marker": one.marker,
+                "frames": _span(one, found),
+                "nats_a_frame": round(one.evidence, 1),
+                "expected_nats_a_frame": round(one.expected, 1),
+                "off_mm": _number(one.off_mm),
+                "instead": one.instead,
+            }
+            for one in found.mislabelled
+        ],
+    }
+
+
+def _span(one: Exchanged | SideSwap | Mislabelled, found: CheckedNames) -> list[int]:
+    return [one.first + found.first_frame, one.stop - 1 + found.first_frame]
+
+
+def _number(mm: float) -> float | None:
+    return round(mm, 1) if np.isfinite(mm) else None
+
+
+def check_text(source: Path, found: CheckedNames) -> str:
+    """A line for each."""
+    if found.good:
+        return f"{source}: no wrong names"
+    lines = []
+    for one in found.exchanged:
+        lines.append(
+            f"{' and '.join(one.markers)} are exchanged in frames {_frames_text(one, found)}: the other way round fits "
+            f"better by {one.gain:.0f} nats a frame"
+        )
+    for swap in found.swapped:
+        off = f", where their distances are off by {swap.off_swapped_mm:.0f} mm and not {swap.off_mm:.0f} mm"
+        lines.append(
+            f"left and right are swapped in frames {_frames_text(swap, found)} of "
+            f"{', '.join('/'.join(pair) for pair in swap.pairs)}: the other way round fits better by {swap.gain:.0f} "
+            f"nats a frame{off if np.isfinite(swap.off_mm) else ''}"
+        )
+    for wrong in found.mislabelled:
+        other = f"it fits {wrong.instead}" if wrong.instead else "it fits no name that is free"
+        lines.append(
+            f"{wrong.marker} is not {wrong.marker} in frames {_frames_text(wrong, found)}: its distances are off by "
+            f"{wrong.off_mm:.0f} mm, {wrong.evidence:.0f} nats a frame where {wrong.expected:.0f} are expected; {other}"
+        )
+    return "\n".join(f"{source}: {line}" for line in lines)
+
+
+def _frames_text(one: Exchanged | SideSwap | Mislabelled, found: CheckedNames) -> str:
+    first, last = _span(one, found)
+    return f"{first}–{last}"

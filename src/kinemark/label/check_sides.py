@@ -1,0 +1,144 @@
+"""Labelled trials checked for left and right: limbs whose sides are swapped, for a while or all through.
+
+A limb that is swapped keeps all distances within itself, so that no exchange of two markers shows it. Which markers
+make a limb follows from the pairs of left and right names: single linkage by their distance in the template gives
+groups from single pairs to the whole body. Each group is swapped as one and judged by all pairs that this touches, as any
+exchange ((1) of `exchange`); of groups that gain, the one that gains most is taken, and pairs are added to it and taken
+from it as long as that gains more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from ..data import Trajectories
+from .check import LEAST_NATS, WINDOW_S
+from .evidence import PairScore, Single
+from .exchange import Exchanger, Move
+from .stretches import stretches_of
+from .sweeps import places
+from .template import Template
+
+
+class SideSwap(NamedTuple):
+    """Left and right of some markers that fit better the other way round.
+
+    Attributes:
+        pairs: names of left and right.
+        first, stop: first and last-plus-one frame, from 0.
+        gain: nats a frame by which the other way round is better.
+        off_mm, off_swapped_mm: median by which the distances of these markers to all others are off, as the names are
+            and the other way round; NaN where the whole body is swapped, whose distances stay.
+    """
+
+    pairs: tuple[tuple[str, str], ...]
+    first: int
+    stop: int
+    gain: float
+    off_mm: float
+    off_swapped_mm: float
+
+
+def find_side_swaps(
+    trajectories: Trajectories, template: Template, pairs: Sequence[tuple[str, str]]
+) -> tuple[SideSwap, ...]:
+    """Stretches of a labelled trial in which left and right of two or more pairs are swapped, in the order of time.
+
+    Args:
+        trajectories: labelled. template: of the subject.
+        pairs: left and right names, as `MarkerSet.pairs` or `sides_by_name` have them.
+    """
+    there = {name for name in template.names if name in trajectories.names}
+    kept = [pair for pair in pairs if set(pair) <= there]
+    if len(kept) < 2:
+        return ()
+    known = trajectories.select([name for name in template.names if name in there])
+    stretches = stretches_of(known, template.size)
+    y = places(stretches, np.array([template.names.index(name) for name in known.names]), len(template))
+    exchanger = Exchanger.of(template, PairScore.of_template(template))
+    groups = _limbs(template, kept)
+    window = stretches.frame // max(1, round(WINDOW_S * trajectories.rate))
+    found = []
+    for part in np.unique(window):
+        rows = np.flatnonzero(window == part)
+        best = _best(y[rows], template, exchanger, groups)
+        if best is not None:
+            group, gain, off = best
+            found.append(
+                SideSwap(tuple(group), int(stretches.frame[rows[0]]), int(stretches.frame[rows[-1]]) + 1, gain, *off)
+            )
+    return _merged(found, round(2 * WINDOW_S * trajectories.rate))
+
+
+def _limbs(template: Template, pairs: Sequence[tuple[str, str]]) -> list[list[tuple[str, str]]]:
+    """Groups of two pairs or more that may be swapped together, from limbs to the whole body."""
+    left, right = (np.array([template.names.index(pair[k]) for pair in pairs]) for k in (0, 1))
+    D = np.where(np.isfinite(template.distance), template.distance, template.size)
+    near = np.minimum(D[np.ix_(left, left)], D[np.ix_(right, right)])
+    near = (near + near.T) / 2
+    np.fill_diagonal(near, 0.0)
+    tree = scipy.cluster.hierarchy.linkage(scipy.spatial.distance.squareform(near, checks=False), "single")
+    groups = [[k] for k in range(len(pairs))]
+    for a, b, *_ in tree.tolist():
+        groups.append(groups[int(a)] + groups[int(b)])
+    return [[pairs[k] for k in sorted(group)] for group in groups[len(pairs) :]]
+
+
+def _best(
+    y: Single, template: Template, exchanger: Exchanger, groups: list[list[tuple[str, str]]]
+) -> tuple[list[tuple[str, str]], float, tuple[float, float]] | None:
+    """The group whose swap gains most in these frames, if any gains enough."""
+    seen = np.asarray(np.isfinite(y[..., 0]).any(0))
+    moves = [_move(template, group) for group in groups]
+    usable = np.array([float(np.mean(seen[list(move[0])])) > 0.5 for move in moves])
+    gains = np.where(usable, exchanger.gains(y, moves), -np.inf)
+    best, gain = groups[int(gains.argmax())], float(gains.max())
+    if gain <= LEAST_NATS:
+        return None
+    while True:
+        turned = [[p for p in groups[-1] if (p in best) != (p == pair)] for pair in groups[-1]]
+        turned = [group for group in turned if len(group) > 1]
+        gains = exchanger.gains(y, [_move(template, group) for group in turned])
+        if not len(turned) or gains.max() <= gain + 1e-6:
+            return best, gain, _off(y, template, _move(template, best))
+        best = turned[int(gains.argmax())]
+        gain = float(gains.max())
+
+
+def _move(template: Template, group: list[tuple[str, str]]) -> Move:
+    """Left and right of all pairs of a group exchanged."""
+    left, right = (tuple(template.names.index(pair[k]) for pair in group) for k in (0, 1))
+    return (*left, *right), (*right, *left)
+
+
+def _off(y: Single, template: Template, move: Move) -> tuple[float, float]:
+    """Median by which distances between the moved and the other labels are off, mm, before and after."""
+    was, to = np.array(move[0]), np.array(move[1])
+    others = np.setdiff1d(np.arange(len(template)), was)
+    d = np.linalg.norm(y[:, was][:, :, None] - y[:, others][:, None], axis=-1)
+    if not np.isfinite(d).any():
+        return float("nan"), float("nan")
+    before = np.nanmedian(np.abs(d - template.distance[np.ix_(was, others)]))
+    after = np.nanmedian(np.abs(d - template.distance[np.ix_(to, others)]))
+    return round(float(before), 1), round(float(after), 1)
+
+
+def _merged(found: list[SideSwap], near: int) -> tuple[SideSwap, ...]:
+    """Neighbouring windows with the same pairs as one."""
+    out: list[SideSwap] = []
+    for one in found:
+        old = next(
+            (k for k, other in enumerate(out) if other.pairs == one.pairs and one.first - other.stop < near), None
+        )
+        if old is None:
+            out.append(one)
+            continue
+        before = out[old]
+        n, m = before.stop - before.first, one.stop - one.first
+        mean = [(n * x + m * z) / (n + m) for x, z in zip(before[3:], one[3:], strict=True)]
+        out[old] = SideSwap(one.pairs, before.first, one.stop, *mean)
+    return tuple(out)

@@ -15,9 +15,10 @@ from ...findings.labels import label_figures, label_findings
 from ...io.stated_names_csv import StatedName
 from ...label import Labelling, label, learn_template, named
 from ...label.pooled import contradiction
+from ...label.stated import with_stated
 from ...label.subject_template import FEWEST
 from .named_tracks import NamedTracks
-from .statements import facts_of, labels_of_facts, with_facts
+from .statements import facts_of, labels_of_facts
 from .templates import SessionTemplate
 
 ACCEPTED = 0.9
@@ -53,7 +54,7 @@ def name_tracks(
     facts = facts_of(points, stated)
     some = len(points) and np.isfinite(points.xyz).any()
     labels = label(points, by.template, method=how.method) if by and some else labels_of_facts(len(points))
-    labels = with_facts(labels, points, facts.of)
+    labels = with_stated(labels, points, facts.of)
     done = named(points, labels, unsure=how.unsure)
     joined = rows_of(done, len(tracks.cloud))
     ghosts = ghost_tracks(tracks, joined, sum(not name.startswith("*") for name in done.names))

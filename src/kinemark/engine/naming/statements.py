@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,15 +17,15 @@ REACH_MM = 30.0
 
 
 class Facts(NamedTuple):
-    """The name of each track of which one was stated, empty for no marker; and the statements without a track."""
+    """The name of each track of which one was stated, None for no marker; and the statements without a track."""
 
-    of: dict[int, str]
+    of: dict[str, str | None]
     lost: tuple[StatedName, ...]
 
 
 def facts_of(tracks: Trajectories, stated: Sequence[StatedName]) -> Facts:
     """Which tracks the statements of this trial are about: the nearest in the frame."""
-    found: dict[int, str] = {}
+    found: dict[str, str | None] = {}
     lost = []
     xyz = tracks.xyz
     for one in stated:
@@ -35,24 +34,10 @@ def facts_of(tracks: Trajectories, stated: Sequence[StatedName]) -> Facts:
         away = np.linalg.norm(xyz[:, frame] - one.place, axis=1) if here else np.zeros(0)
         away = np.where(np.isfinite(away), away, np.inf)
         if away.min(initial=np.inf) <= REACH_MM:
-            found[int(away.argmin())] = one.name
+            found[tracks.names[int(away.argmin())]] = one.name or None
         else:
             lost.append(one)
     return Facts(found, tuple(lost))
-
-
-def with_facts(labels: Labels, tracks: Trajectories, facts: dict[int, str]) -> Labels:
-    """Labels with what was stated, of which nobody is surer; others of that name at the same time lose it."""
-    if not facts:
-        return labels
-    seen = np.isfinite(tracks.xyz[..., 0])
-    names, probability, state = list(labels.names), labels.probability.copy(), list(labels.state)
-    for track, name in facts.items():
-        for k in range(len(names)):
-            if k not in facts and names[k] == name and name and (seen[k] & seen[track]).any():
-                names[k], probability[k], state[k] = None, 0.0, "unknown"
-        names[track], probability[track], state[track] = name or None, float(bool(name)), "sure" if name else "unknown"
-    return replace(labels, names=tuple(names), probability=probability, state=tuple(state))
 
 
 def labels_of_facts(n_tracks: int) -> Labels:

@@ -1,6 +1,6 @@
 """From 2D points to names: tracks of simulated cameras, and of a real recording, named by another trial.
 
-    python benchmarks/labelling_from_cameras.py [part of a row's name …] [--seeds 1 2 3]
+    python benchmarks/labelling_from_cameras.py [part of a row's name …] [--seeds 1 2 3] [--scenes 0 2 4 …]
 
 Synthetic walkers with 15, 39 and 53 markers are tracked as `benchmarks/tracking.py` does it, from noisy points of which
 some run together, some come from nowhere and limbs hide many, and named by a template of another walk, of another
@@ -16,12 +16,14 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import numpy as np
 import scipy
@@ -35,6 +37,8 @@ from kinemark.io.tdf import read_tdf
 from kinemark.label import Labelling, learn_template
 from kinemark.synth import Subject, observe, ring, walking, with_markers
 from kinemark.track.simultaneous import Simultaneous, track_detections
+from support.scenes import make, scene
+from support.scenes.bodies import walker
 
 ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data"))
 NEAR = 10.0
@@ -46,6 +50,9 @@ SAME_MM = 120.0
 LEAP = 25.0
 """mm off its way that a marker of the reference never is from one sample to the next; chosen: markers accelerate by
 less than 20 mm in a gap of 0.04 s."""
+
+LATER_S = 1.37
+"""How much later the motion is that names a scene; chosen, no whole number of strides."""
 
 
 class Row(NamedTuple):
@@ -81,6 +88,28 @@ def walkers(seeds: list[int]) -> Iterator[Row]:
             ).detections
             template = SessionTemplate(learn_template(two.trajectories), ("another walk",))
             yield Row(f"walk {n}, {cameras} cameras, seed {seed}", tracked(seen, rig), template, one.xyz, one.names)
+
+
+def scenes(seeds: list[int]) -> Iterator[Row]:
+    """Scenes of the second generator, `tests/support/scenes`, named by the same person a little later.
+
+    Scenes in which the other motion does not allow the same places of markers are left out.
+    """
+    for seed in seeds:
+        one = scene(seed)
+        if one.motion == "swarm":
+            continue
+        t = np.arange(round(one.seconds * one.rate)) / one.rate + LATER_S
+        other = walker(one.motion, one.markers, t, np.random.default_rng([one.seed, 16]), one.treadmill).xyz
+        seen = make(one)
+        apart = [np.linalg.norm(xyz[:, None] - xyz[None], axis=-1).mean(-1) for xyz in (seen.xyz, other)]
+        if np.abs(apart[0] - apart[1]).max() > SAME_MM:
+            continue
+        names = tuple(f"m{k}" for k in range(one.markers))
+        paths = tuple(MarkerTrajectory.measured(name, xyz) for name, xyz in zip(names, other, strict=True))
+        template = SessionTemplate(learn_template(Trajectories(paths, one.rate)), ("later",))
+        name = f"scene {seed}, {one.motion}, {one.markers} markers, {one.cameras} cameras"
+        yield Row(name, tracked(seen.detections, seen.rig), template, seen.xyz, names)
 
 
 def one_person(n: int, rate: float, seed: int) -> tuple[Subject, Subject]:
@@ -231,10 +260,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*")
     parser.add_argument("--seeds", type=int, nargs="*", default=[1, 2, 3])
+    parser.add_argument("--scenes", type=int, nargs="*", default=[])
     asked = parser.parse_args()
     head = ("right", "wrong", "unnamed", "strangers", "swaps", "pieces a marker", "ghosts a frame")
     print(f"{'':40s}" + "".join(f"{one:>10s}" for one in head[:4]) + "".join(f"{one:>18s}" for one in head[4:]))
-    for rows in (walkers(asked.seeds), real()):
+    for rows in (walkers(asked.seeds), real(), scenes(asked.scenes)):
         for row in rows:
             if asked.names and not any(name in row.name for name in asked.names):
                 continue

@@ -86,9 +86,8 @@ def trial_graph(
         stages.append(Stage("fill", needs, ("fills.h5",), _fill, save, reader(Fills), s.fill))
         needs = (*needs, "fill")
     if s.angles is not None:
-        stages.append(
-            Stage("angles", needs, ANGLE_FILES, _angles, _done, load_angles, given=(s.angles, model_key(source.of)), in_place=True)
-        )
+        given = (s.angles, model_key(source.of))
+        stages.append(Stage("angles", needs, ANGLE_FILES, _angles, _done, load_angles, given=given, in_place=True))
         needs = (*needs, "angles")
     made = [(step.input, step.method) for step in calibrated.steps]
     stated = (s.name, asdict(stated_identity(s, source.of.entry)), s.match, s.reconstruct, made, calibrated.figures)

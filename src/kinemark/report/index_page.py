@@ -24,7 +24,7 @@ class Link(NamedTuple):
 
 
 class IndexRow(NamedTuple):
-    """A trial: its name, verdict (None where it was not processed yet), figures, files, and how many markers are named."""
+    """A trial: its name, verdict (None where it was not processed yet), figures, files, and how many are named."""
 
     name: str
     verdict: Mapping[str, Any] | None

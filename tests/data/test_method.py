@@ -374,6 +374,7 @@ def test_the_lists_tell_all_of_every_parameter():
             told = figures[declared.stage]["methods"][declared.name]["parameters"][p.name]
             assert (told["meaning"], told["wanted"]) == (p.meaning, p.wanted())
             assert f"| `{p.name}` |" in pages and p.meaning in pages and p.meaning.split(";")[0][:25] in text
-    for p in COMMON["fill"]:
-        assert figures["fill"]["parameters"][p.name]["meaning"] == p.meaning
+    for stage, common in COMMON.items():
+        for p in common:
+            assert figures[stage]["parameters"][p.name]["meaning"] == p.meaning
     json.dumps(figures, allow_nan=False)

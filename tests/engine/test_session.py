@@ -13,6 +13,7 @@ from kinemark.data import Detections, KinemarkError
 from kinemark.detect import detect, learn_masks
 from kinemark.engine.session import Session
 from kinemark.engine.settings import SETTABLE, read_settings
+from kinemark.engine.settings.method_tables import COMMON
 from kinemark.geometry import project_all, to_dlt
 from kinemark.io.c3d import read_c3d
 from kinemark.io.control_points import read_control_points
@@ -150,7 +151,7 @@ def test_a_run_that_was_cut_off_goes_on(folder, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("kinemark.engine.trial_graph.track_simultaneously", fail)
+        patch.setattr("kinemark.engine.tracking_stage.track_simultaneously", fail)
         with pytest.raises(KeyboardInterrupt):
             run(folder, "track")
     assert not list(folder.rglob("*.part*"))
@@ -233,7 +234,7 @@ def test_every_method_can_be_written_in_the_file(folder):
             needed = 'markers = ["A", "B"]\n' if stage == "digitise" else ""
             (folder / "session.toml").write_text(f'{given}{staged}[{stage}]\nmethod = "{name}"\n{needed}')
             found = getattr(read_settings(folder / "session.toml"), stage)
-            assert type(found.method if stage == "fill" else found) is declared.kind
+            assert type(found.method if stage in COMMON else found) is declared.kind
 
 
 def test_dlt_files_need_their_unit_and_then_give_the_same_points(folder):

@@ -10,6 +10,15 @@ LABELLING = (
          "it could place.", {"fit_share": "share", "placed_share": "share"}),
     Kind("sides_undecided", "label", "amber", "All names of the left and the right could change places: nothing in "
          "the template tells the one from the other, and none of them is sure."),
+    Kind("labels_without_template", "label", "amber", "The session is to name markers, and neither a template nor a "
+         "statement tells which is which in this trial."),
+    Kind("labels_unsure", "label", "amber", "Stretches of tracks whose name is not sure, so that they have none.",
+         {"stretches": "count"}),
+    Kind("markers_not_found", "label", "amber", "Markers of the template that no track is, not even probably."),
+    Kind("ghosts_removed", "label", "info", "Tracks that were taken for no markers, as most of their images are those "
+         "of named ones.", {"tracks": "count"}),
+    Kind("stated_names_lost", "label", "amber", "Names that were stated of places where no track is.",
+         {"statements": "count"}),
     Kind("trial_contradicts_template", "label", "amber", "Markers of a labelled trial sit elsewhere than its subject's "
          "template says, so that the template does not learn from it: the share of the distances within segments that "
          "are off, and the most.", {"pairs_share": "share", "off_mm": "mm"}),
@@ -45,6 +54,8 @@ FILLING = (
 )  # fmt: skip
 
 KINEMATICS = (
+    Kind("angles_not_computed", "kinematics", "amber", "The session is to compute joint angles, and this trial has "
+         "none, for this reason.", {"reason": "text"}),
     Kind("joints_without_angles", "kinematics", "red", "No frame has angles of these joints.", {"joints_list": "text"}),
     Kind("frames_without_angles", "kinematics", "info", "So many frames have no angles of these joints.",
          {"count": "count", "joints_list": "text"}),

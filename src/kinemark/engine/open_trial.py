@@ -6,6 +6,7 @@ arrays itself: its records are read from the folder of results when they are ask
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,11 +16,13 @@ from ..numerics.blas_threads import one_blas_thread
 from ..report.drawing_library import ASSETS, relink
 from .calibration.calibrated import Calibrated
 from .graph import Graph
+from .naming import ABSENT, Earlier, before
 from .progress import Cancel, Progress, Watch, check_threads, silent
 from .settings import TrialEntry
 from .sources import Frames, Recording, TrialSource, source_of
 from .store import Store
-from .trial_graph import REPORT, TrialInputs, filled_of, trial_graph
+from .trial_graph import REPORT, trial_graph
+from .trial_inputs import TrialInputs, filled_of, tracks_of
 from .workspace import Workspace
 
 PREVIEW = "preview"
@@ -102,10 +105,19 @@ class OpenTrial:
         check_threads(threads)
         watch = Watch(progress, cancel)
         calibrated = self.workspace.calibrate(progress=progress, cancel=cancel, threads=threads)
-        source, graph = self.source(calibrated.rig), self._graph(calibrated)
+        earlier = self._earlier(calibrated, progress=progress, cancel=cancel, threads=threads)
+        return self.run_after(earlier, to, calibrated, watch, threads)
+
+    def run_after(
+        self, earlier: tuple[Earlier, ...], to: str, calibrated: Calibrated, watch: Watch, threads: int | None
+    ) -> OpenTrial:
+        """The same, where the trials before this one are named; raises as `run` does."""
+        source, graph = self.source(calibrated.rig), self._graph(calibrated, earlier)
         with one_blas_thread(), Store.open(self.folder, self._lock, watch.of("wait")) as store:
             s = self.workspace
-            inputs = TrialInputs(self.name, self.folder, s.settings, source, calibrated, store, threads, s.assets)
+            inputs = TrialInputs(
+                self.name, self.folder, s.settings, source, calibrated, store, threads, s.assets, earlier
+            )
             graph.run(to, inputs, store, watch)
             relink(self.folder / REPORT, s.results / ASSETS, self_contained=s.assets is None)
             return replace(self, steps=tuple(store.steps), computed=tuple(store.computed))
@@ -146,17 +158,18 @@ class OpenTrial:
 
     @property
     def tracks(self) -> Tracks:
-        """Points with an identity."""
-        return self.record("track").tracks
+        """Points with an identity, that of markers where they were labelled."""
+        return tracks_of(self._records("label" if self.done("label") else "track"))
 
     @property
     def trajectories(self) -> Trajectories:
         """The markers, filled where `[fill]` says how."""
         calibrated = self.workspace.calibrate()
-        last = "fill" if self.done("fill") else "track"
+        last = next(stage for stage in ("fill", "label", "track") if self.done(stage) or stage == "track")
         store = Store.read(self.folder)
         source = self.source(calibrated.rig)
-        inputs = TrialInputs(self.name, self.folder, self.workspace.settings, source, calibrated, store)
+        s = self.workspace
+        inputs = TrialInputs(self.name, self.folder, s.settings, source, calibrated, store)
         return filled_of(inputs, self._records(last)).trajectories
 
     @property
@@ -169,8 +182,21 @@ class OpenTrial:
         s = self.workspace
         return source_of(Recording(s.root, s.settings, self.entry, rig, self.frames, self.folder))
 
-    def _graph(self, calibrated: Calibrated) -> Graph[TrialInputs]:
-        return trial_graph(self.name, self.workspace.settings, self.source(calibrated.rig), calibrated)
+    def _graph(self, calibrated: Calibrated, earlier: tuple[Earlier, ...] | None = None) -> Graph[TrialInputs]:
+        known = self._earlier(calibrated) if earlier is None else earlier
+        return trial_graph(self.name, self.workspace.settings, self.source(calibrated.rig), calibrated, known)
+
+    def _earlier(self, calibrated: Calibrated, **options: Any) -> tuple[Earlier, ...]:
+        return earlier_trials(self.workspace, self.entry, calibrated, **options)
+
+    def label_key(self, calibrated: Calibrated, earlier: tuple[Earlier, ...]) -> str:
+        """Of the trial's names, where they are there and up to date."""
+        try:
+            graph = self._graph(calibrated, earlier)
+        except KinemarkError:  # its recording cannot be read
+            return ABSENT
+        key, stage = graph.keys("label")["label"], graph.to("label")[-1]
+        return key if Store.read(self.folder).holds("label", key, stage.files) else ABSENT
 
     def _records(self, stage: str) -> dict[str, Any]:
         """The records of a stage and of all that it needs, as the last run left them."""
@@ -183,3 +209,30 @@ class OpenTrial:
                 raise KinemarkError(f"{self.folder / needed.files[0]} was changed since trial {self.name!r} was run.")
             found[needed.name] = needed.load(self.folder / needed.files[0])
         return found
+
+
+def earlier_trials(
+    workspace: Workspace,
+    entry: TrialEntry | None,
+    calibrated: Calibrated,
+    *,
+    progress: Progress | None = None,
+    cancel: Cancel | None = None,
+    threads: int | None = None,
+) -> tuple[Earlier, ...]:
+    """The trials by whose names another's are found; with `progress` they are named first where they were not.
+
+    One that cannot be run names nobody, which it says itself when it is run.
+
+    Args:
+        workspace: the session. entry: the other trial; all trials that help any where None.
+        calibrated: the cameras. progress, cancel, threads: as `OpenTrial.run` has them.
+    """
+    found: tuple[Earlier, ...] = ()
+    for one in before(workspace.settings, entry):
+        trial = OpenTrial(workspace, one, one.frames)
+        if progress is not None and trial.label_key(calibrated, found) == ABSENT:
+            with suppress(KinemarkError):
+                trial.run_after(found, "label", calibrated, Watch(progress, cancel), threads)
+        found += (Earlier(trial.name, one.kind, trial.folder, trial.label_key(calibrated, found)),)
+    return found

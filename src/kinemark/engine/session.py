@@ -14,7 +14,8 @@ from typing import Any
 
 from ..data import KinemarkError, Rig
 from .digitising import Digitising
-from .open_trial import OpenTrial
+from .naming.templates import TEMPLATE, keep_template, session_template
+from .open_trial import OpenTrial, earlier_trials
 from .progress import Cancel, Progress, silent
 from .session_index import update_index
 from .session_name import FILE
@@ -117,7 +118,15 @@ class Session(Workspace):
         finally:  # also where a trial cannot be processed: the others are there to be read
             with suppress(KinemarkError):  # the trials have reported a folder that cannot be written
                 update_index(self.results, self.settings)
+                self._keep_template()
         return done
+
+    def _keep_template(self) -> None:
+        """Write what the session's trials show of the subject, where they were to be named."""
+        if self.settings.label is not None:
+            earlier = earlier_trials(self, None, self.calibrate())
+            if known := session_template(self.root, self.settings, earlier):
+                keep_template(self.results / TEMPLATE, self.settings, known)
 
     def digitising(self, name: str, rig: Rig) -> Digitising:
         """What an operator needs to digitise a trial.

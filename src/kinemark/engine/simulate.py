@@ -10,8 +10,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..data import KinemarkError, MarkerTrajectory, Rig, Trajectories
-from ..io.c3d import read_c3d
+from ..data import KinemarkError, MarkerTrajectory, Rig, Trajectories, Trial
+from ..io.c3d import read_c3d, write_c3d
 from ..io.images import write_png
 from ..io.video import write_video
 from ..synth import (
@@ -129,6 +129,39 @@ def _first_seconds(trajectories: Trajectories, seconds: float) -> Trajectories:
     return Trajectories(paths, trajectories.rate)
 
 
+def _earlier_trial(scene: Scene) -> Subject | None:
+    """Another motion of the same subject, as it was recorded and named on another day; None where nobody is simulated
+    who has several markers."""
+    timing: dict[str, Any] = {"duration_s": 2.0, "rate": scene.rate_hz}
+    if scene.c3d is not None or scene.motion not in NAMING:
+        return None
+    if scene.motion == "walk":
+        return walking(**timing, seed=scene.seed + 1000, speed_mm_s=1100.0, wobble_mm=1.0, phase=0.3)
+    return arm("drinking" if scene.motion == "feeding" else "feeding", **timing)
+
+
+def _write_naming(folder: pathlib.Path, scene: Scene) -> None:
+    """An earlier trial of the subject, named, and what `session.toml` says so that markers are named by it."""
+    subject = _earlier_trial(scene)
+    if subject is None:
+        return
+    write_c3d(folder / EARLIER, Trial(EARLIER.removesuffix(".c3d"), subject.trajectories))
+    file = folder / "session.toml"
+    file.write_text(NAMING[scene.motion] + file.read_text("utf-8") + STAGES[scene.motion], "utf-8")
+
+
+EARLIER = "earlier.c3d"
+"""Of the earlier trial."""
+NAMING = {"walk": 'marker_set = "kiss-15"\n'} | dict.fromkeys(("feeding", "drinking"), 'marker_set = "um2as-7"\n')
+"""What a session's file says of the markers, by motion."""
+LABELLED = f"""
+[label]
+template = ["{EARLIER}"]
+
+[fill]
+"""
+STAGES = {"walk": LABELLED} | dict.fromkeys(("feeding", "drinking"), LABELLED + '\n[angles]\nmodel = "um2as"\n')
+"""What it says of naming, filling and joint angles."""
 WALKING_SPEED = 850.0
 """mm/s; slow enough for two seconds, with the feet before and behind, to stay within the 2.4 m of the volume.
 Chosen."""
@@ -177,6 +210,7 @@ def simulate(folder: pathlib.Path, *, scene: Scene | None = None, progress: Prog
             seed=scene.seed,
             progress=lambda done, total: progress("simulate", done, total),
         )
+        _write_naming(part, scene)
         if folder.exists():
             folder.rmdir()
         part.rename(folder)

@@ -15,6 +15,9 @@ from .filled_gap import Filled, FilledGap
 from .judge.auto import Auto
 from .rays import Rays, sharpened
 
+STATIC = "static"
+"""Method of gaps that a static trial filled."""
+
 
 @dataclass(frozen=True, slots=True)
 class Filling(Method):
@@ -37,17 +40,27 @@ class Filling(Method):
     rays: bool = parameter(True, meaning="use images that one camera alone has of a marker in its gap")
 
 
-def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -> Filled:
+def fill_recording(
+    trajectories: Trajectories, rays: Rays, *, method: Filling, static: Trajectories | None = None
+) -> Filled:
     """The trial with its gaps filled, also by the images that single cameras have in them.
 
-    The expected error of a gap is that of the method without the cameras' help, as no hold-out gap has one.
+    The expected error of a gap is that of the method without the cameras' help, as no hold-out gap has one. Markers of
+    the static trial that this one never shows are placed from it, as `fill` does.
     """
-    filled = fill(trajectories, method=method.method, limit_mm=method.limit_mm, ends=method.ends, trim=method.trim)
+    filled = fill(
+        trajectories,
+        method=method.method,
+        limit_mm=method.limit_mm,
+        ends=method.ends,
+        trim=method.trim,
+        static=static,
+    )
     if not method.rays:
         return filled
     paths = {path.name: path for path in filled.trajectories}
     for gap in filled.gaps:
-        if gap.method:
+        if gap.method and gap.method != STATIC:
             paths[gap.marker] = _expected_errors(paths[gap.marker], gap, rays)
     return Filled(replace(filled.trajectories, paths=tuple(paths.values())), filled.gaps)
 

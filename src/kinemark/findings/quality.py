@@ -35,6 +35,7 @@ def quality(
     judged: Mapping[str, Any] | None = None,
     filling: Mapping[str, Any] | None = None,
     identity: Mapping[str, str] | None = None,
+    track_names: Sequence[str] | None = None,
 ) -> dict[str, Any]:
     """All figures of one trial as JSON-able data, units in the names of the keys, None where unknown.
 
@@ -49,6 +50,7 @@ def quality(
         findings: what the stages found themselves, as what the tracking says of its input.
         judged: how good the calibration is, from `calibration.calibration_figures`; None where nobody judged it.
         filling: what became of the gaps, from `filling.filling_figures`; None where none was to be filled.
+        track_names: what the tracks of `ambiguous_decisions` became, empty for no marker; `*1`, `*2`, … where None.
         identity: the plain data of an `Identity`; None where nobody says whose recording it is.
 
     Raises:
@@ -78,7 +80,7 @@ def quality(
             "trajectories": _trajectories(trajectories, detections, cameras),
             "timing": _timing(steps, detections.n_frames),
             "steps": [_step(step) for step in steps],
-            "ambiguous_decisions": [_decision(row, detections.rate) for row in ambiguous_decisions],
+            "ambiguous_decisions": [_decision(row, detections.rate, track_names) for row in ambiguous_decisions],
             "filling": filling,
         }
     )
@@ -164,14 +166,16 @@ def _tracks(tracks: Tracks) -> dict[str, Any]:
     }
 
 
-def _decision(row: AmbiguousDecision, rate: float) -> dict[str, Any]:
+def _decision(row: AmbiguousDecision, rate: float, names: Sequence[str] | None) -> dict[str, Any]:
     """A close decision, its tracks by the names of their trajectories."""
+    own = [track for track in row.tracks if track >= 0]
+    called = [f"*{track + 1}" if names is None else names[track] or "no marker" for track in own]
     return {
         "kind": row.kind,
         "first_frame": row.first,
         "last_frame": row.last,
         "time_s": row.first / rate,
-        "trajectories": [f"*{track + 1}" for track in row.tracks if track >= 0],
+        "trajectories": list(dict.fromkeys(called)) if names is not None else called,
         "reason": row.reason,
         "values": dict(row.values),
     }

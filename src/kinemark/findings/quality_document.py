@@ -325,6 +325,50 @@ class FillingData(TypedDict):
 
 
 @documented
+class NamedMarkerData(TypedDict):
+    """The name of a marker: "sure", "unsure", "missing", or "stated" by the recording."""
+
+    name: str
+    samples: Count
+    probability: Share
+    """Mean over its samples."""
+    state: str
+    runner_up: str | None
+    """Of its least certain piece."""
+    pieces: Count
+
+
+@documented
+class UnsureData(TypedDict):
+    """A track whose name is not sure, so that it has none; frames from 0."""
+
+    name: str
+    probability: Share
+    runner_up: str | None
+    first_frame: int
+    last_frame: int
+    samples: Count
+
+
+@documented
+class LabelsData(TypedDict):
+    """How the markers were named."""
+
+    sources: list[str]
+    """Files and trials that the template was learnt from."""
+    fit: Number
+    """Score as a share of what the template scores on its own data."""
+    placed_share: Share
+    sure_share: Share
+    refused: bool
+    markers: list[NamedMarkerData]
+    unsure: list[UnsureData]
+    ghosts_removed: NotRequired[Count]
+    stated: NotRequired[Count]
+    """Tracks whose name a person stated."""
+
+
+@documented
 class DigitisingData(TypedDict):
     """What an operator was asked and answered."""
 
@@ -365,6 +409,8 @@ class Quality(TypedDict):
     ambiguous_decisions: list[DecisionData]
     filling: FillingData | None
     """None where no gaps were to be filled."""
+    labels: NotRequired[LabelsData]
+    """Of sessions that name markers."""
     digitising: NotRequired[DigitisingData]
     """Of trials that an operator digitised."""
     findings: list[FindingData]

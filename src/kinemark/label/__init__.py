@@ -6,6 +6,7 @@ from .check_stretches import Mislabelled, find_mislabelled
 from .distances import Distances
 from .from_set import figure_template, static_template
 from .label import label
+from .labelling import Labelling
 from .labels import Labels, named
 from .learn_set import learn_marker_set
 from .pooled import template_of_subjects
@@ -23,6 +24,7 @@ __all__ = [
     "Exchanged",
     "Grown",
     "LabelScore",
+    "Labelling",
     "Labels",
     "Mislabelled",
     "Reliability",

@@ -24,13 +24,18 @@ class Link(NamedTuple):
 
 
 class IndexRow(NamedTuple):
-    """A trial: its name, verdict (None where it was not processed yet), key figures and files."""
+    """A trial: its name, verdict (None where it was not processed yet), figures, files, and how many are named."""
 
     name: str
     verdict: Mapping[str, Any] | None
     about: str
     cells: Sequence[str]
     links: Sequence[Link]
+    named: str = ""
+
+    def with_names(self) -> IndexRow:
+        """With how many of its markers are named, where it was processed."""
+        return self._replace(cells=[*self.cells[:2], self.named or "–", *self.cells[2:]] if self.cells else [])
 
 
 def index_row(name: str, quality: Mapping[str, Any] | None, files: Sequence[tuple[str, str]]) -> IndexRow:
@@ -47,12 +52,21 @@ def index_row(name: str, quality: Mapping[str, Any] | None, files: Sequence[tupl
         measure(quality["points"]["residual_median_px"], 2, "px"),
         measure(trajectories["sd_per_axis_mean_mm"], 2, "mm"),
     ]
-    return IndexRow(name, quality["verdict"], identity_text(quality.get("identity")), cells, links)
+    return IndexRow(name, quality["verdict"], identity_text(quality.get("identity")), cells, links, _named(quality))
+
+
+def _named(quality: Mapping[str, Any]) -> str:
+    """How many of the markers that there should be have a name; empty where nobody was to name them."""
+    labels = quality.get("labels")
+    if labels is None:
+        return ""
+    return f"{sum(one['state'] in ('sure', 'stated') for one in labels['markers'])} of {len(labels['markers'])}"
 
 
 def index_page(*, session: str, calibration: Mapping[str, Any] | None, rows: Sequence[IndexRow], version: str) -> str:
     """The page as text; `calibration` is what calibration.json holds, None where there is none yet."""
     about = {row.about for row in rows if row.about}
+    named = any(row.named for row in rows)
     return render(
         "index.html",
         library=None,
@@ -60,8 +74,8 @@ def index_page(*, session: str, calibration: Mapping[str, Any] | None, rows: Seq
         below=" · ".join([*(about if len(about) == 1 else ()), f"Kinemark {version}"]),
         nav=NAV,
         calibration=calibration,
-        head=HEAD,
-        rows=rows,
+        head=(*HEAD[:4], "named", *HEAD[4:]) if named else HEAD,
+        rows=[row.with_names() for row in rows] if named else rows,
         apart=len(about) > 1,
     )
 

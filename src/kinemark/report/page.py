@@ -22,6 +22,7 @@ from .figures_cameras import detections_figure, offset_figure, residual_figure, 
 from .figures_detections import spots_figure
 from .formatting import number
 from .identity_text import identity_text
+from .label_table import label_line, label_table, unsure_table
 from .scene3d import scene
 from .tables import calibration_table, camera_table, marker_table, spots_table, step_table, tiles
 from .templating import render, write_text
@@ -94,7 +95,7 @@ def page(
     drawn = figures(quality, rig.select(detections.cameras), detections, tracks, trajectories)
     drawn["spots"] = spots_figure(detections, quality["cameras"], pictures)
     drawn["calibration"] = empty(UNJUDGED) if judged is None else slices_figure(dict(judged), upwards(rig))
-    digitising = quality.get("digitising") or None
+    digitising, labels = quality.get("digitising") or None, quality.get("labels")
     return render(
         "report.html",
         library=library or inside(),
@@ -109,6 +110,9 @@ def page(
         calibration_table=calibration_table(quality["cameras"]),
         digitised_line=digitising and digitised_line(digitising),
         digitised_table=digitising and digitised_table(digitising),
+        label_line=labels and label_line(labels),
+        label_table=labels and label_table(labels),
+        unsure_table=labels and unsure_table(labels),
         spots_table=spots_table(quality["cameras"]),
         camera_table=camera_table(quality["cameras"], inconsistent_cameras(quality)),
         marker_table=marker_table(quality["trajectories"]["markers"], gap_s=LONG_GAP_S),

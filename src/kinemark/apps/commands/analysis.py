@@ -9,7 +9,8 @@ from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ...engine.error_budget import error_budget
-from ...engine.trial_angles import AngleSettings, angles_of_file
+from ...engine.settings.angle_settings import AngleSettings
+from ...engine.trial_angles import angles_of_file
 from ...io.notes import file_note_text
 from ...report.angles_text import angle_summary
 from ...report.sensitivity_text import sensitivity_summary

@@ -6,8 +6,7 @@ All that there is to say of a method is declared beside its function (`data.meth
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
@@ -18,7 +17,7 @@ from ...detect import DETECT
 from ...digitise import DIGITISE
 from ...fill import FILL, Filling
 from ...kinematics import ANGLES, SMOOTH
-from ...label import LABEL
+from ...label import LABEL, Labelling
 from ...match import MATCH
 from ...reconstruct import RECONSTRUCT
 from ...track import TRACK
@@ -29,23 +28,34 @@ STAGES: dict[str, Stage] = {
 }
 """The stages in their order."""
 
-SETTABLE: dict[str, Stage] = {name: stage for name, stage in STAGES.items() if stage not in (LABEL, ANGLES, SMOOTH)}
-"""Those that have a table in a session file; the others belong to `kinemark label` and `kinemark angles`."""
+SETTABLE: dict[str, Stage] = {name: stage for name, stage in STAGES.items() if stage not in (ANGLES, SMOOTH)}
+"""Those that have a table of a method in a session file; `[angles]` is one of its own."""
 
-COMMON: dict[str, tuple[Parameter, ...]] = {"fill": parameters_of(Filling)}
+COMMON: dict[str, tuple[Parameter, ...]] = {
+    "label": parameters_of(Labelling),
+    "fill": parameters_of(Filling),
+}
 """Parameters that a stage has besides those of its methods."""
+
+WHOLE: dict[str, type[Any]] = {"label": Labelling, "fill": Filling}
+"""Of stages that have parameters besides those of their methods, what holds both."""
 
 
 def filling_of(table: dict[str, Any]) -> Filling:
-    """What `[fill]` says: the parameters of its method, and those of filling as a whole.
+    """What `[fill]` says: see `whole_of`."""
+    return cast(Filling, whole_of("fill", table))
+
+
+def whole_of(stage: str, table: dict[str, Any]) -> Any:
+    """What the table of such a stage says: the parameters of its method, and those that go for all.
 
     Raises:
         ValueError: as `method_of`.
     """
-    common = {p.name: p for p in COMMON["fill"]}
-    method = method_of("fill", {key: value for key, value in table.items() if key not in common})
-    settled = _validated("fill", common, {key: value for key, value in table.items() if key in common})
-    return replace(Filling(**settled), method=method, name=method_name("fill", method))
+    common = {p.name: p for p in COMMON[stage]}
+    method = method_of(stage, {key: value for key, value in table.items() if key not in common})
+    settled = _validated(stage, common, {key: value for key, value in table.items() if key in common})
+    return WHOLE[stage](**settled, method=method, name=method_name(stage, method))
 
 
 def methods_of_cameras(table: dict[str, Any], cameras: Any) -> dict[str, Any]:

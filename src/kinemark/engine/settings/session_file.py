@@ -13,19 +13,22 @@ from ...data.method import Method
 from ...detect import DETECT, Centroids
 from ...digitise import SemiAutomatic
 from ...fill import Filling
+from ...label import Labelling
 from ...match import MATCH
 from ...reconstruct import RECONSTRUCT, LeastSquares
 from ...track import TRACK, matches_itself
 from ...track.simultaneous import Simultaneous
 from ...track.stage import CLOUD
+from .angle_table import AngleTable
 from .calibration_table import CalibrationTable, Places, one_of
 from .method_tables import (
+    COMMON,
     calibrate_method,
     check_camera_names,
-    filling_of,
     method_name,
     method_of,
     methods_of_cameras,
+    whole_of,
 )
 from .table import Strict
 
@@ -42,6 +45,7 @@ RESERVED = (
     "calibrations",
     "assets",
     "index.html",
+    "subject.template.h5",
 )
 """What a trial cannot be called, since results are kept by these names."""
 
@@ -131,6 +135,11 @@ class TrialEntry(Strict):
         description="pattern of a file of each camera with what an operator answers, who digitises the images by "
         "[digitise]",
     )
+    kind: Literal["motion", "static", "range_of_motion"] = Field(
+        default="motion",
+        description="static: the subject stands still; range_of_motion: all joints move. Both are labelled first, and "
+        "the others by them",
+    )
     subject: str | None = Field(default=None, description="who was recorded; as the session says where absent")
     date: datetime.date | None = Field(default=None, description="of the recording; as the session says where absent")
     frames: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]] | None = Field(
@@ -202,7 +211,12 @@ class Settings(Strict):
     reconstruct: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=RECONSTRUCT.make)
     track: Annotated[InstanceOf[Method], A_METHOD] = Field(default_factory=TRACK.make)
     digitise: Annotated[InstanceOf[SemiAutomatic], A_METHOD] | None = None
+    marker_set: str | None = Field(
+        default=None, description="the markers that the subject wears: name of a shipped set, or a TOML file"
+    )
+    label: Annotated[InstanceOf[Labelling], A_METHOD] | None = None
     fill: Annotated[InstanceOf[Filling], A_METHOD] | None = None
+    angles: AngleTable | None = Field(default=None, description="joint angles of each trial, computed last")
 
     @model_validator(mode="before")
     @classmethod
@@ -227,12 +241,12 @@ class Settings(Strict):
             raise ValueError("a trial has answers, which are digitised by [detect] alone: leave out [detect.cameras]")
         return self
 
-    @field_validator("calibrate", "detect", "match", "reconstruct", "track", "fill", "digitise", mode="before")
+    @field_validator("calibrate", "detect", "match", "reconstruct", "track", "label", "fill", "digitise", mode="before")
     @classmethod
     def chosen(cls, table: Any, info: Any) -> Any:
         """The method that a stage's table names, with its parameters."""
-        if info.field_name == "fill":
-            return filling_of(table) if isinstance(table, dict) else table
+        if info.field_name in COMMON:
+            return whole_of(info.field_name, table) if isinstance(table, dict) else table
         if info.field_name == "calibrate" and "calibration" in info.data:
             return calibrate_method(info.data["calibration"].way, {} if table is None else table)
         return method_of(info.field_name, table) if isinstance(table, dict) else table

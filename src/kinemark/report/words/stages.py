@@ -15,6 +15,28 @@ LABELLING_WORDS = {
         "Left and right cannot be told: {markers} fit as well the other way round, so that these names are not sure.",
         "Say which side one marker is on, or give a template with a marker that breaks the symmetry.",
     ),
+    "labels_without_template": Words(
+        "No marker is named: nothing tells which is which in this trial.",
+        'Give [label] a labelled trial of the subject (template), label a trial of kind = "static", or state names.',
+    ),
+    "labels_unsure": Words(
+        "{stretches} {stretches:stretch has|stretches have} no name, as {stretches:it is|they are} not sure: probably "
+        "{marker_names}; {frames}.",
+        "See them in the table of markers; state {stretches:its name|their names} in the file of names, or say "
+        "unsure = true.",
+    ),
+    "markers_not_found": Words(
+        "{Markers} of the template {markers:is|are} not found in this trial.",
+        "Check that {markers:it was|they were} worn and seen.",
+    ),
+    "ghosts_removed": Words(
+        "{tracks} {tracks:track was|tracks were} taken for ghosts and left out: most of {tracks:its|their} images are "
+        "those of named markers.",
+    ),
+    "stated_names_lost": Words(
+        "{statements} {statements:name was|names were} stated of places where no track is: {marker_names}; {frames}.",
+        "State them where the marker is tracked; the frame counts from 1 in the file of names.",
+    ),
     "trial_contradicts_template": Words(
         "The trial says otherwise than the subject's template about {markers}: {pairs_share} of the distances within "
         "segments are off, by up to {off_mm}. The template does not learn from it.",
@@ -79,6 +101,7 @@ def _beyond_normal(found: Finding) -> str:
 
 
 ANGLE_WORDS = {
+    "angles_not_computed": Words("No joint angles: {reason}", "Correct [angles], or name the markers that it wants."),
     "joints_without_angles": Words("No frame has angles of: {joints_list}. Markers are missing.", FILL_THE_GAPS),
     "frames_without_angles": Words(
         "{count} {count:frame|frames} without angles of: {joints_list}. Markers are missing there.", FILL_THE_GAPS

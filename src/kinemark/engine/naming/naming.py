@@ -1,0 +1,189 @@
+"""Naming the tracks of a trial: by a template, by what a person stated, or as the recording itself says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...data import Finding, Tracks, Trajectories, make_finding
+from ...data.array_types import Bools, Ints
+from ...data.track_trajectories import trajectories_of
+from ...findings.labels import label_figures, label_findings
+from ...io.stated_names_csv import StatedName
+from ...label import Labelling, label, learn_template, named
+from ...label.pooled import contradiction
+from ...label.stated import with_stated
+from ...label.subject_template import FEWEST
+from .named_tracks import NamedTracks
+from .statements import facts_of, labels_of_facts
+from .templates import SessionTemplate
+
+ACCEPTED = 0.9
+"""Share of what could have a name that must have a sure one, for a trial to be learnt from; chosen."""
+LEARNT_FRAMES = 300
+"""Of a trial that others learn from, evenly spread; as many as a template looks at; chosen."""
+SHARED = 0.5
+"""Share of a nameless track's points that have an image in common with a named marker's, from which on the track is
+taken for a ghost; chosen."""
+
+
+def name_tracks(
+    tracks: Tracks,
+    by: SessionTemplate | None,
+    *,
+    how: Labelling,
+    stated: Sequence[StatedName] = (),
+    first_frame: int = 1,
+) -> NamedTracks:
+    """The tracks joined to markers, with names where evidence or statements give them.
+
+    Nameless tracks that are made of images of named markers are ghosts, and no tracks any more.
+
+    Args:
+        tracks: of a trial.
+        by: the template, where there is one.
+        how: what the session says of labelling.
+        stated: what a person said of this trial.
+        first_frame: number of the first frame in the recording.
+    """
+    rows = np.arange(len(tracks.cloud), dtype=np.float64)
+    points = replace(trajectories_of(tracks, rows), first_frame=first_frame)  # a point's row stands as its residual
+    facts = facts_of(points, stated)
+    some = len(points) and np.isfinite(points.xyz).any()
+    labels = label(points, by.template, method=how.method) if by and some else labels_of_facts(len(points))
+    labels = with_stated(labels, points, facts.of)
+    done = named(points, labels, unsure=how.unsure)
+    joined = rows_of(done, len(tracks.cloud))
+    ghosts = ghost_tracks(tracks, joined, sum(not name.startswith("*") for name in done.names))
+    figures = label_figures(points, labels, done, by.template.names if by else (), by.sources if by else ())
+    figures["ghosts_removed"] = len(ghosts)
+    figures["stated"] = len(facts.of)
+    findings = [*_lost(facts.lost), *label_findings(figures, labels, template=by is not None)]
+    kept = _without(joined, ghosts)
+    names = _renumbered([name for k, name in enumerate(done.names) if k not in ghosts])
+    contradicts = _contradicts(done, by)
+    accepted = contradicts is None and (by is None or (not labels.refused and figures["sure_share"] >= ACCEPTED))
+    return NamedTracks(
+        Tracks(tracks.cloud, kept), names, tracker_names(tracks, kept, names), figures,
+        (*findings, *([contradicts] if contradicts else ())), learnt_of(done, accepted),
+    )  # fmt: skip
+
+
+def _contradicts(done: Trajectories, by: SessionTemplate | None) -> Finding | None:
+    """Where the named markers sit elsewhere than the template says, so that others should not learn from them."""
+    sure = [name for name in done.names if not name.startswith("*")]
+    if by is None or len(sure) < FEWEST:
+        return None
+    known = [name for name in sure if name in by.template.names]
+    found = contradiction(by.template, learn_template(done, names=known), done) if len(known) >= FEWEST else None
+    if found is None:
+        return None
+    return make_finding(
+        "trial_contradicts_template",
+        markers=found.markers,
+        pairs_share=found.pairs_share,
+        off_mm=found.off_mm,
+    )
+
+
+def stated_by_recording(tracks: Tracks, trajectories: Trajectories) -> NamedTracks:
+    """What an operator or the recording's own file named, which are facts; other trials learn from them."""
+    figures = label_figures(trajectories, None, trajectories, (), ())
+    names = tuple(trajectories.names)
+    return NamedTracks(tracks, names, names, figures, (), learnt_of(trajectories, True))
+
+
+def rows_of(done: Trajectories, n_points: int) -> Ints:
+    """(P) the marker of each point, by the rows that stand as residuals; −1 for none."""
+    joined = np.full(n_points, -1)
+    for k, path in enumerate(done):
+        joined[path.residual[np.isfinite(path.residual)].astype(np.int64)] = k
+    return joined
+
+
+def ghost_tracks(tracks: Tracks, joined: Ints, n_named: int) -> frozenset[int]:
+    """Nameless tracks, by their place among all, most of whose points have an image in common with a named marker's."""
+    image = tracks.cloud.detection
+    of_named: Bools = np.asarray((joined >= 0) & (joined < n_named))
+    taken = _images(image, of_named)
+    shares: Bools = np.asarray((taken[image] & (image >= 0)).any(1))
+    rest = np.flatnonzero(joined >= n_named)
+    count = np.bincount(joined[rest], minlength=n_named)
+    shared = np.bincount(joined[rest], weights=shares[rest], minlength=n_named)
+    return frozenset(np.flatnonzero((count > 0) & (shared >= SHARED * np.maximum(count, 1))).tolist())
+
+
+def _images(image: Ints, points: Bools) -> Bools:
+    """(D + 1) whether an image is one of some points' (P, C)."""
+    taken = np.zeros(int(image.max(initial=-1)) + 2, bool)
+    taken[image[points]] = True
+    taken[-1] = False  # of −1
+    return taken
+
+
+def _without(joined: Ints, ghosts: frozenset[int]) -> Ints:
+    """(P) the same without some of the tracks, numbered anew."""
+    number = np.array([-1 if k in ghosts else 0 for k in range(int(joined.max(initial=-1)) + 1)] + [-1])
+    number[number == 0] = np.arange((number == 0).sum())
+    return number[joined]
+
+
+def _renumbered(names: Sequence[str]) -> tuple[str, ...]:
+    """The names, and `*1`, `*2`, … for the others in their order."""
+    rest = iter(range(1, len(names) + 1))
+    return tuple(f"*{next(rest)}" if name.startswith("*") else name for name in names)
+
+
+def tracker_names(tracks: Tracks, joined: Ints, names: Sequence[str]) -> tuple[str, ...]:
+    """What most of each of the tracker's tracks became; empty for no marker."""
+    found = []
+    for k in range(len(tracks)):
+        own = joined[tracks.id == k]
+        own = own[own >= 0]
+        found.append(names[int(np.bincount(own).argmax())] if len(own) else "")
+    return tuple(found)
+
+
+def with_names(found: Finding, names: Sequence[str]) -> Finding | None:
+    """What the tracker found, its tracks `*1`, `*2`, … by what they became; None where that has settled it.
+
+    Args:
+        found: by the tracker. names: of its tracks, empty for no marker.
+    """
+
+    def called(text: Any) -> Any:
+        own = isinstance(text, str) and text[:1] == "*" and text[1:].isdigit() and int(text[1:]) <= len(names)
+        return (names[int(text[1:]) - 1] or "no marker") if own else text
+
+    values = {k: tuple(map(called, v)) if isinstance(v, tuple) else called(v) for k, v in found.values.items()}
+    if found.kind == "tracks_continue":
+        pairs = [pair for pair in zip(values["earlier_list"], values["later_list"], strict=True) if len(set(pair)) > 1]
+        if not pairs:
+            return None  # they were joined
+        earlier, later = zip(*pairs, strict=True)
+        values |= {"tracks": len(pairs), "earlier_list": earlier, "later_list": later}
+    return replace(found, markers=tuple(map(called, found.markers)), values=values)
+
+
+def learnt_of(trajectories: Trajectories, accepted: bool) -> Trajectories:
+    """Some frames of the markers that have names; no markers where the names were not accepted."""
+    F = trajectories.n_frames
+    rows = np.unique(np.linspace(0, F - 1, min(F, LEARNT_FRAMES)).round().astype(int)) if F else np.zeros(0, int)
+    columns = ("xyz", "cov", "origin", "residual", "cameras", "detection")
+    paths = [
+        replace(path, **{key: getattr(path, key)[rows] for key in columns})
+        for path in trajectories
+        if accepted and not path.name.startswith("*")
+    ]
+    return Trajectories(tuple(paths), trajectories.rate * len(rows) / max(F, 1))
+
+
+def _lost(lost: Sequence[StatedName]) -> tuple[Finding, ...]:
+    """Statements that are about no track of this trial."""
+    if not lost:
+        return ()
+    frames = tuple((one.frame - 1, one.frame - 1) for one in lost)
+    return (make_finding("stated_names_lost", markers=[one.name for one in lost], frames=frames, statements=len(lost)),)

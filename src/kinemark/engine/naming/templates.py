@@ -1,0 +1,126 @@
+"""The template that a trial of a session is named by: of what files and earlier trials show of the subject.
+
+What moves goes before what stands still, the subject before another one who is scaled; a template of another, or one
+that was kept, is taken as long as the subject's own trials do not show as many markers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from ...data import MarkerSet, Trajectories
+from ...io.marker_sets import marker_sets, read_marker_set
+from ...io.trial import read_trial
+from ...label import Template, learn_template
+from ...label.from_set import STATIC_SPREAD, figure_template, static_template
+from ...label.subject_template import SubjectTemplate, TemplateSource
+from ..settings import Settings
+from ..template_files import ENDING, is_template, load_template, save_template
+from .earlier import ABSENT, Earlier
+from .named_tracks import load_learnt
+
+TEMPLATE = f"subject{ENDING}"
+"""Below a session's results: what its trials show of the subject."""
+
+
+class SessionTemplate(NamedTuple):
+    """A template, and the files and trials that it was learnt from."""
+
+    template: Template
+    sources: tuple[str, ...]
+
+
+class Shown(NamedTuple):
+    """Labelled trials, and where they are from."""
+
+    source: str
+    trial: Trajectories
+
+
+def worn(root: Path, settings: Settings) -> MarkerSet | None:
+    """The marker set that the session says; None where it says none.
+
+    Raises:
+        KinemarkError: there is no such set.
+    """
+    if settings.marker_set is None:
+        return None
+    known = settings.marker_set in marker_sets()
+    return read_marker_set(settings.marker_set if known else root / settings.marker_set)
+
+
+def session_template(root: Path, settings: Settings, earlier: Sequence[Earlier]) -> SessionTemplate | None:
+    """What is known of the subject when a trial comes to be named; None where nobody says anything.
+
+    Args:
+        root: the session's folder. settings: of the session. earlier: the trials before this one.
+
+    Raises:
+        KinemarkError: a file is absent or has too few names.
+    """
+    label, marker_set = settings.label, worn(root, settings)
+    if label is None:
+        return None
+    names = label.markers or (marker_set.moving if marker_set else ())
+    files = [file for file in label.template if not is_template(file)]
+    given = [Shown(file, read_trial(root / file).trajectories) for file in files]
+    named = [(one.kind, Shown(one.name, load_learnt(one.folder))) for one in earlier if one.key != ABSENT]
+    moved = [shown for kind, shown in named if kind != "static"]
+    still = [shown for kind, shown in named if kind == "static"]
+    still += [Shown(file, read_trial(root / file).trajectories) for file in label.static]
+    own = _learnt(moved if label.scale else given + moved, names) or _of_static(still, names, marker_set)
+    kept = [_kept(root / file) for file in label.template if is_template(file)]
+    if label.scale is not None and (other := _learnt(given, names)):
+        kept.append(other._replace(template=other.template.of_another(label.scale)))
+    if marker_set is not None and label.height_mm is not None and not given and not kept:
+        kept.append(SessionTemplate(figure_template(marker_set, label.height_mm), (f"marker set {marker_set.name}",)))
+    best = max(kept, key=lambda one: len(one.template), default=None)
+    return best if own is None or (best and len(best.template) > len(own.template)) else own
+
+
+def _of_static(shown: Sequence[Shown], names: Sequence[str], marker_set: MarkerSet | None) -> SessionTemplate | None:
+    """Of those who stand still: by the segments of the marker set, where there is one."""
+    useful = _with_names(shown)
+    if not useful or marker_set is None:
+        return _learnt(useful, names, spread=STATIC_SPREAD)
+    return SessionTemplate(
+        static_template(useful[0].trial, marker_set), (useful[0].source, f"marker set {marker_set.name}")
+    )
+
+
+def _kept(path: Path) -> SessionTemplate:
+    """A template that was kept in a file."""
+    return SessionTemplate(load_template(path).template, (path.name,))
+
+
+def _with_names(shown: Sequence[Shown]) -> list[Shown]:
+    return [one for one in shown if any(not name.startswith("*") for name in one.trial.names)]
+
+
+def _learnt(shown: Sequence[Shown], names: Sequence[str], *, spread: float = 0.0) -> SessionTemplate | None:
+    """The template of trials that have names; None where none has."""
+    useful = _with_names(shown)
+    if not useful:
+        return None
+    there = {name for one in useful for name in one.trial.names}
+    known = tuple(name for name in names if name in there)
+    template = learn_template(*(one.trial for one in useful), names=known or None, relative_spread=spread)
+    return SessionTemplate(template, tuple(one.source for one in useful))
+
+
+def keep_template(path: Path, settings: Settings, known: SessionTemplate) -> None:
+    """Write what a session knows of its subject, so that others may be named by it.
+
+    Raises:
+        KinemarkError: the file cannot be written.
+    """
+    label = settings.label
+    height = label.height_mm if label and label.height_mm else float("nan")
+    date = settings.date.isoformat() if settings.date else ""
+    n = int(known.template.frames.max(initial=0))
+    sources = tuple(TemplateSource(source, n, date, "accepted") for source in known.sources)
+    save_template(
+        path, SubjectTemplate(known.template, settings.marker_set or "", settings.subject or "", height, sources)
+    )

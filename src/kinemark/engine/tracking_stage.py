@@ -1,0 +1,140 @@
+"""The stage `track` of a trial's graph, in the ways that there are."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from ..data import Detections, Finding, KinemarkError, Matches, Tracks
+from ..digitise import identified_matches, identified_tracks
+from ..geometry.ideal_pixels import check_cameras
+from ..geometry.weighted_points import inside_volume
+from ..io.files import replacing
+from ..io.records import load, save
+from ..reconstruct import LeastSquares, image_errors, reconstruct
+from ..track import track
+from ..track.simultaneous import (
+    AmbiguousDecision,
+    Simultaneous,
+    ambiguous_decisions,
+    diagnose,
+    diagnose_points,
+    diagnose_tracks,
+    track_detections,
+    track_simultaneously,
+)
+from ..track.simultaneous.diagnostics_of_points import points_left_out
+from .graph import Records, Stage
+from .sources import OperatorIdentities
+from .trial_inputs import TrialInputs
+
+Record = TypeVar("Record")
+DECISIONS = "ambiguous_decisions.json"
+
+
+class Tracked(NamedTuple):
+    """Tracks, the decisions of the tracker that were close, and what it found of its input."""
+
+    tracks: Tracks
+    ambiguous_decisions: tuple[AmbiguousDecision, ...] = ()
+    diagnostics: tuple[Finding, ...] = ()
+
+
+class Tracking(NamedTuple):
+    """What the ways of tracking have in common: the files that they leave."""
+
+    files: tuple[str, ...]
+
+    def stage(
+        self,
+        compute: Callable[[TrialInputs, Records], Tracked],
+        needs: tuple[str, ...],
+        method: Any,
+        given: tuple[Any, ...],
+    ) -> Stage[TrialInputs]:
+        """The stage `track`, done in this way."""
+        return Stage("track", needs, self.files, compute, _save_tracked, _load_tracked, method, given)
+
+
+def as_operated(inputs: TrialInputs, records: Records) -> Tracked:
+    """Tracks of the markers that an operator named."""
+    detections, operated = records["detect"], inputs.source.operated()
+    assert isinstance(operated, OperatorIdentities)
+    check_cameras(detections, inputs.rig)
+    matches = identified_matches(detections, operated.marker)
+    cloud = reconstruct(matches, detections, inputs.rig, method=inputs.settings.reconstruct)
+    tracks = identified_tracks(cloud, operated.marker)
+    return Tracked(tracks, diagnostics=tuple(_left_outside(inputs, matches, detections, operated, tracks)))
+
+
+def _left_outside(
+    inputs: TrialInputs, matches: Matches, detections: Detections, operated: OperatorIdentities, tracks: Tracks
+) -> Iterator[Finding]:
+    """About named markers outside the control volume, which would else look as if nobody had seen them."""
+    method: Any = inputs.settings.reconstruct  # every one has a volume
+    rig = inputs.rig
+    if not method.within_volume or np.isnan(rig.volume).any() or len(tracks.cloud) == len(matches.frame):
+        return
+    whole = reconstruct(matches, detections, rig, method=replace(method, within_volume=False))
+    out = ~inside_volume(whole.xyz, rig.volume, margin=method.volume_margin)
+    if out.any():
+        gone = set(identified_tracks(whole, operated.marker).id[out].tolist()) - set(tracks.id.tolist())
+        names = [operated.names[m] for m in sorted(gone)]
+        yield points_left_out(whole.xyz[out], len(tracks.cloud), method.volume_margin, rig.volume, names)
+
+
+def from_detections(inputs: TrialInputs, records: Records) -> Tracked:
+    """Tracks straight from the detections; Kinemark's own tracker lists its ambiguous decisions."""
+    detections, rig = records["detect"], inputs.rig
+    method, place = inputs.settings.track, inputs.settings.reconstruct
+    check_cameras(detections, rig)
+    if not isinstance(method, Simultaneous) or not isinstance(place, LeastSquares):
+        tracks = track_detections(detections, rig, method=method)
+        return Tracked(tracks, diagnostics=tuple(diagnose_tracks(detections, rig, tracks)))
+    margin = place.volume_margin if place.within_volume else None
+    result = track_simultaneously(detections, rig, method, errors=image_errors(place), volume_margin=margin)
+    volume = None if np.isnan(rig.volume).any() else rig.volume
+    found = *diagnose(detections, rig, result), *diagnose_points(result, method, margin, volume)
+    return Tracked(result.tracks, tuple(ambiguous_decisions(result, method)), found)
+
+
+def from_points(inputs: TrialInputs, records: Records) -> Tracked:
+    """Tracks of points that were matched before."""
+    tracks = track(records["reconstruct"], method=inputs.settings.track)
+    return Tracked(tracks, diagnostics=tuple(diagnose_tracks(records["detect"], inputs.rig, tracks)))
+
+
+def _save_tracked(path: Path, record: Tracked) -> None:
+    """The tracks, and beside them what was ambiguous."""
+    decisions = [decision.as_dict() for decision in record.ambiguous_decisions]
+    said = {"ambiguous_decisions": decisions, "diagnostics": [found.as_dict() for found in record.diagnostics]}
+    with replacing(path.with_name(DECISIONS)) as beside:
+        beside.write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", "utf-8")
+    save(path, record.tracks)
+
+
+def _load_tracked(path: Path) -> Tracked:
+    """What an earlier run left; damaged files count as none."""
+    try:
+        said = json.loads(path.with_name(DECISIONS).read_text("utf-8"))
+        unsure = tuple(map(AmbiguousDecision.of, said["ambiguous_decisions"]))
+        return Tracked(reader(Tracks)(path), unsure, tuple(map(Finding.of, said["diagnostics"])))
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise KinemarkError(f"{path.with_name(DECISIONS)} is damaged: {error}. Delete it.") from error
+
+
+def reader(kind: type[Record]) -> Callable[[Path], Record]:
+    """Reads a record of this kind, and takes any other for a damaged file."""
+
+    def read(path: Path) -> Record:
+        record = load(path)
+        if not isinstance(record, kind):
+            raise KinemarkError(f"{path} holds {type(record).__name__}, wanted {kind.__name__}. Delete it.")
+        return record
+
+    return read

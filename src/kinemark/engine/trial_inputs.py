@@ -1,0 +1,90 @@
+"""What the stages of a trial are given, and its trajectories as several of them see it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..data import Fills, MarkerTrajectory, Rig, Tracks, Trajectories
+from ..digitise import called
+from ..fill import Filled, FilledGap
+from ..fill.fill_recording import STATIC
+from ..track import to_trajectories
+from .calibration.calibrated import Calibrated
+from .graph import Records
+from .naming import Earlier
+from .settings import Settings
+from .sources import TrialSource
+from .store import Store
+
+
+@dataclass(frozen=True, slots=True)
+class TrialInputs:
+    """What the stages of a trial are given besides each other's records.
+
+    Attributes:
+        name: of the trial; folder: of its results.
+        settings: of the session.
+        source: of the detections.
+        calibrated: the cameras, and how good they are.
+        store: of the results, which knows how the stages were done.
+        threads: how many detection may use; None leaves it to the machine.
+        assets: folder of what pages share; None where each page is to hold it.
+        earlier: trials of the session by whose names this one's are found.
+    """
+
+    name: str
+    folder: Path
+    settings: Settings
+    source: TrialSource
+    calibrated: Calibrated
+    store: Store
+    threads: int | None = None
+    assets: Path | None = None
+    earlier: tuple[Earlier, ...] = ()
+
+    @property
+    def rig(self) -> Rig:
+        """The calibrated cameras."""
+        return self.calibrated.rig
+
+
+def tracks_of(records: Records) -> Tracks:
+    """The tracks, joined to markers where they were labelled."""
+    return records["label"].tracks if "label" in records else records["track"].tracks
+
+
+def measured_of(inputs: TrialInputs, records: Records) -> Trajectories:
+    """The trajectories as they were measured, named where an operator said how, or the labelling."""
+    measured = to_trajectories(tracks_of(records), inputs.rig)
+    if inputs.source.of.frames is not None:
+        measured = replace(measured, first_frame=inputs.source.of.frames[0])
+    operated = inputs.source.operated()
+    if operated is not None:
+        return called(measured, operated.names, records["detect"].n_frames)
+    if "label" in records:
+        names = records["label"].names
+        paths = tuple(replace(path, name=name) for path, name in zip(measured, names, strict=True))
+        measured = replace(measured, paths=paths)
+    return measured
+
+
+def filled_of(inputs: TrialInputs, records: Records) -> Filled:
+    """The trajectories with what was filled, and what became of every gap."""
+    measured = measured_of(inputs, records)
+    if "fill" not in records:
+        return Filled(measured, ())
+    fills: Fills = records["fill"]
+    gaps = tuple(FilledGap(**json.loads(text)) for text in fills.gaps)
+    return Filled(fills.on(with_placed(measured, gaps)), gaps)
+
+
+def with_placed(measured: Trajectories, gaps: Sequence[FilledGap]) -> Trajectories:
+    """The trajectories and, empty, those markers that were placed from a static trial alone."""
+    new = [gap.marker for gap in gaps if gap.method == STATIC and gap.marker not in measured.names]
+    nowhere = np.full((measured.n_frames, 3), np.nan)
+    return replace(measured, paths=(*measured, *(MarkerTrajectory.measured(name, nowhere) for name in new)))

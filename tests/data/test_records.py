@@ -192,7 +192,7 @@ def test_wrong_shapes_say_what_was_wanted():
         type(ring(2)[0])("x", [0, 0], np.eye(3), 2 * np.eye(3), np.zeros(3))
     with pytest.raises(ValueError, match="differ"):
         Rig((ring(2)[0], ring(2)[0]))
-    with pytest.raises(ValueError, match="unknown markers"):
+    with pytest.raises(ValueError, match="unknown marker"):
         MarkerSet(("a",), {"s": ("b",)})
 
 

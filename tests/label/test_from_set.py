@@ -25,7 +25,7 @@ def subject(name, seed):
 @pytest.mark.parametrize("name", WORN)
 def test_a_static_trial_and_the_set_name_all_markers_of_a_subject_who_wears_it(name):
     worn, still, walk = subject(name, 4)
-    tracks, truth = shredded(walk, 1, 2.0, 1)
+    tracks, truth, _ = shredded(walk, 1, 2.0, 1)
     found = label(tracks, static_template(still, worn))
     assert found.refused is None
     assert {a for a, b in zip(found.names, truth, strict=True) if b is None and a is not None} == set()

@@ -1,0 +1,64 @@
+"""Stretches of paths, with the witnesses by which they are found again."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data import Detections, MarkerTrajectory, Trajectories
+from ..data.array_types import Ints
+from ..data.edits import MOST_WITNESSES, Stretch, Witness
+
+DECIMALS = 3
+"""Of mm and px in a witness: a thousandth, far below any noise; chosen."""
+
+
+def stretch_of(
+    trajectories: Trajectories,
+    name: str,
+    *,
+    first: int | None = None,
+    last: int | None = None,
+    at: int | None = None,
+    detections: Detections | None = None,
+    world: str = "",
+) -> Stretch:
+    """A stretch of one trajectory, with witnesses spread evenly over its samples, always one at each end.
+
+    Args:
+        trajectories: as somebody sees them.
+        name: of the trajectory, such as "*12".
+        first, last: frames, numbers in the recording; None where the stretch follows the path as far as that goes.
+        at: a frame that somebody pointed at; the sample nearest to it is a witness as well.
+        detections: behind the samples; None for a file without its images.
+        world: key of the cameras whose world the places are in.
+
+    Raises:
+        KeyError: there is no such trajectory.
+        ValueError: it has no sample in these frames.
+    """
+    path = trajectories[name]
+    frames = np.flatnonzero(np.isfinite(path.xyz).all(1))
+    number = frames + trajectories.first_frame
+    inside = (number >= (first if first is not None else -np.inf)) & (number <= (last if last is not None else np.inf))
+    if not inside.any():
+        raise ValueError(f"{name} has no sample from frame {first or 'first'} to {last or 'last'}")
+    chosen = _spread(frames[inside], None if at is None else at - trajectories.first_frame)
+    return Stretch(
+        first, last, tuple(_witness(path, f, trajectories.first_frame, detections) for f in chosen.tolist()), world
+    )
+
+
+def _spread(frames: Ints, at: int | None) -> Ints:
+    """At most so many of these frames, evenly by number of samples, with the first, the last and the one near `at`."""
+    most = MOST_WITNESSES - (at is not None)
+    chosen = frames[np.unique(np.linspace(0, len(frames) - 1, min(most, len(frames))).round().astype(np.int64))]
+    near = frames[:0] if at is None else frames[[np.abs(frames - at).argmin()]]
+    return np.union1d(chosen, near)
+
+
+def _witness(path: MarkerTrajectory, f: int, first_frame: int, detections: Detections | None) -> Witness:
+    """One sample."""
+    seen = () if detections is None else zip(detections.cameras, path.detection[f].tolist(), strict=False)
+    images = [(camera, *detections.uv[row].round(DECIMALS).tolist()) for camera, row in seen if row >= 0]
+    x, y, z = path.xyz[f].round(DECIMALS).tolist()
+    return Witness(f + first_frame, (x, y, z), tuple(images))

@@ -63,7 +63,7 @@ class Stretch:
 
     def __post_init__(self) -> None:
         _check_span(self.first, self.last)
-        if not 1 <= len(self.witnesses):
+        if not self.witnesses:
             raise ValueError("a stretch has no witness, wanted at least one")
         frames = [witness.frame for witness in self.witnesses]
         if frames != sorted(set(frames)):
@@ -329,8 +329,8 @@ def entry_outcome(applied: Sequence[Applied]) -> Outcome:
 def _check_marker(name: str) -> None:
     if not name or not is_named(name) or name != name.strip():
         raise ValueError(
-            f"{name!r} is no name of a marker: it must not be empty, begin with * (the number of a track, which another "
-            "run gives to another track) or begin or end with a space. Claim a name for the track first"
+            f"{name!r} is no name of a marker: it must not be empty, begin with * (the number of a track, which is "
+            "another in the next run) or begin or end with a space. Claim a name for the track first"
         )
 
 

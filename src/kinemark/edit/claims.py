@@ -73,7 +73,7 @@ def with_claims(
 
 
 def _owners(trajectories: Trajectories, claims: Sequence[Claim], said: Votes) -> tuple[Ints, Floats]:
-    """The claim (P, F) that has each sample of each path, −1 for none, and how many frames its nearest witness is off."""
+    """The claim (P, F) that has each sample of each path, −1 for none, and the frames to its nearest witness."""
     shape = len(trajectories), trajectories.n_frames
     of, apart = np.full(shape, -1, np.int64), np.full(shape, np.inf)
     speaking = said.path >= 0

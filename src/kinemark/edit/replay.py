@@ -28,10 +28,8 @@ from ..data.edits import (
     ImagePoint,
     Outcome,
     Put,
-    Signed,
     Smooth,
     Trim,
-    Undo,
     Verdict,
     is_named,
     live,
@@ -43,7 +41,7 @@ from .votes import nearest_images, votes
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reviewed:
-    """An ambiguous decision on which somebody gave a verdict: its kind, frames from 0, paths of then, and whether right."""
+    """An ambiguous decision with somebody's verdict: its kind, frames from 0, its paths now, and whether it was right."""
 
     decision: str
     first: int

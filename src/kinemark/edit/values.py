@@ -124,7 +124,7 @@ def without_image(path: MarkerTrajectory, f: int, camera: str, of: Footage) -> C
     done = _again(path, f, of, by_hand)
     if done[1].outcome == "held":
         return done
-    return Done(without(path, np.arange(len(path)) == f), "held", 1)
+    return without(path, np.arange(len(path)) == f), Result("held", 1)
 
 
 class Solved(NamedTuple):

@@ -58,7 +58,12 @@ def _spread(frames: Ints, at: int | None) -> Ints:
 
 def _witness(path: MarkerTrajectory, f: int, first_frame: int, detections: Detections | None) -> Witness:
     """One sample."""
-    seen = () if detections is None else zip(detections.cameras, path.detection[f].tolist(), strict=False)
-    images = [(camera, *detections.uv[row].round(DECIMALS).tolist()) for camera, row in seen if row >= 0]
+    images = () if detections is None else _images(path.detection[f].tolist(), detections)
     x, y, z = path.xyz[f].round(DECIMALS).tolist()
-    return Witness(f + first_frame, (x, y, z), tuple(images))
+    return Witness(f + first_frame, (x, y, z), images)
+
+
+def _images(rows: list[int], detections: Detections) -> tuple[tuple[str, float, float], ...]:
+    """Camera, u and v of some rows, one a camera, −1 for none."""
+    seen = [(camera, row) for camera, row in zip(detections.cameras, rows, strict=False) if row >= 0]
+    return tuple((camera, *detections.uv[row].round(DECIMALS).tolist()) for camera, row in seen)

@@ -44,7 +44,7 @@ class Fault(NamedTuple):
 
 
 class JournalText(NamedTuple):
-    """What a journal says: its entries in order, what is wrong with its lines, their number, and the last one's hash."""
+    """A journal: its entries in order, what is wrong with its lines, the number of these, and the last one's hash."""
 
     entries: tuple[Entry, ...]
     faults: tuple[Fault, ...]

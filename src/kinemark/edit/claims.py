@@ -2,12 +2,13 @@
 
 On one path, a claim speaks for all samples between two of its witnesses that follow each other and are both on the path
 (1), and there a later claim counts for more than an earlier one. Every other sample takes the claim of its nearest
-witness among claims whose frames cover it, of two as near the later (2). So a witness that strayed onto the path alone,
-between those of another claim, changes nothing.
+witness among claims whose frames cover it, of two as near the later (2), unless a witness of the claim that denies the
+path (`votes`) is nearer still (3). So a witness that strayed onto the path alone, between those of another claim,
+changes nothing.
 
 Where two samples of one frame have one name, the later claim's stays, then the one nearer to its witness; a sample that
-nobody claimed gives way to a claimed one. What gives way becomes unnamed (3). Of what is left of an unnamed track, the
-pieces before and after a claimed one are tracks of their own (4): what is between them is another marker.
+nobody claimed gives way to a claimed one. What gives way becomes unnamed (4). Of what is left of an unnamed track, the
+pieces before and after a claimed one are tracks of their own (5): what is between them is another marker.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import numpy as np
 from ..data import Detections, MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from ..data.edits import UNNAMED, Claim, is_named
-from .votes import Votes, votes
+from .votes import Votes, denies, votes
 
 ENOUGH = 0.8
 """Share of a claim's witnesses that must be found for it to hold; chosen (see studies/edits.py)."""
@@ -61,7 +62,7 @@ def with_claims(
     inside = (said.frame >= 0) & (said.frame < trajectories.n_frames)
     asked = np.bincount(said.stretch[inside], minlength=len(claims))
     found = np.bincount(said.stretch[said.path >= 0], minlength=len(claims))
-    of, apart = _owners(trajectories, claims, said)
+    of, apart = _owners(trajectories, claims, said, detections)
     kept = _one_a_frame(trajectories, claims, of, apart)
     samples = np.bincount(of[kept & (of >= 0)], minlength=len(claims))
     changed = none.copy()
@@ -72,19 +73,20 @@ def with_claims(
     return Claimed(_renamed(trajectories, claims, of, kept), asked, found, samples, changed)
 
 
-def _owners(trajectories: Trajectories, claims: Sequence[Claim], said: Votes) -> tuple[Ints, Floats]:
+def _owners(
+    trajectories: Trajectories, claims: Sequence[Claim], said: Votes, detections: Detections | None
+) -> tuple[Ints, Floats]:
     """The claim (P, F) that has each sample of each path, −1 for none, and the frames to its nearest witness."""
     shape = len(trajectories), trajectories.n_frames
     of, apart = np.full(shape, -1, np.int64), np.full(shape, np.inf)
-    speaking = said.path >= 0
-    stretch, frame, path = (column[speaking] for column in said)
-    for p in np.unique(path).tolist():
-        for k in np.unique(stretch[path == p]).tolist():
-            own = stretch == k
-            _nearest(of[p], apart[p], k, frame[own & (path == p)], _covered(claims[k], trajectories))  # (2)
-        for k in np.unique(stretch[path == p]).tolist():
-            own = stretch == k
-            _between(of[p], apart[p], k, frame[own], path[own] == p, _covered(claims[k], trajectories))  # (1)
+    for p in np.unique(said.path[said.path >= 0]).tolist():
+        on = {k: said.of(said.stretch == k) for k in np.unique(said.stretch[said.path == p]).tolist()}
+        for k, own in on.items():
+            denied = own.frame[denies(own, p, trajectories, detections)]
+            _nearest(of[p], apart[p], k, own.frame[own.path == p], denied, _covered(claims[k], trajectories))  # (2)
+        for k, own in on.items():
+            speaking = own.of(own.path >= 0)
+            _between(of[p], apart[p], k, speaking.frame, speaking.path == p, _covered(claims[k], trajectories))  # (1)
         of[p][trajectories.paths[p].origin == Origin.MISSING] = -1
     return of, apart
 
@@ -103,10 +105,12 @@ def _distance(frame: Ints, at: slice, n: int) -> Floats:
     return np.minimum(np.abs(frame[after] - t), np.abs(frame[(after - 1).clip(0)] - t)).astype(np.float64)
 
 
-def _nearest(of: Ints, apart: Floats, k: int, frame: Ints, at: slice) -> None:
+def _nearest(of: Ints, apart: Floats, k: int, frame: Ints, denied: Ints, at: slice) -> None:
     """Claim k takes what it is nearest to, in place."""
     d = _distance(frame, at, len(of))
     nearer = d <= apart[at]
+    if len(denied):
+        nearer &= d < _distance(denied, at, len(of))  # (3)
     of[at][nearer], apart[at][nearer] = k, d[nearer]
 
 
@@ -119,7 +123,7 @@ def _between(of: Ints, apart: Floats, k: int, frame: Ints, here: Bools, at: slic
 
 
 def _one_a_frame(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, apart: Floats) -> Bools:
-    """(P, F) which samples keep the name that they have now by claim, or by their path, (3)."""
+    """(P, F) which samples keep the name that they have now by claim, or by their path, (4)."""
     present = np.array([path.origin != Origin.MISSING for path in trajectories]).reshape(of.shape)
     for name in sorted({claim.name for claim in claims if claim.name is not None}):
         mine = np.array([k for k, claim in enumerate(claims) if claim.name == name])
@@ -169,9 +173,9 @@ def _pieces(
     if is_named(path.name):
         yield path.name, left
     else:
-        for i, piece in enumerate(_uncut(left, present & ~left)):  # (4)
+        for i, piece in enumerate(_uncut(left, present & ~left)):  # (5)
             yield path.name if i == 0 else "", piece
-    for piece in _uncut(present & ~kept, present & kept):  # (3)
+    for piece in _uncut(present & ~kept, present & kept):  # (4)
         yield "", piece
 
 

@@ -41,7 +41,7 @@ from .votes import nearest_images, votes
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reviewed:
-    """An ambiguous decision with somebody's verdict: its kind, frames from 0, its paths now, and whether it was right."""
+    """An ambiguous decision with a verdict: its kind, frames from 0, its paths now, and whether it was right."""
 
     decision: str
     first: int

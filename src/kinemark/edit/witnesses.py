@@ -19,6 +19,7 @@ def stretch_of(
     first: int | None = None,
     last: int | None = None,
     at: int | None = None,
+    within: tuple[int, int] | None = None,
     detections: Detections | None = None,
     world: str = "",
 ) -> Stretch:
@@ -29,6 +30,7 @@ def stretch_of(
         name: of the trajectory, such as "*12".
         first, last: frames, numbers in the recording; None where the stretch follows the path as far as that goes.
         at: a frame that somebody pointed at; the sample nearest to it is a witness as well.
+        within: first and last frame that witnesses are taken from, where that is less than the stretch.
         detections: behind the samples; None for a file without its images.
         world: key of the cameras whose world the places are in.
 
@@ -39,9 +41,10 @@ def stretch_of(
     path = trajectories[name]
     frames = np.flatnonzero(np.isfinite(path.xyz).all(1))
     number = frames + trajectories.first_frame
-    inside = (number >= (first if first is not None else -np.inf)) & (number <= (last if last is not None else np.inf))
+    low, high = within or (first, last)
+    inside = (number >= (-np.inf if low is None else low)) & (number <= (np.inf if high is None else high))
     if not inside.any():
-        raise ValueError(f"{name} has no sample from frame {first or 'first'} to {last or 'last'}")
+        raise ValueError(f"{name} has no sample in frames {low or 'from the first'} to {high or 'the last'}")
     chosen = _spread(frames[inside], None if at is None else at - trajectories.first_frame)
     return Stretch(
         first, last, tuple(_witness(path, f, trajectories.first_frame, detections) for f in chosen.tolist()), world

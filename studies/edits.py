@@ -29,8 +29,6 @@ from recordings import recording
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from support.scenes import make, scene
-
 from kinemark.data import Camera, Detections, Origin, Rig, Trajectories
 from kinemark.data.array_types import Floats, Ints
 from kinemark.data.edits import AddEvent, Claim, Edit, Entry, Erase, GapChoice, Put, is_named
@@ -49,6 +47,7 @@ from kinemark.signal import assign
 from kinemark.synth import combined_subjects, observe, ring, walking, with_markers
 from kinemark.track import ExtrapolationLadder, KissTracking, track
 from kinemark.track.simultaneous import Simultaneous, track_detections
+from support.scenes import make, scene
 
 FAR = 20.0  # mm; a sample belongs to the nearest true marker within
 SHORTEST = 4  # samples of a stretch that is worth a claim

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from ..data import MarkerTrajectory, Origin, Trajectories
+from ..data.edits import GapChoice
 from ..data.fills import detection_columns
 from ..data.method import Method, parameter
 from .fill import LIMIT, fill
@@ -37,12 +39,22 @@ class Filling(Method):
     rays: bool = parameter(True, meaning="use images that one camera alone has of a marker in its gap")
 
 
-def fill_recording(trajectories: Trajectories, rays: Rays, *, method: Filling) -> Filled:
+def fill_recording(
+    trajectories: Trajectories, rays: Rays, *, method: Filling, choices: Sequence[GapChoice] = ()
+) -> Filled:
     """The trial with its gaps filled, also by the images that single cameras have in them.
 
-    The expected error of a gap is that of the method without the cameras' help, as no hold-out gap has one.
+    The expected error of a gap is that of the method without the cameras' help, as no hold-out gap has one. `choices`
+    are how somebody wants single gaps filled.
     """
-    filled = fill(trajectories, method=method.method, limit_mm=method.limit_mm, ends=method.ends, trim=method.trim)
+    filled = fill(
+        trajectories,
+        method=method.method,
+        limit_mm=method.limit_mm,
+        ends=method.ends,
+        trim=method.trim,
+        choices=choices,
+    )
     if not method.rays:
         return filled
     paths = {path.name: path for path in filled.trajectories}

@@ -281,7 +281,9 @@ class GapData(TypedDict):
     """Measured frames that were replaced."""
     suspicious: list[int]
     """Measured frames beside it that stand out from the marker's own motion and were kept."""
-    state: Literal["filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts"]
+    state: Literal[
+        "filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts", "left_open"
+    ]
     """Filled; or open, since no method has a prediction, no hold-out gap could be made, more error is expected than
     `limit_mm`, or `sd_max_mm` or `jump_mm` contradicts the error expected."""
     reason: str

@@ -94,7 +94,7 @@ def infrared() -> Trial:
     source = recording("cameras/ir_4cam_footage")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        write_rig_toml(folder / "rig.toml", published_rig(source))
+        write_rig_toml(folder / "rig.toml", published_rig(source / "config"))
         (folder / "session.toml").write_text(SETTINGS.format(videos=source.as_posix()))
         trial = Session.open(folder).trial("target").run("detect")
         return Trial("infrared footage (recorded)", trial.rig, trial.detections, None)
@@ -476,11 +476,11 @@ def row(name: str, s: Score, n: int = 1) -> str:
     all_samples = max(s.right + s.wrong + s.none, 1)
     numbers = max(s.number_right + s.number_wrong + s.number_none, 1)
     every = max(s.edits_right + s.declared + s.edits_wrong, 1)
-    return (
-        f"{name:28}{100 * s.right / all_samples:9.2f}{100 * s.wrong / all_samples:7.2f}{100 * s.none / all_samples:7.2f}"
-        f"{100 * s.number_right / numbers:10.2f}{100 * s.number_wrong / numbers:8.2f}{100 * s.number_none / numbers:7.2f}"
-        f"{s.edits_right:10d}{s.declared:10d}{s.edits_wrong:7d}{100 * (1 - s.edits_wrong / every):8.2f}{s.seconds / n:7.2f}"
-    )
+    of = [(s.right, all_samples, "9.2f"), (s.wrong, all_samples, "7.2f"), (s.none, all_samples, "7.2f")]
+    of += [(s.number_right, numbers, "10.2f"), (s.number_wrong, numbers, "8.2f"), (s.number_none, numbers, "7.2f")]
+    shares = "".join(f"{100 * part / whole:{width}}" for part, whole, width in of)
+    good = 100 * (1 - s.edits_wrong / every)
+    return f"{name:28}{shares}{s.edits_right:10d}{s.declared:10d}{s.edits_wrong:7d}{good:8.2f}{s.seconds / n:7.2f}"
 
 
 def main(n: int = 6, seed: int = 0) -> None:

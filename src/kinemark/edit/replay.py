@@ -10,7 +10,8 @@ neither dropped nor applied to anything else.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,14 +40,13 @@ from .values import Changed, Footage, Result, erase, put, smooth, with_image, wi
 from .votes import nearest_images, votes
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Reviewed:
-    """An ambiguous decision with a verdict: its kind, frames from 0, its paths now, and whether it was right."""
+class Reviewed(NamedTuple):
+    """An ambiguous decision with a verdict: its kind, frames from 0, the paths (indices) it is about, whether right."""
 
     decision: str
     first: int
     last: int
-    paths: tuple[str, ...]
+    paths: tuple[int, ...]
     right: bool
 
 
@@ -57,18 +57,41 @@ class Edited:
     Attributes:
         trajectories: the markers, before filling.
         applied: what became of each edit, in the order of the journal.
-        choices: for gaps. events: to be added.
-        trim: first and last frame to be kept, numbers in the recording; None for all. named_only: drop the unnamed.
-        reviewed: ambiguous decisions that nobody is to be asked about again.
+        reviewed: ambiguous decisions that nobody is to be asked about again; paths are those before all edits.
     """
 
     trajectories: Trajectories
     applied: tuple[Applied, ...] = ()
-    choices: tuple[GapChoice, ...] = ()
-    events: tuple[AddEvent, ...] = ()
-    trim: tuple[int, int] | None = None
-    named_only: bool = False
-    reviewed: tuple[Reviewed, ...] = field(default=())
+    reviewed: tuple[Reviewed, ...] = ()
+
+    @property
+    def standing(self) -> tuple[Edit, ...]:
+        """The edits that stand."""
+        return tuple(one.edit for one in self.applied if one.outcome in ("held", "thin"))
+
+    @property
+    def choices(self) -> tuple[GapChoice, ...]:
+        """For gaps."""
+        return tuple(edit for edit in self.standing if isinstance(edit, GapChoice))
+
+    @property
+    def events(self) -> tuple[AddEvent, ...]:
+        """To be added."""
+        return tuple(edit for edit in self.standing if isinstance(edit, AddEvent))
+
+    @property
+    def named_only(self) -> bool:
+        """Whether what has no marker's name is left out in the end."""
+        return any(isinstance(edit, DropUnnamed) for edit in self.standing)
+
+    @property
+    def kept(self) -> tuple[int, int]:
+        """First frame and last-plus-one, from 0, of what is left in the end."""
+        n, start = self.trajectories.n_frames, self.trajectories.first_frame
+        trims = [edit for edit in self.standing if isinstance(edit, Trim)]
+        if not trims:
+            return 0, n
+        return max(trims[-1].first - start, 0), min(max(trims[-1].last - start + 1, 0), n)
 
 
 def replay(
@@ -100,7 +123,10 @@ def replay(
         else:
             result = changing.apply(edit, trajectories)
             applied.append(Applied(number, edit, result.outcome, 1.0, result.samples, result.reason))
-    return _edited(changing.trajectories, trajectories, _overruled(applied), of)
+    found = _overruled(applied)
+    verdicts = [one.edit for one in found if one.outcome == "held" and isinstance(one.edit, Verdict)]
+    reviewed = tuple(_reviewed(edit, trajectories, of) for edit in verdicts)
+    return Edited(changing.trajectories, tuple(found), reviewed)
 
 
 def _claim_outcome(claimed: Claimed, k: int) -> tuple[Outcome, float, int, str]:
@@ -221,39 +247,22 @@ def _about(edit: Edit) -> object:
     return "trim" if isinstance(edit, Trim) else None
 
 
-def _edited(trajectories: Trajectories, before: Trajectories, applied: list[Applied], of: Footage) -> Edited:
-    """All that follows from the edits that stand."""
-    stands = [one.edit for one in applied if one.outcome == "held"]
-    trim = [edit for edit in stands if isinstance(edit, Trim)]
-    return Edited(
-        trajectories,
-        tuple(applied),
-        tuple(edit for edit in stands if isinstance(edit, GapChoice)),
-        tuple(edit for edit in stands if isinstance(edit, AddEvent)),
-        (trim[-1].first, trim[-1].last) if trim else None,
-        any(isinstance(edit, DropUnnamed) for edit in stands),
-        tuple(_reviewed(edit, before, of) for edit in stands if isinstance(edit, Verdict)),
-    )
-
-
 def _reviewed(edit: Verdict, before: Trajectories, of: Footage) -> Reviewed:
     """A verdict by the paths and frames of now."""
     found = votes(edit.where, before, of.detections, world=of.world)
     on = found.path >= 0
-    names = tuple(before.names[p] for p in np.unique(found.path[on]).tolist())
     frames = found.frame[on]
     ends = [(s.first, s.last) for s in edit.where]
     first = min((a - of.first_frame for a, _ in ends if a is not None), default=int(frames.min(initial=0)))
     last = max((b - of.first_frame for _, b in ends if b is not None), default=int(frames.max(initial=0)))
-    return Reviewed(edit.decision, first, last, names, edit.right)
+    return Reviewed(edit.decision, first, last, tuple(np.unique(found.path[on]).tolist()), edit.right)
 
 
 def cropped(trajectories: Trajectories, edited: Edited) -> Trajectories:
     """What is left when the trial is trimmed and its unnamed tracks are dropped."""
-    if edited.trim is not None:
-        first, last = edited.trim
-        start = trajectories.first_frame
-        trajectories = trajectories.frames(max(first - start, 0), max(last - start + 1, 0))
+    first, stop = edited.kept
+    if (first, stop) != (0, trajectories.n_frames):
+        trajectories = trajectories.frames(first, stop)
     if edited.named_only:
         trajectories = replace(trajectories, paths=tuple(path for path in trajectories if is_named(path.name)))
     return trajectories

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..data import Detections, KinemarkError, Rig, Step, Tracks, Trajectories
+from ..edit import cropped
 from ..numerics.blas_threads import one_blas_thread
 from ..report.drawing_library import ASSETS, relink
 from .calibration.calibrated import Calibrated
@@ -19,7 +20,7 @@ from .progress import Cancel, Progress, Watch, check_threads, silent
 from .settings import TrialEntry
 from .sources import Frames, Recording, TrialSource, source_of
 from .store import Store
-from .trial_graph import REPORT, TrialInputs, filled_of, trial_graph
+from .trial_graph import REPORT, TrialInputs, edits_of, filled_of, trial_graph
 from .workspace import Workspace
 
 PREVIEW = "preview"
@@ -153,11 +154,12 @@ class OpenTrial:
     def trajectories(self) -> Trajectories:
         """The markers, filled where `[fill]` says how."""
         calibrated = self.workspace.calibrate()
-        last = "fill" if self.done("fill") else "track"
+        last = next(stage for stage in ("fill", "edit", "track") if stage == "track" or self.done(stage))
         store = Store.read(self.folder)
         source = self.source(calibrated.rig)
         inputs = TrialInputs(self.name, self.folder, self.workspace.settings, source, calibrated, store)
-        return filled_of(inputs, self._records(last)).trajectories
+        records = self._records(last)
+        return cropped(filled_of(inputs, records).trajectories, edits_of(inputs, records))
 
     @property
     def quality(self) -> dict[str, Any]:

@@ -30,6 +30,7 @@ from ..data import (
     make_finding,
 )
 from ..digitise import called, identified_matches, identified_tracks
+from ..edit import Edited, cropped
 from ..fill import Filled, FilledGap, Rays, fill_recording
 from ..findings.gaps import filling_figures
 from ..findings.quality import write_quality
@@ -57,6 +58,7 @@ from ..track.simultaneous import (
 )
 from ..track.simultaneous.diagnostics_of_points import points_left_out
 from .calibration.calibrated import Calibrated
+from .edit_stage import cropped_fill, edit_stage, unreviewed, with_edits
 from .graph import Graph, Records, Stage
 from .identities import identity_of_entry, stated_identity, with_identity
 from .keys import rig_key
@@ -126,6 +128,9 @@ def trial_graph(name: str, settings: Settings, source: TrialSource, calibrated: 
         stages.append(Stage("reconstruct", places, ("cloud.h5",), _reconstruct, save, cloud, s.reconstruct))
         stages.append(tracks.stage(_from_points, ("detect", "reconstruct"), s.track, ()))
     needs: tuple[str, ...] = ("detect", "track")
+    edits = edit_stage(source.of.root, name, calibrated.rig, needs, measured_of)
+    stages += edits
+    needs = (*needs, *(stage.name for stage in edits))
     if s.fill is not None:
         stages.append(Stage("fill", needs, ("fills.h5",), _fill, save, _reader(Fills), s.fill))
         needs = (*needs, "fill")
@@ -162,9 +167,14 @@ def measured_of(inputs: TrialInputs, records: Records) -> Trajectories:
     return measured if operated is None else called(measured, operated.names, records["detect"].n_frames)
 
 
+def edits_of(inputs: TrialInputs, records: Records) -> Edited:
+    """The trajectories as people said they are."""
+    return records["edit"].edited if "edit" in records else Edited(measured_of(inputs, records))
+
+
 def filled_of(inputs: TrialInputs, records: Records) -> Filled:
     """The trajectories with what was filled, and what became of every gap."""
-    measured = measured_of(inputs, records)
+    measured = edits_of(inputs, records).trajectories
     if "fill" not in records:
         return Filled(measured, ())
     fills: Fills = records["fill"]
@@ -234,17 +244,19 @@ def _from_points(inputs: TrialInputs, records: Records) -> Tracked:
 
 def _fill(inputs: TrialInputs, records: Records) -> Fills:
     """What filling adds, by `[fill]`."""
-    method, measured = inputs.settings.fill, measured_of(inputs, records)
+    method, edited = inputs.settings.fill, edits_of(inputs, records)
     assert method is not None  # else there is no such stage
     rays = Rays.left_by(records["track"].tracks, records["detect"], inputs.rig)
-    filled = fill_recording(measured, rays, method=method)
+    measured = edited.trajectories
+    filled = fill_recording(measured, rays, method=method, choices=edited.choices)
     return Fills.between(measured, filled.trajectories, tuple(json.dumps(asdict(gap)) for gap in filled.gaps))
 
 
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
     s, detections, tracked, of = inputs.settings, records["detect"], records["track"], inputs.source.of
-    filled, beside = filled_of(inputs, records), inputs.source.beside()
+    edited, beside = edits_of(inputs, records), inputs.source.beside()
+    filled = cropped_fill(filled_of(inputs, records), edited)
     swapped = swapped_cameras(detections, inputs.rig, tracked.tracks.cloud, matching=s.match, placing=s.reconstruct)
     figures = quality(
         session=s.name,
@@ -260,12 +272,15 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
             *_channels(beside, filled.trajectories),
             *swapped,
             *tracked.diagnostics,
+            *(records["edit"].findings if "edit" in records else ()),
         ),
-        ambiguous_decisions=tracked.ambiguous_decisions,
+        ambiguous_decisions=unreviewed(tracked.ambiguous_decisions, edited),
         judged=inputs.calibrated.figures,
-        filling=_gap_figures(inputs, filled, measured_of(inputs, records)),
+        filling=_gap_figures(inputs, filled, cropped(edited.trajectories, edited)),
         identity=identity_of_entry(of.root, s, of.entry, beside.about if beside else None),
     )
+    if "edit" in records:
+        figures["edits"] = records["edit"].figures
     operated = inputs.source.operated()
     if operated is not None:
         figures["digitising"] = dict(operated.figures)
@@ -302,11 +317,12 @@ def _gap_figures(inputs: TrialInputs, filled: Filled, measured: Trajectories) ->
 
 def _write(inputs: TrialInputs, records: Records) -> None:
     """The trial for other programs, and for a person who reads."""
-    trajectories, figures = filled_of(inputs, records).trajectories, records["quality"]
+    whole, figures, edited = filled_of(inputs, records).trajectories, records["quality"], edits_of(inputs, records)
     folder, name, steps = inputs.folder, inputs.name, tuple(inputs.store.steps)
-    beside = inputs.source.beside() or Trial("", trajectories)
+    beside = inputs.source.beside() or Trial("", whole)
     about = with_identity(beside.about, figures["identity"])
-    trial = replace(beside, trajectories=trajectories, name=name, steps=_own(steps), about=about)
+    trial = with_edits(replace(beside, trajectories=whole, name=name, steps=_own(steps), about=about), edited)
+    trajectories = trial.trajectories
     write_c3d(folder / f"{name}.c3d", trial)
     write_report(
         folder / REPORT,
@@ -320,7 +336,7 @@ def _write(inputs: TrialInputs, records: Records) -> None:
         assets=inputs.assets,
     )
     if inputs.settings.fill is not None:
-        before = measured_of(inputs, records)
+        before = cropped(edited.trajectories, edited)
         drawn = figures["filling"] | {"identity": figures["identity"]}
         write_filling_page(folder / GAPS, figures=drawn, trajectories=trajectories, before=before)
 

@@ -346,6 +346,27 @@ class IdentityData(TypedDict):
 
 
 @documented
+class EditData(TypedDict):
+    """One edit of a journal, and what became of it."""
+
+    entry: int
+    """Number of its entry in the journal."""
+    edit: str
+    """Its kind."""
+    markers: list[str]
+    frames: list[int]
+    """First and last that it is about, numbers in the recording; 0, 0 where it is about none."""
+    outcome: Literal["held", "thin", "moot", "overruled", "orphan"]
+    """It stands; it stands on few of its witnesses; nothing was left to do; a later one says otherwise; it no longer
+    finds its place."""
+    share: Share
+    """Of its witnesses that were found."""
+    samples: Count
+    reason: str
+    """Why it does not stand; else empty."""
+
+
+@documented
 class Quality(TypedDict):
     """How good a trial is: every figure of its report, in values and words."""
 
@@ -367,6 +388,8 @@ class Quality(TypedDict):
     ambiguous_decisions: list[DecisionData]
     filling: FillingData | None
     """None where no gaps were to be filled."""
+    edits: NotRequired[list[EditData]]
+    """What people said of the trial, in the order in which it was said."""
     digitising: NotRequired[DigitisingData]
     """Of trials that an operator digitised."""
     findings: list[FindingData]

@@ -2,12 +2,17 @@
 
     overlap    in frames that both have, they must be at one place: their distance against its standard deviation, by
                the covariances of both (1)
-    gap        else each is continued over the gap to where the other begins, by a parabola through its last half
-               second; the uncertainty of that, and q²T⁵/20 in each axis for acceleration that changes by q per √s,
-               say how far off it may be (2)
+    gap        else each is continued to the middle of the gap, and both must come to one place there (2)
 
-They are connectable where the median of √3 distance over standard deviation, of all axes together, is at most SURE. In millimetres the distance
-is stated too, for whoever decides.
+A path is continued by the motion model of tracking: with t the time from the place that is asked for, a sample is
+x(t) = x₀ + v t + a t²/2 + w(t) + noise, with v and a of known variance, and w of an acceleration that changes at random
+by q per √s,
+
+    cov(w(s), w(t)) = q² (m⁵/20 + d m⁴/8 + d² m³/12),   m = min(s, t), d = |s − t|                       (3)
+
+so that x₀ and its variance follow by generalised least squares. They are connectable where the median of √3
+distance over standard deviation, of all axes together, is at most SURE. In millimetres the distance is stated too, for
+whoever decides.
 """
 
 from __future__ import annotations
@@ -21,12 +26,12 @@ from ..data.array_types import Floats, Ints
 
 SURE = 3.0
 """Standard deviations; chosen: of places in three axes 1 in 30 is farther by chance."""
-LOOK_S = 0.5
-"""s of path that is continued; chosen, a part of a stride."""
-PROCESS_NOISE = 20_000.0
-"""mm/s² per √s: how fast the acceleration of a marker changes; chosen, half of what tracking allows."""
-FASTEST = 1000.0
-"""mm/s, standard deviation of each component of the velocity of a path too short to tell its own; chosen."""
+LOOK_S = 0.3
+"""s of path that is continued; chosen: more tells nothing new of how it goes on."""
+PROCESS_NOISE = 40_000.0
+"""q, mm/s² per √s; chosen, as in tracking."""
+SPEED, ACCELERATION = 1500.0, 15_000.0
+"""mm/s and mm/s²: standard deviations of each component of v and a; chosen, as in tracking."""
 USUAL_MM = 1.0
 """mm, standard deviation of a sample that states none, per axis; chosen."""
 LEAST_MM = 1.0
@@ -73,8 +78,8 @@ def connection(one: MarkerTrajectory, other: MarkerTrajectory, *, rate: float) -
     if 0 < near < len(a):  # b lies in a gap of a, or reaches over several: look at the nearest ends
         return _judged(0, *_over_gaps(one, other, a, b, rate))
     first, last, x, y = (one, other, a, b) if a[-1] < b[0] else (other, one, b, a)
-    off, sd = _across(first, last, x, y, rate)
-    return _judged(0, int(y[0] - x[-1] - 1), np.array([off]), np.array([sd]))
+    distance, deviation = _across(first, last, x, y, rate)
+    return _judged(0, int(y[0] - x[-1] - 1), np.array([distance]), np.array([deviation]))
 
 
 def _over_gaps(
@@ -104,17 +109,17 @@ def _across(before: MarkerTrajectory, after: MarkerTrajectory, x: Ints, y: Ints,
 
 
 def _continued(path: MarkerTrajectory, frames: Ints, to: float, rate: float) -> tuple[Floats, float]:
-    """Where a path is that goes on as it ends, (3) mm, and its variance, all axes together, mm²; nearest frame first."""
+    """Where a path is at `to`, (3) mm, and its variance, all axes together, mm²; of its frames, the nearest first."""
     near = frames[np.abs(frames - frames[0]) <= LOOK_S * rate]
-    t = (near - to) / rate
-    degree = min(2, len(near) - 1)
-    V = np.vander(t, degree + 1, increasing=True)
-    w = np.linalg.pinv(V)[0]
+    t = np.abs(near - to) / rate
+    m, d = np.minimum(t, t[:, None]), np.abs(t - t[:, None])
+    cov = PROCESS_NOISE**2 * (m**5 / 20 + d * m**4 / 8 + d**2 * m**3 / 12)  # (3)
+    cov += np.outer(t, t) * SPEED**2 + np.outer(t**2, t**2) / 4 * ACCELERATION**2
+    cov += np.diag(_variance(path, near) / 3)
+    weight = np.linalg.solve(cov, np.ones(len(t)))
     origin = path.xyz[near[0]]
-    place = origin + w @ (path.xyz[near] - origin)
-    T = abs(float(to - frames[0])) / rate
-    moved = 3 * (PROCESS_NOISE**2 * T**5 / 20 if degree == 2 else (FASTEST * T) ** 2)  # (2)
-    return place, float((w**2) @ _variance(path, near) + moved)
+    place = origin + weight @ (path.xyz[near] - origin) / weight.sum()
+    return place, float(3 / weight.sum())
 
 
 def _variance(path: MarkerTrajectory, frames: Ints) -> Floats:

@@ -19,6 +19,7 @@ COMMANDS = {
     "commands/listings.py": ("methods", "schema", "cite"),
     "commands/detect.py": ("detect",),
     "commands/label.py": ("label",),
+    "commands/edits.py": ("edits",),
     "commands/fill.py": ("fill",),
     "commands/files.py": ("info", "convert"),
     "commands/analysis.py": ("angles", "sensitivity"),

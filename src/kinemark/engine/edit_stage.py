@@ -73,6 +73,11 @@ def edit_stage(
     return [Stage("edit", needs, ("edited.h5", OUTCOMES), compute, _save, _load, given=given)]
 
 
+def stage_before_edits(stages: Sequence[str]) -> str:
+    """The last of these stages that edits are applied to: where names are given, else where tracks are."""
+    return "label" if "label" in stages else "track"
+
+
 def unreviewed(decisions: Sequence[AmbiguousDecision], edited: Edited) -> tuple[AmbiguousDecision, ...]:
     """The ambiguous decisions on which nobody gave a verdict."""
     return tuple(one for one in decisions if not any(_is_about(verdict, one) for verdict in edited.reviewed))

@@ -15,6 +15,7 @@ from ..edit import cropped
 from ..numerics.blas_threads import one_blas_thread
 from ..report.drawing_library import ASSETS, relink
 from .calibration.calibrated import Calibrated
+from .edit_stage import stage_before_edits
 from .graph import Graph
 from .progress import Cancel, Progress, Watch, check_threads, silent
 from .settings import TrialEntry
@@ -111,6 +112,19 @@ class OpenTrial:
             relink(self.folder / REPORT, s.results / ASSETS, self_contained=s.assets is None)
             return replace(self, steps=tuple(store.steps), computed=tuple(store.computed))
 
+    def before_edits(
+        self, *, progress: Progress = silent, cancel: Cancel | None = None
+    ) -> tuple[OpenTrial, TrialInputs, dict[str, Any]]:
+        """The trial processed as far as edits need it, with what the stages are given and the records so far.
+
+        Raises:
+            KinemarkError: the input cannot be used.
+            Cancelled: `cancel` was set.
+        """
+        last = stage_before_edits(self.stages)
+        done = self.run(last, progress=progress, cancel=cancel)
+        return done, done._inputs(), done._records(last)
+
     def state(self) -> dict[str, bool]:
         """Each stage, and whether its record is there and up to date."""
         graph = self._graph(self.workspace.calibrate())
@@ -153,12 +167,8 @@ class OpenTrial:
     @property
     def trajectories(self) -> Trajectories:
         """The markers, filled where `[fill]` says how."""
-        calibrated = self.workspace.calibrate()
         last = next(stage for stage in ("fill", "edit", "track") if stage == "track" or self.done(stage))
-        store = Store.read(self.folder)
-        source = self.source(calibrated.rig)
-        inputs = TrialInputs(self.name, self.folder, self.workspace.settings, source, calibrated, store)
-        records = self._records(last)
+        inputs, records = self._inputs(), self._records(last)
         return cropped(filled_of(inputs, records).trajectories, edits_of(inputs, records))
 
     @property
@@ -170,6 +180,12 @@ class OpenTrial:
         """Where its detections come from."""
         s = self.workspace
         return source_of(Recording(s.root, s.settings, self.entry, rig, self.frames, self.folder))
+
+    def _inputs(self) -> TrialInputs:
+        """What the stages are given, to look at what they left."""
+        calibrated = self.workspace.calibrate()
+        source, store = self.source(calibrated.rig), Store.read(self.folder)
+        return TrialInputs(self.name, self.folder, self.workspace.settings, source, calibrated, store)
 
     def _graph(self, calibrated: Calibrated) -> Graph[TrialInputs]:
         return trial_graph(self.name, self.workspace.settings, self.source(calibrated.rig), calibrated)

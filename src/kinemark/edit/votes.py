@@ -8,9 +8,9 @@ differ, the witness is silent (3).
 So images carry an edit over another calibration, or a world that was moved; places carry it over images that were
 measured otherwise.
 
-A witness also denies a path (4): where that has a sample in its frame, and the witness is on another path, or two or
-more cameras have images of both and most are more than CROWDED px apart, or, without such images, the places are more
-than FAR_MM apart.
+A witness also denies a path (4): where that has no sample in its frame; where the witness is on another path; or
+where two or more cameras have images of both and most are more than CROWDED px apart, or, without such images, the
+places are more than FAR_MM apart.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def denies(said: Votes, p: int, trajectories: Trajectories, detections: Detectio
     path = trajectories.paths[p]
     inside = (said.frame >= 0) & (said.frame < len(path))
     frame = np.where(inside, said.frame, 0)
-    there = inside & (path.origin[frame] != Origin.MISSING)
+    lost = path.origin[frame] == Origin.MISSING
     far = np.nan_to_num(np.linalg.norm(path.xyz[frame] - said.xyz, axis=1)) > FAR_MM
     if detections is not None and path.detection.shape[1]:
         rows = path.detection[frame]
@@ -87,7 +87,7 @@ def denies(said: Votes, p: int, trajectories: Trajectories, detections: Detectio
         both = (rows >= 0) & np.isfinite(apart)
         off = (both & (apart > CROWDED)).sum(1)
         far = np.where(both.sum(1) >= FEWEST, 2 * off > both.sum(1), far)
-    return there & ((said.path >= 0) & (said.path != p) | (said.path < 0) & far)
+    return inside & (lost | (said.path >= 0) & (said.path != p) | (said.path < 0) & far)
 
 
 def _witnesses(stretches: Sequence[Stretch], first_frame: int, cameras: Sequence[str], world: str) -> Votes:

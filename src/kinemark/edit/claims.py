@@ -142,24 +142,20 @@ def _one_a_frame(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, 
 def _renamed(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, kept: Bools) -> Trajectories:
     """The paths by what their samples are called now; paths that nothing changed are the same."""
     parts: dict[str, list[tuple[int, Bools]]] = {}
-    untouched, number = dict[str, MarkerTrajectory](), _first_free(trajectories)
+    number = _first_free(trajectories)
     for p, path in enumerate(trajectories):
         present = path.origin != Origin.MISSING
         if (of[p] < 0).all() and kept[p][present].all():
             parts.setdefault(path.name, []).append((p, present))
-            untouched[path.name] = path
             continue
         for name, mask in _pieces(path, claims, of[p], kept[p], present):
             called = name
             if not called:
                 called, number = f"{UNNAMED}{number}", number + 1
             parts.setdefault(called, []).append((p, mask))
-    paths = []
-    for name, masks in parts.items():
-        same = untouched.get(name)
-        alone = same is not None and len(masks) == 1
-        paths.append(same if same is not None and alone else _joined(trajectories, name, masks))
-    return replace(trajectories, paths=tuple(paths))
+    paths = tuple(_joined(trajectories, name, masks) for name, masks in parts.items())
+    same = len(paths) == len(trajectories) and all(a is b for a, b in zip(paths, trajectories, strict=True))
+    return trajectories if same else replace(trajectories, paths=paths)
 
 
 def _pieces(
@@ -191,7 +187,7 @@ def _joined(trajectories: Trajectories, name: str, masks: Sequence[tuple[int, Bo
     p, mask = masks[0]
     first = trajectories.paths[p]
     if len(masks) == 1 and np.array_equal(mask, first.origin != Origin.MISSING):
-        return replace(first, name=name)
+        return first if first.name == name else replace(first, name=name)
     blank = _blank(name, len(first), max(trajectories.paths[p].detection.shape[1] for p, _ in masks))
     for p, mask in masks:
         path = trajectories.paths[p]

@@ -15,7 +15,7 @@ from support.edited import FRAMES, entries, paths_without_images, samples, scene
 
 
 def claim(name, called, trajectories=None, **where):
-    rig, detections, tracks, world = scene()
+    _, detections, tracks, world = scene()
     if trajectories is not None:
         return Claim(stretch_of(trajectories, name, **where), called)
     return Claim(stretch_of(tracks, name, detections=detections, world=world, **where), called)

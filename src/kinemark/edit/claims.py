@@ -184,6 +184,7 @@ def _uncut(mask: Bools, cuts: Bools) -> Iterator[Bools]:
 
 def _joined(trajectories: Trajectories, name: str, masks: Sequence[tuple[int, Bools]]) -> MarkerTrajectory:
     """One path of samples of several, no frame of them twice."""
+    masks = [one for one in masks if one[1].any()] or masks[:1]
     p, mask = masks[0]
     first = trajectories.paths[p]
     if len(masks) == 1 and np.array_equal(mask, first.origin != Origin.MISSING):

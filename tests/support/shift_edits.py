@@ -28,25 +28,25 @@ def trial(by):
 
 
 @law(stretch_of, mm=1e-2)
-def _(by, parameter):
+def _(by):
     where: Stretch = stretch_of(trial(by), "*2", first=9, at=77)
     return Answer(np.array([w.xyz for w in where.witnesses]), [w.frame for w in where.witnesses])
 
 
 @law(replay, mm=1e-6)
-def _(by, parameter):
+def _(by):
     edited = replay(trial(by), said(by))
     return Answer(edited.trajectories.xyz, [(one.outcome, one.samples) for one in edited.applied])
 
 
 @law(cropped)
-def _(by, parameter):
+def _(by):
     edited = replay(trial(by), said(by))
     return Answer(cropped(edited.trajectories, edited).xyz)
 
 
 @law(connection, share=1e-6)
-def _(by, parameter):
+def _(by):
     one, other = trial(by).paths[:2]
     missing = np.arange(len(one)) >= 90
     first = replace(one, xyz=np.where(missing[:, None], np.nan, one.xyz), origin=np.where(missing, 0, one.origin))

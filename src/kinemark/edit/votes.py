@@ -8,9 +8,9 @@ differ, the witness is silent (3).
 So images carry an edit over another calibration, or a world that was moved; places carry it over images that were
 measured otherwise.
 
-A witness also denies a path (4): where that has no sample within DROPOUT frames; where the witness is on another path;
-or where two or more cameras have images of both and most are more than CROWDED px apart, or, without such images, the
-places are more than FAR_MM apart.
+A witness also denies a path that has a sample in its frame (4): where the witness is on another path; or where two or
+more cameras have images of both and most are more than CROWDED px apart, or, without such images, the places are more
+than FAR_MM apart.
 """
 
 from __future__ import annotations
@@ -30,8 +30,6 @@ NEAR_MM, TWICE = 10.0, 2.0
 """mm, and times; of (2). Chosen: less than markers are apart. See studies/edits.py."""
 FAR_MM = 30.0
 """mm, of (4); chosen: farther than any noise, and near for two markers. See studies/edits.py."""
-DROPOUT = 2
-"""Frames, of (4); chosen: a path that lacks more has lost its marker. See studies/edits.py."""
 FEWEST = 2
 """Images that must agree; by definition of a point."""
 
@@ -81,8 +79,7 @@ def denies(said: Votes, p: int, trajectories: Trajectories, detections: Detectio
     path = trajectories.paths[p]
     inside = (said.frame >= 0) & (said.frame < len(path))
     frame = np.where(inside, said.frame, 0)
-    near = (frame[:, None] + np.arange(-DROPOUT, DROPOUT + 1)).clip(0, len(path) - 1)
-    lost = (path.origin[near] == Origin.MISSING).all(1)
+    there = inside & (path.origin[frame] != Origin.MISSING)
     far = np.nan_to_num(np.linalg.norm(path.xyz[frame] - said.xyz, axis=1)) > FAR_MM
     if detections is not None and path.detection.shape[1]:
         rows = path.detection[frame]
@@ -90,7 +87,7 @@ def denies(said: Votes, p: int, trajectories: Trajectories, detections: Detectio
         both = (rows >= 0) & np.isfinite(apart)
         off = (both & (apart > CROWDED)).sum(1)
         far = np.where(both.sum(1) >= FEWEST, 2 * off > both.sum(1), far)
-    return inside & (lost | (said.path >= 0) & (said.path != p) | (said.path < 0) & far)
+    return there & ((said.path >= 0) & (said.path != p) | (said.path < 0) & far)
 
 
 def _witnesses(stretches: Sequence[Stretch], first_frame: int, cameras: Sequence[str], world: str) -> Votes:

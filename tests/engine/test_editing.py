@@ -1,16 +1,20 @@
 """Editing a session's trial and a file: what is said holds through the pipeline, and nothing else changes."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from kinemark import KinemarkError
 from kinemark.data import Trial, same
+from kinemark.edit import Edited, Reviewed
 from kinemark.engine.edit_files import journal_at, open_editing, write_edited
+from kinemark.engine.edit_stage import unreviewed
 from kinemark.engine.editing import Editing
 from kinemark.engine.session import Session
 from kinemark.io.c3d import read_c3d, write_c3d
+from kinemark.track.simultaneous import AmbiguousDecision
 from support.edited import paths_without_images
 from support.sessions import folder_of
 
@@ -147,10 +151,6 @@ def test_signing_changes_no_result_and_holds_the_head(session):
 
 
 def test_reviewed_decisions_are_not_asked_again():
-    from kinemark.edit import Edited, Reviewed
-    from kinemark.engine.edit_stage import unreviewed
-    from kinemark.track.simultaneous import AmbiguousDecision
-
     asked = [
         AmbiguousDecision("swap", 10, 12, (0, 1), "came_near"),
         AmbiguousDecision("swap", 50, 52, (0, 1), "came_near"),
@@ -158,6 +158,22 @@ def test_reviewed_decisions_are_not_asked_again():
     ]
     edited = Edited(paths_without_images(), reviewed=(Reviewed("swap", 8, 14, (0, 1), True),))
     assert unreviewed(asked, edited) == tuple(asked[1:])
+
+
+def test_a_verdict_and_a_corrected_image_are_said_of_what_is_there(session):
+    editing = open_editing(session)
+    asked = AmbiguousDecision("swap", 8, 10, (0, 2), "came_near")
+    editing = replace(editing, decisions=(asked,))
+    said = editing.review(1, right=True)
+    assert [one.outcome for one in said.applied] == ["held"] and unreviewed([asked], editing.edited()) == ()
+    with pytest.raises(KinemarkError, match="no decision 2"):
+        editing.review(2, right=False)
+    editing.claim("*1", "A")
+    before = editing.edited().trajectories["A"]
+    u, v = editing.detections.uv[before.detection[9].max()].tolist()
+    name = editing.rig.names[int(before.detection[9].argmax())]
+    assert editing.image(name, 10, u + 20, v, "A").applied[0].outcome == "held"
+    assert np.linalg.norm(editing.edited().trajectories["A"].xyz[9] - before.xyz[9]) > 1.0
 
 
 def test_the_command_line_says_lists_checks_and_undoes(session, capsys):

@@ -85,7 +85,7 @@ def unreviewed(decisions: Sequence[AmbiguousDecision], edited: Edited) -> tuple[
 
 def _is_about(verdict: Reviewed, decision: AmbiguousDecision) -> bool:
     """Whether a verdict was on this decision: of one kind, about all of its tracks, at its time."""
-    same = verdict.decision == decision.kind and set(decision.tracks) <= set(verdict.paths)
+    same = verdict.decision == decision.kind and {t for t in decision.tracks if t >= 0} <= set(verdict.paths)
     return same and verdict.first <= decision.last and verdict.last >= decision.first
 
 

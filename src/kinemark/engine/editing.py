@@ -8,7 +8,7 @@ which is never changed: `edit_files.write_edited` writes another one. What is sa
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
@@ -30,12 +30,14 @@ from ..data.edits import (
     Signed,
     Smooth,
     Trim,
+    Verdict,
     is_named,
 )
 from ..edit import Connection, Edited, connection, replay, stretch_of
 from ..edit.values import Footage, solve
 from ..geometry import project
 from ..io.trial import read_trial
+from ..track.simultaneous import AmbiguousDecision
 from .edit_stage import applied_entries, check_methods
 from .journal import Journal
 from .keys import world_key
@@ -44,6 +46,8 @@ from .trial_graph import measured_of
 
 EditKind = TypeVar("EditKind")
 
+REVIEWED_BESIDE = 20
+"""Frames before and after an ambiguous decision that witnesses of a verdict are taken from; chosen."""
 PUT_SD = 1.0
 """mm per axis, of a place put by hand where nobody says; chosen."""
 
@@ -63,6 +67,7 @@ class Editing:
         name: of the trial. journal: of what was said.
         trajectories: before all edits; detections, rig: behind them, None for a file without.
         by: who edits; the user of the machine where empty.
+        source: the file's trial; None of a session's. decisions: of the tracking that were close.
     """
 
     name: str
@@ -71,7 +76,8 @@ class Editing:
     detections: Detections | None = None
     rig: Rig | None = None
     by: str = ""
-    source: Trial | None = field(default=None)
+    source: Trial | None = None
+    decisions: tuple[AmbiguousDecision, ...] = ()
 
     @classmethod
     def of_trial(cls, trial: OpenTrial, *, by: str = "") -> Editing:
@@ -82,7 +88,10 @@ class Editing:
         """
         done, inputs, records = trial.before_edits()
         journal = Journal.of(trial.workspace.root, trial.name)
-        return cls(done.name, journal, measured_of(inputs, records), records["detect"], inputs.rig, by)
+        decisions = records["track"].ambiguous_decisions
+        return cls(
+            done.name, journal, measured_of(inputs, records), records["detect"], inputs.rig, by, decisions=decisions
+        )
 
     @classmethod
     def of_file(cls, path: Path, *, by: str = "") -> Editing:
@@ -235,6 +244,30 @@ class Editing:
                 f"in {high}. Name the pieces that are missing, or say from where to where: --frames."
             )
         return self.say(DropUnnamed(), Trim(low, high), why=why)
+
+    def review(self, number: int, *, right: bool, why: str = "") -> Said:
+        """A verdict on an ambiguous decision, by its number from 1 among those of the tracking.
+
+        Raises:
+            KinemarkError: there is no such decision, or its tracks have no sample at its time.
+        """
+        if not 1 <= number <= len(self.decisions):
+            raise KinemarkError(f"There is no decision {number}: the tracking left {len(self.decisions)} to look at.")
+        decision, start = self.decisions[number - 1], self.trajectories.first_frame
+        ends = decision.first + start, decision.last + start
+        beside = ends[0] - REVIEWED_BESIDE, ends[1] + REVIEWED_BESIDE
+        names = [self.trajectories.names[track] for track in decision.tracks if track >= 0]
+        try:
+            where = tuple(
+                stretch_of(
+                    self.trajectories, name, first=ends[0], last=ends[1], within=beside, detections=self.detections,
+                    world=self.world,
+                )
+                for name in names
+            )  # fmt: skip
+        except ValueError as error:
+            raise KinemarkError(f"{error}.") from error
+        return self.say(Verdict(decision.kind, where, right), why=why)
 
     def sign(self, *, why: str = "") -> Entry:
         """Stand for the trial as it is now."""

@@ -6,19 +6,27 @@ journal edits/NAME.jsonl beside session.toml or the file, and is applied wheneve
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from cyclopts import App, Parameter
 
 from ...data import KinemarkError
-from ...data.edits import Applied, Entry, counting
+from ...data.edits import counting
 from ...engine.edit_files import journal_at, open_editing, write_edited
-from ...engine.editing import Said
-from ...io.edits_jsonl import JournalText
 from ...io.notes import file_note_text
-from ...report.words import edit_text
+from ..edits_output import (
+    applied_figures,
+    applied_text,
+    closed_span,
+    entry_figures,
+    entry_line,
+    fault_lines,
+    image_of,
+    print_entry,
+    print_said,
+    span_of,
+)
 from ..output import Json, print_result
 
 edits = App(name="edits", help=__doc__)
@@ -42,10 +50,10 @@ def list_entries(trial: Path, *, json: Json = False) -> None:
     text = journal_at(trial).read()
     counts = {entry.id for entry in counting(text.entries)}
     if json:
-        print_result([_entry_figures(entry) | {"counts": entry.id in counts} for entry in text.entries])
+        print_result([entry_figures(entry) | {"counts": entry.id in counts} for entry in text.entries])
         return
-    lines = [_line(entry) + ("" if entry.id in counts else "  (undone)") for entry in text.entries]
-    print_result("\n".join([*lines, *_faults(text)]) or "nothing was said")
+    lines = [entry_line(entry) + ("" if entry.id in counts else "  (undone)") for entry in text.entries]
+    print_result("\n".join([*lines, *fault_lines(text)]) or "nothing was said")
 
 
 @edits.command
@@ -60,9 +68,9 @@ def check(trial: Path, *, json: Json = False) -> None:
     applied, text = editing.edited().applied, editing.journal.read()
     if json:
         faults = [fault._asdict() for fault in text.faults]
-        print_result({"applied": [_applied_figures(one) for one in applied], "faults": faults})
+        print_result({"applied": [applied_figures(one) for one in applied], "faults": faults})
     else:
-        print_result("\n".join([*map(_applied_text, applied), *_faults(text)]) or "nothing was said")
+        print_result("\n".join([*map(applied_text, applied), *fault_lines(text)]) or "nothing was said")
     if text.faults:
         raise SystemExit(1)
 
@@ -82,14 +90,14 @@ def show(trial: Path, entry: int, *, json: Json = False) -> None:
         raise KinemarkError(f"There is no entry {entry}. List them: kinemark edits list {trial}.")
     applied = [one for one in editing.edited().applied if one.entry == entry]
     if json:
-        print_result(_entry_figures(found) | {"applied": [_applied_figures(one) for one in applied]})
+        print_result(entry_figures(found) | {"applied": [applied_figures(one) for one in applied]})
         return
-    lines = [_line(found), f"  version {found.version}, line before {found.before[:12]}"]
+    lines = [entry_line(found), f"  version {found.version}, line before {found.before[:12]}"]
     for edit in found.edits:
         where = getattr(edit, "where", ())
         for stretch in where if isinstance(where, tuple) else (where,):
             lines += [f"  witness: frame {w.frame} at {w.xyz} mm, {len(w.images)} images" for w in stretch.witnesses]
-    print_result("\n".join([*lines, *map(_applied_text, applied)]))
+    print_result("\n".join([*lines, *map(applied_text, applied)]))
 
 
 @edits.command
@@ -101,7 +109,7 @@ def undo(trial: Path, entry: int | None = None, *, why: Why = "", by: By = "", j
         entry: its number; the last that counts where none is given.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    _print_entry(journal_at(trial).undo(entry, why=why, by=by), json)
+    print_entry(journal_at(trial).undo(entry, why=why, by=by), json)
 
 
 @edits.command
@@ -112,7 +120,7 @@ def redo(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
         trial: SESSION/NAME or a file.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    _print_entry(journal_at(trial).redo(why=why, by=by), json)
+    print_entry(journal_at(trial).redo(why=why, by=by), json)
 
 
 @edits.command
@@ -123,7 +131,7 @@ def sign(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
         trial: SESSION/NAME or a file.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    _print_entry(open_editing(trial, by=by).sign(why=why), json)
+    print_entry(open_editing(trial, by=by).sign(why=why), json)
 
 
 @edits.command
@@ -155,7 +163,7 @@ def claim(
     if (name is None) != no_marker:
         raise KinemarkError("Say either --name NAME or --no-marker.")
     editing = open_editing(trial, by=by)
-    first, last = _span(frames)
+    first, last = span_of(frames)
     joined = None if name is None or frames is not None else editing.connection(track, name)
     if joined is not None and not joined.connectable and not anyway:
         where = f"overlap in {joined.overlap} frames" if joined.overlap else f"are {joined.gap} frames apart"
@@ -163,7 +171,7 @@ def claim(
             f"{track} does not go on {name}: they {where}, and are {joined.off_mm:.1f} mm off, "
             f"{joined.deviations:.1f} standard deviations. Join them with --anyway, or name frames with --frames."
         )
-    _print_said(editing.claim(track, name, first=first, last=last, why=why), json)
+    print_said(editing.claim(track, name, first=first, last=last, why=why), json)
 
 
 @edits.command
@@ -178,8 +186,8 @@ def exchange(
         frames: in which they are exchanged: 751- from frame 751 on.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    first, last = _span(frames)
-    _print_said(open_editing(trial, by=by).exchange(one, other, first=first, last=last, why=why), json)
+    first, last = span_of(frames)
+    print_said(open_editing(trial, by=by).exchange(one, other, first=first, last=last, why=why), json)
 
 
 @edits.command
@@ -191,7 +199,7 @@ def erase(trial: Path, marker: str, *, frames: str, why: Why = "", by: By = "", 
         marker: its name. frames: A-B, or one.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    _print_said(open_editing(trial, by=by).erase(marker, *_closed(frames), why=why), json)
+    print_said(open_editing(trial, by=by).erase(marker, *closed_span(frames), why=why), json)
 
 
 @edits.command
@@ -204,7 +212,7 @@ def gap(trial: Path, marker: str, *, frames: str, method: str, why: Why = "", by
         method: one of `kinemark methods fill`; best for the least expected error; open for not at all.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    _print_said(open_editing(trial, by=by).gap(marker, *_closed(frames), method, why=why), json)
+    print_said(open_editing(trial, by=by).gap(marker, *closed_span(frames), method, why=why), json)
 
 
 @edits.command
@@ -234,9 +242,57 @@ def put(
         raise KinemarkError("Say either --at X Y Z or --image CAMERA:U,V for two cameras or more.")
     editing = open_editing(trial, by=by)
     if at is not None:
-        _print_said(editing.put(marker, frame, at, sd_mm=sd, why=why), json)
+        print_said(editing.put(marker, frame, at, sd_mm=sd, why=why), json)
     else:
-        _print_said(editing.put_in_images(marker, frame, dict(map(_image, image or [])), why=why), json)
+        print_said(editing.put_in_images(marker, frame, dict(map(image_of, image or [])), why=why), json)
+
+
+@edits.command
+def image(
+    trial: Path,
+    camera: str,
+    *,
+    frame: int,
+    at: tuple[float, float],
+    name: str | None = None,
+    no_marker: Annotated[bool, Parameter(negative="")] = False,
+    why: Why = "",
+    by: By = "",
+    json: Json = False,
+) -> None:
+    """Say where a marker is in an image, or that the image there is none; its sample is worked out again.
+
+    Args:
+        trial: SESSION/NAME.
+        camera: its name. frame: number in the recording. at: U V in px.
+        name: of the marker.
+        no_marker: the image there is no marker's.
+        why: in your words. by: who says it. json: print it for a machine.
+    """
+    if (name is None) != no_marker:
+        raise KinemarkError("Say either --name NAME or --no-marker.")
+    print_said(open_editing(trial, by=by).image(camera, frame, *at, name, why=why), json)
+
+
+@edits.command
+def review(
+    trial: Path,
+    decision: int,
+    *,
+    right: Annotated[bool, Parameter(negative="--wrong")] = True,
+    why: Why = "",
+    by: By = "",
+    json: Json = False,
+) -> None:
+    """Give a verdict on an ambiguous decision of the tracking, which then leaves the report.
+
+    Args:
+        trial: SESSION/NAME.
+        decision: its number, from 1, in ambiguous_decisions.json.
+        right: it was right, or --wrong.
+        why: in your words. by: who says it. json: print it for a machine.
+    """
+    print_said(open_editing(trial, by=by).review(decision, right=right, why=why), json)
 
 
 @edits.command
@@ -250,7 +306,7 @@ def smooth(
         marker: its name. frames: A-B. cutoff: in Hz.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    _print_said(open_editing(trial, by=by).smooth(marker, *_closed(frames), cutoff, why=why), json)
+    print_said(open_editing(trial, by=by).smooth(marker, *closed_span(frames), cutoff, why=why), json)
 
 
 @edits.command
@@ -262,7 +318,7 @@ def trim(trial: Path, *, frames: str, why: Why = "", by: By = "", json: Json = F
         frames: A-B.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    _print_said(open_editing(trial, by=by).trim(*_closed(frames), why=why), json)
+    print_said(open_editing(trial, by=by).trim(*closed_span(frames), why=why), json)
 
 
 @edits.command
@@ -274,8 +330,8 @@ def finish(trial: Path, *, frames: Span = None, why: Why = "", by: By = "", json
         frames: A-B instead of those.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    first, last = _span(frames)
-    _print_said(open_editing(trial, by=by).finish(first=first, last=last, why=why), json)
+    first, last = span_of(frames)
+    print_said(open_editing(trial, by=by).finish(first=first, last=last, why=why), json)
 
 
 @edits.command
@@ -289,7 +345,7 @@ def event(
         label: what, such as 'Foot Strike'. time: s from frame 1 of the recording. side: Left, Right or General.
         why: in your words. by: who says it. json: print it for a machine.
     """
-    _print_said(open_editing(trial, by=by).event(label, side, time, why=why), json)
+    print_said(open_editing(trial, by=by).event(label, side, time, why=why), json)
 
 
 @edits.command
@@ -302,75 +358,3 @@ def apply(source: Path, *, output: Annotated[Path, Parameter(name=("--output", "
     """
     notes = write_edited(open_editing(source), output)
     print_result("\n".join([*(f"note:     {file_note_text(note)}" for note in notes), f"results:  {output}"]))
-
-
-def _span(text: str | None) -> tuple[int | None, int | None]:
-    """First and last frame of "A-B", "A-", "-B" or "A"."""
-    if text is None:
-        return None, None
-    first, dash, last = text.strip().partition("-")
-    try:
-        ends = int(first) if first else None, (int(last) if last else None) if dash else int(first)
-    except ValueError as error:
-        raise KinemarkError(f"{text!r} are no frames. Give them as 120-180, 120- or -180.") from error
-    if ends == (None, None):
-        raise KinemarkError(f"{text!r} are no frames. Give them as 120-180, 120- or -180.")
-    return ends
-
-
-def _closed(text: str) -> tuple[int, int]:
-    """First and last frame of "A-B" or "A"."""
-    first, last = _span(text)
-    if first is None or last is None:
-        raise KinemarkError(f"{text!r} has no end. Give both, as 120-180.")
-    return first, last
-
-
-def _image(text: str) -> tuple[str, tuple[float, float]]:
-    """Camera and place of "cam1:312.5,204"."""
-    camera, _, place = text.rpartition(":")
-    try:
-        u, v = map(float, place.split(","))
-    except ValueError as error:
-        raise KinemarkError(f"{text!r} is no place in an image. Give it as cam1:312.5,204.") from error
-    return camera, (u, v)
-
-
-def _line(entry: Entry) -> str:
-    """An entry in a line."""
-    why = f"  “{entry.why}”" if entry.why else ""
-    said = "; ".join(map(edit_text, entry.edits))
-    return f"{entry.id:4d}  {entry.at[:19].replace('T', ' ')}  {entry.by}  {said}{why}"
-
-
-def _applied_text(one: Applied) -> str:
-    """What became of an edit, in a line."""
-    why = f" ({one.reason})" if one.reason else ""
-    return f"{one.entry:4d}  {one.outcome:9s}  {edit_text(one.edit)}{why}"
-
-
-def _faults(text: JournalText) -> list[str]:
-    return [f"line {fault.line} of the journal does not count: {fault.text}" for fault in text.faults]
-
-
-def _entry_figures(entry: Entry) -> dict[str, Any]:
-    """For a machine."""
-    figures = {name: getattr(entry, name) for name in ("id", "at", "by", "why", "version")}
-    return figures | {"edits": [asdict(edit) for edit in entry.edits], "text": [edit_text(e) for e in entry.edits]}
-
-
-def _applied_figures(one: Applied) -> dict[str, Any]:
-    figures = {name: getattr(one, name) for name in ("entry", "outcome", "share", "samples", "reason")}
-    return figures | {"edit": one.edit.kind, "text": edit_text(one.edit)}
-
-
-def _print_entry(entry: Entry, json: bool) -> None:
-    print_result(_entry_figures(entry) if json else _line(entry))
-
-
-def _print_said(said: Said, json: bool) -> None:
-    """An entry and what came of it."""
-    if json:
-        print_result(_entry_figures(said.entry) | {"applied": [_applied_figures(one) for one in said.applied]})
-    else:
-        print_result("\n".join([_line(said.entry), *map(_applied_text, said.applied)]))

@@ -206,8 +206,8 @@ def test_the_public_names_are_a_decision():
     geometry = "project refine triangulate undistort"
     kinds = "c3d detections_csv dlt_csv rig_toml trajectories_csv trc"
     files = " ".join(f"read_{k} write_{k}" for k in kinds.split())
-    labelling = "Distances Labels SubjectTemplate Template label learn_marker_set learn_template named static_template figure_template marker_sets"
-        labelling += " read_marker_set write_marker_set"
+    labelling = "Distances Labels SubjectTemplate Template label learn_marker_set learn_template named static_template"
+    labelling += " figure_template marker_sets read_marker_set write_marker_set"
     files += " read_tdf read_trial write_trial load load_model save open_images"
     names = " ".join([records, methods, stages, geometry, labelling, files, "__version__"]).split()
     assert sorted(kinemark.__all__) == sorted(names)

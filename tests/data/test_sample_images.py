@@ -43,7 +43,9 @@ def test_a_sample_solved_again_from_its_images_is_where_it_was(made):
         measured = np.flatnonzero(path.origin == Origin.MEASURED)
         several = (path.detection[measured] >= 0).sum(1) >= 2
         assert several.mean() > 0.9 and np.array_equal(np.unique(cloud.frame), measured[several])
-        assert np.abs(cloud.xyz - path.xyz[cloud.frame]).max() < 0.15  # mm; the tracker weighs cameras by what it learned of them
+        assert (
+            np.abs(cloud.xyz - path.xyz[cloud.frame]).max() < 0.15
+        )  # mm; the tracker weighs cameras by what it learned of them
 
 
 def test_a_sample_is_shown_at_its_place_in_every_image(made):

@@ -16,10 +16,10 @@ import pytest
 
 import kinemark
 from kinemark.fill import Linear, fill
-from support import shift_files, shift_motion, shift_scene, shift_space, shift_tracks
+from support import shift_edits, shift_files, shift_motion, shift_scene, shift_space, shift_tracks
 from support.shift_law import CASES, FAR, differences, moved
 
-MODULES = shift_motion, shift_space, shift_tracks, shift_files
+MODULES = shift_motion, shift_space, shift_tracks, shift_files, shift_edits
 """Of cases."""
 
 
@@ -67,7 +67,7 @@ NO_POSITIONS = {
         engine.read_settings signal.gain signal.weights synth.focal_pixels""",
     "findings and their words": """
         report.advice_of report.headline_of report.open_gap_text
-        report.reason_text report.sentences_of report.text_of report.with_words""",
+        report.edit_text report.reason_text report.sentences_of report.text_of report.with_words""",
     "compiled parts of functions that have a case": """
         native.candidates native.find_runs native.group_runs native.index_images native.information native.intersect
         native.inverse native.library native.predict native.project native.status native.sum_pixels native.update""",

@@ -237,3 +237,8 @@ def test_threads_are_the_callers_to_set(folder):
     with pytest.raises(KinemarkError, match="threads is 0"):
         Session.open(folder).run(threads=0)
     assert Session.open(folder).run(threads=1)["one"].computed == ("detect", "track", "quality", "write")
+
+
+def test_a_preview_of_ten_frames_is_tracked(folder):
+    trial = Session.open(folder).trial("one").preview(6, 15).run("track")
+    assert len(trial.tracks) == 5

@@ -21,6 +21,7 @@ COMMANDS = {
     "commands/label.py": ("label",),
     "commands/marker_set.py": ("marker-set",),
     "commands/template.py": ("template",),
+    "commands/edits.py": ("edits",),
     "commands/fill.py": ("fill",),
     "commands/files.py": ("info", "convert"),
     "commands/analysis.py": ("angles", "sensitivity"),

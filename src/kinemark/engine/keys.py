@@ -54,6 +54,11 @@ def rig_key(rig: Rig) -> str:
     return digest([(c.name, c.size, c.K, c.distortion, c.R, c.t, c.cov) for c in rig], rig.volume)
 
 
+def world_key(rig: Rig) -> str:
+    """A key of the world that a rig measures in: of where its cameras are, and of their optics, and nothing else."""
+    return digest("world", [(c.name, c.K, c.distortion, c.R, c.t) for c in rig])
+
+
 @cache
 def code_key() -> str:
     """A key of the package's sources."""

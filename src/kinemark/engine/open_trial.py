@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from ..data import Detections, KinemarkError, Rig, Step, Tracks, Trajectories
+from ..edit import cropped
 from ..numerics.blas_threads import one_blas_thread
 from ..report.drawing_library import ASSETS, relink
 from .calibration.calibrated import Calibrated
+from .edit_stage import stage_before_edits
 from .graph import Graph
 from .naming import ABSENT, Earlier, before
 from .progress import Cancel, Progress, Watch, check_threads, silent
@@ -22,7 +24,7 @@ from .settings import TrialEntry
 from .sources import Frames, Recording, TrialSource, source_of
 from .store import Store
 from .trial_graph import REPORT, trial_graph
-from .trial_inputs import TrialInputs, filled_of, tracks_of
+from .trial_inputs import TrialInputs, edits_of, filled_of, tracks_of
 from .workspace import Workspace
 
 PREVIEW = "preview"
@@ -122,6 +124,19 @@ class OpenTrial:
             relink(self.folder / REPORT, s.results / ASSETS, self_contained=s.assets is None)
             return replace(self, steps=tuple(store.steps), computed=tuple(store.computed))
 
+    def before_edits(
+        self, *, progress: Progress = silent, cancel: Cancel | None = None
+    ) -> tuple[OpenTrial, TrialInputs, dict[str, Any]]:
+        """The trial processed as far as edits need it, with what the stages are given and the records so far.
+
+        Raises:
+            KinemarkError: the input cannot be used.
+            Cancelled: `cancel` was set.
+        """
+        last = stage_before_edits(self.stages)
+        done = self.run(last, progress=progress, cancel=cancel)
+        return done, done._inputs(), done._records(last)
+
     def state(self) -> dict[str, bool]:
         """Each stage, and whether its record is there and up to date."""
         graph = self._graph(self.workspace.calibrate())
@@ -164,13 +179,9 @@ class OpenTrial:
     @property
     def trajectories(self) -> Trajectories:
         """The markers, filled where `[fill]` says how."""
-        calibrated = self.workspace.calibrate()
-        last = next(stage for stage in ("fill", "label", "track") if self.done(stage) or stage == "track")
-        store = Store.read(self.folder)
-        source = self.source(calibrated.rig)
-        s = self.workspace
-        inputs = TrialInputs(self.name, self.folder, s.settings, source, calibrated, store)
-        return filled_of(inputs, self._records(last)).trajectories
+        last = next(stage for stage in ("fill", "edit", "label", "track") if stage == "track" or self.done(stage))
+        inputs, records = self._inputs(), self._records(last)
+        return cropped(filled_of(inputs, records).trajectories, edits_of(inputs, records))
 
     @property
     def quality(self) -> dict[str, Any]:
@@ -181,6 +192,12 @@ class OpenTrial:
         """Where its detections come from."""
         s = self.workspace
         return source_of(Recording(s.root, s.settings, self.entry, rig, self.frames, self.folder))
+
+    def _inputs(self) -> TrialInputs:
+        """What the stages are given, to look at what they left."""
+        calibrated = self.workspace.calibrate()
+        source, store = self.source(calibrated.rig), Store.read(self.folder)
+        return TrialInputs(self.name, self.folder, self.workspace.settings, source, calibrated, store)
 
     def _graph(self, calibrated: Calibrated, earlier: tuple[Earlier, ...] | None = None) -> Graph[TrialInputs]:
         known = self._earlier(calibrated) if earlier is None else earlier

@@ -28,6 +28,7 @@ from ..data import (
     Trial,
     make_finding,
 )
+from ..edit import cropped
 from ..fill import Filled, Rays, fill_recording
 from ..findings.gaps import filling_figures
 from ..findings.quality import write_quality
@@ -42,6 +43,7 @@ from ..report.trial_quality import quality
 from ..track import matches_itself
 from .angle_stage import ANGLE_FILES, compute_angles, found_by_angles, load_angles, model_key
 from .calibration.calibrated import Calibrated
+from .edit_stage import cropped_fill, edit_stage, unreviewed, with_edits
 from .graph import Graph, Records, Stage
 from .identities import identity_of_entry, stated_identity, with_identity
 from .keys import rig_key
@@ -52,7 +54,7 @@ from .settings import Settings
 from .sources import TrialSource, identifies
 from .swapped_cameras import swapped_cameras
 from .tracking_stage import DECISIONS, Tracked, Tracking, as_operated, from_detections, from_points, reader
-from .trial_inputs import TrialInputs, filled_of, measured_of, tracks_of, with_placed
+from .trial_inputs import TrialInputs, edits_of, filled_of, measured_of, tracks_of, with_placed
 
 GAPS, REPORT, QUALITY = "gaps.html", "report.html", "quality.json"
 
@@ -82,6 +84,9 @@ def trial_graph(
         given = given_of(source.of, earlier)
         stages.append(Stage("label", needs, FILES, _label, save_named, load_named, s.label, given))
         needs = (*needs, "label")
+    edits = edit_stage(source.of.root, name, calibrated.rig, needs, measured_of)
+    stages += edits
+    needs = (*needs, *(stage.name for stage in edits))
     if s.fill is not None:
         stages.append(Stage("fill", needs, ("fills.h5",), _fill, save, reader(Fills), s.fill))
         needs = (*needs, "fill")
@@ -121,10 +126,11 @@ def _label(inputs: TrialInputs, records: Records) -> NamedTracks:
 
 def _fill(inputs: TrialInputs, records: Records) -> Fills:
     """What filling adds, by `[fill]`."""
-    method, measured = inputs.settings.fill, measured_of(inputs, records)
+    method, edited = inputs.settings.fill, edits_of(inputs, records)
     assert method is not None  # else there is no such stage
     rays = Rays.left_by(tracks_of(records), records["detect"], inputs.rig)
-    filled = fill_recording(measured, rays, method=method, static=static_of(inputs.earlier))
+    measured = edited.trajectories
+    filled = fill_recording(measured, rays, method=method, static=static_of(inputs.earlier), choices=edited.choices)
     before = with_placed(measured, filled.gaps)
     return Fills.between(before, filled.trajectories, tuple(json.dumps(asdict(gap)) for gap in filled.gaps))
 
@@ -135,16 +141,17 @@ def _angles(inputs: TrialInputs, records: Records) -> dict[str, Any]:
 
 
 def _trial(inputs: TrialInputs, records: Records) -> Trial:
-    """The trial with what was recorded beside it."""
+    """The trial as people said it is, with what was recorded beside it."""
     trajectories = filled_of(inputs, records).trajectories
     beside = inputs.source.beside() or Trial("", trajectories)
-    return replace(beside, trajectories=trajectories, name=inputs.name)
+    return with_edits(replace(beside, trajectories=trajectories, name=inputs.name), edits_of(inputs, records))
 
 
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
     s, detections, tracked, of = inputs.settings, records["detect"], records["track"], inputs.source.of
-    filled, beside = filled_of(inputs, records), inputs.source.beside()
+    edited, beside = edits_of(inputs, records), inputs.source.beside()
+    filled = cropped_fill(filled_of(inputs, records), edited)
     swapped = swapped_cameras(detections, inputs.rig, tracked.tracks.cloud, matching=s.match, placing=s.reconstruct)
     figures = quality(
         session=s.name,
@@ -161,14 +168,17 @@ def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
             *swapped,
             *_diagnostics(tracked, records),
             *(records["label"].findings if "label" in records else ()),
+            *(records["edit"].findings if "edit" in records else ()),
             *(found_by_angles(records["angles"]) if "angles" in records else ()),
         ),
-        ambiguous_decisions=tracked.ambiguous_decisions,
+        ambiguous_decisions=unreviewed(tracked.ambiguous_decisions, edited),
         track_names=records["label"].tracker_names if "label" in records else None,
         judged=inputs.calibrated.figures,
-        filling=_gap_figures(inputs, filled, measured_of(inputs, records)),
+        filling=_gap_figures(inputs, filled, cropped(edited.trajectories, edited)),
         identity=identity_of_entry(of.root, s, of.entry, beside.about if beside else None),
     )
+    if "edit" in records:
+        figures["edits"] = records["edit"].figures
     operated = inputs.source.operated()
     if "label" in records:
         figures["labels"] = dict(records["label"].figures)
@@ -216,10 +226,10 @@ def _gap_figures(inputs: TrialInputs, filled: Filled, measured: Trajectories) ->
 
 def _write(inputs: TrialInputs, records: Records) -> None:
     """The trial for other programs, and for a person who reads."""
-    trial, figures = _trial(inputs, records), records["quality"]
+    trial, figures, edited = _trial(inputs, records), records["quality"], edits_of(inputs, records)
     folder, name, trajectories = inputs.folder, inputs.name, trial.trajectories
     about = with_identity(trial.about, figures["identity"])
-    write_c3d(folder / f"{name}.c3d", replace(trial, steps=_own(inputs.store.steps), about=about))
+    write_c3d(folder / f"{name}.c3d", replace(trial, steps=_own(tuple(inputs.store.steps)), about=about))
     write_report(
         folder / REPORT,
         quality=figures,
@@ -232,7 +242,7 @@ def _write(inputs: TrialInputs, records: Records) -> None:
         assets=inputs.assets,
     )
     if inputs.settings.fill is not None:
-        before = with_placed(measured_of(inputs, records), filled_of(inputs, records).gaps)
+        before = cropped(with_placed(edited.trajectories, filled_of(inputs, records).gaps), edited)
         drawn = figures["filling"] | {"identity": figures["identity"]}
         write_filling_page(folder / GAPS, figures=drawn, trajectories=trajectories, before=before)
 

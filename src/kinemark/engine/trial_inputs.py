@@ -11,6 +11,7 @@ import numpy as np
 
 from ..data import Fills, MarkerTrajectory, Rig, Tracks, Trajectories
 from ..digitise import called
+from ..edit import Edited
 from ..fill import Filled, FilledGap
 from ..fill.fill_recording import STATIC
 from ..track import to_trajectories
@@ -73,9 +74,14 @@ def measured_of(inputs: TrialInputs, records: Records) -> Trajectories:
     return measured
 
 
+def edits_of(inputs: TrialInputs, records: Records) -> Edited:
+    """The trajectories as people said they are."""
+    return records["edit"].edited if "edit" in records else Edited(measured_of(inputs, records))
+
+
 def filled_of(inputs: TrialInputs, records: Records) -> Filled:
     """The trajectories with what was filled, and what became of every gap."""
-    measured = measured_of(inputs, records)
+    measured = edits_of(inputs, records).trajectories
     if "fill" not in records:
         return Filled(measured, ())
     fills: Fills = records["fill"]

@@ -9,7 +9,9 @@ from typing import Any, cast
 import numpy as np
 
 from ..data import MarkerTrajectory, Origin, Trajectories
+from ..data.edits import OPEN, GapChoice
 from ..numerics.blas_threads import one_blas_thread
+from .chosen_gaps import chosen_gaps, groups
 from .edges import GapEdges, trim_edges
 from .filled_gap import Filled, FilledGap, GapState
 from .judge.auto import Auto
@@ -50,6 +52,7 @@ def fill(
     trim: int = 0,
     static: Trajectories | None = None,
     seed: int = 0,
+    choices: Sequence[GapChoice] = (),
 ) -> Filled:
     """Fill the gaps of a trial.
 
@@ -65,9 +68,10 @@ def fill(
         trim: so many suspicious samples on each side of a gap may be replaced; 0: they are listed and kept.
         static: another trial of the same markers; those that this trial never shows are placed from it.
         seed: of the places of the hold-out gaps.
+        choices: how somebody wants single gaps filled; these are filled whatever error is expected, others as without.
 
     Raises:
-        ValueError: the method is none of `FILL`, or the limit is not above 0.
+        ValueError: the method or a choice is none of `FILL`, or the limit is not above 0.
     """
     method = Auto() if method is None else method
     if not limit_mm > 0:
@@ -87,18 +91,24 @@ def fill(
     answers = (evaluate_leading if len(gaps) > MANY and len(candidates) > 1 else evaluate_candidates)(
         motion, gaps, candidates, seed=seed
     )
-    done = []
-    for index, gap in enumerate(gaps):
-        found, prediction, cov = choose_candidate(motion, gaps, index, answers)
+    chosen = chosen_gaps(motion, trajectories, choices)
+    todo = [(gap, gaps, index, answers) for index, gap in enumerate(gaps) if gap not in chosen]
+    for some, methods in groups(chosen, candidates):
+        own = evaluate_candidates(motion, some, methods, seed=seed)
+        todo += [(gap, some, index, own) for index, gap in enumerate(some)]
+    done = [_left_open(motion, gap) for gap, choice in chosen.items() if choice == OPEN]
+    for gap, among, index, by in sorted(todo, key=lambda one: one[0]):
+        found, prediction, cov = choose_candidate(motion, among, index, by)
         beside = suspicious.get(gap, ())
         jump = (
             0.0 if beside else largest_jump(motion, gap, prediction.xyz, prediction.references)
         )  # none to a bad sample
         found = replace(found, trimmed=written.measured(gap), suspicious=beside, jump_mm=jump)
-        found = _within(found, limit_mm)
+        found = found if gap in chosen else _within(found, limit_mm)
         done.append(found)
         if found.method:
             written.put(gap, prediction.xyz, cov)
+    done.sort(key=lambda found: (motion.names.index(found.marker), found.start))
     filled = Filled(written.trajectories(), tuple(done))
     return filled if static is None else _with_static(filled, static, limit_mm)
 
@@ -217,6 +227,11 @@ def _within(found: FilledGap, limit_mm: float) -> FilledGap:
     elif contradicts_jump(found.jump_mm, expected, limit_mm):
         state = "jump_contradicts"
     return found if state == "filled" else replace(found, method="", state=state)
+
+
+def _left_open(motion: MarkerArray, gap: Gap) -> FilledGap:
+    """A gap that somebody chose to leave as it is."""
+    return FilledGap(motion.names[gap.marker], gap.start, gap.stop, "", np.nan, state="left_open")
 
 
 def _with_static(filled: Filled, static: Trajectories, limit_mm: float) -> Filled:

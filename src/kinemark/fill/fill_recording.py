@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from ..data import MarkerTrajectory, Origin, Trajectories
+from ..data.edits import GapChoice
 from ..data.fills import detection_columns
 from ..data.method import Method, parameter
 from .fill import LIMIT, fill
@@ -41,12 +43,14 @@ class Filling(Method):
 
 
 def fill_recording(
-    trajectories: Trajectories, rays: Rays, *, method: Filling, static: Trajectories | None = None
-) -> Filled:
+    trajectories: Trajectories, rays: Rays, *, method: Filling, static: Trajectories | None = None,
+    choices: Sequence[GapChoice] = (),
+) -> Filled:  # fmt: skip
     """The trial with its gaps filled, also by the images that single cameras have in them.
 
     The expected error of a gap is that of the method without the cameras' help, as no hold-out gap has one. Markers of
-    the static trial that this one never shows are placed from it, as `fill` does.
+    the static trial that this one never shows are placed from it, as `fill` does. `choices` are how somebody wants
+    single gaps filled.
     """
     filled = fill(
         trajectories,
@@ -55,6 +59,7 @@ def fill_recording(
         ends=method.ends,
         trim=method.trim,
         static=static,
+        choices=choices,
     )
     if not method.rays:
         return filled

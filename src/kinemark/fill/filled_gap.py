@@ -10,10 +10,12 @@ import numpy as np
 
 from ..data import Trajectories
 
-GapState = Literal["filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts"]
+GapState = Literal[
+    "filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts", "left_open"
+]
 """What became of a gap: filled; open, since no method has a prediction, since no hold-out gap could be made that would
-tell the error, since more error is expected than is allowed, or since the largest standard deviation in it or a jump
-contradicts the error expected (`judge.contradiction`)."""
+tell the error, since more error is expected than is allowed, since the largest standard deviation in it or a jump
+contradicts the error expected (`judge.contradiction`), or since somebody chose so."""
 
 
 @dataclass(frozen=True, slots=True)

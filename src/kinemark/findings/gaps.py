@@ -141,8 +141,9 @@ def _more_motion(gap: dict[str, Any]) -> bool:
 def _findings(figures: dict[str, Any]) -> Iterator[Finding]:
     """What needs attention."""
     uncertain = [largest_error(gap) for gap in figures["list"] if gap["method"] and largest_error(gap) > UNSURE_MM]
-    if figures["open"]:
-        yield make_finding("gaps_open", severity=red_if(not figures["filled"]), gaps=figures["open"])
+    stayed_open = sum(not gap["method"] and gap["state"] != "left_open" for gap in figures["list"])
+    if stayed_open:
+        yield make_finding("gaps_open", severity=red_if(not figures["filled"]), gaps=stayed_open)
     if uncertain:
         yield make_finding("gaps_uncertain", gaps=len(uncertain), limit_mm=UNSURE_MM, max_mm=max(uncertain))
     if figures["unknown"]:

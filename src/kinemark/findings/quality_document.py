@@ -281,7 +281,9 @@ class GapData(TypedDict):
     """Measured frames that were replaced."""
     suspicious: list[int]
     """Measured frames beside it that stand out from the marker's own motion and were kept."""
-    state: Literal["filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts"]
+    state: Literal[
+        "filled", "not_predicted", "no_hold_out", "above_limit", "sd_contradicts", "jump_contradicts", "left_open"
+    ]
     """Filled; or open, since no method has a prediction, no hold-out gap could be made, more error is expected than
     `limit_mm`, or `sd_max_mm` or `jump_mm` contradicts the error expected."""
     reason: str
@@ -388,6 +390,27 @@ class IdentityData(TypedDict):
 
 
 @documented
+class EditData(TypedDict):
+    """One edit of a journal, and what became of it."""
+
+    entry: int
+    """Number of its entry in the journal."""
+    edit: str
+    """Its kind."""
+    markers: list[str]
+    frames: list[int]
+    """First and last that it is about, numbers in the recording; 0, 0 where it is about none."""
+    outcome: Literal["held", "thin", "moot", "overruled", "orphan"]
+    """It stands; it stands on few of its witnesses; nothing was left to do; a later one says otherwise; it no longer
+    finds its place."""
+    share: Share
+    """Of its witnesses that were found."""
+    samples: Count
+    reason: str
+    """Why it does not stand; else empty."""
+
+
+@documented
 class Quality(TypedDict):
     """How good a trial is: every figure of its report, in values and words."""
 
@@ -411,6 +434,8 @@ class Quality(TypedDict):
     """None where no gaps were to be filled."""
     labels: NotRequired[LabelsData]
     """Of sessions that name markers."""
+    edits: NotRequired[list[EditData]]
+    """What people said of the trial, in the order in which it was said."""
     digitising: NotRequired[DigitisingData]
     """Of trials that an operator digitised."""
     findings: list[FindingData]

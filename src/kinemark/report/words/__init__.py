@@ -13,6 +13,7 @@ from ...data import Finding
 from .calibration import CALIBRATION_WORDS
 from .control_points import CONTROL_POINT_WORDS
 from .decisions import reason_text
+from .edits import EDIT_WORDS, edit_text
 from .error_sources import SOURCE_ADVICE, evidence_text
 from .open_gaps import open_gap_text
 from .stages import ANGLE_WORDS, FILLING_WORDS, LABELLING_WORDS, PROPOSAL_WORDS
@@ -25,6 +26,7 @@ __all__ = [
     "TAGS",
     "WORDS",
     "advice_of",
+    "edit_text",
     "evidence_text",
     "headline_of",
     "open_gap_text",
@@ -43,6 +45,7 @@ WORDS: dict[str, Words] = {
     **CALIBRATION_WORDS,
     **LABELLING_WORDS,
     **FILLING_WORDS,
+    **EDIT_WORDS,
     **ANGLE_WORDS,
     **PROPOSAL_WORDS,
     **VERDICT_WORDS,

@@ -27,6 +27,8 @@ def open_gap_text(gap: Mapping[str, Any], limit_mm: float) -> str:
             )
         case "no_hold_out":
             return "no hold-out gap could be made: too little of the trial is known to estimate the error of a fill"
+        case "left_open":
+            return "somebody chose to leave it open"
         case "not_predicted":
             return str(gap["reason"])
         case _:

@@ -174,8 +174,10 @@ def movement(images: Images, seen: Associations, rate: float) -> Movement:
     if not len(points.id):
         return Movement(0.0, 0.0)
     rows, k = rows_of(points), max(round(SPACING * rate), 1)
+    if rows.shape[1] <= 3 * k:  # a recording of so few frames
+        return Movement(0.0, 0.0)
     four = np.array([rows[:, i * k : rows.shape[1] - (3 - i) * k] for i in range(4)])
-    four = four[:, (four >= 0).all(0)] if rows.shape[1] > 3 * k else np.zeros((4, 0), int)
+    four = four[:, (four >= 0).all(0)]
     if four.shape[1] < MIN_POINTS:
         return Movement(0.0, 0.0)
     h = k / rate

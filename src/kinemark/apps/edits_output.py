@@ -1,0 +1,88 @@
+"""What the commands of edits read and print: frames, places in images, entries and what became of them."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from ..data import KinemarkError
+from ..data.edits import Applied, Entry
+from ..engine.editing import Said
+from ..io.edits_jsonl import JournalText
+from ..report.words import edit_text
+from .output import print_result
+
+
+def span_of(text: str | None) -> tuple[int | None, int | None]:
+    """First and last frame of "A-B", "A-", "-B" or "A"."""
+    if text is None:
+        return None, None
+    first, dash, last = text.strip().partition("-")
+    try:
+        ends = int(first) if first else None, (int(last) if last else None) if dash else int(first)
+    except ValueError as error:
+        raise KinemarkError(f"{text!r} are no frames. Give them as 120-180, 120- or -180.") from error
+    if ends == (None, None):
+        raise KinemarkError(f"{text!r} are no frames. Give them as 120-180, 120- or -180.")
+    return ends
+
+
+def closed_span(text: str) -> tuple[int, int]:
+    """First and last frame of "A-B" or "A"."""
+    first, last = span_of(text)
+    if first is None or last is None:
+        raise KinemarkError(f"{text!r} has no end. Give both, as 120-180.")
+    return first, last
+
+
+def image_of(text: str) -> tuple[str, tuple[float, float]]:
+    """Camera and place of "cam1:312.5,204"."""
+    camera, _, place = text.rpartition(":")
+    try:
+        u, v = map(float, place.split(","))
+    except ValueError as error:
+        raise KinemarkError(f"{text!r} is no place in an image. Give it as cam1:312.5,204.") from error
+    return camera, (u, v)
+
+
+def entry_line(entry: Entry) -> str:
+    """An entry in a line."""
+    why = f"  “{entry.why}”" if entry.why else ""
+    said = "; ".join(map(edit_text, entry.edits))
+    return f"{entry.id:4d}  {entry.at[:19].replace('T', ' ')}  {entry.by}  {said}{why}"
+
+
+def applied_text(one: Applied) -> str:
+    """What became of an edit, in a line."""
+    why = f" ({one.reason})" if one.reason else ""
+    return f"{one.entry:4d}  {one.outcome:9s}  {edit_text(one.edit)}{why}"
+
+
+def fault_lines(text: JournalText) -> list[str]:
+    """What is wrong with a journal, a line each."""
+    return [f"line {fault.line} of the journal does not count: {fault.text}" for fault in text.faults]
+
+
+def entry_figures(entry: Entry) -> dict[str, Any]:
+    """For a machine."""
+    figures = {name: getattr(entry, name) for name in ("id", "at", "by", "why", "version")}
+    return figures | {"edits": [asdict(edit) for edit in entry.edits], "text": [edit_text(e) for e in entry.edits]}
+
+
+def applied_figures(one: Applied) -> dict[str, Any]:
+    """What became of an edit, for a machine."""
+    figures = {name: getattr(one, name) for name in ("entry", "outcome", "share", "samples", "reason")}
+    return figures | {"edit": one.edit.kind, "text": edit_text(one.edit)}
+
+
+def print_entry(entry: Entry, json: bool) -> None:
+    """Print an entry, for a machine where `json`."""
+    print_result(entry_figures(entry) if json else entry_line(entry))
+
+
+def print_said(said: Said, json: bool) -> None:
+    """An entry and what came of it."""
+    if json:
+        print_result(entry_figures(said.entry) | {"applied": [applied_figures(one) for one in said.applied]})
+    else:
+        print_result("\n".join([entry_line(said.entry), *map(applied_text, said.applied)]))

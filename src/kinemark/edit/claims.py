@@ -1,0 +1,217 @@
+"""Identities by claims: whose every sample is.
+
+On one path, a claim speaks for all samples between two of its witnesses that follow each other and are both on the path
+(1), and there a later claim counts for more than an earlier one. Every other sample takes the claim of its nearest
+witness among claims whose frames cover it, of two as near the later (2), unless a witness of the claim that denies the
+path (`votes`) is nearer still (3). So a witness that strayed onto the path alone, between those of another claim,
+changes nothing.
+
+Where two samples of one frame have one name, the later claim's stays, then the one nearer to its witness; a sample that
+nobody claimed gives way to a claimed one. What gives way becomes unnamed (4). Of what is left of an unnamed track, the
+pieces before and after a claimed one are tracks of their own (5): what is between them is another marker.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data import Detections, MarkerTrajectory, Origin, Trajectories
+from ..data.array_types import Bools, Floats, Ints
+from ..data.edits import UNNAMED, Claim, is_named
+from .votes import Votes, denies, votes
+
+ENOUGH = 0.8
+"""Share of a claim's witnesses that must be found for it to hold; chosen (see studies/edits.py)."""
+
+
+class Claimed(NamedTuple):
+    """What claims made of the paths.
+
+    Attributes:
+        trajectories: with the names claimed.
+        asked, found: (K) witnesses of each claim that lie in the trial, and those of them that are on a path.
+        samples: (K) that each claim has in the end; changed: (K) of these, how many were called otherwise before.
+    """
+
+    trajectories: Trajectories
+    asked: Ints
+    found: Ints
+    samples: Ints
+    changed: Ints
+
+
+def with_claims(
+    trajectories: Trajectories, claims: Sequence[Claim], detections: Detections | None, *, world: str = ""
+) -> Claimed:
+    """The trajectories with the identities that were claimed, later claims winning.
+
+    Args:
+        trajectories: as they come from tracking, or from a file.
+        claims: in the order in which they were made.
+        detections: behind the samples; None for a file without its images.
+        world: key of the cameras in whose world they are.
+    """
+    none = np.zeros(len(claims), np.int64)
+    if not claims:
+        return Claimed(trajectories, none, none, none, none)
+    said = votes([claim.where for claim in claims], trajectories, detections, world=world)
+    inside = (said.frame >= 0) & (said.frame < trajectories.n_frames)
+    asked = np.bincount(said.stretch[inside], minlength=len(claims))
+    found = np.bincount(said.stretch[said.path >= 0], minlength=len(claims))
+    of, apart = _owners(trajectories, claims, said, detections)
+    kept = _one_a_frame(trajectories, claims, of, apart)
+    samples = np.bincount(of[kept & (of >= 0)], minlength=len(claims))
+    changed = none.copy()
+    for p, path in enumerate(trajectories):
+        own = of[p][kept[p] & (of[p] >= 0)]
+        other = np.array([claim.name != path.name for claim in claims])
+        changed += np.bincount(own[other[own]], minlength=len(claims))
+    return Claimed(_renamed(trajectories, claims, of, kept), asked, found, samples, changed)
+
+
+def _owners(
+    trajectories: Trajectories, claims: Sequence[Claim], said: Votes, detections: Detections | None
+) -> tuple[Ints, Floats]:
+    """The claim (P, F) that has each sample of each path, −1 for none, and the frames to its nearest witness."""
+    shape = len(trajectories), trajectories.n_frames
+    of, apart = np.full(shape, -1, np.int64), np.full(shape, np.inf)
+    for p in np.unique(said.path[said.path >= 0]).tolist():
+        on = {k: said.of(said.stretch == k) for k in np.unique(said.stretch[said.path == p]).tolist()}
+        for k, own in on.items():
+            denied = own.frame[denies(own, p, trajectories, detections)]
+            _nearest(of[p], apart[p], k, own.frame[own.path == p], denied, _covered(claims[k], trajectories))  # (2)
+        for k, own in on.items():
+            speaking = own.of(own.path >= 0)
+            _between(of[p], apart[p], k, speaking.frame, speaking.path == p, _covered(claims[k], trajectories))  # (1)
+        of[p][trajectories.paths[p].origin == Origin.MISSING] = -1
+    return of, apart
+
+
+def _covered(claim: Claim, trajectories: Trajectories) -> slice:
+    """The frames, from 0, that a claim speaks of."""
+    first, last, start = claim.where.first, claim.where.last, trajectories.first_frame
+    stop = trajectories.n_frames if last is None else max(last - start + 1, 0)
+    return slice(0 if first is None else max(first - start, 0), stop)
+
+
+def _distance(frame: Ints, at: slice, n: int) -> Floats:
+    """How many frames each frame of a slice is from the nearest of these, which are in order."""
+    t = np.arange(n)[at]
+    after = np.searchsorted(frame, t).clip(0, len(frame) - 1)
+    return np.minimum(np.abs(frame[after] - t), np.abs(frame[(after - 1).clip(0)] - t)).astype(np.float64)
+
+
+def _nearest(of: Ints, apart: Floats, k: int, frame: Ints, denied: Ints, at: slice) -> None:
+    """Claim k takes what it is nearest to, in place."""
+    d = _distance(frame, at, len(of))
+    nearer = d <= apart[at]
+    if len(denied):
+        nearer &= d < _distance(denied, at, len(of))  # (3)
+    of[at][nearer], apart[at][nearer] = k, d[nearer]
+
+
+def _between(of: Ints, apart: Floats, k: int, frame: Ints, here: Bools, at: slice) -> None:
+    """Claim k takes what lies between witnesses that follow each other on the path, in place."""
+    for i in np.flatnonzero(here[:-1] & here[1:]).tolist():
+        part = slice(max(frame[i], at.start), min(frame[i + 1] + 1, at.stop))
+        if part.start < part.stop:
+            of[part], apart[part] = k, _distance(frame[i : i + 2], part, len(of))
+
+
+def _one_a_frame(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, apart: Floats) -> Bools:
+    """(P, F) which samples keep the name that they have now by claim, or by their path, (4)."""
+    present = np.array([path.origin != Origin.MISSING for path in trajectories]).reshape(of.shape)
+    for name in sorted({claim.name for claim in claims if claim.name is not None}):
+        mine = np.array([k for k, claim in enumerate(claims) if claim.name == name])
+        claimed = np.isin(of, mine)
+        if not claimed.any():
+            continue
+        own = np.array([path.name == name for path in trajectories])[:, None] & (of < 0) & present
+        rows = np.flatnonzero((claimed | own).any(1))
+        worth = np.where(claimed[rows], of[rows] + 1 / (1 + apart[rows]), np.where(own[rows], -0.5, -np.inf))
+        best = np.zeros(worth.shape, bool)
+        best[worth.argmax(0), np.arange(worth.shape[1])] = True
+        present[rows] &= best | ~(claimed | own)[rows]
+    return present
+
+
+def _renamed(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, kept: Bools) -> Trajectories:
+    """The paths by what their samples are called now; paths that nothing changed are the same."""
+    parts: dict[str, list[tuple[int, Bools]]] = {}
+    number = _first_free(trajectories)
+    for p, path in enumerate(trajectories):
+        present = path.origin != Origin.MISSING
+        if (of[p] < 0).all() and kept[p][present].all():
+            parts.setdefault(path.name, []).append((p, present))
+            continue
+        for name, mask in _pieces(path, claims, of[p], kept[p], present):
+            called = name
+            if not called:
+                called, number = f"{UNNAMED}{number}", number + 1
+            parts.setdefault(called, []).append((p, mask))
+    paths = tuple(_joined(trajectories, name, masks) for name, masks in parts.items())
+    same = len(paths) == len(trajectories) and all(a is b for a, b in zip(paths, trajectories, strict=True))
+    return trajectories if same else replace(trajectories, paths=paths)
+
+
+def _pieces(
+    path: MarkerTrajectory, claims: Sequence[Claim], of: Ints, kept: Bools, present: Bools
+) -> Iterator[tuple[str, Bools]]:
+    """What a path falls into: names, empty for a new unnamed track, and the samples (F) of each."""
+    for k in np.unique(of[(of >= 0) & kept]).tolist():
+        if claims[k].name is not None:
+            yield str(claims[k].name), (of == k) & kept
+    left = present & (of < 0) & kept
+    if is_named(path.name):
+        yield path.name, left
+    else:
+        for i, piece in enumerate(_uncut(left, present & ~left)):  # (5)
+            yield path.name if i == 0 else "", piece
+    for piece in _uncut(present & ~kept, present & kept):  # (4)
+        yield "", piece
+
+
+def _uncut(mask: Bools, cuts: Bools) -> Iterator[Bools]:
+    """The samples (F) of `mask` by pieces, with none of `cuts` between those of one."""
+    piece = np.cumsum(cuts)
+    for value in np.unique(piece[mask]).tolist():
+        yield mask & (piece == value)
+
+
+def _joined(trajectories: Trajectories, name: str, masks: Sequence[tuple[int, Bools]]) -> MarkerTrajectory:
+    """One path of samples of several, no frame of them twice."""
+    masks = [one for one in masks if one[1].any()] or masks[:1]
+    p, mask = masks[0]
+    first = trajectories.paths[p]
+    if len(masks) == 1 and np.array_equal(mask, first.origin != Origin.MISSING):
+        return first if first.name == name else replace(first, name=name)
+    blank = _blank(name, len(first), max(trajectories.paths[p].detection.shape[1] for p, _ in masks))
+    for p, mask in masks:
+        path = trajectories.paths[p]
+        for column, values in blank.items():
+            source = getattr(path, column)
+            if column != "detection" or source.shape[1]:
+                values[mask] = source[mask]
+    return MarkerTrajectory(name=name, **blank)
+
+
+def _blank(name: str, n: int, cameras: int) -> dict[str, np.ndarray]:
+    """Columns of a path without samples."""
+    return {
+        "xyz": np.full((n, 3), np.nan),
+        "cov": np.full((n, 3, 3), np.nan),
+        "origin": np.zeros(n, np.uint8),
+        "residual": np.full(n, np.nan),
+        "cameras": np.zeros(n, np.uint32),
+        "detection": np.full((n, cameras), -1, np.int64),
+    }
+
+
+def _first_free(trajectories: Trajectories) -> int:
+    """The least number that no unnamed track has."""
+    numbers = [path.name.removeprefix(UNNAMED) for path in trajectories if not is_named(path.name)]
+    return max((int(n) for n in numbers if n.isdigit()), default=0) + 1

@@ -1,0 +1,207 @@
+"""Edits of values: samples erased, put, smoothed, or solved again with another image.
+
+Each takes a marker as the claims and the edits before left it, and gives it back with what became of the edit. Frames
+of edits are numbers in the recording; frames within are from 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from ..data import Detections, MarkerTrajectory, Origin, Rig
+from ..data.array_types import Floats
+from ..data.edits import Erase, ImagePoint, Outcome, Put, Smooth
+from ..geometry import refine, triangulate, undistort
+from ..numerics.runs import true_runs
+from ..signal.filters import butterworth, edge_samples
+from .votes import FEWEST
+
+USUAL_SD = 0.3
+"""px, of images that state no noise; chosen, as in filling (see benchmarks/gaps.py)."""
+FORESHOT_S = 1.0
+"""s of a marker beside a stretch that filtering it looks at, so that it has no edges of its own; chosen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Footage:
+    """What is known of a trial besides its markers.
+
+    Attributes:
+        first_frame: number of its first frame. rate: Hz.
+        detections, rig: behind its samples; None for a file without.
+        world: key of the cameras whose world it is in.
+        corrected: images by hand: u, v px by camera, by marker and frame (from 0).
+    """
+
+    first_frame: int
+    rate: float
+    detections: Detections | None = None
+    rig: Rig | None = None
+    world: str = ""
+    corrected: dict[tuple[str, int], dict[str, tuple[float, float]]] = field(default_factory=dict)
+
+
+class Result(NamedTuple):
+    """What became of an edit, of how many samples, and why where it does not stand."""
+
+    outcome: Outcome
+    samples: int = 0
+    reason: str = ""
+
+
+Changed: TypeAlias = tuple[MarkerTrajectory, Result]
+"""A marker after an edit, and what became of the edit."""
+
+
+def erase(path: MarkerTrajectory, edit: Erase, of: Footage) -> Changed:
+    """Samples of a stretch become missing."""
+    at = _span(path, edit.first, edit.last, of)
+    gone = np.zeros(len(path), bool)
+    gone[at] = path.origin[at] != Origin.MISSING
+    if not gone.any():
+        return path, Result("moot", reason="there are no samples in these frames")
+    return without(path, gone), Result("held", int(gone.sum()))
+
+
+def put(path: MarkerTrajectory, edit: Put, of: Footage) -> Changed:
+    """One sample is where somebody says."""
+    f = edit.frame - of.first_frame
+    if not 0 <= f < len(path):
+        return path, Result("moot", reason="the trial does not have this frame")
+    xyz = np.array(edit.xyz)
+    if edit.world != of.world:
+        solved = solve(of, dict(_named_images(edit.images)))
+        if solved is None:
+            return path, Result("orphan", reason="it was said in the world of other cameras, without images of these")
+        xyz = solved.xyz
+    cov = np.eye(3) * edit.sd_mm**2
+    return with_sample(path, f, xyz, cov), Result("held", 1)
+
+
+def smooth(path: MarkerTrajectory, edit: Smooth, of: Footage) -> Changed:
+    """A stretch is filtered by a Butterworth filter of fourth order without lag; what is missing stays missing."""
+    at = _span(path, edit.first, edit.last, of)
+    if not 0 < edit.cutoff_hz < of.rate / 2:
+        return path, Result("orphan", reason=f"a cut-off of {edit.cutoff_hz:g} Hz is none at {of.rate:g} Hz")
+    beside = round(FORESHOT_S * of.rate)
+    xyz, origin = path.xyz.copy(), path.origin.copy()
+    changed = np.zeros(len(path), bool)
+    for first, stop in true_runs(path.origin != Origin.MISSING).tolist():
+        first, stop = max(first, at.start - beside), min(stop, at.stop + beside)
+        inside = slice(max(first, at.start), min(stop, at.stop))
+        if inside.start >= inside.stop or stop - first <= edge_samples(2):
+            continue
+        origin_of = xyz[first]
+        smoothed = butterworth(path.xyz[first:stop] - origin_of, rate=of.rate, cutoff_hz=edit.cutoff_hz) + origin_of
+        xyz[inside] = smoothed[inside.start - first : inside.stop - first]
+        changed[inside] = True
+    if not changed.any():
+        return path, Result("moot", reason="no run of samples in these frames is long enough to filter")
+    origin[changed] = Origin.EDITED
+    return replace(path, xyz=xyz, origin=origin), Result("held", int(changed.sum()))
+
+
+def with_image(path: MarkerTrajectory, edit: ImagePoint, of: Footage) -> Changed:
+    """A sample is solved again with an image where somebody says that the marker is."""
+    f = edit.frame - of.first_frame
+    if not 0 <= f < len(path):
+        return path, Result("moot", reason="the trial does not have this frame")
+    if of.rig is None or edit.camera not in of.rig.names:
+        return path, Result("orphan", reason=f"there is no camera {edit.camera}")
+    by_hand = of.corrected.setdefault((path.name, f), {})
+    by_hand[edit.camera] = edit.u, edit.v
+    return _again(path, f, of, by_hand)
+
+
+def without_image(path: MarkerTrajectory, f: int, camera: str, of: Footage) -> Changed:
+    """A sample is solved again without the image of a camera, or becomes missing where that leaves one."""
+    by_hand = of.corrected.setdefault((path.name, f), {})
+    by_hand[camera] = np.nan, np.nan
+    done = _again(path, f, of, by_hand)
+    if done[1].outcome == "held":
+        return done
+    return without(path, np.arange(len(path)) == f), Result("held", 1)
+
+
+class Solved(NamedTuple):
+    """A place (3) mm and its covariance (3, 3) mm²."""
+
+    xyz: Floats
+    cov: Floats
+
+
+def solve(
+    of: Footage, images: Mapping[str, tuple[float, float]], cov: Mapping[str, Floats] | None = None
+) -> Solved | None:
+    """The place that images show, u, v px by camera; None where fewer than two cameras of the rig have one.
+
+    Args:
+        of: has the rig. images: by camera, NaN for none. cov: of each, px²; a usual one where not given.
+    """
+    if of.rig is None:
+        return None
+    uv = np.array([images.get(name, (np.nan, np.nan)) for name in of.rig.names])
+    noise = np.array([(cov or {}).get(name, np.full((2, 2), np.nan)) for name in of.rig.names])
+    noise = np.where(np.isfinite(noise).all((1, 2))[:, None, None], noise, np.eye(2) * USUAL_SD**2)
+    if np.isfinite(uv[:, 0]).sum() < FEWEST:
+        return None
+    ideal = np.stack([undistort(camera, place[None])[0] for camera, place in zip(of.rig, uv, strict=True)])
+    point = refine(of.rig, triangulate(ideal[None], of.rig.P), uv[None], noise[None])
+    return Solved(point.xyz[0], point.cov[0]) if np.isfinite(point.xyz).all() else None
+
+
+def without(path: MarkerTrajectory, gone: np.ndarray) -> MarkerTrajectory:
+    """The marker without some samples (F)."""
+    columns: dict[str, Any] = {name: getattr(path, name).copy() for name in ("xyz", "cov", "residual", "origin")}
+    for name in ("xyz", "cov", "residual"):
+        columns[name][gone] = np.nan
+    columns["origin"][gone] = Origin.MISSING
+    return replace(path, **columns, **_unseen(path, gone))
+
+
+def with_sample(path: MarkerTrajectory, f: int, xyz: Floats, cov: Floats) -> MarkerTrajectory:
+    """The marker with a sample by hand in frame f."""
+    columns: dict[str, Any] = {name: getattr(path, name).copy() for name in ("xyz", "cov", "residual", "origin")}
+    columns["xyz"][f], columns["cov"][f] = xyz, cov
+    columns["residual"][f], columns["origin"][f] = np.nan, Origin.EDITED
+    return replace(path, **columns, **_unseen(path, np.arange(len(path)) == f))
+
+
+def _unseen(path: MarkerTrajectory, gone: np.ndarray) -> dict[str, Any]:
+    """The columns of cameras and images, with none in some samples (F)."""
+    cameras, detection = path.cameras.copy(), path.detection.copy()
+    cameras[gone], detection[gone] = 0, -1
+    return {"cameras": cameras, "detection": detection}
+
+
+def _again(path: MarkerTrajectory, f: int, of: Footage, by_hand: Mapping[str, tuple[float, float]]) -> Changed:
+    """A sample solved from its images, some of them by hand."""
+    images, cov = dict[str, tuple[float, float]](), dict[str, Floats]()
+    if of.detections is not None:
+        for name, row in zip(of.detections.cameras, path.detection[f].tolist(), strict=False):
+            if row >= 0:
+                images[name], cov[name] = tuple(of.detections.uv[row].tolist()), of.detections.cov[row]
+    images |= by_hand
+    solved = solve(of, images, {name: c for name, c in cov.items() if name not in by_hand})
+    if solved is None:
+        return path, Result("orphan", reason="one image alone is no place: give that of another camera too")
+    edited = with_sample(path, f, solved.xyz, solved.cov)
+    detection = path.detection.copy()
+    if of.detections is not None:
+        left = [c for c, name in enumerate(of.detections.cameras) if name in by_hand]
+        detection[f, [c for c in left if c < detection.shape[1]]] = -1
+    return replace(edited, detection=detection), Result("held", 1)
+
+
+def _named_images(images: tuple[tuple[str, float, float], ...]) -> list[tuple[str, tuple[float, float]]]:
+    return [(name, (u, v)) for name, u, v in images]
+
+
+def _span(path: MarkerTrajectory, first: int, last: int, of: Footage) -> slice:
+    """Frames from 0 of numbers in the recording."""
+    start = min(max(first - of.first_frame, 0), len(path))
+    return slice(start, max(min(last - of.first_frame + 1, len(path)), start))

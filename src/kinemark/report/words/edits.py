@@ -1,0 +1,96 @@
+"""What findings of edits say, and edits themselves, in words."""
+
+from __future__ import annotations
+
+from ...data.edits import (
+    AddEvent,
+    Claim,
+    DropUnnamed,
+    Edit,
+    Erase,
+    GapChoice,
+    ImagePoint,
+    Put,
+    Signed,
+    Smooth,
+    Stretch,
+    Trim,
+    Undo,
+    Verdict,
+)
+from .template import Words
+
+EDIT_WORDS = {
+    "edits_orphaned": Words(
+        "{edits} {edits:edit of the journal no longer finds its place and is|edits of the journal no longer find their "
+        "places and are} applied to nothing: {entries_list}.",
+        "Look at {edits:it|them} with kinemark edits show, and say {edits:it|them} again where the trial needs it.",
+    ),
+    "edits_thin": Words(
+        "{edits} {edits:edit of the journal stands|edits of the journal stand} on few of what it was said of: "
+        "{entries_list}.",
+        "Check that {edits:it is|they are} still right: kinemark edits check.",
+    ),
+    "edits_unreadable": Words(
+        "{lines} {lines:line|lines} of the journal of edits {lines:does|do} not count: {lines_list}.",
+        "Find out who changed the file; the other lines stand. What was lost must be said again.",
+    ),
+    "edits_applied": Words(
+        "The journal has {entries} {entries:entry|entries}: {held} {held:stands|stand}, {moot} had nothing left to do, "
+        "{overruled} gave way to later ones.",
+    ),
+}
+
+
+def edit_text(edit: Edit) -> str:
+    """What somebody said, in a line."""
+    match edit:
+        case Claim():
+            return f"{_span(edit.where)}: {'no marker' if edit.name is None else edit.name}"
+        case Erase():
+            return f"{edit.marker} {_frames(edit.first, edit.last)}: erased"
+        case Put():
+            x, y, z = edit.xyz
+            return f"{edit.marker} {_frames(edit.frame, edit.frame)}: put at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
+        case GapChoice():
+            how = "left open" if edit.method == "open" else f"filled by {edit.method}"
+            return f"{edit.marker}, gaps in {_frames(edit.first, edit.last)}: {how}"
+        case Smooth():
+            return f"{edit.marker} {_frames(edit.first, edit.last)}: smoothed, {edit.cutoff_hz:g} Hz"
+        case ImagePoint():
+            who = "no marker" if edit.marker is None else edit.marker
+            return f"{who} in {edit.camera}, frame {edit.frame}: ({edit.u:.1f}, {edit.v:.1f}) px"
+        case _:
+            return _whole_text(edit)
+
+
+def _whole_text(edit: Edit) -> str:
+    """Of edits that are of the whole trial or the journal."""
+    match edit:
+        case Verdict():
+            return f"ambiguous decision ({edit.decision}): {'right' if edit.right else 'wrong'}"
+        case Trim():
+            return f"trimmed to {_frames(edit.first, edit.last)}"
+        case DropUnnamed():
+            return "unnamed tracks dropped"
+        case AddEvent():
+            return f"event: {edit.side} {edit.label} at {edit.time_s:g} s".replace("  ", " ")
+        case Undo():
+            return f"entry {edit.of} undone"
+        case Signed():
+            return f"signed at {edit.head[:12]}"
+        case _:
+            raise ValueError(f"{edit} is no edit")
+
+
+def _span(where: Stretch) -> str:
+    """The frames of a stretch and where it begins."""
+    seen = [witness.frame for witness in where.witnesses]
+    x, y, z = where.witnesses[0].xyz
+    first, last = where.first or seen[0], where.last or seen[-1]
+    follows = "" if where.first is not None and where.last is not None else ", and as far as the path goes"
+    return f"{_frames(first, last)}{follows}, from ({x:.0f}, {y:.0f}, {z:.0f}) mm"
+
+
+def _frames(first: int, last: int) -> str:
+    return f"frame {first}" if first == last else f"frames {first}–{last}"

@@ -1,0 +1,511 @@
+"""Do edits survive when a trial is processed again, otherwise than it was when they were made?
+
+Each trial is tracked once, and a person who knows the truth edits the tracks: every stretch of constant true identity
+is claimed for its marker; samples are erased, places put by hand, gaps left open. Then the trial is processed again in
+other ways, the journal is replayed on what comes out, and every sample that has a name is compared with the truth. An
+edit is *declared* where replay itself says that it is thin or an orphan; it is right where at most WRONG of the samples
+that it names, or one, are another marker's. The control is what other programs do: names are remembered by the number
+of the track and the frames.
+
+Of recordings, what stands for the truth is the other system's tracks (gait9), or the known pattern of the LEDs, laid on
+the points of each frame (infrared footage).
+
+Run: python studies/edits.py [trials [seed]]        6 trials where no number is given
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy
+from recordings import recording
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+from kinemark.data import Camera, Detections, Origin, Rig, Trajectories
+from kinemark.data.array_types import Floats, Ints
+from kinemark.data.edits import AddEvent, Claim, Edit, Entry, Erase, GapChoice, Put, is_named
+from kinemark.data.track_trajectories import trajectories_of
+from kinemark.edit import Edited, replay, stretch_of
+from kinemark.edit.values import without
+from kinemark.engine.keys import world_key
+from kinemark.engine.session import Session
+from kinemark.geometry import project
+from kinemark.io.rig_toml import write_rig_toml
+from kinemark.io.tdf import read_tdf
+from kinemark.match import EpipolarTriplets, KissTriplets, NearestEpipolar, match
+from kinemark.numerics.runs import equal_runs
+from kinemark.reconstruct import LeastSquares, reconstruct
+from kinemark.signal import assign
+from kinemark.synth import combined_subjects, observe, ring, walking, with_markers
+from kinemark.track import ExtrapolationLadder, KissTracking, track
+from kinemark.track.simultaneous import Simultaneous, track_detections
+from support.scenes import make, scene
+
+FAR = 20.0  # mm; a sample belongs to the nearest true marker within
+SHORTEST = 4  # samples of a stretch that is worth a claim
+WRONG = 0.01  # share of an edit's samples that may be another marker's
+OFF = 5.0  # mm; that a place put by hand may be off after all
+EACH = 10  # erases, places and choices a trial
+SCENES = (4, 11, 14, 21, 38, 7, 17, 25, 33, 42, 48, 53, 61, 77, 83, 91)
+
+
+class Trial(NamedTuple):
+    """A trial as it comes: rig and detections, and the true paths (M, F, 3) mm, NaN where they are not known."""
+
+    name: str
+    rig: Rig
+    detections: Detections
+    xyz: Floats
+
+
+class Processed(NamedTuple):
+    """A trial processed: its tracks with the images behind them, in which world, and the truth there."""
+
+    trajectories: Trajectories
+    detections: Detections
+    rig: Rig
+    xyz: Floats
+
+
+def trials(n: int) -> Iterator[Trial]:
+    """The first n."""
+    makers: list[Callable[[], Trial]] = [gait9, infrared, child, *(lambda s=s: simulated(s) for s in SCENES), pair]
+    for made in makers[:n]:
+        yield made()
+
+
+def gait9() -> Trial:
+    tdf = read_tdf(recording("cameras/gait9_bts/gait9.tdf"))
+    assert tdf.rig and tdf.detections and tdf.trajectories
+    return Trial("gait9 (BTS, recorded)", tdf.rig, tdf.detections, tdf.trajectories.xyz)
+
+
+def infrared() -> Trial:
+    """The plate with 15 LEDs; they are where its pattern fits the points of a frame."""
+    from infrared_footage import FEWEST, SETTINGS, fit, pattern, published_rig
+
+    source = recording("cameras/ir_4cam_footage")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write_rig_toml(folder / "rig.toml", published_rig(source / "config"))
+        (folder / "session.toml").write_text(SETTINGS.format(videos=source.as_posix()))
+        trial = Session.open(folder).trial("target").run("track")
+        rig, detections, cloud = trial.rig, trial.detections, trial.tracks.cloud
+    model, pose = pattern(source / "config"), None
+    xyz = np.full((len(model), cloud.n_frames, 3), np.nan)
+    for f in range(cloud.n_frames):
+        found = fit(cloud[f], model, pose) if len(cloud[f]) >= FEWEST else None
+        pose = found[1] if found else None
+        if found:
+            R, t = found[1]
+            xyz[:, f] = model @ R.T + t
+    return Trial("infrared footage (recorded)", rig, detections, xyz)
+
+
+def child(seed: int = 5) -> Trial:
+    """A child's feet: small markers some 20 mm apart, which run together in many images."""
+    subject = walking(duration_s=2.5, rate=100.0, height_mm=850.0, marker_radius_mm=4.0, wobble_mm=0.5, seed=seed)
+    subject = with_markers(subject, 39, apart_mm=18.0, seed=seed)
+    rig = ring(8)
+    return Trial(
+        "a child of 0.85 m, 39 markers",
+        rig,
+        observe(rig, subject, noise_px=0.15, merge_px=5.0, seed=seed).detections,
+        subject.xyz,
+    )
+
+
+def pair(seed: int = 6) -> Trial:
+    """Two people."""
+    people = [
+        walking(duration_s=2.0, rate=100.0, wobble_mm=1.0, seed=seed + k, middle=(1200.0, 450.0 + 500 * k))
+        for k in range(2)
+    ]
+    subject, rig = combined_subjects(*people), ring(8)
+    return Trial(
+        "two people", rig, observe(rig, subject, noise_px=0.2, merge_px=4.0, seed=seed).detections, subject.xyz
+    )
+
+
+def simulated(seed: int) -> Trial:
+    made = make(scene(seed))
+    s = made.scene
+    name = f"scene {seed}: {s.motion}, {s.markers} markers, {s.cameras} cameras"
+    return Trial(name, made.rig, made.detections, made.xyz)
+
+
+# Ways of processing
+
+
+def by_default(trial: Trial, **parameters: Any) -> Processed:
+    tracks = track_detections(trial.detections, trial.rig, method=Simultaneous(**parameters))
+    return Processed(trajectories_of(tracks), trial.detections, trial.rig, trial.xyz)
+
+
+def by_points(trial: Trial, matching: Any, method: Any) -> Processed:
+    cloud = reconstruct(
+        match(trial.detections, trial.rig, method=matching), trial.detections, trial.rig, method=LeastSquares()
+    )
+    return Processed(trajectories_of(track(cloud, method=method)), trial.detections, trial.rig, trial.xyz)
+
+
+def _triplets(trial: Trial, kind: Any) -> Any:
+    return kind() if len(trial.rig) > 2 else NearestEpipolar()
+
+
+def disturbed(trial: Trial, noise: float, lost: float, seed: int) -> Trial:
+    rng = np.random.default_rng(seed)
+    found = trial.detections.keep(rng.random(len(trial.detections)) >= lost)
+    return trial._replace(detections=replace(found, uv=found.uv + rng.normal(0, noise, found.uv.shape)))
+
+
+def other_detection(trial: Trial, seed: int) -> Trial:
+    """Each camera's centroids biased by up to half a pixel and noisier, near images merged, and false ones between."""
+    rng = np.random.default_rng(seed)
+    found = trial.detections
+    bias = rng.uniform(-0.5, 0.5, (len(found.cameras), 2))
+    uv = found.uv + bias[found.camera] + rng.normal(0, 0.15, found.uv.shape)
+    found = replace(found, uv=uv, cov=np.full_like(found.cov, np.nan), area=np.full_like(found.area, np.nan))
+    return trial._replace(detections=with_false(found.keep(rng.random(len(found)) >= 0.03), 0.5, rng))
+
+
+def with_false(found: Detections, mean: float, rng: np.random.Generator) -> Detections:
+    """With so many images from nowhere a camera and frame."""
+    extra = rng.poisson(mean, found.counts.shape)
+    camera = np.repeat(np.arange(len(found.cameras)), extra.sum(1))
+    frame = np.repeat(np.tile(np.arange(found.n_frames), len(found.cameras)), extra.reshape(-1))
+    low, high = found.uv.min(0), found.uv.max(0)
+    order = np.lexsort((np.concatenate([found.frame, frame]), np.concatenate([found.camera, camera])))
+    uv = np.concatenate([found.uv, rng.uniform(low, high, (len(frame), 2))])[order]
+    validity = np.concatenate([found.validity, np.zeros(len(frame), np.uint8)])[order]
+    return Detections.build(found.cameras, found.rate, found.counts + extra, uv, validity=validity)
+
+
+def recalibrated(trial: Trial, seed: int) -> Trial:
+    """One camera turned by 0.1° and moved by 2 mm, as a new calibration may have it."""
+    rng = np.random.default_rng(seed)
+    c = int(rng.integers(len(trial.rig)))
+    axis, step = (v / np.linalg.norm(v) for v in rng.normal(size=(2, 3)))
+    R = scipy.spatial.transform.Rotation.from_rotvec(np.radians(0.1) * axis).as_matrix()
+    one = trial.rig[c]
+    cameras = [
+        replace(one, R=R @ one.R, t=R @ (one.t - one.R @ (2 * step))) if k == c else camera
+        for k, camera in enumerate(trial.rig)
+    ]
+    return trial._replace(rig=replace(trial.rig, cameras=tuple(cameras)))
+
+
+A, B = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([600.0, -700.0, 400.0])
+
+
+def moved_world(trial: Trial) -> Trial:
+    """The world turned by 90° and moved by a metre: x becomes A x + B."""
+
+    def moved(camera: Camera) -> Camera:
+        return replace(camera, R=camera.R @ A.T, t=camera.t - camera.R @ A.T @ B)
+
+    corners = trial.rig.volume @ A.T + B
+    rig = replace(trial.rig, cameras=tuple(map(moved, trial.rig)), volume=np.sort(corners, axis=0))
+    return trial._replace(rig=rig, xyz=trial.xyz @ A.T + B)
+
+
+def cropped(trial: Trial) -> Processed:
+    n = trial.detections.n_frames
+    first, stop = n // 4, n - n // 4
+    part = trial._replace(detections=trial.detections.frames(first, stop), xyz=trial.xyz[:, first:stop])
+    done = by_default(part)
+    return done._replace(trajectories=replace(done.trajectories, first_frame=first + 1))
+
+
+WAYS: dict[str, Callable[[Trial], Processed]] = {
+    "the same again": by_default,
+    "other parameters": lambda t: by_default(t, gate=3.5, process_noise=15_000.0, max_coasting=0.05, max_gap=0.2),
+    "+0.3 px, 10 % lost": lambda t: by_default(disturbed(t, 0.3, 0.1, 1)),
+    "other detection": lambda t: by_default(other_detection(t, 2)),
+    "a camera recalibrated": lambda t: by_default(recalibrated(t, 3)),
+    "a moved world": lambda t: by_default(moved_world(t)),
+    "ladder tracker": lambda t: by_points(t, _triplets(t, EpipolarTriplets), ExtrapolationLadder()),
+    "KISS tracker": lambda t: by_points(t, _triplets(t, KissTriplets), KissTracking()),
+    "cropped to a half": cropped,
+    "moved and disturbed": lambda t: by_default(moved_world(disturbed(t, 0.3, 0.1, 4))),
+}
+
+
+# Who is who
+
+
+def owners(done: Processed) -> Ints:
+    """(P, F) the true marker of each sample; −1 for none."""
+    mine = done.trajectories.xyz
+    owner = np.full(mine.shape[:2], -1, np.int64)
+    for f in range(mine.shape[1]):
+        there = np.flatnonzero(np.isfinite(done.xyz[:, f, 0]))
+        rows = np.flatnonzero(np.isfinite(mine[:, f, 0]))
+        if len(there) and len(rows):
+            apart = np.linalg.norm(mine[rows, f, None] - done.xyz[there, f], axis=-1)
+            i, j = assign(apart, np.full(len(rows), FAR))
+            owner[rows[i], f] = there[j]
+    return owner
+
+
+class Piece(NamedTuple):
+    """A stretch of constant true identity: path, marker, first and last sample (from 0), and which ends were cut."""
+
+    path: int
+    marker: int
+    first: int
+    last: int
+    cut: tuple[bool, bool]
+
+
+def pieces(done: Processed, owner: Ints) -> list[Piece]:
+    """The stretches of all tracks; changes that last less than SHORTEST samples are passed over."""
+    found = []
+    for p in range(len(owner)):
+        frames = np.flatnonzero(owner[p] >= 0)
+        edges = equal_runs(owner[p][frames])
+        runs = [(a, b) for a, b in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True) if b - a >= SHORTEST]
+        joined: list[list[int]] = []
+        for a, b in runs:
+            if joined and owner[p][frames[joined[-1][0]]] == owner[p][frames[a]]:
+                joined[-1][1] = b
+            else:
+                joined.append([a, b])
+        for i, (a, b) in enumerate(joined):
+            cut = i > 0, i < len(joined) - 1
+            found.append(Piece(p, int(owner[p][frames[a]]), int(frames[a]), int(frames[b - 1]), cut))
+    return found
+
+
+# What a person says
+
+
+def said_by(base: Processed, found: list[Piece], seed: int) -> tuple[list[Entry], list[Edit]]:
+    """The journal: claims of every stretch, then values; and the values alone."""
+    world, start = world_key(base.rig), base.trajectories.first_frame
+    claims = [
+        Claim(
+            stretch_of(
+                base.trajectories,
+                base.trajectories.names[one.path],
+                first=one.first + start if one.cut[0] else None,
+                last=one.last + start if one.cut[1] else None,
+                within=(one.first + start, one.last + start),
+                detections=base.detections,
+                world=world,
+            ),
+            f"M{one.marker}",
+        )
+        for one in found
+    ]
+    entries = [Entry(k + 1, "", "study", "", "", "", (claim,)) for k, claim in enumerate(claims)]
+    named = replay(base.trajectories, entries, detections=base.detections, rig=base.rig, world=world).trajectories
+    values = list(some_values(base, named, world, np.random.default_rng(seed)))
+    return [
+        *entries,
+        *(Entry(len(entries) + 1 + k, "", "study", "", "", "", (v,)) for k, v in enumerate(values)),
+    ], values
+
+
+def some_values(base: Processed, named: Trajectories, world: str, rng: np.random.Generator) -> Iterator[Edit]:
+    """Samples erased, places put, gaps left open, at random."""
+    start, n = named.first_frame, named.n_frames
+    markers = [path for path in named if is_named(path.name) and (path.origin != Origin.MISSING).sum() > 30]
+    for _ in range(EACH):
+        path = markers[rng.integers(len(markers))]
+        f = int(rng.choice(np.flatnonzero(path.origin != Origin.MISSING)))
+        yield Erase(path.name, f + start, min(f + int(rng.integers(4, 15)), n - 1) + start)
+    for _ in range(EACH):
+        path = markers[rng.integers(len(markers))]
+        true = base.xyz[int(path.name[1:])]
+        f = int(rng.choice(np.flatnonzero(np.isfinite(true[:, 0]))))
+        xyz = true[f] + rng.normal(0, 0.5, 3)
+        uv = [project(camera, xyz[None])[0] for camera in base.rig]
+        images = tuple((name, float(u), float(v)) for name, (u, v) in zip(base.rig.names, uv, strict=True))
+        yield Put(path.name, f + start, tuple(xyz.tolist()), 1.0, images, world)
+    gaps = [(path.name, a, b) for path in markers for a, b in path.gaps]
+    for k in rng.permutation(len(gaps))[:EACH].tolist():
+        name, a, b = gaps[k]
+        yield GapChoice(name, a + start, b - 1 + start, "open")
+    yield AddEvent("Foot Strike", "Left", 0.1)
+
+
+# Judging
+
+
+class Score(NamedTuple):
+    """Samples that should have a name: right, wrong, none; the same by track number; edits: right, declared, wrong."""
+
+    right: int = 0
+    wrong: int = 0
+    none: int = 0
+    number_right: int = 0
+    number_wrong: int = 0
+    number_none: int = 0
+    edits_right: int = 0
+    declared: int = 0
+    edits_wrong: int = 0
+    thin: int = 0
+    orphans: int = 0
+    seconds: float = 0.0
+
+    def plus(self, other: Score) -> Score:
+        """The sum."""
+        return Score._make(a + b for a, b in zip(self, other, strict=True))
+
+
+def judged(base: Processed, found: list[Piece], entries: list[Entry], values: list[Edit], done: Processed) -> Score:
+    """One way of processing again."""
+    began = time.process_time()
+    edited = replay(done.trajectories, entries, detections=done.detections, rig=done.rig, world=world_key(done.rig))
+    seconds = time.process_time() - began
+    shift = done.trajectories.first_frame - base.trajectories.first_frame
+    covered = np.zeros(base.xyz.shape[:2], bool)
+    for one in found:
+        covered[one.marker, one.first : one.last + 1] = True
+    covered = covered[:, shift : shift + done.trajectories.n_frames]
+    put = {(v.marker, v.frame) for v in values if isinstance(v, Put)}
+    after = owners(done._replace(trajectories=without_puts(edited.trajectories, put)))
+    called = np.array([int(name[1:]) if is_named(name) else -1 for name in edited.trajectories.names])
+    right, wrong, none = counts(after, called[:, None] * np.ones_like(after), covered)
+    by_number = numbered(base, found, done.trajectories, shift)
+    controls = counts(owners(done), by_number, covered)
+    score = Score(right, wrong, none, *controls, seconds=seconds)
+    return score.plus(edits(edited, found, values, after, called, shift, done))
+
+
+def without_puts(trajectories: Trajectories, put: set[tuple[str, int]]) -> Trajectories:
+    """Places that were put are judged by themselves."""
+    paths = []
+    for path in trajectories:
+        mask = np.zeros(len(path), bool)
+        for name, frame in put:
+            f = frame - trajectories.first_frame
+            if name == path.name and 0 <= f < len(path):
+                mask[f] = True
+        paths.append(without(path, mask) if mask.any() else path)
+    return replace(trajectories, paths=tuple(paths))
+
+
+def counts(owner: Ints, called: Ints, covered: Any) -> tuple[int, int, int]:
+    """Samples that have a true marker that was claimed then: called so, otherwise, or nothing."""
+    p, f = np.nonzero(owner >= 0)
+    m, name = owner[p, f], called[p, f]
+    due = covered[m, f]
+    right = int((due & (name == m)).sum())
+    none = int((due & (name < 0)).sum())
+    return right, int(((name >= 0) & (name != m)).sum()), none
+
+
+def numbered(base: Processed, found: list[Piece], again: Trajectories, shift: int) -> Ints:
+    """(P, F) names by the number of the track and the frames."""
+    called = np.full((len(again), again.n_frames), -1, np.int64)
+    for one in found:
+        if one.path < len(again):
+            called[one.path, max(one.first - shift, 0) : max(one.last + 1 - shift, 0)] = one.marker
+    return called
+
+
+def edits(
+    edited: Edited, found: list[Piece], values: list[Edit], after: Ints, called: Ints, shift: int, done: Processed
+) -> Score:
+    """Which edits are right, declared or wrong."""
+    right = declared = wrong = thin = orphans = 0
+    for k, applied in enumerate(edited.applied):
+        if applied.outcome in ("thin", "orphan"):
+            declared += 1
+            thin += applied.outcome == "thin"
+            orphans += applied.outcome == "orphan"
+            continue
+        good = (
+            claim_right(found[k], after, called, shift) if k < len(found) else value_right(applied.edit, edited, done)
+        )
+        right, wrong = right + good, wrong + (not good)
+    return Score(edits_right=right, declared=declared, edits_wrong=wrong, thin=thin, orphans=orphans)
+
+
+def claim_right(one: Piece, after: Ints, called: Ints, shift: int) -> bool:
+    """Whether, in its frames, what is called so is that marker."""
+    at = slice(max(one.first - shift, 0), max(one.last + 1 - shift, 0))
+    mine = after[called == one.marker, at]
+    judged = mine[mine >= 0]
+    return bool((judged != one.marker).sum() <= max(WRONG * len(judged), 1))
+
+
+def value_right(edit: Edit, edited: Edited, done: Processed) -> bool:
+    """Whether a value is what was said."""
+    trajectories = edited.trajectories
+    start = trajectories.first_frame
+    if isinstance(edit, Erase):
+        put = [e.edit.frame - start for e in edited.applied if isinstance(e.edit, Put) and e.edit.marker == edit.marker]
+        part = trajectories[edit.marker].origin[max(edit.first - start, 0) : max(edit.last + 1 - start, 0)].copy()
+        for f in put:
+            if 0 <= f - max(edit.first - start, 0) < len(part):
+                part[f - max(edit.first - start, 0)] = Origin.MISSING
+        return bool((part == Origin.MISSING).all())
+    if isinstance(edit, Put):
+        f = edit.frame - start
+        if not 0 <= f < trajectories.n_frames:
+            return True
+        return put_right(edit, trajectories[edit.marker].xyz[f], f, done)
+    return True
+
+
+def put_right(edit: Put, xyz: Floats, f: int, done: Processed) -> bool:
+    """Whether a place put by hand is where the marker is, or where this processing sees it, its cameras being off."""
+    true = done.xyz[int(edit.marker[1:]), f]
+    seen = done.trajectories.xyz[:, f]
+    near = seen[np.linalg.norm(seen - true, axis=-1) < FAR]
+    return bool((np.linalg.norm(np.vstack([true, near]) - xyz, axis=-1) < OFF).any())
+
+
+HEAD = (
+    f"{'':28}{'witnesses':>23}{'track numbers':>25}{'edits':>33}{'replay':>9}\n"
+    f"{'':28}{'right':>9}{'wrong':>7}{'none':>7}{'right':>10}{'wrong':>8}{'none':>7}"
+    f"{'right':>10}{'declared':>10}{'wrong':>7}{'good %':>8}{'CPU s':>7}"
+)
+
+
+def row(name: str, s: Score, n: int = 1) -> str:
+    """A line of the table; samples in %."""
+    all_samples = max(s.right + s.wrong + s.none, 1)
+    numbers = max(s.number_right + s.number_wrong + s.number_none, 1)
+    every = max(s.edits_right + s.declared + s.edits_wrong, 1)
+    of = [(s.right, all_samples, "9.2f"), (s.wrong, all_samples, "7.2f"), (s.none, all_samples, "7.2f")]
+    of += [(s.number_right, numbers, "10.2f"), (s.number_wrong, numbers, "8.2f"), (s.number_none, numbers, "7.2f")]
+    shares = "".join(f"{100 * part / whole:{width}}" for part, whole, width in of)
+    good = 100 * (1 - s.edits_wrong / every)
+    return f"{name:28}{shares}{s.edits_right:10d}{s.declared:10d}{s.edits_wrong:7d}{good:8.2f}{s.seconds / n:7.2f}"
+
+
+def main(n: int = 6, seed: int = 0) -> None:
+    totals: dict[str, Score] = {}
+    done = 0
+    for trial in trials(n):
+        base = by_default(trial)
+        found = pieces(base, owners(base))
+        entries, values = said_by(base, found, seed)
+        print(f"\n{trial.name}: {len(base.trajectories)} tracks, {len(entries)} edits\n{HEAD}", flush=True)
+        for way, again in WAYS.items():
+            score = judged(base, found, entries, values, again(trial))
+            totals[way] = totals.get(way, Score()).plus(score)
+            print(row(way, score), flush=True)
+        done += 1
+    print(f"\nAll {done} trials\n{HEAD}")
+    whole = Score()
+    for way, score in totals.items():
+        whole = whole.plus(score)
+        print(row(way, score, done))
+    print(row("all", whole, done * len(totals)))
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

@@ -1,0 +1,53 @@
+"""Cases of the shift law: edits of trajectories."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from kinemark.data.edits import Claim, Entry, Erase, Put, Stretch, Trim, Witness
+from kinemark.edit import connection, cropped, replay, stretch_of
+from support.edited import entries, paths_without_images
+from support.shift_law import Answer, law, moved
+
+
+def stretch_moved(where, by):
+    """A stretch, said in a world moved by `by`."""
+    return replace(where, witnesses=tuple(Witness(w.frame, tuple(np.add(w.xyz, by).tolist())) for w in where.witnesses))
+
+
+def said(by) -> list[Entry]:
+    whole = paths_without_images()
+    where = stretch_moved(stretch_of(whole, "*1", first=30, last=150), by)
+    return entries(
+        Claim(where, "A"), Erase("A", 40, 60), Put("A", 50, tuple((by + 700.0).tolist()), 1.0), Trim(20, 180)
+    )
+
+
+def trial(by):
+    return moved(paths_without_images(), by)
+
+
+@law(stretch_of, mm=1e-2)
+def _(by):
+    where: Stretch = stretch_of(trial(by), "*2", first=9, at=77)
+    return Answer(np.array([w.xyz for w in where.witnesses]), [w.frame for w in where.witnesses])
+
+
+@law(replay, mm=1e-6)
+def _(by):
+    edited = replay(trial(by), said(by))
+    return Answer(edited.trajectories.xyz, [(one.outcome, one.samples) for one in edited.applied])
+
+
+@law(cropped)
+def _(by):
+    edited = replay(trial(by), said(by))
+    return Answer(cropped(edited.trajectories, edited).xyz)
+
+
+@law(connection, share=1e-6)
+def _(by):
+    one, other = trial(by).paths[:2]
+    missing = np.arange(len(one)) >= 90
+    first = replace(one, xyz=np.where(missing[:, None], np.nan, one.xyz), origin=np.where(missing, 0, one.origin))
+    return Answer(rest=connection(first, other, rate=100.0)._asdict())

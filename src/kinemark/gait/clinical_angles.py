@@ -19,7 +19,7 @@ import numpy as np
 from ..data.array_types import Floats
 from ..kinematics import principal
 from .lower_limb import FOOT_SEQUENCE, LowerLimbs
-from .measures import LETTER, SIDES, TO_THE_LEFT, Side
+from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, Side
 
 WALKED_MM = 800.0
 """Path of the pelvis below which its own x is the direction of progression, mm (Plug-in Gait)."""

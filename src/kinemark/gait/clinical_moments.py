@@ -14,7 +14,7 @@ import numpy as np
 
 from ..data.array_types import Floats
 from .inverse_dynamics import JointLoad
-from .measures import TO_THE_LEFT, Side
+from ..data.subject_measures import TO_THE_LEFT, Side
 
 MOMENT_AXES = {"Ankle": ((1, 1.0), (2, -1.0), (0, 1.0)), "Knee": ((1, -1.0), (0, 1.0), (2, 1.0)),
                "Hip": ((1, 1.0), (0, 1.0), (2, 1.0))}  # fmt: skip

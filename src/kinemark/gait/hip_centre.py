@@ -20,7 +20,7 @@ from typing import Literal
 import numpy as np
 
 from ..data.array_types import Floats
-from .measures import TO_THE_LEFT, Side, SubjectMeasures
+from ..data.subject_measures import TO_THE_LEFT, Side, SubjectMeasures
 
 HipCentre = Literal["davis", "harrington", "hara"]
 THETA, BETA = 0.5, 0.314

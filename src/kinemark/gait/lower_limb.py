@@ -24,7 +24,7 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..kinematics import principal, turned
 from .hip_centre import HipCentre, davis, hara, harrington
-from .measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
+from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
 from .segments import Segment, joint_centre, perpendicular, unit, upright
 
 LEG_MARKERS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..data import KinemarkError
+from .errors import KinemarkError
 
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")

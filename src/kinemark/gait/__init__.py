@@ -1,7 +1,7 @@
 """From named markers, force plates and EMG to gait: segments, angles, ground reaction, moments and powers.
 
-`lower_limbs` is the conventional gait model, `clinical_angles` what clinicians read of it, `reaction` and `contacts` the
-force plates and the feet on them, `joint_loads` inverse dynamics.
+`lower_limbs` is the conventional gait model, `clinical_angles` what clinicians read of it, `reaction` and `contacts`
+the force plates and the feet on them, `joint_loads` inverse dynamics.
 """
 
 from .clinical_angles import clinical_angles, progression

@@ -1,6 +1,6 @@
 """Angles of the gait model as clinicians read them.
 
-Each is the rotation of a segment in another, taken apart as Rᵧ(a) Rₓ(b) R_z(c) (Grood and Suntay's order for x forward):
+Each is the rotation of a segment in another, taken apart as Rᵧ(a) Rₓ(b) R_z(c):
 
     pelvis, hip, knee            flexion a, adduction b, rotation c                                             (1)
     ankle, foot progression      a, c, b                                                                        (2)
@@ -17,13 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..data.array_types import Floats
+from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, Side
 from ..kinematics import principal
 from .lower_limb import FOOT_SEQUENCE, LowerLimbs
-from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, Side
+from .segments import Z_UP
 
 WALKED_MM = 800.0
 """Path of the pelvis below which its own x is the direction of progression, mm (Plug-in Gait)."""
-Z_UP = np.array([0.0, 0.0, 1.0])
 
 
 class Reading(NamedTuple):

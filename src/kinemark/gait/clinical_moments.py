@@ -13,8 +13,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..data.array_types import Floats
-from .inverse_dynamics import JointLoad
 from ..data.subject_measures import TO_THE_LEFT, Side
+from .inverse_dynamics import JointLoad
 
 MOMENT_AXES = {"Ankle": ((1, 1.0), (2, -1.0), (0, 1.0)), "Knee": ((1, -1.0), (0, 1.0), (2, 1.0)),
                "Hip": ((1, 1.0), (0, 1.0), (2, 1.0))}  # fmt: skip

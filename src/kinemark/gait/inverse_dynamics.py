@@ -33,7 +33,7 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from .lower_limb import Leg
 from .segment_inertia import SegmentInertia
-from .segments import Segment
+from .segments import Z_UP, Segment
 
 GRAVITY = 9.81
 """m/s², downwards; conventional."""
@@ -100,7 +100,7 @@ def joint_loads(
     rate: float,
     inertia: Mapping[str, SegmentInertia],
     rotation_derivative: Derivative = five_point,
-    up: Floats = np.array([0.0, 0.0, 1.0]),
+    up: Floats = Z_UP,
 ) -> dict[str, JointLoad]:
     """Ankle, knee and hip by (1) to (3); NaN in four frames at each end and where a marker is missing.
 

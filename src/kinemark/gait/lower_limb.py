@@ -1,7 +1,7 @@
 """The conventional gait model: pelvis, thighs, shanks and feet from 15 or 16 markers.
 
-Of KISS, Helen Hayes and Plug-in Gait (Kadaba et al. 1990; Davis et al. 1991). Segments have x forward, y to the left and
-z up:
+Of KISS, Helen Hayes and Plug-in Gait (Kadaba et al. 1990; Davis et al. 1991). Segments have x forward, y to the left
+and z up:
 
     pelvis   y from RASI to LASI; x from SACR (or the midpoint of the PSIs) to the midpoint of the ASIs, which is the
              origin, without its part along y                                                                    (1)
@@ -22,10 +22,10 @@ import numpy as np
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
+from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
 from ..kinematics import principal, turned
 from .hip_centre import HipCentre, davis, hara, harrington
-from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
-from .segments import Segment, joint_centre, perpendicular, unit, upright
+from .segments import Z_UP, Segment, joint_centre, perpendicular, unit, upright
 
 LEG_MARKERS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
 """Of each leg, after L or R; conventional."""
@@ -155,13 +155,9 @@ def _leg(
         "hara": lambda: hara(measures, side),
     }[how]()
     hip, r = pelvis.at(local), measures.marker_diameter_mm / 2
-    knee = joint_centre(
-        hip, kne, thi, half_width_mm=own.knee_mm / 2 + r, wand_deg=own.thigh_wand_deg, outwards=left
-    )
+    knee = joint_centre(hip, kne, thi, half_width_mm=own.knee_mm / 2 + r, wand_deg=own.thigh_wand_deg, outwards=left)
     thigh = upright(knee, hip - knee, left * (kne - knee))  # (2)
-    ankle = joint_centre(
-        knee, ank, tib, half_width_mm=own.ankle_mm / 2 + r, wand_deg=own.shank_wand_deg, outwards=left
-    )
+    ankle = joint_centre(knee, ank, tib, half_width_mm=own.ankle_mm / 2 + r, wand_deg=own.shank_wand_deg, outwards=left)
     shank = upright(ankle, knee - ankle, left * (ank - ankle))  # (3)
     bare = upright(toe, ankle - toe, shank.R[..., 1])  # (4)
     offsets = (own.plantar_offset_deg or 0.0, own.rotation_offset_deg or 0.0)
@@ -180,7 +176,7 @@ def with_static_offsets(
     *,
     flat_foot: bool,
     hip_centre: HipCentre = "davis",
-    up: Floats = np.array([0.0, 0.0, 1.0]),
+    up: Floats = Z_UP,
 ) -> SubjectMeasures:
     """The measures with the offsets of both feet that a static trial shows, means over its frames.
 

@@ -5,8 +5,8 @@ centre of pressure p, on the floor, weighted by the force:
 
     d = Σ F_z |p − m| / Σ F_z                                                                          (1)
 
-The near foot has stepped there. A contact does not count where both feet are as near, the other foot stands on the plate
-too, a heel or toe of the standing foot is beside the plate, or the recording begins or ends within it.
+The near foot has stepped there. A contact does not count where both feet are as near, the other foot stands on the
+plate too, a heel or toe of the standing foot is beside the plate, or the recording begins or ends within it.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from ..data.array_types import Bools, Floats
 from ..data.subject_measures import LETTER, SIDES, Side
 from ..numerics.runs import true_runs
 from .reaction import Reaction, plate_axes
+from .segments import Z_UP
 
 SHORTEST_S = 0.1
 """Of a contact, s; chosen: shorter loads are knocks."""
@@ -57,7 +58,7 @@ class Contact(NamedTuple):
 
 
 def contacts(
-    reactions: Sequence[Reaction], points: Mapping[str, Floats], *, rate: float, up: Floats = np.array([0.0, 0.0, 1.0])
+    reactions: Sequence[Reaction], points: Mapping[str, Floats], *, rate: float, up: Floats = Z_UP
 ) -> tuple[Contact, ...]:
     """All loads of all plates, in the order of time.
 
@@ -102,9 +103,7 @@ class _Foot(NamedTuple):
         return cls(heel, toe, middle, speed < STANDING_MM_S, float(np.nanmedian(length)) if len(length) else np.nan)
 
 
-def _judged(
-    plate: int, reaction: Reaction, first: int, stop: int, feet: Mapping[Side, _Foot], up: Floats
-) -> Contact:
+def _judged(plate: int, reaction: Reaction, first: int, stop: int, feet: Mapping[Side, _Foot], up: Floats) -> Contact:
     """A load with its foot."""
     distance = {side: _distance(reaction, foot, first, stop, up) for side, foot in feet.items()}
     near, far = sorted(SIDES, key=lambda side: np.nan_to_num(distance[side], nan=np.inf))
@@ -129,7 +128,9 @@ def _distance(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats
     off = off - (off @ up)[:, None] * up
     weight = np.abs(reaction.force[first:stop] @ up)
     seen = np.isfinite(off).all(1) & (weight > 0)
-    return float((weight[seen] * np.linalg.norm(off[seen], axis=1)).sum() / weight[seen].sum()) if seen.any() else np.nan
+    return (
+        float((weight[seen] * np.linalg.norm(off[seen], axis=1)).sum() / weight[seen].sum()) if seen.any() else np.nan
+    )
 
 
 def _inside(reaction: Reaction, xyz: Floats, margin: float) -> Bools:

@@ -1,4 +1,4 @@
-"""Force plates to ground reactions: force, centre of pressure and free moment in the laboratory, at the markers' frames.
+"""Force plates to ground reactions: force, centre of pressure and free moment, at the markers' frames.
 
 A plate's own axes, from its corners c₁ … c₄, are
 
@@ -8,8 +8,8 @@ and in them, with force F and moment M about the sensor, whose place below the m
 
     M′ = M − o × F,   p = (−M′_y, M′_x, 0) / F_z,   T = M′_z − (p_x F_y − p_y F_x)                             (2)
 
-are the moment about the surface's middle, the centre of pressure and the free moment. An eight-channel plate (type 3) of
-sensors at (±a, ±b) adds up to
+are the moment about the surface's middle, the centre of pressure and the free moment. An eight-channel plate (type 3)
+of sensors at (±a, ±b) adds up to
 
     F = (x₁₂ + x₃₄, y₁₄ + y₂₃, z₁ + z₂ + z₃ + z₄)
     M = (b (z₁ + z₂ − z₃ − z₄), a (−z₁ + z₂ + z₃ − z₄), b (−x₁₂ + x₃₄) + a (y₁₄ − y₂₃))                       (3)
@@ -29,7 +29,7 @@ import numpy as np
 
 from ..data import Analog, ForcePlate, KinemarkError
 from ..data.array_types import Bools, Floats
-from .segments import unit
+from .segments import Z_UP, unit
 
 THRESHOLD_N = 5.0
 """Vertical force from which a plate counts as loaded, N (Plug-in Gait)."""
@@ -68,7 +68,7 @@ def reaction(
     rate: float,
     threshold_n: float = THRESHOLD_N,
     averaged: bool = True,
-    up: Floats = np.array([0.0, 0.0, 1.0]),
+    up: Floats = Z_UP,
 ) -> Reaction:
     """The ground reaction of a plate at each frame of the markers.
 

@@ -8,6 +8,8 @@ import numpy as np
 
 from ..data.array_types import Floats
 
+Z_UP: Floats = np.array([0.0, 0.0, 1.0])
+"""Where up is, unless a file says otherwise; conventional."""
 ROUNDS = 8
 """Of turning a wand about its segment; chosen, the sixth changes nothing at double precision."""
 
@@ -58,8 +60,8 @@ def joint_centre(
 ) -> Floats:
     """(…, 3) mm the centre K of a joint, by the chord of Plug-in Gait.
 
-    K is in the plane of the joint above, the lateral marker and the wand, away from the wand, at half the width from the
-    lateral marker and with a right angle between both lines (Davis et al. 1991):
+    K is in the plane of the joint above, the lateral marker and the wand, away from the wand, at half the width from
+    the lateral marker and with a right angle between both lines (Davis et al. 1991):
 
         |K − lateral| = h,   (K − lateral) · (K − above) = 0                                              (1)
 

@@ -55,7 +55,7 @@ def test_what_is_said_of_the_errors_is_true():
                 z[name].append((one.values[name] - true) / one.sd[name])
     for name, values in z.items():
         spread = np.sqrt(np.nanmean(np.square(values)))  # a heel that stops at the event moves on one side of it only
-        assert 0.7 < spread < 1.3, name
+        assert 0.65 < spread < 1.3, name
 
 
 def test_a_missing_event_leaves_what_hangs_on_it_missing():

@@ -10,9 +10,9 @@ the other, on the floor, d the direction from h(t₀) to h(t₁), and the events
     double support = from t₀ to the other's foot off and from the other's strike to this foot off,
     single support = from the other's foot off to its strike                                                 (5)
 
-Standard uncertainties follow from those of the events and of the heels, each independent: of a time √(σ₀² + σ₁²), of ℓ
-the heels' along d with what they move in the uncertainty of the event, of a ratio the shares' root sum of squares; in the speed what a
-heel moves and what its event is off cancel in part, and the first is left out (6).
+Standard uncertainties follow from those of the events and of the heels, each independent: of a time √(σ₀² + σ₁²), of
+a length the heels' along d with what they move in the uncertainty of the event, of a ratio the shares' root sum of
+squares. In the speed what a heel moves and what its event is off cancel in part, and the first is left out (6).
 """
 
 from __future__ import annotations
@@ -116,7 +116,7 @@ def _stride(
     own_sd = (_heel_sd(heels[0], begin, rate, heel_sd), _heel_sd(heels[0], end, rate, heel_sd))
     length_sd, step_sd = float(np.hypot(*own_sd)), float(np.hypot(own_sd[1], _heel_sd(heels[1], end, rate, heel_sd)))
     side_wards = np.cross(up, d)
-    shares = [_share(begin, event, T, sd_T) for event in (off, other_off, other_strike)]
+    shares = [_share(begin, event, end) for event in (off, other_off, other_strike)]
     values = {
         "stride_time": (T, sd_T),
         "stride_length": (length, length_sd),
@@ -151,10 +151,14 @@ def _between(a: FootEvent | None, b: FootEvent | None) -> tuple[float, float]:
     return b.time - a.time, float(np.hypot(a.sd, b.sd))
 
 
-def _share(begin: FootEvent, event: FootEvent | None, T: float, sd_T: float) -> tuple[float, float]:
-    """% of the stride (4)."""
-    t, sd = _between(begin, event)
-    return 100 * t / T, float(100 / T * np.hypot(sd, t / T * sd_T)) if np.isfinite(t) else np.nan
+def _share(begin: FootEvent, event: FootEvent | None, end: FootEvent) -> tuple[float, float]:
+    """% of the stride (4), whose beginning counts in both its parts."""
+    if event is None:
+        return np.nan, np.nan
+    T = end.time - begin.time
+    share = (event.time - begin.time) / T
+    sd = np.linalg.norm([event.sd, share * end.sd, (1 - share) * begin.sd]) / T
+    return 100 * share, float(100 * sd)
 
 
 def _ratio(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:

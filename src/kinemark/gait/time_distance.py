@@ -86,7 +86,7 @@ def strides(
         own = sorted((e for e in events if e.side == side and e.strike), key=lambda e: e.time)
         offs = [e for e in events if e.side == side and not e.strike]
         theirs = [e for e in events if e.side == other]
-        heels = tuple(points[LETTER[s] + "HEE"] for s in (side, other))
+        heels = points[LETTER[side] + "HEE"], points[LETTER[other] + "HEE"]
         for begin, end in pairwise(own):
             found.append(_stride(begin, end, offs, theirs, heels, rate, heel_sd_mm, up))
     return tuple(sorted(found, key=lambda one: one.first))

@@ -29,6 +29,10 @@ from .segments import Z_UP, Segment, joint_centre, perpendicular, unit, upright
 
 LEG_MARKERS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
 """Of each leg, after L or R; conventional."""
+MODEL_MARKERS = (
+    "LASI", "RASI", "SACR", "LPSI", "RPSI", *(letter + name for letter in LETTER.values() for name in LEG_MARKERS)
+)  # fmt: skip
+"""All that the model looks at; conventional."""
 FOOT_SEQUENCE = "yxz"
 """Of (4) and of all angles of the model; conventional."""
 

@@ -11,7 +11,7 @@ from ..data.subject_measures import SIDES, SubjectMeasures
 from ..kinematics import Butterworth, WoltringSpline, smooth
 from .gait_trial import GaitTrial, ground_contact, leg_loads, marker_points, signals_of
 from .inverse_dynamics import five_point
-from .lower_limb import lower_limbs
+from .lower_limb import MODEL_MARKERS, lower_limbs
 from .plate_contacts import contacts
 from .reaction import reaction
 from .segment_inertia import INERTIAS
@@ -58,8 +58,9 @@ def physical_gait(trial: Trial, measures: SubjectMeasures, *, method: Physical) 
 
 
 def smoothed_trial(trial: Trial, method: Physical) -> Trial:
-    """The trial with smoothed markers."""
+    """The trial with the model's markers, smoothed."""
     if method.smoothing == "none":
         return trial
     make = Butterworth if method.smoothing == "butterworth" else WoltringSpline
-    return replace(trial, trajectories=smooth(trial.trajectories, method=make(cutoff_hz=method.cutoff_hz)))
+    markers = trial.trajectories.select([n for n in trial.trajectories.names if n.rsplit(":", 1)[-1] in MODEL_MARKERS])
+    return replace(trial, trajectories=smooth(markers, method=make(cutoff_hz=method.cutoff_hz)))

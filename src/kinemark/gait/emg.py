@@ -3,9 +3,9 @@
     raw → band-pass (Butterworth, forwards and backwards) → |·| → low-pass → envelope                          (1)
 
 A muscle is on where a faster envelope exceeds the mean of its quietest tenth by `on_sd` of that tenth's standard
-deviations, and a share of its peak (2), bridged and kept by a least duration (Hodges and Bui 1996; De Luca 1997
-for the bands). A channel that sits at its greatest or least value is saturated; one with more power at the mains' frequency than in the
-bands beside it hums (3).
+deviations, and a share of its peak (2), bridged and kept by a least duration (Hodges and Bui 1996; De Luca 1997 for the
+bands). A channel that sits at its greatest or least value is saturated; one with more power at the mains' frequency
+than in the bands beside it hums (3).
 """
 
 from __future__ import annotations

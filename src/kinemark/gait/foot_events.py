@@ -202,8 +202,7 @@ def _foot(points: Mapping[str, Floats], side: Side, rate: float, up: Floats) -> 
         return None
     x = pelvis.R[..., 0]
     d = unit(_filled(x - (x @ up)[:, None] * up))
-    derivative = lambda v: np.gradient(v, axis=0) * rate  # noqa: E731
-    heel_v, toe_v = derivative(heel), derivative(toe)
+    heel_v, toe_v = _derivative(heel, rate), _derivative(toe, rate)
     turn = _upright(up)
     swing = _speed((heel_v + toe_v) / 2)
     return Foot(
@@ -212,11 +211,16 @@ def _foot(points: Mapping[str, Floats], side: Side, rate: float, up: Floats) -> 
         ((toe - middle) * d).sum(1),
         heel_v @ turn,
         toe_v @ turn,
-        derivative(heel_v) @ turn,
-        derivative(toe_v) @ turn,
-        derivative((heel_v + toe_v) / 2) @ turn,
+        _derivative(heel_v, rate) @ turn,
+        _derivative(toe_v, rate) @ turn,
+        _derivative((heel_v + toe_v) / 2, rate) @ turn,
         float(np.nanmax(swing)),
     )
+
+
+def _derivative(x: Floats, rate: float) -> Floats:
+    """(F, 3) a second, by differences of neighbours."""
+    return np.asarray(np.gradient(x, axis=0) * rate)
 
 
 def _upright(up: Floats) -> Floats:

@@ -32,6 +32,7 @@ class LegMeasures:
         torsion_deg: of the shank, the ankle's axis outwards from the knee's.
         sole_mm: by how much the sole is thicker below the heel than below the toes.
         plantar_offset_deg, rotation_offset_deg: of the foot to the line from ankle to toe; None: from a static trial.
+        hip_shift_mm: of the hip from where the regression has it, forward, left and up in the pelvis.
 
     Raises:
         KinemarkError: a length is none that a person can have.
@@ -47,6 +48,7 @@ class LegMeasures:
     sole_mm: float = 0.0
     plantar_offset_deg: float | None = None
     rotation_offset_deg: float | None = None
+    hip_shift_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         for name, (low, high) in LENGTHS_MM.items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,11 +14,13 @@ from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from ..kinematics.chain import points_of
 from .clinical_angles import READINGS, clinical_angles
 from .clinical_moments import clinical_force, clinical_moment
+from .hip_centre import HipCentre
 from .inverse_dynamics import Derivative, GroundContact, JointLoad, joint_loads
-from .lower_limb import LowerLimbs
-from .plate_contacts import Contact
-from .reaction import Reaction
+from .lower_limb import LowerLimbs, lower_limbs
+from .plate_contacts import Contact, contacts
+from .reaction import Reaction, reaction
 from .segment_inertia import SegmentInertia
+from .segments import Z_UP
 from .stage import GAIT
 
 MOMENT_AXES = {
@@ -64,33 +66,65 @@ def analyse_gait(trial: Trial, measures: SubjectMeasures, *, method: Any = None)
     return found
 
 
-def leg_loads(
-    limbs: LowerLimbs,
-    reactions: Sequence[Reaction],
-    contacts: Sequence[Contact],
-    points: Mapping[str, Floats],
-    measures: SubjectMeasures,
-    *,
-    rate: float,
-    counts: Sequence[str],
-    inertia: Mapping[str, SegmentInertia],
-    rotation_derivative: Derivative,
-    up: Floats,
-) -> dict[str, JointLoad]:
-    """Loads of both legs by "LAnkle", … where a mass is known; NaN in frames of contacts that do not count.
+class Mechanics(NamedTuple):
+    """What the methods of gait analysis differ in.
 
-    Args:
-        limbs: of F frames. reactions: of the plates. contacts: on them.
-        points: (F, 3) mm by name. measures: of the subject. rate: frames a second.
-        counts: reasons for which a contact still counts.
-        inertia: of foot, shank and thigh. rotation_derivative: of axes. up: of the laboratory.
+    Attributes:
+        hip_centre: regression of the hip.
+        inertia: of foot, shank and thigh.
+        rotation_derivative: of the axes of segments.
+        counts: reasons for which a contact of a foot with a plate still counts.
     """
+
+    hip_centre: HipCentre
+    inertia: Mapping[str, SegmentInertia]
+    rotation_derivative: Derivative
+    counts: Sequence[str]
+
+
+class Inputs(NamedTuple):
+    """What gait follows from.
+
+    Attributes:
+        points: (F, 3) mm by name. measures: of the subject.
+        reactions: of the plates. contacts: on them. rate: frames a second. up: of the laboratory.
+    """
+
+    points: Mapping[str, Floats]
+    measures: SubjectMeasures
+    reactions: tuple[Reaction, ...]
+    contacts: tuple[Contact, ...]
+    rate: float
+    up: Floats = Z_UP
+
+
+def inputs_of(trial: Trial, points: Mapping[str, Floats], measures: SubjectMeasures, *, threshold_n: float) -> Inputs:
+    """Of a trial whose markers are at `points` (F, 3) mm."""
+    rate, n = trial.trajectories.rate, trial.trajectories.n_frames
+    plates = tuple(reaction(p, trial.analog, n_frames=n, rate=rate, threshold_n=threshold_n) for p in trial.plates)
+    return Inputs(points, measures, plates, contacts(plates, points, rate=rate), rate)
+
+
+def gait_of(given: Inputs, how: Mechanics) -> GaitTrial:
+    """Segments, loads and all quantities."""
+    limbs = lower_limbs(given.points, given.measures, hip_centre=how.hip_centre)
+    on = {side: ground_contact(side, given.reactions, given.contacts, how.counts) for side in SIDES}
+    loads = leg_loads(limbs, on, given, how)
+    signals = signals_of(limbs, loads, on, given.measures.mass_kg, rate=given.rate, up=given.up)
+    return GaitTrial(limbs, given.reactions, given.contacts, loads, signals)
+
+
+def leg_loads(
+    limbs: LowerLimbs, on: Mapping[Side, GroundContact], given: Inputs, how: Mechanics
+) -> dict[str, JointLoad]:
+    """Loads of both legs by "LAnkle", …; none where there are no plates or no mass."""
     found: dict[str, JointLoad] = {}
-    for side in SIDES if measures.mass_kg else ():
+    mass = given.measures.mass_kg
+    for side in SIDES if mass and given.reactions else ():
         loads = joint_loads(
-            limbs.leg(side), limbs.pelvis, ground_contact(side, reactions, contacts, counts),
-            mass_kg=measures.mass_kg or np.nan, foot_mm=foot_length(points, measures, side), rate=rate, inertia=inertia,
-            rotation_derivative=rotation_derivative, up=up,
+            limbs.leg(side), limbs.pelvis, on[side], mass_kg=mass or np.nan,
+            foot_mm=foot_length(given.points, given.measures, side), rate=given.rate, inertia=how.inertia,
+            rotation_derivative=how.rotation_derivative, up=given.up,
         )  # fmt: skip
         found |= {LETTER[side] + joint: load for joint, load in loads.items()}
     return found

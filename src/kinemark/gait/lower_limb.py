@@ -158,7 +158,7 @@ def _leg(
         "harrington": lambda: harrington(measures, side, asis, depth),
         "hara": lambda: hara(measures, side),
     }[how]()
-    hip, r = pelvis.at(local), measures.marker_diameter_mm / 2
+    hip, r = pelvis.at(local + np.array(own.hip_shift_mm)), measures.marker_diameter_mm / 2
     knee = joint_centre(hip, kne, thi, half_width_mm=own.knee_mm / 2 + r, wand_deg=own.thigh_wand_deg, outwards=left)
     thigh = upright(knee, hip - knee, left * (kne - knee))  # (2)
     ankle = joint_centre(knee, ank, tib, half_width_mm=own.ankle_mm / 2 + r, wand_deg=own.shank_wand_deg, outwards=left)

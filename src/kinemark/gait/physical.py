@@ -6,16 +6,14 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from ..data import Trial
+from ..data.array_types import Floats
 from ..data.method import Method, parameter
-from ..data.subject_measures import SIDES, SubjectMeasures
+from ..data.subject_measures import SubjectMeasures
 from ..kinematics import Butterworth, WoltringSpline, smooth
-from .gait_trial import GaitTrial, ground_contact, leg_loads, marker_points, signals_of
+from .gait_trial import GaitTrial, Mechanics, gait_of, inputs_of, marker_points
 from .inverse_dynamics import five_point
-from .lower_limb import MODEL_MARKERS, lower_limbs
-from .plate_contacts import contacts
-from .reaction import reaction
+from .lower_limb import MODEL_MARKERS
 from .segment_inertia import INERTIAS
-from .segments import Z_UP
 from .stage import GAIT
 
 
@@ -37,24 +35,21 @@ class Physical(Method):
     )
     threshold_n: float = parameter(20.0, unit="N", above=0, meaning="vertical force of a loaded plate")
 
+    @property
+    def mechanics(self) -> Mechanics:
+        """As chosen; contacts that the recording cuts still count."""
+        return Mechanics(self.hip_centre, INERTIAS[self.inertia], five_point, ("", "cut"))
+
+    def markers(self, trial: Trial) -> dict[str, Floats]:
+        """(F, 3) mm by name, smoothed."""
+        return marker_points(smoothed_trial(trial, self))
+
 
 @GAIT.method("physical", Physical)
 def physical_gait(trial: Trial, measures: SubjectMeasures, *, method: Physical) -> GaitTrial:
     """See `analyse_gait`."""
-    rate, n = trial.trajectories.rate, trial.trajectories.n_frames
-    smoothed = smoothed_trial(trial, method)
-    points = marker_points(smoothed)
-    limbs = lower_limbs(points, measures, hip_centre=method.hip_centre)
-    plates = tuple(
-        reaction(plate, trial.analog, n_frames=n, rate=rate, threshold_n=method.threshold_n) for plate in trial.plates
-    )
-    stood = contacts(plates, points, rate=rate)
-    loads = leg_loads(
-        limbs, plates, stood, points, measures, rate=rate, counts=("", "cut"), inertia=INERTIAS[method.inertia],
-        rotation_derivative=five_point, up=Z_UP,
-    )  # fmt: skip
-    on = {side: ground_contact(side, plates, stood, ("", "cut")) for side in SIDES}
-    return GaitTrial(limbs, plates, stood, loads, signals_of(limbs, loads, on, measures.mass_kg, rate=rate, up=Z_UP))
+    given = inputs_of(trial, method.markers(trial), measures, threshold_n=method.threshold_n)
+    return gait_of(given, method.mechanics)
 
 
 def smoothed_trial(trial: Trial, method: Physical) -> Trial:

@@ -1,0 +1,170 @@
+"""Gait curves over the stride: each stride on 0 to 100 %, their mean, how they differ, and what measurement adds.
+
+Every quantity of the left leg is cut at the left foot's strikes, of the right leg at the right's. Over n strides the
+mean has the spread s (between strides), the measurement's own u (root mean square of the propagated SD of the strides,
+which systematic causes do not average out), and consistency is told by
+
+    CMC = √( 1 − [ΣΣ (y_nt − ȳ_t)² / T (N − 1)] / [ΣΣ (y_nt − ȳ)² / (T N − 1)] )                       (1)
+
+(Kadaba et al. 1989). Most typical is the stride nearest to the median of all, over all angles (Sangeux and Polak 2015).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data import Signal, Signals
+from ..data.array_types import Floats
+from ..data.subject_measures import LETTER, SIDES, Side
+from ..kinematics import resampled
+from .time_distance import Stride
+
+POINTS = 101
+"""Of a stride, 0 to 100 %; conventional."""
+
+
+class GaitCurves(NamedTuple):
+    """One quantity over n strides.
+
+    Attributes:
+        name: as "LKneeAngles"; side: of the foot that cuts it; unit; axes: (A) names.
+        values: (n, 101, A); sd: (n, 101, A) of measurement.
+        foot_off: (n) % of each stride.
+    """
+
+    name: str
+    side: Side
+    unit: str
+    axes: tuple[str, ...]
+    values: Floats
+    sd: Floats
+    foot_off: Floats
+
+    @property
+    def mean(self) -> Floats:
+        """(101, A)."""
+        return _mean(self.values)
+
+    @property
+    def spread(self) -> Floats:
+        """(101, A) standard deviation between strides; NaN with one alone."""
+        n = np.isfinite(self.values).sum(0)
+        off = np.where(n > 1, np.nansum((self.values - self.mean) ** 2, 0), np.nan)
+        return np.sqrt(off / np.maximum(n - 1, 1))
+
+    @property
+    def measurement_sd(self) -> Floats:
+        """(101, A)."""
+        return np.sqrt(_mean(self.sd**2))
+
+    @property
+    def consistency(self) -> Floats:
+        """(A) of (1); NaN with one stride, or where strides differ more than the curve moves."""
+        y = self.values[np.isfinite(self.values).all((1, 2))]
+        n, t = y.shape[:2]
+        if n < 2:
+            return np.full(len(self.axes), np.nan)
+        within = ((y - y.mean(0)) ** 2).sum((0, 1)) / (t * (n - 1))
+        total = ((y - y.mean((0, 1))) ** 2).sum((0, 1)) / (t * n - 1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.sqrt(1 - within / total)
+
+
+def gait_curves(signals: Signals, strides: Sequence[Stride]) -> tuple[GaitCurves, ...]:
+    """Every quantity whose name begins with L or R, over the strides of its side that lie in the recording."""
+    found = []
+    for signal in signals:
+        side = side_of(signal.name)
+        own = [s for s in strides if s.side == side]
+        if side is not None and own:
+            found.append(_curves(signal, side, own))
+    return tuple(found)
+
+
+def _curves(signal: Signal, side: Side, strides: Sequence[Stride]) -> GaitCurves:
+    pairs = [(_on_stride(signal, signal.values, s), _on_stride(signal, signal.sd, s)) for s in strides]
+    values, sd = (np.array([pair[k] for pair in pairs]) for k in (0, 1))
+    if signal.kind == "angle":
+        values = values - 360 * np.round(_mean(values - values[:1], axis=(1,), keep=True) / 360)
+    foot_off = np.array([s.values["foot_off"] for s in strides])
+    return GaitCurves(signal.name, side, signal.unit, signal.axes, values, sd, foot_off)
+
+
+def _on_stride(signal: Signal, values: Floats, stride: Stride) -> Floats:
+    """(101, A); NaN where the recording does not hold the stride."""
+    span = (stride.first - signal.start, stride.last - signal.start)
+    if not (span[0] >= 0 and span[1] <= (len(values) - 1) / signal.rate):
+        return np.full((POINTS, values.shape[1]), np.nan)
+    if signal.kind == "angle":
+        values = np.degrees(np.unwrap(np.radians(values), axis=0)) if np.isfinite(values).all() else values
+    return resampled(values, rate=signal.rate, span=span, points=POINTS)
+
+
+def _mean(y: Floats, axis: tuple[int, ...] = (0,), *, keep: bool = False) -> Floats:
+    """Of what is known; NaN where nothing is."""
+    n = np.isfinite(y).sum(axis, keepdims=keep)
+    return np.asarray(np.where(n > 0, np.nansum(y, axis, keepdims=keep) / np.maximum(n, 1), np.nan))
+
+
+def most_typical(curves: Iterable[GaitCurves], side: Side) -> int | None:
+    """Index of the stride of a side nearest to the median of all, over all angles; None where there is none."""
+    own = [c.values for c in curves if c.side == side and c.unit == "deg"]
+    if not own:
+        return None
+    away = np.sum([np.nansum(np.abs(y - np.nanmedian(y, axis=0)), axis=(1, 2)) for y in own], axis=0)
+    missing = np.sum([np.isnan(y).sum((1, 2)) for y in own], axis=0)
+    return int(np.lexsort((away, missing))[0])
+
+
+PROFILE = (
+    ("PelvisAngles", 0), ("PelvisAngles", 1), ("PelvisAngles", 2), ("HipAngles", 0), ("HipAngles", 1),
+    ("HipAngles", 2), ("KneeAngles", 0), ("AnkleAngles", 0), ("FootProgressAngles", 1),
+)  # fmt: skip
+"""The nine kinematic variables of the movement analysis profile (Baker et al. 2009)."""
+
+
+class Reference(NamedTuple):
+    """A band of reference curves: (101, A) mean and SD by name without side, and where they are from."""
+
+    mean: Mapping[str, Floats]
+    sd: Mapping[str, Floats]
+    source: str
+    subjects: int
+
+
+def movement_analysis_profile(
+    curves: Sequence[GaitCurves], reference: Reference, side: Side
+) -> tuple[dict[str, float], float]:
+    """Root mean square distances, deg, of the mean curves of a side from the reference, by "KneeAngles 0", and their
+    root mean square, the gait profile score (Baker et al. 2009); NaN where a curve is missing."""
+    by_name = {c.name[1:]: c.mean for c in curves if c.side == side}
+    found = {}
+    for name, axis in PROFILE:
+        if name in by_name and name in reference.mean:
+            off = by_name[name][:, axis] - reference.mean[name][:, axis]
+            found[f"{name} {axis}"] = float(np.sqrt(np.mean(off**2)))
+        else:
+            found[f"{name} {axis}"] = np.nan
+    return found, float(np.sqrt(np.mean(np.square(list(found.values())))))
+
+
+def reference_of(controls: Sequence[Sequence[GaitCurves]], source: str) -> Reference:
+    """A band of controls: each subject's mean over both sides counts once."""
+    each: dict[str, list[Floats]] = {}
+    for curves in controls:
+        sides: dict[str, list[Floats]] = {}
+        for one in curves:
+            sides.setdefault(one.name[1:], []).append(one.mean)
+        for name, means in sides.items():
+            each.setdefault(name, []).append(_mean(np.array(means)))
+    mean = {name: _mean(np.array(ys)) for name, ys in each.items()}
+    sd = {name: np.std(ys, axis=0, ddof=1) if len(ys) > 1 else np.full_like(ys[0], np.nan) for name, ys in each.items()}
+    return Reference(mean, sd, source, len(controls))
+
+
+def side_of(name: str) -> Side | None:
+    """Of a quantity by its first letter."""
+    return next((side for side in SIDES if name.startswith(LETTER[side])), None)

@@ -1,8 +1,8 @@
 """A subject's measures as TOML.
 
 mass_kg = 61.5, height_mm = 1720, asis_mm = 240, marker_diameter_mm = 14      all four may be absent
-[left]   leg_mm = 880, knee_mm = 102, ankle_mm = 68; trochanter_mm, thigh_wand_deg, shank_wand_deg, torsion_deg, sole_mm,
-         plantar_offset_deg, rotation_offset_deg may be absent
+[left]   leg_mm = 880, knee_mm = 102, ankle_mm = 68; trochanter_mm, thigh_wand_deg, shank_wand_deg, torsion_deg,
+         sole_mm, plantar_offset_deg, rotation_offset_deg may be absent
 [right]  the same
 """
 

@@ -15,6 +15,7 @@ from kinemark.gait import (
     five_point_slope,
     joint_loads,
     lower_limbs,
+    progression,
     reaction,
     with_static_offsets,
 )
@@ -116,3 +117,20 @@ def foot_length(processed, letter):
 def rms(ours, theirs, on):
     off = (ours - theirs)[on]
     return np.sqrt(np.nanmean(off**2, axis=0))
+
+
+@pytest.mark.parametrize("processed", [*TRIALS[:10], TRIALS[-1]], ids=str)  # those with a whole body
+def test_head_trunk_and_arms_are_the_stored_ones(processed):
+    from kinemark.gait.upper_body import upper_body_angles
+
+    measures = measures_of(trial(processed.walk).source)
+    own = limbs(processed)
+    found = upper_body_angles(points(processed.walk), measures, own.pelvis, progression(own))
+    compared = 0
+    for name, ours in found.items():
+        if (theirs := stored(processed, name)) is not None:
+            other = ours * (1, -1, 1) + 180  # the other triple of the same rotation
+            off = [np.abs(np.remainder(one - theirs + 180, 360) - 180).max(1) for one in (ours, other)]
+            assert np.nanquantile(np.fmin(*off), 0.99) < 0.005, name
+            compared += 1
+    assert compared == 14

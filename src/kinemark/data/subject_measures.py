@@ -65,6 +65,30 @@ class LegMeasures:
 
 
 @dataclass(frozen=True, slots=True)
+class ArmMeasures:
+    """One arm.
+
+    Attributes:
+        shoulder_mm: from the marker on the acromion down to the joint centre.
+        elbow_mm, wrist_mm: widths. hand_mm: thickness.
+
+    Raises:
+        KinemarkError: a length is none that a person can have.
+    """
+
+    shoulder_mm: float
+    elbow_mm: float
+    wrist_mm: float
+    hand_mm: float
+
+    def __post_init__(self) -> None:
+        for name in ("shoulder_mm", "elbow_mm", "wrist_mm", "hand_mm"):
+            value = getattr(self, name)
+            if not 5 <= value <= 250:
+                raise KinemarkError(f"{name} of an arm is {value:g}, wanted 5 to 250 mm. Give it in millimetres.")
+
+
+@dataclass(frozen=True, slots=True)
 class SubjectMeasures:
     """A subject.
 
@@ -74,6 +98,8 @@ class SubjectMeasures:
         height_mm: None where unknown.
         asis_mm: between the front points of the pelvis; None: as the markers have it.
         marker_diameter_mm: from the skin to the middle of a marker is half of it.
+        left_arm, right_arm: None where unknown, which leaves arms without angles.
+        head_offset_deg: by how much the plane of the head's markers is tilted, from a static trial.
 
     Raises:
         KinemarkError: the mass or the diameter is none.
@@ -85,6 +111,9 @@ class SubjectMeasures:
     height_mm: float | None = None
     asis_mm: float | None = None
     marker_diameter_mm: float = 14.0
+    left_arm: ArmMeasures | None = None
+    right_arm: ArmMeasures | None = None
+    head_offset_deg: float = 0.0
 
     def __post_init__(self) -> None:
         if self.mass_kg is not None and not 2 <= self.mass_kg <= 400:
@@ -95,6 +124,10 @@ class SubjectMeasures:
     def leg(self, side: Side) -> LegMeasures:
         """Of one side."""
         return self.left if side == "left" else self.right
+
+    def arm(self, side: Side) -> ArmMeasures | None:
+        """Of one side."""
+        return self.left_arm if side == "left" else self.right_arm
 
     @property
     def mean_leg_mm(self) -> float:

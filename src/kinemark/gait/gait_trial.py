@@ -12,7 +12,7 @@ from ..data import Signal, Signals, Trial
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from ..kinematics.chain import points_of
-from .clinical_angles import READINGS, clinical_angles
+from .clinical_angles import READINGS, clinical_angles, progression
 from .clinical_moments import clinical_force, clinical_moment
 from .hip_centre import HipCentre
 from .inverse_dynamics import Derivative, GroundContact, JointLoad, joint_loads
@@ -22,6 +22,7 @@ from .reaction import Reaction, reaction
 from .segment_inertia import SegmentInertia
 from .segments import Z_UP
 from .stage import GAIT
+from .upper_body import UPPER_BODY_AXES, upper_body_angles
 
 MOMENT_AXES = {
     "Ankle": ("plantarflexion", "adduction", "rotation"),
@@ -110,7 +111,9 @@ def gait_of(given: Inputs, how: Mechanics) -> GaitTrial:
     limbs = lower_limbs(given.points, given.measures, hip_centre=how.hip_centre)
     on = {side: ground_contact(side, given.reactions, given.contacts, how.counts) for side in SIDES}
     loads = leg_loads(limbs, on, given, how)
-    signals = signals_of(limbs, loads, on, given.measures.mass_kg, rate=given.rate, up=given.up)
+    angles = clinical_angles(limbs, up=given.up)
+    angles |= upper_body_angles(given.points, given.measures, limbs.pelvis, progression(limbs, given.up))
+    signals = signals_of(angles, loads, on, given.measures.mass_kg, rate=given.rate)
     return GaitTrial(limbs, given.reactions, given.contacts, loads, signals)
 
 
@@ -155,14 +158,14 @@ def ground_contact(
 
 
 def signals_of(
-    limbs: LowerLimbs, loads: Mapping[str, JointLoad], contact: Mapping[Side, GroundContact], mass_kg: float | None,
-    *, rate: float, up: Floats,
+    angles: Mapping[str, Floats], loads: Mapping[str, JointLoad], contact: Mapping[Side, GroundContact],
+    mass_kg: float | None, *, rate: float,
 ) -> Signals:  # fmt: skip
     """All quantities under the usual names, as `LKneeAngles`, `LKneeMoment`, `LKneePower`, `LGroundReactionForce`."""
-    axes = {reading.name: reading.axes for reading in READINGS}
+    axes = {reading.name: reading.axes for reading in READINGS} | UPPER_BODY_AXES
     out = [
         Signal.of(name, "angle", "deg", deg, rate=rate, axes=axes[name[1:].removesuffix("Angles")])
-        for name, deg in clinical_angles(limbs, up=up).items()
+        for name, deg in angles.items()
     ]
     if mass_kg is None:
         return Signals(tuple(out))

@@ -15,6 +15,7 @@ from .inverse_dynamics import five_point
 from .lower_limb import MODEL_MARKERS
 from .segment_inertia import INERTIAS
 from .stage import GAIT
+from .upper_body import UPPER_BODY_MARKERS
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,5 +58,7 @@ def smoothed_trial(trial: Trial, method: Physical) -> Trial:
     if method.smoothing == "none":
         return trial
     make = Butterworth if method.smoothing == "butterworth" else WoltringSpline
-    markers = trial.trajectories.select([n for n in trial.trajectories.names if n.rsplit(":", 1)[-1] in MODEL_MARKERS])
+    markers = trial.trajectories.select(
+        [n for n in trial.trajectories.names if n.rsplit(":", 1)[-1] in MODEL_MARKERS + UPPER_BODY_MARKERS]
+    )
     return replace(trial, trajectories=smooth(markers, method=make(cutoff_hz=method.cutoff_hz)))

@@ -1,9 +1,11 @@
 """A subject's measures as TOML.
 
-mass_kg = 61.5, height_mm = 1720, asis_mm = 240, marker_diameter_mm = 14      all four may be absent
+mass_kg = 61.5, height_mm = 1720, asis_mm = 240, marker_diameter_mm = 14, head_offset_deg = 0     all may be absent
 [left]   leg_mm = 880, knee_mm = 102, ankle_mm = 68; trochanter_mm, thigh_wand_deg, shank_wand_deg, torsion_deg,
          sole_mm, plantar_offset_deg, rotation_offset_deg may be absent
 [right]  the same
+[left_arm]  shoulder_mm = 45, elbow_mm = 80, wrist_mm = 55, hand_mm = 28                           may be absent
+[right_arm] the same
 """
 
 from __future__ import annotations
@@ -16,10 +18,12 @@ from pathlib import Path
 from typing import Any
 
 from ..data import KinemarkError
-from ..data.subject_measures import LegMeasures, SubjectMeasures
+from ..data.subject_measures import ArmMeasures, LegMeasures, SubjectMeasures
 from .number_text import read_text
 
-OF_SUBJECT = ("mass_kg", "height_mm", "asis_mm", "marker_diameter_mm")
+OF_SUBJECT = ("mass_kg", "height_mm", "asis_mm", "marker_diameter_mm", "head_offset_deg")
+ARMS = ("left_arm", "right_arm")
+OF_ARM = tuple(field.name for field in fields(ArmMeasures))
 OF_LEG = tuple(field.name for field in fields(LegMeasures) if field.name != "hip_shift_mm")
 
 
@@ -45,16 +49,26 @@ def measures_of_table(table: Mapping[str, Any]) -> SubjectMeasures:
     Raises:
         KinemarkError: a key is unknown, missing or no number, or no person is so.
     """
-    _check("the measures", table, (*OF_SUBJECT, "left", "right"), ("left", "right"))
-    legs = {side: _leg(side, table[side]) for side in ("left", "right")}
-    return SubjectMeasures(**legs, **{name: _number(name, table[name]) for name in OF_SUBJECT if name in table})
+    _check("the measures", table, (*OF_SUBJECT, "left", "right", *ARMS), ("left", "right"))
+    parts: dict[str, Any] = {side: _leg(side, table[side]) for side in ("left", "right")}
+    parts |= {name: _arm(name, table[name]) for name in ARMS if name in table}
+    parts |= {name: _number(name, table[name]) for name in OF_SUBJECT if name in table}
+    return SubjectMeasures(**parts)
 
 
 def _leg(side: str, table: Any) -> LegMeasures:
     if not isinstance(table, Mapping):
         raise KinemarkError(f"{side} is {table!r}, wanted a table [{side}] with leg_mm, knee_mm and ankle_mm.")
     _check(f"[{side}]", table, OF_LEG, ("leg_mm", "knee_mm", "ankle_mm"))
-    return LegMeasures(**{name: _number(f"{side}.{name}", value) for name, value in table.items()})
+    numbers: dict[str, Any] = {name: _number(f"{side}.{name}", value) for name, value in table.items()}
+    return LegMeasures(**numbers)
+
+
+def _arm(name: str, table: Any) -> ArmMeasures:
+    if not isinstance(table, Mapping):
+        raise KinemarkError(f"{name} is {table!r}, wanted a table [{name}] with {', '.join(OF_ARM)}.")
+    _check(f"[{name}]", table, OF_ARM, OF_ARM)
+    return ArmMeasures(**{key: _number(f"{name}.{key}", value) for key, value in table.items()})
 
 
 def _check(where: str, table: Mapping[str, Any], known: tuple[str, ...], needed: tuple[str, ...]) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...data.subject_measures import LegMeasures, SubjectMeasures
+from ...data.subject_measures import ArmMeasures, LegMeasures, SubjectMeasures
 from .document import C3D
 
 GROUP = "PROCESSING"
@@ -33,6 +33,9 @@ def measures_of(source: Any) -> SubjectMeasures | None:
         height_mm=_number(source, "Height") or None,
         asis_mm=_number(source, "InterAsisDistance") or None,
         marker_diameter_mm=_number(source, "MarkerDiameter") or 14.0,
+        left_arm=_arm(source, "L"),
+        right_arm=_arm(source, "R"),
+        head_offset_deg=_head(_number(source, "HeadOffset") or 0.0),
     )
 
 
@@ -50,6 +53,18 @@ def _leg(source: C3D, side: str) -> LegMeasures:
         plantar_offset_deg=plantar,
         rotation_offset_deg=rotation,
     )
+
+
+def _arm(source: C3D, side: str) -> ArmMeasures | None:
+    """None where a measure is absent."""
+    lengths = [_number(source, side + name) for name in ("ShoulderOffset", "ElbowWidth", "WristWidth", "HandThickness")]
+    known = [length for length in lengths if length]
+    return ArmMeasures(*known) if len(known) == len(lengths) else None
+
+
+def _head(stated: float) -> float:
+    """deg; as offsets of the feet are."""
+    return float(np.degrees(stated)) if abs(stated) < RADIANS_BELOW else stated
 
 
 def _offset(source: C3D, name: str) -> float | None:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from kinemark.data import Signal, Signals
+from kinemark.data.strides import Stride
 from kinemark.gait.gait_cycles import gait_curves, most_typical, movement_analysis_profile, reference_of
-from kinemark.gait.time_distance import Stride
 
 RATE, T = 100.0, 1.1
 STRIDES = tuple(

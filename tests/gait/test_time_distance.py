@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from kinemark.gait.time_distance import FootEvent, averages, strides
+from kinemark.data.strides import FootEvent
+from kinemark.gait.time_distance import averages, strides
 
 RATE = 100.0
 SPEED, PERIOD, WIDTH = 1200.0, 1.1, 90.0

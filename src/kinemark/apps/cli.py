@@ -21,7 +21,7 @@ COMMANDS = {
     "commands/label.py": ("label",),
     "commands/fill.py": ("fill",),
     "commands/files.py": ("info", "convert"),
-    "commands/analysis.py": ("angles", "sensitivity"),
+    "commands/analysis.py": ("angles", "gait", "sensitivity"),
     "um2as.py": ("digitise", "um2as"),
 }
 """The commands of each module; a module that is called as its command holds further commands."""

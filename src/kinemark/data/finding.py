@@ -21,7 +21,17 @@ SEVERITIES: tuple[Severity, ...] = get_args(Severity)
 Grade = Literal["red", "amber", "green"]
 
 FindingStage = Literal[
-    "record", "calibrate", "detect", "match", "reconstruct", "track", "label", "fill", "kinematics", "sensitivity"
+    "record",
+    "calibrate",
+    "detect",
+    "match",
+    "reconstruct",
+    "track",
+    "label",
+    "fill",
+    "kinematics",
+    "sensitivity",
+    "gait",
 ]
 """Where it arises; "record" is the recording itself, before any computing."""
 

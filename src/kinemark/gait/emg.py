@@ -26,8 +26,8 @@ MAINS_HZ = (50.0, 60.0)
 HUM_TIMES = 10.0
 """Power at the mains' frequency over that beside it from which a channel hums; chosen: EMG's spectrum is smooth within
 a factor of three."""
-SATURATED_SHARE = 0.001
-"""Of samples at the greatest or least value, from which a channel is saturated; chosen: noise reaches it once."""
+STUCK = 3
+"""Samples one after the other at the greatest or least value that noise does not make; chosen."""
 SHARPER = 4.0
 """By which the envelope that says on and off is faster; chosen: at 6 Hz a burst seems 60 ms longer than it is."""
 QUIET_SHARE = 0.1
@@ -114,11 +114,12 @@ def _on(envelope: Floats, rate: float, how: EmgFilter) -> Bools:
 
 
 def _saturated(x: Floats) -> float:
-    """Share of samples at the limits, 0 where it is what noise reaches."""
+    """Share of samples that stay at the limits for `STUCK` samples or more."""
     if np.ptp(x) == 0:
         return 1.0
-    share = float(((x == x.max()) | (x == x.min())).mean())
-    return share if share > SATURATED_SHARE else 0.0
+    at_limit = [run for limit in (x.max(), x.min()) for run in true_runs(x == limit)]
+    stuck = sum(int(stop - first) for first, stop in at_limit if stop - first >= STUCK)
+    return stuck / len(x)
 
 
 def _hum(x: Floats, rate: float) -> float:

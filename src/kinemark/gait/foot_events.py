@@ -28,13 +28,13 @@ import numpy as np
 
 from ..data import Trial
 from ..data.array_types import Floats
+from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES, Side
 from ..signal.filters import butterworth, edge_samples
 from .lower_limb import pelvis_of
 from .plate_contacts import Contact, contacts
 from .reaction import Reaction, reaction
 from .segments import Z_UP, unit
-from .time_distance import FootEvent
 
 CUTOFF_HZ = 15.0
 """Of the markers; chosen: between 10 and 30 Hz errors against plates were the same."""

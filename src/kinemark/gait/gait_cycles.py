@@ -18,59 +18,13 @@ import numpy as np
 
 from ..data import Signal, Signals
 from ..data.array_types import Floats
+from ..data.gait_curves import GaitCurves, known_mean
+from ..data.strides import Stride
 from ..data.subject_measures import LETTER, SIDES, Side
 from ..kinematics import resampled
-from .time_distance import Stride
 
 POINTS = 101
 """Of a stride, 0 to 100 %; conventional."""
-
-
-class GaitCurves(NamedTuple):
-    """One quantity over n strides.
-
-    Attributes:
-        name: as "LKneeAngles"; side: of the foot that cuts it; unit; axes: (A) names.
-        values: (n, 101, A); sd: (n, 101, A) of measurement.
-        foot_off: (n) % of each stride.
-    """
-
-    name: str
-    side: Side
-    unit: str
-    axes: tuple[str, ...]
-    values: Floats
-    sd: Floats
-    foot_off: Floats
-
-    @property
-    def mean(self) -> Floats:
-        """(101, A)."""
-        return _mean(self.values)
-
-    @property
-    def spread(self) -> Floats:
-        """(101, A) standard deviation between strides; NaN with one alone."""
-        n = np.isfinite(self.values).sum(0)
-        off = np.where(n > 1, np.nansum((self.values - self.mean) ** 2, 0), np.nan)
-        return np.sqrt(off / np.maximum(n - 1, 1))
-
-    @property
-    def measurement_sd(self) -> Floats:
-        """(101, A)."""
-        return np.sqrt(_mean(self.sd**2))
-
-    @property
-    def consistency(self) -> Floats:
-        """(A) of (1); NaN with one stride, or where strides differ more than the curve moves."""
-        y = self.values[np.isfinite(self.values).all((1, 2))]
-        n, t = y.shape[:2]
-        if n < 2:
-            return np.full(len(self.axes), np.nan)
-        within = ((y - y.mean(0)) ** 2).sum((0, 1)) / (t * (n - 1))
-        total = ((y - y.mean((0, 1))) ** 2).sum((0, 1)) / (t * n - 1)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return np.sqrt(1 - within / total)
 
 
 def gait_curves(signals: Signals, strides: Sequence[Stride]) -> tuple[GaitCurves, ...]:
@@ -88,7 +42,7 @@ def _curves(signal: Signal, side: Side, strides: Sequence[Stride]) -> GaitCurves
     pairs = [(_on_stride(signal, signal.values, s), _on_stride(signal, signal.sd, s)) for s in strides]
     values, sd = (np.array([pair[k] for pair in pairs]) for k in (0, 1))
     if signal.kind == "angle":
-        values = values - 360 * np.round(_mean(values - values[:1], axis=(1,), keep=True) / 360)
+        values = values - 360 * np.round(known_mean(values - values[:1], axis=(1,), keep=True) / 360)
     foot_off = np.array([s.values["foot_off"] for s in strides])
     return GaitCurves(signal.name, side, signal.unit, signal.axes, values, sd, foot_off)
 
@@ -101,12 +55,6 @@ def _on_stride(signal: Signal, values: Floats, stride: Stride) -> Floats:
     if signal.kind == "angle":
         values = np.degrees(np.unwrap(np.radians(values), axis=0)) if np.isfinite(values).all() else values
     return resampled(values, rate=signal.rate, span=span, points=POINTS)
-
-
-def _mean(y: Floats, axis: tuple[int, ...] = (0,), *, keep: bool = False) -> Floats:
-    """Of what is known; NaN where nothing is."""
-    n = np.isfinite(y).sum(axis, keepdims=keep)
-    return np.asarray(np.where(n > 0, np.nansum(y, axis, keepdims=keep) / np.maximum(n, 1), np.nan))
 
 
 def most_typical(curves: Iterable[GaitCurves], side: Side) -> int | None:
@@ -159,8 +107,8 @@ def reference_of(controls: Sequence[Sequence[GaitCurves]], source: str) -> Refer
         for one in curves:
             sides.setdefault(one.name[1:], []).append(one.mean)
         for name, means in sides.items():
-            each.setdefault(name, []).append(_mean(np.array(means)))
-    mean = {name: _mean(np.array(ys)) for name, ys in each.items()}
+            each.setdefault(name, []).append(known_mean(np.array(means)))
+    mean = {name: known_mean(np.array(ys)) for name, ys in each.items()}
     sd = {name: np.std(ys, axis=0, ddof=1) if len(ys) > 1 else np.full_like(ys[0], np.nan) for name, ys in each.items()}
     return Reference(mean, sd, source, len(controls))
 

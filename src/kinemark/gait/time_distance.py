@@ -19,51 +19,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
 from ..data.array_types import Floats
+from ..data.strides import UNITS, FootEvent, Stride
 from ..data.subject_measures import LETTER, Side
 from .segments import Z_UP, unit
-
-UNITS = {
-    "stride_time": "s", "stride_length": "mm", "speed": "mm/s", "cadence": "steps/min", "step_length": "mm",
-    "step_width": "mm", "step_time": "s", "foot_off": "%", "opposite_foot_off": "%", "opposite_foot_strike": "%",
-    "single_support": "s", "double_support": "s",
-}  # fmt: skip
-"""Of each parameter."""
-
-
-class FootEvent(NamedTuple):
-    """A foot strike or foot off.
-
-    Attributes:
-        side: of the foot. strike: whether it is a foot strike, else a foot off.
-        time: s after the first frame. sd: s, its standard uncertainty.
-        source: "plate", "markers", "file" or "hand".
-    """
-
-    side: Side
-    strike: bool
-    time: float
-    sd: float
-    source: str
-
-
-class Stride(NamedTuple):
-    """One stride.
-
-    Attributes:
-        side: whose. first, last: s of its foot strikes.
-        values, sd: by the names of `UNITS`; NaN where an event or a heel is missing.
-    """
-
-    side: Side
-    first: float
-    last: float
-    values: Mapping[str, float]
-    sd: Mapping[str, float]
 
 
 def strides(

@@ -1,4 +1,4 @@
-"""`kinemark angles` and `sensitivity`: what follows from a trial."""
+"""`kinemark angles`, `gait` and `sensitivity`: what follows from a trial."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ...engine.error_budget import error_budget
+from ...engine.gait_files import GaitSettings, gait_of_files
 from ...engine.trial_angles import AngleSettings, angles_of_file
 from ...io.notes import file_note_text
 from ...report.angles_text import angle_summary
+from ...report.gait_text import gait_summary
 from ...report.sensitivity_text import sensitivity_summary
 from ...sensitivity import ErrorBudget
 from ..output import Json, LengthUnit, Partial, Rate, SelfContained, print_result
@@ -91,3 +93,33 @@ def sensitivity(
             length_unit=length_unit, partial=partial, self_contained=self_contained, progress=tell,
         )  # fmt: skip
     print_result(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")
+
+
+def gait(
+    *walks: Path,
+    static: Path | None = None,
+    measures: Path | None = None,
+    output: Path | None = None,
+    settings: Annotated[GaitSettings | None, Parameter(name="*")] = None,
+    self_contained: SelfContained = False,
+    json: Json = False,
+) -> None:
+    """Gait of walks with named markers: angles, moments, powers, events, time and distance, with error bars.
+
+    Args:
+        walks: trials of one subject: C3D or another file of trajectories.
+        static: a standing trial, for the feet.
+        measures: TOML file of the subject's measures; as the files state them where none is given.
+        output: folder of the results; beside the first walk, its name and _gait, where none is given.
+        settings: how gait is computed.
+        self_contained: put the drawing library into the page, for mailing.
+        json: print the figures for a machine.
+    """
+    result = gait_of_files(
+        walks, static=static, measures=measures, folder=output, settings=settings, self_contained=self_contained
+    )
+    if json:
+        print_result(result.figures)
+        return
+    notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
+    print_result(f"{gait_summary(result.figures)}{notes}\nresults:  {result.folder}")

@@ -14,6 +14,7 @@ from .calibration import CALIBRATION_WORDS
 from .control_points import CONTROL_POINT_WORDS
 from .decisions import reason_text
 from .error_sources import SOURCE_ADVICE, evidence_text
+from .gait import GAIT_WORDS
 from .open_gaps import open_gap_text
 from .stages import ANGLE_WORDS, FILLING_WORDS, LABELLING_WORDS, PROPOSAL_WORDS
 from .template import Words
@@ -45,6 +46,7 @@ WORDS: dict[str, Words] = {
     **FILLING_WORDS,
     **ANGLE_WORDS,
     **PROPOSAL_WORDS,
+    **GAIT_WORDS,
     **VERDICT_WORDS,
 }
 """By kind of finding."""

@@ -1,0 +1,133 @@
+"""The gait report: what a clinician reads, on one page that prints to A4."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ..data.gait_curves import GaitCurves
+from ..findings.gait import GaitOfTrial
+from .drawing_library import DrawingLibrary, drawing_library, inside
+from .figures_gait import KINEMATICS, KINETICS, panels_figure
+from .formatting import number
+from .identity_text import identity_text
+from .tables import Table
+from .templating import render, write_text
+
+NAV = {
+    "verdict": "Verdict", "time": "Time and distance", "kinematics": "Angles", "kinetics": "Moments and powers",
+    "uncertainty": "Uncertainty", "terms": "Methods",
+}  # fmt: skip
+"""Sections of the page, in their order."""
+NAMES = {
+    "speed": "walking speed", "cadence": "cadence", "stride_length": "stride length", "stride_time": "stride time",
+    "step_length": "step length", "step_time": "step time", "step_width": "step width", "foot_off": "foot off",
+    "opposite_foot_off": "opposite foot off", "opposite_foot_strike": "opposite foot strike",
+    "single_support": "single support", "double_support": "double support",
+}  # fmt: skip
+"""Of parameters, in the order of the table."""
+SHOWN = {"mm": ("m", 1000.0, 2), "mm/s": ("m/s", 1000.0, 2), "s": ("s", 1.0, 2), "%": ("%", 1.0, 1),
+         "steps/min": ("steps/min", 1.0, 0)}  # fmt: skip
+"""How a unit is shown: as what, by what it is divided, with how many decimals."""
+
+
+def write_gait_page(
+    path: Path | str,
+    *,
+    figures: dict[str, Any],
+    curves: Sequence[GaitCurves],
+    trials: Sequence[GaitOfTrial],
+    assets: Path | None = None,
+) -> None:
+    """Write the page, whole or not at all.
+
+    Args:
+        path: of the page, usually `gait.html`.
+        figures: of `findings.gait_figures`. curves, trials: what is drawn.
+        assets: folder of the drawing library that pages share; None puts it inside the page.
+
+    Raises:
+        KinemarkError: the folder cannot be written.
+    """
+    write_text(path, gait_page(figures=figures, curves=curves, library=drawing_library(path, assets)))
+
+
+def gait_page(*, figures: dict[str, Any], curves: Sequence[GaitCurves], library: DrawingLibrary | None = None) -> str:
+    """The page as text; the drawing library is inside where `library` is None."""
+    trials = ", ".join(one["name"] for one in figures["trials"])
+    return render(
+        "gait.html",
+        library=library or inside(),
+        heading=f"{figures['subject'] or trials}: gait",
+        below=f"{identity_text(figures.get('identity'))} · {trials} · Kinemark {figures['kinemark']}",
+        nav=NAV,
+        figures=figures,
+        time_table=time_distance_table(figures),
+        measures=measures_table(figures),
+        kinematics=panels_figure(curves, KINEMATICS),
+        kinetics=panels_figure(curves, KINETICS),
+        causes=uncertainty_table(figures),
+        consistency=consistency_table(figures),
+    )
+
+
+def time_distance_table(figures: dict[str, Any]) -> Table:
+    """A row a parameter: left and right, mean ± spread between strides, and the measurement's own deviation."""
+    rows = []
+    for name, title in NAMES.items():
+        unit, by, digits = SHOWN[figures["units"][name]]
+        row = [f"{title} ({unit})"]
+        for side in ("left", "right"):
+            one = figures["time_distance"][side][name]
+            spread = "" if one["spread"] is None else f" ± {number(one['spread'] / by, digits)}"
+            row += ["–" if one["mean"] is None else number(one["mean"] / by, digits) + spread]
+            row += ["–" if one["sd"] is None else number(one["sd"] / by, digits)]
+        rows.append([*row, number(_symmetry(figures, name), 1)])
+    head = ["", "left: mean ± SD of strides", "measured to ±", "right: mean ± SD of strides", "measured to ±"]
+    return Table([*head, "left − right (% of mean)"], rows, kept_in="gait.json")
+
+
+def _symmetry(figures: dict[str, Any], name: str) -> float | None:
+    """% by which left exceeds right, of their mean."""
+    left, right = (figures["time_distance"][side][name]["mean"] for side in ("left", "right"))
+    return None if left is None or right is None or left + right == 0 else 200 * (left - right) / (left + right)
+
+
+def measures_table(figures: dict[str, Any]) -> Table:
+    """What is known of the subject."""
+    own = figures["measures"]
+    rows = [
+        ["body mass (kg)", number(own["mass_kg"], 1), ""],
+        ["height (mm)", number(own["height_mm"], 0), ""],
+        ["leg length (mm)", *(number(own[side]["leg_mm"], 0) for side in ("left", "right"))],
+        ["knee width (mm)", *(number(own[side]["knee_mm"], 0) for side in ("left", "right"))],
+        ["ankle width (mm)", *(number(own[side]["ankle_mm"], 0) for side in ("left", "right"))],
+    ]
+    return Table(["", "left, or whole", "right"], rows)
+
+
+def uncertainty_table(figures: dict[str, Any]) -> Table:
+    """A row a joint's first component: its standard uncertainty by cause."""
+    rows_of = [row for row in figures["uncertainty"] if row["name"][1:] in _ROWS]
+    causes = list(rows_of[0]["by_cause"]) if rows_of else []
+    rows = []
+    for row in rows_of:
+        each = [row["by_cause"].get(cause, [None])[0] for cause in causes]
+        total = sum(value**2 for value in each if value is not None) ** 0.5
+        rows.append([row["name"], number(total, 2), *(number(value, 2) for value in each)])
+    return Table(["first component", "all", *causes], rows, absent="No error bars were asked for.")
+
+
+_ROWS = ("PelvisAngles", "HipAngles", "KneeAngles", "AnkleAngles", "HipMoment", "KneeMoment", "AnkleMoment")
+
+
+def consistency_table(figures: dict[str, Any]) -> Table:
+    """A row a quantity: strides, spread, consistency of its first component."""
+    rows = []
+    for one in figures["curves"]:
+        if one["name"][1:] in _ROWS:
+            spread = [value for row in one["spread"] if (value := row[0]) is not None]
+            mean = sum(spread) / len(spread) if spread else None
+            rows.append([one["name"], number(one["strides"]), number(mean, 2), number(one["consistency"][0], 2)])
+    return Table(["first component", "strides", "mean spread", "consistency (CMC)"], rows)

@@ -20,7 +20,7 @@ from ..gait import with_static_offsets
 from ..gait.emg import Emg, emg
 from ..gait.foot_events import foot_events
 from ..gait.gait_cycles import gait_curves
-from ..gait.gait_trial import analyse_gait, marker_points
+from ..gait.gait_trial import analyse_gait, marker_points, measured_only
 from ..gait.lower_limb import check_markers
 from ..gait.physical import Physical
 from ..gait.plug_in_gait import PlugInGait
@@ -176,11 +176,11 @@ def gait_of_trial(
     Raises:
         KinemarkError: a marker is missing, or a plate cannot be read.
     """
-    found = analyse_gait(trial, measures, method=settings.made)
+    points, rate, method = marker_points(trial), trial.trajectories.rate, settings.made
+    events = foot_events(trial, points)
+    found = measured_only(analyse_gait(trial, measures, method=method), events, method.mechanics.counts, rate)
     if causes:
         found = replace(found, signals=with_uncertainty(found.signals, causes))
-    points, rate = marker_points(trial), trial.trajectories.rate
-    events = foot_events(trial, points)
     steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial))
     start = (trial.trajectories.first_frame - 1) / rate
     return GaitOfTrial(trial.name, found, events, steps, trial.events, start, _emg(trial))

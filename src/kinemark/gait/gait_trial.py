@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..data import Signal, Signals, Trial
-from ..data.array_types import Floats
+from ..data.array_types import Bools, Floats
+from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES, Side, SubjectMeasures
 from ..kinematics.chain import points_of
 from .clinical_angles import READINGS, clinical_angles, progression
@@ -155,6 +156,45 @@ def ground_contact(
         elif one.side in (side, None):
             force[frames] = np.nan
     return GroundContact(force, centre, free)
+
+
+def measured_only(found: GaitTrial, events: Sequence[FootEvent], counts: Sequence[str], rate: float) -> GaitTrial:
+    """Loads are NaN while a foot stands on the floor beside all plates: what the floor does to it is not known.
+
+    Args:
+        found: of the trial. events: of its feet. counts: reasons for which a contact counts. rate: frames a second.
+    """
+    unknown = {side: _unmeasured(found, events, side, counts, rate) for side in SIDES}
+    out = []
+    for signal in found.signals:
+        side = next((side for side in SIDES if signal.name.startswith(LETTER[side])), None)
+        if side is not None and signal.kind in ("force", "moment", "power"):
+            hidden = unknown[side][:, None]
+            signal = replace(signal, values=np.where(hidden, np.nan, signal.values))
+        out.append(signal)
+    return replace(found, signals=Signals(tuple(out)))
+
+
+def _unmeasured(found: GaitTrial, events: Sequence[FootEvent], side: Side, counts: Sequence[str], rate: float) -> Bools:
+    """(F) frames in which a foot stands, but on no plate."""
+    n = len(found.limbs.pelvis.origin)
+    hidden = np.zeros(n, bool)
+    own = [one for one in found.contacts if one.side == side and one.reason in counts]
+    for first, stop in _stances(events, side, n, rate):
+        on = sum(max(0, min(stop, one.stop) - max(first, one.first)) for one in own)
+        if on < 0.5 * (stop - first):
+            hidden[first:stop] = True
+    return hidden
+
+
+def _stances(events: Sequence[FootEvent], side: Side, n: int, rate: float) -> list[tuple[int, int]]:
+    """First and last-plus-one frame of each time a foot stands; all frames where nothing is known of it."""
+    own = sorted((e for e in events if e.side == side), key=lambda e: e.time)
+    if not own:
+        return [(0, n)]
+    strikes = ([] if own[0].strike else [0]) + [round(e.time * rate) for e in own if e.strike]
+    offs = [round(e.time * rate) + 1 for e in own if not e.strike] + ([n] if own[-1].strike else [])
+    return [(a, min((b for b in offs if b > a), default=n)) for a in strikes]
 
 
 def signals_of(

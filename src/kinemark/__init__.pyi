@@ -35,13 +35,27 @@ from .data import (
     Trial,
     Validity,
 )
+from .data.gait_curves import GaitCurves
+from .data.subject_measures import LegMeasures, SubjectMeasures
 from .detect import Centroids, KissNearest, KissScanning, Masks, detect, learn_masks, propose
 from .fill import Auto, Filled, FilledGap, fill, place_absent, trim_edges
+from .gait import (
+    GaitTrial,
+    Physical,
+    PlugInGait,
+    analyse_gait,
+    foot_events,
+    gait_curves,
+    marker_points,
+    strides,
+    with_static_offsets,
+)
 from .geometry import project, refine, triangulate, undistort
 from .io.c3d import read_c3d, write_c3d
 from .io.detections_csv import read_detections_csv, write_detections_csv
 from .io.dlt_csv import read_dlt_csv, write_dlt_csv
 from .io.images import open_images
+from .io.measures_toml import read_measures
 from .io.model_toml import load_model
 from .io.records import load, save
 from .io.rig_toml import read_rig_toml, write_rig_toml
@@ -87,6 +101,8 @@ __all__ = [
     "FilledGap",
     "ForcePlate",
     "FormerTwoCameras",
+    "GaitCurves",
+    "GaitTrial",
     "InverseCosines",
     "KinemarkError",
     "KissNearest",
@@ -95,6 +111,7 @@ __all__ = [
     "KissTriplets",
     "Labels",
     "LeastSquares",
+    "LegMeasures",
     "Linearisation",
     "MarkerSet",
     "MarkerTrajectory",
@@ -102,6 +119,8 @@ __all__ = [
     "Matches",
     "NearestEpipolar",
     "Origin",
+    "Physical",
+    "PlugInGait",
     "Poses",
     "Rig",
     "Rods",
@@ -109,6 +128,7 @@ __all__ = [
     "Signals",
     "SignedAngles",
     "Simultaneous",
+    "SubjectMeasures",
     "Swamidas",
     "Template",
     "Tracks",
@@ -118,6 +138,7 @@ __all__ = [
     "Wand",
     "__version__",
     "ambiguous_decisions",
+    "analyse_gait",
     "calibrate_control_frame",
     "calibrate_control_points",
     "calibrate_points",
@@ -127,6 +148,8 @@ __all__ = [
     "diagnose",
     "diagnose_tracks",
     "fill",
+    "foot_events",
+    "gait_curves",
     "joint_angles",
     "label",
     "learn_masks",
@@ -134,6 +157,7 @@ __all__ = [
     "linearise",
     "load",
     "load_model",
+    "marker_points",
     "match",
     "named",
     "open_images",
@@ -144,6 +168,7 @@ __all__ = [
     "read_c3d",
     "read_detections_csv",
     "read_dlt_csv",
+    "read_measures",
     "read_rig_toml",
     "read_tdf",
     "read_trajectories_csv",
@@ -153,6 +178,7 @@ __all__ = [
     "refine",
     "save",
     "score",
+    "strides",
     "to_trajectories",
     "track",
     "track_detections",
@@ -160,6 +186,7 @@ __all__ = [
     "triangulate",
     "trim_edges",
     "undistort",
+    "with_static_offsets",
     "write_c3d",
     "write_detections_csv",
     "write_dlt_csv",

@@ -207,8 +207,10 @@ def test_the_public_names_are_a_decision():
     kinds = "c3d detections_csv dlt_csv rig_toml trajectories_csv trc"
     files = " ".join(f"read_{k} write_{k}" for k in kinds.split())
     labelling = "Distances Labels Template label learn_template named"
+    gait = "GaitCurves GaitTrial LegMeasures Physical PlugInGait SubjectMeasures analyse_gait foot_events gait_curves"
+    gait += " marker_points read_measures strides with_static_offsets"
     files += " read_tdf read_trial write_trial load load_model save open_images"
-    names = " ".join([records, methods, stages, geometry, labelling, files, "__version__"]).split()
+    names = " ".join([records, methods, stages, geometry, labelling, gait, files, "__version__"]).split()
     assert sorted(kinemark.__all__) == sorted(names)
     assert all(hasattr(kinemark, name) for name in names)
 

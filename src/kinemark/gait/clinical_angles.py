@@ -23,7 +23,7 @@ from .lower_limb import FOOT_SEQUENCE, LowerLimbs
 from .segments import Z_UP
 
 WALKED_MM = 800.0
-"""Path of the pelvis below which its own x is the direction of progression, mm (Plug-in Gait)."""
+"""Path of the pelvis below which its own x is the direction of progression, mm; conventional (Plug-in Gait)."""
 
 
 class Reading(NamedTuple):

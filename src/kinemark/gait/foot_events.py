@@ -16,7 +16,7 @@ t_i − b_i weighted by 1/s_i². Where plates give n events of the same kind in 
 taken off, shrunk as n / (n + ν) with ν = (deviation within a subject / between subjects)² (4). The expected error is
 made of both deviations and of how far the detectors are apart (5).
 
-Sources: Zeni et al. 2008; Hreljac and Marshall 2000 (accelerations); O'Connor et al. 2007 (velocity of the foot).
+Sources: Zeni et al. 2008; Hreljac and Marshall 2000 (accelerations); O’Connor et al. 2007 (velocity of the foot).
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ LEAST_SWING_MM = 100.0
 PLATE_N = 20.0
 """Vertical force of contact, N (Zeni et al. 2008)."""
 BETWEEN_MS = {True: 6.5, False: 11.0}
-"""Deviation of the mean of the detectors between subjects, ms, of strikes and offs; of 24 strides each of 8 subjects
-with plates, each subject judged by the biases of the others."""
+"""Deviation of the mean of the detectors between subjects, ms, of strikes and offs; measured on 24 strides of 8 subjects
+on plates (docs/theory/gait.md), each subject judged by the biases of the others."""
 WITHIN_MS = {True: 5.5, False: 7.0}
-"""The same within a subject."""
+"""Deviation within a subject, ms; measured on the same strides."""
 
 
 class Detector(NamedTuple):
@@ -84,12 +84,12 @@ STRIKE = (
     Detector(lambda f: peaks(f.heel_a[:, 2], f.time), 3.0, 20.0),
     Detector(lambda f: crossings(_speed(f.heel_v), f.time, 0.1 * f.fastest, upwards=False), -10.0, 9.0),
 )
-"""(2). Biases and deviations: 24 strikes of 8 subjects on plates."""
+"""(2), with biases and deviations in ms; measured on 24 strikes of 8 subjects on plates (docs/theory/gait.md)."""
 OFF = (
     Detector(lambda f: peaks(f.toe_a[:, 2], f.time), -12.0, 12.0),
     Detector(lambda f: crossings(_speed(f.toe_v), f.time, 0.25 * f.fastest, upwards=True), 3.0, 17.0),
 )
-"""(3). The same of 24 offs."""
+"""(3), with biases and deviations in ms; measured on 24 offs of the same subjects."""
 
 
 def foot_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP) -> tuple[FootEvent, ...]:

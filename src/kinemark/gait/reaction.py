@@ -32,7 +32,7 @@ from ..data.array_types import Bools, Floats
 from .segments import Z_UP, unit
 
 THRESHOLD_N = 5.0
-"""Vertical force from which a plate counts as loaded, N (Plug-in Gait)."""
+"""Vertical force from which a plate counts as loaded, N; conventional (Plug-in Gait)."""
 CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6, 5: 8}
 """Of each type of plate; of the file format."""
 IN_NEWTON = {"N": 1.0, "KN": 1000.0}

@@ -47,7 +47,7 @@ UPPER_BODY_AXES = {
 }
 """What each angle is, by part."""
 FAR_MM = 100.0
-"""How far off the plane of a chord is stated, mm; of no effect."""
+"""How far off the point is that states the plane of a chord, mm; chosen, of no effect."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

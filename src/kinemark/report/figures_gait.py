@@ -17,6 +17,7 @@ from .theme import axis_style, empty, figure, label
 SIDE_COLOURS = {"left": "#C62828", "right": "#0072B2"}
 """Left red, right blue; conventional in gait reports, and told apart by all."""
 PERCENT = np.linspace(0, 100, 101)
+"""Of a stride, at its 101 points; conventional."""
 
 
 class Panel(NamedTuple):

@@ -20,13 +20,12 @@ WHY = {
 
 
 def _left_out(found: Finding) -> str:
-    return (
-        fill("{trial}: the load on plate {plate} does not count: ", found) + REASONS[str(found.values["reason"])] + "."
-    )
+    why = REASONS.get(str(found.values["reason"]), "for a reason that is not known here")
+    return f"{fill('{trial}: the load on plate {plate} does not count', found)}: {why}."
 
 
 def _no_moments(found: Finding) -> str:
-    return f"There are no moments and powers: {WHY[str(found.values['why'])]}."
+    return f"There are no moments and powers: {WHY.get(str(found.values['why']), 'why is not known here')}."
 
 
 GAIT_WORDS = {

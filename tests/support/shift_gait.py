@@ -29,7 +29,8 @@ def stepping():
     paths = replace(paths, paths=tuple(replace(p, xyz=on_grid(p.xyz)) for p in paths))
     at = {p.name: p.xyz for p in paths}
     middle = (at["LHEE"] + at["LTOE"])[stance(at)].mean(0) / 2 * (1, 1, 0)
-    corners = on_grid(middle + [[300.0, -300, 0], [300, 300, 0], [-300, 300, 0], [-300, -300, 0]])
+    square = np.array([[300.0, -300, 0], [300, 300, 0], [-300, 300, 0], [-300, -300, 0]])
+    corners = on_grid(middle + square)
     push = np.zeros((6, paths.n_frames))
     push[2, stance(at)] = -600.0 * np.sin(np.linspace(0.1, 3.0, len(push[2, stance(at)])))
     names = tuple("123456")

@@ -19,6 +19,10 @@ GAIT_KINDS = (
          "standard uncertainties.", {"trial": "text", "sd_ms": "ms"}),
     Kind("file_events_differ", "gait", "amber", "Events in the file are off from those that were found; greatest "
          "difference.", {"trial": "text", "events": "count", "most_ms": "ms"}),
+    Kind("file_events_not_found", "gait", "info", "Events in the file near which none was found.",
+         {"trial": "text", "events": "count"}),
+    Kind("gait_turns", "gait", "amber", "The subject turns: for a tenth of the time the pelvis faces so far or more "
+         "from the trial's direction of progression.", {"trial": "text", "turned_deg": "deg"}),
     Kind("emg_saturated", "gait", "amber", "EMG channels sit at their limits; share of the worst.",
          {"trial": "text", "channels_list": "text", "samples_share": "share"}),
     Kind("emg_hums", "gait", "amber", "The mains are heard in EMG channels.",

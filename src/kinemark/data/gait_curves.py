@@ -6,8 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .array_types import Floats
+from .array_types import Bools, Floats
 from .subject_measures import Side
+
+WHOLE = 0.9
+"""Share of a stride's points that are known if it counts as whole; chosen: the last are in the next step."""
 
 
 class GaitCurves(NamedTuple):
@@ -45,14 +48,20 @@ class GaitCurves(NamedTuple):
         return np.sqrt(known_mean(self.sd**2))
 
     @property
+    def whole(self) -> Bools:
+        """(n) strides of which all but a few points are known."""
+        return np.asarray(np.isfinite(self.values).all(2).mean(1) >= WHOLE)
+
+    @property
     def consistency(self) -> Floats:
-        """(A) coefficient of multiple correlation (Kadaba et al. 1989).
+        """(A) coefficient of multiple correlation (Kadaba et al. 1989), of whole strides where all of them are known.
 
         NaN with one stride, or where strides differ more than the curve moves.
         """
-        y = self.values[np.isfinite(self.values).all((1, 2))]
+        known = np.isfinite(self.values).all(2)
+        y = self.values[self.whole][:, known[self.whole].all(0)]
         n, t = y.shape[:2]
-        if n < 2:
+        if n < 2 or t < 2:
             return np.full(len(self.axes), np.nan)
         within = ((y - y.mean(0)) ** 2).sum((0, 1)) / (t * (n - 1))
         total = ((y - y.mean((0, 1))) ** 2).sum((0, 1)) / (t * n - 1)

@@ -19,7 +19,7 @@ from ..findings.gait import GaitOfTrial, gait_figures
 from ..gait import with_static_offsets
 from ..gait.emg import Emg, emg
 from ..gait.foot_events import foot_events
-from ..gait.gait_cycles import gait_curves
+from ..gait.gait_cycles import emg_curves, gait_curves
 from ..gait.gait_trial import analyse_gait, marker_points, measured_only
 from ..gait.lower_limb import check_markers
 from ..gait.physical import Physical
@@ -135,7 +135,9 @@ def gait_of_files(
         own = _uncertain(trial, given, stood, settings)
         trials.append(gait_of_trial(trial, known, settings, own))
         causes = causes or own
-    curves = _joined([gait_curves(one.gait.signals, one.strides) for one in trials])
+    curves = _joined(
+        [(*gait_curves(one.gait.signals, one.strides), *emg_curves(one.emg, one.strides)) for one in trials]
+    )
     subject = next((t.about["subject"] for t in read if t.about.get("subject")), "")
     figures = with_words(
         gait_figures(
@@ -234,7 +236,7 @@ def _emg(trial: Trial) -> dict[str, Emg]:
             letters = "".join(c for c in unit.upper() if c.isalpha())
             is_emg = "EMG" in name.upper() or letters in ("V", "MV", "UV", "ΜV")
             if name not in plates and is_emg and np.ptp(record[name]) > 0:
-                found[name] = emg(record[name], rate=record.rate)
+                found[name] = emg(record[name], rate=record.rate, start=record.start)
     return found
 
 

@@ -24,6 +24,10 @@ FEW_STRIDES = 3
 """Of a side, below which their spread says little; chosen."""
 FAR_MS = 50.0
 """Difference of an event in the file from the one that was found, ms; chosen: five times the expected error."""
+OTHER_MS = 200.0
+"""Difference from which it is another event, ms; chosen: a step takes 500."""
+TURN_DEG = 30.0
+"""By which the pelvis faces another way than where it walks, deg; chosen: in straight walks it was below 20."""
 
 
 class GaitOfTrial(NamedTuple):
@@ -116,7 +120,7 @@ def _averages(strides: Sequence[Stride], side: str) -> dict[str, Any]:
 
 def _curve(one: GaitCurves) -> dict[str, Any]:
     return {
-        "name": one.name, "side": one.side, "unit": one.unit, "axes": one.axes, "strides": len(one.values),
+        "name": one.name, "side": one.side, "unit": one.unit, "axes": one.axes, "strides": int(one.whole.sum()),
         "mean": np.round(one.mean, 4), "spread": np.round(one.spread, 4), "sd": np.round(one.measurement_sd, 4),
         "consistency": np.round(one.consistency, 4), "foot_off": float(np.nanmean(one.foot_off))
         if np.isfinite(one.foot_off).any() else None,
@@ -165,9 +169,19 @@ def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
     if cut:
         most = max(trial.emg[name].saturated for name in cut)
         yield make_finding("emg_saturated", trial=trial.name, channels_list=cut, samples_share=most)
-    for mains in MAINS_HZ:
-        if loud := [name for name, channel in trial.emg.items() if channel.hum_hz == mains]:
-            yield make_finding("emg_hums", trial=trial.name, channels_list=loud, mains=mains)
+    mains = max(MAINS_HZ, key=lambda hz: sum(channel.hum_hz == hz for channel in trial.emg.values()))  # a place has one
+    if loud := [name for name, channel in trial.emg.items() if channel.hum_hz == mains]:
+        yield make_finding("emg_hums", trial=trial.name, channels_list=loud, mains=mains)
+    if (turned := _turned(trial)) > TURN_DEG:
+        yield make_finding("gait_turns", trial=trial.name, turned_deg=turned)
+
+
+def _turned(trial: GaitOfTrial) -> float:
+    """deg by which the pelvis faces another way than the trial's direction of progression, most of the time at most."""
+    if "LPelvisAngles" not in trial.gait.signals.names:
+        return 0.0
+    off = np.abs(trial.gait.signals["LPelvisAngles"].values[:, 2])
+    return quantile(off, 0.9)
 
 
 def _of_events(trial: GaitOfTrial) -> Iterator[Finding]:
@@ -175,12 +189,16 @@ def _of_events(trial: GaitOfTrial) -> Iterator[Finding]:
     if trial.events and not any(event.source == "plate" for event in trial.events):
         sd = 1000 * float(np.median([event.sd for event in trial.events]))
         yield make_finding("events_without_plates", trial=trial.name, sd_ms=sd)
-    off = []
+    off, absent = [], 0
     for label, side, time in zip(trial.file_events.label, trial.file_events.side, trial.file_events.time, strict=True):
         strike = {"foot strike": True, "foot off": False}.get(label.lower())
+        if strike is None:
+            continue
         near = [e.time for e in trial.events if e.strike == strike and e.side == side.lower()]
-        if near:
-            off.append(1000 * min(abs(t - (time - trial.start_s)) for t in near))
+        ms = 1000 * min((abs(t - (time - trial.start_s)) for t in near), default=np.inf)
+        off, absent = ([*off, ms], absent) if ms <= OTHER_MS else (off, absent + 1)
+    if absent:
+        yield make_finding("file_events_not_found", trial=trial.name, events=absent)
     far = [ms for ms in off if ms > FAR_MS]
     if far:
         yield make_finding("file_events_differ", trial=trial.name, events=len(far), most_ms=max(far))

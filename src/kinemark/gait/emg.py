@@ -60,6 +60,7 @@ class Emg(NamedTuple):
         on: (N) whether the muscle is active.
         saturated: share of samples at the channel's limits.
         hum_hz: 50 or 60 where the mains are heard, else 0.
+        rate: samples a second, Hz. start: of the first after the first frame, s.
     """
 
     filtered: Floats
@@ -67,10 +68,12 @@ class Emg(NamedTuple):
     on: Bools
     saturated: float
     hum_hz: float
+    rate: float
+    start: float
 
 
-def emg(values: Floats, *, rate: float, how: EmgFilter | None = None) -> Emg:
-    """One channel by (1) to (3); (N) samples at `rate` Hz.
+def emg(values: Floats, *, rate: float, start: float = 0.0, how: EmgFilter | None = None) -> Emg:
+    """One channel by (1) to (3); (N) samples at `rate` Hz, the first `start` s after the first frame.
 
     Raises:
         KinemarkError: the rate is too low for the band, the channel too short, or nothing of it is known.
@@ -88,7 +91,7 @@ def emg(values: Floats, *, rate: float, how: EmgFilter | None = None) -> Emg:
     envelope, sharp = (_low_passed(np.abs(filtered), hz, rate) for hz in (how.envelope_hz, SHARPER * how.envelope_hz))
     on = _on(np.where(known, sharp, np.nan), rate, how)
     filtered[~known], envelope[~known] = np.nan, np.nan
-    return Emg(filtered, envelope, on, _saturated(values[known]), _hum(x, rate))
+    return Emg(filtered, envelope, on, _saturated(values[known]), _hum(x, rate), rate, start)
 
 
 def _low_passed(x: Floats, hz: float, rate: float) -> Floats:

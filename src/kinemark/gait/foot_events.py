@@ -45,8 +45,8 @@ LEAST_SWING_MM = 100.0
 PLATE_N = 20.0
 """Vertical force of contact, N (Zeni et al. 2008)."""
 BETWEEN_MS = {True: 6.5, False: 11.0}
-"""Deviation of the mean of the detectors between subjects, ms, of strikes and offs; measured on 24 strides of 8 subjects
-on plates (docs/theory/gait.md), each subject judged by the biases of the others."""
+"""Deviation of the mean of the detectors between subjects, ms, of strikes and offs; measured on 24 strides of 8
+subjects on plates (docs/theory/gait.md), each subject judged by the biases of the others."""
 WITHIN_MS = {True: 5.5, False: 7.0}
 """Deviation within a subject, ms; measured on the same strides."""
 

@@ -11,7 +11,9 @@ which systematic causes do not average out), and consistency is told by
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +24,7 @@ from ..data.gait_curves import GaitCurves, known_mean
 from ..data.strides import Stride
 from ..data.subject_measures import LETTER, SIDES, Side
 from ..kinematics import resampled
+from .emg import Emg, peak_normalised
 
 POINTS = 101
 """Of a stride, 0 to 100 %; conventional."""
@@ -36,6 +39,28 @@ def gait_curves(signals: Signals, strides: Sequence[Stride]) -> tuple[GaitCurves
         if side is not None and own:
             found.append(_curves(signal, side, own))
     return tuple(found)
+
+
+def emg_curves(channels: Mapping[str, Emg], strides: Sequence[Stride]) -> tuple[GaitCurves, ...]:
+    """Envelope in % of its greatest value, and whether the muscle is on, in %, over the strides of its side.
+
+    The channel's name says the side, by a letter or a word ("R Rect", "EMG_left_soleus"); without one it is the left.
+    """
+    found = []
+    for name, one in channels.items():
+        side = muscle_side(name)
+        own = [s for s in strides if s.side == side]
+        if own:
+            both = np.stack([peak_normalised(one.envelope), 100.0 * one.on], -1)
+            signal = Signal.of(name, "emg", "%", both, rate=one.rate, axes=("envelope", "on"))
+            found.append(_curves(replace(signal, start=one.start), side, own))
+    return tuple(found)
+
+
+def muscle_side(name: str) -> Side:
+    """Of an EMG channel, by its name."""
+    words = re.split(r"[^A-Za-z]+", name)
+    return "right" if any(word in ("R", "r", "RT") or word.lower() == "right" for word in words) else "left"
 
 
 def _curves(signal: Signal, side: Side, strides: Sequence[Stride]) -> GaitCurves:

@@ -12,16 +12,21 @@ from plotly.subplots import make_subplots
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves
 from ..findings.plain import runs
-from .theme import axis_style, empty, figure, label
+from ..gait.gait_cycles import Reference
+from .theme import FAINT, axis_style, empty, figure, label
 
 SIDE_COLOURS = {"left": "#C62828", "right": "#0072B2"}
 """Left red, right blue; conventional in gait reports, and told apart by all."""
+REFERENCE_COLOUR = "#6B7680"
+"""Of the reference's band."""
+UNITS = {"deg": "°"}
+"""As they are written in a title, where it is otherwise."""
 PERCENT = np.linspace(0, 100, 101)
 """Of a stride, at its 101 points; conventional."""
 
 
 class Panel(NamedTuple):
-    """One drawing: what it is called, which quantity and component, and what is up and down."""
+    """One drawing: what it is called, which quantity and component, and what is up and down in it."""
 
     title: str
     name: str
@@ -46,12 +51,12 @@ KINEMATICS = (
 )
 """Rows of three, from the pelvis to the foot."""
 KINETICS = (
-    Panel("Hip extension moment", "HipMoment", 0, "extensors", "flexors"),
-    Panel("Knee extension moment", "KneeMoment", 0, "extensors", "flexors"),
-    Panel("Ankle plantarflexion moment", "AnkleMoment", 0, "plantarflexors", "dorsiflexors"),
-    Panel("Hip abduction moment", "HipMoment", 1, "", ""),
-    Panel("Knee abduction moment", "KneeMoment", 1, "", ""),
-    Panel("Vertical ground reaction", "GroundReactionForce", 2, "", ""),
+    Panel("Hip moment", "HipMoment", 0, "extensors", "flexors"),
+    Panel("Knee moment", "KneeMoment", 0, "extensors", "flexors"),
+    Panel("Ankle moment", "AnkleMoment", 0, "plantarflexors", "dorsiflexors"),
+    Panel("Hip frontal moment", "HipMoment", 1, "abductors", "adductors"),
+    Panel("Knee frontal moment", "KneeMoment", 1, "abductors", "adductors"),
+    Panel("Vertical reaction", "GroundReactionForce", 2, "", ""),
     Panel("Hip power", "HipPower", 0, "generated", "absorbed"),
     Panel("Knee power", "KneePower", 0, "generated", "absorbed"),
     Panel("Ankle power", "AnklePower", 0, "generated", "absorbed"),
@@ -59,31 +64,72 @@ KINETICS = (
 """The same of loads."""
 
 
-def panels_figure(curves: Sequence[GaitCurves], panels: Sequence[Panel]) -> go.Figure:
-    """Mean of each side, its spread as a band, the measurement's SD as thin lines, foot off as dotted uprights."""
+def panels_figure(
+    curves: Sequence[GaitCurves], panels: Sequence[Panel], reference: Reference | None = None
+) -> go.Figure:
+    """Mean of each side, its spread as a band, the measurement's SD as thin lines, foot off as dashed uprights.
+
+    The reference's mean ± SD is a grey band below them.
+    """
     known = [panel for panel in panels if _of(curves, panel)]
     if not known:
         return empty("There is nothing to draw: no stride has these quantities.")
-    rows = -(-len(panels) // 3)
-    fig = make_subplots(
-        rows=rows, cols=3, subplot_titles=[label(p.title) for p in panels], vertical_spacing=0.3 / rows,
-        horizontal_spacing=0.085,
-    )  # fmt: skip
-    style = figure(60 + 190 * rows, margin={"l": 62, "r": 16, "t": 40, "b": 44}).layout
-    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
-    fig.update_annotations(font_size=12)
+    units = [next((one.unit for one in _of(curves, panel)), "") for panel in panels]
+    fig = _grid([f"{p.title} ({UNITS.get(u, u)})" if u else p.title for p, u in zip(panels, units, strict=True)])
     for i, panel in enumerate(panels):
-        place = {"row": i // 3 + 1, "col": i % 3 + 1}
+        place = _place(i)
+        if reference is not None and panel.name in reference.mean:
+            mean, sd = (part[panel.name][:, panel.axis] for part in (reference.mean, reference.sd))
+            _band(fig, mean - sd, mean + sd, REFERENCE_COLOUR, place)
         for one in _of(curves, panel):
             _draw(fig, one, panel, place)
-        unit = next((one.unit for one in _of(curves, panel)), "")
-        words = f"{panel.up} +<br>({unit})" if panel.up else f"({unit})"
-        fig.update_yaxes(**axis_style() | {"title": {"text": words, "standoff": 4, "font": {"size": 11}}}, **place)
-        last = i // 3 + 1 == rows
-        fig.update_xaxes(
-            **axis_style() | {"range": [0, 100], "title": {"text": "stride (%)" if last else None}}, **place
-        )
+        _directions(fig, panel, i)
+    return fig
+
+
+def emg_figure(curves: Sequence[GaitCurves]) -> go.Figure:
+    """A panel a channel: the mean envelope with its spread, and a bar where the muscle is on in most strides."""
+    muscles = [one for one in curves if one.axes == ("envelope", "on")]
+    if not muscles:
+        return empty("There is no EMG over a whole stride.")
+    fig = _grid([label(one.name.rsplit(".", 1)[-1]) for one in muscles])
+    for i, one in enumerate(muscles):
+        _draw(fig, one, Panel("", one.name, 0, "", ""), _place(i))
+        _line(fig, np.where(one.mean[:, 1] >= 50, -6.0, np.nan), SIDE_COLOURS[one.side], "", _place(i), width=5)
+        fig.update_yaxes(range=[-12, 105], **_place(i))
+    return fig
+
+
+def _grid(titles: Sequence[str]) -> go.Figure:
+    """Panels in rows of three with a stride below each."""
+    rows = -(-len(titles) // 3)
+    fig = make_subplots(
+        rows=rows, cols=3, subplot_titles=titles, vertical_spacing=52 / (140 + 190 * rows), horizontal_spacing=0.07
+    )
+    style = figure(60 + 190 * rows, margin={"l": 44, "r": 12, "t": 40, "b": 44}).layout
+    fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})
+    fig.update_annotations(font_size=12)
+    axis = axis_style() | {"tickfont": {"size": 10}, "title": None}
+    fig.update_yaxes(**axis)
+    fig.update_xaxes(**axis | {"range": [0, 100], "dtick": 20})
+    for i in range(max(len(titles) - 3, 0), len(titles)):
+        fig.update_xaxes(title={"text": "stride (%)", "font": {"size": 11}, "standoff": 4}, **_place(i))
     return fig.update_layout(showlegend=False)
+
+
+def _place(i: int) -> dict[str, int]:
+    """Row and column of a panel."""
+    return {"row": i // 3 + 1, "col": i % 3 + 1}
+
+
+def _directions(fig: go.Figure, panel: Panel, i: int) -> None:
+    """What is up and what is down, small, in the corners."""
+    number = "" if i == 0 else str(i + 1)
+    for text, y in ((panel.up, 1.0), (panel.down, 0.0)):
+        fig.add_annotation(
+            text=text, x=0.99, y=y, xref=f"x{number} domain", yref=f"y{number} domain", xanchor="right",
+            yanchor="top" if y else "bottom", showarrow=False, font={"size": 9, "color": FAINT},
+        )  # fmt: skip
 
 
 def _of(curves: Sequence[GaitCurves], panel: Panel) -> list[GaitCurves]:

@@ -9,7 +9,7 @@ from typing import Any
 from ..data.gait_curves import GaitCurves
 from ..findings.gait import GaitOfTrial
 from .drawing_library import DrawingLibrary, drawing_library, inside
-from .figures_gait import KINEMATICS, KINETICS, panels_figure
+from .figures_gait import KINEMATICS, KINETICS, emg_figure, panels_figure
 from .formatting import number
 from .identity_text import identity_text
 from .tables import Table
@@ -17,7 +17,7 @@ from .templating import render, write_text
 
 NAV = {
     "verdict": "Verdict", "time": "Time and distance", "kinematics": "Angles", "kinetics": "Moments and powers",
-    "uncertainty": "Uncertainty", "terms": "Methods",
+    "emg": "Muscles", "uncertainty": "Uncertainty", "terms": "Methods",
 }  # fmt: skip
 """Sections of the page, in their order."""
 NAMES = {
@@ -61,12 +61,13 @@ def gait_page(*, figures: dict[str, Any], curves: Sequence[GaitCurves], library:
         library=library or inside(),
         heading=f"{figures['subject'] or trials}: gait",
         below=f"{identity_text(figures.get('identity'))} · {trials} · Kinemark {figures['kinemark']}",
-        nav=NAV,
+        nav={k: v for k, v in NAV.items() if k != "emg" or any(one.axes == ("envelope", "on") for one in curves)},
         figures=figures,
         time_table=time_distance_table(figures),
         measures=measures_table(figures),
         kinematics=panels_figure(curves, KINEMATICS),
         kinetics=panels_figure(curves, KINETICS),
+        emg=emg_figure(curves) if any(one.axes == ("envelope", "on") for one in curves) else None,
         causes=uncertainty_table(figures),
         consistency=consistency_table(figures),
     )
@@ -82,10 +83,15 @@ def time_distance_table(figures: dict[str, Any]) -> Table:
             one = figures["time_distance"][side][name]
             spread = "" if one["spread"] is None else f" ± {number(one['spread'] / by, digits)}"
             row += ["–" if one["mean"] is None else number(one["mean"] / by, digits) + spread]
-            row += ["–" if one["sd"] is None else number(one["sd"] / by, digits)]
-        rows.append([*row, number(_symmetry(figures, name), 1)])
+            row += ["–" if one["sd"] is None else _small(one["sd"] / by, digits)]
+        rows.append([*row, "–" if name == "step_width" else number(_symmetry(figures, name), 1)])
     head = ["", "left: mean ± SD of strides", "measured to ±", "right: mean ± SD of strides", "measured to ±"]
     return Table([*head, "left − right (% of mean)"], rows, kept_in="gait.json")
+
+
+def _small(value: float, digits: int) -> str:
+    """A deviation, with a decimal more where it would be written as nothing."""
+    return number(value, digits if value >= 0.95 * 10.0**-digits else digits + 1)
 
 
 def _symmetry(figures: dict[str, Any], name: str) -> float | None:
@@ -109,25 +115,40 @@ def measures_table(figures: dict[str, Any]) -> Table:
 
 def uncertainty_table(figures: dict[str, Any]) -> Table:
     """A row a joint's first component: its standard uncertainty by cause."""
-    rows_of = [row for row in figures["uncertainty"] if row["name"][1:] in _ROWS]
+    rows_of = _in_order(figures["uncertainty"])
     causes = list(rows_of[0]["by_cause"]) if rows_of else []
     rows = []
     for row in rows_of:
         each = [row["by_cause"].get(cause, [None])[0] for cause in causes]
         total = sum(value**2 for value in each if value is not None) ** 0.5
-        rows.append([row["name"], number(total, 2), *(number(value, 2) for value in each)])
+        title, digits = _titled(row["name"])
+        rows.append([title, number(total, digits), *(number(value, digits) for value in each)])
     return Table(["first component", "all", *causes], rows, absent="No error bars were asked for.")
 
 
-_ROWS = ("PelvisAngles", "HipAngles", "KneeAngles", "AnkleAngles", "HipMoment", "KneeMoment", "AnkleMoment")
+_ROWS = {"PelvisAngles": "pelvic tilt", "HipAngles": "hip flexion", "KneeAngles": "knee flexion",
+         "AnkleAngles": "ankle dorsiflexion", "HipMoment": "hip extension moment",
+         "KneeMoment": "knee extension moment", "AnkleMoment": "ankle plantarflexion moment"}  # fmt: skip
+
+
+def _in_order(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Of joints from the pelvis to the foot, left beside right."""
+    order = list(_ROWS)
+    return sorted((r for r in rows if r["name"][1:] in _ROWS), key=lambda r: (order.index(r["name"][1:]), r["name"]))
+
+
+def _titled(name: str) -> tuple[str, int]:
+    """What a row is called, and how many decimals its unit wants."""
+    side, moment = {"L": "left", "R": "right"}[name[0]], name.endswith("Moment")
+    return f"{side} {_ROWS[name[1:]]} ({'N·m/kg' if moment else '°'})", 3 if moment else 1
 
 
 def consistency_table(figures: dict[str, Any]) -> Table:
     """A row a quantity: strides, spread, consistency of its first component."""
     rows = []
-    for one in figures["curves"]:
-        if one["name"][1:] in _ROWS:
-            spread = [value for row in one["spread"] if (value := row[0]) is not None]
-            mean = sum(spread) / len(spread) if spread else None
-            rows.append([one["name"], number(one["strides"]), number(mean, 2), number(one["consistency"][0], 2)])
+    for one in _in_order(figures["curves"]):
+        spread = [value for row in one["spread"] if (value := row[0]) is not None]
+        mean = sum(spread) / len(spread) if spread else None
+        title, digits = _titled(one["name"])
+        rows.append([title, number(one["strides"]), number(mean, digits), number(one["consistency"][0], 2)])
     return Table(["first component", "strides", "mean spread", "consistency (CMC)"], rows)

@@ -49,8 +49,16 @@ GAIT_WORDS = {
         "A plate under one step makes them surer.",
     ),
     "file_events_differ": Words(
-        "{trial}: {events} {events:event|events} of the file differ from those found, by up to {most_ms:0}.",
+        "{trial}: {events} {events:event|events} of the file {events:is|are} up to {most_ms:0} off those found.",
         "Look at both; those of the file are kept in it.",
+    ),
+    "file_events_not_found": Words(
+        "{trial}: near {events} {events:event|events} of the file none was found.",
+        "Markers or a plate show no such event there; those of the file are kept in it.",
+    ),
+    "gait_turns": Words(
+        "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} away from the direction of progression.",
+        "Rotations of pelvis and foot, which are to that direction, mean little here; angles of joints do.",
     ),
     "emg_saturated": Words(
         "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",

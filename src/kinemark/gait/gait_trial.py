@@ -26,11 +26,11 @@ from .stage import GAIT
 from .upper_body import UPPER_BODY_AXES, upper_body_angles
 
 MOMENT_AXES = {
-    "Ankle": ("plantarflexion", "adduction", "rotation"),
-    "Knee": ("extension", "adduction", "rotation"),
-    "Hip": ("extension", "adduction", "rotation"),
+    "Ankle": ("plantarflexion", "abduction", "rotation"),
+    "Knee": ("extension", "abduction", "rotation"),
+    "Hip": ("extension", "abduction", "rotation"),
 }
-"""What moments do, by joint."""
+"""What positive moments do to the distal segment, by joint; rotation is external."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

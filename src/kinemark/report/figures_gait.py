@@ -104,7 +104,7 @@ def _grid(titles: Sequence[str]) -> go.Figure:
     """Panels in rows of three with a stride below each."""
     rows = -(-len(titles) // 3)
     fig = make_subplots(
-        rows=rows, cols=3, subplot_titles=titles, vertical_spacing=52 / (140 + 190 * rows), horizontal_spacing=0.07
+        rows=rows, cols=3, subplot_titles=titles, vertical_spacing=60 / (140 + 190 * rows), horizontal_spacing=0.07
     )
     style = figure(60 + 190 * rows, margin={"l": 44, "r": 12, "t": 40, "b": 44}).layout
     fig.update_layout({k: style[k] for k in style if not k.endswith("axis")})

@@ -83,7 +83,7 @@ def time_distance_table(figures: dict[str, Any]) -> Table:
             one = figures["time_distance"][side][name]
             spread = "" if one["spread"] is None else f" ± {number(one['spread'] / by, digits)}"
             row += ["–" if one["mean"] is None else number(one["mean"] / by, digits) + spread]
-            row += ["–" if one["sd"] is None else _small(one["sd"] / by, digits)]
+            row += ["–" if not one["sd"] else _small(one["sd"] / by, digits)]
         rows.append([*row, "–" if name == "step_width" else number(_symmetry(figures, name), 1)])
     head = ["", "left: mean ± SD of strides", "measured to ±", "right: mean ± SD of strides", "measured to ±"]
     return Table([*head, "left − right (% of mean)"], rows, kept_in="gait.json")

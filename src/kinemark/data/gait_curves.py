@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -67,6 +68,20 @@ class GaitCurves(NamedTuple):
         total = ((y - y.mean((0, 1))) ** 2).sum((0, 1)) / (t * n - 1)
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.sqrt(1 - within / total)
+
+
+class GaitReference(NamedTuple):
+    """A band of reference curves of controls.
+
+    Attributes:
+        mean, sd: (101, A) by the name of the quantity without its side, as "KneeAngles"; SD between subjects.
+        source: where they are from. subjects: how many.
+    """
+
+    mean: Mapping[str, Floats]
+    sd: Mapping[str, Floats]
+    source: str
+    subjects: int
 
 
 def known_mean(y: Floats, axis: tuple[int, ...] = (0,), *, keep: bool = False) -> Floats:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..data import Events, KinemarkError, Trial
 from ..data.array_types import Floats
-from ..data.gait_curves import GaitCurves
+from ..data.gait_curves import GaitCurves, GaitReference
 from ..data.strides import FootEvent
 from ..data.subject_measures import SubjectMeasures
 from ..findings.gait import GaitOfTrial, gait_figures
@@ -30,12 +30,14 @@ from ..io.c3d import write_c3d
 from ..io.c3d.subject_measures import measures_of
 from ..io.files import replacing
 from ..io.gait_csv import write_curves_csv, write_time_distance_csv
+from ..io.gait_reference import read_reference
 from ..io.measures_toml import read_measures
 from ..io.notes import FileNote, read_notes
 from ..io.trial import read_trial
 from ..report.drawing_library import assets_for
 from ..report.gait_page import write_gait_page
 from ..report.words import with_words
+from .gait_exports import exports_of, write_exports
 from .identities import identity_of_file
 
 FORCE_UNITS = ("N", "NM", "NMM", "NCM")
@@ -101,7 +103,9 @@ def gait_of_files(
     *,
     static: Path | None = None,
     measures: Path | None = None,
+    reference: Path | None = None,
     folder: Path | None = None,
+    exports: str = "",
     settings: GaitSettings | None = None,
     self_contained: bool = False,
 ) -> GaitResult:
@@ -111,16 +115,19 @@ def gait_of_files(
         walks: trials of one subject with named markers.
         static: a standing trial, for the feet.
         measures: TOML file of the subject's measures; as the files state them where none is given.
+        reference: band of controls, drawn grey, and scored against.
         folder: of the results; beside the first walk, its name and `_gait`, where none is given.
+        exports: for other programs, as "trc,mot,sto,gcd".
         settings: all else. self_contained: the page holds the drawing library.
 
     Raises:
         KinemarkError: there are no walks, a file cannot be read, a marker or the measures are missing, or the folder
             cannot be written.
     """
-    settings = settings or GaitSettings()
+    settings, kinds = settings or GaitSettings(), exports_of(exports)
     if not walks:
         raise KinemarkError("There is no walk. Give one or more trials of the subject.")
+    band = None if reference is None else read_reference(reference)
     read = [read_trial(path) for path in walks]
     still = None if static is None else read_trial(static)
     for path, trial in zip(walks, read, strict=True):
@@ -142,12 +149,16 @@ def gait_of_files(
     figures = with_words(
         gait_figures(
             trials, curves, causes, subject=subject, measures=known, method={"name": settings.method} | _how(settings),
-            static=None if static is None else static.name,
+            static=None if static is None else static.name, reference=band,
         )
     )  # fmt: skip
     figures["identity"] = identity_of_file(read[0], walks[0])
     into = folder or walks[0].with_name(f"{walks[0].stem}_gait")
-    notes = _written(into, walks, read, trials, curves, figures, self_contained=self_contained)
+    notes = _written(into, walks, read, trials, curves, figures, band, self_contained=self_contained)
+    write_exports(
+        into, kinds, [(p.stem, t, one) for p, t, one in zip(walks, read, trials, strict=True)], curves,
+        counts=settings.made.mechanics.counts, mass_kg=known.mass_kg,
+    )  # fmt: skip
     return GaitResult(tuple(trials), curves, figures, into, notes)
 
 
@@ -279,7 +290,7 @@ def as_events(events: Sequence[FootEvent], start_s: float) -> Events:
 
 def _written(
     folder: Path, walks: Sequence[Path], read: Sequence[Trial], trials: Sequence[GaitOfTrial],
-    curves: Sequence[GaitCurves], figures: dict[str, Any], *, self_contained: bool,
+    curves: Sequence[GaitCurves], figures: dict[str, Any], band: GaitReference | None, *, self_contained: bool,
 ) -> tuple[FileNote, ...]:  # fmt: skip
     """All files of the results."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -292,7 +303,7 @@ def _written(
     with replacing(folder / "gait.json") as beside:
         beside.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
     write_gait_page(
-        folder / "gait.html", figures=figures, curves=curves, trials=trials,
+        folder / "gait.html", figures=figures, curves=curves, reference=band,
         assets=None if self_contained else assets_for(folder),
     )  # fmt: skip
     return tuple(notes)

@@ -9,11 +9,11 @@ import numpy as np
 
 from ..data import Events, Finding, make_finding
 from ..data.array_types import Floats
-from ..data.gait_curves import GaitCurves
+from ..data.gait_curves import GaitCurves, GaitReference
 from ..data.strides import UNITS, FootEvent, Stride
 from ..data.subject_measures import SIDES, SubjectMeasures
 from ..gait.emg import MAINS_HZ, Emg
-from ..gait.gait_cycles import most_typical
+from ..gait.gait_cycles import most_typical, movement_analysis_profile
 from ..gait.gait_trial import GaitTrial
 from ..gait.time_distance import averages
 from ..version import __version__
@@ -56,12 +56,14 @@ def gait_figures(
     measures: SubjectMeasures,
     method: Mapping[str, Any],
     static: str | None,
+    reference: GaitReference | None = None,
 ) -> dict[str, Any]:
     """Every figure of the page by name.
 
     Args:
         trials: results. curves: over all strides of all trials. causes: of the uncertainty, of the first trial.
         subject: name. measures: with offsets of the feet. method: its name and parameters. static: name of that trial.
+        reference: band of controls.
     """
     strides = [stride for trial in trials for stride in trial.strides]
     findings = [*_findings(trials, strides, measures, static)]
@@ -78,10 +80,20 @@ def gait_figures(
         "units": UNITS,
         "curves": [_curve(one) for one in curves],
         "typical_stride": {side: most_typical(curves, side) for side in SIDES},
+        "profile": None if reference is None else _profile(curves, reference),
         "uncertainty": uncertainty,
         "findings": [found.as_dict() for found in findings],
     }
     return plain(figures | {"verdict": _verdict(findings, strides, uncertainty).as_dict()})
+
+
+def _profile(curves: Sequence[GaitCurves], reference: GaitReference) -> dict[str, Any]:
+    """Of both sides, and what they were compared with."""
+    found: dict[str, Any] = {"source": reference.source, "subjects": reference.subjects}
+    for side in SIDES:
+        variables, score = movement_analysis_profile(curves, reference, side)
+        found[side] = {"variables": variables, "score": score}
+    return found
 
 
 def _measures(measures: SubjectMeasures) -> dict[str, Any]:

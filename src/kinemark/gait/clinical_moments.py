@@ -5,8 +5,8 @@ With x forward, y to the left and z up the distal segment, on the left
     ankle   (M_y, −M_z, M_x),   knee (−M_y, M_x, M_z),   hip (M_y, M_x, M_z)                          (1)
 
 are the moments that muscles and ligaments give; on the right the second and third change their sign. Extension (of the
-ankle plantar flexion), abduction and external rotation are positive, as muscles do where the body is held up on one leg.
-Each is per kg of body mass.
+ankle plantar flexion), abduction and external rotation are positive, as where one leg holds the body up. Each is per kg
+of body mass.
 """
 
 from __future__ import annotations

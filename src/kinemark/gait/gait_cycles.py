@@ -14,13 +14,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from ..data import Signal, Signals
 from ..data.array_types import Floats
-from ..data.gait_curves import GaitCurves, known_mean
+from ..data.gait_curves import GaitCurves, GaitReference, known_mean
 from ..data.strides import Stride
 from ..data.subject_measures import LETTER, SIDES, Side
 from ..kinematics import resampled
@@ -87,55 +86,63 @@ def most_typical(curves: Iterable[GaitCurves], side: Side) -> int | None:
     own = [c.values for c in curves if c.side == side and c.unit == "deg"]
     if not own:
         return None
-    away = np.sum([np.nansum(np.abs(y - np.nanmedian(y, axis=0)), axis=(1, 2)) for y in own], axis=0)
+    away = np.sum([np.nansum(np.abs(y - _median(y)), axis=(1, 2)) for y in own], axis=0)
     missing = np.sum([np.isnan(y).sum((1, 2)) for y in own], axis=0)
     return int(np.lexsort((away, missing))[0])
 
 
-PROFILE = (
-    ("PelvisAngles", 0), ("PelvisAngles", 1), ("PelvisAngles", 2), ("HipAngles", 0), ("HipAngles", 1),
-    ("HipAngles", 2), ("KneeAngles", 0), ("AnkleAngles", 0), ("FootProgressAngles", 1),
-)  # fmt: skip
+def _median(y: Floats) -> Floats:
+    """(101, A) of strides (n, 101, A); 0 where none is known."""
+    return np.asarray(np.nanmedian(np.where(np.isfinite(y).any(0), y, 0.0), axis=0))
+
+
+PROFILE = {
+    "pelvic tilt": ("PelvisAngles", 0), "pelvic obliquity": ("PelvisAngles", 1), "pelvic rotation": ("PelvisAngles", 2),
+    "hip flexion": ("HipAngles", 0), "hip adduction": ("HipAngles", 1), "hip rotation": ("HipAngles", 2),
+    "knee flexion": ("KneeAngles", 0), "ankle dorsiflexion": ("AnkleAngles", 0),
+    "foot progression": ("FootProgressAngles", 1),
+}  # fmt: skip
 """The nine kinematic variables of the movement analysis profile (Baker et al. 2009)."""
 
 
-class Reference(NamedTuple):
-    """A band of reference curves: (101, A) mean and SD by name without side, and where they are from."""
-
-    mean: Mapping[str, Floats]
-    sd: Mapping[str, Floats]
-    source: str
-    subjects: int
-
-
 def movement_analysis_profile(
-    curves: Sequence[GaitCurves], reference: Reference, side: Side
+    curves: Sequence[GaitCurves], reference: GaitReference, side: Side
 ) -> tuple[dict[str, float], float]:
-    """Root mean square distances, deg, of the mean curves of a side from the reference, by "KneeAngles 0", and their
+    """Root mean square distances, deg, of the mean curves of a side from the reference, by "knee flexion", and their
     root mean square, the gait profile score (Baker et al. 2009); NaN where a curve is missing."""
     by_name = {c.name[1:]: c.mean for c in curves if c.side == side}
     found = {}
-    for name, axis in PROFILE:
+    for title, (name, axis) in PROFILE.items():
         if name in by_name and name in reference.mean:
             off = by_name[name][:, axis] - reference.mean[name][:, axis]
-            found[f"{name} {axis}"] = float(np.sqrt(np.mean(off**2)))
+            found[title] = float(np.sqrt(np.mean(off**2)))
         else:
-            found[f"{name} {axis}"] = np.nan
+            found[title] = np.nan
     return found, float(np.sqrt(np.mean(np.square(list(found.values())))))
 
 
-def reference_of(controls: Sequence[Sequence[GaitCurves]], source: str) -> Reference:
-    """A band of controls: each subject's mean over both sides counts once."""
+def reference_of(controls: Sequence[Mapping[str, Floats]], source: str) -> GaitReference:
+    """A band of controls, each by its (101, A) mean curves by name ("LKneeAngles").
+
+    A subject counts once, with the mean of both sides; a quantity counts where two subjects have it.
+    """
     each: dict[str, list[Floats]] = {}
-    for curves in controls:
+    for means in controls:
         sides: dict[str, list[Floats]] = {}
-        for one in curves:
-            sides.setdefault(one.name[1:], []).append(one.mean)
-        for name, means in sides.items():
-            each.setdefault(name, []).append(known_mean(np.array(means)))
-    mean = {name: known_mean(np.array(ys)) for name, ys in each.items()}
-    sd = {name: np.std(ys, axis=0, ddof=1) if len(ys) > 1 else np.full_like(ys[0], np.nan) for name, ys in each.items()}
-    return Reference(mean, sd, source, len(controls))
+        for name, curve in means.items():
+            sides.setdefault(name[1:], []).append(curve)
+        for name, curves in sides.items():
+            each.setdefault(name, []).append(known_mean(np.array(curves)))
+    shared = {name: np.array(ys) for name, ys in each.items() if len(ys) > 1}
+    mean = {name: known_mean(ys) for name, ys in shared.items()}
+    sd = {name: np.sqrt(known_mean((ys - mean[name]) ** 2) * _unbiased(ys)) for name, ys in shared.items()}
+    return GaitReference(mean, sd, source, len(controls))
+
+
+def _unbiased(ys: Floats) -> Floats:
+    """(101, A) n / (n − 1) of the n subjects with values; NaN with one alone."""
+    n = np.isfinite(ys).sum(0)
+    return np.where(n > 1, n / np.maximum(n - 1, 1), np.nan)
 
 
 def side_of(name: str) -> Side | None:

@@ -10,9 +10,8 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from ..data.array_types import Floats
-from ..data.gait_curves import GaitCurves
+from ..data.gait_curves import GaitCurves, GaitReference
 from ..findings.plain import runs
-from ..gait.gait_cycles import Reference
 from .theme import FAINT, axis_style, empty, figure, label
 
 SIDE_COLOURS = {"left": "#C62828", "right": "#0072B2"}
@@ -65,7 +64,7 @@ KINETICS = (
 
 
 def panels_figure(
-    curves: Sequence[GaitCurves], panels: Sequence[Panel], reference: Reference | None = None
+    curves: Sequence[GaitCurves], panels: Sequence[Panel], reference: GaitReference | None = None
 ) -> go.Figure:
     """Mean of each side, its spread as a band, the measurement's SD as thin lines, foot off as dashed uprights.
 

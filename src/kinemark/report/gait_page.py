@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..data.gait_curves import GaitCurves
-from ..findings.gait import GaitOfTrial
+from ..data.gait_curves import GaitCurves, GaitReference
 from .drawing_library import DrawingLibrary, drawing_library, inside
 from .figures_gait import KINEMATICS, KINETICS, emg_figure, panels_figure
 from .formatting import number
@@ -37,23 +36,31 @@ def write_gait_page(
     *,
     figures: dict[str, Any],
     curves: Sequence[GaitCurves],
-    trials: Sequence[GaitOfTrial],
+    reference: GaitReference | None = None,
     assets: Path | None = None,
 ) -> None:
     """Write the page, whole or not at all.
 
     Args:
         path: of the page, usually `gait.html`.
-        figures: of `findings.gait_figures`. curves, trials: what is drawn.
+        figures: of `findings.gait_figures`. curves: what is drawn. reference: the grey band below it.
         assets: folder of the drawing library that pages share; None puts it inside the page.
 
     Raises:
         KinemarkError: the folder cannot be written.
     """
-    write_text(path, gait_page(figures=figures, curves=curves, library=drawing_library(path, assets)))
+    write_text(
+        path, gait_page(figures=figures, curves=curves, reference=reference, library=drawing_library(path, assets))
+    )
 
 
-def gait_page(*, figures: dict[str, Any], curves: Sequence[GaitCurves], library: DrawingLibrary | None = None) -> str:
+def gait_page(
+    *,
+    figures: dict[str, Any],
+    curves: Sequence[GaitCurves],
+    reference: GaitReference | None = None,
+    library: DrawingLibrary | None = None,
+) -> str:
     """The page as text; the drawing library is inside where `library` is None."""
     trials = ", ".join(one["name"] for one in figures["trials"])
     return render(
@@ -65,9 +72,10 @@ def gait_page(*, figures: dict[str, Any], curves: Sequence[GaitCurves], library:
         figures=figures,
         time_table=time_distance_table(figures),
         measures=measures_table(figures),
-        kinematics=panels_figure(curves, KINEMATICS),
-        kinetics=panels_figure(curves, KINETICS),
+        kinematics=panels_figure(curves, KINEMATICS, reference),
+        kinetics=panels_figure(curves, KINETICS, reference),
         emg=emg_figure(curves) if any(one.axes == ("envelope", "on") for one in curves) else None,
+        profile=profile_table(figures),
         causes=uncertainty_table(figures),
         consistency=consistency_table(figures),
     )
@@ -152,3 +160,15 @@ def consistency_table(figures: dict[str, Any]) -> Table:
         title, digits = _titled(one["name"])
         rows.append([title, number(one["strides"]), number(mean, digits), number(one["consistency"][0], 2)])
     return Table(["first component", "strides", "mean spread", "consistency (CMC)"], rows)
+
+
+def profile_table(figures: dict[str, Any]) -> Table | None:
+    """Movement analysis profile and gait profile score of both sides; None without a reference."""
+    profile = figures["profile"]
+    if profile is None:
+        return None
+    each = {side: profile[side] for side in ("left", "right")}
+    rows = [[name, *(number(each[side]["variables"][name], 1) for side in each)] for name in each["left"]["variables"]]
+    rows.append(["gait profile score", *(number(each[side]["score"], 1) for side in each)])
+    note = f"Reference: {profile['source']}, {profile['subjects']} subjects."
+    return Table(["RMS distance from the reference (°)", "left", "right"], rows, note=note)

@@ -35,14 +35,28 @@ from .data import (
     Trial,
     Validity,
 )
+from .data.gait_curves import GaitCurves
+from .data.subject_measures import LegMeasures, SubjectMeasures
 from .detect import Centroids, KissNearest, KissScanning, Masks, detect, learn_masks, propose
 from .fill import Auto, Filled, FilledGap, fill, place_absent, trim_edges
+from .gait import (
+    GaitTrial,
+    Physical,
+    PlugInGait,
+    analyse_gait,
+    foot_events,
+    gait_curves,
+    marker_points,
+    strides,
+    with_static_offsets,
+)
 from .geometry import project, refine, triangulate, undistort
 from .io.c3d import read_c3d, write_c3d
 from .io.detections_csv import read_detections_csv, write_detections_csv
 from .io.dlt_csv import read_dlt_csv, write_dlt_csv
 from .io.images import open_images
 from .io.marker_sets import marker_sets, read_marker_set, write_marker_set
+from .io.measures_toml import read_measures
 from .io.model_toml import load_model
 from .io.records import load, save
 from .io.rig_toml import read_rig_toml, write_rig_toml
@@ -99,6 +113,8 @@ __all__ = [
     "FilledGap",
     "ForcePlate",
     "FormerTwoCameras",
+    "GaitCurves",
+    "GaitTrial",
     "InverseCosines",
     "KinemarkError",
     "KissNearest",
@@ -107,6 +123,7 @@ __all__ = [
     "KissTriplets",
     "Labels",
     "LeastSquares",
+    "LegMeasures",
     "Linearisation",
     "MarkerSet",
     "MarkerTrajectory",
@@ -114,6 +131,8 @@ __all__ = [
     "Matches",
     "NearestEpipolar",
     "Origin",
+    "Physical",
+    "PlugInGait",
     "Poses",
     "Rig",
     "Rods",
@@ -121,6 +140,7 @@ __all__ = [
     "Signals",
     "SignedAngles",
     "Simultaneous",
+    "SubjectMeasures",
     "SubjectTemplate",
     "Swamidas",
     "Template",
@@ -131,6 +151,7 @@ __all__ = [
     "Wand",
     "__version__",
     "ambiguous_decisions",
+    "analyse_gait",
     "calibrate_control_frame",
     "calibrate_control_points",
     "calibrate_points",
@@ -141,6 +162,8 @@ __all__ = [
     "diagnose_tracks",
     "figure_template",
     "fill",
+    "foot_events",
+    "gait_curves",
     "joint_angles",
     "label",
     "learn_marker_set",
@@ -149,6 +172,7 @@ __all__ = [
     "linearise",
     "load",
     "load_model",
+    "marker_points",
     "marker_sets",
     "match",
     "named",
@@ -161,6 +185,7 @@ __all__ = [
     "read_detections_csv",
     "read_dlt_csv",
     "read_marker_set",
+    "read_measures",
     "read_rig_toml",
     "read_tdf",
     "read_trajectories_csv",
@@ -171,6 +196,7 @@ __all__ = [
     "save",
     "score",
     "static_template",
+    "strides",
     "to_trajectories",
     "track",
     "track_detections",
@@ -178,6 +204,7 @@ __all__ = [
     "triangulate",
     "trim_edges",
     "undistort",
+    "with_static_offsets",
     "write_c3d",
     "write_detections_csv",
     "write_dlt_csv",

@@ -208,8 +208,10 @@ def test_the_public_names_are_a_decision():
     files = " ".join(f"read_{k} write_{k}" for k in kinds.split())
     labelling = "Distances Labels SubjectTemplate Template label learn_marker_set learn_template named static_template"
     labelling += " figure_template marker_sets read_marker_set write_marker_set"
+    gait = "GaitCurves GaitTrial LegMeasures Physical PlugInGait SubjectMeasures analyse_gait foot_events gait_curves"
+    gait += " marker_points read_measures strides with_static_offsets"
     files += " read_tdf read_trial write_trial load load_model save open_images"
-    names = " ".join([records, methods, stages, geometry, labelling, files, "__version__"]).split()
+    names = " ".join([records, methods, stages, geometry, labelling, gait, files, "__version__"]).split()
     assert sorted(kinemark.__all__) == sorted(names)
     assert all(hasattr(kinemark, name) for name in names)
 

@@ -16,10 +16,10 @@ import pytest
 
 import kinemark
 from kinemark.fill import Linear, fill
-from support import shift_edits, shift_files, shift_motion, shift_scene, shift_space, shift_tracks
+from support import shift_edits, shift_files, shift_gait, shift_motion, shift_scene, shift_space, shift_tracks
 from support.shift_law import CASES, FAR, differences, moved
 
-MODULES = shift_motion, shift_space, shift_tracks, shift_files, shift_edits
+MODULES = shift_gait, shift_motion, shift_space, shift_tracks, shift_files, shift_edits
 """Of cases."""
 
 
@@ -49,12 +49,13 @@ NO_POSITIONS = {
         signal.assign signal.assign_nearest signal.cheapest_first""",
     "directions, rotations, angles, phases and their files": """
         fill.component_angles fill.cycle_events fill.intervals fill.model_events geometry.nearest_rotations
+        gait.five_point gait.five_point_slope gait.gait_curves
         geometry.polar_rotations io.read_angles io.write_angles kinematics.cycles
         data.outside kinematics.inverse_cosines kinematics.principal kinematics.resampled kinematics.spans_of
         kinematics.turned sensitivity.cycle_weights""",
     "numbers, matrices, settings, models, names": """
         calibrate.centroid_deviation calibrate.free_parameters calibrate.marker_places data.same
-        data.make_finding reconstruct.image_errors io.camera_number
+        data.make_finding reconstruct.image_errors io.camera_number io.read_measures
         io.load_model io.on_frames io.files_of_set io.subject_of io.with_parameters data.named_angles
         report.evidence_text label.reliability label.score_labels label.shredded engine.before engine.load_named
         engine.save_named label.figure_template label.sides_by_name label.template_of_subjects io.marker_sets

@@ -32,6 +32,7 @@ FindingStage = Literal[
     "fill",
     "kinematics",
     "sensitivity",
+    "gait",
 ]
 """Where it arises; "record" is the recording itself, before any computing."""
 

@@ -1,4 +1,4 @@
-"""`kinemark angles` and `sensitivity`: what follows from a trial."""
+"""`kinemark angles`, `gait`, `gait-reference` and `sensitivity`: what follows from a trial."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ...engine.error_budget import error_budget
+from ...engine.gait_files import GaitSettings, gait_of_files
+from ...engine.gait_reference import reference_of_files
 from ...engine.settings.angle_settings import AngleSettings
 from ...engine.trial_angles import angles_of_file
 from ...io.notes import file_note_text
 from ...report.angles_text import angle_summary
+from ...report.gait_text import gait_summary
 from ...report.sensitivity_text import sensitivity_summary
 from ...sensitivity import ErrorBudget
 from ..output import Json, LengthUnit, Partial, Rate, SelfContained, print_result
@@ -92,3 +95,52 @@ def sensitivity(
             length_unit=length_unit, partial=partial, self_contained=self_contained, progress=tell,
         )  # fmt: skip
     print_result(found.figures if json else f"{sensitivity_summary(found.figures)}\nresults:  {found.page}")
+
+
+def gait(
+    *walks: Path,
+    static: Path | None = None,
+    measures: Path | None = None,
+    reference: Path | None = None,
+    output: Path | None = None,
+    exports: str = "",
+    settings: Annotated[GaitSettings | None, Parameter(name="*")] = None,
+    self_contained: SelfContained = False,
+    json: Json = False,
+) -> None:
+    """Gait of walks with named markers: angles, moments, powers, events, time and distance, with error bars.
+
+    Args:
+        walks: trials of one subject: C3D or another file of trajectories.
+        static: a standing trial, for the feet.
+        measures: TOML file of the subject's measures; as the files state them where none is given.
+        reference: band of controls, as kinemark gait-reference writes it: drawn grey, and scored against.
+        output: folder of the results; beside the first walk, its name and _gait, where none is given.
+        exports: for other programs, as "trc,mot,sto,gcd".
+        settings: how gait is computed.
+        self_contained: put the drawing library into the page, for mailing.
+        json: print the figures for a machine.
+    """
+    result = gait_of_files(
+        walks, static=static, measures=measures, reference=reference, folder=output, exports=exports,
+        settings=settings, self_contained=self_contained,
+    )  # fmt: skip
+    if json:
+        print_result(result.figures)
+        return
+    notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
+    print_result(f"{gait_summary(result.figures)}{notes}\nresults:  {result.folder}")
+
+
+def gait_reference(
+    *controls: Path, output: Annotated[Path, Parameter(alias="-o")], source: str = "the laboratory's own controls"
+) -> None:
+    """A reference band of gait from a laboratory's own controls.
+
+    Args:
+        controls: the gait.json of each, one a subject.
+        output: file of the band, JSON.
+        source: where the controls are from, as the report will say it.
+    """
+    band = reference_of_files(controls, output=output, source=source)
+    print_result(f"{output}: {len(band.mean)} quantities of {band.subjects} subjects")

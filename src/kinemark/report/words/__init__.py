@@ -15,6 +15,7 @@ from .control_points import CONTROL_POINT_WORDS
 from .decisions import reason_text
 from .edits import EDIT_WORDS, edit_text
 from .error_sources import SOURCE_ADVICE, evidence_text
+from .gait import GAIT_WORDS
 from .open_gaps import open_gap_text
 from .stages import ANGLE_WORDS, FILLING_WORDS, LABELLING_WORDS, PROPOSAL_WORDS
 from .template import Words
@@ -48,6 +49,7 @@ WORDS: dict[str, Words] = {
     **EDIT_WORDS,
     **ANGLE_WORDS,
     **PROPOSAL_WORDS,
+    **GAIT_WORDS,
     **VERDICT_WORDS,
 }
 """By kind of finding."""

@@ -1,0 +1,37 @@
+"""What may be found of gait: of feet, plates, events, measures and EMG; and what its verdict says."""
+
+from __future__ import annotations
+
+from .finding import FindingKind as Kind
+
+GAIT_KINDS = (
+    Kind("gait_without_strides", "gait", "red", "No foot strikes twice, so that there is no stride.",
+         {"trial": "text"}),
+    Kind("gait_few_strides", "gait", "amber", "Fewer than three strides of a side: their spread means little.",
+         {"side": "text", "strides": "count"}),
+    Kind("foot_offsets_unknown", "gait", "amber", "No static trial, and no offsets stated: ankle and foot angles are "
+         "those of the line from ankle to toe."),
+    Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "
+         "two_feet, beside, cut or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
+    Kind("gait_without_moments", "gait", "info", "There are no moments. why: plates, mass or contacts.",
+         {"why": "text"}),
+    Kind("events_without_plates", "gait", "info", "Foot events of a trial come from markers alone; median of their "
+         "standard uncertainties.", {"trial": "text", "sd_ms": "ms"}),
+    Kind("file_events_differ", "gait", "amber", "Events in the file are off from those that were found; greatest "
+         "difference.", {"trial": "text", "events": "count", "most_ms": "ms"}),
+    Kind("file_events_not_found", "gait", "info", "Events in the file near which none was found.",
+         {"trial": "text", "events": "count"}),
+    Kind("gait_turns", "gait", "amber", "The subject turns: for a tenth of the time the pelvis faces so far or more "
+         "from the trial's direction of progression.", {"trial": "text", "turned_deg": "deg"}),
+    Kind("emg_saturated", "gait", "amber", "EMG channels sit at their limits; share of the worst.",
+         {"trial": "text", "channels_list": "text", "samples_share": "share"}),
+    Kind("emg_hums", "gait", "amber", "The mains are heard in EMG channels.",
+         {"trial": "text", "channels_list": "text", "mains": "Hz"}),
+    Kind("gait_good", "gait", "info", "The verdict: nothing was found."),
+    Kind("gait_usable", "gait", "info", "The verdict: gait needs attention."),
+    Kind("gait_missing", "gait", "info", "The verdict: there is no gait result."),
+    Kind("gait_measured", "gait", "info", "Strides of both sides, mean speed and cadence.",
+         {"left_strides": "count", "right_strides": "count", "speed": "m/s", "cadence": "count"}),
+    Kind("gait_deviations", "gait", "info", "Median standard uncertainty of knee flexion, and what makes most of it.",
+         {"knee_deg": "deg", "cause": "text", "variance_share": "share"}),
+)  # fmt: skip

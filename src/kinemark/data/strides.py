@@ -1,0 +1,46 @@
+"""Foot events, and the strides between them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from .subject_measures import Side
+
+UNITS = {
+    "stride_time": "s", "stride_length": "mm", "speed": "mm/s", "cadence": "steps/min", "step_length": "mm",
+    "step_width": "mm", "step_time": "s", "foot_off": "%", "opposite_foot_off": "%", "opposite_foot_strike": "%",
+    "single_support": "s", "double_support": "s",
+}  # fmt: skip
+"""Of each parameter."""
+
+
+class FootEvent(NamedTuple):
+    """A foot strike or foot off.
+
+    Attributes:
+        side: of the foot. strike: whether it is a foot strike, else a foot off.
+        time: s after the first frame. sd: s, its standard uncertainty.
+        source: "plate", "markers", "file" or "hand".
+    """
+
+    side: Side
+    strike: bool
+    time: float
+    sd: float
+    source: str
+
+
+class Stride(NamedTuple):
+    """One stride.
+
+    Attributes:
+        side: whose. first, last: s of its foot strikes.
+        values, sd: by the names of `UNITS`; NaN where an event or a heel is missing.
+    """
+
+    side: Side
+    first: float
+    last: float
+    values: Mapping[str, float]
+    sd: Mapping[str, float]

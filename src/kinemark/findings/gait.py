@@ -1,0 +1,253 @@
+"""What gait analysis says: figures by name, findings and the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..data import Events, Finding, make_finding
+from ..data.array_types import Floats
+from ..data.gait_curves import GaitCurves, GaitReference
+from ..data.strides import UNITS, FootEvent, Stride
+from ..data.subject_measures import SIDES, SubjectMeasures
+from ..gait.emg import MAINS_HZ, Emg
+from ..gait.gait_cycles import most_typical, movement_analysis_profile
+from ..gait.gait_trial import GaitTrial
+from ..gait.time_distance import averages
+from ..version import __version__
+from .plain import SCHEMA_VERSION, plain, quantile
+from .verdict import Verdict, verdict_of
+
+FEW_STRIDES = 3
+"""Of a side, below which their spread says little; chosen."""
+FAR_MS = 50.0
+"""Difference of an event in the file from the one that was found, ms; chosen: five times the expected error."""
+OTHER_MS = 200.0
+"""Difference from which it is another event, ms; chosen: a step takes 500."""
+TURN_DEG = 30.0
+"""By which the pelvis faces another way than where it walks, deg; chosen: in straight walks it was below 20."""
+
+
+class GaitOfTrial(NamedTuple):
+    """One trial's results.
+
+    Attributes:
+        name: of the trial. gait: segments, loads, signals. events: feet's. strides: between them.
+        file_events: that the trial had; start_s: of its first frame on their clock. emg: by channel.
+    """
+
+    name: str
+    gait: GaitTrial
+    events: tuple[FootEvent, ...]
+    strides: tuple[Stride, ...]
+    file_events: Events
+    start_s: float
+    emg: Mapping[str, Emg]
+
+
+def gait_figures(
+    trials: Sequence[GaitOfTrial],
+    curves: Sequence[GaitCurves],
+    causes: Mapping[str, Mapping[str, Floats]],
+    *,
+    subject: str,
+    measures: SubjectMeasures,
+    method: Mapping[str, Any],
+    static: str | None,
+    reference: GaitReference | None = None,
+) -> dict[str, Any]:
+    """Every figure of the page by name.
+
+    Args:
+        trials: results. curves: over all strides of all trials. causes: of the uncertainty, of the first trial.
+        subject: name. measures: with offsets of the feet. method: its name and parameters. static: name of that trial.
+        reference: band of controls.
+    """
+    strides = [stride for trial in trials for stride in trial.strides]
+    findings = [*_findings(trials, strides, measures, static)]
+    uncertainty = _uncertainty(causes)
+    figures = {
+        "kinemark": __version__,
+        "schema_version": SCHEMA_VERSION,
+        "subject": subject,
+        "trials": [_trial(one) for one in trials],
+        "static": static,
+        "method": method,
+        "measures": _measures(measures),
+        "time_distance": {side: _averages(strides, side) for side in SIDES},
+        "units": UNITS,
+        "curves": [_curve(one) for one in curves],
+        "typical_stride": {side: most_typical(curves, side) for side in SIDES},
+        "profile": None if reference is None else _profile(curves, reference),
+        "uncertainty": uncertainty,
+        "findings": [found.as_dict() for found in findings],
+    }
+    return plain(figures | {"verdict": _verdict(findings, strides, uncertainty).as_dict()})
+
+
+def _profile(curves: Sequence[GaitCurves], reference: GaitReference) -> dict[str, Any]:
+    """Of both sides, and what they were compared with."""
+    found: dict[str, Any] = {"source": reference.source, "subjects": reference.subjects}
+    for side in SIDES:
+        variables, score = movement_analysis_profile(curves, reference, side)
+        found[side] = {"variables": variables, "score": score}
+    return found
+
+
+def _measures(measures: SubjectMeasures) -> dict[str, Any]:
+    legs = {side: {k: getattr(measures.leg(side), k) for k in measures.leg(side).__slots__} for side in SIDES}
+    whole = ("mass_kg", "height_mm", "asis_mm", "marker_diameter_mm")
+    return {name: getattr(measures, name) for name in whole} | legs
+
+
+def _trial(one: GaitOfTrial) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "events": [
+            {"side": e.side, "strike": e.strike, "time_s": round(e.time, 4), "sd_s": round(e.sd, 4), "from": e.source}
+            for e in one.events
+        ],
+        "contacts": [
+            {"plate": c.plate + 1, "first": c.first + 1, "last": c.stop, "side": c.side, "left_out": c.reason or None}
+            for c in one.gait.contacts
+        ],
+        "strides": [
+            {"side": s.side, "first_s": s.first, "last_s": s.last, "values": dict(s.values), "sd": dict(s.sd)}
+            for s in one.strides
+        ],
+        "emg": {name: {"saturated_share": e.saturated, "hum_hz": e.hum_hz} for name, e in one.emg.items()},
+    }
+
+
+def _averages(strides: Sequence[Stride], side: str) -> dict[str, Any]:
+    found = averages(strides, "left" if side == "left" else "right")
+    own = [stride for stride in strides if stride.side == side]
+    return {
+        name: {"mean": mean, "spread": spread, "strides": n, "sd": quantile(np.array([s.sd[name] for s in own]), 0.5)}
+        for name, (mean, spread, n) in found.items()
+    }
+
+
+def _curve(one: GaitCurves) -> dict[str, Any]:
+    return {
+        "name": one.name, "side": one.side, "unit": one.unit, "axes": one.axes, "strides": int(one.whole.sum()),
+        "mean": np.round(one.mean, 4), "spread": np.round(one.spread, 4), "sd": np.round(one.measurement_sd, 4),
+        "consistency": np.round(one.consistency, 4), "foot_off": float(np.nanmean(one.foot_off))
+        if np.isfinite(one.foot_off).any() else None,
+    }  # fmt: skip
+
+
+def _uncertainty(causes: Mapping[str, Mapping[str, Floats]]) -> list[dict[str, Any]]:
+    """A row a quantity: root mean square by cause, in its own unit."""
+    names = sorted({name for cause in causes.values() for name in cause})
+    return [
+        {"name": name, "by_cause": {c: _rms_each(of[name]) for c, of in causes.items() if name in of}} for name in names
+    ]
+
+
+def _rms_each(sd: Floats) -> list[float]:
+    known = np.asarray(np.isfinite(sd).any(axis=0))
+    return [float(np.sqrt(np.nanmean(sd[:, k] ** 2))) if known[k] else float("nan") for k in range(sd.shape[1])]
+
+
+def _findings(
+    trials: Sequence[GaitOfTrial], strides: Sequence[Stride], measures: SubjectMeasures, static: str | None
+) -> Iterator[Finding]:
+    for trial in trials:
+        yield from _of_trial(trial)
+    for side in SIDES:
+        n = sum(stride.side == side for stride in strides)
+        if 0 < n < FEW_STRIDES:
+            yield make_finding("gait_few_strides", side=side, strides=n)
+    if static is None and measures.left.plantar_offset_deg is None:
+        yield make_finding("foot_offsets_unknown")
+    if why := _no_moments(trials, measures):
+        yield make_finding("gait_without_moments", why=why)
+
+
+def _of_trial(trial: GaitOfTrial) -> Iterator[Finding]:
+    if not trial.strides:
+        yield make_finding("gait_without_strides", trial=trial.name)
+    yield from _of_events(trial)
+    for contact in trial.gait.contacts:
+        if contact.reason:
+            yield make_finding(
+                "contact_left_out", trial=trial.name, plate=contact.plate + 1, reason=contact.reason,
+                frames=[(contact.first + 1, contact.stop)],
+            )  # fmt: skip
+    cut = [name for name, channel in trial.emg.items() if channel.saturated]
+    if cut:
+        most = max(trial.emg[name].saturated for name in cut)
+        yield make_finding("emg_saturated", trial=trial.name, channels_list=cut, samples_share=most)
+    mains = max(MAINS_HZ, key=lambda hz: sum(channel.hum_hz == hz for channel in trial.emg.values()))  # a place has one
+    if loud := [name for name, channel in trial.emg.items() if channel.hum_hz == mains]:
+        yield make_finding("emg_hums", trial=trial.name, channels_list=loud, mains=mains)
+    if (turned := _turned(trial)) > TURN_DEG:
+        yield make_finding("gait_turns", trial=trial.name, turned_deg=turned)
+
+
+def _turned(trial: GaitOfTrial) -> float:
+    """deg by which the pelvis faces another way than the trial's direction of progression, most of the time at most."""
+    if "LPelvisAngles" not in trial.gait.signals.names:
+        return 0.0
+    off = np.abs(trial.gait.signals["LPelvisAngles"].values[:, 2])
+    return quantile(off, 0.9)
+
+
+def _of_events(trial: GaitOfTrial) -> Iterator[Finding]:
+    """Whence they are, and whether the file has others."""
+    if trial.events and not any(event.source == "plate" for event in trial.events):
+        sd = 1000 * float(np.median([event.sd for event in trial.events]))
+        yield make_finding("events_without_plates", trial=trial.name, sd_ms=sd)
+    off, absent = [], 0
+    for label, side, time in zip(trial.file_events.label, trial.file_events.side, trial.file_events.time, strict=True):
+        strike = {"foot strike": True, "foot off": False}.get(label.lower())
+        if strike is None:
+            continue
+        near = [e.time for e in trial.events if e.strike == strike and e.side == side.lower()]
+        ms = 1000 * min((abs(t - (time - trial.start_s)) for t in near), default=np.inf)
+        off, absent = ([*off, ms], absent) if ms <= OTHER_MS else (off, absent + 1)
+    if absent:
+        yield make_finding("file_events_not_found", trial=trial.name, events=absent)
+    far = [ms for ms in off if ms > FAR_MS]
+    if far:
+        yield make_finding("file_events_differ", trial=trial.name, events=len(far), most_ms=max(far))
+
+
+def _no_moments(trials: Sequence[GaitOfTrial], measures: SubjectMeasures) -> str:
+    """Why there are none; empty where there are some."""
+    if not any(trial.gait.reactions for trial in trials):
+        return "plates"
+    if measures.mass_kg is None:
+        return "mass"
+    whole = any(c.side and c.reason in ("", "cut") for trial in trials for c in trial.gait.contacts)
+    return "" if whole else "contacts"
+
+
+def _verdict(
+    findings: Sequence[Finding], strides: Sequence[Stride], uncertainty: Sequence[Mapping[str, Any]]
+) -> Verdict:
+    grades = {found.severity for found in findings}
+    kind = "gait_missing" if "red" in grades else "gait_usable" if "amber" in grades else "gait_good"
+    statements = [make_finding(kind)]
+    if strides:
+        count = {side: sum(s.side == side for s in strides) for side in SIDES}
+        statements.append(
+            make_finding(
+                "gait_measured", left_strides=count["left"], right_strides=count["right"],
+                speed=float(np.nanmean([s.values["speed"] for s in strides])) / 1000,
+                cadence=float(np.nanmean([s.values["cadence"] for s in strides])),
+            )
+        )  # fmt: skip
+    knee = next((row["by_cause"] for row in uncertainty if row["name"] == "LKneeAngles"), None)
+    if knee:
+        squares = {cause: each[0] ** 2 for cause, each in knee.items() if np.isfinite(each[0])}
+        total = sum(squares.values())
+        if total > 0:
+            cause = max(squares, key=lambda c: squares[c])
+            statements.append(
+                make_finding("gait_deviations", knee_deg=total**0.5, cause=cause, variance_share=squares[cause] / total)
+            )
+    return verdict_of(findings, statements)

@@ -1,0 +1,52 @@
+"""From named markers, force plates and EMG to gait: segments, angles, ground reaction, moments and powers.
+
+`lower_limbs` is the conventional gait model, `clinical_angles` what clinicians read of it, `reaction` and `contacts`
+the force plates and the feet on them, `joint_loads` inverse dynamics. `analyse_gait` does all of it for a trial;
+`foot_events`, `strides` and `gait_curves` cut it into strides.
+"""
+
+from .clinical_angles import clinical_angles, progression
+from .clinical_moments import clinical_force, clinical_moment
+from .foot_events import foot_events
+from .gait_cycles import gait_curves
+from .gait_trial import GaitTrial, analyse_gait, marker_points
+from .inverse_dynamics import GroundContact, JointLoad, five_point, five_point_slope, joint_loads
+from .lower_limb import Leg, LowerLimbs, lower_limbs, with_static_offsets
+from .physical import Physical
+from .plate_contacts import Contact, contacts
+from .plug_in_gait import PlugInGait
+from .reaction import Reaction, reaction
+from .segment_inertia import INERTIAS, SegmentInertia
+from .segments import Segment
+from .time_distance import strides
+
+__all__ = [
+    "INERTIAS",
+    "Contact",
+    "GaitTrial",
+    "GroundContact",
+    "JointLoad",
+    "Leg",
+    "LowerLimbs",
+    "Physical",
+    "PlugInGait",
+    "Reaction",
+    "Segment",
+    "SegmentInertia",
+    "analyse_gait",
+    "clinical_angles",
+    "clinical_force",
+    "clinical_moment",
+    "contacts",
+    "five_point",
+    "five_point_slope",
+    "foot_events",
+    "gait_curves",
+    "joint_loads",
+    "lower_limbs",
+    "marker_points",
+    "progression",
+    "reaction",
+    "strides",
+    "with_static_offsets",
+]

@@ -1,0 +1,95 @@
+"""Angles of the gait model as clinicians read them.
+
+Each is the rotation of a segment in another, taken apart as Rᵧ(a) Rₓ(b) R_z(c):
+
+    pelvis, hip, knee            flexion a, adduction b, rotation c                                             (1)
+    ankle, foot progression      a, c, b                                                                        (2)
+
+with signs such that flexion, dorsiflexion, adduction and internal rotation are positive on both sides, forward tilt and
+the side's own pelvis upwards and forwards too (3); the ankle is at 0° where the foot stands square to the shank (4).
+Pelvis and foot are seen from the laboratory turned to the horizontal axis nearest to the direction of progression (5).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data.array_types import Floats
+from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, Side
+from ..kinematics import principal
+from .lower_limb import FOOT_SEQUENCE, LowerLimbs
+from .segments import Z_UP
+
+WALKED_MM = 800.0
+"""Path of the pelvis below which its own x is the direction of progression, mm; conventional (Plug-in Gait)."""
+
+
+class Reading(NamedTuple):
+    """How an angle follows from a, b, c: which of them, with which sign on the left, and plus what in deg."""
+
+    name: str
+    axes: tuple[str, str, str]
+    of: tuple[int, int, int]
+    sign: tuple[float, float, float]
+    plus: float = 0.0
+
+
+READINGS = (
+    Reading("Pelvis", ("tilt", "obliquity", "rotation"), (0, 1, 2), (1, 1, -1)),
+    Reading("Hip", ("flexion", "adduction", "rotation"), (0, 1, 2), (-1, -1, -1)),
+    Reading("Knee", ("flexion", "adduction", "rotation"), (0, 1, 2), (1, -1, -1)),
+    Reading("Ankle", ("dorsiflexion", "adduction", "rotation"), (0, 2, 1), (-1, -1, -1), -90.0),
+    Reading("FootProgress", ("pitch", "progression", "roll"), (0, 2, 1), (1, 1, -1)),
+)
+"""(1) to (4), of the left leg; on the right the second and third change their sign (3). As Plug-in Gait has them."""
+
+
+def clinical_angles(limbs: LowerLimbs, *, up: Floats = Z_UP) -> dict[str, Floats]:
+    """(…, F, 3) deg by name: LPelvisAngles, LHipAngles, … RFootProgressAngles."""
+    lab = progression(limbs, up)
+    return {
+        f"{LETTER[side]}{reading.name}Angles": read(reading, rotation, side)
+        for side in SIDES
+        for reading, rotation in zip(READINGS, _rotations(limbs, side, lab), strict=True)
+    }
+
+
+def read(reading: Reading, R: Floats, side: Side) -> Floats:
+    """(…, 3) deg of rotations R (…, 3, 3)."""
+    deg = principal(R, FOOT_SEQUENCE)[..., list(reading.of)]
+    mirror = TO_THE_LEFT[side]
+    deg = deg * np.array(reading.sign) * (1.0, mirror, mirror)
+    deg[..., 0] += reading.plus
+    return np.remainder(deg + 180.0, 360.0) - 180.0
+
+
+def _rotations(limbs: LowerLimbs, side: Side, lab: Floats) -> tuple[Floats, ...]:
+    """Of pelvis, hip, knee, ankle and foot, in the order of `READINGS`."""
+    leg, pelvis = limbs.leg(side), limbs.pelvis.R
+    return (
+        lab.T @ pelvis,
+        _in(pelvis, leg.thigh.R),
+        _in(leg.thigh.R, leg.shank_at_knee.R),
+        _in(leg.shank.R, leg.foot.R),
+        lab.T @ leg.foot.R,
+    )
+
+
+def _in(parent: Floats, child: Floats) -> Floats:
+    return np.swapaxes(parent, -1, -2) @ child
+
+
+def progression(limbs: LowerLimbs, up: Floats = Z_UP) -> Floats:
+    """(3, 3) forward, left and up of (5) as columns: a horizontal axis of the laboratory."""
+    at, x = limbs.pelvis.origin, limbs.pelvis.R[..., 0]
+    seen = np.isfinite(at).all(-1)
+    path = at[seen][-1] - at[seen][0] if seen.any() else np.zeros(3)
+    flat = np.eye(3) - np.outer(up, up)
+    ahead = flat @ path
+    if np.linalg.norm(ahead) < WALKED_MM and seen.any():
+        ahead = flat @ x[seen].mean(0)
+    k = int(np.abs(ahead).argmax())
+    forward = np.eye(3)[k] * (np.sign(ahead[k]) or 1.0)
+    return np.stack([forward, np.cross(up, forward), up], -1)

@@ -1,0 +1,143 @@
+"""EMG: filtered, rectified, its envelope, when a muscle is on, and whether the recording can be trusted.
+
+    raw → band-pass (Butterworth, forwards and backwards) → |·| → low-pass → envelope                          (1)
+
+A muscle is on where a faster envelope exceeds the mean of its quietest tenth by `on_sd` of that tenth's standard
+deviations, and a share of its peak (2), bridged and kept by a least duration (Hodges and Bui 1996; De Luca 1997 for the
+bands). A channel that sits at its greatest or least value is saturated; one with more power at the mains' frequency
+than in the bands beside it hums (3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from ..data import KinemarkError
+from ..data.array_types import Bools, Floats
+from ..data.arrays import check_positive
+from ..numerics.runs import true_runs
+
+MAINS_HZ = (50.0, 60.0)
+"""Of power lines, Hz; by definition."""
+HUM_TIMES = 10.0
+"""Power at the mains' frequency over that beside it from which a channel hums; chosen: EMG's spectrum is smooth within
+a factor of three."""
+STUCK = 3
+"""Samples one after the other at the greatest or least value that noise does not make; chosen."""
+SHARPER = 4.0
+"""By which the envelope that says on and off is faster; chosen: at 6 Hz a burst seems 60 ms longer than it is."""
+QUIET_SHARE = 0.1
+"""Of the envelope that counts as rest; chosen: muscles of walking rest longer."""
+LEAST_OF_PEAK = 0.1
+"""Share of the peak that an active muscle exceeds; chosen."""
+
+
+@dataclass(frozen=True, slots=True)
+class EmgFilter:
+    """How (1) and (2) are done: Hz, Hz, Hz, standard deviations, s."""
+
+    low_hz: float = 20.0
+    high_hz: float = 450.0
+    envelope_hz: float = 6.0
+    on_sd: float = 3.0
+    shortest_s: float = 0.05
+
+    def __post_init__(self) -> None:
+        check_positive(low_hz=self.low_hz, envelope_hz=self.envelope_hz, shortest_s=self.shortest_s)
+        if not self.low_hz < self.high_hz:
+            raise ValueError(f"the band goes from {self.low_hz} to {self.high_hz} Hz, wanted the lower first")
+
+
+class Emg(NamedTuple):
+    """One channel of N samples.
+
+    Attributes:
+        filtered: (N) band-passed; envelope: (N), both in the unit of the channel.
+        on: (N) whether the muscle is active.
+        saturated: share of samples at the channel's limits.
+        hum_hz: 50 or 60 where the mains are heard, else 0.
+        rate: samples a second, Hz. start: of the first after the first frame, s.
+    """
+
+    filtered: Floats
+    envelope: Floats
+    on: Bools
+    saturated: float
+    hum_hz: float
+    rate: float
+    start: float
+
+
+def emg(values: Floats, *, rate: float, start: float = 0.0, how: EmgFilter | None = None) -> Emg:
+    """One channel by (1) to (3); (N) samples at `rate` Hz, the first `start` s after the first frame.
+
+    Raises:
+        KinemarkError: the rate is too low for the band, the channel too short, or nothing of it is known.
+    """
+    how = EmgFilter() if how is None else how
+    if rate < 4 * how.low_hz:
+        raise KinemarkError(f"EMG at {rate:g} Hz holds nothing above {rate / 2:g} Hz. Record it at 1000 Hz or more.")
+    known = np.isfinite(values)
+    if known.sum() < rate / how.envelope_hz:
+        raise KinemarkError(f"{known.sum()} samples are too few for an envelope. Give longer recordings.")
+    x = np.interp(np.arange(len(values)), np.flatnonzero(known), values[known])
+    high = min(how.high_hz, 0.45 * rate)
+    band = scipy.signal.butter(4, (how.low_hz, high), "bandpass", fs=rate, output="sos")
+    filtered = np.asarray(scipy.signal.sosfiltfilt(band, x - x.mean()))
+    envelope, sharp = (_low_passed(np.abs(filtered), hz, rate) for hz in (how.envelope_hz, SHARPER * how.envelope_hz))
+    on = _on(np.where(known, sharp, np.nan), rate, how)
+    filtered[~known], envelope[~known] = np.nan, np.nan
+    return Emg(filtered, envelope, on, _saturated(values[known]), _hum(x, rate), rate, start)
+
+
+def _low_passed(x: Floats, hz: float, rate: float) -> Floats:
+    """(N) of (1)."""
+    low = scipy.signal.butter(2, min(hz, 0.4 * rate), fs=rate, output="sos")
+    return np.maximum(scipy.signal.sosfiltfilt(low, x), 0.0)
+
+
+def _on(envelope: Floats, rate: float, how: EmgFilter) -> Bools:
+    """(2)."""
+    known = envelope[np.isfinite(envelope)]
+    quiet = np.sort(known)[: max(2, round(QUIET_SHARE * len(known)))]
+    level = max(quiet.mean() + how.on_sd * quiet.std(), LEAST_OF_PEAK * np.percentile(known, 99))
+    on = np.nan_to_num(envelope) > level
+    least = how.shortest_s * rate
+    for first, stop in true_runs(~on):
+        if first > 0 and stop < len(on) and stop - first < least:
+            on[first:stop] = True
+    for first, stop in true_runs(on):
+        if stop - first < least:
+            on[first:stop] = False
+    return on
+
+
+def _saturated(x: Floats) -> float:
+    """Share of samples that stay at the limits for `STUCK` samples or more."""
+    if np.ptp(x) == 0:
+        return 1.0
+    at_limit = [run for limit in (x.max(), x.min()) for run in true_runs(x == limit)]
+    stuck = sum(int(stop - first) for first, stop in at_limit if stop - first >= STUCK)
+    return stuck / len(x)
+
+
+def _hum(x: Floats, rate: float) -> float:
+    """(3)."""
+    n = min(len(x), int(2 * rate))
+    hz, power = scipy.signal.welch(x, fs=rate, nperseg=n)
+    for mains in MAINS_HZ:
+        at = np.abs(hz - mains) <= 1.0
+        beside = (np.abs(hz - mains) > 3.0) & (np.abs(hz - mains) <= 10.0)
+        if at.any() and beside.any() and power[at].max() > HUM_TIMES * np.median(power[beside]):
+            return mains
+    return 0.0
+
+
+def peak_normalised(envelope: Floats) -> Floats:
+    """(N) % of its greatest value; NaN where it has none."""
+    peak = np.nanmax(envelope, initial=0.0)
+    return 100 * envelope / peak if peak > 0 else np.full_like(envelope, np.nan)

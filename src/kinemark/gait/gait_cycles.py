@@ -1,0 +1,150 @@
+"""Gait curves over the stride: each stride on 0 to 100 %, their mean, how they differ, and what measurement adds.
+
+Every quantity of the left leg is cut at the left foot's strikes, of the right leg at the right's. Over n strides the
+mean has the spread s (between strides), the measurement's own u (root mean square of the propagated SD of the strides,
+which systematic causes do not average out), and consistency is told by
+
+    CMC = √( 1 − [ΣΣ (y_nt − ȳ_t)² / T (N − 1)] / [ΣΣ (y_nt − ȳ)² / (T N − 1)] )                       (1)
+
+(Kadaba et al. 1989). Most typical is the stride nearest to the median of all, over all angles (Sangeux and Polak 2015).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..data import Signal, Signals
+from ..data.array_types import Floats
+from ..data.gait_curves import GaitCurves, GaitReference, known_mean
+from ..data.strides import Stride
+from ..data.subject_measures import LETTER, SIDES, Side
+from ..kinematics import resampled
+from .emg import Emg, peak_normalised
+
+POINTS = 101
+"""Of a stride, 0 to 100 %; conventional."""
+
+
+def gait_curves(signals: Signals, strides: Sequence[Stride]) -> tuple[GaitCurves, ...]:
+    """Every quantity whose name begins with L or R, over the strides of its side that lie in the recording."""
+    found = []
+    for signal in signals:
+        side = side_of(signal.name)
+        own = [s for s in strides if s.side == side]
+        if side is not None and own:
+            found.append(_curves(signal, side, own))
+    return tuple(found)
+
+
+def emg_curves(channels: Mapping[str, Emg], strides: Sequence[Stride]) -> tuple[GaitCurves, ...]:
+    """Envelope in % of its greatest value, and whether the muscle is on, in %, over the strides of its side.
+
+    The channel's name says the side, by a letter or a word ("R Rect", "EMG_left_soleus"); without one it is the left.
+    """
+    found = []
+    for name, one in channels.items():
+        side = muscle_side(name)
+        own = [s for s in strides if s.side == side]
+        if own:
+            both = np.stack([peak_normalised(one.envelope), 100.0 * one.on], -1)
+            signal = Signal.of(name, "emg", "%", both, rate=one.rate, axes=("envelope", "on"))
+            found.append(_curves(replace(signal, start=one.start), side, own))
+    return tuple(found)
+
+
+def muscle_side(name: str) -> Side:
+    """Of an EMG channel, by its name."""
+    words = re.split(r"[^A-Za-z]+", name)
+    return "right" if any(word in ("R", "r", "RT") or word.lower() == "right" for word in words) else "left"
+
+
+def _curves(signal: Signal, side: Side, strides: Sequence[Stride]) -> GaitCurves:
+    pairs = [(_on_stride(signal, signal.values, s), _on_stride(signal, signal.sd, s)) for s in strides]
+    values, sd = (np.array([pair[k] for pair in pairs]) for k in (0, 1))
+    if signal.kind == "angle":
+        values = values - 360 * np.round(known_mean(values - values[:1], axis=(1,), keep=True) / 360)
+    foot_off = np.array([s.values["foot_off"] for s in strides])
+    return GaitCurves(signal.name, side, signal.unit, signal.axes, values, sd, foot_off)
+
+
+def _on_stride(signal: Signal, values: Floats, stride: Stride) -> Floats:
+    """(101, A); NaN where the recording does not hold the stride."""
+    span = (stride.first - signal.start, stride.last - signal.start)
+    if not (span[0] >= 0 and span[1] <= (len(values) - 1) / signal.rate):
+        return np.full((POINTS, values.shape[1]), np.nan)
+    if signal.kind == "angle":
+        values = np.degrees(np.unwrap(np.radians(values), axis=0)) if np.isfinite(values).all() else values
+    return resampled(values, rate=signal.rate, span=span, points=POINTS)
+
+
+def most_typical(curves: Iterable[GaitCurves], side: Side) -> int | None:
+    """Index of the stride of a side nearest to the median of all, over all angles; None where there is none."""
+    own = [c.values for c in curves if c.side == side and c.unit == "deg"]
+    if not own:
+        return None
+    away = np.sum([np.nansum(np.abs(y - _median(y)), axis=(1, 2)) for y in own], axis=0)
+    missing = np.sum([np.isnan(y).sum((1, 2)) for y in own], axis=0)
+    return int(np.lexsort((away, missing))[0])
+
+
+def _median(y: Floats) -> Floats:
+    """(101, A) of strides (n, 101, A); 0 where none is known."""
+    return np.asarray(np.nanmedian(np.where(np.isfinite(y).any(0), y, 0.0), axis=0))
+
+
+PROFILE = {
+    "pelvic tilt": ("PelvisAngles", 0), "pelvic obliquity": ("PelvisAngles", 1), "pelvic rotation": ("PelvisAngles", 2),
+    "hip flexion": ("HipAngles", 0), "hip adduction": ("HipAngles", 1), "hip rotation": ("HipAngles", 2),
+    "knee flexion": ("KneeAngles", 0), "ankle dorsiflexion": ("AnkleAngles", 0),
+    "foot progression": ("FootProgressAngles", 1),
+}  # fmt: skip
+"""The nine kinematic variables of the movement analysis profile (Baker et al. 2009)."""
+
+
+def movement_analysis_profile(
+    curves: Sequence[GaitCurves], reference: GaitReference, side: Side
+) -> tuple[dict[str, float], float]:
+    """Root mean square distances, deg, of the mean curves of a side from the reference, by "knee flexion", and their
+    root mean square, the gait profile score (Baker et al. 2009); NaN where a curve is missing."""
+    by_name = {c.name[1:]: c.mean for c in curves if c.side == side}
+    found = {}
+    for title, (name, axis) in PROFILE.items():
+        if name in by_name and name in reference.mean:
+            off = by_name[name][:, axis] - reference.mean[name][:, axis]
+            found[title] = float(np.sqrt(np.mean(off**2)))
+        else:
+            found[title] = np.nan
+    return found, float(np.sqrt(np.mean(np.square(list(found.values())))))
+
+
+def reference_of(controls: Sequence[Mapping[str, Floats]], source: str) -> GaitReference:
+    """A band of controls, each by its (101, A) mean curves by name ("LKneeAngles").
+
+    A subject counts once, with the mean of both sides; a quantity counts where two subjects have it.
+    """
+    each: dict[str, list[Floats]] = {}
+    for means in controls:
+        sides: dict[str, list[Floats]] = {}
+        for name, curve in means.items():
+            sides.setdefault(name[1:], []).append(curve)
+        for name, curves in sides.items():
+            each.setdefault(name, []).append(known_mean(np.array(curves)))
+    shared = {name: np.array(ys) for name, ys in each.items() if len(ys) > 1}
+    mean = {name: known_mean(ys) for name, ys in shared.items()}
+    sd = {name: np.sqrt(known_mean((ys - mean[name]) ** 2) * _unbiased(ys)) for name, ys in shared.items()}
+    return GaitReference(mean, sd, source, len(controls))
+
+
+def _unbiased(ys: Floats) -> Floats:
+    """(101, A) n / (n − 1) of the n subjects with values; NaN with one alone."""
+    n = np.isfinite(ys).sum(0)
+    return np.where(n > 1, n / np.maximum(n - 1, 1), np.nan)
+
+
+def side_of(name: str) -> Side | None:
+    """Of a quantity by its first letter."""
+    return next((side for side in SIDES if name.startswith(LETTER[side])), None)

@@ -1,0 +1,219 @@
+"""The conventional gait model: pelvis, thighs, shanks and feet from 15 or 16 markers.
+
+Of KISS, Helen Hayes and Plug-in Gait (Kadaba et al. 1990; Davis et al. 1991). Segments have x forward, y to the left
+and z up:
+
+    pelvis   y from RASI to LASI; x from SACR (or the midpoint of the PSIs) to the midpoint of the ASIs, which is the
+             origin, without its part along y                                                                    (1)
+    thigh    z from knee to hip, y outwards through KNE on the left, inwards on the right                        (2)
+    shank    z from ankle to knee, y through ANK likewise; the knee's end of it is turned back by the torsion      (3)
+    foot     z from TOE to ankle, y of the shank; turned by Rᵧ(−plantar offset) Rₓ(∓rotation offset)             (4)
+
+Hips lie in the pelvis by regression (`hip_centre`), knees and ankles by the chord (`segments`). The offsets of (4) are
+those of the line from HEE to TOE in a static trial, which is level with a flat foot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..data import KinemarkError
+from ..data.array_types import Floats
+from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
+from ..kinematics import principal, turned
+from .hip_centre import HipCentre, davis, hara, harrington
+from .segments import Z_UP, Segment, joint_centre, perpendicular, unit, upright
+
+LEG_MARKERS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
+"""Of each leg, after L or R; conventional."""
+MODEL_MARKERS = (
+    "LASI", "RASI", "SACR", "LPSI", "RPSI", *(letter + name for letter in LETTER.values() for name in LEG_MARKERS)
+)  # fmt: skip
+"""All that the model looks at; conventional."""
+FOOT_SEQUENCE = "yxz"
+"""Of (4) and of all angles of the model; conventional."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """One leg over frames (…).
+
+    Attributes:
+        hip: (…, 3) mm; knee and ankle are the origins of thigh and shank.
+        thigh, shank: with the axis of the knee and of the ankle as y; shank_at_knee: turned back by the torsion.
+        foot: with the offsets (4); bare_foot: without.
+    """
+
+    hip: Floats
+    thigh: Segment
+    shank: Segment
+    shank_at_knee: Segment
+    foot: Segment
+    bare_foot: Segment
+
+    @property
+    def knee(self) -> Floats:
+        """(…, 3) mm."""
+        return self.thigh.origin
+
+    @property
+    def ankle(self) -> Floats:
+        """(…, 3) mm."""
+        return self.shank.origin
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LowerLimbs:
+    """Pelvis and legs over frames (…)."""
+
+    pelvis: Segment
+    left: Leg
+    right: Leg
+
+    def leg(self, side: Side) -> Leg:
+        """Of one side."""
+        return self.left if side == "left" else self.right
+
+
+def lower_limbs(
+    points: Mapping[str, Floats], measures: SubjectMeasures, *, hip_centre: HipCentre = "davis"
+) -> LowerLimbs:
+    """Segments (1) to (4) in every frame; NaN where a marker is missing.
+
+    Args:
+        points: (…, 3) mm by name: LASI, RASI, SACR or LPSI and RPSI, and L and R of `LEG_MARKERS`.
+        measures: of the subject; feet whose offsets are None are left as the line from TOE to ankle.
+        hip_centre: the regression.
+
+    Raises:
+        KinemarkError: a marker is not there.
+    """
+    check_markers(points)
+    pelvis, back = pelvis_of(points)
+    asis = measures.asis_mm or _typical(points["LASI"] - points["RASI"])
+    depth = _typical(pelvis.origin - back)
+    left, right = (_leg(points, pelvis, measures, side, hip_centre, asis, depth) for side in SIDES)
+    return LowerLimbs(pelvis, left, right)
+
+
+def check_markers(points: Mapping[str, Floats]) -> None:
+    """Whether all markers are there.
+
+    Raises:
+        KinemarkError: one is not.
+    """
+    wanted = ["LASI", "RASI", *(LETTER[side] + name for side in SIDES for name in LEG_MARKERS)]
+    absent = [name for name in wanted if name not in points]
+    if not ("SACR" in points or {"LPSI", "RPSI"} <= set(points)):
+        absent.append("SACR (or LPSI and RPSI)")
+    if absent:
+        raise KinemarkError(
+            f"The gait model wants the markers {', '.join(absent)}, which are not in the trial; there are "
+            f"{', '.join(list(points)[:40]) or 'none'}. Label the trial first, or name its markers so."
+        )
+
+
+def pelvis_of(points: Mapping[str, Floats]) -> tuple[Segment, Floats]:
+    """The pelvis (1), and the (…, 3) mm point at its back."""
+    left, right = points["LASI"], points["RASI"]
+    back = _back(points)
+    middle = (left + right) / 2
+    y = unit(left - right)
+    x = perpendicular(middle - back, y)
+    return Segment(np.stack([x, y, np.cross(x, y)], -1), middle), back
+
+
+def _back(points: Mapping[str, Floats]) -> Floats:
+    """SACR, or the midpoint of the PSIs where SACR is never seen."""
+    sacrum = points.get("SACR")
+    if sacrum is not None and np.isfinite(sacrum).any():
+        return sacrum
+    if not {"LPSI", "RPSI"} <= set(points):
+        raise KinemarkError("SACR is never seen in this trial, and there are no LPSI and RPSI in its place.")
+    return (points["LPSI"] + points["RPSI"]) / 2
+
+
+def _typical(v: Floats) -> float:
+    """Mean length of vectors (…, 3), mm."""
+    length = np.linalg.norm(v, axis=-1)
+    return float(length[np.isfinite(length)].mean()) if np.isfinite(length).any() else np.nan
+
+
+def _leg(
+    points: Mapping[str, Floats],
+    pelvis: Segment,
+    measures: SubjectMeasures,
+    side: Side,
+    how: HipCentre,
+    asis: float,
+    depth: float,
+) -> Leg:
+    own, left = measures.leg(side), TO_THE_LEFT[side]
+    thi, kne, tib, ank, _, toe = (points[LETTER[side] + name] for name in LEG_MARKERS)
+    local = {
+        "davis": lambda: davis(measures, side, asis),
+        "harrington": lambda: harrington(measures, side, asis, depth),
+        "hara": lambda: hara(measures, side),
+    }[how]()
+    hip, r = pelvis.at(local + np.array(own.hip_shift_mm)), measures.marker_diameter_mm / 2
+    knee = joint_centre(hip, kne, thi, half_width_mm=own.knee_mm / 2 + r, wand_deg=own.thigh_wand_deg, outwards=left)
+    thigh = upright(knee, hip - knee, left * (kne - knee))  # (2)
+    ankle = joint_centre(knee, ank, tib, half_width_mm=own.ankle_mm / 2 + r, wand_deg=own.shank_wand_deg, outwards=left)
+    shank = upright(ankle, knee - ankle, left * (ank - ankle))  # (3)
+    bare = upright(toe, ankle - toe, shank.R[..., 1])  # (4)
+    offsets = (own.plantar_offset_deg or 0.0, own.rotation_offset_deg or 0.0)
+    foot = Segment(bare.R @ foot_offsets(*offsets, side), bare.origin)
+    return Leg(hip, thigh, shank, shank.turned_about_z(-left * own.torsion_deg), foot, bare)
+
+
+def foot_offsets(plantar_deg: float, rotation_deg: float, side: Side) -> Floats:
+    """(3, 3) of (4)."""
+    return turned(np.array([-plantar_deg, -TO_THE_LEFT[side] * rotation_deg, 0.0]), FOOT_SEQUENCE)
+
+
+def with_static_offsets(
+    measures: SubjectMeasures,
+    static: Mapping[str, Floats],
+    *,
+    flat_foot: bool,
+    hip_centre: HipCentre = "davis",
+    up: Floats = Z_UP,
+) -> SubjectMeasures:
+    """The measures with the offsets of both feet that a static trial shows, means over its frames.
+
+    Args:
+        measures: of the subject.
+        static: (F, 3) mm by name, a standing trial.
+        flat_foot: the sole is flat on the floor: HEE counts as high as TOE, and higher by the sole's difference.
+        hip_centre: the regression. up: of the laboratory.
+
+    Raises:
+        KinemarkError: a marker is not there, or no frame has all that a foot needs.
+    """
+    limbs = lower_limbs(static, measures, hip_centre=hip_centre)
+    asis = measures.asis_mm or _typical(static["LASI"] - static["RASI"])
+    left, right = (_with_offsets(measures, limbs, static, side, flat_foot, up) for side in SIDES)
+    return replace(measures, left=left, right=right, asis_mm=asis)
+
+
+def _with_offsets(
+    measures: SubjectMeasures, limbs: LowerLimbs, static: Mapping[str, Floats], side: Side, flat: bool, up: Floats
+) -> LegMeasures:
+    own, leg = measures.leg(side), limbs.leg(side)
+    heel, toe = static[LETTER[side] + "HEE"], static[LETTER[side] + "TOE"]
+    if flat:
+        lift = ((toe - heel) @ up)[..., None] + own.sole_mm
+        heel = heel + lift * up
+    stood = upright(toe, heel - toe, leg.shank.R[..., 1])
+    deg = principal(np.swapaxes(leg.bare_foot.R, -1, -2) @ stood.R, FOOT_SEQUENCE)
+    known = np.isfinite(deg).all(-1)
+    if not known.any():
+        raise KinemarkError(
+            f"No frame of the static trial shows the whole {side} leg, so that its foot has no offsets. "
+            "Give another static trial, or state the offsets."
+        )
+    plantar, rotation, _ = deg[known].mean(0)
+    return replace(own, plantar_offset_deg=-plantar, rotation_offset_deg=-TO_THE_LEFT[side] * rotation)

@@ -1,0 +1,155 @@
+"""Which foot stood on which plate, and whether it stood there alone and whole.
+
+While a plate is loaded from frame a to b, the distance of a foot is that of the middle m of its heel and toe from the
+centre of pressure p, on the floor, weighted by the force:
+
+    d = Σ F_z |p − m| / Σ F_z                                                                          (1)
+
+The near foot has stepped there. A contact does not count where both feet are as near, the other foot stands on the
+plate too, a heel or toe of the standing foot is beside the plate, or the recording begins or ends within it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data.array_types import Bools, Floats
+from ..data.subject_measures import LETTER, SIDES, Side
+from ..numerics.runs import true_runs
+from .reaction import Reaction, plate_axes
+from .segments import Z_UP
+
+SHORTEST_S = 0.1
+"""Of a contact, s; chosen: shorter loads are knocks."""
+BRIDGED_S = 0.03
+"""Unloaded time within a contact, s; chosen: heel and forefoot of a light step."""
+NEAR_FEET = 0.8
+"""Distance (1) as a share of the foot's length within which a foot can have stepped there; chosen: the pressure is
+below the foot."""
+CLEARER = 1.5
+"""By which the other foot is farther; chosen: feet of walkers were 4 to 20 times as far."""
+STANDING_MM_S = 400.0
+"""Speed of the foot's middle below which it stands, mm/s; chosen: a third of a slow swing's."""
+BESIDE_MM = 10.0
+"""By which a marker of the standing foot may be beside the plate, mm; chosen: markers stick out of shoes."""
+OTHER_SHARE = 0.1
+"""Share of the contact during which the other foot stands on the plate; chosen."""
+
+
+class Contact(NamedTuple):
+    """A load on one plate.
+
+    Attributes:
+        plate: its index. first, stop: frames, counted from 0, stop excluded.
+        side: of the foot; None where it is not known or the contact does not count.
+        reason: why it does not count: "", "unclear", "two_feet", "beside", "cut", "no_foot".
+        distance: (1) of the near foot, mm.
+    """
+
+    plate: int
+    first: int
+    stop: int
+    side: Side | None
+    reason: str
+    distance: float
+
+
+def contacts(
+    reactions: Sequence[Reaction], points: Mapping[str, Floats], *, rate: float, up: Floats = Z_UP
+) -> tuple[Contact, ...]:
+    """All loads of all plates, in the order of time.
+
+    Args:
+        reactions: of the plates over F frames.
+        points: (F, 3) mm, with LHEE, LTOE, RHEE and RTOE.
+        rate: frames a second. up: of the laboratory.
+    """
+    feet = {side: _Foot.of(points, side, rate, up) for side in SIDES}
+    found = [
+        _judged(plate, reaction, first, stop, feet, up)
+        for plate, reaction in enumerate(reactions)
+        for first, stop in _loads(reaction.loaded, rate)
+    ]
+    return tuple(sorted(found, key=lambda one: (one.first, one.plate)))
+
+
+def _loads(loaded: Bools, rate: float) -> list[tuple[int, int]]:
+    """Runs of loaded frames, short breaks bridged."""
+    bridged = loaded.copy()
+    for first, stop in true_runs(~loaded):
+        if first > 0 and stop < len(loaded) and stop - first <= BRIDGED_S * rate:
+            bridged[first:stop] = True
+    return [(int(a), int(b)) for a, b in true_runs(bridged) if b - a >= SHORTEST_S * rate]
+
+
+class _Foot(NamedTuple):
+    """(F, 3) mm heel, toe and middle; (F) whether it stands; mm its length."""
+
+    heel: Floats
+    toe: Floats
+    middle: Floats
+    stands: Bools
+    length: float
+
+    @classmethod
+    def of(cls, points: Mapping[str, Floats], side: Side, rate: float, up: Floats) -> _Foot:
+        heel, toe = points[LETTER[side] + "HEE"], points[LETTER[side] + "TOE"]
+        middle = (heel + toe) / 2
+        speed = np.linalg.norm(np.gradient(middle, axis=0), axis=1) * rate if len(middle) > 1 else np.zeros(len(middle))
+        length = np.linalg.norm(toe - heel, axis=1)
+        return cls(heel, toe, middle, speed < STANDING_MM_S, float(np.nanmedian(length)) if len(length) else np.nan)
+
+
+def _judged(plate: int, reaction: Reaction, first: int, stop: int, feet: Mapping[Side, _Foot], up: Floats) -> Contact:
+    """A load with its foot."""
+    distance = {side: _distance(reaction, foot, first, stop, up) for side, foot in feet.items()}
+    near, far = sorted(SIDES, key=lambda side: np.nan_to_num(distance[side], nan=np.inf))
+    d, reason = distance[near], ""
+    if not d <= NEAR_FEET * feet[near].length:
+        reason = "no_foot"
+    elif distance[far] < CLEARER * d:
+        reason = "unclear"
+    elif _on_plate(reaction, feet[far], first, stop, up).mean() > OTHER_SHARE:
+        reason = "two_feet"
+    elif not _whole(reaction, feet[near], first, stop, up):
+        reason = "beside"
+    elif first == 0 or stop == len(reaction.loaded):
+        reason = "cut"
+    side = None if reason in ("no_foot", "unclear", "two_feet") else near
+    return Contact(plate, first, stop, side, reason, float(d))
+
+
+def _distance(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> float:
+    """(1), mm; NaN where the foot is not seen."""
+    off = reaction.centre[first:stop] - foot.middle[first:stop]
+    off = off - (off @ up)[:, None] * up
+    weight = np.abs(reaction.force[first:stop] @ up)
+    seen = np.isfinite(off).all(1) & (weight > 0)
+    return (
+        float((weight[seen] * np.linalg.norm(off[seen], axis=1)).sum() / weight[seen].sum()) if seen.any() else np.nan
+    )
+
+
+def _inside(reaction: Reaction, xyz: Floats, margin: float) -> Bools:
+    """(n) whether points (n, 3) mm are above the plate or within `margin` of it; missing points are not."""
+    R, middle = plate_axes(reaction.corners)
+    half = np.abs((reaction.corners - middle) @ R[:, :2]).max(0)
+    return np.asarray((np.abs((xyz - middle) @ R[:, :2]) <= half + margin).all(1))
+
+
+def _on_plate(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> Bools:
+    """(n) whether the foot stands on the plate."""
+    return _inside(reaction, foot.middle[first:stop], 0.0) & foot.stands[first:stop]
+
+
+def _whole(reaction: Reaction, foot: _Foot, first: int, stop: int, up: Floats) -> bool:
+    """Whether heel and toe are above the plate while the foot stands, most of the time."""
+    stands = foot.stands[first:stop]
+    if not stands.any():
+        return True
+    ends = [_inside(reaction, end[first:stop][stands], BESIDE_MM) | np.isnan(end[first:stop][stands]).any(1)
+            for end in (foot.heel, foot.toe)]  # fmt: skip
+    return bool((ends[0] & ends[1]).mean() > 0.5)

@@ -1,0 +1,185 @@
+"""Force plates to ground reactions: force, centre of pressure and free moment, at the markers' frames.
+
+A plate's own axes, from its corners c₁ … c₄, are
+
+    x = (c₁ + c₄) − (c₂ + c₃),   y = (c₁ + c₂) − (c₃ + c₄),   z = x × y                                      (1)
+
+and in them, with force F and moment M about the sensor, whose place below the middle of the surface is o,
+
+    M′ = M − o × F,   p = (−M′_y, M′_x, 0) / F_z,   T = M′_z − (p_x F_y − p_y F_x)                             (2)
+
+are the moment about the surface's middle, the centre of pressure and the free moment. An eight-channel plate (type 3)
+of sensors at (±a, ±b) adds up to
+
+    F = (x₁₂ + x₃₄, y₁₄ + y₂₃, z₁ + z₂ + z₃ + z₄)
+    M = (b (z₁ + z₂ − z₃ − z₄), a (−z₁ + z₂ + z₃ − z₄), b (−x₁₂ + x₃₄) + a (y₁₄ − y₂₃))                       (3)
+
+Some plates write what the foot does to them and others what they do to the foot; a floor only pushes upwards, so the
+sign is the one with which it does (4).
+
+Source: C3D file format user guide, types 1 to 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Analog, ForcePlate, KinemarkError
+from ..data.array_types import Bools, Floats
+from .segments import Z_UP, unit
+
+THRESHOLD_N = 5.0
+"""Vertical force from which a plate counts as loaded, N; conventional (Plug-in Gait)."""
+CHANNELS = {1: 6, 2: 6, 3: 8, 4: 6, 5: 8}
+"""Of each type of plate; of the file format."""
+IN_NEWTON = {"N": 1.0, "KN": 1000.0}
+"""Force units; by definition."""
+IN_NEWTON_MM = {"NMM": 1.0, "NM": 1000.0, "NCM": 10.0, "NMETERS": 1000.0}
+"""Moment units; by definition."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reaction:
+    """What one plate does to the body over F frames.
+
+    Attributes:
+        force: (F, 3) N; 0 where the plate is not loaded.
+        centre: (F, 3) mm of pressure; NaN where it is not loaded.
+        free_moment: (F, 3) N·m about the vertical of the plate.
+        loaded: (F).
+        corners: (4, 3) mm of the plate.
+    """
+
+    force: Floats
+    centre: Floats
+    free_moment: Floats
+    loaded: Bools
+    corners: Floats
+
+
+def reaction(
+    plate: ForcePlate,
+    analog: Sequence[Analog],
+    *,
+    n_frames: int,
+    rate: float,
+    threshold_n: float = THRESHOLD_N,
+    averaged: bool = True,
+    up: Floats = Z_UP,
+) -> Reaction:
+    """The ground reaction of a plate at each frame of the markers.
+
+    Args:
+        plate: with the names of its channels.
+        analog: the channels of the trial.
+        n_frames, rate: of the markers, Hz.
+        threshold_n: vertical force from which it is loaded.
+        averaged: take the mean of as many samples as a frame has, centred on it; else the one sample.
+        up: of the laboratory.
+
+    Raises:
+        KinemarkError: the plate is of an unknown type, or a channel is missing.
+    """
+    channels = plate_channels(plate, analog, n_frames=n_frames, rate=rate, averaged=averaged)
+    force, moment, centre = _in_plate(plate, channels)
+    R, middle = plate_axes(plate.corners)
+    sign = 1.0 if np.nansum((force @ R.T) @ up) >= 0 else -1.0  # (4)
+    loaded = np.abs(force[:, 2]) > threshold_n
+    if centre is None:
+        centre, free = _centre(force, moment, loaded)
+    else:
+        free = moment[:, 2]
+    down = np.where(loaded, sign * free, 0.0)[:, None] * R[:, 2] / 1000.0
+    return Reaction(
+        np.where(loaded[:, None], sign * force @ R.T, 0.0),
+        np.where(loaded[:, None], middle + centre @ R.T, np.nan),
+        down,
+        loaded,
+        plate.corners,
+    )
+
+
+def plate_axes(corners: Floats) -> tuple[Floats, Floats]:
+    """(3, 3) axes (1) as columns, and (3) mm the middle of the surface."""
+    c = corners
+    x, y = unit(c[0] + c[3] - c[1] - c[2]), c[0] + c[1] - c[2] - c[3]
+    z = unit(np.cross(x, y))
+    return np.stack([x, np.cross(z, x), z], -1), c.mean(0)
+
+
+def _centre(force: Floats, moment: Floats, loaded: Bools) -> tuple[Floats, Floats]:
+    """(F, 3) mm and (F) N·mm of (2), from the moment about the surface."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        x, y = (np.where(loaded, part / force[:, 2], np.nan) for part in (-moment[:, 1], moment[:, 0]))
+    return np.stack([x, y, 0 * x], -1), moment[:, 2] - (x * force[:, 1] - y * force[:, 0])
+
+
+def _in_plate(plate: ForcePlate, channels: Floats) -> tuple[Floats, Floats, Floats | None]:
+    """(F, 3) N force, (F, 3) N·mm moment about the surface, and (F, 3) mm centre where it is measured, plate's axes."""
+    if plate.type == 1:
+        force, centre = channels[:, :3], np.concatenate([channels[:, 3:5], np.zeros((len(channels), 1))], 1)
+        return force, channels[:, 5:6] * (0.0, 0.0, 1.0), centre
+    if plate.type in (4, 5):
+        if plate.calibration is None:
+            raise KinemarkError(f"A force plate of type {plate.type} has no calibration matrix. Give the whole file.")
+        channels = channels @ plate.calibration.T
+    if plate.type == 3:
+        a, b, height = plate.origin
+        channels = np.concatenate(_eight(channels, a, b), axis=1)
+        origin = np.array([0.0, 0.0, height])
+    else:
+        origin = plate.origin
+    below = -origin if origin[2] > 0 else origin  # the sensor is below the surface, and z points down
+    force, moment = channels[:, :3], channels[:, 3:6]
+    return force, moment - np.cross(below, force), None  # (2)
+
+
+def _eight(c: Floats, a: float, b: float) -> tuple[Floats, Floats]:
+    """(3): force and moment of an eight-channel plate."""
+    x12, x34, y14, y23, z1, z2, z3, z4 = c.T
+    force = np.stack([x12 + x34, y14 + y23, z1 + z2 + z3 + z4], -1)
+    moment = [b * (z1 + z2 - z3 - z4), a * (-z1 + z2 + z3 - z4), b * (-x12 + x34) + a * (y14 - y23)]
+    return force, np.stack(moment, -1)
+
+
+def plate_channels(
+    plate: ForcePlate, analog: Sequence[Analog], *, n_frames: int, rate: float, averaged: bool
+) -> Floats:
+    """(F, K) the channels of a plate at each frame, N and N·mm.
+
+    Raises:
+        KinemarkError: the plate is of an unknown type, or a channel is missing.
+    """
+    wanted = CHANNELS.get(plate.type)
+    if wanted is None or len(plate.channels) < wanted:
+        raise KinemarkError(
+            f"A force plate is of type {plate.type} with {len(plate.channels)} channels. Types 1 to 5 with 6 or 8 "
+            "channels can be read."
+        )
+    names = plate.channels[:wanted]
+    for record in analog:
+        if set(names) <= set(record.names):
+            values = np.stack([record[name] * _to_house(record, name) for name in names], -1)
+            return at_frames(values, record, n_frames=n_frames, rate=rate, averaged=averaged)
+    raise KinemarkError(f"The channels {', '.join(names)} of a force plate are not in the trial.")
+
+
+def _to_house(record: Analog, name: str) -> float:
+    """Factor to N or N·mm; 1 where the unit is unknown, as a calibration matrix may follow."""
+    stated = record.units[record.names.index(name)].upper()
+    plain = "".join(letter for letter in stated if letter.isalpha())
+    return (IN_NEWTON | IN_NEWTON_MM).get(plain, 1.0)
+
+
+def at_frames(values: Floats, record: Analog, *, n_frames: int, rate: float, averaged: bool) -> Floats:
+    """(F, K) of (N, K) samples at the markers' frames: with k samples a frame, the mean of 2 ⌊k / 2⌋ + 1 about each."""
+    k = record.rate / rate
+    middle = np.round((np.arange(n_frames) / rate - record.start) * record.rate).astype(np.int64)
+    half = int(k // 2) if averaged else 0
+    first, stop = np.clip(middle - half, 0, len(values)), np.clip(middle + half + 1, 0, len(values))
+    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(np.nan_to_num(values), axis=0)])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return (total[stop] - total[first]) / (stop - first)[:, None]

@@ -1,0 +1,163 @@
+"""Time-distance parameters of strides: speed, cadence, lengths, width, supports.
+
+A stride of a side goes from one of its foot strikes, t₀, to the next, t₁. With h the heel of this foot and g that of
+the other, on the floor, d the direction from h(t₀) to h(t₁), and the events of the other foot in between,
+
+    stride length  ℓ = |h(t₁) − h(t₀)|,   speed ℓ / (t₁ − t₀),   cadence 120 / (t₁ − t₀)                     (1)
+    step length    (h(t₁) − g(t₁)) · d,   step width  the part of h(t₁) − g(t₁) beside d                      (2)
+    step time      t₁ − strike of the other foot                                                             (3)
+    foot off, opposite foot off, opposite foot strike: as % of the stride                                     (4)
+    double support = from t₀ to the other's foot off and from the other's strike to this foot off,
+    single support = from the other's foot off to its strike                                                 (5)
+
+Standard uncertainties follow from those of the events and of the heels, each independent: of a time √(σ₀² + σ₁²), of
+a length the heels' along d with what they move in the uncertainty of the event, of a ratio the shares' root sum of
+squares. In the speed what a heel moves and what its event is off cancel in part, and the first is left out (6).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from ..data.array_types import Floats
+from ..data.strides import UNITS, FootEvent, Stride
+from ..data.subject_measures import LETTER, Side
+from .segments import Z_UP, unit
+
+
+def strides(
+    events: Sequence[FootEvent],
+    points: Mapping[str, Floats],
+    *,
+    rate: float,
+    heel_sd_mm: float = 0.0,
+    up: Floats = Z_UP,
+) -> tuple[Stride, ...]:
+    """All strides of both sides, in the order of their first foot strike.
+
+    Args:
+        events: of the trial, in any order.
+        points: (F, 3) mm, with LHEE and RHEE.
+        rate: frames a second. heel_sd_mm: of a heel along an axis. up: of the laboratory.
+    """
+    found = []
+    for side, other in (("left", "right"), ("right", "left")):
+        own = sorted((e for e in events if e.side == side and e.strike), key=lambda e: e.time)
+        offs = [e for e in events if e.side == side and not e.strike]
+        theirs = [e for e in events if e.side == other]
+        heels = points[LETTER[side] + "HEE"], points[LETTER[other] + "HEE"]
+        for begin, end in pairwise(own):
+            found.append(_stride(begin, end, offs, theirs, heels, rate, heel_sd_mm, up))
+    return tuple(sorted(found, key=lambda one: one.first))
+
+
+def _stride(
+    begin: FootEvent,
+    end: FootEvent,
+    offs: Sequence[FootEvent],
+    theirs: Sequence[FootEvent],
+    heels: tuple[Floats, Floats],
+    rate: float,
+    heel_sd: float,
+    up: Floats,
+) -> Stride:
+    """(1) to (6) of one."""
+    off = _only(offs, begin, end)
+    other_off = _only([e for e in theirs if not e.strike], begin, end)
+    other_strike = _only([e for e in theirs if e.strike], begin, end)
+    time = {"stride": _between(begin, end), "single": _between(other_off, other_strike)}
+    first_double, second_double = _between(begin, other_off), _between(other_strike, off)
+    T, sd_T = time["stride"]
+    h0, h1, g1 = _at(heels[0], begin, rate), _at(heels[0], end, rate), _at(heels[1], end, rate)
+    path = _floor(h1 - h0, up)
+    length, d = float(np.linalg.norm(path)), unit(path)
+    step = _floor(h1 - g1, up)
+    own_sd = (_heel_sd(heels[0], begin, rate, heel_sd), _heel_sd(heels[0], end, rate, heel_sd))
+    length_sd, step_sd = float(np.hypot(*own_sd)), float(np.hypot(own_sd[1], _heel_sd(heels[1], end, rate, heel_sd)))
+    side_wards = np.cross(up, d)
+    shares = [_share(begin, event, end) for event in (off, other_off, other_strike)]
+    values = {
+        "stride_time": (T, sd_T),
+        "stride_length": (length, length_sd),
+        "speed": _ratio((length, heel_sd * np.sqrt(2)), (T, sd_T)),
+        "cadence": (120.0 / T, 120.0 / T * sd_T / T),
+        "step_length": (float(step @ d), step_sd),
+        "step_width": (float(abs(step @ side_wards)), float(heel_sd * np.sqrt(2))),
+        "step_time": _between(other_strike, end),
+        "foot_off": shares[0],
+        "opposite_foot_off": shares[1],
+        "opposite_foot_strike": shares[2],
+        "single_support": time["single"],
+        "double_support": (
+            first_double[0] + second_double[0], float(np.hypot(first_double[1], second_double[1])),
+        ),
+    }  # fmt: skip
+    return Stride(
+        begin.side, begin.time, end.time, {k: v for k, (v, _) in values.items()}, {k: s for k, (_, s) in values.items()}
+    )
+
+
+def _only(events: Sequence[FootEvent], begin: FootEvent, end: FootEvent) -> FootEvent | None:
+    """The one event between two; None where there is none or more than one."""
+    inside = [e for e in events if begin.time < e.time < end.time]
+    return inside[0] if len(inside) == 1 else None
+
+
+def _between(a: FootEvent | None, b: FootEvent | None) -> tuple[float, float]:
+    """s, and its standard uncertainty."""
+    if a is None or b is None:
+        return np.nan, np.nan
+    return b.time - a.time, float(np.hypot(a.sd, b.sd))
+
+
+def _share(begin: FootEvent, event: FootEvent | None, end: FootEvent) -> tuple[float, float]:
+    """% of the stride (4), whose beginning counts in both its parts."""
+    if event is None:
+        return np.nan, np.nan
+    T = end.time - begin.time
+    share = (event.time - begin.time) / T
+    sd = np.linalg.norm([event.sd, share * end.sd, (1 - share) * begin.sd]) / T
+    return 100 * share, float(100 * sd)
+
+
+def _ratio(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
+    """a / b by (6)."""
+    value = a[0] / b[0]
+    return value, float(abs(value) * np.hypot(a[1] / a[0] if a[0] else 0.0, b[1] / b[0]))
+
+
+def _at(xyz: Floats, event: FootEvent, rate: float) -> Floats:
+    """(3) mm at the time of an event, along a line between frames; NaN outside."""
+    x = event.time * rate
+    k = int(np.clip(np.floor(x), 0, max(len(xyz) - 2, 0)))
+    if not -1e-9 <= x <= len(xyz) - 1 + 1e-9:
+        return np.full(3, np.nan)
+    w = x - k
+    after = xyz[min(k + 1, len(xyz) - 1)]
+    return np.asarray(xyz[k] if w == 0 else after if w == 1 else (1 - w) * xyz[k] + w * after)
+
+
+def _heel_sd(xyz: Floats, event: FootEvent, rate: float, heel_sd: float) -> float:
+    """mm along an axis of a heel at an event: its own, and what it moves in the uncertainty of the event."""
+    around = (_at(xyz, event._replace(time=event.time + shift), rate) for shift in (-event.sd, event.sd))
+    moved = np.linalg.norm(np.subtract(*around)) / 2
+    return float(np.hypot(heel_sd, np.nan_to_num(moved)))
+
+
+def _floor(v: Floats, up: Floats) -> Floats:
+    """(3) without its vertical part."""
+    return np.asarray(v - (v @ up) * up)
+
+
+def averages(found: Sequence[Stride], side: Side) -> dict[str, tuple[float, float, int]]:
+    """Of each parameter: mean over strides, their standard deviation, and how many there are."""
+    own = [stride for stride in found if stride.side == side]
+    out = {}
+    for name in UNITS:
+        known = np.array([s.values[name] for s in own if np.isfinite(s.values[name])])
+        spread = float(known.std(ddof=1)) if len(known) > 1 else np.nan
+        out[name] = (float(known.mean()) if len(known) else np.nan, spread, len(known))
+    return out

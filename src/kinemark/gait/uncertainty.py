@@ -1,0 +1,269 @@
+"""Standard uncertainties of angles, moments and powers, and what they come from.
+
+A quantity y(x₁, x₂, …) of independent causes with standard uncertainties u₁, u₂, … has
+
+    u(y)² = Σᵢ Δᵢ²,   Δᵢ = [ y(xᵢ + uᵢ) − y(xᵢ − uᵢ) ] / 2                                                   (1)
+
+Causes that stay as they are through a trial are shifted in all frames at once, each along the three axes of its own
+segment: where a marker sits on its landmark (in the static trial too), the hip joint centre of the regression, widths,
+skin over bone, and where the plates lie. Noise of the markers is independent between frames, and derivatives make much
+of it, so that it is drawn at random (2): the deviation of y over `draws` trials with noise of the stated covariance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..data import Signals, Trial
+from ..data.array_types import Floats
+from ..data.subject_measures import LETTER, SIDES, SubjectMeasures
+from .gait_trial import Inputs, gait_of, inputs_of
+from .lower_limb import LowerLimbs, lower_limbs, with_static_offsets
+from .segments import Segment
+
+Quantities = Mapping[str, Floats]
+"""(F, A) by name."""
+
+
+@dataclass(frozen=True, slots=True)
+class GaitErrors:
+    """Standard uncertainties of the causes.
+
+    Attributes:
+        placement_mm: of each marker on its landmark, along each axis.
+        hip_mm: of the hip joint centre by regression, along each axis.
+        width_mm: of the measured widths of knee and ankle.
+        tissue_mm: how far skin moves markers of thigh and shank over the bone, along each axis.
+        plate_mm: of the places of force plates among the markers, along each horizontal axis.
+        draws: of noise; 0 leaves it out.
+        seed: of the draws.
+
+    Raises:
+        ValueError: one is below 0.
+    """
+
+    placement_mm: float = 5.0
+    hip_mm: float = 10.0
+    width_mm: float = 2.0
+    tissue_mm: float = 5.0
+    plate_mm: float = 3.0
+    draws: int = 20
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("placement_mm", "hip_mm", "width_mm", "tissue_mm", "plate_mm"):
+            if not 0 <= getattr(self, name) < np.inf:
+                raise ValueError(f"{name} is {getattr(self, name)}, wanted 0 or more")
+
+
+SEGMENT_OF = {"THI": "thigh", "KNE": "thigh", "TIB": "shank", "ANK": "shank", "HEE": "foot", "TOE": "foot"}
+"""On which segment a marker of a leg sits."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Model:
+    """All that is recomputed: a walk, its static trial, measures and method."""
+
+    given: Inputs
+    static: Mapping[str, Floats] | None
+    flat_foot: bool
+    method: Any
+
+    def quantities(self) -> Quantities:
+        """(F, A) by name."""
+        measures = self.given.measures
+        if self.static is not None:
+            measures = with_static_offsets(
+                measures, self.static, flat_foot=self.flat_foot, hip_centre=self.method.mechanics.hip_centre
+            )
+        found = gait_of(self.given._replace(measures=measures), self.method.mechanics)
+        return {signal.name: signal.values for signal in found.signals}
+
+    def limbs(self, points: Mapping[str, Floats]) -> LowerLimbs:
+        """Segments of a trial."""
+        return lower_limbs(points, self.given.measures, hip_centre=self.method.mechanics.hip_centre)
+
+
+Shifted = Callable[[float], _Model]
+"""The model with a cause shifted by so many of its standard uncertainties."""
+
+
+def gait_uncertainty(
+    trial: Trial,
+    measures: SubjectMeasures,
+    *,
+    method: Any,
+    errors: GaitErrors | None = None,
+    static: Mapping[str, Floats] | None = None,
+    flat_foot: bool = True,
+) -> dict[str, dict[str, Floats]]:
+    """(F, A) standard uncertainty of each quantity by cause, then by name of the quantity.
+
+    Causes are "noise", "placement", "hip centre", "widths", "soft tissue" and "plates"; their squares add.
+
+    Args:
+        trial: with named markers. measures: of the subject, without offsets of the feet where a static trial is given.
+        method: of gait analysis. errors: of the causes; the usual ones where None.
+        static: (F, 3) mm by name of the standing trial whose errors count too; flat_foot: as it was stood.
+    """
+    errors = GaitErrors() if errors is None else errors
+    given = inputs_of(trial, method.markers(trial), measures, threshold_n=method.threshold_n)
+    model = _Model(given, static, flat_foot, method)
+    out = {
+        cause: _combined(shifted)
+        for cause, shifted in {
+            "placement": _placement(model, errors.placement_mm, tuple(SEGMENT_OF), pelvis=True, static=True),
+            "hip centre": _hips(model, errors.hip_mm),
+            "widths": _widths(model, errors.width_mm),
+            "soft tissue": _placement(model, errors.tissue_mm, ("THI", "KNE", "TIB"), pelvis=False, static=False),
+            "plates": _plates(model, errors.plate_mm),
+        }.items()
+    }
+    noise = _noise(trial, model, errors)
+    return {**({"noise": noise} if noise else {}), **out}
+
+
+def with_uncertainty(signals: Signals, causes: Mapping[str, Mapping[str, Floats]]) -> Signals:
+    """Signals with the covariance that all causes leave, without correlation of their components."""
+    out = []
+    for signal in signals:
+        total = sum((np.nan_to_num(cause[signal.name]) ** 2 for cause in causes.values() if signal.name in cause), 0.0)
+        cov = np.broadcast_to(np.asarray(total)[..., None] * np.eye(len(signal.axes)), signal.cov.shape)
+        out.append(replace(signal, cov=np.where(np.isnan(signal.values)[..., None], np.nan, cov)))
+    return Signals(tuple(out))
+
+
+def _combined(causes: Iterator[Shifted]) -> dict[str, Floats]:
+    """(1) over causes."""
+    total: dict[str, Floats] = {}
+    for shifted in causes:
+        more, less = shifted(1.0).quantities(), shifted(-1.0).quantities()
+        for name, y in more.items():
+            half = (y - less[name]) / 2
+            if name.endswith("Angles"):
+                half = (np.remainder(2 * half + 180, 360) - 180) / 2
+            total[name] = total.get(name, 0.0) + half**2
+    return {name: np.sqrt(square) for name, square in total.items()}
+
+
+def _placement(
+    model: _Model, sd: float, leg_markers: tuple[str, ...], *, pelvis: bool, static: bool
+) -> Iterator[Shifted]:
+    """Each marker along each axis of its segment."""
+    limbs = model.limbs(model.given.points)
+    stood = model.limbs(model.static) if static and model.static is not None else None
+    names = [n for n in ("LASI", "RASI", "SACR", "LPSI", "RPSI") if pelvis and n in model.given.points]
+    names += [LETTER[side] + marker for side in SIDES for marker in leg_markers]
+    for name in names:
+        for axis in range(3):
+            walk = sd * _segment(limbs, name).R[..., axis]
+            still = None if stood is None else sd * _segment(stood, name).R[..., axis]
+            yield _shifting(model, name, walk, still)
+
+
+def _shifting(model: _Model, name: str, walk: Floats, still: Floats | None) -> Shifted:
+    """One marker by so many (F, 3) mm, in the walk and in the static trial."""
+
+    def shifted(times: float) -> _Model:
+        points = {**model.given.points, name: model.given.points[name] + times * walk}
+        static = model.static
+        if static is not None and still is not None and name in static:
+            static = {**static, name: static[name] + times * still}
+        return replace(model, given=model.given._replace(points=points), static=static)
+
+    return shifted
+
+
+def _segment(limbs: LowerLimbs, name: str) -> Segment:
+    """On which a marker sits."""
+    part = SEGMENT_OF.get(name[1:])
+    if part is None:
+        return limbs.pelvis
+    leg = limbs.left if name[0] == "L" else limbs.right
+    found: Segment = getattr(leg, part)
+    return found
+
+
+def _hips(model: _Model, sd: float) -> Iterator[Shifted]:
+    """Each hip along each axis of the pelvis."""
+    for side in SIDES:
+        for axis in range(3):
+            shift = tuple(sd * np.eye(3)[axis])
+            yield _measuring(model, side, "hip_shift_mm", shift)
+
+
+def _widths(model: _Model, sd: float) -> Iterator[Shifted]:
+    """Widths of knees and ankles."""
+    for side in SIDES:
+        for name in ("knee_mm", "ankle_mm"):
+            yield _measuring(model, side, name, sd)
+
+
+def _measuring(model: _Model, side: str, name: str, by: Any) -> Shifted:
+    """One measure of a leg."""
+
+    def shifted(times: float) -> _Model:
+        measures = model.given.measures
+        leg = getattr(measures, side)
+        value = np.add(getattr(leg, name), np.multiply(times, by))
+        changed = replace(leg, **{name: tuple(value) if np.ndim(value) else float(value)})
+        return replace(model, given=model.given._replace(measures=replace(measures, **{side: changed})))
+
+    return shifted
+
+
+def _plates(model: _Model, sd: float) -> Iterator[Shifted]:
+    """Each plate along each horizontal axis."""
+    for k in range(len(model.given.reactions)):
+        for axis in range(2):
+            yield _moving(model, k, sd * np.eye(3)[axis])
+
+
+def _moving(model: _Model, k: int, by: Floats) -> Shifted:
+    """One plate by (3) mm."""
+
+    def shifted(times: float) -> _Model:
+        plates = list(model.given.reactions)
+        plates[k] = replace(plates[k], centre=plates[k].centre + times * by)
+        return replace(model, given=model.given._replace(reactions=tuple(plates)))
+
+    return shifted
+
+
+def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]:
+    """(2); nothing where no marker states its noise or none is drawn."""
+    roots = {path.name: _root(path.cov) for path in trial.trajectories}
+    if errors.draws < 2 or not any(np.isfinite(root).any() for root in roots.values()):
+        return {}
+    rng = np.random.default_rng(errors.seed)
+    drawn: dict[str, list[Floats]] = {}
+    for _ in range(errors.draws):
+        paths = tuple(
+            replace(p, xyz=p.xyz + np.einsum("fij,fj->fi", np.nan_to_num(roots[p.name]), rng.normal(size=p.xyz.shape)))
+            for p in trial.trajectories
+        )
+        noisy = replace(trial, trajectories=replace(trial.trajectories, paths=paths))
+        points = model.method.markers(noisy)
+        for name, y in replace(model, given=model.given._replace(points=points)).quantities().items():
+            drawn.setdefault(name, []).append(y)
+    return {name: _spread(np.array(ys), angle=name.endswith("Angles")) for name, ys in drawn.items()}
+
+
+def _spread(ys: Floats, *, angle: bool) -> Floats:
+    """(F, A) standard deviation of (draws, F, A); of angles about the first, by less than half a turn."""
+    if angle:
+        ys = ys[0] + np.remainder(ys - ys[0] + 180, 360) - 180
+    return np.asarray(ys.std(axis=0, ddof=1))
+
+
+def _root(cov: Floats) -> Floats:
+    """(F, 3, 3) with root rootᵀ = cov; NaN where it is unknown."""
+    known = np.isfinite(cov).all((1, 2))
+    root = np.full_like(cov, np.nan)
+    values, axes = np.linalg.eigh(cov[known])
+    root[known] = axes * np.sqrt(np.maximum(values, 0.0))[:, None, :]
+    return root

@@ -1,0 +1,174 @@
+"""The gait report: what a clinician reads, on one page that prints to A4."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ..data.gait_curves import GaitCurves, GaitReference
+from .drawing_library import DrawingLibrary, drawing_library, inside
+from .figures_gait import KINEMATICS, KINETICS, emg_figure, panels_figure
+from .formatting import number
+from .identity_text import identity_text
+from .tables import Table
+from .templating import render, write_text
+
+NAV = {
+    "verdict": "Verdict", "time": "Time and distance", "kinematics": "Angles", "kinetics": "Moments and powers",
+    "emg": "Muscles", "uncertainty": "Uncertainty", "terms": "Methods",
+}  # fmt: skip
+"""Sections of the page, in their order."""
+NAMES = {
+    "speed": "walking speed", "cadence": "cadence", "stride_length": "stride length", "stride_time": "stride time",
+    "step_length": "step length", "step_time": "step time", "step_width": "step width", "foot_off": "foot off",
+    "opposite_foot_off": "opposite foot off", "opposite_foot_strike": "opposite foot strike",
+    "single_support": "single support", "double_support": "double support",
+}  # fmt: skip
+"""Of parameters, in the order of the table."""
+SHOWN = {"mm": ("m", 1000.0, 2), "mm/s": ("m/s", 1000.0, 2), "s": ("s", 1.0, 2), "%": ("%", 1.0, 1),
+         "steps/min": ("steps/min", 1.0, 0)}  # fmt: skip
+"""How a unit is shown: as what, by what it is divided, with how many decimals."""
+
+
+def write_gait_page(
+    path: Path | str,
+    *,
+    figures: dict[str, Any],
+    curves: Sequence[GaitCurves],
+    reference: GaitReference | None = None,
+    assets: Path | None = None,
+) -> None:
+    """Write the page, whole or not at all.
+
+    Args:
+        path: of the page, usually `gait.html`.
+        figures: of `findings.gait_figures`. curves: what is drawn. reference: the grey band below it.
+        assets: folder of the drawing library that pages share; None puts it inside the page.
+
+    Raises:
+        KinemarkError: the folder cannot be written.
+    """
+    write_text(
+        path, gait_page(figures=figures, curves=curves, reference=reference, library=drawing_library(path, assets))
+    )
+
+
+def gait_page(
+    *,
+    figures: dict[str, Any],
+    curves: Sequence[GaitCurves],
+    reference: GaitReference | None = None,
+    library: DrawingLibrary | None = None,
+) -> str:
+    """The page as text; the drawing library is inside where `library` is None."""
+    trials = ", ".join(one["name"] for one in figures["trials"])
+    return render(
+        "gait.html",
+        library=library or inside(),
+        heading=f"{figures['subject'] or trials}: gait",
+        below=f"{identity_text(figures.get('identity'))} · {trials} · Kinemark {figures['kinemark']}",
+        nav={k: v for k, v in NAV.items() if k != "emg" or any(one.axes == ("envelope", "on") for one in curves)},
+        figures=figures,
+        time_table=time_distance_table(figures),
+        measures=measures_table(figures),
+        kinematics=panels_figure(curves, KINEMATICS, reference),
+        kinetics=panels_figure(curves, KINETICS, reference),
+        emg=emg_figure(curves) if any(one.axes == ("envelope", "on") for one in curves) else None,
+        profile=profile_table(figures),
+        causes=uncertainty_table(figures),
+        consistency=consistency_table(figures),
+    )
+
+
+def time_distance_table(figures: dict[str, Any]) -> Table:
+    """A row a parameter: left and right, mean ± spread between strides, and the measurement's own deviation."""
+    rows = []
+    for name, title in NAMES.items():
+        unit, by, digits = SHOWN[figures["units"][name]]
+        row = [f"{title} ({unit})"]
+        for side in ("left", "right"):
+            one = figures["time_distance"][side][name]
+            spread = "" if one["spread"] is None else f" ± {number(one['spread'] / by, digits)}"
+            row += ["–" if one["mean"] is None else number(one["mean"] / by, digits) + spread]
+            row += ["–" if not one["sd"] else _small(one["sd"] / by, digits)]
+        rows.append([*row, "–" if name == "step_width" else number(_symmetry(figures, name), 1)])
+    head = ["", "left: mean ± SD of strides", "measured to ±", "right: mean ± SD of strides", "measured to ±"]
+    return Table([*head, "left − right (% of mean)"], rows, kept_in="gait.json")
+
+
+def _small(value: float, digits: int) -> str:
+    """A deviation, with a decimal more where it would be written as nothing."""
+    return number(value, digits if value >= 0.95 * 10.0**-digits else digits + 1)
+
+
+def _symmetry(figures: dict[str, Any], name: str) -> float | None:
+    """% by which left exceeds right, of their mean."""
+    left, right = (figures["time_distance"][side][name]["mean"] for side in ("left", "right"))
+    return None if left is None or right is None or left + right == 0 else 200 * (left - right) / (left + right)
+
+
+def measures_table(figures: dict[str, Any]) -> Table:
+    """What is known of the subject."""
+    own = figures["measures"]
+    rows = [
+        ["body mass (kg)", number(own["mass_kg"], 1), ""],
+        ["height (mm)", number(own["height_mm"], 0), ""],
+        ["leg length (mm)", *(number(own[side]["leg_mm"], 0) for side in ("left", "right"))],
+        ["knee width (mm)", *(number(own[side]["knee_mm"], 0) for side in ("left", "right"))],
+        ["ankle width (mm)", *(number(own[side]["ankle_mm"], 0) for side in ("left", "right"))],
+    ]
+    return Table(["", "left, or whole", "right"], rows)
+
+
+def uncertainty_table(figures: dict[str, Any]) -> Table:
+    """A row a joint's first component: its standard uncertainty by cause."""
+    rows_of = _in_order(figures["uncertainty"])
+    causes = list(rows_of[0]["by_cause"]) if rows_of else []
+    rows = []
+    for row in rows_of:
+        each = [row["by_cause"].get(cause, [None])[0] for cause in causes]
+        total = sum(value**2 for value in each if value is not None) ** 0.5
+        title, digits = _titled(row["name"])
+        rows.append([title, number(total, digits), *(number(value, digits) for value in each)])
+    return Table(["first component", "all", *causes], rows, absent="No error bars were asked for.")
+
+
+_ROWS = {"PelvisAngles": "pelvic tilt", "HipAngles": "hip flexion", "KneeAngles": "knee flexion",
+         "AnkleAngles": "ankle dorsiflexion", "HipMoment": "hip extension moment",
+         "KneeMoment": "knee extension moment", "AnkleMoment": "ankle plantarflexion moment"}  # fmt: skip
+
+
+def _in_order(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Of joints from the pelvis to the foot, left beside right."""
+    order = list(_ROWS)
+    return sorted((r for r in rows if r["name"][1:] in _ROWS), key=lambda r: (order.index(r["name"][1:]), r["name"]))
+
+
+def _titled(name: str) -> tuple[str, int]:
+    """What a row is called, and how many decimals its unit wants."""
+    side, moment = {"L": "left", "R": "right"}[name[0]], name.endswith("Moment")
+    return f"{side} {_ROWS[name[1:]]} ({'N·m/kg' if moment else '°'})", 3 if moment else 1
+
+
+def consistency_table(figures: dict[str, Any]) -> Table:
+    """A row a quantity: strides, spread, consistency of its first component."""
+    rows = []
+    for one in _in_order(figures["curves"]):
+        spread = [value for row in one["spread"] if (value := row[0]) is not None]
+        mean = sum(spread) / len(spread) if spread else None
+        title, digits = _titled(one["name"])
+        rows.append([title, number(one["strides"]), number(mean, digits), number(one["consistency"][0], 2)])
+    return Table(["first component", "strides", "mean spread", "consistency (CMC)"], rows)
+
+
+def profile_table(figures: dict[str, Any]) -> Table | None:
+    """Movement analysis profile and gait profile score of both sides; None without a reference."""
+    profile = figures["profile"]
+    if profile is None:
+        return None
+    each = {side: profile[side] for side in ("left", "right")}
+    rows = [[name, *(number(each[side]["variables"][name], 1) for side in each)] for name in each["left"]["variables"]]
+    rows.append(["gait profile score", *(number(each[side]["score"], 1) for side in each)])
+    note = f"Reference: {profile['source']}, {profile['subjects']} subjects."
+    return Table(["RMS distance from the reference (°)", "left", "right"], rows, note=note)

@@ -1,0 +1,24 @@
+"""Gait, as a few lines for the terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .formatting import number
+from .gait_page import NAMES, SHOWN
+from .terminal_summary import finding_lines
+from .words import headline_of, sentences_of
+
+
+def gait_summary(figures: dict[str, Any]) -> str:
+    """A short plain text: verdict, a line a time-distance parameter, findings."""
+    lines = [f"{figures['subject'] or 'gait'}: {headline_of(figures['verdict'])}"]
+    lines += [f"  {sentence}" for sentence in sentences_of(figures["verdict"])]
+    lines += ["", f"  {'':32s}     left    right"]
+    for name, title in NAMES.items():
+        unit, by, digits = SHOWN[figures["units"][name]]
+        means = [figures["time_distance"][side][name]["mean"] for side in ("left", "right")]
+        shown = ["–" if mean is None else number(mean / by, digits) for mean in means]
+        lines.append(f"  {title + ' (' + unit + ')':32s} {shown[0]:>8s} {shown[1]:>8s}")
+    lines += ["", *finding_lines(figures["findings"])]
+    return "\n".join(lines).rstrip() + "\n"

@@ -1,0 +1,79 @@
+"""What is said of gait."""
+
+from __future__ import annotations
+
+from ...data import Finding
+from .template import Words, fill
+
+REASONS = {
+    "unclear": "it cannot be told which foot it was",
+    "two_feet": "both feet stood on it",
+    "beside": "the foot was partly beside it",
+    "cut": "the recording begins or ends there",
+    "no_foot": "no foot was near",
+}
+WHY = {
+    "plates": "the recording has no force plates",
+    "mass": "the body's mass is unknown",
+    "contacts": "no foot stood whole and alone on a plate",
+}
+
+
+def _left_out(found: Finding) -> str:
+    why = REASONS.get(str(found.values["reason"]), "for a reason that is not known here")
+    return f"{fill('{trial}: the load on plate {plate} does not count', found)}: {why}."
+
+
+def _no_moments(found: Finding) -> str:
+    return f"There are no moments and powers: {WHY.get(str(found.values['why']), 'why is not known here')}."
+
+
+GAIT_WORDS = {
+    "gait_without_strides": Words(
+        "{trial}: no foot strikes the floor twice, so that there is no stride.",
+        "Record a longer walk, or check the names of heel and toe markers.",
+    ),
+    "gait_few_strides": Words(
+        "{strides} {strides:stride|strides} of the {side} side: how strides differ is hardly known.",
+        "Give several walks together.",
+    ),
+    "foot_offsets_unknown": Words(
+        "There is no static trial and no stated offset of the feet: ankle and foot angles are those of the line from "
+        "ankle to toe.",
+        "Give a standing trial: --static.",
+    ),
+    "contact_left_out": Words(_left_out, "Other steps count; nothing is lost."),
+    "gait_without_moments": Words(_no_moments, "Give a trial with plates, and the mass in the measures."),
+    "events_without_plates": Words(
+        "{trial}: foot strikes and offs come from the markers, ±{sd_ms:0} each.",
+        "A plate under one step makes them surer.",
+    ),
+    "file_events_differ": Words(
+        "{trial}: {events} {events:event|events} of the file {events:is|are} up to {most_ms:0} off those found.",
+        "Look at both; those of the file are kept in it.",
+    ),
+    "file_events_not_found": Words(
+        "{trial}: near {events} {events:event|events} of the file none was found.",
+        "Markers or a plate show no such event there; those of the file are kept in it.",
+    ),
+    "gait_turns": Words(
+        "{trial}: the subject turns: the pelvis faces up to {turned_deg:0} away from the direction of progression.",
+        "Rotations of pelvis and foot, which are to that direction, mean little here; angles of joints do.",
+    ),
+    "emg_saturated": Words(
+        "{trial}: EMG is cut off at its limits, in up to {samples_share} of the samples: {channels_list}.",
+        "Lower the gain.",
+    ),
+    "emg_hums": Words(
+        "{trial}: the mains ({mains:0}) are heard in the EMG of {channels_list}.", "Check electrodes and cables."
+    ),
+    "gait_good": Words("Gait was measured and nothing stands out."),
+    "gait_usable": Words("Gait was measured. Look at the points below first."),
+    "gait_missing": Words("There is no gait result: the reasons stand below."),
+    "gait_measured": Words(
+        "{left_strides} left and {right_strides} right strides, {speed:2} at {cadence:0} steps a minute."
+    ),
+    "gait_deviations": Words(
+        "Knee flexion is known to ±{knee_deg:1} (one standard deviation); {variance_share} of its variance is {cause}."
+    ),
+}

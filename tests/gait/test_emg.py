@@ -1,0 +1,66 @@
+"""EMG made of bursts: found where they are, and faults of the recording named."""
+
+import numpy as np
+import pytest
+
+from kinemark.data import KinemarkError
+from kinemark.gait.emg import EmgFilter, emg, peak_normalised
+
+BURSTS = ((0.5, 0.9), (1.6, 2.0), (2.7, 3.1))
+
+
+def recorded(rate=1000.0, seed=0, unit=1.0, offset=0.0):
+    """Noise, ten times as strong in bursts, with movement artefacts below 10 Hz."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(int(4 * rate)) / rate
+    strong = np.any([(t >= a) & (t < b) for a, b in BURSTS], axis=0)
+    x = rng.normal(0, np.where(strong, 100.0, 8.0)) + 60 * np.sin(2 * np.pi * 2 * t)
+    return t, strong, unit * x + offset
+
+
+@pytest.mark.parametrize(("rate", "unit", "offset"), [(1000.0, 1.0, 0.0), (2000.0, 1e-6, 2e-3), (1500.0, 3.0, -500.0)])
+def test_bursts_are_found(rate, unit, offset):
+    for seed in range(3):
+        _, strong, x = recorded(rate, seed, unit, offset)
+        found = emg(x, rate=rate)
+        assert (found.on == strong).mean() > 0.93
+        assert found.hum_hz == 0 and found.saturated == 0
+        assert np.median(found.envelope[strong]) > 6 * np.median(found.envelope[~strong])
+
+
+def test_a_muscle_at_rest_beside_a_burst_is_off():
+    t, _, x = recorded()
+    on = emg(x, rate=1000.0).on
+    assert not on[(t > 1.1) & (t < 1.4)].any()
+
+
+@pytest.mark.parametrize("mains", [50.0, 60.0])
+def test_hum_is_named(mains):
+    t, _, x = recorded()
+    assert emg(x + 40 * np.sin(2 * np.pi * mains * t), rate=1000.0).hum_hz == mains
+
+
+def test_saturation_is_named():
+    *_, x = recorded()
+    assert emg(np.clip(x, -120, 120), rate=1000.0).saturated > 0.005
+
+
+def test_gaps_stay_gaps():
+    *_, x = recorded()
+    x[100:130] = np.nan
+    found = emg(x, rate=1000.0)
+    assert np.isnan(found.envelope[100:130]).all() and np.isfinite(found.envelope[200:]).all()
+
+
+def test_the_greatest_is_a_hundred_per_cent():
+    *_, x = recorded()
+    assert np.nanmax(peak_normalised(emg(x, rate=1000.0).envelope)) == pytest.approx(100)
+    assert np.isnan(peak_normalised(np.zeros(5))).all()
+
+
+@pytest.mark.parametrize(("x", "rate"), [(np.zeros(100), 60.0), (np.full(2000, np.nan), 1000.0)])
+def test_what_is_no_emg_is_refused(x, rate):
+    with pytest.raises(KinemarkError):
+        emg(x, rate=rate)
+    with pytest.raises(ValueError, match="lower first"):
+        EmgFilter(low_hz=500.0)

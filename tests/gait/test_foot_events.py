@@ -1,0 +1,81 @@
+"""Foot events: against force plates of real walks, and laws on simulated ones."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark.data import Trajectories, Trial
+from kinemark.gait.foot_events import crossings, foot_events, peaks, plate_events
+from kinemark.synth import walking
+from support.plug_in_gait import CHILDREN, points, trial
+
+WALKS = [f"{child}{n}.c3d" for child, (_, *walks) in CHILDREN.items() for n in walks]
+WALKS += ["pig_gait_3plates_emg/PiG_Motion3_FF.c3d"]
+
+
+def errors(name):
+    """s, by kind: events from markers alone less those of plates."""
+    walk, at = trial(name), points(name)
+    known = plate_events(walk, at)
+    found = {True: [], False: []}
+    alone = foot_events(replace(walk, plates=()), at)
+    for event in known:
+        same = [e for e in alone if (e.side, e.strike) == (event.side, event.strike)]
+        found[event.strike].append(min((e.time - event.time for e in same), key=abs))
+    return found
+
+
+def test_events_from_markers_are_those_of_the_plates():
+    every = [errors(name) for name in WALKS]
+    strikes, offs = (1000 * np.concatenate([one[kind] for one in every]) for kind in (True, False))
+    assert len(strikes) > 15 and len(offs) > 15
+    assert abs(np.median(strikes)) < 3 and (np.abs(strikes) < 15).mean() > 0.95
+    assert abs(np.median(offs)) < 5 and (np.abs(offs) < 25).mean() > 0.9
+
+
+def simulated(rate=100.0, speed=1200.0, seed=1, **options):
+    subject = walking(duration_s=6.0, rate=rate, speed_mm_s=speed, seed=seed, **options)
+    return Trial("walk", subject.trajectories), {p.name: p.xyz for p in subject.trajectories}, subject.events
+
+
+@pytest.mark.parametrize(("rate", "speed"), [(50.0, 1100.0), (100.0, 700.0), (100.0, 1500.0), (250.0, 1200.0)])
+def test_every_step_is_found_once(rate, speed):
+    walk, at, true = simulated(rate, speed, wobble_mm=1.0)
+    found = foot_events(walk, at)
+    for side in ("left", "right"):
+        mine = np.array([e.time for e in found if e.side == side and e.strike])
+        theirs = true.time[
+            [s == side.title() and name == "Foot Strike" for s, name in zip(true.side, true.label, strict=True)]
+        ]
+        inside = theirs[(theirs > 0.3) & (theirs < 5.7)]
+        off = [np.abs(mine - t).min() for t in inside]
+        assert max(off) < 0.06, "of a foot that never slaps"
+        assert len(mine) <= len(theirs) + 1
+        assert (np.diff(mine) > 0.5).all()
+
+
+def test_events_do_not_hang_on_the_direction_the_place_or_the_treadmill():
+    walk, at, _ = simulated()
+    plain = foot_events(walk, at)
+    turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    belt = np.outer(np.arange(walk.trajectories.n_frames) * 12.0, [1.0, 0, 0])
+    for other in ({k: x @ turn.T + 1e4 for k, x in at.items()}, {k: x - belt for k, x in at.items()}):
+        moved = foot_events(walk, other)
+        assert [e.side for e in moved] == [e.side for e in plain]
+        assert np.abs([a.time - b.time for a, b in zip(plain, moved, strict=True)]).max() < 0.05
+
+
+def test_a_person_who_stands_makes_no_step():
+    still = walking(duration_s=0.01, rate=100.0).trajectories
+    at = {p.name: np.repeat(p.xyz, 300, 0) + np.random.default_rng(0).normal(0, 1, (300, 3)) for p in still}
+    walk = Trial("still", Trajectories((), 100.0))
+    assert foot_events(walk, at) == ()
+
+
+def test_peaks_and_crossings_are_found_between_frames():
+    t = np.arange(200) / 100.0
+    np.testing.assert_allclose(peaks(np.sin(2 * np.pi * t), t), [0.25, 1.25], atol=1e-4)
+    np.testing.assert_allclose(peaks(np.cos(2 * np.pi * (t - 0.303)), t), [0.303, 1.303], atol=1e-4)
+    np.testing.assert_allclose(crossings(t, t, 0.5037, upwards=True), [0.5037], atol=1e-9)
+    np.testing.assert_allclose(crossings(-t, t, -0.5037, upwards=False), [0.5037], atol=1e-9)

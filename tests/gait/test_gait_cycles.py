@@ -1,0 +1,70 @@
+"""Gait curves of known strides."""
+
+import numpy as np
+import pytest
+
+from kinemark.data import Signal, Signals
+from kinemark.data.strides import Stride
+from kinemark.gait.gait_cycles import gait_curves, most_typical, movement_analysis_profile, reference_of
+
+RATE, T = 100.0, 1.1
+STRIDES = tuple(
+    Stride(side, k * T + off, (k + 1) * T + off, {"foot_off": 62.0}, {}) for k in range(4) for side, off in
+    (("left", 0.13), ("right", 0.68))
+)  # fmt: skip
+
+
+def curve(share, offset=0.0):
+    return 30 + 30 * np.cos(2 * np.pi * share) + offset
+
+
+def signals(noise=0.0, offset=0.0, seed=0):
+    rng = np.random.default_rng(seed)
+    t = np.arange(600) / RATE
+    out = []
+    for letter, start in (("L", 0.13), ("R", 0.68)):
+        for name in ("PelvisAngles", "HipAngles", "KneeAngles", "AnkleAngles", "FootProgressAngles"):
+            y = np.stack([curve((t - start) / T, offset)] * 3, -1) + rng.normal(0, noise, (600, 3))
+            out.append(Signal.of(letter + name, "angle", "deg", y, rate=RATE))
+    return Signals(tuple(out))
+
+
+def test_each_side_is_cut_at_its_own_strikes():
+    for one in gait_curves(signals(), STRIDES):
+        np.testing.assert_allclose(one.mean[:, 0], curve(np.linspace(0, 1, 101)), atol=0.15)
+        assert one.values.shape == (4, 101, 3) and (one.consistency > 0.999).all()
+
+
+def test_spread_is_between_strides():
+    one = gait_curves(signals(noise=2.0), STRIDES)[0]
+    assert np.sqrt(np.nanmean(one.spread**2)) == pytest.approx(2.0 * np.sqrt(2 / 3), rel=0.15)  # lines between frames
+
+
+def test_a_stride_beyond_the_recording_is_missing_and_the_rest_counts():
+    beyond = (*STRIDES, Stride("left", 5.5, 6.6, {"foot_off": 60.0}, {}))
+    one = gait_curves(signals(), beyond)[0]
+    assert np.isnan(one.values[-1]).all() and np.isfinite(one.mean).all()
+
+
+def test_the_most_typical_stride_is_none_that_differs():
+    found = gait_curves(signals(noise=0.5), STRIDES)
+    odd = [c._replace(values=c.values + np.array([9.0, 0, 0, 0])[:, None, None]) for c in found]
+    assert most_typical(odd, "left") != 0
+
+
+def means(curves):
+    return {one.name: one.mean for one in curves}
+
+
+def test_the_profile_is_the_distance_from_the_reference():
+    reference = reference_of([means(gait_curves(signals(seed=k), STRIDES)) for k in range(3)], "simulated controls")
+    own, score = movement_analysis_profile(gait_curves(signals(offset=4.0), STRIDES), reference, "left")
+    assert score == pytest.approx(4.0, abs=1e-6) and len(own) == 9
+    assert reference.subjects == 3
+
+
+def test_a_foot_that_turns_through_180_does_not_jump():
+    t = np.arange(600) / RATE
+    y = np.remainder(np.stack([170 + 30 * np.sin(2 * np.pi * t / T)] * 3, -1) + 180, 360) - 180
+    one = gait_curves(Signals((Signal.of("LFootProgressAngles", "angle", "deg", y, rate=RATE),)), STRIDES)[0]
+    assert np.ptp(one.mean) < 65 and np.abs(np.diff(one.mean, axis=0)).max() < 5

@@ -1,0 +1,153 @@
+"""Force plates of all types: a force at a place with a free moment comes back from the channels that it makes."""
+
+import numpy as np
+import pytest
+
+from kinemark.data import Analog, ForcePlate, KinemarkError
+from kinemark.gait import contacts, reaction
+from kinemark.gait.reaction import plate_axes
+
+CORNERS = np.array([[400.0, 0, 0], [0, 0, 0], [0, 600, 0], [400, 600, 0]])
+"""x along the world's x, y against its y, z downwards."""
+ORIGIN = np.array([3.0, -2.0, -40.0])
+MATRIX = np.diag([2.0, 1.5, 4.0, 600.0, 500.0, 400.0]) + np.random.default_rng(0).normal(0, 0.02, (6, 6))
+N = 50
+RATE = 100.0
+
+
+def loads(seed=0):
+    """Force N and centre mm in the world, free moment N·m, of a foot."""
+    rng = np.random.default_rng(seed)
+    force = np.column_stack([rng.normal(0, 60, N), rng.normal(0, 40, N), rng.uniform(200, 900, N)])
+    centre = np.column_stack([rng.uniform(50, 350, N), rng.uniform(50, 550, N), np.zeros(N)])
+    return force, centre, rng.normal(0, 5, N)
+
+
+def six(force, centre, free, corners=CORNERS):
+    """What a sensor at `ORIGIN` feels, N and N·mm, in the plate's axes."""
+    R, middle = plate_axes(corners)
+    F, p = force @ R, (centre - middle) @ R
+    moment = np.cross(p, F) + np.outer(1000 * free, [0, 0, 1.0]) * (R[:, 2] @ [0, 0, 1.0])
+    return F, moment + np.cross(ORIGIN, F), p
+
+
+def made(kind, seed=0, sign=1.0):
+    """A plate of a type and its channels for `loads`."""
+    force, centre, free = loads(seed)
+    F, M, p = six(force, centre, free)
+    F, M, origin, calibration = sign * F, sign * M, ORIGIN, None
+    if kind == 1:
+        moment = sign * 1000 * free * (plate_axes(CORNERS)[0][:, 2] @ [0, 0, 1.0])
+        values = np.column_stack([F, p[:, :2], moment])
+    elif kind == 3:
+        values, origin = eight(F, M)
+    elif kind == 4:
+        calibration = MATRIX
+        values = np.column_stack([F, M]) @ np.linalg.inv(MATRIX).T
+    elif kind == 5:
+        values, calibration = np.column_stack([F, M]) @ FROM_SIX.T, np.linalg.pinv(FROM_SIX)
+    else:
+        values = np.column_stack([F, M])
+    names = tuple(f"c{k}" for k in range(values.shape[1]))
+    plate = ForcePlate(kind, CORNERS, origin, names, calibration)
+    return plate, (Analog(names, ("",) * len(names), RATE, values.T),), force, centre, free
+
+
+FROM_SIX = np.random.default_rng(1).normal(0, 1, (8, 6))
+
+
+def eight(F, M):
+    """Channels of sensors at (±a, ±b), and (a, b, height)."""
+    a, b, height = 120.0, 200.0, -40.0
+    height_only = np.array([0.0, 0.0, height])
+    M = M - np.cross(ORIGIN, F) + np.cross(height_only, F)  # about the middle of the sensors
+    z = np.array([[1, 1, 1, 1], [b, b, -b, -b], [-a, a, a, -a]])
+    fz = np.column_stack([F[:, 2], M[:, 0], M[:, 1]]) @ np.linalg.pinv(z).T
+    x34 = F[:, 0] / 2 + M[:, 2] / (4 * b)
+    y14 = F[:, 1] / 2 + M[:, 2] / (4 * a)
+    values = np.column_stack([F[:, 0] - x34, x34, y14, F[:, 1] - y14, fz])
+    return values, np.array([a, b, height])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("kind", [1, 2, 3, 4, 5])
+def test_a_load_comes_back(kind, sign):
+    plate, analog, force, centre, free = made(kind, sign=sign)
+    found = reaction(plate, analog, n_frames=N, rate=RATE)
+    np.testing.assert_allclose(found.force, force, atol=1e-8)
+    np.testing.assert_allclose(found.centre, centre, atol=1e-6)
+    np.testing.assert_allclose(found.free_moment, np.outer(free, [0, 0, 1]), atol=1e-8)
+
+
+def test_an_origin_above_the_surface_is_one_below_it():
+    plate, analog, _, centre, _ = made(2)
+    upside = ForcePlate(2, CORNERS, -ORIGIN, plate.channels)
+    np.testing.assert_allclose(reaction(upside, analog, n_frames=N, rate=RATE).centre, centre, atol=1e-6)
+
+
+def test_a_frame_is_the_mean_of_its_samples():
+    values = np.arange(200.0)[None] ** 2
+    plate = ForcePlate(2, CORNERS, ORIGIN, tuple("abcdef"))
+    analog = (Analog(tuple("abcdef"), ("N",) * 3 + ("Nmm",) * 3, 1000.0, np.repeat(values, 6, 0)),)
+    found = reaction(plate, analog, n_frames=20, rate=100.0)
+    assert abs(found.force[5, 2]) == pytest.approx(np.mean(np.arange(45.0, 56) ** 2))
+
+
+def test_an_unloaded_plate_has_no_centre():
+    plate, analog, *_ = made(2)
+    quiet = (Analog(plate.channels, ("",) * 6, RATE, 1e-3 * analog[0].values),)
+    found = reaction(plate, quiet, n_frames=N, rate=RATE)
+    assert not found.loaded.any() and np.isnan(found.centre).all() and not found.force.any()
+
+
+def test_moments_in_newton_metres_are_told_by_their_unit():
+    plate, analog, _, centre, _ = made(2)
+    metres = Analog(plate.channels, ("N",) * 3 + ("Nm",) * 3, RATE, analog[0].values / np.repeat([1, 1000], 3)[:, None])
+    np.testing.assert_allclose(reaction(plate, (metres,), n_frames=N, rate=RATE).centre, centre, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "plate", [ForcePlate(9, CORNERS, ORIGIN, tuple("abcdef")), ForcePlate(2, CORNERS, ORIGIN, tuple("abcdeg"))]
+)
+def test_what_cannot_be_read_is_named(plate):
+    analog = (Analog(tuple("abcdef"), ("N",) * 6, RATE, np.zeros((6, N))),)
+    with pytest.raises(KinemarkError, match=r"type 9|channels a, b"):
+        reaction(plate, analog, n_frames=N, rate=RATE)
+
+
+AHEAD = np.array([90.0, 0.0, 0.0])
+
+
+def stepping(left, right, *, other_stands=False, at=None):
+    """Two feet over one second: the left stands at `left` (2) mm from 0.3 to 0.7 s, the right elsewhere."""
+    t = np.arange(100) / 100.0
+    stand = (t >= 0.25) & (t < 0.75)
+    points = {}
+    for letter, place, still in (("L", left, True), ("R", right, other_stands)):
+        middle = np.column_stack([np.full(100, place[0]), np.full(100, place[1]), np.full(100, 40.0)])
+        middle[:, 0] += np.where(stand & still, 0, 1500 * (t - 0.5))
+        points[letter + "HEE"], points[letter + "TOE"] = middle - AHEAD, middle + AHEAD
+    force = np.where(((t >= 0.3) & (t < 0.7))[:, None], [0.0, 0, 700], 0.0)
+    F, M, _ = six(force, np.tile([*(at or left), 0.0], (100, 1)), np.zeros(100))
+    analog = (Analog(tuple("abcdef"), ("",) * 6, 100.0, np.column_stack([F, M]).T),)
+    plate = ForcePlate(2, CORNERS, ORIGIN, tuple("abcdef"))
+    return contacts([reaction(plate, analog, n_frames=100, rate=100.0)], points, rate=100.0)
+
+
+def test_a_foot_alone_on_a_plate_is_found():
+    (one,) = stepping((200, 300), (700, 500))
+    assert (one.side, one.reason, one.first, one.stop) == ("left", "", 30, 70)
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "stands", "reason"),
+    [((200, 300), (240, 420), True, "two_feet"), ((200, 640), (900, 100), False, "beside")],
+)  # fmt: skip
+def test_a_contact_that_does_not_count_says_why(left, right, stands, reason):
+    (one,) = stepping(left, right, other_stands=stands)
+    assert one.reason == reason
+
+
+def test_a_load_between_the_feet_belongs_to_neither():
+    (one,) = stepping((200, 220), (200, 380), other_stands=True, at=(200, 295))
+    assert (one.side, one.reason) == (None, "unclear")

@@ -62,8 +62,9 @@ def label_by_distances(trajectories: Trajectories, template: Template, *, method
     placed = _placed(stretches, sides.label, len(template))
     refused = refusal(fit, placed, least_fit=method.least_fit, least_placed=method.least_placed)
     label = np.full(len(stretches), -1) if refused else sides.label
-    about = margins(stretches, label, template, pairs)
-    p = _probability(trajectories, template, pairs, label, about, stretches.weight, method)
+    after = found.after if (label == found.label).all() else None  # learnt with the sides as they were
+    about = margins(stretches, label, template, pairs, after)
+    p = _probability(trajectories, template, after or pairs, label, about, stretches.weight, method)
     p = at_most_even(p, sides.undecided)
     state = tuple(state_of(float(one), method.sure) for one in p)
     return Labels(

@@ -164,7 +164,7 @@ def test_ghosts_do_not_take_the_name_of_an_absent_marker():
     gone = walk(7).names[4]
     rest = walk(7).select([name for name in walk(7).names if name != gone])
     for seed in (1, 2, 3):
-        tracks, truth = shredded(rest, 1, 3.0, seed)
+        tracks, truth, _ = shredded(rest, 1, 3.0, seed)
         found = label(tracks, template())
         taken = {n for n, t, s in zip(found.names, truth, found.state, strict=True) if t is None and s == "sure"}
         assert not taken

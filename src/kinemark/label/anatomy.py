@@ -34,7 +34,9 @@ class Anatomy(NamedTuple):
     @classmethod
     def of(cls, names: Sequence[str]) -> Anatomy:
         """By how names end."""
-        parts = [[k for k, name in enumerate(names) if name.upper().endswith(ends)] for ends in (HEEL, TOE, BACK, FRONT)]
+        parts = [
+            [k for k, name in enumerate(names) if name.upper().endswith(ends)] for ends in (HEEL, TOE, BACK, FRONT)
+        ]
         rest = sorted({*range(len(names))} - {*parts[0], *parts[1]})
         sides = sides_by_name(names)
         left, right = ([names.index(pair[k]) for pair in sides] for k in (0, 1))

@@ -1,8 +1,8 @@
 """Left and right of the whole subject: which exchange of all names of the one side with the other's would lose.
 
 All distances of a body are those of its mirror image. Quadruples tell them apart (`template` (2)), and what any body
-shows of its front (`anatomy`); a marker set that is symmetric and flat has neither, and left and right are then a guess.
-So all names of the left change places with those of the right at once; where that does not lose much, the exchanged
+shows of its front (`anatomy`); a marker set that is symmetric and flat has neither, and left and right are then a
+guess. So all names of the left change places with those of the right at once; where that loses little, the exchanged
 body is also settled by moves of a few labels, as a pelvis turns with its legs. Where one of these labellings is better
 it is taken; where the two differ by less than two quadruples are worth, the sides are undecided: their names are as
 likely as the other way round, and the finding asks.

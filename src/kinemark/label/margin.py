@@ -44,9 +44,9 @@ from .stretches import Stretches
 from .sweeps import continuity, evidence, expectation, places
 from .template import Template
 
-BETA_TRACK = (1.93, 0.43, 1.99, 1.24, 1.11, 0.75, -0.97)
+BETA_TRACK = (-2.41, 1.18, 1.72, 1.78, 1.33, 0.84, 0.67)
 """Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
-BETA_LABEL = (-8.04, 1.43, 3.24, 1.56, 4.84, 3.64)
+BETA_LABEL = (-7.67, 1.67, 3.37, 0.86, 4.31, 0.61)
 """Of (4); measured by benchmarks/labelling.py --fit likewise."""
 NEAR = 4
 """Nearest labels whose fit counts for a label; chosen."""

@@ -19,8 +19,8 @@ from .template import Template
 SWEEPS = 6
 """At most; chosen, most trials need two."""
 ARRANGINGS = 2
-"""Of another subject's template; chosen: the second time pieces are whole markers, as pooling gave them their names. On 20
-pairs of children, markers in 15 pieces, 98.5 and 99 % are right with one and with two, 95 % without any."""
+"""Of another subject's template; chosen: the second time pieces are whole markers, as pooling gave them their
+names; two of six pairs of children in 15 pieces rose by it from 95 to 100 % right, none fell."""
 POOLINGS = 3
 """At most; chosen, most trials need one."""
 BRIEF = 0.3

@@ -12,10 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data.array_types import Floats
+from ..data.array_types import Floats, Ints
 from .evidence import Single
 from .side_pairs import sides_by_name
 
+PROOF = 10.0
+"""What a cosine of the agreement is worth, nats a frame; chosen, as two or three quadruples."""
 HEEL, TOE, BACK, FRONT = ("HEE",), ("TOE",), ("SACR", "PSI"), ("ASI",)
 """How names of these end; conventions of the common marker sets."""
 
@@ -50,6 +52,14 @@ class Anatomy(NamedTuple):
         front, up = _way(y, self.heel, self.toe), _way(y, [*self.heel, *self.toe], self.rest)
         left, pelvis = _way(y, self.right, self.left), _way(y, self.back, self.front)
         return _mean_cosine(np.cross(up, front), left) + _mean_cosine(front, pelvis)
+
+    def tells(self, labels: Sequence[int]) -> bool:
+        """Whether one of the labels is on a foot or the pelvis."""
+        return not {*self.heel, *self.toe, *self.back, *self.front}.isdisjoint(labels)
+
+    def gain(self, y: Single, turn: Ints) -> float:
+        """Nats a frame that labels y (K, L, 3) gain when each becomes turn (L)."""
+        return PROOF * (self.agreement(y[:, np.argsort(turn)]) - self.agreement(y))
 
 
 def _way(y: Single, start: list[int], end: list[int]) -> Floats:

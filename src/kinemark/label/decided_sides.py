@@ -28,8 +28,6 @@ from .template import Template
 
 UNDECIDED = 2 * WRONG_HAND
 """Nats a frame below which the sides are asked for; chosen, as two quadruples are worth."""
-PROOF = 10.0
-"""What a cosine of `anatomy` is worth, nats a frame; chosen, as two or three quadruples."""
 NEARLY = 100.0
 """Loss of the mirror image, nats a frame, beyond which no other is looked for; chosen: bodies that are known well
 lose 220 or more."""
@@ -81,8 +79,8 @@ def _best_turn(
 
     def gain(turn: Ints) -> float:
         moved = np.flatnonzero(turn != np.arange(len(turn)))
-        told = anatomy.agreement(y[:, np.argsort(turn)]) - anatomy.agreement(y)
-        return float(exchanger.gains(y, [(tuple(moved.tolist()), tuple(turn[moved].tolist()))])[0]) + PROOF * told
+        move = (tuple(moved.tolist()), tuple(turn[moved].tolist()))
+        return float(exchanger.gains(y, [move])[0]) + anatomy.gain(y, turn)
 
     plain = gain(other)
     if plain < -NEARLY:

@@ -38,6 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
+from .anatomy import Anatomy
 from .evidence import PairScore, Single, frame_fit
 from .exchange import FRAMES, Exchanger
 from .stretches import Stretches
@@ -164,11 +165,14 @@ def _fit_meanwhile(stretches: Stretches, t: Ints, y: Single, pairs: PairScore) -
 
 def _exchanges(y: Single, template: Template, pairs: PairScore) -> Floats:
     """(L) the least that an exchange of two, with each label, loses, nats; negative where it gains, 0 without any."""
-    exchanger = Exchanger.of(template, pairs)
+    exchanger, anatomy, every = Exchanger.of(template, pairs), Anatomy.of(template.names), np.arange(len(template))
     y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
     lost = np.full(len(template), np.inf)
-    for move, gain in zip(exchanger.twos, exchanger.gains(y, exchanger.twos), strict=True):
-        lost[list(move[0])] = np.minimum(lost[list(move[0])], -gain)
+    for (was, to), gain in zip(exchanger.twos, exchanger.gains(y, exchanger.twos), strict=True):
+        turn = every.copy()
+        turn[list(was)] = to
+        told = anatomy.gain(y, turn) if anatomy.tells(was) else 0.0
+        lost[list(was)] = np.minimum(lost[list(was)], -gain - told)
     return np.where(np.isfinite(lost), lost, 0.0)
 
 

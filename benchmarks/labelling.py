@@ -79,11 +79,11 @@ def cases(row: Row, how: Shredding, seed: int) -> Cases:
     """A row's tracks, with the labels that `solve` gives them, whether or not the template fits."""
     parts, method = tracks_of(row, how, seed), Distances()
     stretches, pairs = stretches_of(parts.tracks, row.template.size), PairScore.of_template(row.template)
-    found = solve(
+    solved = solve(
         stretches, row.template, pairs,
         key_frames=method.key_frames, beam=method.beam, least_fit=method.least_track_fit,
-    ).label  # fmt: skip
-    about = margins(stretches, found, row.template, pairs)
+    )  # fmt: skip
+    found, about = solved.label, margins(stretches, solved.label, row.template, pairs, solved.after)
     number = {name: k for k, name in enumerate(row.template.names)} if row.fits else {}
     truth = np.array([-1 if name is None else number.get(name, -2) for name in parts.truth])
     n, of, own = stretches.seen.sum(1), np.full(len(row.template), -3), np.flatnonzero(found >= 0)

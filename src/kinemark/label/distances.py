@@ -13,6 +13,7 @@ from .against import against
 from .calibration import calibrated_shift
 from .decided_sides import at_most_even, decided_sides
 from .evidence import PairScore
+from .held import held
 from .label import refusal, state_of
 from .labels import Labels
 from .margin import Margins, margins, probability
@@ -60,10 +61,12 @@ def label_by_distances(trajectories: Trajectories, template: Template, *, method
     sides = decided_sides(stretches, found.label, template, pairs)
     fit = found.score / max(found.expected, 1e-9) / template.own_fit
     placed = _placed(stretches, sides.label, len(template))
-    refused = refusal(fit, placed, least_fit=method.least_fit, least_placed=method.least_placed)
+    holds = held(stretches, sides.label, pairs)
+    refused = refusal(fit, placed, holds, least_fit=method.least_fit, least_placed=method.least_placed)
     label = np.full(len(stretches), -1) if refused else sides.label
-    about = margins(stretches, label, template, pairs)
-    p = _probability(trajectories, template, pairs, label, about, stretches.weight, method)
+    after = found.after if (label == found.label).all() else None  # learnt with the sides as they were
+    about = margins(stretches, label, template, pairs, after)
+    p = _probability(trajectories, template, after or pairs, label, about, stretches.weight, method)
     p = at_most_even(p, sides.undecided)
     state = tuple(state_of(float(one), method.sure) for one in p)
     return Labels(

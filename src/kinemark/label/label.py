@@ -9,6 +9,7 @@ import numpy as np
 from ..data import KinemarkError, Tracks, Trajectories, make_finding
 from ..data.finding import Finding
 from ..data.track_trajectories import trajectories_of
+from .held import LEAST
 from .labels import Labels, State
 from .stage import LABEL
 from .template import Template
@@ -33,11 +34,11 @@ def label(tracks: Tracks | Trajectories, template: Template, *, method: Any = No
     return LABEL.function(method)(trajectories, template, method=method)
 
 
-def refusal(fit: float, placed: float, *, least_fit: float, least_placed: float) -> Finding | None:
-    """The finding that a template does not fit a trial; None where it does."""
-    if fit >= least_fit and placed >= least_placed:
+def refusal(fit: float, placed: float, holds: float, *, least_fit: float, least_placed: float) -> Finding | None:
+    """The finding that a template does not fit a trial; None where it does. See `held` for `holds`."""
+    if fit >= least_fit and placed >= least_placed and holds >= LEAST:
         return None
-    return make_finding("labels_refused", fit_share=fit, placed_share=placed)
+    return make_finding("labels_refused", fit_share=fit, placed_share=placed * min(1.0, holds))
 
 
 def state_of(probability: float, sure: float) -> State:

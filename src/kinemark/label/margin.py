@@ -9,8 +9,9 @@ change, so that what u loses counts too:
 
     m_t = min over b of  e(t, a) − e(t, b) + [ e(u, b) − max(e(u, a), 0) ]                                        (2)
 
-and b may be "none", worth 0. With f_t = e(t, a) over what the template expects, f_a the same of all tracks that are a,
-w independent frames, c how well the track goes on from others that are a, and F the fit of the frames that it is in,
+and b may be "none", worth 0; e is of what is known of the subject after the trial (`pool`), as pieces of a marker are
+judged by the others. With f_t = e(t, a) over what is expected, f_a the same of all tracks that are a, w independent
+frames, c how well the track goes on from others that are a, and F the fit of the frames that it is in,
 
     logit p_track = β · (1, log(1 + m), f_t, f_t − f_a, log w, log(1 + c), F) + δ                                (3)
 
@@ -19,7 +20,8 @@ w independent frames, c how well the track goes on from others that are a, and F
 *The label.* A whole label exchanged all through the trial is invisible to its pieces. Exchanges must lose: x is the
 least that one with a loses (`exchange` (1)), and where x is 0 the other way round is as likely. Chains of labels that
 have all moved up one place end at one that fits badly, or at a piece of a marker, so that the worst fit f_n of the four
-nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well:
+nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well. All
+of it is by the template as it was given, as what is known after the trial was learnt from these very labels:
 
     p_label = logistic(x) · logistic( β · (1, log(1 + x), f_a, f_n, F, log n) )                                  (4)
 
@@ -36,15 +38,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
+from .anatomy import Anatomy
 from .evidence import PairScore, Single, frame_fit
 from .exchange import FRAMES, Exchanger
 from .stretches import Stretches
 from .sweeps import continuity, evidence, expectation, places
 from .template import Template
 
-BETA_TRACK = (1.93, 0.43, 1.99, 1.24, 1.11, 0.75, -0.97)
+BETA_TRACK = (-2.41, 1.18, 1.72, 1.78, 1.33, 0.84, 0.67)
 """Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
-BETA_LABEL = (-8.04, 1.43, 3.24, 1.56, 4.84, 3.64)
+BETA_LABEL = (-7.67, 1.67, 3.37, 0.86, 4.31, 0.61)
 """Of (4); measured by benchmarks/labelling.py --fit likewise."""
 NEAR = 4
 """Nearest labels whose fit counts for a label; chosen."""
@@ -58,13 +61,14 @@ class Margins(NamedTuple):
     """Of T tracks; NaN, and −1, for tracks without label.
 
     Attributes:
-        track: m, nats a frame. runner_up: the label that comes second, −1 for none. fit: f_t. link: c, nats.
-        exchange: x. label_fit: f_a. near_fit: f_n. present: n. frame_fit: F.
+        track: m, nats a frame. runner_up: the label that comes second, −1 for none. fit: f_t. beside: f_t − f_a.
+        link: c, nats. exchange: x. label_fit: f_a. near_fit: f_n. present: n. frame_fit: F.
     """
 
     track: Floats
     runner_up: Ints
     fit: Floats
+    beside: Floats
     link: Floats
     exchange: Floats
     label_fit: Floats
@@ -74,25 +78,44 @@ class Margins(NamedTuple):
 
 
 def margins(
-    stretches: Stretches, label: Ints, template: Template, pairs: PairScore, *, exchanges: bool = True
+    stretches: Stretches,
+    label: Ints,
+    template: Template,
+    pairs: PairScore,
+    after: PairScore | None = None,
+    *,
+    exchanges: bool = True,
 ) -> Margins:
-    """Of each track with a label; x, which (3) does not need, is 0 without exchanges."""
-    nats, y = evidence(stretches, label, pairs), places(stretches, label, len(template))
-    T, L = nats.shape
+    """Of each track with a label, by the template's `pairs` and by what is known `after` the trial, where it is given.
+
+    x, which (3) does not need, is 0 without exchanges.
+    """
+    y, L = places(stretches, label, len(template)), len(template)
     t = np.flatnonzero(label >= 0)
     a = label[t]
-    share = nats[t, a] / np.maximum(expectation(stretches, label, pairs), 1e-9)[a]
-    label_fit, present = _of_labels(stretches, t, a, share, L)
+    given = evidence(stretches, label, pairs)
+    label_fit, present = _of_labels(stretches, t, a, _share(given, stretches, label, pairs), L)
+    nats, share, own_fit = given, _share(given, stretches, label, pairs), label_fit
+    if after is not None:
+        nats = evidence(stretches, label, after)
+        share = _share(nats, stretches, label, after)
+        own_fit, _ = _of_labels(stretches, t, a, share, L)
     lost = _exchanges(y, template, pairs) if exchanges else np.zeros(L)
     least, second = _second(stretches, t, a, nats[t])
     found = Margins(
-        least, second, share, continuity(stretches, label, L)[t, a], lost[a],
+        least, second, share, share - own_fit[a], continuity(stretches, label, L)[t, a], lost[a],
         label_fit[a], _worst_near(template, label_fit)[a], present[a], _fit_meanwhile(stretches, t, y, pairs),
     )  # fmt: skip
-    runner_up = np.full(T, -1)
+    runner_up = np.full(len(label), -1)
     runner_up[t] = second
-    full = {name: _of_all(part, t, T) for name, part in found._asdict().items() if name != "runner_up"}
+    full = {name: _of_all(part, t, len(label)) for name, part in found._asdict().items() if name != "runner_up"}
     return Margins(runner_up=runner_up, **full)
+
+
+def _share(nats: Floats, stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
+    """(n) of the tracks with a label, evidence over what is expected."""
+    t = np.flatnonzero(label >= 0)
+    return np.asarray(nats[t, label[t]] / np.maximum(expectation(stretches, label, pairs), 1e-9)[label[t]])
 
 
 def _of_all(part: NDArray[np.generic], t: Ints, T: int) -> Floats:
@@ -142,17 +165,20 @@ def _fit_meanwhile(stretches: Stretches, t: Ints, y: Single, pairs: PairScore) -
 
 def _exchanges(y: Single, template: Template, pairs: PairScore) -> Floats:
     """(L) the least that an exchange of two, with each label, loses, nats; negative where it gains, 0 without any."""
-    exchanger = Exchanger.of(template, pairs)
+    exchanger, anatomy, every = Exchanger.of(template, pairs), Anatomy.of(template.names), np.arange(len(template))
     y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
     lost = np.full(len(template), np.inf)
-    for move, gain in zip(exchanger.twos, exchanger.gains(y, exchanger.twos), strict=True):
-        lost[list(move[0])] = np.minimum(lost[list(move[0])], -gain)
+    for (was, to), gain in zip(exchanger.twos, exchanger.gains(y, exchanger.twos), strict=True):
+        turn = every.copy()
+        turn[list(was)] = to
+        told = anatomy.gain(y, turn) if anatomy.tells(was) else 0.0
+        lost[list(was)] = np.minimum(lost[list(was)], -gain - told)
     return np.where(np.isfinite(lost), lost, 0.0)
 
 
 def track_features(found: Margins, weight: Floats) -> Floats:
     """(T, 7) of (3)."""
-    fit, off = np.minimum(found.fit, FIT_HIGH), np.minimum(found.fit - found.label_fit, FIT_HIGH)
+    fit, off = np.minimum(found.fit, FIT_HIGH), np.minimum(found.beside, FIT_HIGH)
     parts = (
         _log(np.maximum(found.track, 0.0)),
         fit,

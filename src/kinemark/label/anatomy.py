@@ -1,0 +1,76 @@
+"""What any body tells of its sides, whatever the template: feet and pelvis point forwards, and left is up × forwards.
+
+The front is where the toes are from the heels, and the pelvis has the same front, from the sacrum or the posterior
+spines to the anterior ones; up is where all other markers are from those of the feet. So names of a body that are
+exchanged, or turned about, contradict each other even where no distance shows it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data.array_types import Floats, Ints
+from .evidence import Single
+from .side_pairs import sides_by_name
+
+PROOF = 10.0
+"""What a cosine of the agreement is worth, nats a frame; chosen, as two or three quadruples."""
+HEEL, TOE, BACK, FRONT = ("HEE",), ("TOE",), ("SACR", "PSI"), ("ASI",)
+"""How names of these end; conventions of the common marker sets."""
+
+
+class Anatomy(NamedTuple):
+    """Labels that tell the front: of feet and of the pelvis; all others; pairs of left and right."""
+
+    heel: list[int]
+    toe: list[int]
+    back: list[int]
+    front: list[int]
+    rest: list[int]
+    left: list[int]
+    right: list[int]
+
+    @classmethod
+    def of(cls, names: Sequence[str]) -> Anatomy:
+        """By how names end."""
+        parts = [
+            [k for k, name in enumerate(names) if name.upper().endswith(ends)] for ends in (HEEL, TOE, BACK, FRONT)
+        ]
+        rest = sorted({*range(len(names))} - {*parts[0], *parts[1]})
+        sides = sides_by_name(names)
+        left, right = ([names.index(pair[k]) for pair in sides] for k in (0, 1))
+        return cls(*parts, rest, left, right)
+
+    def agreement(self, y: Single) -> float:
+        """From −2 to 2 for labelled places y (K, L, 3): mean cosines of left with up × front, and of both fronts.
+
+        Where there are no heels and toes, or no pelvis, that part is 0.
+        """
+        front, up = _way(y, self.heel, self.toe), _way(y, [*self.heel, *self.toe], self.rest)
+        left, pelvis = _way(y, self.right, self.left), _way(y, self.back, self.front)
+        return _mean_cosine(np.cross(up, front), left) + _mean_cosine(front, pelvis)
+
+    def tells(self, labels: Sequence[int]) -> bool:
+        """Whether one of the labels is on a foot or the pelvis."""
+        return not {*self.heel, *self.toe, *self.back, *self.front}.isdisjoint(labels)
+
+    def gain(self, y: Single, turn: Ints) -> float:
+        """Nats a frame that labels y (K, L, 3) gain when each becomes turn (L)."""
+        return PROOF * (self.agreement(y[:, np.argsort(turn)]) - self.agreement(y))
+
+
+def _way(y: Single, start: list[int], end: list[int]) -> Floats:
+    """(K, 3) from the middle of some labels to that of others; NaN where one of either is not seen."""
+    if not start or not end:
+        return np.full((len(y), 3), np.nan)
+    return np.asarray(y[:, end].mean(1) - y[:, start].mean(1), float)
+
+
+def _mean_cosine(a: Floats, b: Floats) -> float:
+    """Over the frames in which both are known; 0 without any."""
+    size = np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1)
+    known = size > 0
+    return float(((a * b).sum(1)[known] / size[known]).mean()) if known.any() else 0.0

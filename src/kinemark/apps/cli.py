@@ -21,7 +21,7 @@ COMMANDS = {
     "commands/label.py": ("label",),
     "commands/fill.py": ("fill",),
     "commands/files.py": ("info", "convert"),
-    "commands/analysis.py": ("angles", "gait", "gait_reference", "sensitivity"),
+    "commands/analysis.py": ("angles", "gait", "gait-reference", "sensitivity"),
     "um2as.py": ("digitise", "um2as"),
 }
 """The commands of each module; a module that is called as its command holds further commands."""
@@ -49,7 +49,8 @@ def command_line() -> App:
         said = descriptions(here / file)
         for name in names:
             module = f"{__package__}.{file.removesuffix('.py').replace('/', '.')}"
-            app.command(f"{module}:{name}", name=name.replace("_", "-"), help=said[name])
+            function = name.replace("-", "_")
+            app.command(f"{module}:{function}", name=name, help=said[function])
     return app
 
 

@@ -2,6 +2,8 @@
 
 import subprocess
 import sys
+from pathlib import Path
+from pkgutil import walk_packages
 
 import pytest
 
@@ -60,16 +62,17 @@ def test_parts_of_scipy_come_when_they_are_used():
     assert said(f"{code}import sys; print([n for n in {named} if f'scipy.{{n}}' in sys.modules])") == "[]"
 
 
-def test_help_brings_no_stage():
-    code = """
+@pytest.mark.parametrize("words", [[], ["run"], ["status"], ["calibrate"]], ids=" ".join)
+def test_help_brings_no_stage(words):
+    code = f"""
 import sys
-sys.argv = ["kinemark", "--help"]
+sys.argv = ["kinemark", *{words}, "--help"]
 from kinemark.apps.cli import main
 try:
     main()
 except SystemExit:
     pass
-print([m for m in ("scipy.linalg", "av", "h5py", "plotly", "pydantic", "kinemark.detect") if m in sys.modules])
+print([m for m in ("scipy", "av", "h5py", "plotly", "pydantic", "kinemark.detect") if m in sys.modules])
 """
     assert said(code).splitlines()[-1] == "[]"
 
@@ -79,16 +82,48 @@ def test_information_on_a_file_brings_no_stage():
     assert said(code) == "[]"
 
 
-@pytest.mark.parametrize("first", ["kinemark.detect.kiss", "kinemark.track.simultaneous", "kinemark.fill.judge"])
-def test_a_function_keeps_its_name_whichever_package_is_imported_first(first):
-    """The packages detect, match, reconstruct, track and fill are called as the functions are."""
-    code = f"""
-import {first}
-import kinemark, types
-functions = [getattr(kinemark, name) for name in ("detect", "match", "reconstruct", "track", "fill")]
-print([one for one in functions if not isinstance(one, types.FunctionType)])
-"""
-    assert said(code) == "[]"
+STAGES = sorted(name for name in kinemark.__all__ if (Path(kinemark.__file__).parent / name).is_dir())
+
+
+def test_the_stages_are_those_packages_whose_function_has_their_name():
+    assert STAGES == ["detect", "fill", "label", "match", "reconstruct", "track"]
+
+
+@pytest.mark.parametrize("first", ["from kinemark.{} import *", "import kinemark.{} as package", "import kinemark"])
+def test_a_stage_is_a_function_and_a_package_whichever_way_it_is_imported_first(first):
+    """By attribute, by `from` and by `import … as`, in a fresh process."""
+    said_of_each = [
+        f"""
+{first.format(name)}
+import inspect, pickle, kinemark
+from kinemark import {name}
+import kinemark.{name} as package
+import kinemark.{name}.{inner} as module
+function = vars(package)["{name}"]
+print(
+    callable({name})
+    and kinemark.{name} is {name} is package is pickle.loads(pickle.dumps({name}))
+    and inspect.isfunction(function)
+    and inspect.signature({name}) == inspect.signature(function)
+    and inspect.ismodule(module)
+    and kinemark.{name}.{inner} is module
+)"""
+        for name, inner in zip(STAGES, ("learning", "judge", "stage", "stage", "stage", "simultaneous"), strict=True)
+    ]
+    assert said("".join(said_of_each)).split() == ["True"] * len(STAGES)
+
+
+def test_a_stage_that_is_called_calls_its_function():
+    with pytest.raises(ValueError, match="0 sources and 1 camera names"):
+        kinemark.detect([], cameras=["left"], rate=100.0)
+    assert kinemark.detect([], cameras=[], rate=100.0).rate == 100.0
+
+
+@pytest.mark.parametrize("name", [m.name for m in walk_packages(kinemark.__path__, "kinemark.") if m.ispkg])
+def test_every_package_can_be_imported_under_another_name(name):
+    scope = {}
+    exec(f"import {name} as package", scope)
+    assert scope["package"] is sys.modules[name]
 
 
 def test_all_names_are_there_and_no_others():

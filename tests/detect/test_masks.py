@@ -204,3 +204,17 @@ def test_what_is_wrong_in_a_file_is_said(tmp_path, text, says):
 def test_an_absent_file_is_named(tmp_path):
     with pytest.raises(KinemarkError, match=r"none\.toml"):
         read_masks(tmp_path / "none.toml")
+
+
+def test_masks_are_learned_with_each_cameras_own_settings():
+    """A dim lamp is masked where that camera's threshold is low, and nowhere else."""
+    dim = np.full((10, H, W), 10, np.uint8)
+    dim[:, 20:26, 30:36] = 60
+    sources = [Recording(dim), Recording(dim)]
+    low = {"b": Centroids(threshold=40)}
+    learned = learn_masks(sources, cameras=("a", "b"), method=Centroids(threshold=100), of_cameras=low)
+    assert not learned.pixels("a").any() and learned.pixels("b")[20:26, 30:36].all()
+    with pytest.raises(ValueError, match="of_cameras names c, and the cameras are a, b"):
+        learn_masks(sources, cameras=("a", "b"), of_cameras={"c": Centroids()})
+    with pytest.raises(ValueError, match=r"relative_threshold is 0\.5"):
+        learn_masks(sources, cameras=("a", "b"), of_cameras={"b": Centroids(relative_threshold=0.5)})

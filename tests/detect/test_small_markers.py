@@ -65,7 +65,7 @@ def test_spheres_of_two_to_nine_pixels_are_found_and_their_errors_are_as_stated(
     source, places = filmed(diameter, seed=int(diameter), **optics)
     recall, nees, false = judged(detect([source], cameras=["a"], rate=50.0), 0, places)
     assert recall >= 0.98 and false == 0
-    assert 0.4 < nees < 2.2  # across a field's lines the sharp rim of a sphere is off by more than (6) of `moments`
+    assert 0.4 < nees < 1.8
 
 
 def test_cameras_of_different_gain_work_side_by_side():

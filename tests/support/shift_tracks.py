@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 import kinemark
-from kinemark import digitise, geometry
+from kinemark import digitise, geometry, match, reconstruct
 from kinemark.digitise import OtherViews, propose
 from kinemark.geometry.weighted_points import usable_points, weighted_points
 from kinemark.label import find_exchanges, label, learn_template, named
@@ -22,19 +22,19 @@ def first_cameras(n):
     return seen.select(seen.cameras[:n])
 
 
-@law(kinemark.match, share=1e-8, each={name: declared.kind() for name, declared in MATCH.items()})
+@law(match.match, share=1e-8, each={name: declared.kind() for name, declared in MATCH.items()})
 def _(by, parameter):
     seen = first_cameras(2) if isinstance(parameter, NearestEpipolar) else observed().detections
-    return Answer(rest=kinemark.match(seen, moved(rig().select(seen.cameras), by), method=parameter))
+    return Answer(rest=match.match(seen, moved(rig().select(seen.cameras), by), method=parameter))
 
 
 RECONSTRUCTORS = {name: declared.kind() for name, declared in RECONSTRUCT.items()}
 RECONSTRUCTORS["spheres"] = LeastSquares(marker_diameter=25.0)
 
 
-@law(kinemark.reconstruct, each=RECONSTRUCTORS, mm=1e-6, share=OPEN)
+@law(reconstruct.reconstruct, each=RECONSTRUCTORS, mm=1e-6, share=OPEN)
 def _(by, parameter):
-    found = kinemark.reconstruct(matches(), observed().detections, moved(rig(), by), method=parameter)
+    found = reconstruct.reconstruct(matches(), observed().detections, moved(rig(), by), method=parameter)
     return Answer(found.xyz, replace(found, xyz=0 * found.xyz))
 
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
-from ..engine.progress import Progress
 from .output import errors
+
+if TYPE_CHECKING:  # NumPy comes with it, which --help does without
+    from ..engine.progress import Progress
 
 LINE_EVERY = 10.0
 """s between two lines of progress in a file; chosen: short against any wait that makes one look."""

@@ -71,7 +71,9 @@ def _whole(
     validity = judge(groups, height=height, width=width, method=method)
     marker = validity != Validity.TOO_LARGE
     some = groups if marker.all() else groups.keep(marker)
-    fine = measure(images, some, threshold=threshold, level=ground, variance=variance, shot=shot)
+    fine = measure(
+        images, some, threshold=threshold, level=ground, variance=variance, shot=shot, aspect=method.aspect or 1.0
+    )
     if not marker.all():
         fine = _with_large(fine, groups, marker, height)
     blobs = Blobs(

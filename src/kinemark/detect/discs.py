@@ -59,6 +59,9 @@ NODES_CORNER, WEIGHTS_CORNER = (
     np.polynomial.legendre.leggauss(6)[1] / 2,
 )
 """Of the same rule over the integral of (2), exact to degree 11; chosen (see studies/overlapping_markers.py)."""
+FLOOR = 0.02**2 * np.pi / 4
+"""px² · px²; 0.02 px of error for a disc of 1 px, less for larger ones, which square pixels of a sharp image leave;
+chosen (see studies/overlapping_markers.py)."""
 MOST_CONDITION = 1e12  # of a normal matrix that is inverted, without unit; conventional: four digits are then left
 WIDTHS = (0.25, 3.0)  # px; of the blur w; chosen (see studies/overlapping_markers.py)
 INVERSE_ROOT_2PI = 0.3989422804014327  # 1 / √(2π), the height of the normal density; by definition

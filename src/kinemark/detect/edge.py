@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ..data.array_types import Floats
 from . import discs
-from .moments import FLOOR
 from .patches import CutOut
 from .plausible import whole_disc
 from .starts import disc_start, ellipse_start
@@ -30,6 +29,6 @@ def discs_at_edge(cut: CutOut) -> tuple[NDArray[np.bool_], Floats, Floats]:
     s = np.maximum(1.0, any_form.chi2 / np.maximum((cut.patches.weight > 0).sum(1), 1))
     sure = whole_disc(whole, cut) & (whole.chi2 < any_form.chi2 + EVIDENCE * s)  # (1)
     r = whole.parameters[:, 2]
-    floor = FLOOR / (np.pi * r**2)
+    floor = discs.FLOOR / (np.pi * r**2)
     cov = whole.cov[:, :2, :2] * s[:, None, None] + floor[:, None, None] * np.eye(2)
     return sure, whole.parameters[:, :3], cov

@@ -6,7 +6,8 @@ recordings masks, like detections, are in the lines of a field, so that they are
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 import scipy
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError, Validity
 from ..data.masks import Masks
+from ..data.method import Method
 from ..numerics.runs import equal_runs, true_runs_of_rows
 from .blobs import Blobs
 from .centroids_method import Centroids, check_images, grey_scale
@@ -32,7 +34,8 @@ def learn_masks(
     sources: Sequence[FrameSource],
     *,
     cameras: Sequence[str],
-    method: Centroids | KissScanning | KissNearest | None = None,
+    method: Method | None = None,
+    of_cameras: Mapping[str, Method] = MappingProxyType({}),
     share: float = 0.1,
     grow: float = 3.0,
 ) -> Masks:
@@ -42,27 +45,31 @@ def learn_masks(
         sources: what each camera recorded of the empty volume.
         cameras: their names.
         method: says which pixels are white.
+        of_cameras: methods of single cameras by their names, in its place.
         share: of the frames in which a pixel must be white, from above 0 to 1.
         grow: by how much masks reach farther than that, px.
 
     Raises:
-        ValueError: not one name a source, a parameter is out of range, or the method's threshold is relative, as
-            it would be measured on strobes.
+        ValueError: not one name a source, a method of a camera that is not there, a parameter is out of range, or a
+            method's threshold is relative, as it would be measured on strobes.
         KinemarkError: a recording has no frames.
     """
-    method = method or Centroids()
     if len(sources) != len(cameras):
         raise ValueError(f"there are {len(sources)} sources and {len(cameras)} camera names, wanted one each")
+    if unknown := [name for name in of_cameras if name not in cameras]:
+        raise ValueError(f"of_cameras names {', '.join(unknown)}, and the cameras are {', '.join(cameras)}")
     if not 0 < share <= 1 or not 0 <= grow < np.inf:
         raise ValueError(
             f"share and grow are {share} and {grow}, wanted a share above 0 and at most 1, and 0 px or more"
         )
-    if isinstance(method, Centroids) and method.relative_threshold is not None:
+    each = [of_cameras.get(name) or method or Centroids() for name in cameras]
+    relative = [m.relative_threshold for m in each if isinstance(m, Centroids) and m.relative_threshold is not None]
+    if relative:
         raise ValueError(
-            f"relative_threshold is {method.relative_threshold}, wanted None: an empty recording has no markers "
+            f"relative_threshold is {relative[0]}, wanted None: an empty recording has no markers "
             "to measure it by. Say a threshold"
         )
-    masks = [_often_white(source, name, method, share, grow) for source, name in zip(sources, cameras, strict=True)]
+    masks = [_often_white(*one, share, grow) for one in zip(sources, cameras, each, strict=True)]
     sizes = np.array([mask.shape[::-1] for mask in masks]).reshape(-1, 2)
     return Masks(tuple(cameras), sizes, tuple(rectangles(mask) for mask in masks))
 
@@ -114,13 +121,12 @@ def rectangles(mask: NDArray[np.bool_]) -> tuple[NDArray[np.float64], ...]:
     return tuple(np.array([(x1, y1), (x2, y1), (x2, y2), (x1, y2)]) for x1, x2, y1, y2 in sides)
 
 
-def _often_white(
-    source: FrameSource, name: str, method: Centroids | KissScanning | KissNearest, share: float, grow: float
-) -> NDArray[np.bool_]:
+def _often_white(source: FrameSource, name: str, method: Method, share: float, grow: float) -> NDArray[np.bool_]:
     """(H, W) the pixels that are white in at least this share of a camera's frames, grown."""
     white, frames = None, 0
     for images in source.batches(BATCH):
         check_images(images)
+        assert isinstance(method, (Centroids, KissScanning, KissNearest))  # all methods of detection
         said = method.limits if isinstance(method, Centroids) else method
         level = said.threshold * grey_scale(images.dtype)
         now = (images < level if method.inverted else images > level).sum(0)

@@ -16,17 +16,27 @@ noise, g = `shot_noise`) moves ū by (x − ū) / S a grey level, and b moves it
 with x = (x, y), m background pixels and A the number of white pixels. (4) is what would remain without
 noise. Where the m pixels around differ by more than noise, their excess of variance e is the skirt of a
 blurred marker, or a neighbour, cut through at radius r = √(A / π) + 1.5: it pulls as a noise of variance e on
-that circle would. And pixels are squares: on sharp discs of 5, 8 and 12 px that leaves 0.0041, 0.0021 and
-0.0012 px, no more than 0.02 / diameter, and half of that at a blur of half a pixel.
+that circle would; r along each axis where fields make them differ.
 
-Pixels also sample small markers too coarsely. Light of variance s² px² along an axis, as of a Gaussian, that is sampled
-once a pixel has its centroid off by 4π s² exp(−2π² s²) sin 2πφ, where φ is its place in the pixel (the first term of
-Poisson's sum), which gives that axis the variance
+Pixels also sample a marker too coarsely. With G(ν) the Fourier transform along an axis of the light that a pixel at any
+place would see, at ν cycles a pixel, samples one pixel apart have their centroid off by |G'(1)| / π · sin 2πφ, where φ
+is its place in the pixel (the first term of Poisson's sum). The light is a disc, blurred, and summed over the pixel,
 
-    (4π s² exp(−2π² s²))² / 2                                            (6)
+    G(ν) = D(π a ν) sinc(h ν) exp(−2π² σ² ν²),    D(x) = 2 J₁(x) / x                                  (6)
 
-with s² from the second moments of w, and 1/(2π²) at least, where (6) is greatest. It is nothing to markers of 4 px; to
-the smallest ones, and to the lines of a field, it is all.
+with a the diameter and σ the blur along the axis, in its own pixels, and h the share of the axis that pixels cover: 1,
+and for lines that are taken from every second row of a sensor ½. So an axis has the variance
+
+    (G'(1))² / 2π²,    G'(1) = [(cos πh − (1 + 4π² σ²) sinc h) D − 2 J₂ sinc h] exp(−2π² σ²),  x = π a   (7)
+
+which for h = 1 is (D exp(−2π² σ²))² / 2π². Where lines are apart, h < 1, the terms between lines count across them:
+for u, D² becomes D² + 2 (sinc h · D(π √(a_u² + a_v²)))², with the blur of both (8). A marker that is longer than wide
+and stands aslant brings t times the error of v to u, t = Σ w x y / Σ w y² about the centroid (9).
+
+a follows from the area, (5), the peak less what noise adds to the brightest of many, √(2 ln A) standard deviations; σ
+from the second moment, s² = a²/16 + σ² + 1/12, along u where pixels are densest there, else the mean of both axes. As a
+is not known to better than some per cent, (7) is a mean over it (`NODES`). All of it is nothing to blurred markers of
+4 px; to the smallest, and to the lines of a field, it is most of the error.
 
 The area is S / (peak − b) (5): a pixel at the rim counts by the share of it that is bright, so that the areas of one
 marker in several images agree within a per cent, where counts of white pixels would differ by five.
@@ -37,13 +47,20 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
+from ..data.array_types import Floats
 from .grouping import PixelGroups
 from .sums import PixelSums, Sums, pixel_sums
 
-FLOOR = 0.02**2 * np.pi / 4
-"""px² · px²; 0.02 px of error for a marker of 1 px, less for larger ones; chosen, for what the model leaves out."""
+FLOOR = 0.01**2 * np.pi / 4
+"""px² · px²; 0.01 px of error for a marker of 1 px, less for larger ones; chosen, for what the model leaves out."""
+
+
+NODES, WEIGHTS = 1 + 0.04 * np.sqrt(3) * np.array([-1.0, 0.0, 1.0]), np.array([1.0, 4.0, 1.0]) / 6
+"""Of Gauss and Hermite's mean over a diameter that is known to 4 % (7); chosen: spheres seen at 25° are 9 % longer than
+wide."""
 
 
 class Moments(NamedTuple):
@@ -63,12 +80,14 @@ def measure(
     level: NDArray[np.float64],
     variance: NDArray[np.float64],
     shot: float,
+    aspect: float = 1.0,
 ) -> Moments:
     """Centroids of groups in frames (n, H, W) whose background has this level (n) and noise variance (n).
 
     Where no background pixel is within the image, the frame's level stands for b in (1); b is never above
     the threshold. Where the rim is so much darker than the background that (1) leaves the group's rectangle, the
-    centroid is that of the white pixels alone, uncertain by the rectangle.
+    centroid is that of the white pixels alone, uncertain by the rectangle. `aspect` is the height of a round marker's
+    image by its width: ½ for lines that are every second row of the sensor.
     """
     sums = pixel_sums(images, groups)
     sigma2 = variance[groups.frame]
@@ -77,7 +96,8 @@ def measure(
     w = Sums(*(of_grey - b * of_one for of_grey, of_one in zip(sums.grey, sums.ones, strict=True)))
     with np.errstate(divide="ignore", invalid="ignore"):  # S may be 0 or less: seen to below
         u, v = w.x / w.one, w.y / w.one  # (1)
-        cov = _covariance(sums, groups.area, w, u, v, sigma2, excess, shot)
+        cov = _covariance(sums, groups.area, w, u, v, sigma2, excess, shot, aspect)
+        cov += _undersampled(w.about(u, v) / w.one, w.one / _plateau(sums, b, sigma2), aspect)
     wide, high = groups.right - groups.left, groups.bottom - groups.top
     wrong = ~((w.one > 0) & (u >= 0) & (v >= 0) & (u <= wide) & (v <= high))
     uv = np.stack([u + groups.left, v + (groups.top - groups.frame * images.shape[1])], -1)
@@ -97,6 +117,7 @@ def _covariance(
     sigma2: NDArray[np.float64],
     excess: NDArray[np.float64],
     shot: float,
+    aspect: float,
 ) -> NDArray[np.float64]:
     """(G, 2, 2) px², from the elements xx, xy and yy."""
     x, y = sums.ones.x - u * sums.ones.one, sums.ones.y - v * sums.ones.one
@@ -104,17 +125,43 @@ def _covariance(
     if shot > 0:
         moved += shot * w.about(u, v)  # (2)
     moved += sigma2 / np.maximum(sums.ring, 1) * np.stack([x * x, x * y, y * y])  # (3)
-    moved[::2] += excess * sums.ring * (np.sqrt(area / np.pi) + 1.5) ** 2 / 2
+    for axis, longer in ((0, 1 / aspect), (2, aspect)):
+        moved[axis] += excess * sums.ring * (np.sqrt(area * longer / np.pi) + 1.5) ** 2 / 2
     cov = moved / w.one**2
     cov[::2] += FLOOR / area  # (4)
-    cov[::2] += _undersampled(w.about(u, v)[::2] / w.one)
     return np.ascontiguousarray(cov[[0, 1, 1, 2]].T).reshape(-1, 2, 2)
 
 
-def _undersampled(spread: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(6) of markers whose light has these variances (2, G) px² along the axes."""
-    s2 = np.maximum(spread, 1 / (2 * np.pi**2))
-    return np.asarray((4 * np.pi * s2 * np.exp(-2 * np.pi**2 * s2)) ** 2 / 2)
+def _plateau(sums: PixelSums, b: Floats, sigma2: Floats) -> Floats:
+    """(G) grey levels of each marker above its background, the peak less what noise adds to it."""
+    peak = np.maximum(sums.peak - b, 1.0)
+    return np.maximum(peak - np.sqrt(2 * np.log(np.maximum(sums.grey.one / sums.peak, 1.0)) * sigma2), peak / 2)
+
+
+def _undersampled(spread: Floats, area: Floats, aspect: float) -> Floats:
+    """(G, 2, 2) px² by (7) to (9), of light of these second moments (3, G) px² and area (G) px²."""
+    h, wide = min(aspect, 1.0), spread[0] if aspect < 1 else (spread[0] + spread[2] / aspect**2) / 2
+    wide = np.maximum(wide - 1 / 12, 1e-3)
+    square = np.minimum(4 / (np.pi * aspect) * np.maximum(area, 0.0), 16 * wide)  # a_u²
+    blur = wide - square / 16  # σ²
+    fade_u, fade_v = np.exp(-4 * np.pi**2 * blur), np.exp(-4 * np.pi**2 * aspect**2 * blur)
+    a = np.sqrt(square) * NODES[:, None]
+    along, between = _disc(np.pi * a), _disc(np.pi * a * np.hypot(1, aspect))
+    x, sinc = np.pi * a * aspect, np.sinc(h)
+    disc = _disc(x)
+    across = (np.cos(np.pi * h) - (1 + 4 * np.pi**2 * aspect**2 * blur) * sinc) * disc
+    across -= 2 * sinc * (disc - scipy.special.j0(x))  # J₂ = 2 J₁ / x − J₀
+    u = fade_u * (WEIGHTS @ along**2 + 2 * fade_v * sinc**2 * (WEIGHTS @ between**2))
+    v = fade_v * (WEIGHTS @ across**2)
+    shear = spread[1] / np.maximum(spread[2], 1e-3) if h < 1 else np.zeros_like(wide)  # (9)
+    return np.ascontiguousarray(np.stack([u + shear**2 * v, shear * v, shear * v, v]).T).reshape(-1, 2, 2) / (
+        2 * np.pi**2
+    )
+
+
+def _disc(x: Floats) -> Floats:
+    """D of (6)."""
+    return np.asarray(2 * scipy.special.j1(x) / x)
 
 
 def _background(

@@ -25,7 +25,7 @@ with Σ the second moments of the white pixels and r the radius of the largest d
 r² / 4 1 + the scatter of their centres.
 
 The covariance of a disc's centre is that of least squares, times s, and what the model itself leaves: square pixels of
-a sharp image (`moments.FLOOR`), and corners that are rounder than those of straight outlines where the blur w is wide
+a sharp image (`discs.FLOOR`), and corners that are rounder than those of straight outlines where the blur w is wide
 
     C s + (FLOOR / (π r²) + (CORNER w²)²) 1                              (4)
 """
@@ -42,7 +42,6 @@ from ..numerics.robust import SD_PER_MEDIAN
 from . import discs
 from .discs import DiscFit, Patches
 from .edge import discs_at_edge
-from .moments import FLOOR
 from .patches import CutOut
 from .plausible import SMALLEST, apart, plausible_cut, plausible_discs, rim
 from .starts import cut_start, disc_start, ellipse_start, motion_start, second_moments
@@ -235,7 +234,7 @@ def _chosen(tried: list[GroupExplanation], cut: CutOut, number: NDArray[np.int64
     for j, t in enumerate(tried):
         mine, k = wins & (best == j), t.circles.shape[1]
         circles[mine, :k] = t.circles[mine]
-        floor = FLOOR / (np.pi * t.circles[mine, :, 2] ** 2) + (CORNER * t.blur[mine, None] ** 2) ** 2
+        floor = discs.FLOOR / (np.pi * t.circles[mine, :, 2] ** 2) + (CORNER * t.blur[mine, None] ** 2) ** 2
         cov[mine, :k] = t.cov[mine] * s[mine, None, None, None] + floor[..., None, None] * np.eye(2)  # (4)
     spread = np.zeros((n, 2, 2))
     unclear = np.flatnonzero(kind == UNCLEAR)

@@ -117,13 +117,14 @@ def masks_of(root: Path, settings: Settings, names: Sequence[str]) -> StaticMask
         return drawn
     key = file_key(*files_of(root, settings, way.empty, names))
     field = settings.cameras.first_field
-    learned = _learned(root, way.empty, tuple(names), key, method=settings.detect, first_field=field, grow=way.grow_px)
+    methods = settings.detect, tuple(methods_of(settings, names).items())
+    learned = _learned(root, way.empty, tuple(names), key, methods=methods, first_field=field, grow=way.grow_px)
     return learned if drawn is None else combined_masks(drawn, learned)
 
 
 @lru_cache(maxsize=8)
 def _learned(
-    root: Path, pattern: str, names: tuple[str, ...], key: str, *, method: Any, first_field: Any, grow: float | None
+    root: Path, pattern: str, names: tuple[str, ...], key: str, *, methods: Any, first_field: Any, grow: float | None
 ) -> StaticMasks:
     """The masks of an empty recording, learned once for all trials of a run; `key` changes when its files do.
 
@@ -133,18 +134,19 @@ def _learned(
     sources = list(_opened(root, first_field, pattern, names).values())
     grown = {} if grow is None else {"grow": grow}
     try:
-        return learn_masks(sources, cameras=names, method=method, **grown)
+        return learn_masks(sources, cameras=names, method=methods[0], of_cameras=dict(methods[1]), **grown)
     except ValueError as error:
         raise KinemarkError(f"[masks] cannot be learned from the empty volume: {error}.") from error
 
 
-def masks_key(root: Path, settings: Settings, names: Sequence[str]) -> list[str]:
+def masks_key(root: Path, settings: Settings, names: Sequence[str]) -> list[object]:
     """What the masks depend on, for the key of a stage; nothing where there are none."""
     way = settings.masks
     if way is None:
         return []
     files = [root / way.file] if way.file else []
-    return [file_key(*files, *files_of(root, settings, way.empty, names)), way.model_dump_json()]
+    said = [settings.detect, methods_of(settings, names)] if way.empty else []
+    return [file_key(*files, *files_of(root, settings, way.empty, names)), way.model_dump_json(), *said]
 
 
 def size_of_cameras(root: Path, settings: Settings, names: Sequence[str]) -> NDArray[np.int64]:

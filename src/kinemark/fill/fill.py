@@ -144,7 +144,7 @@ def evaluate_leading(
     answers = _evaluated(motion, gaps, candidates, seed, lambda method: method.together)
     left = set(range(len(gaps)))
     while left:
-        lead = {index: best_candidate(answers, *expected_errors(answers, gaps, index)) for index in left}
+        lead = {index: best_candidate(answers, *expected_errors(answers, gaps, index), index) for index in left}
         left = {index for index in left if lead[index].predictions[index] is NOT_PREDICTED}
         for answer in answers:
             mine = sorted(index for index in left if lead[index] is answer)

@@ -7,7 +7,7 @@ import pytest
 
 from kinemark.fill import Body, Gap, Kalman, LimbAngles, Linear, MarkerArray, Prediction, fill
 from kinemark.fill.fill import affordable, evaluate_candidates, within_time
-from kinemark.fill.judge.choice import CandidateFill, _mean_of_close, choose_candidate, expected_errors
+from kinemark.fill.judge.choice import CandidateFill, _mean_of_close, best_candidate, choose_candidate, expected_errors
 from kinemark.fill.judge.combine import close_ones, mean_prediction, mean_tests, together, weights
 from kinemark.fill.judge.expected_error import LEAST, SLOPE, ErrorCalibration, MeasuredErrors, difficulty_weight
 from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult, draw_hold_out_gaps
@@ -120,6 +120,24 @@ def test_a_gap_in_which_the_methods_agree_is_expected_to_be_as_good_as_the_tests
         expected[apart] = expected_errors(answers, [Gap(0, 0, 20)], 0)[0]["a"][0]
     usual = np.sqrt(8 / np.pi)  # mean length of a unit normal vector in space
     assert expected[0.5] == pytest.approx(0.5 * usual, rel=0.15) and expected[5.0] == pytest.approx(5 * usual, rel=0.15)
+
+
+@pytest.mark.parametrize(("harder", "chosen"), [(1.0, "body"), (20.0, "pca")])
+def test_a_method_that_finds_the_gap_much_harder_than_its_tests_gives_way(harder, chosen):
+    """It did better in all tests, and says itself that the gap is none of them."""
+    rng, prediction = np.random.default_rng(9), {}
+    size = np.exp(np.linspace(-1, 1, 20))[:, None, None]
+    results = {
+        name: filled_with(sd * size * rng.normal(0, 1, (20, 20, 3))) for name, sd in (("body", 0.7), ("pca", 1.0))
+    }
+    answers = []
+    for name, tests in results.items():
+        told = [t._replace(cov=t.cov * s**2) for t, s in zip(tests, size, strict=True)]
+        cov = np.tile(np.eye(3), (20, 1, 1)) * (harder**2 if name == "body" else 1.0)
+        prediction[name] = Prediction(np.full((20, 3), 0.1 * len(answers)), cov)
+        answers.append(CandidateFill(name, [prediction[name]], MeasuredErrors(told), ErrorCalibration(told), told))
+    errors, counts = expected_errors(answers, [Gap(0, 0, 20)], 0)
+    assert best_candidate(answers, errors, counts, 0, np.ones(20)).name == chosen
 
 
 def test_few_tests_make_wider_bands():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinemark.fill import Body, Gap, Linear, MarkerArray, Prediction
-from kinemark.fill.judge.expected_error import SLOPE, ErrorCalibration, MeasuredErrors, hold_out_weights
+from kinemark.fill.judge.expected_error import SLOPE, ErrorCalibration, MeasuredErrors, behind, hold_out_weights
 from kinemark.fill.judge.hold_out import HoldOutGap, HoldOutResult, draw_hold_out_gaps, run
 from kinemark.fill.methods.stage import filler_of
 from support.filling import moving
@@ -123,9 +123,20 @@ class TestCalibration:
         rng, left = np.random.default_rng(6), []
         for sd in [2.0] * 100 + [1.4] * 100:
             old, new = MeasuredErrors(tries(6, 2.0, rng)), MeasuredErrors(tries(6, sd, rng))
-            left.append(new.behind(old, np.ones(6)) < 0)
+            left.append(behind(new.logs, old.logs, new.same, np.ones(6)) < 0)
         assert np.mean(left[:100]) < 0.3 and np.mean(left[100:]) > 0.9  # half would go by the mean alone
-        assert np.isinf(MeasuredErrors(tries(1, 2.0, rng)).behind(MeasuredErrors(tries(1, 2.0, rng)), np.ones(1)))
+        one = MeasuredErrors(tries(1, 2.0, rng))
+        assert np.isinf(behind(one.logs, one.logs + 1, one.same, np.ones(1)))
+
+    def test_what_all_tests_of_the_trial_say_stands_against_luck_in_the_few_of_a_gap(self):
+        """The choice falls half as often on a method that is 5 % worse, and as often on one that is better."""
+        rng, left = np.random.default_rng(18), []
+        for sd in [2.1] * 150 + [1.4] * 50:
+            old, new = MeasuredErrors(tries(60, 2.0, rng)), MeasuredErrors(tries(60, sd, rng))
+            own = np.where(np.arange(60) < 6, 1.0, 0.0)
+            left.append([behind(new.logs, old.logs, new.same, own, all_of) < 0 for all_of in (None, np.ones(60))])
+        by_chance, better = np.mean(left[:150], axis=0), np.mean(left[150:], axis=0)
+        assert 0 < by_chance[0] > 1.5 * by_chance[1] and better[1] > 0.95
 
     def test_a_silent_method_gets_errors_that_grow_from_the_edges(self):
         rng = np.random.default_rng(2)

@@ -9,7 +9,7 @@ from kinemark.track.simultaneous import Simultaneous, track_simultaneously
 from kinemark.track.simultaneous.adjusted_rig import adjusted_rig
 from kinemark.track.simultaneous.candidate_points import fundamentals
 from kinemark.track.simultaneous.detection_index import read_images
-from kinemark.track.simultaneous.epipolar_noise import WINDOW, epipolar_noise, mixture, residuals
+from kinemark.track.simultaneous.epipolar_noise import WINDOW, camera_noise, mixture, pair_of, residuals
 from kinemark.track.simultaneous.measurement_noise import learn_noise, sampled_frames
 from support.laboratory import observe, ring
 from support.motions import dance
@@ -20,8 +20,9 @@ from support.scenes.placements import off
 
 def learned(rig, detections):
     """Standard deviation (C) px of the images of each camera."""
-    images = read_images(detections, rig)
-    return np.sqrt(epipolar_noise(images, fundamentals(images.P), sampled_frames(images)).variance)
+    images, C = read_images(detections, rig), len(rig)
+    some = residuals(images, fundamentals(images.P), sampled_frames(images))
+    return np.sqrt(camera_noise(some, mixture(some.off, pair_of(some, C), C * C), C).variance)
 
 
 @pytest.mark.parametrize("cameras", [2, 3, 4, 8])
@@ -106,19 +107,20 @@ def test_the_images_are_given_at_least_the_noise_that_was_learned():
     detections, _ = observe(rig, dance(n=20, frames=60), noise=0.3, cov=False)
     images = read_images(detections, rig)
     _, noise = learn_noise(images, fundamentals(images.P), 5.0)
-    assert np.sqrt(noise.least) == pytest.approx(0.3, rel=0.3)
+    assert np.sqrt(noise.white) == pytest.approx(0.3, rel=0.1)
+    assert (noise.lasting < 0.25 * noise.white).all()
 
 
-def off_by(error, stated, seeds=range(12)):
-    """Variances (S, 6) px² that positions are solved with, of 12 scenes of images of 0.1 px and files that are off."""
+def off_by(error, stated, seeds=range(4)):
+    """Variances (S, 6) px² that positions are solved with, of scenes of images of 0.1 px and files that are off."""
     out = []
     for seed in seeds:
         optics = Optics(noise=0.1, stated=stated, merge=0.0, marked=True, dropout=0.0, false=0.0)
         drawn = scene(seed)._replace(motion="swarm", markers=20, cameras=6, placement="ring", rate=50.0, seconds=1.0)
         made = make(drawn._replace(optics=optics, calibration=error))
         images = read_images(made.detections, made.rig)
-        least = learn_noise(images, fundamentals(images.P), 5.0)[1].least
-        out.append(np.maximum(least, 0.01 if stated else 0))
+        noise = learn_noise(images, fundamentals(images.P), 5.0)[1]
+        out.append(np.maximum(noise.white, 0.01 if stated else 0) + noise.lasting)
     return np.array(out)
 
 
@@ -126,5 +128,6 @@ def off_by(error, stated, seeds=range(12)):
 @pytest.mark.parametrize("error", [0.0, 0.3])
 def test_positions_are_given_what_a_calibration_that_is_off_really_leaves(error, stated):
     variance = off_by(error, stated)
-    assert 0.55 < variance.mean() / (0.01 + error**2) < 1.3  # errors that are smooth over the image are few
-    assert np.median(variance) > 0.45 * (0.01 + error**2)  # none is taken to be right for want of residuals
+    true = 0.01 + error**2
+    assert 0.7 < variance.mean() / true < 1.8  # more than the truth, as few degrees of freedom show it
+    assert (variance > 0.6 * true).all()  # none is taken to be right for want of residuals

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ...engine.open_trial import OpenTrial
-from ...engine.session import Session
-from ...report.calibration_text import calibration_summary
-from ...report.terminal_summary import summary
 from ..output import FailOn, Json, SelfContained, Set, exit_by_verdict, print_errors, print_result
 from ..progress import progress
+
+if TYPE_CHECKING:  # all stages come with a session, and --help does without: they are imported where they are used
+    from ...engine.open_trial import OpenTrial
 
 
 def run(
@@ -39,6 +39,8 @@ def run(
         fail_on: a verdict as bad as this ends the command with status 3.
         json: print the figures for a machine.
     """
+    from ...engine.session import Session
+
     opened = Session.open(session, overrides=set or (), results=results, self_contained=self_contained)
     with progress() as tell:
         done = opened.run(
@@ -56,6 +58,8 @@ def run(
 
 def _did(trial: OpenTrial) -> str:
     """The figures of a trial, what was computed, and where it is."""
+    from ...report.terminal_summary import summary
+
     did = ", ".join(trial.computed) or "nothing: all is unchanged"
     figures = f"{summary(trial.quality)}\n\n" if trial.done("quality") else ""
     return f"{figures}computed: {did}\nresults:  {trial.folder}"
@@ -69,6 +73,8 @@ def status(session: Path, *trials: str, json: Json = False) -> None:
         trials: names of the trials; all where none is given.
         json: print it for a machine.
     """
+    from ...engine.session import Session
+
     opened = Session.open(session)
     found = {name: opened.trial(name).state() for name in trials or opened.names}
     if json:
@@ -97,6 +103,9 @@ def calibrate(
         fail_on: a verdict as bad as this ends the command with status 3.
         json: print the figures for a machine.
     """
+    from ...engine.session import Session
+    from ...report.calibration_text import calibration_summary
+
     opened = Session.open(session, overrides=set or (), self_contained=self_contained)
     with progress() as tell:
         result = opened.calibrate(progress=tell)

@@ -14,7 +14,14 @@ from ..marker_array import Gap, MarkerArray, Prediction
 from .combine import close_ones, mean_prediction, mean_tests, together
 from .combine import weights as best_weights
 from .contradiction import largest_sd
-from .expected_error import ErrorCalibration, MeasuredErrors, difficulty_weight, hold_out_weights
+from .expected_error import (
+    ErrorCalibration,
+    MeasuredErrors,
+    behind,
+    difficulty_weight,
+    hold_out_weights,
+    likeness,
+)
 from .hold_out import MANY, HoldOutResult, edge_distance
 
 FIRST = "body"
@@ -43,10 +50,13 @@ def choose_candidate(
     """The method that does best in the tests for one gap, its prediction, and the calibrated covariance."""
     gap = gaps[index]
     errors, weights = expected_errors(answers, gaps, index)
-    best = best_candidate(answers, errors, weights)
-    if len(gaps) <= MANY and (mean := _mean_of_close(answers, errors, index, weights)) and mean.name not in errors:
+    few = len(gaps) <= MANY
+    alike = likeness([t.test for t in answers[0].results], gap, motion_of(answers[0], index)) if few else None
+    best = best_candidate(answers, errors, weights, index, alike)
+    if few and (mean := _mean_of_close(answers, errors, index, weights)) and mean.name not in errors:
         errors[mean.name] = mean.measured.expect(mean.predictions[index], weights, motion_of(best, index))
-        if mean.measured.behind(best.measured, weights, sure=0.5) < 0:  # one mean, no luckiest of many
+        ln_e = mean.measured.logs, best.measured.logs  # one mean, no luckiest of many
+        if behind(*ln_e, best.measured.same, weights, alike, sure=0.5) < 0:
             best = mean
     expected = {name: mm for name, (mm, _) in errors.items()}
     prediction = best.predictions[index]
@@ -103,15 +113,41 @@ def _apart(one: Floats, other: Floats) -> float:
 
 
 def best_candidate(
-    answers: list[CandidateFill], errors: dict[str, tuple[float, float]], weights: Floats
+    answers: list[CandidateFill],
+    errors: dict[str, tuple[float, float]],
+    weights: Floats,
+    index: int,
+    alike: Floats | None = None,
 ) -> CandidateFill:
-    """The least typical error; `FIRST` where it can be used, unless another beats it by more than chance."""
-    first = next((a for a in answers if a.name == FIRST and np.isfinite(errors[a.name][1])), None)
+    """The least typical error; `FIRST` where it can be used, unless another beats it by more than chance.
+
+    Tests are moved to the gap, and all of the trial count, where `alike` is given: what each counts by length and
+    motion alone. That wants the predictions of all methods.
+    """
+    able = [a for a in answers if np.isfinite(errors[a.name][1])]
+    ln_e = {a.name: _ln_errors(a, index, moved=alike is not None) for a in able}
+    first = next((a for a in able if a.name == FIRST), None)
     if first is None:
-        return min(answers, key=lambda a: np.nan_to_num(errors[a.name][1], nan=1e300))
-    able = [a for a in answers if np.isfinite(errors[a.name][1]) and a is not first]
-    best = min(able, key=lambda a: a.measured.behind(first.measured, weights), default=first)
-    return best if best.measured.behind(first.measured, weights) < 0 else first
+        return min(able, key=lambda a: _mean_known(ln_e[a.name], weights), default=answers[0])
+
+    def behind_first(answer: CandidateFill) -> float:
+        return behind(ln_e[answer.name], ln_e[FIRST], answer.measured.same, weights, alike)
+
+    best = min((a for a in able if a is not first), key=behind_first, default=first)
+    return best if best is not first and behind_first(best) < 0 else first
+
+
+def _ln_errors(answer: CandidateFill, index: int, *, moved: bool) -> Floats:
+    """(T) ln e of a method's tests, moved to the gap where that is asked for."""
+    if moved:
+        return answer.measured.moved_to(answer.predictions[index], motion_of(answer, index))
+    return answer.measured.logs
+
+
+def _mean_known(logs: Floats, weights: Floats) -> float:
+    """The weighed mean of those that are finite."""
+    w = np.where(np.isfinite(logs), weights, 0.0)
+    return float(w @ np.where(w > 0, logs, 0.0) / w.sum())
 
 
 def _mean_of_close(

@@ -13,14 +13,16 @@ error of the gap is that of the tests, each moved to what it states of this gap,
 
 with m in the place of s̄ where a filler states nothing. Some fillers tell an easy gap from a hard one well, others do
 not: b is the slope of ln e over ln s̄ in all tests of the method, with S₀ squares of tests of slope b₀ added (10). So
-a gap that is harder than all of its tests is expected to be worse than they are. Methods are compared by ln e alone: a
-few tests gone wrong are no reason to leave the method that is better in all others, nor is that one finds a gap harder
-than its tests. Among many methods some do well in few tests by luck. So another takes the place of the one that is
-mostly best only if it does better by more than chance; with d = ln e − ln e' over the tests that both could do,
+a gap that is harder than all of its tests is expected to be worse than they are. Methods are compared by ln e, moved in
+the same way: a few tests gone wrong are no reason to leave the method that is better in all others. Among many methods
+some do well in few tests by luck. So another takes the place of the one that is mostly best only if it does better by
+more than chance; with d = ln e − ln e' over the tests that both could do,
 
-    d̄ + √( V(d) / (n − 1) ) < 0,     d̄ = Σ w d / Σ w,     V = Σ w (d − d̄)² / Σ w                          (3)
+    d̄ + √( V / (n − 1) ) < 0,     d̄ = Σ w d / Σ w,     V = Σ w (d − d̄)² / Σ w                             (3)
 
-n being the number of tests that differ (7).
+n being the number of tests that differ (7). They are few, so d̄ and V are first shrunk towards those of all tests of the
+trial, which count by length and motion alone, w without `own`: these are worth POOLED tests, n d̄ + POOLED d̄_all by
+n + POOLED, and so is V (11).
 
 A filler's own covariance is a shape only. Where it gives none, the shape is the mean squared error of the tests as it
 grows with the distance d from the nearer edge of the gap, over bins that double, never falling (4). How the errors of
@@ -69,6 +71,9 @@ MOST = 30.0
 SLOPE, PRIOR_SQUARES = 0.8, 1.0
 """b₀ and S₀ of (10), without unit. Of eleven methods on three movements b was 0.75 to 1.2, for stated errors and for
 motion. Chosen (see benchmarks/gaps.py)."""
+POOLED = 4.0
+"""Tests that all tests of the trial are worth in the choice of one gap's method (11); chosen: of 2, 4 and 8 the best
+for 20 gaps in nine trials, seeds 1, 21 and 22."""
 STEEPEST = 1.2
 """b of (10) at most, without unit; chosen (see benchmarks/gaps.py)."""
 Z = 1.959964  # standard deviations on each side that hold 95 %; the normal distribution's, by definition
@@ -78,13 +83,18 @@ QUANTILES = (np.arange(40) + 0.5) / 40
 
 def hold_out_weights(tests: list[HoldOutGap], of: int, gaps: list[Gap], moving: float = np.nan) -> Floats:
     """(1): what each test counts for the gap of that index, in which the part moves by so much √(mm rad)."""
-    gap = gaps[of]
-    about = np.array([(t.of, t.window.marker, t.keep[1] - t.keep[0]) for t in tests], np.int64).reshape(-1, 3)
-    share = np.where(about[:, 0] == of, 1.0, np.where(about[:, 1] == gap.marker, MARKER, OTHER))
-    w = share * np.exp(-np.abs(np.log(about[:, 2] / gap.length)) / SPREAD)
+    about = np.array([(t.of, t.window.marker) for t in tests], np.int64).reshape(-1, 2)
+    share = np.where(about[:, 0] == of, 1.0, np.where(about[:, 1] == gaps[of].marker, MARKER, OTHER))
+    return np.asarray(share * likeness(tests, gaps[of], moving))
+
+
+def likeness(tests: list[HoldOutGap], gap: Gap, moving: float = np.nan) -> Floats:
+    """(1) without `own`: what each test counts by its length and motion alone."""
+    length = np.array([t.keep[1] - t.keep[0] for t in tests])
+    off = np.abs(np.log(length / gap.length))
     if np.isfinite(moving):
-        w = w * np.exp(-np.abs(np.log(np.array([t.motion for t in tests]) / moving)) / SPREAD)
-    return np.asarray(w)
+        off = off + np.abs(np.log(np.array([t.motion for t in tests]) / moving))
+    return np.asarray(np.exp(-off / SPREAD))
 
 
 def difficulty_weight(apart: Floats, here: float) -> Floats:
@@ -127,30 +137,56 @@ class MeasuredErrors:
         if not np.isfinite(prediction.xyz).all() or w.sum() < 0.5 * weights.sum():
             return np.inf, np.inf
         w = w / w.sum()
-        moved = np.exp(np.clip(self._harder(prediction, moving, able), -np.log(MOST), np.log(MOST)))
+        moved = np.exp(self._factor(prediction, moving, able))
         return float(w @ (self.means[able] * moved)), float(np.exp(w @ self.logs[able]))
 
-    def _harder(self, prediction: Prediction, moving: float, able: Bools) -> Floats:
-        """(T) ln of what each of the tests' errors is moved by (2)."""
+    def _factor(self, prediction: Prediction, moving: float, able: Bools) -> Floats:
+        """(T) ln of what each of the tests' errors is moved by (2), of those that are able."""
         with np.errstate(invalid="ignore", divide="ignore"):
             heres = np.log(max(size(prediction.cov), 1e-9)), np.log(moving)
         for there, here, b in zip((self.stated, self.moved), heres, self.slopes, strict=True):
             if np.isfinite(here) and np.isfinite(there[able]).all():
-                return np.asarray(b * (here - there[able]))
+                return np.asarray(np.clip(b * (here - there[able]), -np.log(MOST), np.log(MOST)))
         return np.zeros(int(able.sum()))
 
-    def behind(self, other: MeasuredErrors, weights: Floats, *, sure: float = 1.0) -> float:
-        """(3): the left side of it, below 0 where this method is better than the other by more than `sure` standard
-        errors."""
-        with np.errstate(invalid="ignore"):
-            d = self.logs - other.logs
-        w = np.where(np.isfinite(d), weights, 0.0)
-        if not w.sum():
-            return np.inf
-        w, d = w / w.sum(), np.where(w > 0, d, 0.0)
-        n = 1 / float(w @ self.same @ w)
-        mean = float(w @ d)
-        return mean + sure * np.sqrt(float(w @ (d - mean) ** 2) / (n - 1)) if n > 1.001 else np.inf
+    def moved_to(self, prediction: Prediction, moving: float) -> Floats:
+        """(T) ln e of all tests, moved to one gap as (2) does; infinite where the method had no prediction."""
+        able = np.isfinite(self.means)
+        logs = np.where(able, self.logs, np.inf)
+        logs[able] += self._factor(prediction, moving, able)
+        return logs
+
+
+def behind(
+    logs: Floats, others: Floats, same: Floats, weights: Floats, alike: Floats | None = None, *, sure: float = 1.0
+) -> float:
+    """(3): the left side of it, below 0 where one method is better than another by more than `sure` standard errors.
+
+    Args:
+        logs: (T) ln e of the one.
+        others: (T) of the other.
+        same: (T, T) ρ of (7).
+        weights: (T) what each test counts for the gap.
+        alike: (T) the same by length and motion alone, for (11); without it, nothing is shrunk.
+    """
+    with np.errstate(invalid="ignore"):
+        d = logs - others
+    mean, variance, n = _moments(d, weights, same)
+    if alike is not None and np.isfinite(mean):
+        usual, spread, _ = _moments(d, alike, same)
+        mean, variance = ((n * a + POOLED * b) / (n + POOLED) for a, b in ((mean, usual), (variance, spread)))
+        n += POOLED
+    return mean + sure * np.sqrt(variance / (n - 1)) if n > 1.001 else np.inf
+
+
+def _moments(d: Floats, weights: Floats, same: Floats) -> tuple[float, float, float]:
+    """Mean and variance of (3) and n of (7); an infinite mean where nothing is known."""
+    w = np.where(np.isfinite(d), weights, 0.0)
+    if not w.sum():
+        return np.inf, 0.0, 0.0
+    w, d = w / w.sum(), np.where(w > 0, d, 0.0)
+    mean = float(w @ d)
+    return mean, float(w @ (d - mean) ** 2), 1 / float(w @ same @ w)
 
 
 class ErrorCalibration:

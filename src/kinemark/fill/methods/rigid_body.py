@@ -88,11 +88,19 @@ class BodyShape(NamedTuple):
 
 
 class _LearntBody(NamedTuple):
-    """What gaps of a call share: the reference markers allowed, distances, bodies by marker and what is seen."""
+    """What gaps of a call share.
+
+    Attributes:
+        allowed: (M) which may be reference markers.
+        distances: of all markers from one.
+        bodies: by marker and the pool of reference markers to choose from.
+        of_set: by marker, reference markers and number of frames, what `learn` made of them: pools share sets.
+    """
 
     allowed: Bools
     distances: Distances
     bodies: dict[tuple[int, bytes], BodyShape | str]
+    of_set: dict[tuple[int, bytes, int], BodyShape | None]
 
 
 @FILL.method("rigid_body", RigidBody, rank=5, source="Söderkvist and Wedin 1993")
@@ -104,7 +112,7 @@ def fill_rigid_body(motion: MarkerArray, gaps: list[Gap], *, method: RigidBody =
     """
     known = KnownSamples.of(motion)
     allowed = known.among(method.reference_markers)
-    learnt = _LearntBody(allowed, distances(known), {})
+    learnt = _LearntBody(allowed, distances(known), {}, {})
     return [_carried(known, known.span(gap), learnt, method) for gap in gaps]
 
 
@@ -144,27 +152,34 @@ def _body(known: KnownSamples, span: Span, there: Bools, learnt: _LearntBody, me
         pool = np.flatnonzero(there)
     key = (span.marker, pool.tobytes())
     if key not in learnt.bodies:
-        learnt.bodies[key] = _best(known, span.marker, pool, method)
+        learnt.bodies[key] = _best(known, span.marker, pool, learnt, method)
     return learnt.bodies[key]
 
 
-def _best(known: KnownSamples, marker: int, pool: Ints, method: RigidBody) -> BodyShape | str:
+def _best(known: KnownSamples, marker: int, pool: Ints, learnt: _LearntBody, method: RigidBody) -> BodyShape | str:
     """The body of the best set from a pool, most rigid first."""
+
+    def of(references: Ints, frames: int) -> BodyShape | None:
+        key = (marker, references.tobytes(), frames)
+        if key not in learnt.of_set:
+            learnt.of_set[key] = learn(known, marker, references, known.thin(frames), method.min_breadth)
+        return learnt.of_set[key]
+
     sets = [pool] if method.reference_markers else [pool[:n] for n in range(3, min(method.most_markers, len(pool)) + 1)]
-    if len(sets) > 1 and (judged := _judged(known, marker, sets, method.min_breadth)):
-        return judged
-    few = known.thin(JUDGE)
-    found = [(s, body) for s in sets if (body := learn(known, marker, s, few, method.min_breadth))]
+    judged = _judged(known, marker, sets, method.min_breadth) if len(sets) > 1 else None
+    if judged is not None and (body := of(judged, LEARN)):
+        return body
+    found = [(s, body) for s in sets if (body := of(s, JUDGE))]
     if not found:
-        found = [(s, body) for s in sets if (body := learn(known, marker, s, known.thin(LEARN), method.min_breadth))]
+        found = [(s, body) for s in sets if (body := of(s, LEARN))]
     if not found:
         return _from_static(known, marker, pool, method)
     best = min(found, key=lambda pair: float(np.trace(pair[1].left.cov)) if pair[1].left else np.inf)
-    return learn(known, marker, best[0], known.thin(LEARN), method.min_breadth) or best[1]
+    return of(best[0], LEARN) or best[1]
 
 
-def _judged(known: KnownSamples, marker: int, sets: list[Ints], flat: float) -> BodyShape | None:
-    """The body of the best of nested sets, compared in the same frames; None where too few show all."""
+def _judged(known: KnownSamples, marker: int, sets: list[Ints], flat: float) -> Ints | None:
+    """The best of nested sets, compared in the same frames; None where too few show all."""
     who = np.append(sets[-1], marker)
     x = known.at(who, known.thin(JUDGE)[:, None])
     x = x[~np.isnan(x[..., 0]).any(1)]
@@ -182,7 +197,7 @@ def _judged(known: KnownSamples, marker: int, sets: list[Ints], flat: float) -> 
     R = nearest_rotations(references.mT @ (s[:, None, :-1] * use[:, None, :, None]))
     off = body[:, :, -1] - (R @ s[:, None, -1, :, None])[..., 0]
     error = np.where(line, np.inf, np.nan_to_num((off**2).sum((1, 2)), nan=np.inf))
-    return learn(known, marker, sets[int(np.argmin(error))], known.thin(LEARN), flat)
+    return sets[int(np.argmin(error))]
 
 
 def learn(known: KnownSamples, marker: int, references: Ints, frames: Ints, flat: float) -> BodyShape | None:

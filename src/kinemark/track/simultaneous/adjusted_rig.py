@@ -27,7 +27,7 @@ from ...data import Camera, Rig
 from ...data.array_types import Floats
 from .candidate_points import fundamentals
 from .detection_index import Images
-from .epipolar_noise import Residuals, mixture, peaked, residuals
+from .epipolar_noise import Residuals, mixture, pair_of, peaked, residuals
 
 USUAL_ERROR = np.array([1.5e-3, 1.5e-3, 1.5e-3, 1.5e-3])
 """θ₀ of (2): ω in rad and s, about two pixels; chosen (see benchmarks/tracking_scenes.py)."""
@@ -42,7 +42,7 @@ def adjusted_rig(images: Images, rig: Rig, frames: list[int]) -> Rig:
     for _ in range(ROUNDS):
         moved = _moved(rig, theta)
         some = residuals(images, fundamentals(moved.P), frames)
-        group = some.camera[0] * C + some.camera[1]
+        group = pair_of(some, C)
         fit = mixture(some.off, group, C * C)
         weight = np.where(peaked(fit)[group], np.sqrt(fit.weight / fit.variance[group]), 0.0)
         J = _jacobian(images, moved, some) * weight[:, None]

@@ -23,16 +23,8 @@ of one rig are alike, to ρ in the logarithm of their σ². So σ² = exp a mini
 over the pairs of cameras, each with n residuals. No image is grouped, no camera needs another's noise first, and two
 cameras suffice.
 
-For association (4) is enough. For the stated error of positions it would be too small: the residuals of a calibration
-that is off are not n, but one and the same n times. With μ the mean of the residuals of two cameras and f = μ²/v, v has
-(Satterthwaite 1946)
-
-    d = 1 / (f² + (1 − f)²/n)                                                             (5)
-
-degrees of freedom, and the logarithm of a χ²(d)/d has the mean ψ(d/2) − ln(d/2) and the variance ψ′(d/2) (Bartlett &
-Kendall 1946), −1.27 and 4.9 at d = 1. So (4) is solved again with ln v less that mean, and that variance in place of
-2/n (6). What follows has ν = Σ d degrees of freedom itself, and errors over a variance found so are wider than normal
-ones; as elsewhere, it is given as σ² ν/(ν − 2), with ν at least 3 (7).
+The residuals of a calibration that is off are not n errors, but one and the same n times. For association that is
+enough; `calibration_field` tells them from white noise.
 """
 
 from __future__ import annotations
@@ -40,7 +32,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from ...data.array_types import Bools, Floats, Ints
 from .candidate_points import batches, near_lines
@@ -69,24 +60,16 @@ PAIR_LOG_SD = 0.5
 CAMERA_LOG_SD = 1.0
 """ρ of (4), a natural logarithm of variances; chosen (see benchmarks/tracking_scenes.py)."""
 
-LASTING_LOG_SD = 0.3
-"""ρ of (6), a natural logarithm of variances; chosen of 0.3 and 1: 95 % ellipsoids hold more nearly 95 %."""
-
 STEPS = 20
 """Gauss–Newton steps to the least of (4), a number; chosen: it hardly moves after ten."""
 
 
-FEWEST_FREEDOM = 3.0
-"""ν of (7) at least, a number; chosen: at 2, it would say nothing."""
-
-
 class CameraNoise(NamedTuple):
-    """Variance (C) px² of the images of each camera, its standard error (C) px² by the number of residuals, and
-    the variance (C) px² by (6) and (7) from which errors of positions follow; NaN where nothing is known."""
+    """Variance (C) px² of the images of each camera, and its standard error (C) px² by the number of residuals; NaN
+    where nothing is known."""
 
     variance: Floats
     error: Floats
-    for_positions: Floats
 
 
 class Residuals(NamedTuple):
@@ -105,27 +88,31 @@ class Residuals(NamedTuple):
 
 
 class Mixture(NamedTuple):
-    """v (n) px² of (3), the number (n) of residuals that are one marker's, and their mean μ (n) px, of n groups; weight
-    (H) of each residual in v, 0 where it is two markers' for certain."""
+    """v (n) px² of (3), and the number (n) of residuals that are one marker's, of n groups; weight (H) of each residual
+    in v, 0 where it is two markers' for certain."""
 
     variance: Floats
     number: Floats
-    mean: Floats
     weight: Floats
 
 
-def epipolar_noise(images: Images, F: Floats, frames: list[int]) -> CameraNoise:
-    """The noise of the images in some frames; merged images say nothing."""
-    C = len(images.P)
-    some = residuals(images, F, frames)
-    number = some.camera[0] * C + some.camera[1]
-    fit = mixture(some.off, number, C * C)
+def pair_of(some: Residuals, C: int) -> Ints:
+    """(H) the number of the two of C cameras that each residual is of, r C + s."""
+    return some.camera[0] * C + some.camera[1]
+
+
+def camera_noise(some: Residuals, fit: Mixture, C: int) -> CameraNoise:
+    """The noise of C cameras by (4), from the mixtures (C²) that their residuals are."""
+    number = pair_of(some, C)
     usable = np.flatnonzero(peaked(fit))
     share = (
         np.bincount(number, (some.line[0] ** 2).sum(-1), C * C)[usable] / np.bincount(number, minlength=C * C)[usable]
     )
-    own = fit._replace(variance=fit.variance[usable], number=fit.number[usable], mean=fit.mean[usable])
-    return _by_camera(own, share, np.array(divmod(usable, C)), C)
+    out = np.full((2, C), np.nan)
+    known, own = np.unique(np.array(divmod(usable, C)), return_inverse=True)
+    if len(known):
+        out[:, known] = _by_camera(fit.variance[usable], fit.number[usable], share, own.reshape(2, -1))
+    return CameraNoise(*out)
 
 
 def peaked(fit: Mixture) -> Bools:
@@ -168,34 +155,20 @@ def mixture(off: Floats, group: Ints, n: int) -> Mixture:
         if (np.abs(variance - before) <= SETTLED * before)[count > MIN_PAIRS].all():
             break
     weight = core + wider / WIDER**2
-    mean = np.bincount(group, weight * off, n) / np.maximum(np.bincount(group, weight, n), 1e-9)
-    return Mixture(variance, count, mean, weight)
+    return Mixture(variance, count, weight)
 
 
-def _by_camera(fit: Mixture, share: Floats, camera: Ints, C: int) -> CameraNoise:
-    """(4) to (7) for C cameras, from what was fitted to K pairs of cameras (2, K), and their w (K)."""
-    out = np.full((3, C), np.nan)
-    known, own = np.unique(camera, return_inverse=True)
-    if not len(known):
-        return CameraNoise(*out)
-    pair, count = own.reshape(2, -1), fit.number
-    a = _solved(np.log(fit.variance), PAIR_LOG_SD**2 + 2 / count, share, pair)
-    error = np.exp(a) * np.sqrt(4 / np.bincount(own.ravel(), np.tile(count, 2)))
-    constant = np.minimum(fit.mean**2 / fit.variance, 1.0)
-    d = 1 / (constant**2 + (1 - constant) ** 2 / count)  # (5)
-    log_mean, log_variance = scipy.special.digamma(d / 2) - np.log(d / 2), scipy.special.polygamma(1, d / 2)
-    log_variance = PAIR_LOG_SD**2 + log_variance
-    wider = _solved(np.log(fit.variance) - log_mean, log_variance, share, pair, LASTING_LOG_SD)  # (6)
-    freedom = max(float(d.sum()), FEWEST_FREEDOM)
-    out[:, known] = np.exp(a), error, np.exp(wider) * freedom / (freedom - 2)  # (7)
-    return CameraNoise(*out)
+def _by_camera(variance: Floats, count: Floats, share: Floats, pair: Ints) -> tuple[Floats, Floats]:
+    """(n) px² by (4) and their standard errors, from v, n and w (K) of pairs of n cameras (2, K)."""
+    a = _solved(np.log(variance), PAIR_LOG_SD**2 + 2 / count, share, pair)
+    return np.exp(a), np.exp(a) * np.sqrt(4 / np.bincount(pair.ravel(), np.tile(count, 2)))
 
 
-def _solved(log_v: Floats, log_variance: Floats, share: Floats, pair: Ints, log_sd: float = CAMERA_LOG_SD) -> Floats:
-    """a (n) of (4) with ρ `log_sd`, from ln v (K) of pairs of n cameras (2, K), its variance (K), and w (K)."""
+def _solved(log_v: Floats, log_variance: Floats, share: Floats, pair: Ints) -> Floats:
+    """a (n) of (4), from ln v (K) of pairs of n cameras (2, K), its variance (K), and w (K)."""
     (r, s), k, n = pair, np.arange(len(log_v)), int(pair.max()) + 1
     certain = 1 / np.sqrt(log_variance)
-    alike = (np.eye(n) - 1 / n) / log_sd
+    alike = (np.eye(n) - 1 / n) / CAMERA_LOG_SD
     a = np.full(n, np.median(log_v) - np.log(2))
     for _ in range(STEPS):
         parts = np.array([share * np.exp(a[r]), (2 - share) * np.exp(a[s])])

@@ -25,9 +25,10 @@ import numpy as np
 
 from ...data.array_types import Floats, Ints
 from .associate import predict_images
+from .calibration_field import CalibrationField, calibration_field
 from .candidate_points import CandidatePoints, find_candidate_points, intersect
 from .detection_index import LEAST_SD, Images
-from .epipolar_noise import CameraNoise, epipolar_noise
+from .epipolar_noise import CameraNoise, camera_noise, mixture, pair_of, residuals
 from .kalman_states import KalmanStates
 
 MAX_DISTANCE = 10.0
@@ -56,12 +57,14 @@ class Noise(NamedTuple):
 
     Attributes:
         added: (C) a of (1), px.
-        least: (C) px², the variance that an image has at least, 0 where what is stated holds.
+        white: (C) px², the white noise that an image has at least, 0 where what is stated holds.
+        lasting: (C) px², what the calibration leaves in the same places of the image, beyond what it states.
         found: (C) share of expected places with an image; NaN where not known.
     """
 
     added: Floats
-    least: Floats
+    white: Floats
+    lasting: Floats
     found: Floats
 
     @property
@@ -80,29 +83,39 @@ def sampled_frames(images: Images) -> list[int]:
 def learn_noise(images: Images, F: Floats, gate: float) -> tuple[Images, Noise]:
     """The images with the noise that their cameras really have, and that noise."""
     C, frames = len(images.P), sampled_frames(images)
+    nothing = Noise(np.zeros(C), np.zeros(C), np.zeros(C), np.full(C, np.nan))
     if not frames:
-        return images, Noise(np.zeros(C), np.zeros(C), np.full(C, np.nan))
+        return images, nothing
     stated = images if images.stated else images.noisier(np.full(C, LEAST_SD**2) - images.usual)
-    noise = epipolar_noise(stated, F, frames)
-    added = _missing(stated, noise)
+    some = residuals(stated, F, frames)
+    added = _missing(stated, camera_noise(some, mixture(some.off, pair_of(some, C), C * C), C))
     known = np.isfinite(added)
     if not known.any():
-        return images, Noise(np.zeros(C), np.zeros(C), np.full(C, np.nan))
+        return images, nothing
     noisy = stated.noisier(np.where(known, added, np.median(added[known])))
     groups = find_candidate_points(noisy, images.usable, F, frames, gate)
     groups = groups.take((groups.detection >= 0).sum(0) >= 3)
     found = np.array([_found_share(noisy, groups, c) for c in range(C)])
-    return noisy, Noise(np.sqrt(np.where(known, added, 0.0)), _least(images, noise), found)
+    field = calibration_field(stated, some)
+    white = camera_noise(some, field.left, C)
+    added = np.sqrt(np.where(known, added, 0.0))
+    return noisy, Noise(added, _white(images, white), _lasting(images, field, white), found)
 
 
-def _least(images: Images, noise: CameraNoise) -> Floats:
-    """(C) px², `Noise.least`."""
-    total = np.where(np.isfinite(noise.for_positions), noise.for_positions, np.nanmedian(noise.for_positions))
-    total = np.maximum(total - images.calibration, 0.0)
+def _white(images: Images, noise: CameraNoise) -> Floats:
+    """(C) px², `Noise.white`."""
+    total = np.nan_to_num(noise.variance, nan=np.nan_to_num(_median(noise.variance[np.isfinite(noise.variance)])))
     if not images.stated:
         return total
-    missing = _missing_of(noise, _usual(images, images.variance - images.margin))
+    missing = _missing_of(noise, _usual(images, images.variance - images.margin - images.calibration[images.camera]))
     return np.where(np.maximum(missing, _median(missing[np.isfinite(missing)])) > 0, total, 0.0)  # (3)
+
+
+def _lasting(images: Images, field: CalibrationField, noise: CameraNoise) -> Floats:
+    """(C) px², `Noise.lasting`."""
+    variance = field.variance(np.nan_to_num(_median(noise.variance[np.isfinite(noise.variance)])))
+    beyond = np.array([field.exceeds(own) for own in images.calibration])
+    return np.where(beyond, np.maximum(variance - images.calibration, 0.0), 0.0)
 
 
 def _missing(images: Images, noise: CameraNoise) -> Floats:

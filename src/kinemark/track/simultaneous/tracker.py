@@ -5,11 +5,14 @@ same time. Here the tracks, predicted with their covariance (`kalman_states`), a
 (`associate`). Images that no track has initiate new tracks (`candidate_points`, `initiate`). Tracks go forwards and
 then backwards (`passes`), and each point is solved from its images as by the other methods
 (`geometry.weighted_points`). A track is confirmed by its evidence (`likelihood`), and so is what it finds after it was
-lost. Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
+lost. Where two cameras alone see a track, what explains one of its images better takes its place (`rival_pairs`).
+Fragments of one marker's trajectory are stitched (`stitch`), and a second pass looks for missing and uncertain
 points (`second_pass`).
 
 Where two cameras look along almost one line, or markers run together, a point is known better from its motion than from
 its images. Where its standard deviation exceeds UNCERTAIN times the median, the smoothed position is given instead (1).
+What a calibration that is off leaves is the same in all the points that it is smoothed with, so only their noise is
+filtered, and as much of it as those points have added afterwards (3).
 
 Images are associated with an adjusted rig (`adjusted_rig`), where they agree better with it (2). Positions are those of
 the rig as given.
@@ -34,6 +37,7 @@ from .measurement_noise import Noise, learn_noise, sampled_frames
 from .motion_scale import with_learned_motion
 from .neighbouring_points import TrackPoints, smoothed
 from .passes import Associations, run
+from .rival_pairs import without_rivalled
 from .second_pass import second_pass
 from .simultaneous_method import Simultaneous
 from .stitch import Stitch, stitched
@@ -99,10 +103,10 @@ def track_once(
     working = working._replace(images=moving)
     every, speaks, shared, cloud, ids = _first_pass(detections, rig, images, working, method, errors)
     whole = stitched(TrackPoints(cloud.frame, ids, cloud.xyz, cloud.cov), T, method)
-    solver = Solver(detections, working.rig, _variance(shared, working.images, working.noise), errors)
+    solver = _solver(detections, shared, working, errors)
     cloud, ids = _with_second_pass(cloud, whole.id[ids], working.images, solver, method)
     if working.rig is not rig:
-        cloud = _on_given_rig(cloud, Solver(detections, rig, _variance(shared, images, noise), errors))
+        cloud = _on_given_rig(cloud, _solver(detections, shared, Working(rig, images, noise), errors))
     inside = usable_points(cloud, rig, margin=volume_margin)
     outside, cloud, ids = cloud.xyz[~inside], cloud.keep(inside), ids[inside]
     kept, number = np.unique(ids, return_inverse=True)
@@ -140,28 +144,33 @@ def _first_pass(
     least = max(method.min_duration / T, 4)
     every = run(working.images, detections.rate, method)
     every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
-    seen = _kept_associations(every, least)
-    every = every._replace(cov=np.zeros((3, 3, 0)))  # takes much memory, and only that of `seen` is needed
-    own = _unshared(seen, images)
-    off = disagreement(working.images, np.where(own, seen.detection, -1))
-    speaks = evidence(seen._replace(squared=off), own, method.gate)
+    sure = _evidence(_kept_associations(every, least), images, working, method) > SURE
+    rivalled = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
+    seen = _kept_associations(rivalled.associations, least)
+    every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # takes much memory, only that of `seen` is needed
+    speaks, own = _evidence(seen, images, working, method), _unshared(seen, images)
+    speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
+    speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
+    every, seen = (one._replace(id=rivalled.pieces(one.id, one.frame)) for one in (every, seen))
     shared = np.zeros(len(images.uv), bool)
     shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
-    solver = Solver(detections, working.rig, _variance(shared, working.images, working.noise), errors)
+    solver = _solver(detections, shared, working, errors)
     cloud = _solved(seen.frame, seen.detection, seen.xyz, solver)
-    cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method)
+    cloud = _with_smoothed(cloud, seen, own.sum(0) >= 2, T, method, solver.lasting)
     good = usable_points(cloud, rig, margin=None) & _precise_enough(cloud, own.sum(0), method)
     good &= (speaks > SURE)[seen.id]
     return FirstPass(every, speaks, shared, cloud.keep(good), seen.id[good])
 
 
 class Solver(NamedTuple):
-    """What positions are solved from: detections and their rig, the variance (D) px² of images, and their errors."""
+    """What positions are solved from: detections and their rig, the variance (D) px² of images, their errors, and the
+    usual share of the variance that the calibration leaves in all frames."""
 
     detections: Detections
     rig: Rig
     variance: Floats
     errors: ImageErrors
+    lasting: float = 0.0
 
 
 class Working(NamedTuple):
@@ -170,6 +179,13 @@ class Working(NamedTuple):
     rig: Rig
     images: Images
     noise: Noise
+
+
+def _solver(detections: Detections, shared: Bools, working: Working, errors: ImageErrors) -> Solver:
+    """The solver for images (D) of which tracks share some."""
+    variance = _variance(shared, working.images, working.noise)
+    share = working.noise.lasting[working.images.camera] / variance
+    return Solver(detections, working.rig, variance, errors, float(np.median(share)) if len(share) else 0.0)
 
 
 def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, method: Simultaneous) -> Working:
@@ -198,8 +214,13 @@ def _on_given_rig(cloud: Cloud, solver: Solver) -> Cloud:
     known = np.isfinite(given.xyz).all(1) & np.isfinite(sd)
     clear = known & (sd <= UNCERTAIN * np.median(sd[known])) if known.any() else known
     xyz = np.where(clear[:, None], given.xyz, cloud.xyz)
-    cov = np.where(clear[:, None, None], given.cov, cloud.cov)
+    cov = np.where(clear[:, None, None], given.cov, cloud.cov + _shared_cov(sd[clear], solver.lasting))  # (3)
     return replace(given, xyz=xyz, cov=cov, residual=np.where(clear, given.residual, cloud.residual))
+
+
+def _shared_cov(sd: Floats, lasting: float) -> Floats:
+    """(3, 3) mm² of (3), from standard deviations (N) mm of points with this share of it."""
+    return lasting * (float(np.median(sd)) ** 2 / 3 if len(sd) else 0.0) * np.eye(3)
 
 
 def _with_second_pass(
@@ -221,6 +242,13 @@ def _with_second_pass(
     names = ("xyz", "cov", "residual", "detection")
     columns = (np.concatenate([getattr(cloud, name), getattr(new, name)])[left] for name in names)
     return Cloud(cloud.rate, start, *columns), ids[left]
+
+
+def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:
+    """(N) the evidence for each track, by how its images agree in the working rig."""
+    own = _unshared(seen, images)
+    off = disagreement(working.images, np.where(own, seen.detection, -1))
+    return evidence(seen._replace(squared=off), own, method.gate)
 
 
 def _kept_associations(seen: Associations, least: float) -> Associations:
@@ -260,7 +288,7 @@ def _without_evidence(every: Associations, own: Bools, least: float, method: Sim
 def _variance(shared: Bools, images: Images, noise: Noise) -> Floats:
     """(D) px², of all images, those that tracks share (D) lying anywhere in their blobs."""
     variance = images.variance - images.margin - images.calibration[images.camera]  # `weighted_points` adds them
-    variance = np.maximum(variance, np.maximum(noise.least[images.camera], LEAST))
+    variance = np.maximum(variance, np.maximum(noise.white[images.camera], LEAST)) + noise.lasting[images.camera]
     return np.where(shared, np.maximum(variance, images.radius**2 / 2), variance)
 
 
@@ -280,20 +308,22 @@ def _solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Clou
     return Cloud(detections.rate, start, *columns)
 
 
-def _with_smoothed(cloud: Cloud, seen: Associations, sound: Bools, T: float, method: Simultaneous) -> Cloud:
-    """The cloud, with uncertain points replaced by their smoothed positions (1)."""
+def _with_smoothed(
+    cloud: Cloud, seen: Associations, sound: Bools, T: float, method: Simultaneous, lasting: float
+) -> Cloud:
+    """The cloud, with uncertain points replaced by their smoothed positions (1); a share `lasting` is no noise (3)."""
     sd = _sd(cloud.cov)
     known = np.isfinite(cloud.xyz).all(1) & np.isfinite(sd)
     vague = known & (sd > UNCERTAIN * np.median(sd[known])) if known.any() else known
     if not vague.any():
         return cloud
-    points = TrackPoints(cloud.frame, seen.id, cloud.xyz, cloud.cov)
+    points = TrackPoints(cloud.frame, seen.id, cloud.xyz, cloud.cov * (1 - lasting))
     points = points if known.all() else points.take(known)
     smooth = smoothed(points, vague[known], sound[known], T, method)
     filtered = seen.xyz.T[vague], seen.cov.transpose(2, 0, 1)[vague]
     better = _sd(smooth[1]) < _sd(filtered[1])
     moved = np.where(better[:, None], smooth[0], filtered[0])
-    open_ = np.where(better[:, None, None], smooth[1], filtered[1])
+    open_ = np.where(better[:, None, None], smooth[1], filtered[1]) + _shared_cov(sd[known & ~vague], lasting)  # (3)
     gains = _sd(open_) < sd[vague]
     rows = np.flatnonzero(vague)[gains]
     xyz, cov = cloud.xyz.copy(), cloud.cov.copy()

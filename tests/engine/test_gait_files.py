@@ -2,12 +2,14 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from kinemark.data import KinemarkError, Trial
+from kinemark.data import Events, KinemarkError, Trial
 from kinemark.engine.gait_files import GaitSettings, gait_of_files
+from kinemark.engine.gait_reference import reference_of_files
 from kinemark.io.c3d import write_c3d
 from kinemark.io.trial import read_trial
 from kinemark.synth import walking
@@ -66,6 +68,67 @@ def test_several_walks_count_together(walk):
     two = gait_of_files([walk / "walk.c3d"] * 2, measures=walk / "anna.toml", folder=walk / "two", settings=QUICK)
     one = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", folder=walk / "one", settings=QUICK)
     assert len(two.curves[0].values) == 2 * len(one.curves[0].values)
+
+
+def test_controls_become_a_band_that_others_are_scored_against(walk):
+    for seed in (2, 3):
+        subject = walking(duration_s=4.0, rate=100.0, seed=seed)
+        write_c3d(walk / f"c{seed}.c3d", Trial("walk", subject.trajectories))
+        gait_of_files([walk / f"c{seed}.c3d"], measures=walk / "anna.toml", folder=walk / f"c{seed}", settings=QUICK)
+    controls = [walk / f"c{seed}" / "gait.json" for seed in (2, 3)]
+    band = reference_of_files(controls, output=walk / "band.json", source="two of ours")
+    assert band.subjects == 2 and band.mean["KneeAngles"].shape == (101, 3)
+    found = gait_of_files(
+        [walk / "walk.c3d"], measures=walk / "anna.toml", reference=walk / "band.json", settings=QUICK
+    )
+    assert 0 < found.figures["profile"]["left"]["score"] < 5  # deg; the simulated walkers differ by their noise alone
+    page = (found.folder / "gait.html").read_text()
+    assert "gait profile score" in page and "two of ours" in page
+    with pytest.raises(KinemarkError, match="two or more"):
+        reference_of_files(controls[:1], output=walk / "band.json", source="")
+    with pytest.raises(KinemarkError, match="never overwritten"):
+        reference_of_files(controls, output=controls[0], source="")
+
+
+def test_exports_have_y_up_and_unknown_ones_are_refused(walk):
+    given = read_trial(walk / "walk.c3d").trajectories
+    options = {"measures": walk / "anna.toml", "folder": walk / "out", "settings": QUICK}
+    gait_of_files([walk / "walk.c3d"], exports="trc, mot,sto,gcd", **options)
+    back = read_trial(walk / "out" / "walk.trc").trajectories
+    x, y, z = np.moveaxis(given["LKNE"].xyz, -1, 0)
+    np.testing.assert_allclose(back["LKNE"].xyz, np.stack([x, z, -y], -1), atol=1e-3)
+    assert "LKneeAngles_flexion" in (walk / "out" / "walk_angles.mot").read_text()
+    assert "!LeftKneeFlexExt" in (walk / "out" / "gait.gcd").read_text()
+    assert not (walk / "out" / "walk_reaction.mot").exists()  # there are no plates
+    with pytest.raises(KinemarkError, match="no export 'xlsx'"):
+        gait_of_files([walk / "walk.c3d"], exports="xlsx", **options)
+
+
+def test_events_of_the_file_that_nobody_sees_are_absent_and_not_late(walk):
+    paths = read_trial(walk / "walk.c3d").trajectories
+    found = gait_of_files([walk / "walk.c3d"], measures=walk / "anna.toml", settings=QUICK)
+    first = next(e for e in found.trials[0].events if e.side == "left" and e.strike)
+    between = [first.time + 0.02, first.time + 0.08, first.time + 0.55]  # s; near, off, and in the middle of a stride
+    told = Events(("Foot Strike",) * 3, ("Left",) * 3, np.array(between))
+    write_c3d(walk / "told.c3d", Trial("told", paths, events=told))
+    figures = gait_of_files([walk / "told.c3d"], measures=walk / "anna.toml", settings=QUICK).figures
+    by_kind = {f["kind"]: f["values"] for f in figures["findings"]}
+    assert by_kind["file_events_not_found"]["events"] == 1
+    assert by_kind["file_events_differ"]["events"] == 1 and by_kind["file_events_differ"]["most_ms"] < 100
+
+
+def test_who_turns_is_told(walk):
+    paths = read_trial(walk / "walk.c3d").trajectories
+    angle = np.radians(np.clip(np.arange(paths.n_frames) - 200, 0, 150) * 0.6)
+    turn = np.stack([[np.cos(angle), -np.sin(angle), 0 * angle], [np.sin(angle), np.cos(angle), 0 * angle],
+                     [0 * angle, 0 * angle, 1 + 0 * angle]]).transpose(2, 0, 1)  # fmt: skip
+    turned = replace(paths, paths=tuple(replace(p, xyz=np.einsum("fij,fj->fi", turn, p.xyz)) for p in paths))
+    write_c3d(walk / "turn.c3d", Trial("turn", turned))
+    told = [
+        {f["kind"] for f in gait_of_files([walk / f], measures=walk / "anna.toml", settings=QUICK).figures["findings"]}
+        for f in ("walk.c3d", "turn.c3d")
+    ]
+    assert "gait_turns" not in told[0] and "gait_turns" in told[1]
 
 
 def test_without_measures_it_is_said_what_to_give(walk):

@@ -5,7 +5,15 @@ import pytest
 
 from kinemark.data import Signal, Signals
 from kinemark.data.strides import Stride
-from kinemark.gait.gait_cycles import gait_curves, most_typical, movement_analysis_profile, reference_of
+from kinemark.gait.emg import emg
+from kinemark.gait.gait_cycles import (
+    emg_curves,
+    gait_curves,
+    most_typical,
+    movement_analysis_profile,
+    muscle_side,
+    reference_of,
+)
 
 RATE, T = 100.0, 1.1
 STRIDES = tuple(
@@ -68,3 +76,33 @@ def test_a_foot_that_turns_through_180_does_not_jump():
     y = np.remainder(np.stack([170 + 30 * np.sin(2 * np.pi * t / T)] * 3, -1) + 180, 360) - 180
     one = gait_curves(Signals((Signal.of("LFootProgressAngles", "angle", "deg", y, rate=RATE),)), STRIDES)[0]
     assert np.ptp(one.mean) < 65 and np.abs(np.diff(one.mean, axis=0)).max() < 5
+
+
+def test_consistency_is_of_whole_strides_where_all_are_known():
+    one = gait_curves(signals(noise=0.5), STRIDES)[0]
+    values = one.values.copy()
+    values[0, -3:], values[1, :60] = np.nan, np.nan  # the next step is on no plate; half a stride is missing
+    held = one._replace(values=values)
+    assert held.whole.tolist() == [True, False, True, True]
+    whole = one._replace(values=one.values[[0, 2, 3], :98])
+    np.testing.assert_allclose(held.consistency, whole.consistency)
+
+
+def test_a_muscle_is_drawn_over_the_strides_of_its_side():
+    rate = 1000.0
+    t = np.arange(6000) / rate
+    share = np.remainder((t - 0.68) / T, 1)
+    raw = np.random.default_rng(0).normal(0, 1e-4, len(t)) * np.where(share < 0.3, 10, 1)
+    (one,) = emg_curves({"EMG.R Soleus": emg(raw, rate=rate)}, STRIDES)
+    assert (one.side, one.axes, one.unit) == ("right", ("envelope", "on"), "%")
+    envelope, on = one.mean.T
+    assert on[5:28].min() > 90 and on[40:90].mean() < 10
+    assert envelope[10:25].mean() > 5 * envelope[45:90].mean()
+    later = emg_curves({"R": emg(raw[500:], rate=rate, start=0.5)}, STRIDES[2:])[0]
+    np.testing.assert_allclose(later.mean[:, 1], emg_curves({"R": emg(raw, rate=rate)}, STRIDES[2:])[0].mean[:, 1])
+
+
+def test_the_side_of_a_muscle_is_in_its_name():
+    right = ("R Rect", "EMG_right_soleus", "Voltage.R Tib Ant", "Right.Gast")
+    assert {muscle_side(name) for name in right} == {"right"}
+    assert {muscle_side(name) for name in ("L Rect", "Rectus left", "EMG1")} == {"left"}

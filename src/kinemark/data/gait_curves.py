@@ -59,8 +59,8 @@ class GaitCurves(NamedTuple):
 
         NaN with one stride, or where strides differ more than the curve moves.
         """
-        known = np.isfinite(self.values).all(2)
-        y = self.values[self.whole][:, known[self.whole].all(0)]
+        y = self.values[self.whole]
+        y = y[:, np.asarray(np.isfinite(y).all((0, 2)))]
         n, t = y.shape[:2]
         if n < 2 or t < 2:
             return np.full(len(self.axes), np.nan)

@@ -66,7 +66,9 @@ def write_exports(
             write_storage(folder / f"{stem}_moments.sto", moments, rate=rate)
     if "gcd" in kinds:
         strides = [stride for *_, one in walks for stride in one.strides]
-        means = {side: {name: mean for name, (mean, _, _) in averages(strides, side).items()} for side in SIDES}
+        means: dict[str, dict[str, float]] = {
+            side: {name: mean for name, (mean, _, _) in averages(strides, side).items()} for side in SIDES
+        }
         write_gcd(folder / "gait.gcd", curves, means)
 
 

@@ -52,10 +52,13 @@ class GaitSettings:
         method: "physical", or "plug_in_gait", which is that program's numbers.
         hip_centre: regression of the hip, where the method is physical.
         inertia: of the segments, likewise.
-        smoothing: of the markers, likewise; cutoff_hz: of it, by residual analysis where none is given.
+        smoothing: of the markers, likewise.
+        cutoff_hz: of the smoothing; by residual analysis or cross-validation where none is given.
         flat_foot: in the standing trial heel and toe are at one height.
         placement_mm: standard uncertainty of where a marker is put on, along each axis.
-        hip_mm: of the hip joint centre. tissue_mm: of skin over bone. plate_mm: of where the plates lie.
+        hip_mm: standard uncertainty of the hip joint centre, along each axis.
+        tissue_mm: of thigh's and shank's markers, by skin that moves over bone, likewise.
+        plate_mm: of where force plates lie among the markers, along each horizontal axis.
         uncertainty: whether to compute the error bars.
     """
 

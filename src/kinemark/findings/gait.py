@@ -201,14 +201,18 @@ def _of_events(trial: GaitOfTrial) -> Iterator[Finding]:
     if trial.events and not any(event.source == "plate" for event in trial.events):
         sd = 1000 * float(np.median([event.sd for event in trial.events]))
         yield make_finding("events_without_plates", trial=trial.name, sd_ms=sd)
-    off, absent = [], 0
+    off: list[float] = []
+    absent = 0
     for label, side, time in zip(trial.file_events.label, trial.file_events.side, trial.file_events.time, strict=True):
         strike = {"foot strike": True, "foot off": False}.get(label.lower())
         if strike is None:
             continue
         near = [e.time for e in trial.events if e.strike == strike and e.side == side.lower()]
         ms = 1000 * min((abs(t - (time - trial.start_s)) for t in near), default=np.inf)
-        off, absent = ([*off, ms], absent) if ms <= OTHER_MS else (off, absent + 1)
+        if ms <= OTHER_MS:
+            off.append(ms)
+        else:
+            absent += 1
     if absent:
         yield make_finding("file_events_not_found", trial=trial.name, events=absent)
     far = [ms for ms in off if ms > FAR_MS]

@@ -9,14 +9,15 @@ which holds on a treadmill too. Within an eighth of a stride of it each of these
 
     strike:  toe falls fastest, min q̇_z (foot slap);  foot stops falling, max m̈_z;  heel is braked, max ḧ_z;
              heel is slower than a tenth of the foot's fastest swing                                          (2)
-    off:     toe is pulled up, max q̈_z;  toe is faster than a quarter of the foot's fastest swing            (3)
+    off:     toe is pulled up, max q̈_z;  toe is pulled along the floor, max |q̈_xy|                           (3)
 
 Their mean biases b_i and deviations s_i against force plates are known from other subjects. The time is the mean of
 t_i − b_i weighted by 1/s_i². Where plates give n events of the same kind in the trial, the mean difference from them is
 taken off, shrunk as n / (n + ν) with ν = (deviation within a subject / between subjects)² (4). The expected error is
 made of both deviations and of how far the detectors are apart (5).
 
-Sources: Zeni et al. 2008; Hreljac and Marshall 2000 (accelerations); O’Connor et al. 2007 (velocity of the foot).
+Sources: Zeni et al. 2008; Hreljac and Marshall 2000 (accelerations of heel and toe); O’Connor et al. 2007 (velocity of
+the foot).
 """
 
 from __future__ import annotations
@@ -44,10 +45,10 @@ LEAST_SWING_MM = 100.0
 """By which a foot moves to and fro under the pelvis in a step, mm; chosen: less is no step."""
 PLATE_N = 20.0
 """Vertical force of contact, N (Zeni et al. 2008)."""
-BETWEEN_MS = {True: 6.5, False: 11.0}
+BETWEEN_MS = {True: 6.5, False: 9.0}
 """Deviation of the mean of the detectors between subjects, ms, of strikes and offs; measured on 24 strides of 8
 subjects on plates (docs/theory/gait.md), each subject judged by the biases of the others."""
-WITHIN_MS = {True: 5.5, False: 7.0}
+WITHIN_MS = {True: 5.5, False: 6.0}
 """Deviation within a subject, ms; measured on the same strides."""
 
 
@@ -86,10 +87,10 @@ STRIKE = (
 )
 """(2), with biases and deviations in ms; measured on 24 strikes of 8 subjects on plates (docs/theory/gait.md)."""
 OFF = (
-    Detector(lambda f: peaks(f.toe_a[:, 2], f.time), -12.0, 12.0),
-    Detector(lambda f: crossings(_speed(f.toe_v), f.time, 0.25 * f.fastest, upwards=True), 3.0, 17.0),
+    Detector(lambda f: peaks(f.toe_a[:, 2], f.time), -14.0, 10.0),
+    Detector(lambda f: peaks(_speed(f.toe_a[:, :2]), f.time), 25.0, 9.0),
 )
-"""(3), with biases and deviations in ms; measured on 24 offs of the same subjects."""
+"""(3), with biases and deviations in ms; measured on 20 offs of 6 of these subjects."""
 
 
 def foot_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP) -> tuple[FootEvent, ...]:

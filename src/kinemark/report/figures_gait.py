@@ -20,6 +20,8 @@ REFERENCE_COLOUR = "#6B7680"
 """Of the reference's band."""
 UNITS = {"deg": "°"}
 """As they are written in a title, where it is otherwise."""
+PER_PAGE = 12
+"""Panels that fit a printed page; chosen."""
 PERCENT = np.linspace(0, 100, 101)
 """Of a stride, at its 101 points; conventional."""
 
@@ -86,11 +88,14 @@ def panels_figure(
     return fig
 
 
-def emg_figure(curves: Sequence[GaitCurves]) -> go.Figure:
-    """A panel a channel: the mean envelope with its spread, and a bar where the muscle is on in most strides."""
+def emg_figures(curves: Sequence[GaitCurves]) -> list[go.Figure]:
+    """A panel a channel, a printed page of them a figure."""
     muscles = [one for one in curves if one.axes == ("envelope", "on")]
-    if not muscles:
-        return empty("There is no EMG over a whole stride.")
+    return [_emg_figure(muscles[first : first + PER_PAGE]) for first in range(0, len(muscles), PER_PAGE)]
+
+
+def _emg_figure(muscles: Sequence[GaitCurves]) -> go.Figure:
+    """The mean envelope with its spread, and a bar where the muscle is on in most strides."""
     fig = _grid([label(one.name.rsplit(".", 1)[-1]) for one in muscles])
     for i, one in enumerate(muscles):
         _draw(fig, one, Panel("", one.name, 0, "", ""), _place(i))

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..data.gait_curves import GaitCurves, GaitReference
 from .drawing_library import DrawingLibrary, drawing_library, inside
-from .figures_gait import KINEMATICS, KINETICS, emg_figure, panels_figure
+from .figures_gait import KINEMATICS, KINETICS, emg_figures, panels_figure
 from .formatting import number
 from .identity_text import identity_text
 from .tables import Table
@@ -68,13 +68,13 @@ def gait_page(
         library=library or inside(),
         heading=f"{figures['subject'] or trials}: gait",
         below=f"{identity_text(figures.get('identity'))} · {trials} · Kinemark {figures['kinemark']}",
-        nav={k: v for k, v in NAV.items() if k != "emg" or any(one.axes == ("envelope", "on") for one in curves)},
+        nav={k: v for k, v in NAV.items() if k != "emg" or emg_figures(curves)},
         figures=figures,
         time_table=time_distance_table(figures),
         measures=measures_table(figures),
         kinematics=panels_figure(curves, KINEMATICS, reference),
         kinetics=panels_figure(curves, KINETICS, reference),
-        emg=emg_figure(curves) if any(one.axes == ("envelope", "on") for one in curves) else None,
+        emg=emg_figures(curves),
         profile=profile_table(figures),
         causes=uncertainty_table(figures),
         consistency=consistency_table(figures),

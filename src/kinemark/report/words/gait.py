@@ -17,6 +17,11 @@ WHY = {
     "mass": "the body's mass is unknown",
     "contacts": "no foot stood whole and alone on a plate",
 }
+FOR_MOMENTS = {
+    "plates": "Give a trial with force plates.",
+    "mass": "Give mass_kg in the measures.",
+    "contacts": "Record walks in which each foot meets its own plate; those above say what stood in the way.",
+}
 
 
 def _left_out(found: Finding) -> str:
@@ -26,6 +31,10 @@ def _left_out(found: Finding) -> str:
 
 def _no_moments(found: Finding) -> str:
     return f"There are no moments and powers: {WHY.get(str(found.values['why']), 'why is not known here')}."
+
+
+def _for_moments(found: Finding) -> str:
+    return FOR_MOMENTS.get(str(found.values["why"]), "Give a trial with plates, and the mass in the measures.")
 
 
 GAIT_WORDS = {
@@ -43,7 +52,7 @@ GAIT_WORDS = {
         "Give a standing trial: --static.",
     ),
     "contact_left_out": Words(_left_out, "Other steps count; nothing is lost."),
-    "gait_without_moments": Words(_no_moments, "Give a trial with plates, and the mass in the measures."),
+    "gait_without_moments": Words(_no_moments, _for_moments),
     "events_without_plates": Words(
         "{trial}: foot strikes and offs come from the markers, ±{sd_ms:0} each.",
         "A plate under one step makes them surer.",

@@ -36,13 +36,11 @@ class Anatomy(NamedTuple):
     @classmethod
     def of(cls, names: Sequence[str]) -> Anatomy:
         """By how names end."""
-        parts = [
-            [k for k, name in enumerate(names) if name.upper().endswith(ends)] for ends in (HEEL, TOE, BACK, FRONT)
-        ]
-        rest = sorted({*range(len(names))} - {*parts[0], *parts[1]})
+        heel, toe, back, front = (_ending(names, ends) for ends in (HEEL, TOE, BACK, FRONT))
+        rest = sorted({*range(len(names))} - {*heel, *toe})
         sides = sides_by_name(names)
         left, right = ([names.index(pair[k]) for pair in sides] for k in (0, 1))
-        return cls(*parts, rest, left, right)
+        return cls(heel, toe, back, front, rest, left, right)
 
     def agreement(self, y: Single) -> float:
         """From −2 to 2 for labelled places y (K, L, 3): mean cosines of left with up × front, and of both fronts.
@@ -60,6 +58,11 @@ class Anatomy(NamedTuple):
     def gain(self, y: Single, turn: Ints) -> float:
         """Nats a frame that labels y (K, L, 3) gain when each becomes turn (L)."""
         return PROOF * (self.agreement(y[:, np.argsort(turn)]) - self.agreement(y))
+
+
+def _ending(names: Sequence[str], ends: tuple[str, ...]) -> list[int]:
+    """Which names end so, in letters of any case."""
+    return [k for k, name in enumerate(names) if name.upper().endswith(ends)]
 
 
 def _way(y: Single, start: list[int], end: list[int]) -> Floats:

@@ -39,8 +39,10 @@ from numpy.typing import NDArray
 
 from ..data.array_types import Floats
 from ..numerics.robust import SD_PER_MEDIAN
+from ..native import shape_images
 from . import discs
-from .discs import DiscFit, Patches
+from ..native.shape_images import Patches
+from .discs import DiscFit
 from .edge import discs_at_edge
 from .patches import CutOut
 from .plausible import SMALLEST, apart, plausible_cut, plausible_discs, rim
@@ -126,7 +128,7 @@ def explain(cut: CutOut, *, most: int, hidden: bool, at_edge: NDArray[np.bool_] 
         rest = rest[~done]
     if len(moving := np.flatnonzero(may_move)):
         patches = cut.patches.take(moving)
-        moved = discs.fit(discs.motion, motion_start(_some(one, moving)), patches, wanted=wanted[moving])
+        moved = discs.fit(shape_images.motion, motion_start(_some(one, moving)), patches, wanted=wanted[moving])
         tried.append(_noted(ONE, moved, moving, n, np.ones(len(moving), np.bool_)))
     seen = _chosen(tried, cut, number)
     edge = np.flatnonzero((seen.kind == ONE) & at_edge) if hidden and at_edge is not None else rest[:0]
@@ -142,10 +144,10 @@ def _whole(cut: CutOut) -> tuple[DiscFit, NDArray[np.int64]]:
     weight, start = cut.patches.weight, ellipse_start(cut)
     small = 1 + (WHOLE * start[:, -2]) ** 2 * weight.max(1) / 4  # a pixel, as fewer than a quarter lie at the rim
     never, enough = np.zeros(len(start)), small * (weight > 0).sum(1)
-    one = discs.fit(discs.ellipse, start, cut.patches, wanted=never, enough=enough)
+    one = discs.fit(shape_images.ellipse, start, cut.patches, wanted=never, enough=enough)
     rest = np.flatnonzero(~_explained(one, cut.patches, model=WHOLE))
     part = cut.patches.take(rest)
-    lit = discs.lit_from_a_side(discs.ellipse, _some(one, rest), part)
+    lit = discs.lit_from_a_side(shape_images.ellipse, _some(one, rest), part)
     one.chi2[rest], one.model[rest] = lit.chi2, lit.model
     return one, rest[~_explained(lit, part, model=WHOLE, texture=_texture(lit, part))]
 
@@ -173,8 +175,8 @@ def _wanted(one: DiscFit, cut: CutOut, number: NDArray[np.int64]) -> Floats:
 def _best(kind: int, cut: CutOut, wanted: Floats) -> DiscFit:
     """The best of a kind."""
     if kind == CUT:
-        return discs.fit(discs.cut, cut_start(cut), cut.patches, wanted=wanted)
-    return discs.fit(discs.discs, disc_start(cut, kind), cut.patches, wanted=wanted)
+        return discs.fit(shape_images.cut, cut_start(cut), cut.patches, wanted=wanted)
+    return discs.fit(shape_images.discs, disc_start(cut, kind), cut.patches, wanted=wanted)
 
 
 def _plausible(kind: int, fit: DiscFit, cut: CutOut) -> NDArray[np.bool_]:

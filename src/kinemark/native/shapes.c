@@ -6,7 +6,7 @@
 
 enum { DISCS, ELLIPSE, MOTION, CUT };            /* kinds, as in shape_fits.py */
 enum { MOST = 24, NODES = 7, NODES_CORNER = 6 }; /* parameters; nodes of the rules, as in shape_images.py */
-enum { PER_UNIT = 16, FAR = 6, ROWS = 2 * FAR * PER_UNIT + 1 }; /* of the table: rows to 1, and where it ends */
+enum { PER_UNIT = 32, FAR = 6, ROWS = 2 * FAR * PER_UNIT + 1 }; /* of the table: rows to 1, and where it ends */
 
 static const double TINY = 1e-9, CORNER = 3.5, MOST_CORRELATION = 0.999; /* as in shape_images.py */
 
@@ -16,7 +16,7 @@ typedef struct {
     int64_t N;   /* pixels of a patch */
     double damping, down, up, most_damping, small_step, small_gain, hopeless, least_w, most_w;
     const double *t, *t_weight, *corner, *corner_weight; /* the rules' nodes and weights */
-    double cover[ROWS], bell[ROWS];                      /* Φ and φ at steps of 1 / PER_UNIT from −FAR on */
+    double series[ROWS][6];                              /* of Φ and φ at steps of 1 / PER_UNIT from −FAR on */
 } Fit;
 
 typedef struct {
@@ -29,7 +29,7 @@ typedef struct {
     double p[MOST], chi2, H[MOST][MOST], g[MOST];
 } State;
 
-/* Φ(z), and φ(z) to *bell, by Taylor's series about the nearest row: with Heₙ of Hermite, φ⁽ⁿ⁾ = (−1)ⁿ Heₙ φ. */
+/* Φ(z), and φ(z) to *bell, by Taylor's series about the nearest row. */
 static inline double normal(const Fit *fit, double z, double *bell)
 {
     if (!(fabs(z) < FAR)) {
@@ -37,11 +37,22 @@ static inline double normal(const Fit *fit, double z, double *bell)
         return z != z ? z : z > 0;
     }
     int row = (int)((z + FAR) * PER_UNIT + 0.5);
-    double a = row / (double)PER_UNIT - FAR, d = z - a, aa = a * a, f = fit->bell[row];
-    double c1 = -a, c2 = (aa - 1) / 2, c3 = -a * (aa - 3) / 6, c4 = ((aa - 6) * aa + 3) / 24;
-    double c5 = -a * ((aa - 10) * aa + 15) / 120;
-    *bell = f * (1 + d * (c1 + d * (c2 + d * (c3 + d * (c4 + d * c5)))));
-    return fit->cover[row] + f * d * (1 + d * (c1 / 2 + d * (c2 / 3 + d * (c3 / 4 + d * (c4 / 5 + d * c5 / 6)))));
+    double d = z - (row * (1.0 / PER_UNIT) - FAR);
+    const double *c = fit->series[row];
+    *bell = c[1] + d * (c[2] + d * (c[3] + d * (c[4] + d * c[5])));
+    return c[0] + d * (c[1] + d * (c[2] * (1.0 / 2) + d * (c[3] * (1.0 / 3) + d * (c[4] * (1.0 / 4) + d * c[5] * (1.0 / 5)))));
+}
+
+/* The series: Φ, then those of φ, whose n-th derivative is (−1)ⁿ Heₙ φ with He of Hermite. */
+static void fill_series(Fit *fit)
+{
+    for (int row = 0; row < ROWS; row++) {
+        double a = row / (double)PER_UNIT - FAR, aa = a * a, bell = 0.3989422804014327 * exp(-aa / 2);
+        double *c = fit->series[row];
+        c[0] = erfc(-a * 0.7071067811865476) / 2;
+        c[1] = bell, c[2] = -a * bell, c[3] = (aa - 1) / 2 * bell, c[4] = -a * (aa - 3) / 6 * bell;
+        c[5] = ((aa - 6) * aa + 3) / 24 * bell;
+    }
 }
 
 /* (2) of two outlines: Φ₂, and what φ(h) and φ(k), which are known, are multiplied by in its derivatives. */
@@ -289,12 +300,8 @@ API int64_t fit_shapes(int64_t kind, int64_t n, int64_t N, int64_t P, int64_t st
     if (P > MOST || (kind == DISCS ? P < 6 || P % 3 : kind < ELLIPSE || kind > CUT || P != 8))
         return 0;
     Fit fit = {(int)kind, (int)P, N, rules[0], rules[1], rules[2], rules[3], rules[4], rules[5], rules[6], rules[7],
-               rules[8], nodes, nodes + NODES, nodes_corner, nodes_corner + NODES_CORNER, {0}, {0}};
-    for (int i = 0; i < ROWS; i++) {
-        double z = i / (double)PER_UNIT - FAR;
-        fit.cover[i] = erfc(-z * 0.7071067811865476) / 2;
-        fit.bell[i] = 0.3989422804014327 * exp(-z * z / 2);
-    }
+               rules[8], nodes, nodes + NODES, nodes_corner, nodes_corner + NODES_CORNER, {{0}}};
+    fill_series(&fit);
     double *root = work + (P + 2) * N;
     for (int64_t k = 0; k < n; k++) {
         State state;

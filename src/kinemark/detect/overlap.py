@@ -123,7 +123,7 @@ def explain(cut: CutOut, *, most: int, hidden: bool, at_edge: NDArray[np.bool_] 
         much = best.chi2 <= wanted[rest]
         may_move[rest] |= much
         if kind == 2:
-            may_move[rest[done & apart(best, 2)]] = False
+            may_move[rest[good & apart(best, 2)]] = False  # no disc in motion has such a waist
             done |= much  # two explain three, or a part of one, hardly better than an ellipse does
         rest = rest[~done]
     if len(moving := np.flatnonzero(may_move)):
@@ -162,8 +162,14 @@ def _texture(fit: DiscFit, patches: Patches) -> Floats:
     enough = (~np.isnan(off)).sum(1) >= MANY
     off = off[enough]
     scatter = np.zeros(len(enough))
-    scatter[enough] = SD_PER_MEDIAN * np.nanmedian(np.abs(off - np.nanmedian(off, 1, keepdims=True)), 1)
+    scatter[enough] = SD_PER_MEDIAN * _medians(np.abs(off - _medians(off)[:, None]))
     return scatter
+
+
+def _medians(rows: Floats) -> Floats:
+    """(n) of what is not NaN in each row, of which there is some; NumPy's takes each row by itself."""
+    number, rows = (~np.isnan(rows)).sum(1, keepdims=True), np.sort(rows, axis=1)
+    return np.asarray((np.take_along_axis(rows, (number - 1) // 2, 1) + np.take_along_axis(rows, number // 2, 1))[:, 0] / 2)
 
 
 def _wanted(one: DiscFit, cut: CutOut, number: NDArray[np.int64]) -> Floats:

@@ -238,9 +238,7 @@ def test_uneven_brightness_is_no_reason_to_fit_discs(monkeypatch, uneven):
         ],
         rng,
     )
-    monkeypatch.setattr(
-        fits, "fit", lambda shape, p, *a, **k: looked.append((shape, len(p))) or fit(shape, p, *a, **k)
-    )
+    monkeypatch.setattr(fits, "fit", lambda shape, p, *a, **k: looked.append((shape, len(p))) or fit(shape, p, *a, **k))
     detect_frames(images)
     assert sum(number for shape, number in looked if shape is shapes.ellipse) >= 20
     assert sum(number for shape, number in looked if shape is not shapes.ellipse) <= 2

@@ -38,10 +38,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats
-from ..numerics.robust import SD_PER_MEDIAN
 from ..native import shape_images
-from . import discs
 from ..native.shape_images import Patches
+from ..numerics.robust import SD_PER_MEDIAN
+from . import discs
 from .discs import DiscFit
 from .edge import discs_at_edge
 from .patches import CutOut
@@ -169,7 +169,9 @@ def _texture(fit: DiscFit, patches: Patches) -> Floats:
 def _medians(rows: Floats) -> Floats:
     """(n) of what is not NaN in each row, of which there is some; NumPy's takes each row by itself."""
     number, rows = (~np.isnan(rows)).sum(1, keepdims=True), np.sort(rows, axis=1)
-    return np.asarray((np.take_along_axis(rows, (number - 1) // 2, 1) + np.take_along_axis(rows, number // 2, 1))[:, 0] / 2)
+    return np.asarray(
+        (np.take_along_axis(rows, (number - 1) // 2, 1) + np.take_along_axis(rows, number // 2, 1))[:, 0] / 2
+    )
 
 
 def _wanted(one: DiscFit, cut: CutOut, number: NDArray[np.int64]) -> Floats:

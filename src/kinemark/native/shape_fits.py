@@ -97,7 +97,7 @@ def fit_shapes(
         x: (n, N) px, such that discs are round.
         y: (n, N) px.
         grey: (n, N) grey levels.
-        weight: (n, N) 1 / variance of each.
+        weight: (n, N) 1 / variance of each; what is negative counts as 0.
         white: (n) grey level at which the sensor is saturated; inf where it is not.
         wanted: (n) χ² above which a fit that hardly gets better is given up.
         enough: (n) χ² below which a fit is good enough.
@@ -123,6 +123,7 @@ def fit_shapes(
 
 @np.errstate(all="ignore")
 def _numpy_fits(shape: Shape, start: Floats, patches: Patches, wanted: Floats, enough: Floats) -> ShapeFits:
+    patches = patches._replace(weight=np.maximum(patches.weight, 0.0))
     used = np.maximum((patches.weight > 0).sum(1), 1)
     problems = _Shapes(shape, patches, wanted, enough, used)
     found = minimise_many(problems, problems.at(start.copy(), patches), steps=STEPS, damping=DAMPING)

@@ -190,7 +190,8 @@ def image(shape: Shape, p: Floats, patches: Patches) -> tuple[Floats, Floats]:
     J[:, -2], J[:, -1] = cover, 1.0
     model = b + A * cover
     white = patches.white[:, None]
-    if np.isfinite(white).any():
-        J *= (model < white)[:, None]  # (8)
-        model = np.minimum(model, white)
+    if (white < np.inf).any():
+        over = ~(model < white) & (white < np.inf)  # (8)
+        J *= ~over[:, None]
+        model = np.where(over, np.minimum(model, white), model)
     return model, J

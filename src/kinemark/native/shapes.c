@@ -308,8 +308,9 @@ API int64_t fit_shapes(int64_t kind, int64_t n, int64_t N, int64_t P, int64_t st
         Patch patch = {x + k * N, y + k * N, grey + k * N, root, white[k]};
         double used = 0;
         for (int64_t t = 0; t < N; t++) {
-            root[t] = sqrt(weight[k * N + t]);
-            used += weight[k * N + t] > 0;
+            double own = weight[k * N + t];
+            root[t] = own < 0 ? 0 : sqrt(own);
+            used += own > 0;
         }
         for (int64_t i = 0; i < P; i++)
             state.p[i] = parameters[k * P + i];

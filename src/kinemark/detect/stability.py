@@ -86,6 +86,16 @@ class BrightPixels(NamedTuple):
         y = first // (self.width + 1)
         return Runs(*(a[:MOST_RUNS] for a in (y, first - y * (self.width + 1), last - y * (self.width + 1))))
 
+    def peaks(self, groups: PixelGroups) -> NDArray[np.float64]:
+        """(G) the brightest pixel of each group of such runs, without a look at the images."""
+        if len(groups.area) == 0:
+            return np.zeros(0)
+        runs = groups.runs
+        first = np.searchsorted(self.key, runs.y * (self.width + 1) + runs.first)
+        ends = np.stack([first, first + runs.last - runs.first + 1], -1).reshape(-1)
+        of_runs = np.maximum.reduceat(np.append(self.grey, 0).astype(np.float64), ends)[::2]
+        return np.asarray(np.maximum.reduceat(of_runs, groups.start[:-1]))
+
 
 def bright_pixels(images: NDArray[np.uint8 | np.uint16], level: float) -> BrightPixels | None:
     """Those of frames (n, H, W) that are brighter than a level; None where they are too many to be worth it."""
@@ -158,7 +168,7 @@ def _standing_out(
     groups = groups_above(images, b + c, bright)
     if len(groups.runs.y) > MOST_RUNS // 2:
         groups = groups.keep(np.zeros(len(groups.area), np.bool_))
-    peak = peaks_of(images, groups)
+    peak = bright.peaks(groups) if bright and b + c >= bright.level else peaks_of(images, groups)
     groups, peak = groups.keep(peak > b + 2 * c), peak[peak > b + 2 * c]
     real = blurred(images, groups)
     return groups.keep(real), peak[real]

@@ -4,8 +4,8 @@ A suspected group may be an ellipse, k discs on each other, a disc with a part c
 moved. These are fitted to its grey levels (`discs`). An ellipse, if need be lit from one side, ends the matter where it
 leaves no more at the outline than noise, the texture that the marker's inside has, and `WHOLE` of its brightness: that
 is so for nearly all markers, also for such that no shape explains well. Discs on each other and cut discs follow, until
-one explains the group to within noise; motion is tried where one of these is much better than the ellipse. With χ² over
-n pixels, N of them at the outline, and p parameters, the information criterion is
+one explains the group to within noise; motion is tried where one of these is much better than the ellipse, save where
+two plausible discs stand so far apart that the outline has a waist. With χ² over n pixels, N of them at the outline, and p parameters, the information criterion is
 
     E = χ² / s + p ln N,    s = max(1, (least χ² − (n − N)) / N)          (1)
 

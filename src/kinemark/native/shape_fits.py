@@ -54,7 +54,7 @@ _FITS = Arrays(
     enough=(FLOAT, "n"),
 )
 _SHAPES: tuple[Shape, ...] = (discs, ellipse, motion, cut)  # in the order of the kinds in shapes.c
-_MOST = 24  # parameters, as in shapes.c; by definition
+MOST = 24  # parameters, as in shapes.c; by definition
 _NODES = np.stack([NODES, NODE_WEIGHTS])
 _NODES_CORNER = np.stack([NODES_CORNER, WEIGHTS_CORNER])
 _RULES = np.array(
@@ -108,8 +108,8 @@ def fit_shapes(
     """
     arrays = start, *columns, wanted, enough = _FITS(start, x, y, grey, weight, white, wanted, enough)
     n, P = start.shape
-    if P > _MOST or (P % 3 or P < 6 if shape is discs else P != 8):
-        raise ValueError(f"start has {P} parameters a patch, wanted 3 k + 3 of k discs, not above {_MOST}, or else 8")
+    if P > MOST or (P % 3 or P < 6 if shape is discs else P != 8):
+        raise ValueError(f"start has {P} parameters a patch, wanted 3 k + 3 of k discs, not above {MOST}, or else 8")
     if compiled := library():
         N = columns[0].shape[1]
         p, chi2, model, normal = start.copy(), np.empty(n), np.empty((n, N)), np.empty((n, P, P))

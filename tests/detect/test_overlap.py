@@ -255,7 +255,7 @@ def test_clean_discs_are_hardly_looked_at(monkeypatch):
 def test_two_discs_with_a_waist_are_not_tried_as_one_in_motion(monkeypatch):
     """The rims of real ones are off by more than noise, and motion costs seven times as much as a disc."""
     rng, looked, fit = np.random.default_rng(14), [], fits.fit
-    rough = [light(pair(rng, 10.0, 0.8)) ** 1.3 for _ in range(30)]
+    rough = [light(pair(rng, 10.0, 0.8)) ** 2 for _ in range(30)]
     monkeypatch.setattr(fits, "fit", lambda shape, p, *a, **k: looked.append(shape) or fit(shape, p, *a, **k))
     blobs = detect_frames(photo(rough, rng, noise=0.5), method=Centroids(noise_sd=0.5))
     assert blobs.merged.all() and len(blobs.uv) == 60

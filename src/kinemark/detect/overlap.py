@@ -5,7 +5,8 @@ moved. These are fitted to its grey levels (`discs`). An ellipse, if need be lit
 leaves no more at the outline than noise, the texture that the marker's inside has, and `WHOLE` of its brightness: that
 is so for nearly all markers, also for such that no shape explains well. Discs on each other and cut discs follow, until
 one explains the group to within noise; motion is tried where one of these is much better than the ellipse, save where
-two plausible discs stand so far apart that the outline has a waist. With χ² over n pixels, N of them at the outline, and p parameters, the information criterion is
+two plausible discs stand so far apart that the outline has a waist. With χ² over n pixels, N of them at the outline,
+and p parameters, the information criterion is
 
     E = χ² / s + p ln N,    s = max(1, (least χ² − (n − N)) / N)          (1)
 

@@ -43,7 +43,7 @@ def ellipse_start(cut: CutOut) -> Floats:
 
 
 def motion_start(one: DiscFit) -> Floats:
-    """Parameters (n, 8) of `shape_images.motion` from those of an ellipse: along its longer axis, by what it exceeds."""
+    """Parameters (n, 8) of `shape_images.motion` from those of an ellipse: along its longer axis, by the excess."""
     x, y, xx, xy, yy = one.parameters[:, :5].T
     value, vector = np.linalg.eigh(np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2))
     long, short = (1 / np.maximum(np.abs(value[:, i]), 1e-3) for i in (0, 1))

@@ -204,6 +204,16 @@ def test_a_session_digitises_by_answers_and_says_how_many_questions_there_were(r
     assert session.run()["feeding"].computed == ()
 
 
+@pytest.mark.parametrize("times", ["delays_ms = { cam2 = 5 }", "rates_hz = { cam2 = 29.9 }"])
+def test_digitised_trials_refuse_cameras_with_times_of_their_own(recorded, monkeypatch, tmp_path, times):
+    folder = prepared(recorded, monkeypatch)
+    session_of(folder, tmp_path, f'images = "{folder}/{{camera}}.mkv"\nanswers = "answers/{{camera}}.csv"')
+    settings = tmp_path / "session.toml"
+    settings.write_text(settings.read_text("utf-8").replace("[calibration]", f"{times}\n[calibration]", 1), "utf-8")
+    with pytest.raises(KinemarkError, match="'feeding' is digitised, for which all cameras count as synchronous"):
+        Session.open(tmp_path).run()
+
+
 def test_answers_that_no_question_was_put_for_are_refused(recorded, monkeypatch, tmp_path):
     folder = prepared(recorded, monkeypatch)
     kept = tmp_path / "cam3.csv"

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kinemark import native
+from kinemark.native import shape_images
 
 
 class Call(NamedTuple):
@@ -174,11 +175,37 @@ def intersect(rng):
     return Call(native.intersect, asked | {"camera": np.repeat(np.arange(5)[:, None], n, axis=1)}, {})
 
 
+SHAPES = {
+    "discs": [0.3, -0.2, 3.1],
+    "ellipse": [0.2, 0.1, 0.3, 0.02, 0.4],
+    "motion": [0.1, 0.2, 3.0, 2.0, 1.0],
+    "cut": [0.1, 0.2, 4.0, 0.7, 1.0],
+}
+
+
+def fit_shapes(rng):
+    """Patches that show what is fitted to them, with noise, some of them saturated, some pixels left out."""
+    name, n, k = rng.choice(list(SHAPES)), int(rng.integers(0, 4)), 1
+    true = np.array(SHAPES[name])
+    if name == "discs" and (k := int(rng.integers(1, 6))) > 1:
+        turn = np.arange(k) * 2 * np.pi / k
+        true = np.stack([2.5 * np.cos(turn), 2.5 * np.sin(turn), np.full(k, 3.0)], -1).reshape(-1)
+    true = np.concatenate([true + rng.uniform(-0.1, 0.1, (n, len(true))), np.tile([0.6, 180.0, 12.0], (n, 1))], 1)
+    y, x = (np.tile(at.reshape(-1).astype(float), (n, 1)) for at in np.mgrid[-8:9, -8:9])
+    weight = np.where(rng.random(x.shape) < 0.95, 1 / 9, 0.0)
+    patches = shape_images.Patches(x, y, np.zeros_like(x), weight, np.where(rng.random(n) < 0.3, 150.0, np.inf))
+    shape = getattr(shape_images, name)
+    grey = shape_images.image(shape, true, patches)[0] + rng.normal(0, 3, x.shape)
+    start = true + rng.uniform(-0.05, 0.05, true.shape) * np.abs(true)
+    asked = {"start": start, **patches._replace(grey=grey)._asdict(), "wanted": np.full(n, rng.choice([200.0, np.inf]))}
+    return Call(native.fit_shapes, asked | {"enough": np.full(n, rng.choice([0.0, 400.0]))}, {"shape": shape})
+
+
 CALLS = {
     made.__name__: made
     for made in (
         find_runs, group_runs, sum_pixels, predict, update, project, information,
-        index_images, image_index, near, candidates, intersect,
+        index_images, image_index, near, candidates, intersect, fit_shapes,
     )
 }  # fmt: skip
 

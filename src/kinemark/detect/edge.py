@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats
+from ..native import shape_images
 from . import discs
 from .patches import CutOut
 from .plausible import whole_disc
@@ -24,8 +25,8 @@ EVIDENCE = 25.0  # of χ², by which a disc must win; chosen, as in `overlap`: s
 
 def discs_at_edge(cut: CutOut) -> tuple[NDArray[np.bool_], Floats, Floats]:
     """Which of n groups are one disc that the edge cuts (n), its x, y and r (n, 3), and its centre's cov (n, 2, 2)."""
-    whole = discs.fit(discs.discs, disc_start(cut, 1), cut.patches)
-    any_form = discs.fit(discs.ellipse, ellipse_start(cut), cut.patches)
+    whole = discs.fit(shape_images.discs, disc_start(cut, 1), cut.patches)
+    any_form = discs.fit(shape_images.ellipse, ellipse_start(cut), cut.patches)
     s = np.maximum(1.0, any_form.chi2 / np.maximum((cut.patches.weight > 0).sum(1), 1))
     sure = whole_disc(whole, cut) & (whole.chi2 < any_form.chi2 + EVIDENCE * s)  # (1)
     r = whole.parameters[:, 2]

@@ -4,8 +4,9 @@ A suspected group may be an ellipse, k discs on each other, a disc with a part c
 moved. These are fitted to its grey levels (`discs`). An ellipse, if need be lit from one side, ends the matter where it
 leaves no more at the outline than noise, the texture that the marker's inside has, and `WHOLE` of its brightness: that
 is so for nearly all markers, also for such that no shape explains well. Discs on each other and cut discs follow, until
-one explains the group to within noise; motion is tried where one of these is much better than the ellipse. With χ² over
-n pixels, N of them at the outline, and p parameters, the information criterion is
+one explains the group to within noise; motion is tried where one of these is much better than the ellipse, save where
+two plausible discs stand so far apart that the outline has a waist. With χ² over n pixels, N of them at the outline,
+and p parameters, the information criterion is
 
     E = χ² / s + p ln N,    s = max(1, (least χ² − (n − N)) / N)          (1)
 
@@ -38,9 +39,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats
+from ..native import shape_images
+from ..native.shape_images import Patches
 from ..numerics.robust import SD_PER_MEDIAN
 from . import discs
-from .discs import DiscFit, Patches
+from .discs import DiscFit
 from .edge import discs_at_edge
 from .patches import CutOut
 from .plausible import SMALLEST, apart, plausible_cut, plausible_discs, rim
@@ -121,12 +124,12 @@ def explain(cut: CutOut, *, most: int, hidden: bool, at_edge: NDArray[np.bool_] 
         much = best.chi2 <= wanted[rest]
         may_move[rest] |= much
         if kind == 2:
-            may_move[rest[done & apart(best, 2)]] = False
+            may_move[rest[good & apart(best, 2)]] = False  # no disc in motion has such a waist
             done |= much  # two explain three, or a part of one, hardly better than an ellipse does
         rest = rest[~done]
     if len(moving := np.flatnonzero(may_move)):
         patches = cut.patches.take(moving)
-        moved = discs.fit(discs.motion, motion_start(_some(one, moving)), patches, wanted=wanted[moving])
+        moved = discs.fit(shape_images.motion, motion_start(_some(one, moving)), patches, wanted=wanted[moving])
         tried.append(_noted(ONE, moved, moving, n, np.ones(len(moving), np.bool_)))
     seen = _chosen(tried, cut, number)
     edge = np.flatnonzero((seen.kind == ONE) & at_edge) if hidden and at_edge is not None else rest[:0]
@@ -142,10 +145,10 @@ def _whole(cut: CutOut) -> tuple[DiscFit, NDArray[np.int64]]:
     weight, start = cut.patches.weight, ellipse_start(cut)
     small = 1 + (WHOLE * start[:, -2]) ** 2 * weight.max(1) / 4  # a pixel, as fewer than a quarter lie at the rim
     never, enough = np.zeros(len(start)), small * (weight > 0).sum(1)
-    one = discs.fit(discs.ellipse, start, cut.patches, wanted=never, enough=enough)
+    one = discs.fit(shape_images.ellipse, start, cut.patches, wanted=never, enough=enough)
     rest = np.flatnonzero(~_explained(one, cut.patches, model=WHOLE))
     part = cut.patches.take(rest)
-    lit = discs.lit_from_a_side(discs.ellipse, _some(one, rest), part)
+    lit = discs.lit_from_a_side(shape_images.ellipse, _some(one, rest), part)
     one.chi2[rest], one.model[rest] = lit.chi2, lit.model
     return one, rest[~_explained(lit, part, model=WHOLE, texture=_texture(lit, part))]
 
@@ -160,8 +163,16 @@ def _texture(fit: DiscFit, patches: Patches) -> Floats:
     enough = (~np.isnan(off)).sum(1) >= MANY
     off = off[enough]
     scatter = np.zeros(len(enough))
-    scatter[enough] = SD_PER_MEDIAN * np.nanmedian(np.abs(off - np.nanmedian(off, 1, keepdims=True)), 1)
+    scatter[enough] = SD_PER_MEDIAN * _medians(np.abs(off - _medians(off)[:, None]))
     return scatter
+
+
+def _medians(rows: Floats) -> Floats:
+    """(n) of what is not NaN in each row, of which there is some; NumPy's takes each row by itself."""
+    number, rows = (~np.isnan(rows)).sum(1, keepdims=True), np.sort(rows, axis=1)
+    return np.asarray(
+        (np.take_along_axis(rows, (number - 1) // 2, 1) + np.take_along_axis(rows, number // 2, 1))[:, 0] / 2
+    )
 
 
 def _wanted(one: DiscFit, cut: CutOut, number: NDArray[np.int64]) -> Floats:
@@ -173,8 +184,8 @@ def _wanted(one: DiscFit, cut: CutOut, number: NDArray[np.int64]) -> Floats:
 def _best(kind: int, cut: CutOut, wanted: Floats) -> DiscFit:
     """The best of a kind."""
     if kind == CUT:
-        return discs.fit(discs.cut, cut_start(cut), cut.patches, wanted=wanted)
-    return discs.fit(discs.discs, disc_start(cut, kind), cut.patches, wanted=wanted)
+        return discs.fit(shape_images.cut, cut_start(cut), cut.patches, wanted=wanted)
+    return discs.fit(shape_images.discs, disc_start(cut, kind), cut.patches, wanted=wanted)
 
 
 def _plausible(kind: int, fit: DiscFit, cut: CutOut) -> NDArray[np.bool_]:

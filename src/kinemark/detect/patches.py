@@ -1,4 +1,4 @@
-"""Groups cut out of their images, with what else lies there left out, as `discs.Patches`.
+"""Groups cut out of their images, with what else lies there left out, as `shape_images.Patches`.
 
 A patch holds the group's own white pixels and all pixels within `MARGIN` of them; white pixels of other groups and
 their neighbours are left out. Places count from the centre of the group's rectangle, and v is divided by the aspect of
@@ -14,7 +14,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats
-from .discs import Patches
+from ..native.shape_images import Patches
 from .grouping import PixelGroups
 
 MARGIN = 3

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats
-from .discs import DiscFit, Patches
+from ..native.shape_images import Patches
+from .discs import DiscFit
 from .patches import CutOut
 
 MISFIT = 0.10  # of the brightness, RMS at the rim; studies/overlapping_markers.py judges it

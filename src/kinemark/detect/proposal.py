@@ -133,9 +133,10 @@ def _spread(images: GreyLevels | FrameSource, frames: int) -> GreyLevels:
 
 def white_level(images: GreyLevels) -> int:
     """The brightest level that a camera of 8, 10, 12, 14 or 16 bits can give, whichever holds the images."""
+    if images.dtype == np.uint8:
+        return 255
     top = int(images.max())
-    levels = (255,) if images.dtype == np.uint8 else (1023, 4095, 16383, 65535)
-    return next(level for level in levels if top <= level)
+    return next(level for level in (1023, 4095, 16383, 65535) if top <= level)
 
 
 def _wider(dark: LevelGap, bright: LevelGap) -> bool:

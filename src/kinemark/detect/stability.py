@@ -69,7 +69,7 @@ class LevelGap(NamedTuple):
 class BrightPixels(NamedTuple):
     """The pixels of some frames that are brighter than a level, so that higher levels need not look at all.
 
-    key: (N) line (W + 1) + column, rising, with the width W, px; grey: (N) their grey levels.
+    key: (N) line (W + 1) + column, rising, with the width W, px; grey: (N + 1) their grey levels, and 0.
     """
 
     level: float
@@ -79,12 +79,22 @@ class BrightPixels(NamedTuple):
 
     def runs(self, level: float) -> Runs:
         """The runs of those brighter than a level that is no lower; the first `MOST_RUNS`."""
-        key = self.key[self.grey > level]
+        key = self.key[self.grey[:-1] > level]
         end = np.flatnonzero(np.diff(key) != 1)
         first = key[np.concatenate([[0], end + 1])] if len(key) else key
         last = key[np.concatenate([end, [len(key) - 1]])] if len(key) else key
         y = first // (self.width + 1)
         return Runs(*(a[:MOST_RUNS] for a in (y, first - y * (self.width + 1), last - y * (self.width + 1))))
+
+    def peaks(self, groups: PixelGroups) -> NDArray[np.float64]:
+        """(G) the brightest pixel of each group of such runs, without a look at the images."""
+        if len(groups.area) == 0:
+            return np.zeros(0)
+        runs = groups.runs
+        first = np.searchsorted(self.key, runs.y * (self.width + 1) + runs.first)
+        ends = np.stack([first, first + runs.last - runs.first + 1], -1).reshape(-1)
+        of_runs = np.maximum.reduceat(self.grey, ends)[::2]
+        return np.maximum.reduceat(of_runs, groups.start[:-1]).astype(np.float64)
 
 
 def bright_pixels(images: NDArray[np.uint8 | np.uint16], level: float) -> BrightPixels | None:
@@ -94,7 +104,8 @@ def bright_pixels(images: NDArray[np.uint8 | np.uint16], level: float) -> Bright
     if len(runs.y) == MOST_RUNS or (runs.last - runs.first + 1).sum() > FEW * images.size:
         return None
     line, column = pixels_of(*(side.astype(np.int64, copy=False) for side in runs))
-    return BrightPixels(level, width, line * (width + 1) + column, images.reshape(-1, width)[line, column])
+    grey = images.reshape(-1, width)[line, column]
+    return BrightPixels(level, width, line * (width + 1) + column, np.append(grey, grey.dtype.type(0)))
 
 
 def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
@@ -158,7 +169,7 @@ def _standing_out(
     groups = groups_above(images, b + c, bright)
     if len(groups.runs.y) > MOST_RUNS // 2:
         groups = groups.keep(np.zeros(len(groups.area), np.bool_))
-    peak = peaks_of(images, groups)
+    peak = bright.peaks(groups) if bright and b + c >= bright.level else peaks_of(images, groups)
     groups, peak = groups.keep(peak > b + 2 * c), peak[peak > b + 2 * c]
     real = blurred(images, groups)
     return groups.keep(real), peak[real]

@@ -1,4 +1,4 @@
-"""First guesses for the shapes of `discs`, from a group's white pixels alone.
+"""First guesses for the shapes of `native.shape_images`, from a group's white pixels alone.
 
 One ellipse has the second moments of the white pixels: Σ = (M²)⁻¹ / 4 (1). For k discs the white pixels are parted
 into k clusters by Lloyd's rule (1982), begun in a row along the longer axis and in a ring (2); k discs on each other
@@ -35,7 +35,7 @@ def second_moments(cut: CutOut) -> tuple[Floats, Floats]:
 
 
 def ellipse_start(cut: CutOut) -> Floats:
-    """Parameters (n, 8) of `discs.ellipse` by (1)."""
+    """Parameters (n, 8) of `shape_images.ellipse` by (1)."""
     middle, spread = second_moments(cut)
     value, vector = np.linalg.eigh(spread)
     M = vector @ ((0.5 / np.sqrt(value))[:, :, None] * vector.transpose(0, 2, 1))  # (1)
@@ -43,7 +43,7 @@ def ellipse_start(cut: CutOut) -> Floats:
 
 
 def motion_start(one: DiscFit) -> Floats:
-    """Parameters (n, 8) of `discs.motion` from those of an ellipse: along its longer axis by what it is longer."""
+    """Parameters (n, 8) of `shape_images.motion` from those of an ellipse: along its longer axis, by the excess."""
     x, y, xx, xy, yy = one.parameters[:, :5].T
     value, vector = np.linalg.eigh(np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2))
     long, short = (1 / np.maximum(np.abs(value[:, i]), 1e-3) for i in (0, 1))
@@ -52,7 +52,7 @@ def motion_start(one: DiscFit) -> Floats:
 
 
 def disc_start(cut: CutOut, k: int) -> Floats:
-    """Parameters (n, 3k + 3) of `discs.discs` by (2)."""
+    """Parameters (n, 3k + 3) of `shape_images.discs` by (2)."""
     middle, spread = second_moments(cut)
     value, vector = np.linalg.eigh(spread)
     long, short = (np.sqrt(value[:, i, None]) * vector[:, :, i] for i in (1, 0))
@@ -71,7 +71,7 @@ def disc_start(cut: CutOut, k: int) -> Floats:
 
 
 def cut_start(cut: CutOut) -> Floats:
-    """Parameters (n, 8) of `discs.cut` by (4)."""
+    """Parameters (n, 8) of `shape_images.cut` by (4)."""
     middle, spread = second_moments(cut)
     value, vector = np.linalg.eigh(spread)
     n = vector[:, :, 0]

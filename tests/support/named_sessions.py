@@ -22,7 +22,7 @@ def walk(seed, speed=1000.0, phase=0.3, seconds=0.8):
     )
 
 
-STAND = {"speed": 1.0, "phase": 0.8, "seconds": 0.4}
+STAND = {"speed": 1.0, "phase": 0.8, "seconds": 1.6}
 MOTIONS = {"stand": (7, STAND), "walk01": (2, {}), "walk02": (3, {"phase": 0.7})}
 
 

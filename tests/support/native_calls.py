@@ -9,6 +9,7 @@ import numpy as np
 
 from kinemark import native
 from kinemark.native import shape_images
+from kinemark.native.shape_fits import fit_shapes as fit_shapes_of_patches
 
 
 class Call(NamedTuple):
@@ -198,7 +199,7 @@ def fit_shapes(rng):
     grey = shape_images.image(shape, true, patches)[0] + rng.normal(0, 3, x.shape)
     start = true + rng.uniform(-0.05, 0.05, true.shape) * np.abs(true)
     asked = {"start": start, **patches._replace(grey=grey)._asdict(), "wanted": np.full(n, rng.choice([200.0, np.inf]))}
-    return Call(native.fit_shapes, asked | {"enough": np.full(n, rng.choice([0.0, 400.0]))}, {"shape": shape})
+    return Call(fit_shapes_of_patches, asked | {"enough": np.full(n, rng.choice([0.0, 400.0]))}, {"shape": shape})
 
 
 CALLS = {

@@ -12,17 +12,14 @@ from .point_motion import predict, update
 from .point_projection import information, project
 from .ray_intersection import intersect
 from .run_groups import group_runs
-from .shape_fits import ShapeFits, fit_shapes
 from .symmetric3 import inverse
 
 __all__ = [
     "PLAIN",
     "ImageIndex",
-    "ShapeFits",
     "Status",
     "candidates",
     "find_runs",
-    "fit_shapes",
     "group_runs",
     "index_images",
     "information",

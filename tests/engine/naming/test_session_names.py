@@ -150,7 +150,7 @@ def test_joint_angles_follow_at_the_end_or_it_is_said_why_not(tmp_path):
 
 
 def test_a_marker_that_the_trial_never_shows_is_placed_from_the_static_trial(tmp_path):
-    folder = session_of(tmp_path, "stand", first=("stand",))
+    folder = session_of(tmp_path, "stand", label='template = ["earlier.c3d"]\nunsure = true', first=("stand",))
     walk01 = motion("walk01")
     away = replace(walk01, xyz=np.where(np.array(walk01.names)[:, None, None] == "LTIB", np.nan, walk01.xyz))
     save(folder / "walk01.h5", observe(RIG, away, noise_px=0.1, seed=4).detections)

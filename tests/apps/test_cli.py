@@ -41,7 +41,7 @@ def trial(tmp_path):
     return tmp_path / "trial.c3d"
 
 
-SMALL = Scene(seconds=0.5, size_px=(376, 292), focal_px=385.0, noise=1.0)
+SMALL = Scene(seconds=1.0, size_px=(376, 292), focal_px=385.0, noise=1.0)
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def shown(tmp_path_factory):
 
 def test_the_demonstration_recovers_every_marker(shown):
     _, result = shown
-    assert result.score.found == 15 and result.score.swaps == 0  # half a second is too short for all names to be sure
+    assert result.passed
     assert result.score.recall > 0.97
     assert result.score.rmse < 1.0
     assert 0.85 < result.score.coverage <= 1

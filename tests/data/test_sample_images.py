@@ -43,9 +43,9 @@ def test_a_sample_solved_again_from_its_images_is_where_it_was(made):
         measured = np.flatnonzero(path.origin == Origin.MEASURED)
         several = (path.detection[measured] >= 0).sum(1) >= 2
         assert several.mean() > 0.9 and np.array_equal(np.unique(cloud.frame), measured[several])
-        assert (
-            np.abs(cloud.xyz - path.xyz[cloud.frame]).max() < 0.15
-        )  # mm; the tracker weighs cameras by what it learned of them
+        off = np.abs(cloud.xyz - path.xyz[cloud.frame]).max(1)
+        assert np.quantile(off, 0.9) < 1e-3  # mm
+        assert off.max() < 0.15  # mm; robust weights rest on σ, which in tracks holds what the calibration may leave
 
 
 def test_a_sample_is_shown_at_its_place_in_every_image(made):

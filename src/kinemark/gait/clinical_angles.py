@@ -20,7 +20,7 @@ from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, Side
 from ..kinematics import principal
 from .lower_limb import FOOT_SEQUENCE, LowerLimbs
-from .segments import Z_UP
+from .segments import Z_UP, relative, within_half_turn
 
 WALKED_MM = 800.0
 """Path of the pelvis below which its own x is the direction of progression, mm; conventional (Plug-in Gait)."""
@@ -62,7 +62,7 @@ def read(reading: Reading, R: Floats, side: Side) -> Floats:
     mirror = TO_THE_LEFT[side]
     deg = deg * np.array(reading.sign) * (1.0, mirror, mirror)
     deg[..., 0] += reading.plus
-    return np.remainder(deg + 180.0, 360.0) - 180.0
+    return within_half_turn(deg)
 
 
 def _rotations(limbs: LowerLimbs, side: Side, lab: Floats) -> tuple[Floats, ...]:
@@ -70,15 +70,11 @@ def _rotations(limbs: LowerLimbs, side: Side, lab: Floats) -> tuple[Floats, ...]
     leg, pelvis = limbs.leg(side), limbs.pelvis.R
     return (
         lab.T @ pelvis,
-        _in(pelvis, leg.thigh.R),
-        _in(leg.thigh.R, leg.shank_at_knee.R),
-        _in(leg.shank.R, leg.foot.R),
+        relative(pelvis, leg.thigh.R),
+        relative(leg.thigh.R, leg.shank_at_knee.R),
+        relative(leg.shank.R, leg.foot.R),
         lab.T @ leg.foot.R,
     )
-
-
-def _in(parent: Floats, child: Floats) -> Floats:
-    return np.swapaxes(parent, -1, -2) @ child
 
 
 def progression(limbs: LowerLimbs, up: Floats = Z_UP) -> Floats:

@@ -33,7 +33,7 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from .lower_limb import Leg
 from .segment_inertia import SegmentInertia
-from .segments import Z_UP, Segment
+from .segments import Z_UP, Segment, mean_length
 
 GRAVITY = 9.81
 """m/s², downwards; conventional."""
@@ -120,7 +120,7 @@ def joint_loads(
         raise KinemarkError("Moments want the subject's mass, and HEE and TOE for the length of the foot.")
     dt = 1.0 / rate
     toes = leg.ankle - foot_mm * leg.foot.R[..., 2]
-    shank_mm, thigh_mm = (_typical(a - b) for a, b in ((leg.knee, leg.ankle), (leg.hip, leg.knee)))
+    shank_mm, thigh_mm = (mean_length(a - b) for a, b in ((leg.knee, leg.ankle), (leg.hip, leg.knee)))
     chain = (
         ("Ankle", "foot", leg.foot, leg.ankle, toes, foot_mm),
         ("Knee", "shank", leg.shank, leg.knee, leg.ankle, shank_mm),
@@ -165,9 +165,3 @@ def _momentum_change(
     I_lab = R @ inertia @ np.swapaxes(R, -1, -2)
     spin = np.einsum("fij,fj->fi", I_lab, omega)
     return np.einsum("fij,fj->fi", I_lab, d(omega, dt)) + np.cross(omega, spin)
-
-
-def _typical(v: Floats) -> float:
-    """Mean length of (F, 3), mm."""
-    length = np.linalg.norm(v, axis=-1)
-    return float(length[np.isfinite(length)].mean()) if np.isfinite(length).any() else np.nan

@@ -25,7 +25,7 @@ from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
 from ..kinematics import principal, turned
 from .hip_centre import HipCentre, davis, hara, harrington
-from .segments import Z_UP, Segment, joint_centre, perpendicular, unit, upright
+from .segments import Z_UP, Segment, joint_centre, mean_length, perpendicular, relative, unit, upright
 
 LEG_MARKERS = ("THI", "KNE", "TIB", "ANK", "HEE", "TOE")
 """Of each leg, after L or R; conventional."""
@@ -93,8 +93,8 @@ def lower_limbs(
     """
     check_markers(points)
     pelvis, back = pelvis_of(points)
-    asis = measures.asis_mm or _typical(points["LASI"] - points["RASI"])
-    depth = _typical(pelvis.origin - back)
+    asis = measures.asis_mm or mean_length(points["LASI"] - points["RASI"])
+    depth = mean_length(pelvis.origin - back)
     left, right = (_leg(points, pelvis, measures, side, hip_centre, asis, depth) for side in SIDES)
     return LowerLimbs(pelvis, left, right)
 
@@ -134,12 +134,6 @@ def _back(points: Mapping[str, Floats]) -> Floats:
     if not {"LPSI", "RPSI"} <= set(points):
         raise KinemarkError("SACR is never seen in this trial, and there are no LPSI and RPSI in its place.")
     return (points["LPSI"] + points["RPSI"]) / 2
-
-
-def _typical(v: Floats) -> float:
-    """Mean length of vectors (…, 3), mm."""
-    length = np.linalg.norm(v, axis=-1)
-    return float(length[np.isfinite(length)].mean()) if np.isfinite(length).any() else np.nan
 
 
 def _leg(
@@ -194,7 +188,7 @@ def with_static_offsets(
         KinemarkError: a marker is not there, or no frame has all that a foot needs.
     """
     limbs = lower_limbs(static, measures, hip_centre=hip_centre)
-    asis = measures.asis_mm or _typical(static["LASI"] - static["RASI"])
+    asis = measures.asis_mm or mean_length(static["LASI"] - static["RASI"])
     left, right = (_with_offsets(measures, limbs, static, side, flat_foot, up) for side in SIDES)
     return replace(measures, left=left, right=right, asis_mm=asis)
 
@@ -208,7 +202,7 @@ def _with_offsets(
         lift = ((toe - heel) @ up)[..., None] + own.sole_mm
         heel = heel + lift * up
     stood = upright(toe, heel - toe, leg.shank.R[..., 1])
-    deg = principal(np.swapaxes(leg.bare_foot.R, -1, -2) @ stood.R, FOOT_SEQUENCE)
+    deg = principal(relative(leg.bare_foot.R, stood.R), FOOT_SEQUENCE)
     known = np.isfinite(deg).all(-1)
     if not known.any():
         raise KinemarkError(

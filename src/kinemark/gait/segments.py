@@ -94,3 +94,20 @@ def _turned(point: Floats, about: Floats, axis: Floats, deg: float) -> Floats:
         about + np.cos(a) * v + np.sin(a) * np.cross(axis, v)
         + (1 - np.cos(a)) * (axis * v).sum(-1, keepdims=True) * axis
     )  # fmt: skip
+
+
+def mean_length(v: Floats) -> float:
+    """Of vectors (…, 3), of those that are known; NaN where none is."""
+    length = np.linalg.norm(v, axis=-1)
+    known = np.isfinite(length)
+    return float(length[known].mean()) if known.any() else np.nan
+
+
+def relative(parent: Floats, child: Floats) -> Floats:
+    """(…, 3, 3) the axes of a child in those of its parent."""
+    return np.asarray(np.swapaxes(parent, -1, -2) @ child)
+
+
+def within_half_turn(deg: Floats) -> Floats:
+    """Angles from −180 up to 180 deg."""
+    return np.asarray(np.remainder(deg + 180.0, 360.0) - 180.0)

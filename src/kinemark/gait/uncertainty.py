@@ -23,7 +23,7 @@ from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, SubjectMeasures
 from .gait_trial import Inputs, gait_of, inputs_of
 from .lower_limb import LowerLimbs, lower_limbs, with_static_offsets
-from .segments import Segment
+from .segments import Segment, within_half_turn
 
 Quantities = Mapping[str, Floats]
 """(F, A) by name."""
@@ -145,7 +145,7 @@ def _combined(causes: Iterator[Shifted]) -> dict[str, Floats]:
         for name, y in more.items():
             half = (y - less[name]) / 2
             if name.endswith("Angles"):
-                half = (np.remainder(2 * half + 180, 360) - 180) / 2
+                half = within_half_turn(2 * half) / 2
             total[name] = total.get(name, 0.0) + half**2
     return {name: np.sqrt(square) for name, square in total.items()}
 
@@ -256,7 +256,7 @@ def _noise(trial: Trial, model: _Model, errors: GaitErrors) -> dict[str, Floats]
 def _spread(ys: Floats, *, angle: bool) -> Floats:
     """(F, A) standard deviation of (draws, F, A); of angles about the first, by less than half a turn."""
     if angle:
-        ys = ys[0] + np.remainder(ys - ys[0] + 180, 360) - 180
+        ys = ys[0] + within_half_turn(ys - ys[0])
     return np.asarray(ys.std(axis=0, ddof=1))
 
 

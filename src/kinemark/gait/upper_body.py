@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, ArmMeasures, Side, SubjectMeasures
 from ..kinematics import principal, turned
-from .segments import Segment, joint_centre, perpendicular, unit, upright
+from .segments import Segment, joint_centre, perpendicular, relative, unit, upright, within_half_turn
 
 THORAX_MARKERS = ("CLAV", "STRN", "C7", "T10")
 HEAD_MARKERS = ("LFHD", "RFHD", "LBHD", "RBHD")
@@ -119,17 +119,17 @@ def upper_body_angles(
     for side in SIDES:
         letter, mirror = LETTER[side], np.array([1.0, TO_THE_LEFT[side], TO_THE_LEFT[side]])
         found[f"{letter}ThoraxAngles"] = _read(progression.T @ down, (1, -1, 1) * mirror, (180, 0, 180))
-        found[f"{letter}SpineAngles"] = _read(_in(down, pelvis.R), (1, -1, -1) * mirror, (180, 0, 180))
+        found[f"{letter}SpineAngles"] = _read(relative(down, pelvis.R), (1, -1, -1) * mirror, (180, 0, 180))
         if head is not None:
             found[f"{letter}HeadAngles"] = _read(progression.T @ head.R, (-1, 1, -1) * mirror)
-            found[f"{letter}NeckAngles"] = _read(_in(head.R, down), (-1, -1, 1) * mirror, (180, 0, 180))
+            found[f"{letter}NeckAngles"] = _read(relative(head.R, down), (-1, -1, 1) * mirror, (180, 0, 180))
         arm = _arm_where_known(points, thorax, measures, side)
         if arm is not None:
             upper, lower = arm.upper_arm.R, arm.forearm.R
-            zyx = principal(_in(upper, down), "zyx")[..., [1, 2, 0]] * ((1, -1, 1) * mirror) + (0, 180, 180)
-            found[f"{letter}ShoulderAngles"] = _wrapped(zyx)
-            found[f"{letter}ElbowAngles"] = _read(_in(lower, upper), (-1, 1, 1) * mirror)
-            found[f"{letter}WristAngles"] = _read(_in(lower, arm.hand.R), (1, -1, -1) * mirror)
+            zyx = principal(relative(upper, down), "zyx")[..., [1, 2, 0]] * ((1, -1, 1) * mirror) + (0, 180, 180)
+            found[f"{letter}ShoulderAngles"] = within_half_turn(zyx)
+            found[f"{letter}ElbowAngles"] = _read(relative(lower, upper), (-1, 1, 1) * mirror)
+            found[f"{letter}WristAngles"] = _read(relative(lower, arm.hand.R), (1, -1, -1) * mirror)
     return found
 
 
@@ -142,14 +142,6 @@ def _arm_where_known(
     return arm_of(points, thorax, own, measures.marker_diameter_mm / 2, side)
 
 
-def _in(parent: Floats, child: Floats) -> Floats:
-    return np.asarray(np.swapaxes(parent, -1, -2) @ child)
-
-
 def _read(R: Floats, sign: ArrayLike, plus: tuple[int, int, int] = (0, 0, 0)) -> Floats:
     """(…, 3) deg of Rᵧ Rₓ R_z with signs and offsets."""
-    return _wrapped(principal(R, "yxz") * np.asarray(sign) + plus)
-
-
-def _wrapped(deg: Floats) -> Floats:
-    return np.asarray(np.remainder(deg + 180.0, 360.0) - 180.0)
+    return within_half_turn(principal(R, "yxz") * np.asarray(sign) + plus)

@@ -11,17 +11,13 @@ for each degree of freedom the mean, the SD over the cycles, and the SD of the m
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable, Sequence
 from pathlib import Path
-
-import numpy as np
 
 from ..data import Angles
 from ..data.cycles import Cycles
 from ..data.models import Model
 from ..data.normal_ranges import NamedAngle, named_angles, outside
-from .files import replacing
+from .csv_table import cell, write_table
 from .number_text import plain
 
 
@@ -45,9 +41,9 @@ def write_angles_csv(path: Path | str, angles: Angles, model: Model, *, first_fr
     for f in range(angles.deg.shape[1]):
         row = [str(f + first_frame), plain((f + first_frame - 1) / angles.rate)]
         for j, t, _ in free:
-            row += [_short(angles.deg[j, f, t]), _short(sd[j, f, t]), str(int(out[j, f, t]))]
+            row += [cell(angles.deg[j, f, t]), cell(sd[j, f, t]), str(int(out[j, f, t]))]
         rows.append(row + [str(int(flag)) for flag in angles.locked[:, f]])
-    _write(path, heading, rows)
+    write_table(path, heading, rows)
 
 
 def write_cycles_csv(path: Path | str, cycles: Cycles, model: Model) -> None:
@@ -61,19 +57,5 @@ def write_cycles_csv(path: Path | str, cycles: Cycles, model: Model) -> None:
     for one in free:
         heading += [column(model, one) + end for end in ("_mean_deg", "_sd_deg", "_noise_deg")]
     parts = (cycles.mean, cycles.spread, cycles.noise)
-    rows = [
-        [str(k), *(_short(part[j, k, t]) for j, t, _ in free for part in parts)] for k in range(cycles.mean.shape[1])
-    ]
-    _write(path, heading, rows)
-
-
-def _short(value: float) -> str:
-    """Six decimals of a degree; empty for NaN and infinity."""
-    return plain(round(float(value), 6)) if np.isfinite(value) else ""
-
-
-def _write(path: Path | str, heading: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(heading)
-        writer.writerows(rows)
+    rows = [[str(k), *(cell(part[j, k, t]) for j, t, _ in free for part in parts)] for k in range(cycles.mean.shape[1])]
+    write_table(path, heading, rows)

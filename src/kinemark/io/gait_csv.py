@@ -9,16 +9,12 @@ An empty cell is a missing value.
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-
-import numpy as np
 
 from ..data.gait_curves import GaitCurves
 from ..data.strides import UNITS, Stride
-from .files import replacing
-from .number_text import plain
+from .csv_table import cell, write_table
 
 
 def write_curves_csv(path: Path | str, curves: Sequence[GaitCurves]) -> None:
@@ -34,7 +30,7 @@ def write_curves_csv(path: Path | str, curves: Sequence[GaitCurves]) -> None:
             heading += [f"{name}_{one.unit}", f"{name}_spread", f"{name}_sd"]
             columns += [part[:, k] for part in (one.mean, one.spread, one.measurement_sd)]
     n = max((len(column) for column in columns), default=0)
-    _write(path, heading, ([str(t), *(_cell(column[t]) for column in columns)] for t in range(n)))
+    write_table(path, heading, ([str(t), *(cell(column[t]) for column in columns)] for t in range(n)))
 
 
 def write_time_distance_csv(path: Path | str, strides: Sequence[Stride]) -> None:
@@ -47,19 +43,7 @@ def write_time_distance_csv(path: Path | str, strides: Sequence[Stride]) -> None
     for name, unit in UNITS.items():
         heading += [f"{name} ({unit})", f"{name} sd"]
     rows = (
-        [s.side, _cell(s.first), _cell(s.last), *(_cell(v) for name in UNITS for v in (s.values[name], s.sd[name]))]
+        [s.side, cell(s.first), cell(s.last), *(cell(v) for name in UNITS for v in (s.values[name], s.sd[name]))]
         for s in strides
     )
-    _write(path, heading, rows)
-
-
-def _cell(value: float) -> str:
-    """Six decimals; empty where it is missing."""
-    return plain(round(float(value), 6)) if np.isfinite(value) else ""
-
-
-def _write(path: Path | str, heading: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    with replacing(path) as beside, beside.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(heading)
-        writer.writerows(rows)
+    write_table(path, heading, rows)

@@ -30,7 +30,7 @@ from .template import Template
 CONFIDENT = 0.9
 """Probability from which on a name is taken as the truth; chosen, nine in ten at least."""
 BETWEEN = 1.0
-"""τ of (1), in logits; chosen: with it the log score of tracks in the rows of benchmarks/labelling.py rose most."""
+"""τ of (1), in logits; chosen, no other was tried: the log score of tracks in benchmarks/labelling.py rose with it."""
 SEGMENT_S = 0.5
 """Length of independent segments, s; chosen, as long as a new pose takes."""
 MOST_PIECES, MOST_FRAMES = 10, 600

@@ -1,0 +1,74 @@
+"""What quality.json holds of names and edits."""
+
+from __future__ import annotations
+
+from typing import Literal, NotRequired
+
+from typing_extensions import TypedDict
+
+from .quality_types import Count, Number, Share, documented
+
+
+@documented
+class NamedMarkerData(TypedDict):
+    """The name of a marker: "sure", "unsure", "missing", or "stated" by the recording."""
+
+    name: str
+    samples: Count
+    probability: Share
+    """Mean over its samples."""
+    state: str
+    runner_up: str | None
+    """Of its least certain piece."""
+    pieces: Count
+
+
+@documented
+class UnsureData(TypedDict):
+    """A track whose name is not sure, so that it has none; frames from 0."""
+
+    name: str
+    probability: Share
+    runner_up: str | None
+    first_frame: int
+    last_frame: int
+    samples: Count
+
+
+@documented
+class LabelsData(TypedDict):
+    """How the markers were named."""
+
+    sources: list[str]
+    """Files and trials that the template was learnt from."""
+    fit: Number
+    """Score as a share of what the template scores on its own data."""
+    placed_share: Share
+    sure_share: Share
+    refused: bool
+    markers: list[NamedMarkerData]
+    unsure: list[UnsureData]
+    ghosts_removed: NotRequired[Count]
+    stated: NotRequired[Count]
+    """Tracks whose name a person stated."""
+
+
+@documented
+class EditData(TypedDict):
+    """One edit of a journal, and what became of it."""
+
+    entry: int
+    """Number of its entry in the journal."""
+    edit: str
+    """Its kind."""
+    markers: list[str]
+    frames: list[int]
+    """First and last that it is about, numbers in the recording; 0, 0 where it is about none."""
+    outcome: Literal["held", "thin", "moot", "overruled", "orphan"]
+    """It stands; it stands on few of its witnesses; nothing was left to do; a later one says otherwise; it no longer
+    finds its place."""
+    share: Share
+    """Of its witnesses that were found."""
+    samples: Count
+    reason: str
+    """Why it does not stand; else empty."""

@@ -14,7 +14,10 @@ def main() -> None:
     try:
         from .apps.cli import main as command
 
-        command()
+        try:
+            command()
+        finally:
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # all is said: Ctrl-C now only ends the interpreter sooner
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C changes nothing
         sys.stderr.write(f"\nkinemark: {STOPPED}\n")

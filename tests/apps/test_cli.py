@@ -170,7 +170,7 @@ def test_files_are_described(trial, shown):
     assert "walk01" in describe(folder)["trials"]
     assert len(describe(folder / "results" / "rig.toml")["cameras"]) == 6
     assert describe(folder / "results" / "walk01" / "tracks.h5")["holds"] == "tracks"
-    assert describe(folder / "walk01" / "cam1.mkv")["frames"] == 25
+    assert describe(folder / "walk01" / "cam1.mkv")["frames"] == 50
 
 
 def test_commands_run_and_say_what_to_do(shown, trial):

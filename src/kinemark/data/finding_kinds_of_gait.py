@@ -11,6 +11,13 @@ GAIT_KINDS = (
          {"side": "text", "strides": "count"}),
     Kind("foot_offsets_unknown", "gait", "amber", "No static trial, and no offsets stated: ankle and foot angles are "
          "those of the line from ankle to toe."),
+    Kind("gait_measures_estimated", "gait", "amber", "Nobody states the subject's measures: legs by the markers, widths "
+         "as their usual share, mass by the plates where there are. legs: mean of both.",
+         {"leg_mm": "mm", "mass_kg": "kg"}),
+    Kind("gait_heels_from_static", "gait", "info", "Heels that the walks do not have sit on the feet as in the static "
+         "trial."),
+    Kind("gait_markers_renamed", "gait", "info", "Markers of the file that were taken for the model's, as SACR = "
+         "sacrum.", {"names_list": "text"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "
          "two_feet, beside, cut or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
     Kind("gait_without_moments", "gait", "info", "There are no moments. why: plates, mass or contacts.",

@@ -1,33 +1,17 @@
-"""From walks, a standing trial and a subject's measures to gait: what `kinemark gait` does."""
+"""From files of walks, a standing trial and a subject's measures to a gait report: what `kinemark gait` does."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from ..data import Events, KinemarkError, Trial
-from ..data.array_types import Floats
+from ..data import KinemarkError
 from ..data.gait_curves import GaitCurves, GaitReference
-from ..data.strides import FootEvent
 from ..data.subject_measures import SubjectMeasures
 from ..findings.gait import GaitOfTrial, gait_figures
-from ..gait import with_static_offsets
-from ..gait.emg import Emg, emg
-from ..gait.foot_events import foot_events
-from ..gait.gait_cycles import emg_curves, gait_curves
-from ..gait.gait_trial import analyse_gait, marker_points, measured_only
-from ..gait.lower_limb import check_markers
-from ..gait.physical import Physical
-from ..gait.plug_in_gait import PlugInGait
-from ..gait.time_distance import strides
-from ..gait.uncertainty import GaitErrors, gait_uncertainty, with_uncertainty
 from ..io.c3d import write_c3d
-from ..io.c3d.subject_measures import measures_of
 from ..io.files import replacing
 from ..io.gait_csv import write_curves_csv, write_time_distance_csv
 from ..io.gait_reference import read_reference
@@ -38,57 +22,21 @@ from ..report.drawing_library import assets_for
 from ..report.gait_page import write_gait_page
 from ..report.words import with_words
 from .gait_exports import exports_of, write_exports
+from .gait_walks import (
+    KnownMeasures,
+    Recorded,
+    SubjectGait,
+    completed,
+    how,
+    known_measures,
+    recorded,
+    subject_gait,
+    with_gait,
+)
 from .identities import identity_of_file
+from .settings.gait_settings import GaitSettings
 
-FORCE_UNITS = ("N", "NM", "NMM", "NCM")
-"""Of channels that are a force plate's, without other letters."""
-
-
-@dataclass(frozen=True, slots=True)
-class GaitSettings:
-    """How gait is computed.
-
-    Attributes:
-        method: "physical", or "plug_in_gait", which is that program's numbers.
-        hip_centre: regression of the hip, where the method is physical.
-        inertia: of the segments, likewise.
-        smoothing: of the markers, likewise.
-        cutoff_hz: of the smoothing; by residual analysis or cross-validation where none is given.
-        flat_foot: in the standing trial heel and toe are at one height.
-        placement_mm: standard uncertainty of where a marker is put on, along each axis.
-        hip_mm: standard uncertainty of the hip joint centre, along each axis.
-        tissue_mm: of thigh's and shank's markers, by skin that moves over bone, likewise.
-        plate_mm: of where force plates lie among the markers, along each horizontal axis.
-        uncertainty: whether to compute the error bars.
-    """
-
-    method: Literal["physical", "plug_in_gait"] = "physical"
-    hip_centre: Literal["davis", "harrington", "hara"] = "davis"
-    inertia: Literal["winter", "de_leva_male", "de_leva_female", "plug_in_gait"] = "winter"
-    smoothing: Literal["none", "butterworth", "woltring"] = "butterworth"
-    cutoff_hz: float | None = None
-    flat_foot: bool = True
-    placement_mm: float = 5.0
-    hip_mm: float = 10.0
-    tissue_mm: float = 5.0
-    plate_mm: float = 3.0
-    uncertainty: bool = True
-
-    @property
-    def made(self) -> Physical | PlugInGait:
-        """The method with its parameters."""
-        if self.method == "plug_in_gait":
-            return PlugInGait()
-        return Physical(
-            hip_centre=self.hip_centre, inertia=self.inertia, smoothing=self.smoothing, cutoff_hz=self.cutoff_hz
-        )
-
-    @property
-    def errors(self) -> GaitErrors:
-        """Of the causes."""
-        return GaitErrors(
-            placement_mm=self.placement_mm, hip_mm=self.hip_mm, tissue_mm=self.tissue_mm, plate_mm=self.plate_mm
-        )
+PAGE, FIGURES = "gait.html", "gait.json"
 
 
 class GaitResult(NamedTuple):
@@ -105,7 +53,8 @@ def gait_of_files(
     walks: Sequence[Path],
     *,
     static: Path | None = None,
-    measures: Path | None = None,
+    measures: Path | SubjectMeasures | None = None,
+    markers: Mapping[str, str] | None = None,
     reference: Path | None = None,
     folder: Path | None = None,
     exports: str = "",
@@ -117,196 +66,79 @@ def gait_of_files(
     Args:
         walks: trials of one subject with named markers.
         static: a standing trial, for the feet.
-        measures: TOML file of the subject's measures; as the files state them where none is given.
+        measures: the subject's, or a TOML file of them; as the files state them, else estimated, where none are given.
+        markers: the files' names of markers by the gait model's, where they are neither those nor usual ones.
         reference: band of controls, drawn grey, and scored against.
         folder: of the results; beside the first walk, its name and `_gait`, where none is given.
         exports: for other programs, as "trc,mot,sto,gcd".
         settings: all else. self_contained: the page holds the drawing library.
 
     Raises:
-        KinemarkError: there are no walks, a file cannot be read, a marker or the measures are missing, or the folder
-            cannot be written.
+        KinemarkError: there are no walks, a file cannot be read, a marker is missing, or the folder cannot be written.
     """
     settings, kinds = settings or GaitSettings(), exports_of(exports)
     if not walks:
         raise KinemarkError("There is no walk. Give one or more trials of the subject.")
     band = None if reference is None else read_reference(reference)
-    read = [read_trial(path) for path in walks]
-    still = None if static is None else read_trial(static)
-    for path, trial in zip(walks, read, strict=True):
-        _check(path, trial)
-    bare = subject_measures(measures, read, still)
-    stood = None if still is None else marker_points(still)
-    known = bare if stood is None else _with_offsets(bare, stood, static, settings)
-    given = bare if stood is not None else known
-    causes: dict[str, dict[str, Floats]] = {}
-    trials = []
-    for trial in read:
-        own = _uncertain(trial, given, stood, settings)
-        trials.append(gait_of_trial(trial, known, settings, own))
-        causes = causes or own
-    curves = _joined(
-        [(*gait_curves(one.gait.signals, one.strides), *emg_curves(one.emg, one.strides)) for one in trials]
-    )
-    subject = next((t.about["subject"] for t in read if t.about.get("subject")), "")
-    figures = with_words(
-        gait_figures(
-            trials, curves, causes, subject=subject, measures=known, method={"name": settings.method} | _how(settings),
-            static=None if static is None else static.name, reference=band,
-        )
-    )  # fmt: skip
-    figures["identity"] = identity_of_file(read[0], walks[0])
+    still = None if static is None else _read(static, markers, settings)
+    whole = [completed(_read(path, markers, settings), still) for path in walks]
+    stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
+    known = known_measures(stated, whole, still)
+    found = subject_gait(whole, known, still, settings)
+    figures = _figures(whole, found, known, static, band, settings)
+    figures["identity"] = identity_of_file(whole[0].given, walks[0])
     into = folder or walks[0].with_name(f"{walks[0].stem}_gait")
-    notes = _written(into, walks, read, trials, curves, figures, band, self_contained=self_contained)
+    notes = _written(into, whole, found, figures, band, self_contained=self_contained)
     write_exports(
-        into, kinds, [(p.stem, t, one) for p, t, one in zip(walks, read, trials, strict=True)], curves,
-        counts=settings.made.mechanics.counts, mass_kg=known.mass_kg,
+        into, kinds, [(walk.name, walk.trial, one) for walk, one in zip(whole, found.trials, strict=True)],
+        found.curves, counts=settings.made.mechanics.counts, mass_kg=known.measures.mass_kg,
     )  # fmt: skip
-    return GaitResult(tuple(trials), curves, figures, into, notes)
+    return GaitResult(found.trials, found.curves, figures, into, notes)
 
 
-def subject_measures(path: Path | None, walks: Sequence[Trial], static: Trial | None) -> SubjectMeasures:
-    """Of the file where there is one, else of the static trial, else of the first walk that states them.
-
-    Raises:
-        KinemarkError: nobody states them.
-    """
-    if path is not None:
-        return read_measures(path)
-    for trial in ([] if static is None else [static], walks)[0:2]:
-        for one in trial:
-            found = measures_of(one.source)
-            if found is not None:
-                return found
-    raise KinemarkError(
-        "No file states the subject's measures. Give them: --measures anna.toml with mass_kg, and under [left] and "
-        "[right] leg_mm, knee_mm and ankle_mm."
-    )
+def _read(path: Path, markers: Mapping[str, str] | None, settings: GaitSettings) -> Recorded:
+    """A file; markers that it does not have are missed where they are wanted."""
+    trial = read_trial(path)
+    return recorded(path.stem, trial, markers or {}, settings)
 
 
-def gait_of_trial(
-    trial: Trial, measures: SubjectMeasures, settings: GaitSettings, causes: Mapping[str, Mapping[str, Floats]]
-) -> GaitOfTrial:
-    """One walk: segments and loads with their error bars, events, strides, EMG.
-
-    Raises:
-        KinemarkError: a marker is missing, or a plate cannot be read.
-    """
-    points, rate, method = marker_points(trial), trial.trajectories.rate, settings.made
-    events = foot_events(trial, points)
-    found = measured_only(analyse_gait(trial, measures, method=method), events, method.mechanics.counts, rate)
-    if causes:
-        found = replace(found, signals=with_uncertainty(found.signals, causes))
-    steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial))
-    start = (trial.trajectories.first_frame - 1) / rate
-    return GaitOfTrial(trial.name, found, events, steps, trial.events, start, _emg(trial))
-
-
-def _check(path: Path, trial: Trial) -> None:
-    try:
-        check_markers(marker_points(trial))
-    except KinemarkError as error:
-        raise KinemarkError(f"{path}: {error}") from None
-
-
-def _with_offsets(
-    measures: SubjectMeasures, stood: Mapping[str, Floats], static: Path | None, settings: GaitSettings
-) -> SubjectMeasures:
-    try:
-        return with_static_offsets(
-            measures, stood, flat_foot=settings.flat_foot, hip_centre=settings.made.mechanics.hip_centre
+def _figures(
+    walks: Sequence[Recorded], found: SubjectGait, known: KnownMeasures, static: Path | None,
+    band: GaitReference | None, settings: GaitSettings,
+) -> dict[str, Any]:  # fmt: skip
+    """All figures, with their words."""
+    subject = next((w.given.about["subject"] for w in walks if w.given.about.get("subject")), "")
+    return with_words(
+        gait_figures(
+            found.trials, found.curves, found.causes, subject=subject, measures=found.measures, method=how(settings),
+            static=None if static is None else static.name, reference=band, estimated=known.estimated,
+            heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=_renamed(walks),
         )
-    except KinemarkError as error:
-        raise KinemarkError(f"{static}: {error}") from None
-
-
-def _uncertain(
-    trial: Trial, measures: SubjectMeasures, stood: Mapping[str, Floats] | None, settings: GaitSettings
-) -> dict[str, dict[str, Floats]]:
-    """By cause and name; empty where it is not asked for."""
-    if not settings.uncertainty:
-        return {}
-    return gait_uncertainty(
-        trial, measures, method=settings.made, errors=settings.errors, static=stood, flat_foot=settings.flat_foot
-    )
-
-
-def _heel_sd(trial: Trial) -> float:
-    """mm along an axis, as the heels' covariance states it; 0 where it states none."""
-    variances = [
-        np.diagonal(p.cov, axis1=1, axis2=2).ravel() for p in trial.trajectories if p.name.endswith(("LHEE", "RHEE"))
-    ]
-    known = np.concatenate(variances) if variances else np.zeros(0)
-    known = known[np.isfinite(known)]
-    return float(np.sqrt(np.median(known))) if len(known) else 0.0
-
-
-def _emg(trial: Trial) -> dict[str, Emg]:
-    """Of each channel in volts, or whose name says EMG, that is no plate's."""
-    plates = {name for plate in trial.plates for name in plate.channels}
-    found: dict[str, Emg] = {}
-    for record in trial.analog:
-        for name, unit in zip(record.names, record.units, strict=True):
-            letters = "".join(c for c in unit.upper() if c.isalpha())
-            is_emg = "EMG" in name.upper() or letters in ("V", "MV", "UV", "ΜV")
-            if name not in plates and is_emg and np.ptp(record[name]) > 0:
-                found[name] = emg(record[name], rate=record.rate, start=record.start)
-    return found
-
-
-def _how(settings: GaitSettings) -> dict[str, Any]:
-    if settings.method == "plug_in_gait":
-        return {"flat_foot": settings.flat_foot}
-    names = ("hip_centre", "inertia", "smoothing", "cutoff_hz", "flat_foot")
-    return {name: getattr(settings, name) for name in names}
-
-
-def _joined(each: Sequence[Sequence[GaitCurves]]) -> tuple[GaitCurves, ...]:
-    """Curves of one name of all trials together."""
-    by_name: dict[str, list[GaitCurves]] = {}
-    for curves in each:
-        for one in curves:
-            by_name.setdefault(one.name, []).append(one)
-    return tuple(
-        same[0]._replace(
-            values=np.concatenate([c.values for c in same]), sd=np.concatenate([c.sd for c in same]),
-            foot_off=np.concatenate([c.foot_off for c in same]),
-        )
-        for same in by_name.values()
     )  # fmt: skip
 
 
-def with_gait(trial: Trial, result: GaitOfTrial) -> Trial:
-    """The trial with its results among the signals, and its events where it had none."""
-    events = trial.events if len(trial.events) else as_events(result.events, result.start_s)
-    return replace(trial, signals=trial.signals.updated(result.gait.signals), events=events)
-
-
-def as_events(events: Sequence[FootEvent], start_s: float) -> Events:
-    """As files have them."""
-    return Events(
-        tuple("Foot Strike" if e.strike else "Foot Off" for e in events),
-        tuple(e.side.title() for e in events),
-        np.array([e.time + start_s for e in events]),
-    )
+def _renamed(walks: Sequence[Recorded]) -> dict[str, str]:
+    """The files' names by the model's, where they differ."""
+    known = {marker: name for walk in walks for marker, name in walk.standard.known.items()}
+    return {marker: name for marker, name in known.items() if name.rsplit(":", 1)[-1] != marker}
 
 
 def _written(
-    folder: Path, walks: Sequence[Path], read: Sequence[Trial], trials: Sequence[GaitOfTrial],
-    curves: Sequence[GaitCurves], figures: dict[str, Any], band: GaitReference | None, *, self_contained: bool,
+    folder: Path, walks: Sequence[Recorded], found: SubjectGait, figures: dict[str, Any], band: GaitReference | None,
+    *, self_contained: bool,
 ) -> tuple[FileNote, ...]:  # fmt: skip
     """All files of the results."""
     folder.mkdir(parents=True, exist_ok=True)
     notes: list[FileNote] = []
-    for path, trial, one in zip(walks, read, trials, strict=True):
-        notes += read_notes(trial.notes)
-        notes += write_c3d(folder / f"{path.stem}_gait.c3d", with_gait(trial, one))
-    write_curves_csv(folder / "curves.csv", curves)
-    write_time_distance_csv(folder / "time_distance.csv", [stride for one in trials for stride in one.strides])
-    with replacing(folder / "gait.json") as beside:
+    for walk, one in zip(walks, found.trials, strict=True):
+        notes += read_notes(walk.given.notes)
+        notes += write_c3d(folder / f"{walk.name}_gait.c3d", with_gait(walk, one))
+    write_curves_csv(folder / "curves.csv", found.curves)
+    write_time_distance_csv(folder / "time_distance.csv", [stride for one in found.trials for stride in one.strides])
+    with replacing(folder / FIGURES) as beside:
         beside.write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
     write_gait_page(
-        folder / "gait.html", figures=figures, curves=curves, reference=band,
+        folder / PAGE, figures=figures, curves=found.curves, reference=band,
         assets=None if self_contained else assets_for(folder),
     )  # fmt: skip
     return tuple(notes)

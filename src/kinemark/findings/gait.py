@@ -57,16 +57,23 @@ def gait_figures(
     method: Mapping[str, Any],
     static: str | None,
     reference: GaitReference | None = None,
+    estimated: Sequence[str] = (),
+    heels: Sequence[str] = (),
+    renamed: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
     """Every figure of the page by name.
 
     Args:
         trials: results. curves: over all strides of all trials. causes: of the uncertainty, of the first trial.
         subject: name. measures: with offsets of the feet. method: its name and parameters. static: name of that trial.
-        reference: band of controls.
+        reference: band of controls. estimated: "legs" and "mass", where nobody measured them.
+        heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
     """
     strides = [stride for trial in trials for stride in trial.strides]
-    findings = [*_findings(trials, strides, measures, static)]
+    findings = [
+        *_of_files(measures, estimated, heels, renamed or {}),
+        *_findings(trials, strides, measures, static),
+    ]
     uncertainty = _uncertainty(causes)
     figures = {
         "kinemark": __version__,
@@ -150,6 +157,19 @@ def _uncertainty(causes: Mapping[str, Mapping[str, Floats]]) -> list[dict[str, A
 def _rms_each(sd: Floats) -> list[float]:
     known = np.asarray(np.isfinite(sd).any(axis=0))
     return [float(np.sqrt(np.nanmean(sd[:, k] ** 2))) if known[k] else float("nan") for k in range(sd.shape[1])]
+
+
+def _of_files(
+    measures: SubjectMeasures, estimated: Sequence[str], heels: Sequence[str], renamed: Mapping[str, str]
+) -> Iterator[Finding]:
+    """What of the files was not as the model wants it."""
+    if estimated:
+        mass = measures.mass_kg if "mass" in estimated else None
+        yield make_finding("gait_measures_estimated", leg_mm=measures.mean_leg_mm, mass_kg=mass)
+    if heels:
+        yield make_finding("gait_heels_from_static", markers=heels)
+    if renamed:
+        yield make_finding("gait_markers_renamed", names_list=[f"{a} = {b}" for a, b in sorted(renamed.items())])
 
 
 def _findings(

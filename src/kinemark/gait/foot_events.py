@@ -16,6 +16,8 @@ t_i − b_i weighted by 1/s_i². Where plates give n events of the same kind in 
 taken off, shrunk as n / (n + ν) with ν = (deviation within a subject / between subjects)² (4). The expected error is
 made of both deviations and of how far the detectors are apart (5).
 
+Events that contradict each other are not kept together (`event_order`).
+
 Sources: Zeni et al. 2008; Hreljac and Marshall 2000 (accelerations of heel and toe); O’Connor et al. 2007 (velocity of
 the foot).
 """
@@ -32,10 +34,11 @@ from ..data.array_types import Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LETTER, SIDES, Side
 from ..signal.filters import butterworth, edge_samples
+from .event_order import ordered
 from .lower_limb import pelvis_of
 from .plate_contacts import Contact, contacts
 from .reaction import Reaction, reaction
-from .segments import Z_UP, unit
+from .segments import Z_UP, level_axes, unit
 
 CUTOFF_HZ = 15.0
 """Of the markers; chosen: between 10 and 30 Hz errors against plates were the same."""
@@ -107,7 +110,7 @@ def foot_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP
         seen = [e for side in SIDES for e in _from_markers(points, side, strike, detectors, rate, up)]
         known = [e for e in measured if e.strike == strike]
         found += _calibrated(seen, known, strike)
-    return tuple(sorted(found, key=lambda e: e.time))
+    return ordered(found)
 
 
 def plate_events(trial: Trial, points: Mapping[str, Floats], *, up: Floats = Z_UP) -> tuple[FootEvent, ...]:
@@ -204,7 +207,7 @@ def _foot(points: Mapping[str, Floats], side: Side, rate: float, up: Floats) -> 
     x = pelvis.R[..., 0]
     d = unit(_filled(x - (x @ up)[:, None] * up))
     heel_v, toe_v = _derivative(heel, rate), _derivative(toe, rate)
-    turn = _upright(up)
+    turn = level_axes(up)
     swing = _speed((heel_v + toe_v) / 2)
     return Foot(
         np.arange(len(heel)) / rate,
@@ -222,13 +225,6 @@ def _foot(points: Mapping[str, Floats], side: Side, rate: float, up: Floats) -> 
 def _derivative(x: Floats, rate: float) -> Floats:
     """(F, 3) a second, by differences of neighbours."""
     return np.asarray(np.gradient(x, axis=0) * rate)
-
-
-def _upright(up: Floats) -> Floats:
-    """(3, 3) that brings vectors (…, 3) to axes whose third is up."""
-    other = np.eye(3)[np.abs(up).argmin()]
-    x = unit(other - (other @ up) * up)
-    return np.stack([x, np.cross(up, x), up], -1)
 
 
 def _smooth(xyz: Floats, rate: float) -> Floats:

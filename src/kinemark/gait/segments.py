@@ -55,6 +55,13 @@ def upright(origin: Floats, up: Floats, left: Floats) -> Segment:
     return Segment(np.stack([np.cross(y, z), y, z], -1), origin)
 
 
+def level_axes(up: Floats) -> Floats:
+    """(3, 3) that brings vectors (…, 3) to axes whose third is `up`, as `v @ level_axes(up)`."""
+    other = np.eye(3)[np.abs(up).argmin()]
+    x = unit(other - (other @ up) * up)
+    return np.stack([x, np.cross(up, x), up], -1)
+
+
 def joint_centre(
     above: Floats, lateral: Floats, wand: Floats, *, half_width_mm: float, wand_deg: float = 0.0, outwards: float = 1.0
 ) -> Floats:

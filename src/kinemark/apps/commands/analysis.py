@@ -9,9 +9,10 @@ from cyclopts import Parameter
 
 from ...data import KinemarkError
 from ...engine.error_budget import error_budget
-from ...engine.gait_files import GaitSettings, gait_of_files
+from ...engine.gait_files import gait_of_files
 from ...engine.gait_reference import reference_of_files
 from ...engine.settings.angle_settings import AngleSettings
+from ...engine.settings.gait_settings import GaitSettings
 from ...engine.trial_angles import angles_of_file
 from ...io.notes import file_note_text
 from ...report.angles_text import angle_summary
@@ -101,6 +102,7 @@ def gait(
     *walks: Path,
     static: Path | None = None,
     measures: Path | None = None,
+    marker: tuple[str, ...] = (),
     reference: Path | None = None,
     output: Path | None = None,
     exports: str = "",
@@ -113,7 +115,8 @@ def gait(
     Args:
         walks: trials of one subject: C3D or another file of trajectories.
         static: a standing trial, for the feet.
-        measures: TOML file of the subject's measures; as the files state them where none is given.
+        measures: TOML file of the subject's measures; as the files state them, else estimated, where none is given.
+        marker: the file's name of one of the gait model's markers, as SACR=sacrum; may be given for each marker.
         reference: band of controls, as kinemark gait-reference writes it: drawn grey, and scored against.
         output: folder of the results; beside the first walk, its name and _gait, where none is given.
         exports: for other programs, as "trc,mot,sto,gcd".
@@ -122,14 +125,22 @@ def gait(
         json: print the figures for a machine.
     """
     result = gait_of_files(
-        walks, static=static, measures=measures, reference=reference, folder=output, exports=exports,
-        settings=settings, self_contained=self_contained,
+        walks, static=static, measures=measures, markers=_pairs(marker), reference=reference, folder=output,
+        exports=exports, settings=settings, self_contained=self_contained,
     )  # fmt: skip
     if json:
         print_result(result.figures)
         return
     notes = "".join(f"\nnote:     {file_note_text(note)}" for note in result.notes)
     print_result(f"{gait_summary(result.figures)}{notes}\nresults:  {result.folder}")
+
+
+def _pairs(markers: tuple[str, ...]) -> dict[str, str]:
+    """Names by the model's, of texts such as "SACR=sacrum"."""
+    pairs = [text.partition("=") for text in markers]
+    if wrong := ["".join(parts) for parts in pairs if not (parts[0].strip() and parts[2].strip())]:
+        raise KinemarkError(f"--marker {wrong[0]} is not understood. Write the model's name, then the file's: SACR=sacrum.")
+    return {ours.strip(): theirs.strip() for ours, _, theirs in pairs}
 
 
 def gait_reference(

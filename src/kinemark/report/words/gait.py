@@ -24,6 +24,14 @@ FOR_MOMENTS = {
 }
 
 
+def _estimated(found: Finding) -> str:
+    mass = found.values["mass_kg"]
+    weighed = "" if mass is None else fill(", and by the plates a mass of {mass_kg:1}", found)
+    return fill("Nobody states the subject's measures. By the markers the legs are {leg_mm:0} long", found) + (
+        f"{weighed}; knees and ankles have the usual share of that, with error bars to match."
+    )
+
+
 def _left_out(found: Finding) -> str:
     why = REASONS.get(str(found.values["reason"]), "for a reason that is not known here")
     return f"{fill('{trial}: the load on plate {plate} does not count', found)}: {why}."
@@ -50,6 +58,15 @@ GAIT_WORDS = {
         "There is no static trial and no stated offset of the feet: ankle and foot angles are those of the line from "
         "ankle to toe.",
         "Give a standing trial: --static.",
+    ),
+    "gait_measures_estimated": Words(_estimated, "Measure legs, knees, ankles and weight, and give them: --measures."),
+    "gait_heels_from_static": Words(
+        "The walks have no {markers}: heels sit on the feet where the standing trial had them.",
+        "For events and step lengths to a few millimetres, let the subject wear them while walking.",
+    ),
+    "gait_markers_renamed": Words(
+        "Markers were taken for the gait model's: {names_list}.",
+        "If one is another marker, say which it is: --marker SACR=sacrum.",
     ),
     "contact_left_out": Words(_left_out, "Other steps count; nothing is lost."),
     "gait_without_moments": Words(_no_moments, _for_moments),

@@ -1,0 +1,274 @@
+"""The gait of a subject's walks, which are in memory: `gait_files` reads and writes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..data import Events, KinemarkError, Signals, Trial
+from ..data.array_types import Floats
+from ..data.gait_curves import GaitCurves
+from ..data.strides import FootEvent
+from ..data.subject_measures import SubjectMeasures
+from ..findings.gait import GaitOfTrial
+from ..gait import with_static_offsets
+from ..gait.emg import Emg, emg
+from ..gait.estimated_measures import WIDTH_SD_MM, estimated_measures, mass_on_plates
+from ..gait.foot_events import foot_events
+from ..gait.gait_cycles import emg_curves, gait_curves
+from ..gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
+from ..gait.lower_limb import check_markers
+from ..gait.standard_trial import StandardTrial, in_laboratory, standard_trial, with_heels
+from ..gait.time_distance import strides
+from ..gait.uncertainty import gait_uncertainty, with_uncertainty
+from ..io.c3d.subject_measures import measures_of
+from .settings.gait_settings import GaitSettings
+
+WIDTH_MM = 2.0
+"""Standard uncertainty of a measured width of knee or ankle, mm; chosen."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recorded:
+    """A file of one subject, as it was read and as the gait model wants it.
+
+    Attributes:
+        name: of the file, without its ending. given: as it was read. standard: of it.
+    """
+
+    name: str
+    given: Trial
+    standard: StandardTrial
+
+    @property
+    def trial(self) -> Trial:
+        """As the model wants it."""
+        return self.standard.trial
+
+    @property
+    def points(self) -> dict[str, Floats]:
+        """(F, 3) mm by the model's names."""
+        return marker_points(self.trial)
+
+
+class KnownMeasures(NamedTuple):
+    """A subject's measures, and whence they are.
+
+    Attributes:
+        measures: of the subject, without offsets from the standing trial.
+        estimated: what of them nobody measured: "legs", "mass".
+    """
+
+    measures: SubjectMeasures
+    estimated: tuple[str, ...] = ()
+
+    @property
+    def width_mm(self) -> float:
+        """Standard uncertainty of the widths of knee and ankle."""
+        return WIDTH_SD_MM if "legs" in self.estimated else WIDTH_MM
+
+
+class SubjectGait(NamedTuple):
+    """The gait of all walks.
+
+    Attributes:
+        trials: of each walk. curves: over all strides. causes: (F, A) of the uncertainty by cause and name, of the
+            first walk that has any. measures: with the offsets of the feet.
+    """
+
+    trials: tuple[GaitOfTrial, ...]
+    curves: tuple[GaitCurves, ...]
+    causes: Mapping[str, Mapping[str, Floats]]
+    measures: SubjectMeasures
+
+
+def recorded(name: str, trial: Trial, markers: Mapping[str, str], settings: GaitSettings) -> Recorded:
+    """A file's trial as the gait model wants it.
+
+    Args:
+        name: of the file. trial: that it holds. markers: the trial's names by the model's, of those that are stated.
+        settings: say which axis is up.
+
+    Raises:
+        KinemarkError: a stated marker is not there, or no axis is up; the message begins with the name.
+    """
+    there = {marker: own for marker, own in markers.items() if own in trial.trajectories.names}
+    try:
+        return Recorded(name, trial, standard_trial(trial, markers=there, up=settings.up))
+    except KinemarkError as error:
+        raise KinemarkError(f"{name}: {error}") from None
+
+
+def completed(walk: Recorded, static: Recorded | None) -> Recorded:
+    """A walk with the heels that only the standing trial has.
+
+    Raises:
+        KinemarkError: a marker of the model is not there; the message begins with the walk's name.
+    """
+    if static is not None:
+        walk = replace(walk, standard=with_heels(walk.standard, static.points))
+    try:
+        check_markers(walk.points)
+    except KinemarkError as error:
+        raise KinemarkError(f"{walk.name}: {error}") from None
+    return walk
+
+
+def known_measures(stated: SubjectMeasures | None, walks: Sequence[Recorded], static: Recorded | None) -> KnownMeasures:
+    """What is stated; else of the static trial's file, else of the first walk's that states them; else estimated.
+
+    Args:
+        stated: by a person. walks, static: of the subject.
+
+    Raises:
+        KinemarkError: nobody states them and the markers do not show them.
+    """
+    files = [one for one in (static, *walks) if one is not None]
+    found = stated or next((m for m in (measures_of(one.given.source) for one in files) if m is not None), None)
+    if found is not None:
+        return KnownMeasures(found)
+    masses = [m for m in (_mass(walk) for walk in walks) if m is not None]
+    mass = float(np.median(masses)) if masses else None
+    measures = estimated_measures((static or walks[0]).points, mass_kg=mass)
+    return KnownMeasures(measures, ("legs",) if mass is None else ("legs", "mass"))
+
+
+def subject_gait(
+    walks: Sequence[Recorded], known: KnownMeasures, static: Recorded | None, settings: GaitSettings
+) -> SubjectGait:
+    """Gait of all walks.
+
+    Args:
+        walks: of one subject, complete. known: the subject's measures. static: a standing trial. settings: how.
+
+    Raises:
+        KinemarkError: the standing trial does not show a foot, or a plate cannot be read.
+    """
+    stood = None if static is None else static.points
+    measures = known.measures
+    if static is not None and stood is not None:
+        try:
+            measures = with_static_offsets(
+                measures, stood, flat_foot=settings.flat_foot, hip_centre=settings.made.mechanics.hip_centre
+            )
+        except KinemarkError as error:
+            raise KinemarkError(f"{static.name}: {error}") from None
+    causes: dict[str, dict[str, Floats]] = {}
+    trials = []
+    for walk in walks:
+        own = _uncertain(walk.trial, known, stood, settings)
+        trials.append(gait_of_trial(walk.trial, measures, settings, own))
+        causes = causes or own
+    each = [(*gait_curves(one.gait.signals, one.strides), *emg_curves(one.emg, one.strides)) for one in trials]
+    return SubjectGait(tuple(trials), joined_curves(each), causes, measures)
+
+
+def gait_of_trial(
+    trial: Trial, measures: SubjectMeasures, settings: GaitSettings, causes: Mapping[str, Mapping[str, Floats]]
+) -> GaitOfTrial:
+    """One walk: segments and loads with their error bars, events, strides, EMG.
+
+    Args:
+        trial: by the model's names, z up. measures: with offsets. settings: how. causes: of the uncertainty.
+
+    Raises:
+        KinemarkError: a marker is missing, or a plate cannot be read.
+    """
+    points, rate, method = marker_points(trial), trial.trajectories.rate, settings.made
+    events = foot_events(trial, points)
+    found = measured_only(analyse_gait(trial, measures, method=method), events, method.mechanics.counts, rate)
+    if causes:
+        found = replace(found, signals=with_uncertainty(found.signals, causes))
+    steps = strides(events, points, rate=rate, heel_sd_mm=_heel_sd(trial))
+    start = (trial.trajectories.first_frame - 1) / rate
+    return GaitOfTrial(trial.name, found, events, steps, trial.events, start, _emg(trial))
+
+
+def joined_curves(each: Sequence[Sequence[GaitCurves]]) -> tuple[GaitCurves, ...]:
+    """Curves of one name of all trials together."""
+    by_name: dict[str, list[GaitCurves]] = {}
+    for curves in each:
+        for one in curves:
+            by_name.setdefault(one.name, []).append(one)
+    return tuple(
+        same[0]._replace(
+            values=np.concatenate([c.values for c in same]), sd=np.concatenate([c.sd for c in same]),
+            foot_off=np.concatenate([c.foot_off for c in same]),
+        )
+        for same in by_name.values()
+    )  # fmt: skip
+
+
+def with_gait(walk: Recorded, result: GaitOfTrial) -> Trial:
+    """The trial as it was read with its results among the signals, and its events where it had none."""
+    events = walk.given.events if len(walk.given.events) else as_events(result.events, result.start_s)
+    turn = walk.standard.turn
+    signals = [
+        replace(s, values=in_laboratory(s.values, turn), cov=turn @ s.cov @ turn.T)
+        if s.name.endswith("GroundReactionForce") else s
+        for s in result.gait.signals
+    ]  # fmt: skip
+    return replace(walk.given, signals=walk.given.signals.updated(Signals(tuple(signals))), events=events)
+
+
+def as_events(events: Sequence[FootEvent], start_s: float) -> Events:
+    """As files have them."""
+    return Events(
+        tuple("Foot Strike" if e.strike else "Foot Off" for e in events),
+        tuple(e.side.title() for e in events),
+        np.array([e.time + start_s for e in events]),
+    )
+
+
+def how(settings: GaitSettings) -> dict[str, Any]:
+    """What of the settings makes the method, by name."""
+    names = () if settings.method == "plug_in_gait" else ("hip_centre", "inertia", "smoothing", "cutoff_hz")
+    return {"name": settings.method} | {name: getattr(settings, name) for name in (*names, "flat_foot")}
+
+
+def _mass(walk: Recorded) -> float | None:
+    """kg by the plates of a walk."""
+    if not walk.trial.plates or any(name not in walk.points for name in ("LHEE", "LTOE", "RHEE", "RTOE")):
+        return None
+    nobody = estimated_measures(walk.points)
+    given = inputs_of(walk.trial, walk.points, nobody, threshold_n=GaitSettings().made.threshold_n)
+    events, rate = foot_events(walk.trial, walk.points), walk.trial.trajectories.rate
+    return mass_on_plates(given.reactions, given.contacts, events, rate=rate)
+
+
+def _uncertain(
+    trial: Trial, known: KnownMeasures, stood: Mapping[str, Floats] | None, settings: GaitSettings
+) -> dict[str, dict[str, Floats]]:
+    """By cause and name; empty where it is not asked for."""
+    if not settings.uncertainty:
+        return {}
+    return gait_uncertainty(
+        trial, known.measures, method=settings.made, errors=settings.errors(width_mm=known.width_mm), static=stood,
+        flat_foot=settings.flat_foot,
+    )  # fmt: skip
+
+
+def _heel_sd(trial: Trial) -> float:
+    """mm along an axis, as the heels' covariance states it; 0 where it states none."""
+    variances = [
+        np.diagonal(p.cov, axis1=1, axis2=2).ravel() for p in trial.trajectories if p.name.endswith(("LHEE", "RHEE"))
+    ]
+    known = np.concatenate(variances) if variances else np.zeros(0)
+    known = known[np.isfinite(known)]
+    return float(np.sqrt(np.median(known))) if len(known) else 0.0
+
+
+def _emg(trial: Trial) -> dict[str, Emg]:
+    """Of each channel in volts, or whose name says EMG, that is no plate's."""
+    plates = {name for plate in trial.plates for name in plate.channels}
+    found: dict[str, Emg] = {}
+    for record in trial.analog:
+        for name, unit in zip(record.names, record.units, strict=True):
+            letters = "".join(c for c in unit.upper() if c.isalpha())
+            is_emg = "EMG" in name.upper() or letters in ("V", "MV", "UV", "ΜV")
+            if name not in plates and is_emg and np.ptp(record[name]) > 0:
+                found[name] = emg(record[name], rate=record.rate, start=record.start)
+    return found

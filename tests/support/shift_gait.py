@@ -78,6 +78,23 @@ def _(by):
     return Answer(rest=(found.left.plantar_offset_deg, found.right.rotation_offset_deg, found.asis_mm))
 
 
+@law(gait.standard_trial, gait.with_heels, gait.estimated_measures)
+def _(by):
+    barefoot = moved(stepping(), by)
+    barefoot = replace(barefoot, trajectories=barefoot.trajectories.select(
+        [n for n in barefoot.trajectories.names if n[1:] != "HEE"]))  # fmt: skip
+    found = gait.with_heels(gait.standard_trial(barefoot), at(by))
+    points = gait.marker_points(found.trial)
+    return Answer((points["LHEE"],), (found.turn, found.heels, gait.estimated_measures(points)))
+
+
+@law(gait.mass_on_plates, share=1e-6)
+def _(by):
+    events = gait.foot_events(moved(stepping(), by), at(by))
+    found = plates(by)
+    return Answer(rest=gait.mass_on_plates(found, gait.contacts(found, at(by), rate=RATE), events, rate=RATE))
+
+
 @law(gait.reaction, gait.contacts)
 def _(by):
     (one,) = plates(by)

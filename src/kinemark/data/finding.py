@@ -46,6 +46,7 @@ Unit = Literal[
     "frames",
     "Hz",
     "m/s",
+    "kg",
     "share",
     "ratio",
     "parts",

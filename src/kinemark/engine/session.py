@@ -17,6 +17,7 @@ from .digitising import Digitising
 from .naming.templates import TEMPLATE, keep_template, session_template
 from .open_trial import OpenTrial, earlier_trials
 from .progress import Cancel, Progress, silent
+from .session_gait import read_gait, update_gait
 from .session_index import update_index
 from .session_name import FILE
 from .settings import ADVICE, ReportTable, TrialEntry, read_settings
@@ -84,8 +85,8 @@ class Session(Workspace):
     ) -> dict[str, OpenTrial]:
         """Calibrates, and runs the trials of these names, or all, one at a time, to a stage; does only what changed.
 
-        Then writes the session's index, `index.html`. What comes back holds no arrays: the records of a trial are read
-        when they are asked for.
+        Then writes the gait report of its walks, `gait/gait.html`, where `[gait]` says so, and its index, `index.html`.
+        What comes back holds no arrays: the records of a trial are read when they are asked for.
 
         Args:
             names: of the trials.
@@ -117,9 +118,18 @@ class Session(Workspace):
                 )
         finally:  # also where a trial cannot be processed: the others are there to be read
             with suppress(KinemarkError):  # the trials have reported a folder that cannot be written
+                self._update_gait()
                 update_index(self.results, self.settings)
                 self._keep_template()
         return done
+
+    @property
+    def gait(self) -> dict[str, Any] | None:
+        """Figures of the walks' gait report as `[gait]` has it, or why there is none; None where there is no report."""
+        return read_gait(self.results) if self.settings.gait is not None else None
+
+    def _update_gait(self) -> None:
+        update_gait(self.root, self.results, self.settings, self_contained=self.assets is None)
 
     def _keep_template(self) -> None:
         """Write what the session's trials show of the subject, where they were to be named."""

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..report.index_page import IndexRow, index_row, write_index
 from ..version import __version__
+from .session_gait import gait_headline, gait_page, read_gait
 from .settings import Settings
 
 PAGE = "index.html"
@@ -23,7 +24,11 @@ def update_index(results: Path, settings: Settings) -> Path:
     """
     rows = [_row(results, trial.name) for trial in settings.trials]
     calibration = _figures(results / "calibration.json")
-    write_index(results / PAGE, session=settings.name, calibration=calibration, rows=rows, version=__version__)
+    gait = read_gait(results) if settings.gait is not None else None
+    write_index(
+        results / PAGE, session=settings.name, calibration=calibration, rows=rows, version=__version__,
+        gait=None if gait is None else (gait_headline(gait), gait_page(results) is not None),
+    )  # fmt: skip
     return results / PAGE
 
 

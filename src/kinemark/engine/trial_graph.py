@@ -51,7 +51,7 @@ from .naming import FILES, Earlier, NamedTracks, load_named, save_named
 from .naming.label_stage import given_of, name_trial, static_of
 from .naming.naming import with_names
 from .settings import Settings
-from .sources import TrialSource, identifies
+from .sources import TrialSource, beside_key, identifies, recorded_beside
 from .swapped_cameras import swapped_cameras
 from .tracking_stage import DECISIONS, Tracked, Tracking, as_operated, from_detections, from_points, reader
 from .trial_inputs import TrialInputs, edits_of, filled_of, measured_of, tracks_of, with_placed
@@ -91,11 +91,12 @@ def trial_graph(
         stages.append(Stage("fill", needs, ("fills.h5",), _fill, save, reader(Fills), s.fill))
         needs = (*needs, "fill")
     if s.angles is not None:
-        given = (s.angles, model_key(source.of))
+        given = (s.angles, model_key(source.of), beside_key(source))
         stages.append(Stage("angles", needs, ANGLE_FILES, _angles, _done, load_angles, given=given, in_place=True))
         needs = (*needs, "angles")
     made = [(step.input, step.method) for step in calibrated.steps]
-    stated = (s.name, asdict(stated_identity(s, source.of.entry)), s.match, s.reconstruct, made, calibrated.figures)
+    about = asdict(stated_identity(s, source.of.entry))
+    stated = (s.name, about, s.match, s.reconstruct, made, calibrated.figures, beside_key(source))
     stages.append(Stage("quality", needs, (QUALITY,), _quality, write_quality, _load_quality, given=stated))
     outputs = (f"{name}.c3d", REPORT, *((GAPS,) if s.fill is not None else ()))
     stages.append(Stage("write", (*needs, "quality"), outputs, _write, _done, _nothing, in_place=True))
@@ -143,14 +144,14 @@ def _angles(inputs: TrialInputs, records: Records) -> dict[str, Any]:
 def _trial(inputs: TrialInputs, records: Records) -> Trial:
     """The trial as people said it is, with what was recorded beside it."""
     trajectories = filled_of(inputs, records).trajectories
-    beside = inputs.source.beside() or Trial("", trajectories)
+    beside = recorded_beside(inputs.source, trajectories.rate) or Trial("", trajectories)
     return with_edits(replace(beside, trajectories=trajectories, name=inputs.name), edits_of(inputs, records))
 
 
 def _quality(inputs: TrialInputs, records: Records) -> dict[str, Any]:
     """Every figure of the trial."""
     s, detections, tracked, of = inputs.settings, records["detect"], records["track"], inputs.source.of
-    edited, beside = edits_of(inputs, records), inputs.source.beside()
+    edited, beside = edits_of(inputs, records), recorded_beside(inputs.source, detections.rate)
     filled = cropped_fill(filled_of(inputs, records), edited)
     swapped = swapped_cameras(detections, inputs.rig, tracked.tracks.cloud, matching=s.match, placing=s.reconstruct)
     figures = quality(

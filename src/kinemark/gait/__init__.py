@@ -2,11 +2,13 @@
 
 `lower_limbs` is the conventional gait model, `clinical_angles` what clinicians read of it, `reaction` and `contacts`
 the force plates and the feet on them, `joint_loads` inverse dynamics. `analyse_gait` does all of it for a trial;
-`foot_events`, `strides` and `gait_curves` cut it into strides.
+`standard_trial` brings another laboratory's names and axes to the model's; `foot_events`, `strides` and `gait_curves`
+cut it into strides.
 """
 
 from .clinical_angles import clinical_angles, progression
 from .clinical_moments import clinical_force, clinical_moment
+from .estimated_measures import estimated_measures, mass_on_plates
 from .foot_events import foot_events
 from .gait_cycles import gait_curves
 from .gait_trial import GaitTrial, analyse_gait, marker_points
@@ -18,6 +20,7 @@ from .plug_in_gait import PlugInGait
 from .reaction import Reaction, reaction
 from .segment_inertia import INERTIAS, SegmentInertia
 from .segments import Segment
+from .standard_trial import StandardTrial, standard_trial, with_heels
 from .time_distance import strides
 
 __all__ = [
@@ -33,11 +36,13 @@ __all__ = [
     "Reaction",
     "Segment",
     "SegmentInertia",
+    "StandardTrial",
     "analyse_gait",
     "clinical_angles",
     "clinical_force",
     "clinical_moment",
     "contacts",
+    "estimated_measures",
     "five_point",
     "five_point_slope",
     "foot_events",
@@ -45,8 +50,11 @@ __all__ = [
     "joint_loads",
     "lower_limbs",
     "marker_points",
+    "mass_on_plates",
     "progression",
     "reaction",
+    "standard_trial",
     "strides",
+    "with_heels",
     "with_static_offsets",
 ]

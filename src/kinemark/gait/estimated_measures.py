@@ -1,9 +1,9 @@
 """Measures of a subject whom nobody measured, from the markers and plates of a trial.
 
-    leg     from the front of the pelvis to the ankle's marker, as long as it gets: its 85 % quantile              (1)
-    knee, ankle   widths, as shares of the leg                                                                     (2)
-    mass    2 J / (g T), J the impulse of the vertical force of one contact, T the median stride: each foot carries the
-            body for half of a stride, where feet carry alike                                                      (3)
+leg     from the front of the pelvis to the ankle's marker, as long as it gets: its 85 % quantile              (1)
+knee, ankle   widths, as shares of the leg                                                                     (2)
+mass    2 J / (g T), J the impulse of the vertical force of one contact, T the median stride: each foot carries the
+        body for half of a stride, where feet carry alike                                                      (3)
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from .reaction import Reaction
 from .segments import Z_UP
 
 STRAIGHT = 0.85
-"""Quantile (1); of 36 legs of eight subjects, walking and standing, it is off by 14 mm (RMS), and more by others."""
+"""Quantile (1); measured on 36 legs of eight subjects, walking and standing: off by 14 mm (RMS), others by more."""
 KNEE_SHARE, ANKLE_SHARE = 0.125, 0.08
-"""(2), of the leg; medians of eight subjects from 1.33 to 1.76 m whose files state both."""
+"""(2), of the leg; measured on people: medians of eight subjects from 1.33 to 1.76 m whose files state both."""
 WIDTH_SD_MM = 10.0
-"""Standard uncertainty of (2), mm; of the same subjects."""
+"""Standard uncertainty of (2), mm; measured on the same subjects."""
 GRAVITY = 9.80665
-"""m/s²; conventional."""
+"""Of falling bodies, m/s²; conventional."""
 
 
 def estimated_measures(

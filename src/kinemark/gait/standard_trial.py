@@ -73,11 +73,11 @@ def up_shown(points: Mapping[str, Floats]) -> Floats:
     wanted = ("LASI", "RASI", "LANK", "RANK")
     if not set(wanted) <= set(points):
         return _axis("z")
-    left, right, *ankles = (np.nanmedian(points[name], axis=0) if len(points[name]) else np.full(3, np.nan)
-                            for name in wanted)  # fmt: skip
-    way = unit((left + right) / 2 - (ankles[0] + ankles[1]) / 2)
-    if not np.isfinite(way).all():
+    seen = [points[name][np.isfinite(points[name]).all(1)] for name in wanted]
+    if not all(len(xyz) for xyz in seen):
         return _axis("z")
+    left, right, *ankles = (np.median(xyz, axis=0) for xyz in seen)
+    way = unit((left + right) / 2 - (ankles[0] + ankles[1]) / 2)
     k = int(np.abs(way).argmax())
     if abs(way[k]) < STEEP:
         raise KinemarkError(
@@ -132,4 +132,3 @@ def _turned(trial: Trial, turn: Floats) -> Trial:
     paths = tuple(replace(p, xyz=p.xyz @ turn, cov=turn.T @ p.cov @ turn) for p in trial.trajectories)
     plates = tuple(replace(plate, corners=plate.corners @ turn) for plate in trial.plates)
     return replace(trial, trajectories=replace(trial.trajectories, paths=paths), plates=plates)
-

@@ -63,8 +63,16 @@ def _named(quality: Mapping[str, Any]) -> str:
     return f"{sum(one['state'] in ('sure', 'stated') for one in labels['markers'])} of {len(labels['markers'])}"
 
 
-def index_page(*, session: str, calibration: Mapping[str, Any] | None, rows: Sequence[IndexRow], version: str) -> str:
-    """The page as text; `calibration` is what calibration.json holds, None where there is none yet."""
+def index_page(
+    *, session: str, calibration: Mapping[str, Any] | None, rows: Sequence[IndexRow], version: str,
+    gait: tuple[str, bool] | None = None,
+) -> str:  # fmt: skip
+    """The page as text.
+
+    Args:
+        session: its name. calibration: what calibration.json holds, None where there is none yet. rows: its trials.
+        version: of Kinemark. gait: a sentence of the gait report, and whether there is a page; None without `[gait]`.
+    """
     about = {row.about for row in rows if row.about}
     named = any(row.named for row in rows)
     return render(
@@ -77,6 +85,7 @@ def index_page(*, session: str, calibration: Mapping[str, Any] | None, rows: Seq
         head=(*HEAD[:4], "named", *HEAD[4:]) if named else HEAD,
         rows=[row.with_names() for row in rows] if named else rows,
         apart=len(about) > 1,
+        gait=gait,
     )
 
 

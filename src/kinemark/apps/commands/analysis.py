@@ -139,7 +139,9 @@ def _pairs(markers: tuple[str, ...]) -> dict[str, str]:
     """Names by the model's, of texts such as "SACR=sacrum"."""
     pairs = [text.partition("=") for text in markers]
     if wrong := ["".join(parts) for parts in pairs if not (parts[0].strip() and parts[2].strip())]:
-        raise KinemarkError(f"--marker {wrong[0]} is not understood. Write the model's name, then the file's: SACR=sacrum.")
+        raise KinemarkError(
+            f"--marker {wrong[0]} is not understood. Write the model's name, then the file's: SACR=sacrum."
+        )
     return {ours.strip(): theirs.strip() for ours, _, theirs in pairs}
 
 

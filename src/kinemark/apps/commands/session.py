@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..output import FailOn, Json, SelfContained, Set, exit_by_verdict, print_errors, print_result
 from ..progress import progress
@@ -47,13 +47,26 @@ def run(
             trials, to=to, frames=frames, keep_going=len(trials or opened.names) > 1, progress=tell, threads=threads
         )
     if json:
-        print_result({name: trial.summary() for name, trial in done.items()})
+        gait = {} if opened.gait is None or frames is not None else {"gait": opened.gait}
+        print_result({name: trial.summary() for name, trial in done.items()} | gait)
     else:
         print_result("\n\n".join(_did(trial) for trial in done.values() if trial.failed is None))
+        if opened.gait is not None and frames is None:
+            print_result(f"\n{_gait(opened.gait, opened.results)}")
         print_errors({name: trial.failed for name, trial in done.items() if trial.failed is not None})
     if any(trial.failed for trial in done.values()):
         sys.exit(1)
     exit_by_verdict([trial.quality["verdict"]["grade"] for trial in done.values() if trial.done("quality")], fail_on)
+
+
+def _gait(figures: dict[str, Any], results: Path) -> str:
+    """The gait of a session's walks, and where it is."""
+    from ...engine.session_gait import FOLDER, REASON
+    from ...report.gait_text import gait_summary
+
+    if REASON in figures:
+        return f"gait: there is none. {figures[REASON]}"
+    return f"{gait_summary(figures)}\nresults:  {results / FOLDER}"
 
 
 def _did(trial: OpenTrial) -> str:

@@ -21,6 +21,7 @@ from ...track.simultaneous import Simultaneous
 from ...track.stage import CLOUD
 from .angle_table import AngleTable
 from .calibration_table import CalibrationTable, Places, one_of
+from .gait_table import GaitTable
 from .method_tables import (
     COMMON,
     calibrate_method,
@@ -46,6 +47,7 @@ RESERVED = (
     "assets",
     "index.html",
     "subject.template.h5",
+    "gait",
 )
 """What a trial cannot be called, since results are kept by these names."""
 
@@ -142,6 +144,11 @@ class TrialEntry(Strict):
     )
     subject: str | None = Field(default=None, description="who was recorded; as the session says where absent")
     date: datetime.date | None = Field(default=None, description="of the recording; as the session says where absent")
+    analog: Path | None = Field(
+        default=None,
+        description="file of force plates, EMG and events that began with the cameras: C3D or TDF; as the detections' "
+        "file holds them where absent",
+    )
     frames: tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(ge=1)]] | None = Field(
         default=None, description="first and last frame of the stretch to process, counted from 1; all where absent"
     )
@@ -217,6 +224,7 @@ class Settings(Strict):
     label: Annotated[InstanceOf[Labelling], A_METHOD] | None = None
     fill: Annotated[InstanceOf[Filling], A_METHOD] | None = None
     angles: AngleTable | None = Field(default=None, description="joint angles of each trial, computed last")
+    gait: GaitTable | None = Field(default=None, description="one gait report of the walks, computed after the trials")
 
     @model_validator(mode="before")
     @classmethod
@@ -279,6 +287,14 @@ class Settings(Strict):
         if volume is not None and not all(a < b for a, b in zip(*volume, strict=True)):
             raise ValueError("wants the least corner first, then the greatest")
         return volume
+
+    @model_validator(mode="after")
+    def walks_known(self) -> Settings:
+        """A walk that is no trial would be left out without a word."""
+        names = {trial.name for trial in self.trials}
+        if self.gait is not None and (unknown := [name for name in self.gait.trials if name not in names]):
+            raise ValueError(f"gait.trials names {unknown[0]!r}, which is none of the trials {sorted(names)}")
+        return self
 
     @field_validator("trials")
     @classmethod

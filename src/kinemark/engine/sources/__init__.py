@@ -5,6 +5,7 @@ when it is asked, so that it can be sent to another process.
 """
 
 from ..settings import is_da
+from .beside import beside_key, recorded_beside
 from .detection_file import DetectionFile
 from .excerpt import frame_of
 from .images import Images
@@ -19,8 +20,10 @@ __all__ = [
     "OperatorIdentities",
     "Recording",
     "TrialSource",
+    "beside_key",
     "frame_of",
     "identifies",
+    "recorded_beside",
     "source_of",
 ]
 

@@ -1,0 +1,141 @@
+"""`[gait]` of a session: from 2D points to one gait report of its walks."""
+
+import json
+
+import numpy as np
+import pytest
+
+from kinemark.data import Analog, ForcePlate, KinemarkError, Trial
+from kinemark.engine.session import Session
+from kinemark.gait import marker_points
+from kinemark.io.c3d import write_c3d
+from kinemark.io.records import save
+from kinemark.io.rig_toml import write_rig_toml
+from kinemark.numerics.runs import true_runs
+from kinemark.synth import observe
+from support.named_sessions import RIG, walk
+
+GAIT = """[gait]
+uncertainty = false
+[gait.measures]
+mass_kg = 70
+[gait.measures.left]
+leg_mm = 890
+knee_mm = 105
+ankle_mm = 72
+[gait.measures.right]
+leg_mm = 890
+knee_mm = 105
+ankle_mm = 72
+"""
+WALKS = {"walk01": {"seed": 2, "seconds": 2.6}, "walk02": {"seed": 3, "seconds": 2.6, "phase": 0.7}}
+
+
+def session(folder, gait=GAIT, more=""):
+    """Two walks that an earlier trial names."""
+    write_rig_toml(folder / "rig.toml", RIG)
+    write_c3d(folder / "earlier.c3d", Trial("earlier", walk(1, 1100.0, 0.8, 1.0).trajectories))
+    rows = []
+    for name, how in WALKS.items():
+        save(folder / f"{name}.h5", observe(RIG, walk(**how), noise_px=0.1, seed=4).detections)
+        rows.append(f'[[trials]]\nname = "{name}"\ndetections = "{name}.h5"\n')
+    text = 'name = "s"\nmarker_set = "kiss-15"\n[calibration]\nfile = "rig.toml"\n[label]\ntemplate = ["earlier.c3d"]\n'
+    (folder / "session.toml").write_text(text + gait + more + "".join(rows))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    folder = session(tmp_path_factory.mktemp("gait"))
+    opened = Session.open(folder)
+    opened.run()
+    return folder, opened
+
+
+def test_a_session_ends_with_one_report_of_its_walks(done):
+    folder, opened = done
+    figures = opened.gait
+    assert [trial["name"] for trial in figures["trials"]] == ["walk01", "walk02"]
+    for side in ("left", "right"):
+        assert figures["time_distance"][side]["speed"]["mean"] == pytest.approx(1000, rel=0.03)
+    page = (folder / "results/gait/gait.html").read_text()
+    assert "Knee flexion" in page
+    index = (folder / "results/index.html").read_text()
+    assert 'href="gait/gait.html"' in index and "1.00 m/s" in index.replace("\u00a0", " ")
+    assert (folder / "results/gait/walk02_gait.c3d").is_file()
+
+
+def test_it_is_made_again_where_something_changed_and_else_not(done):
+    folder, opened = done
+    path = folder / "results/gait/gait.json"
+    before = path.stat().st_mtime_ns
+    opened.run()
+    assert path.stat().st_mtime_ns == before
+    text = (folder / "session.toml").read_text()
+    (folder / "session.toml").write_text(
+        text.replace("mass_kg = 70", "mass_kg = 60").replace("[gait]", '[gait]\ntrials = ["walk02"]')
+    )
+    changed = Session.open(folder)
+    assert changed.run(["walk01"]).keys() == {"walk01"}
+    assert changed.gait["measures"]["mass_kg"] == 60
+    assert [trial["name"] for trial in changed.gait["trials"]] == ["walk02"]
+    (folder / "session.toml").write_text(text)
+
+
+def test_without_what_it_wants_it_says_so_and_the_trials_stand(tmp_path):
+    folder = session(tmp_path, gait='[gait]\nuncertainty = false\n[gait.markers]\nLHEE = "LTOE"\n')
+    opened = Session.open(folder)
+    opened.run(["walk01"])
+    assert "LTOE" in opened.gait["not_computed"]
+    assert not (folder / "results/gait/gait.html").exists()
+    assert opened.gait["not_computed"].split(".")[0] in (folder / "results/index.html").read_text().replace(
+        "&#39;", "'"
+    )
+    assert json.loads((folder / "results/walk01/quality.json").read_text())["trajectories"]["count"] == 15
+
+
+def test_plates_recorded_beside_give_moments(tmp_path):
+    folder = session(tmp_path, GAIT.replace("uncertainty = false", 'uncertainty = false\ntrials = ["walk01"]'))
+    subject = walk(**WALKS["walk01"])
+    paths = marker_points(Trial("walk", subject.trajectories))
+    feet = {side: (paths[side + "HEE"] + paths[side + "TOE"]) / 2 for side in "LR"}
+    still = np.linalg.norm(np.gradient(feet["L"], axis=0), axis=1) * 50.0 < 250.0
+    first, stop = max(((a, b) for a, b in true_runs(still) if a > 5 and b < len(still) - 5), key=lambda r: r[1] - r[0])
+    middle = feet["L"][first:stop].mean(0) * (1, 1, 0)
+    corners = middle + np.array([[300.0, -200, 0], [300, 200, 0], [-300, 200, 0], [-300, -200, 0]])
+    push = np.zeros((6, len(still)))
+    push[2, first:stop] = -650.0
+    plate = ForcePlate(2, corners, np.array([0.0, 0.0, -40.0]), tuple("123456"))
+    analog = Analog(tuple("123456"), ("N",) * 3 + ("N·mm",) * 3, 50.0, push)
+    write_c3d(folder / "plates.c3d", Trial("p", subject.trajectories.select(["SACR"]), (analog,), (plate,)))
+    text = (folder / "session.toml").read_text()
+    (folder / "session.toml").write_text(text.replace('"walk01.h5"', '"walk01.h5"\nanalog = "plates.c3d"'))
+    opened = Session.open(folder)
+    opened.run(["walk01"])
+    assert [c["side"] for c in opened.gait["trials"][0]["contacts"]] == ["left"]
+    assert next(c for c in opened.gait["curves"] if c["name"] == "LAnkleMoment")["strides"] == 1
+    (folder / "plates.c3d").unlink()
+    with pytest.raises(KinemarkError, match=r"plates\.c3d"):
+        opened.run(["walk01"])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('[gait]\ntrials = ["walk09"]\n', "walk09"),
+        ("[gait]\nplacement_mm = -1\n", "placement_mm"),
+        ("[gait.measures]\nmass_kg = 70\n", "left"),
+        ('[gait]\nexports = "xls"\n', "xls"),
+        ("[gait.measures.left]\nleg_mm = 89\nknee_mm = 100\nankle_mm = 70\n[gait.measures.right]\nleg_mm = 890\nknee_mm"
+         " = 100\nankle_mm = 70\n", "millimetres"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_when_the_file_is_read(tmp_path, text, said):
+    with pytest.raises(KinemarkError, match=said):
+        Session.open(session_text(tmp_path, text))
+
+
+def session_text(folder, gait):
+    rows = "".join(f'[[trials]]\nname = "{name}"\ndetections = "{name}.h5"\n' for name in WALKS)
+    (folder / "session.toml").write_text(f'name = "s"\n[calibration]\nfile = "rig.toml"\n{gait}{rows}')
+    return folder

@@ -1,0 +1,43 @@
+"""Measures of subjects whom nobody measured, against what files state of those whom somebody did."""
+
+import numpy as np
+import pytest
+
+from kinemark.data import KinemarkError
+from kinemark.engine.gait_walks import WIDTH_MM, known_measures, recorded
+from kinemark.engine.settings.gait_settings import GaitSettings
+from kinemark.gait import estimated_measures, marker_points
+from kinemark.gait.estimated_measures import WIDTH_SD_MM
+from kinemark.io.c3d.subject_measures import measures_of
+from support.plug_in_gait import CHILDREN, trial
+from support.shift_gait import stepping
+
+WALKS = [f"{child}{walks[0]}.c3d" for child, (_, *walks) in CHILDREN.items()] + [
+    "pig_gait_3plates_emg/PiG_Motion3_FF.c3d"
+]
+
+
+@pytest.mark.parametrize("name", WALKS)
+def test_legs_and_mass_are_near_the_measured_ones(name):
+    walk = recorded("walk", trial(name), {}, GaitSettings())
+    stated = measures_of(walk.given.source)
+    nobody = recorded("walk", trial(name).__class__("walk", *list_of(trial(name))), {}, GaitSettings())
+    found = known_measures(None, [nobody], None)
+    assert found.estimated == ("legs", "mass") and found.width_mm == WIDTH_SD_MM
+    assert found.measures.mean_leg_mm == pytest.approx(stated.mean_leg_mm, abs=35)
+    assert found.measures.mass_kg == pytest.approx(stated.mass_kg, rel=0.07)
+    assert found.measures.left.knee_mm == pytest.approx(stated.left.knee_mm, abs=3 * WIDTH_SD_MM)
+    assert known_measures(None, [walk], None).width_mm == WIDTH_MM
+
+
+def list_of(walk):
+    return walk.trajectories, walk.analog, walk.plates, walk.events
+
+
+def test_units_that_are_no_millimetres_are_said():
+    points = {name: xyz / 1000 for name, xyz in marker_points(stepping()).items()}
+    with pytest.raises(KinemarkError, match="unit of length"):
+        estimated_measures(points)
+    hidden = marker_points(stepping()) | {"LANK": np.full((400, 3), np.nan)}
+    with pytest.raises(KinemarkError, match="left leg cannot be measured"):
+        estimated_measures(hidden)

@@ -73,7 +73,7 @@ NO_POSITIONS = {
         native.candidates native.find_runs native.group_runs native.index_images native.information native.intersect
         native.inverse native.library native.predict native.project native.status native.sum_pixels native.update""",
     "motions at places of their own": """
-        synth.circle_over_cylinder synth.elbow_flexion synth.tilted_rectangle""",
+        synth.circle_over_cylinder synth.elbow_flexion synth.gait_laboratory synth.tilted_rectangle""",
     "files of what others give: of `quality` and `scene`, of `film` and `truth`; of BTS, which is only read": """
         findings.write_quality report.write_report synth.write_calibration synth.write_session io.read_tdf""",
 }

@@ -4,6 +4,8 @@ from .arm import arm
 from .camera_placement import VOLUME, focal_pixels, look_at, place_camera, ring
 from .extra_markers import combined_subjects, with_markers
 from .gait import walking
+from .gait_body import WalkingBody
+from .gait_laboratory import GaitLaboratory, gait_laboratory
 from .laboratory import rods_toml, write_calibration, write_session
 from .motions import circle_over_cylinder, elbow_flexion, tilted_rectangle
 from .observe import ObservedImages, Sight, observe, truth
@@ -17,10 +19,12 @@ __all__ = [
     "VOLUME",
     "Capsules",
     "Ellipse",
+    "GaitLaboratory",
     "ObservedImages",
     "Optics",
     "Sight",
     "Subject",
+    "WalkingBody",
     "arm",
     "calibration_box",
     "circle_over_cylinder",
@@ -31,6 +35,7 @@ __all__ = [
     "film",
     "focal_pixels",
     "from_trajectories",
+    "gait_laboratory",
     "interlace",
     "look_at",
     "observe",

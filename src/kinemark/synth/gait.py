@@ -179,7 +179,12 @@ def pose_at(turns: Floats, pelvis: Floats) -> WalkingPose:
 def stride_of(body: BodySegments) -> Stride:
     """The stride that makes the weight-bearing foot stand still, (3) and (4)."""
     turns = np.arange(GRID) / GRID
-    points = body.soles(pose_at(turns, np.zeros((GRID, 3))))  # (4, F, 3)
+    return stride_of_soles(body.soles(pose_at(turns, np.zeros((GRID, 3)))))
+
+
+def stride_of_soles(points: Floats) -> Stride:
+    """The same of sole points (4, GRID, 3) mm over one stride, as the pelvis sees them."""
+    turns = np.arange(GRID) / GRID
     lift = np.exp(-(points[..., 2] - points[..., 2].min()) / FLOOR_SOFTNESS)
     weight = lift / lift.sum(0)
     wave = 2j * np.pi * np.fft.rfftfreq(GRID, 1 / GRID)

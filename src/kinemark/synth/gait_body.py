@@ -1,0 +1,203 @@
+"""A walking body whose segments, joints and markers are those of the conventional gait model, as functions of time.
+
+    hip     in the pelvis where the model's regression has it, moved by `hip_error_mm`                       (1)
+    thigh   pelvis · Rᵧ(−flexion) Rₓ(∓adduction) R_z(±external rotation),   shank at the knee likewise        (2)
+    shank   the same turned by the torsion about its own z: the axis of the ankle                             (3)
+    KNE, ANK  half a width and a marker beside the joint's centre along its axis; THI, TIB in the plane of axis and
+            segment, turned back by the wand's angle                                                          (4)
+    foot    its sole's line from toe to heel; TOE hangs on the ankle by two angles, as the model sees no third     (5)
+
+The feet carry the body by turns, so that the pelvis moves over the foot that stands (`gait.stride_of_soles`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..data.array_types import Floats
+from ..data.subject_measures import LETTER, SIDES, TO_THE_LEFT, LegMeasures, Side, SubjectMeasures
+from ..gait.hip_centre import davis
+from ..gait.lower_limb import FOOT_SEQUENCE, Leg, LowerLimbs
+from ..gait.segments import Segment, relative, upright
+from ..kinematics import principal, turned
+from .gait import ANKLE, GRID, HIP, KNEE, TILT, Stride, curve, pelvis_path, stride_of_soles
+
+ANKLE_MM = 70.0
+"""Height of the ankle's centre above the sole's line of markers; chosen."""
+TOE_MM = (120.0, -12.0)
+"""TOE before and to the inside of the ankle's centre, mm; chosen."""
+FOOT_MM = 175.0
+"""From TOE to HEE, mm; chosen."""
+TOE_OUT_DEG = 7.0
+"""Of the sole's line; chosen."""
+PELVIS_DEPTH_MM = 150.0
+"""From the front points to the sacrum; chosen."""
+WAND_MM = 90.0
+"""How far THI and TIB stand out; chosen."""
+BEGIN = 0.1
+"""Of the left leg's stride, at the time 0; chosen."""
+ZERO = np.zeros(3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WalkingBody:
+    """A body that walks along x.
+
+    Attributes:
+        measures: of the subject, with torsions and wands.
+        asis_mm: between the front points.
+        speed_mm_s: of the pelvis on average.
+        placement_mm: (3) by marker, how far it sits from its landmark, in the axes of its segment.
+        tissue_mm: likewise, how far skin has moved it over the bone; only while walking.
+        hip_error_mm: (3) by side, how far the hip is from where the regression has it, in the pelvis.
+        path: of the pelvis; follows from the others.
+    """
+
+    measures: SubjectMeasures
+    asis_mm: float = 240.0
+    speed_mm_s: float = 1150.0
+    placement_mm: Mapping[str, Floats] = field(default_factory=dict)
+    tissue_mm: Mapping[str, Floats] = field(default_factory=dict)
+    hip_error_mm: Mapping[Side, Floats] = field(default_factory=dict)
+    path: Stride = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "path", self._path())
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of its markers."""
+        return tuple(self.markers(self.standing(1)))
+
+    @property
+    def period(self) -> float:
+        """Of a stride, s."""
+        return self.path.length / self.speed_mm_s
+
+    def limbs(self, time: Floats) -> LowerLimbs:
+        """True segments at times (F) s."""
+        turns = self.turn_of(time, "left")
+        origin = pelvis_path(self.path, turns, np.zeros(2))
+        origin[:, 0] += self.path.length * (turns[0] + turns[-1]) / 2  # the same place at the same time
+        return self._limbs(turns, origin)
+
+    def standing(self, n_frames: int) -> LowerLimbs:
+        """True segments of the body that stands still."""
+        R = np.broadcast_to(np.eye(3), (n_frames, 3, 3))
+        legs = {side: self._leg(Segment(R, np.zeros((n_frames, 3))), side, np.zeros((7, n_frames))) for side in SIDES}
+        up = np.array([0.0, 0.0, ANKLE_MM]) - legs["left"].ankle * (0, 0, 1)
+        return _raised(LowerLimbs(Segment(R, np.zeros((n_frames, 3))), legs["left"], legs["right"]), up)
+
+    def turn_of(self, time: Floats, side: Side) -> Floats:
+        """(F) strides of a leg from its own foot strike; whole at each."""
+        return BEGIN + np.asarray(time) / self.period + (0.0 if side == "left" else 0.5)
+
+    def markers(self, limbs: LowerLimbs, *, walking: bool = True) -> dict[str, Floats]:
+        """(F, 3) mm by name."""
+        r, m = self.measures.marker_diameter_mm / 2, self.measures
+        pelvis, half = limbs.pelvis, self.asis_mm / 2
+        found = {
+            "LASI": pelvis.at(np.array([0.0, half, 0.0])), "RASI": pelvis.at(np.array([0.0, -half, 0.0])),
+            "SACR": pelvis.at(np.array([-PELVIS_DEPTH_MM, 0.0, 0.0])),
+        }  # fmt: skip
+        on = dict.fromkeys(found, pelvis.R)
+        for side in SIDES:
+            leg, own, s, letter = limbs.leg(side), m.leg(side), TO_THE_LEFT[side], LETTER[side]
+            sites = {
+                "KNE": (leg.knee + s * (own.knee_mm / 2 + r) * leg.thigh.R[..., 1], leg.thigh.R),
+                "ANK": (leg.ankle + s * (own.ankle_mm / 2 + r) * leg.shank.R[..., 1], leg.shank.R),
+                "THI": (_wand(leg.thigh, leg.hip, own.thigh_wand_deg, s), leg.thigh.R),
+                "TIB": (_wand(leg.shank, leg.knee, own.shank_wand_deg, s), leg.shank.R),
+                "TOE": (leg.foot.origin, leg.foot.R),
+                "HEE": (leg.foot.origin + FOOT_MM * leg.foot.R[..., 2], leg.foot.R),
+            }
+            found |= {letter + name: xyz for name, (xyz, _) in sites.items()}
+            on |= {letter + name: R for name, (_, R) in sites.items()}
+        off = {name: self.placement_mm.get(name, ZERO) for name in found}
+        if walking:
+            off = {name: by + self.tissue_mm.get(name, ZERO) for name, by in off.items()}
+        return {name: xyz + on[name] @ off[name] for name, xyz in found.items()}
+
+    def _path(self) -> Stride:
+        turns = np.arange(GRID) / GRID
+        limbs = self._limbs(turns, np.zeros((GRID, 3)))
+        feet = [limbs.left.foot, limbs.right.foot]
+        soles = [point for foot in feet for point in (foot.origin, foot.origin + FOOT_MM * foot.R[..., 2])]
+        return stride_of_soles(np.stack(soles))
+
+    def _limbs(self, turns: Floats, origin: Floats) -> LowerLimbs:
+        """Where the left leg's stride is at `turns` (F)."""
+        wave = 2 * np.pi * turns
+        R = turned(
+            np.stack([TILT + np.cos(2 * wave), 4.0 * np.cos(wave - 0.8), -5.0 * np.cos(wave)], -1), FOOT_SEQUENCE
+        )
+        pelvis = Segment(R, origin)
+        left = self._leg(pelvis, "left", _leg_angles(turns))
+        return LowerLimbs(pelvis, left, self._leg(pelvis, "right", _leg_angles(turns + 0.5)))
+
+    def _leg(self, pelvis: Segment, side: Side, deg: Floats) -> Leg:
+        """(1) to (5) from (7, F) deg: hip flexion, adduction, external rotation; knee flexion, adduction, external
+        rotation; dorsiflexion."""
+        own, s = self.measures.leg(side), TO_THE_LEFT[side]
+        thigh_mm, shank_mm = _lengths(own)
+        hip = pelvis.at(davis(self.measures, side, self.asis_mm) + self.hip_error_mm.get(side, ZERO))  # (1)
+        flexion, adduction, external, knee_flexion, knee_adduction, knee_external, dorsiflexion = deg
+        R = pelvis.R @ turned(np.stack([-flexion, -s * adduction, s * external], -1), FOOT_SEQUENCE)  # (2)
+        thigh = Segment(R, hip - thigh_mm * R[..., 2])
+        R = R @ turned(np.stack([knee_flexion, -s * knee_adduction, s * knee_external], -1), FOOT_SEQUENCE)
+        at_knee = Segment(R, thigh.origin - shank_mm * R[..., 2])
+        shank = at_knee.turned_about_z(s * own.torsion_deg)  # (3)
+        neutral = np.array([-TOE_MM[0], -s * TOE_MM[1], ANKLE_MM])  # from TOE to the ankle, in a shank that stands
+        swing = turned(np.stack([-dorsiflexion, 0 * dorsiflexion, 0 * dorsiflexion], -1), "yxz")
+        back = np.einsum("...ij,...j->...i", shank.R @ swing, neutral)
+        bare = upright(shank.origin - back, back, shank.R[..., 1])
+        return Leg(hip, thigh, shank, at_knee, Segment(bare.R @ self._offsets(side), bare.origin), bare)  # (5)
+
+    def _offsets(self, side: Side) -> Floats:
+        """(3, 3) from the line of ankle and toe to the sole's line, by the two angles that the model keeps."""
+        s = TO_THE_LEFT[side]
+        neutral = np.array([-TOE_MM[0], -s * TOE_MM[1], ANKLE_MM])
+        out = np.radians(TOE_OUT_DEG)
+        sole = np.array([-np.cos(out), -s * np.sin(out), 0.0])
+        y = np.array([0.0, 1.0, 0.0])
+        bare, stood = (upright(np.zeros(3), z, y).R for z in (neutral, sole))
+        deg = principal(relative(bare, stood), FOOT_SEQUENCE) * (1, 1, 0)
+        return turned(deg, FOOT_SEQUENCE)
+
+
+def _leg_angles(turns: Floats) -> Floats:
+    """(7, F) deg at strides of that leg."""
+    wave = 2 * np.pi * turns
+    return np.stack([
+        curve(HIP, turns), 1.0 + 5.5 * np.cos(wave - 1.3), 6.0 + 5.0 * np.cos(wave),
+        curve(KNEE, turns), 1.0 + 3.0 * np.cos(wave - 4.0), 2.0 + 6.0 * np.sin(wave),
+        curve(ANKLE, turns),
+    ])  # fmt: skip
+
+
+def _lengths(own: LegMeasures) -> tuple[float, float]:
+    """Thigh and shank, mm, of a leg's length; chosen: the hip is 90 mm below the front of the pelvis."""
+    between = own.leg_mm - 90.0 + 10.0
+    return 0.5 * between, 0.5 * between
+
+
+def _wand(segment: Segment, proximal: Floats, deg: float, s: float) -> Floats:
+    """(F, 3) mm of a wand's marker half-way down a segment, turned outwards by `deg` (4)."""
+    turn = segment.turned_about_z(s * deg)
+    return (proximal + segment.origin) / 2 + s * WAND_MM * turn.R[..., 1]
+
+
+def _raised(limbs: LowerLimbs, up: Floats) -> LowerLimbs:
+    """All of it moved by (F, 3) mm."""
+
+    def moved(segment: Segment) -> Segment:
+        return Segment(segment.R, segment.origin + up)
+
+    def leg(one: Leg) -> Leg:
+        parts = (one.thigh, one.shank, one.shank_at_knee, one.foot, one.bare_foot)
+        return Leg(one.hip + up, *(moved(part) for part in parts))
+
+    return LowerLimbs(moved(limbs.pelvis), leg(limbs.left), leg(limbs.right))

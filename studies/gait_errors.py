@@ -1,0 +1,150 @@
+"""Do the error bars of gait hold what they say? A virtual laboratory whose every error is drawn.
+
+Each draw is another subject's session: markers off their landmarks, skin moved over the bone, hips elsewhere than the
+regression has them, widths measured wrongly, plates off where their corners say, noise on markers and plates, and
+torsions and wands that are known. Truth are the segments and the loads that moved the markers. `holds` is the share of
+frames, over all draws, in which the truth is within 1.96 stated standard deviations; 95 % is right. `size` is the root
+mean square of error over standard deviation; 1 is right. `exact` is the greatest error without any error drawn, in % of
+the range.
+
+    python studies/gait_errors.py [--draws 100] [--seed 1]
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+
+import numpy as np
+
+from kinemark.data.subject_measures import SIDES, LegMeasures, SubjectMeasures
+from kinemark.gait import Physical, analyse_gait, marker_points, with_static_offsets
+from kinemark.gait.gait_trial import GaitTrial
+from kinemark.gait.uncertainty import GaitErrors, gait_uncertainty, with_uncertainty
+from kinemark.synth import GaitLaboratory, WalkingBody, gait_laboratory
+
+SHOWN = ("HipAngles", "KneeAngles", "AnkleAngles", "PelvisAngles", "HipMoment", "KneeMoment", "AnkleMoment")
+ERRORS = GaitErrors(draws=8)
+LEAST = 1e-3
+"""Of a range that an error is a share of, deg or N·m/kg: one component of the ankle does not move."""
+
+
+def measures(rng: np.random.Generator) -> SubjectMeasures:
+    """A subject with known torsions and wands."""
+    leg = rng.uniform(700, 980)
+    legs = [
+        LegMeasures(
+            leg, rng.uniform(85, 120), rng.uniform(58, 78), torsion_deg=rng.uniform(-10, 30),
+            thigh_wand_deg=rng.uniform(-10, 10), shank_wand_deg=rng.uniform(-10, 10),
+        )
+        for _ in SIDES
+    ]  # fmt: skip
+    return SubjectMeasures(legs[0], legs[1], mass_kg=rng.uniform(30, 100))
+
+
+def drawn(rng: np.random.Generator, errors: GaitErrors) -> tuple[GaitLaboratory, SubjectMeasures]:
+    """A recording with errors, and the measures that its laboratory believes."""
+    true = measures(rng)
+    names = WalkingBody(true).names
+    body = WalkingBody(
+        true,
+        speed_mm_s=rng.uniform(700, 1400),
+        placement_mm={name: errors.placement_mm * rng.normal(size=3) for name in names},
+        tissue_mm={name: errors.tissue_mm * rng.normal(size=3) for name in names if name[1:] in ("THI", "KNE", "TIB")},
+        hip_error_mm={side: errors.hip_mm * rng.normal(size=3) for side in SIDES},
+    )
+    off = tuple(errors.plate_mm * rng.normal(size=2))
+    lab = gait_laboratory(
+        body, duration_s=2.6, rate=100.0, noise_mm=0.3, force_noise_n=1.0, plates_off_mm=(off[0], off[1]),
+        seed=int(rng.integers(2**31)),
+    )  # fmt: skip
+    believed = [
+        replace(leg, knee_mm=leg.knee_mm + errors.width_mm * rng.normal(), ankle_mm=leg.ankle_mm
+                + errors.width_mm * rng.normal())
+        for leg in (true.left, true.right)
+    ]  # fmt: skip
+    return lab, replace(true, left=believed[0], right=believed[1])
+
+
+def analysed(lab: GaitLaboratory, believed: SubjectMeasures, errors: GaitErrors | None) -> GaitTrial:
+    """As a laboratory does it, with error bars where errors are stated."""
+    static = marker_points(lab.static)
+    found = analyse_gait(lab.walk, with_static_offsets(believed, static, flat_foot=True), method=Physical())
+    if errors is None:
+        return found
+    causes = gait_uncertainty(lab.walk, believed, method=Physical(), errors=errors, static=static)
+    return replace(found, signals=with_uncertainty(found.signals, causes))
+
+
+def loaded(found: GaitTrial, name: str, n: int) -> np.ndarray:
+    """(n) frames that count: of moments those in which the foot stands on its plate."""
+    frames = np.zeros(n, bool)
+    if not name.endswith(("Moment", "Force", "Power")):
+        frames[6:-6] = True
+        return frames
+    for one in found.contacts:
+        if one.side is not None and one.side[0].upper() == name[0] and not one.reason:
+            frames[one.first + 1 : one.stop - 1] = True
+    return frames
+
+
+def compared(lab: GaitLaboratory, found: GaitTrial) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """(n, 3) errors and stated deviations by quantity, of both sides."""
+    out: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    for signal in lab.signals:
+        if signal.name[1:] not in SHOWN:
+            continue
+        other = found.signals[signal.name]
+        off = other.values - signal.values
+        if signal.kind == "angle":
+            off = np.remainder(off + 180, 360) - 180
+        frames = loaded(found, signal.name, len(off))
+        sd = np.sqrt(np.diagonal(other.cov, axis1=1, axis2=2))
+        frames &= np.isfinite(off + sd).all(1)
+        pair = (off[frames], sd[frames])
+        before = out.get(signal.name[1:])
+        out[signal.name[1:]] = pair if before is None else tuple(map(np.concatenate, zip(before, pair, strict=True)))  # type: ignore[assignment]
+    return out
+
+
+def exact(rng: np.random.Generator) -> dict[str, float]:
+    """Greatest error in % of the range, of a recording without errors, nothing smoothed."""
+    lab = gait_laboratory(WalkingBody(measures(rng)), duration_s=2.6)
+    known = with_static_offsets(lab.body.measures, marker_points(lab.static), flat_foot=True)
+    found = analyse_gait(lab.walk, known, method=Physical(smoothing="none"))
+    worst: dict[str, float] = {}
+    for signal in lab.signals:
+        if signal.name[1:] in SHOWN:
+            frames = loaded(found, signal.name, len(signal.values))
+            off, own = (found.signals[signal.name].values - signal.values)[frames], signal.values[frames]
+            share = 100 * np.nanmax(np.abs(off), axis=0) / np.maximum(np.ptp(own, axis=0), LEAST)
+            worst[signal.name[1:]] = max(worst.get(signal.name[1:], 0.0), float(share.max()))
+    return worst
+
+
+def main() -> None:
+    """The table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--draws", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    rng = np.random.default_rng(given.seed)
+    errors: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
+    for _ in range(given.draws):
+        lab, believed = drawn(rng, ERRORS)
+        for name, pair in compared(lab, analysed(lab, believed, ERRORS)).items():
+            errors.setdefault(name, []).append(pair)
+    worst = exact(rng)
+    print(f"{given.draws} sessions; first, second and third component")
+    print(f"{'quantity':14s} {'holds, %':>20s} {'size':>18s} {'sd':>24s} {'exact, %':>9s}")
+    for name in SHOWN:
+        off, sd = (np.concatenate(parts) for parts in zip(*errors[name], strict=True))
+        z = off / sd
+        holds = " ".join(f"{100 * np.mean(np.abs(z[:, k]) < 1.96):6.1f}" for k in range(3))
+        size = " ".join(f"{np.sqrt(np.mean(z[:, k] ** 2)):5.2f}" for k in range(3))
+        typical = " ".join(f"{np.sqrt(np.mean(sd[:, k] ** 2)):7.3f}" for k in range(3))
+        print(f"{name:14s} {holds:>20s} {size:>18s} {typical:>24s} {worst[name]:9.2f}")
+
+
+if __name__ == "__main__":
+    main()

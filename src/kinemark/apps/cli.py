@@ -24,7 +24,7 @@ COMMANDS = {
     "commands/edits.py": ("edits",),
     "commands/fill.py": ("fill",),
     "commands/files.py": ("info", "convert"),
-    "commands/analysis.py": ("angles", "gait", "gait-reference", "sensitivity"),
+    "commands/analysis.py": ("angles", "gait", "gait-compare", "gait-reference", "sensitivity"),
     "um2as.py": ("digitise", "um2as"),
 }
 """The commands of each module; a module that is called as its command holds further commands."""

@@ -76,12 +76,12 @@ def panels_figure(
     if not known:
         return empty("There is nothing to draw: no stride has these quantities.")
     units = [next((one.unit for one in _of(curves, panel)), "") for panel in panels]
-    fig = _grid([f"{p.title} ({UNITS.get(u, u)})" if u else p.title for p, u in zip(panels, units, strict=True)])
+    fig = panel_grid([f"{p.title} ({UNITS.get(u, u)})" if u else p.title for p, u in zip(panels, units, strict=True)])
     for i, panel in enumerate(panels):
-        place = _place(i)
+        place = panel_place(i)
         if reference is not None and panel.name in reference.mean:
             mean, sd = (part[panel.name][:, panel.axis] for part in (reference.mean, reference.sd))
-            _band(fig, mean - sd, mean + sd, REFERENCE_COLOUR, place)
+            draw_band(fig, mean - sd, mean + sd, REFERENCE_COLOUR, place)
         for one in _of(curves, panel):
             _draw(fig, one, panel, place)
         _directions(fig, panel, i)
@@ -96,15 +96,17 @@ def emg_figures(curves: Sequence[GaitCurves]) -> list[go.Figure]:
 
 def _emg_figure(muscles: Sequence[GaitCurves]) -> go.Figure:
     """The mean envelope with its spread, and a bar where the muscle is on in most strides."""
-    fig = _grid([label(one.name.rsplit(".", 1)[-1]) for one in muscles])
+    fig = panel_grid([label(one.name.rsplit(".", 1)[-1]) for one in muscles])
     for i, one in enumerate(muscles):
-        _draw(fig, one, Panel("", one.name, 0, "", ""), _place(i))
-        _line(fig, np.where(one.mean[:, 1] >= 50, -6.0, np.nan), SIDE_COLOURS[one.side], "", _place(i), width=5)
-        fig.update_yaxes(range=[-12, 105], **_place(i))
+        _draw(fig, one, Panel("", one.name, 0, "", ""), panel_place(i))
+        draw_line(
+            fig, np.where(one.mean[:, 1] >= 50, -6.0, np.nan), SIDE_COLOURS[one.side], "", panel_place(i), width=5
+        )
+        fig.update_yaxes(range=[-12, 105], **panel_place(i))
     return fig
 
 
-def _grid(titles: Sequence[str]) -> go.Figure:
+def panel_grid(titles: Sequence[str]) -> go.Figure:
     """Panels in rows of three with a stride below each."""
     rows = -(-len(titles) // 3)
     fig = make_subplots(
@@ -117,11 +119,11 @@ def _grid(titles: Sequence[str]) -> go.Figure:
     fig.update_yaxes(**axis)
     fig.update_xaxes(**axis | {"range": [0, 100], "dtick": 20})
     for i in range(max(len(titles) - 3, 0), len(titles)):
-        fig.update_xaxes(title={"text": "stride (%)", "font": {"size": 11}, "standoff": 4}, **_place(i))
+        fig.update_xaxes(title={"text": "stride (%)", "font": {"size": 11}, "standoff": 4}, **panel_place(i))
     return fig.update_layout(showlegend=False)
 
 
-def _place(i: int) -> dict[str, int]:
+def panel_place(i: int) -> dict[str, int]:
     """Row and column of a panel."""
     return {"row": i // 3 + 1, "col": i % 3 + 1}
 
@@ -147,18 +149,19 @@ def _of(curves: Sequence[GaitCurves], panel: Panel) -> list[GaitCurves]:
 def _draw(fig: go.Figure, one: GaitCurves, panel: Panel, place: dict[str, int]) -> None:
     colour = SIDE_COLOURS[one.side]
     mean, spread, sd = (part[:, panel.axis] for part in (one.mean, one.spread, one.measurement_sd))
-    _band(fig, mean - spread, mean + spread, colour, place)
+    draw_band(fig, mean - spread, mean + spread, colour, place)
     for edge in (mean - sd, mean + sd):
-        _line(fig, edge, colour, "", place, width=0.7, dash="dot")
-    _line(fig, mean, colour, f"{one.side}, mean of {len(one.values)}", place)
+        draw_line(fig, edge, colour, "", place, width=0.7, dash="dot")
+    draw_line(fig, mean, colour, f"{one.side}, mean of {len(one.values)}", place)
     off = one.foot_off[np.isfinite(one.foot_off)]
     if len(off):
         fig.add_vline(x=float(off.mean()), line={"color": colour, "width": 0.8, "dash": "dash"}, **place)
 
 
-def _line(
+def draw_line(
     fig: go.Figure, y: Floats, colour: str, name: str, place: dict[str, int], *, width: float = 1.8, dash: str = "solid"
 ) -> None:
+    """One curve (101) over the stride; without a name it has no label."""
     fig.add_scatter(
         x=PERCENT.astype(np.float32), y=y.astype(np.float32), mode="lines", name=name, connectgaps=False,
         line={"color": colour, "width": width, "dash": dash}, hovertemplate="%{x:.0f} %: %{y:.2f}" if name else None,
@@ -166,7 +169,7 @@ def _line(
     )  # fmt: skip
 
 
-def _band(fig: go.Figure, low: Floats, high: Floats, colour: str, place: dict[str, int]) -> None:
+def draw_band(fig: go.Figure, low: Floats, high: Floats, colour: str, place: dict[str, int]) -> None:
     """Filled between two curves, run by run, so that what is missing stays empty."""
     for a, b in runs(np.isfinite(low) & np.isfinite(high)):
         x, y = np.concatenate([PERCENT[a:b], PERCENT[a:b][::-1]]), np.concatenate([high[a:b], low[a:b][::-1]])

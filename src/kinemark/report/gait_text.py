@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from .formatting import number
+from .gait_comparison_page import differing_table, parameters_table
 from .gait_page import NAMES, SHOWN
 from .terminal_summary import finding_lines
 from .words import headline_of, sentences_of
@@ -22,3 +23,15 @@ def gait_summary(figures: dict[str, Any]) -> str:
         lines.append(f"  {title + ' (' + unit + ')':32s} {shown[0]:>8s} {shown[1]:>8s}")
     lines += ["", *finding_lines(figures["findings"])]
     return "\n".join(lines).rstrip() + "\n"
+
+
+def comparison_summary(figures: dict[str, Any]) -> str:
+    """What differs, a line each."""
+    one, two = figures["conditions"]
+    rows = [*differing_table(figures).rows]
+    lines = [f"{two['name']} less {one['name']}: {len(rows)} components differ by more than their own error."]
+    lines += [f"  {row[0]:34s} {row[2]:>22s}  {row[3]:>12s}   {row[1]}" for row in rows]
+    for row in parameters_table(figures).rows:
+        if row[-1] == "differs":
+            lines.append(f"  {row[0]:34s} {row[3]:>22s}  {row[4]:>12s}")
+    return "\n".join(lines) + "\n"

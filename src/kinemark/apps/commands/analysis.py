@@ -145,6 +145,32 @@ def _pairs(markers: tuple[str, ...]) -> dict[str, str]:
     return {ours.strip(): theirs.strip() for ours, _, theirs in pairs}
 
 
+def gait_compare(
+    first: Path,
+    second: Path,
+    *,
+    output: Annotated[Path, Parameter(alias="-o")],
+    same_markers: bool = False,
+    self_contained: SelfContained = False,
+    json: Json = False,
+) -> None:
+    """Two conditions of a subject over each other, as before and after: which differences exceed their own error.
+
+    Args:
+        first: gait.json of the first condition, or its folder.
+        second: of the second.
+        output: folder of the results.
+        same_markers: they stayed on the subject in between, with one static trial.
+        self_contained: put the drawing library into the page, for mailing.
+        json: print the figures for a machine.
+    """
+    from ...engine.gait_comparison import compare_gait
+    from ...report.gait_text import comparison_summary
+
+    found = compare_gait(first, second, folder=output, same_markers=same_markers, self_contained=self_contained)
+    print_result(found.figures if json else f"{comparison_summary(found.figures)}\nresults:  {found.folder}")
+
+
 def gait_reference(
     *controls: Path, output: Annotated[Path, Parameter(alias="-o")], source: str = "the laboratory's own controls"
 ) -> None:

@@ -1,0 +1,92 @@
+"""Two conditions: what differs by chance or by the measurement's error is no difference, and what is one is found."""
+
+import json
+
+import numpy as np
+import pytest
+
+from kinemark.data import KinemarkError, Trial
+from kinemark.engine.gait_comparison import compare_gait
+from kinemark.engine.gait_files import gait_of_files
+from kinemark.engine.settings.gait_settings import GaitSettings
+from kinemark.gait.comparison import Condition, difference, stretches
+from kinemark.io.c3d import write_c3d
+from kinemark.synth import walking
+
+PERCENT = np.linspace(0, 2 * np.pi, 101)
+
+
+def condition(rng, strides, *, error, vary=3.0, shift=0.0):
+    """Strides of one curve that differ smoothly, with an error of the whole measurement."""
+    waves = np.stack([np.ones(101), np.cos(PERCENT), np.sin(PERCENT), np.cos(2 * PERCENT), np.sin(2 * PERCENT)])
+    values = rng.normal(size=(strides, 5)) @ waves * vary / np.sqrt(3) + error * rng.normal() + shift
+    spread = values.std(0, ddof=1) if strides > 1 else np.full(101, np.nan)
+    return Condition(values.mean(0)[:, None], spread[:, None], np.full((101, 1), error), strides)
+
+
+@pytest.mark.parametrize(("n", "m"), [(2, 2), (3, 8), (1, 4), (12, 12)])
+@pytest.mark.parametrize("error", [0.0, 4.0])
+def test_differences_by_chance_are_rare_at_each_point(n, m, error):
+    rng = np.random.default_rng(8)
+    claimed = [difference(condition(rng, n, error=error), condition(rng, m, error=error)).exceeds for _ in range(400)]
+    assert np.mean(claimed) < 0.055
+    assert np.mean([bool(stretches(one[:, 0])) for one in claimed]) < 0.09, "of whole curves"
+
+
+@pytest.mark.parametrize("n", [3, 8])
+def test_true_differences_are_found_and_have_their_size(n):
+    rng = np.random.default_rng(8)
+    found = [difference(condition(rng, n, error=2.0), condition(rng, n, error=2.0, shift=20.0)) for _ in range(50)]
+    assert np.mean([one.exceeds for one in found]) > 0.95
+    assert np.mean([one.value for one in found]) == pytest.approx(20.0, abs=1.5)
+
+
+def test_one_number_and_what_is_unknown():
+    one = Condition(np.array(1.0), np.array(0.1), np.array(0.0), 10)
+    assert difference(one, one._replace(mean=np.array(1.3))).exceeds
+    assert not difference(one, one._replace(mean=np.array(1.05))).exceeds
+    alone = Condition(np.array(1.0), np.array(np.nan), np.array(0.1), 1)
+    found = difference(alone, alone._replace(mean=np.array(9.0)))
+    assert np.isnan(found.error) and not found.exceeds
+
+
+def test_short_stretches_are_chance():
+    exceeds = np.zeros(101, bool)
+    exceeds[10:14] = exceeds[50:60] = exceeds[98:] = True
+    assert stretches(exceeds) == [(50, 59)]
+
+
+@pytest.fixture(scope="module")
+def conditions(tmp_path_factory):
+    """Gait of one person at two speeds, and again at the first."""
+    folder = tmp_path_factory.mktemp("compared")
+    for name, seed, speed in (("slow", 1, 900.0), ("again", 2, 900.0), ("fast", 3, 1500.0)):
+        subject = walking(duration_s=5.0, rate=50.0, seed=seed, speed_mm_s=speed, wobble_mm=2.0)
+        write_c3d(folder / f"{name}.c3d", Trial(name, subject.trajectories))
+        gait_of_files([folder / f"{name}.c3d"], folder=folder / name, settings=GaitSettings(uncertainty=False))
+    return folder
+
+
+def test_a_faster_walk_differs_and_the_same_does_not(conditions):
+    fast = compare_gait(conditions / "slow", conditions / "fast", folder=conditions / "out").figures
+    rows = {(row["name"], row["side"]): row for row in fast["time_distance"]}
+    assert rows["speed", "left"]["exceeds"] and rows["speed", "left"]["difference"] == pytest.approx(600, rel=0.1)
+    page = (conditions / "out/comparison.html").read_text()
+    assert "walking speed" in page and "Knee flexion" in page
+    again = compare_gait(conditions / "slow", conditions / "again/gait.json", folder=conditions / "same").figures
+    assert not any(row["exceeds"] for row in again["time_distance"] if row["name"] in ("speed", "stride_length"))
+    differing = [part for row in again["curves"] for part in row["components"] if part["stretches"]]
+    assert len(differing) <= 0.15 * sum(len(row["components"]) for row in again["curves"])
+
+
+def test_what_cannot_be_compared_is_refused(conditions):
+    with pytest.raises(KinemarkError, match="with itself"):
+        compare_gait(conditions / "slow", conditions / "slow", folder=conditions / "x")
+    (conditions / "no.json").write_text("{}")
+    with pytest.raises(KinemarkError, match=r"no gait\.json"):
+        compare_gait(conditions / "slow", conditions / "no.json", folder=conditions / "x")
+    other = json.loads((conditions / "fast/gait.json").read_text())
+    (conditions / "other.json").write_text(json.dumps(other | {"method": {"name": "plug_in_gait"}}))
+    with pytest.raises(KinemarkError, match="computed otherwise"):
+        compare_gait(conditions / "slow", conditions / "other.json", folder=conditions / "x")
+    assert not (conditions / "x").exists()

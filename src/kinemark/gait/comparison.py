@@ -1,7 +1,7 @@
 """Two conditions of a subject: which differences exceed their own error.
 
-At a point of the stride, with means aᵢ of nᵢ strides, their deviations between strides sᵢ and the standard uncertainties
-of the measurement mᵢ, Δ = a₂ − a₁ exceeds its error where
+At a point of the stride, with means aᵢ of nᵢ strides, their deviations between strides sᵢ and the standard
+uncertainties of the measurement mᵢ, Δ = a₂ − a₁ exceeds its error where
 
     Δ² > t² Σ sᵢ² / nᵢ + z² Σ mᵢ²,   ν = (Σ sᵢ² / nᵢ)² / Σ [(sᵢ² / nᵢ)² / (nᵢ − 1)]                          (1)
 

@@ -40,6 +40,7 @@ WAND_MM = 90.0
 BEGIN = 0.1
 """Of the left leg's stride, at the time 0; chosen."""
 ZERO = np.zeros(3)
+"""No displacement, mm; by definition."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

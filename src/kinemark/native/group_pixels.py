@@ -171,4 +171,4 @@ def _numpy_peaks(
     dx, dy = x - uv[of, 0], y % max(images.shape[1], 1) - uv[of, 1]
     at = grey == peak[of]
     weights = at, grey > near[of], *(np.where(at, a, 0.0) for a in (dx * dx, dx * dy, dy * dy))
-    return np.array([np.bincount(of, weight, len(peak)) for weight in weights]).reshape(SUMS, len(peak))
+    return np.array([np.bincount(of, weight, len(peak)) for weight in weights], np.float64).reshape(SUMS, len(peak))

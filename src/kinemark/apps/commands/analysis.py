@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ...engine.error_budget import error_budget
-from ...engine.gait_files import GaitSettings, gait_of_files
-from ...engine.gait_reference import reference_of_files
-from ...engine.settings.angle_settings import AngleSettings
-from ...engine.trial_angles import angles_of_file
 from ...io.notes import file_note_text
-from ...report.angles_text import angle_summary
-from ...report.gait_text import gait_summary
-from ...report.sensitivity_text import sensitivity_summary
-from ...sensitivity import ErrorBudget
 from ..output import Json, LengthUnit, Partial, Rate, SelfContained, print_result
 from ..progress import progress
+
+if TYPE_CHECKING:  # these take long to import, and --help does without
+    from ...engine.gait_files import GaitSettings
+    from ...engine.settings.angle_settings import AngleSettings
 
 
 def angles(
@@ -45,6 +40,9 @@ def angles(
         self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
+    from ...engine.trial_angles import angles_of_file
+    from ...report.angles_text import angle_summary
+
     result = angles_of_file(
         trial, model=model, folder=output, static=static, functional=functional, settings=settings,
         self_contained=self_contained,
@@ -85,6 +83,10 @@ def sensitivity(
         self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
+    from ...engine.error_budget import error_budget
+    from ...report.sensitivity_text import sensitivity_summary
+    from ...sensitivity import ErrorBudget
+
     try:
         asked = ErrorBudget(placement_mm=placement_mm, cycles=cycles, centroid_sd=centroid_px)
     except ValueError as error:
@@ -121,6 +123,9 @@ def gait(
         self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
+    from ...engine.gait_files import gait_of_files
+    from ...report.gait_text import gait_summary
+
     result = gait_of_files(
         walks, static=static, measures=measures, reference=reference, folder=output, exports=exports,
         settings=settings, self_contained=self_contained,
@@ -142,5 +147,7 @@ def gait_reference(
         output: file of the band, JSON.
         source: where the controls are from, as the report will say it.
     """
+    from ...engine.gait_reference import reference_of_files
+
     band = reference_of_files(controls, output=output, source=source)
     print_result(f"{output}: {len(band.mean)} quantities of {band.subjects} subjects")

@@ -149,9 +149,7 @@ def _detect_camera(
 class _Camera:
     """What is found in the batches of a camera; suspected groups of several batches are explained together."""
 
-    def __init__(
-        self, source: FrameSource, name: str, mask: NDArray[np.bool_] | None, ground: Ground | None
-    ) -> None:
+    def __init__(self, source: FrameSource, name: str, mask: NDArray[np.bool_] | None, ground: Ground | None) -> None:
         """Take what holds for all batches."""
         self.source, self.name, self.mask, self.ground = source, name, mask, ground
         self.frames = 0

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,10 +22,8 @@ from ..gait.foot_events import foot_events
 from ..gait.gait_cycles import emg_curves, gait_curves
 from ..gait.gait_trial import analyse_gait, marker_points, measured_only
 from ..gait.lower_limb import check_markers
-from ..gait.physical import Physical
-from ..gait.plug_in_gait import PlugInGait
 from ..gait.time_distance import strides
-from ..gait.uncertainty import GaitErrors, gait_uncertainty, with_uncertainty
+from ..gait.uncertainty import gait_uncertainty, with_uncertainty
 from ..io.c3d import write_c3d
 from ..io.c3d.subject_measures import measures_of
 from ..io.files import replacing
@@ -38,57 +36,11 @@ from ..report.drawing_library import assets_for
 from ..report.gait_page import write_gait_page
 from ..report.words import with_words
 from .gait_exports import exports_of, write_exports
+from .gait_settings import GaitSettings
 from .identities import identity_of_file
 
 FORCE_UNITS = ("N", "NM", "NMM", "NCM")
 """Of channels that are a force plate's, without other letters."""
-
-
-@dataclass(frozen=True, slots=True)
-class GaitSettings:
-    """How gait is computed.
-
-    Attributes:
-        method: "physical", or "plug_in_gait", which is that program's numbers.
-        hip_centre: regression of the hip, where the method is physical.
-        inertia: of the segments, likewise.
-        smoothing: of the markers, likewise.
-        cutoff_hz: of the smoothing; by residual analysis or cross-validation where none is given.
-        flat_foot: in the standing trial heel and toe are at one height.
-        placement_mm: standard uncertainty of where a marker is put on, along each axis.
-        hip_mm: standard uncertainty of the hip joint centre, along each axis.
-        tissue_mm: of thigh's and shank's markers, by skin that moves over bone, likewise.
-        plate_mm: of where force plates lie among the markers, along each horizontal axis.
-        uncertainty: whether to compute the error bars.
-    """
-
-    method: Literal["physical", "plug_in_gait"] = "physical"
-    hip_centre: Literal["davis", "harrington", "hara"] = "davis"
-    inertia: Literal["winter", "de_leva_male", "de_leva_female", "plug_in_gait"] = "winter"
-    smoothing: Literal["none", "butterworth", "woltring"] = "butterworth"
-    cutoff_hz: float | None = None
-    flat_foot: bool = True
-    placement_mm: float = 5.0
-    hip_mm: float = 10.0
-    tissue_mm: float = 5.0
-    plate_mm: float = 3.0
-    uncertainty: bool = True
-
-    @property
-    def made(self) -> Physical | PlugInGait:
-        """The method with its parameters."""
-        if self.method == "plug_in_gait":
-            return PlugInGait()
-        return Physical(
-            hip_centre=self.hip_centre, inertia=self.inertia, smoothing=self.smoothing, cutoff_hz=self.cutoff_hz
-        )
-
-    @property
-    def errors(self) -> GaitErrors:
-        """Of the causes."""
-        return GaitErrors(
-            placement_mm=self.placement_mm, hip_mm=self.hip_mm, tissue_mm=self.tissue_mm, plate_mm=self.plate_mm
-        )
 
 
 class GaitResult(NamedTuple):

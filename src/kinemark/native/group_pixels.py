@@ -22,7 +22,11 @@ SUMS = 5
 MOST_MARGIN = 1 << 10
 """px; no marker is so large; chosen."""
 
-_GROUPS = {"images": (GREY, "n", "H", "W"), "start": (INT, "S"), **{name: (INT, "R") for name in ("y", "first", "last")}}
+_GROUPS = {
+    "images": (GREY, "n", "H", "W"),
+    "start": (INT, "S"),
+    **{name: (INT, "R") for name in ("y", "first", "last")},
+}
 _CUT = Arrays(**_GROUPS)  # type: ignore[arg-type]  # a dict of them, which are two signatures' first five
 _PEAKS = Arrays(**_GROUPS, peak=(FLOAT, "G"), near=(FLOAT, "G"), uv=(FLOAT, "G", 2))  # type: ignore[arg-type]
 

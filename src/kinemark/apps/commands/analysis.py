@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
 
 from ...data import KinemarkError
+from ...engine.angle_settings import AngleSettings
+from ...engine.gait_settings import GaitSettings
 from ...io.notes import file_note_text
 from ..output import Json, LengthUnit, Partial, Rate, SelfContained, print_result
 from ..progress import progress
-
-if TYPE_CHECKING:  # these take long to import, and --help does without
-    from ...engine.gait_files import GaitSettings
-    from ...engine.settings.angle_settings import AngleSettings
 
 
 def angles(

@@ -5,17 +5,16 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ...engine.first_session import SessionProposal
 from ...engine.session_name import FILE
 from ..output import Json, print_result
 
-Change = Callable[[SessionProposal, str, str], SessionProposal]
-"""What one KEY=VALUE does to a proposal."""
+if TYPE_CHECKING:  # takes long to import, and --help does without
+    from ...engine.first_session import SessionProposal
 
 
 def init(

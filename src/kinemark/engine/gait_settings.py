@@ -1,0 +1,57 @@
+"""How gait is computed: what `kinemark gait` can be told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ..gait.physical import Physical
+from ..gait.plug_in_gait import PlugInGait
+from ..gait.uncertainty import GaitErrors
+
+
+@dataclass(frozen=True, slots=True)
+class GaitSettings:
+    """How gait is computed.
+
+    Attributes:
+        method: "physical", or "plug_in_gait", which is that program's numbers.
+        hip_centre: regression of the hip, where the method is physical.
+        inertia: of the segments, likewise.
+        smoothing: of the markers, likewise.
+        cutoff_hz: of the smoothing; by residual analysis or cross-validation where none is given.
+        flat_foot: in the standing trial heel and toe are at one height.
+        placement_mm: standard uncertainty of where a marker is put on, along each axis.
+        hip_mm: standard uncertainty of the hip joint centre, along each axis.
+        tissue_mm: of thigh's and shank's markers, by skin that moves over bone, likewise.
+        plate_mm: of where force plates lie among the markers, along each horizontal axis.
+        uncertainty: whether to compute the error bars.
+    """
+
+    method: Literal["physical", "plug_in_gait"] = "physical"
+    hip_centre: Literal["davis", "harrington", "hara"] = "davis"
+    inertia: Literal["winter", "de_leva_male", "de_leva_female", "plug_in_gait"] = "winter"
+    smoothing: Literal["none", "butterworth", "woltring"] = "butterworth"
+    cutoff_hz: float | None = None
+    flat_foot: bool = True
+    placement_mm: float = 5.0
+    hip_mm: float = 10.0
+    tissue_mm: float = 5.0
+    plate_mm: float = 3.0
+    uncertainty: bool = True
+
+    @property
+    def made(self) -> Physical | PlugInGait:
+        """The method with its parameters."""
+        if self.method == "plug_in_gait":
+            return PlugInGait()
+        return Physical(
+            hip_centre=self.hip_centre, inertia=self.inertia, smoothing=self.smoothing, cutoff_hz=self.cutoff_hz
+        )
+
+    @property
+    def errors(self) -> GaitErrors:
+        """Of the causes."""
+        return GaitErrors(
+            placement_mm=self.placement_mm, hip_mm=self.hip_mm, tissue_mm=self.tissue_mm, plate_mm=self.plate_mm
+        )

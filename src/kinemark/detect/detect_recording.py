@@ -167,7 +167,7 @@ class _Camera:
             self.waiting += [*find_suspects(images, method=method)]
         except KinemarkError as error:
             raise KinemarkError(f"Camera {self.name}, batch from frame {first} on: {error}") from None
-        if sum(len(part.pixels.grey) for part in self.waiting) > WAITING:
+        if sum(len(part.pixels.grey) for part in self.waiting if part.pixels) > WAITING:
             self._explain()
 
     def blobs(self) -> Blobs:

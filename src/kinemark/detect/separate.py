@@ -28,11 +28,14 @@ from .suspicion import suspicious
 PIXELS = 24_000  # fitted in one go: enough to share what NumPy costs a call, little enough for the cache; chosen
 
 
+NONE = np.zeros(0, np.int64)
+
+
 class Suspects(NamedTuple):
     """The blobs of some frames, of which those that may be more, or less, than one marker are yet to be explained.
 
     Attributes:
-        blobs: as if each were one marker; index: (n) the suspected ones; pixels: theirs.
+        blobs: as if each were one marker; index: (n) the suspected ones; pixels: theirs, None where n is 0.
         threshold: grey level above which a pixel is white.
         shape: of the frames, (n, H, W); scale: grey levels of the images to one of 8 bits.
         negative: the highest grey level where the images are negatives, else None.
@@ -40,7 +43,7 @@ class Suspects(NamedTuple):
 
     blobs: Blobs
     index: Ints
-    pixels: Uncut
+    pixels: Uncut | None
     threshold: float
     shape: tuple[int, ...]
     scale: float
@@ -51,11 +54,15 @@ def suspects(
     images: GreyLevels, groups: PixelGroups, blobs: Blobs, *, threshold: float, variance: Floats, method: Centroids
 ) -> Suspects:
     """The blobs of these groups in frames (n, H, W) of noise variance (n), and the pixels of those to be explained."""
-    mask = np.zeros(len(blobs.uv), np.bool_)
+    some = NONE
     if method.max_discs > 1 or method.correct_occlusion:
-        mask[suspicious(groups, blobs.validity, aspect=method.aspect or 1.0)] = True
-    pixels = pixels_of(images, groups.keep(mask), threshold=threshold, variance=variance)
-    return Suspects(blobs, np.flatnonzero(mask), pixels, threshold, images.shape, grey_scale(images.dtype))
+        some = suspicious(groups, blobs.validity, aspect=method.aspect or 1.0)
+    pixels = None
+    if len(some):
+        mask = np.zeros(len(blobs.uv), np.bool_)
+        mask[some] = True
+        pixels = pixels_of(images, groups.keep(mask), threshold=threshold, variance=variance)
+    return Suspects(blobs, some, pixels, threshold, images.shape, grey_scale(images.dtype))
 
 
 def separated(parts: Sequence[Suspects], *, method: Centroids) -> list[Blobs]:
@@ -63,15 +70,18 @@ def separated(parts: Sequence[Suspects], *, method: Centroids) -> list[Blobs]:
 
     Many frames are done at once, as their groups share what NumPy costs a call.
     """
-    if not any(len(part.index) for part in parts):
+    pixels = [part.pixels for part in parts if part.pixels]
+    if not pixels:
         return [_positive(part.blobs, part) for part in parts]
     at_edge = np.concatenate([part.blobs.validity[part.index] == Validity.AT_EDGE for part in parts])
-    seen = _explained(together([part.pixels for part in parts]), at_edge, parts[0], method)
-    ends = np.cumsum([0, *(len(part.index) for part in parts)])
-    return [
-        _positive(_rows(part.blobs, _among(seen, first, last, part), part.shape[1:], method), part)
-        for part, first, last in zip(parts, ends[:-1], ends[1:], strict=True)
-    ]
+    seen, done, separate = _explained(together(pixels), at_edge, parts[0], method), 0, []
+    for part in parts:
+        blobs, end = part.blobs, done + len(part.index)
+        if end > done:
+            blobs = _rows(blobs, _among(seen, done, end, part), part.shape[1:], method)
+        separate.append(_positive(blobs, part))
+        done = end
+    return separate
 
 
 def _explained(pixels: Uncut, at_edge: Bools, part: Suspects, method: Centroids) -> ObservedGroup:

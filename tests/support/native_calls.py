@@ -76,6 +76,10 @@ def cut_pixels(rng):
     return Call(native.cut_pixels, asked, {"threshold": threshold, "margin": int(rng.integers(0, 5))})
 
 
+def group_peaks(rng):
+    return Call(native.group_peaks, groups(rng)[0], {})
+
+
 def sum_peaks(rng):
     asked, threshold = groups(rng)
     n = len(asked["start"]) - 1
@@ -223,7 +227,7 @@ def fit_shapes(rng):
 CALLS = {
     made.__name__: made
     for made in (
-        find_runs, group_runs, sum_pixels, cut_pixels, sum_peaks, predict, update, project, information,
+        find_runs, group_runs, sum_pixels, cut_pixels, group_peaks, sum_peaks, predict, update, project, information,
         index_images, image_index, near, candidates, intersect, fit_shapes,
     )
 }  # fmt: skip

@@ -1,8 +1,8 @@
 """Groups cut out of their images, with what else lies there left out, as `shape_images.Patches`.
 
 A patch holds the group's own white pixels and all pixels within `MARGIN` of them; white pixels of other groups and
-their neighbours are left out (`native.group_pixels`). Places count from the centre of the group's rectangle, and v is divided by the aspect of
-a disc's image (its height by its width), so that discs are round there.
+their neighbours are left out (`native.group_pixels`). Places count from the centre of the group's rectangle, and v is
+divided by the aspect of a disc's image (its height by its width), so that discs are round there.
 """
 
 from __future__ import annotations

@@ -59,6 +59,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {
         f"cut_pixels_{bits}": (grey, *5 * [_SIZE], *4 * [_INTS], *4 * [_SIZE], _GREY8, *3 * [_INTS], _FLOATS, _BOOLS)
         for bits, grey in _DEPTHS
     },
+    **{f"peaks_{bits}": (grey, *5 * [_SIZE], *4 * [_INTS], _FLOATS) for bits, grey in _DEPTHS},
     **{f"sum_peaks_{bits}": (grey, *5 * [_SIZE], *4 * [_INTS], *5 * [_FLOATS]) for bits, grey in _DEPTHS},
     "predict": (_SIZE, _REAL, *5 * [_FLOATS]),
     "update": (_SIZE, *6 * [_FLOATS]),

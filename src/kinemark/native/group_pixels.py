@@ -1,4 +1,4 @@
-"""The pixels of single groups: cut out of the images with what is round them, and summed where they are at a peak.
+"""The pixels of single groups: cut out with what is round them, the brightest, and sums over those at a peak.
 
 Groups are given by their runs, as in `pixel_sums`. A pixel within the margin of a group is left out where it, or one of
 the eight pixels round it, is white and not the group's own.
@@ -85,6 +85,31 @@ def cut_pixels(
     return GroupPixels(ends, *(values[: ends[-1]] for values in (column, line, grey, own)))
 
 
+def group_peaks(images: GreyLevels, start: Ints, y: Ints, first: Ints, last: Ints) -> Floats:
+    """(G) grey level of the brightest pixel of each of G groups of runs.
+
+    Args:
+        images: (n, H, W) frames.
+        start: (G+1) where each group starts among the runs.
+        y: (R) scan line of each run in the tall image of all frames; in scan order within a group.
+        first: (R) first column.
+        last: (R) last column.
+
+    Raises:
+        ValueError: an array has another shape or dtype, images are too wide, or a group is not in one of the frames.
+    """
+    images, start, y, first, last = _CUT(images, start, y, first, last)
+    (n, height, width), g = images.shape, len(start) - 1
+    if compiled := library():
+        out = np.empty(max(g, 0))
+        function = compiled.peaks_8 if images.dtype == np.uint8 else compiled.peaks_16
+        good = function(images, n * height, height, width, g, len(y), start, y, first, last, out)
+    elif (good := number_good(images.shape, start, y, first, last)) == g:
+        out = _numpy_group_peaks(images, start, y, first, last)
+    _check(good, images, start, y)
+    return out
+
+
 def sum_peaks(
     images: GreyLevels, start: Ints, y: Ints, first: Ints, last: Ints, peak: Floats, near: Floats, uv: Floats
 ) -> Floats:
@@ -162,6 +187,16 @@ def _numpy_cut(
     column, line, grey, own = np.concatenate(parts, 1)
     ends = np.cumsum([part.shape[1] for part in parts])
     return GroupPixels(ends, column.astype(np.int64), line.astype(np.int64), grey, own.astype(np.bool_))
+
+
+def _numpy_group_peaks(images: GreyLevels, start: Ints, y: Ints, first: Ints, last: Ints) -> Floats:
+    if len(start) < 2:
+        return np.zeros(0)
+    long = last - first + 1
+    x = np.arange(long.sum()) + np.repeat(first - np.cumsum(long) + long, long)
+    grey = images.reshape(-1)[np.repeat(y, long) * images.shape[2] + x]
+    area = np.add.reduceat(long, start[:-1])
+    return np.maximum.reduceat(grey, np.cumsum(area) - area).astype(np.float64)
 
 
 def _numpy_peaks(

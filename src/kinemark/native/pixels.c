@@ -158,7 +158,7 @@ static void widened(const int64_t *left, const int64_t *right, int64_t i, int64_
     *high += by;
 }
 
-/* ---- Single groups, for cut_pixels and sum_peaks. ---- */
+/* ---- Single groups, for cut_pixels, sum_peaks and peaks. ---- */
 
 enum { OWN = 1, CLOSE = 2 }; /* marks of pixels: a group's own, and those within the margin */
 

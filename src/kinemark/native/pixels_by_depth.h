@@ -236,3 +236,23 @@ API int64_t OF_TYPE(sum_peaks)(const PIXEL *image, int64_t lines, int64_t height
     }
     return n_groups;
 }
+
+/* The brightest white pixel of groups, as for sum_pixels.
+
+   out: (n_groups). Returns n_groups, or the first group that is none of these frames. */
+API int64_t OF_TYPE(peaks)(const PIXEL *image, int64_t lines, int64_t height, int64_t width, int64_t n_groups,
+                           int64_t n_runs, const int64_t *start, const int64_t *y, const int64_t *first,
+                           const int64_t *last, double *out)
+{
+    int64_t box[4];
+    for (int64_t g = 0; g < n_groups; g++) {
+        PIXEL peak = 0;
+        if (frame_of(g, lines, height, width, n_groups, n_runs, start, y, first, last, box) < 0)
+            return g;
+        for (int64_t r = start[g]; r < start[g + 1]; r++)
+            for (int64_t x = first[r]; x <= last[r]; x++)
+                peak = image[y[r] * width + x] > peak ? image[y[r] * width + x] : peak;
+        out[g] = peak;
+    }
+    return n_groups;
+}

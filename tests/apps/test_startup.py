@@ -47,7 +47,15 @@ def test_help_brings_no_numbers():
     assert done.stdout.split("LOADED")[1].split() == [], done.stderr
 
 
-ENGINE = ("h5py", "plotly", "pydantic", "jinja2", "scipy.optimize", "kinemark.engine.settings", "kinemark.engine.session")
+ENGINE = (
+    "h5py",
+    "plotly",
+    "pydantic",
+    "jinja2",
+    "scipy.optimize",
+    "kinemark.engine.settings",
+    "kinemark.engine.session",
+)
 HELP = """
 import sys
 from kinemark.apps.cli import COMMANDS, main

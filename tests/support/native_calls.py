@@ -81,7 +81,7 @@ def group_peaks(rng):
 
 
 def sum_peaks(rng):
-    asked, threshold = groups(rng)
+    asked, _ = groups(rng)
     n = len(asked["start"]) - 1
     peak = asked["images"].max(initial=0) - rng.integers(0, 3, n).astype(float)
     places = {"peak": peak, "near": peak - rng.uniform(0, 50, n), "uv": rng.uniform(0, 30, (n, 2))}

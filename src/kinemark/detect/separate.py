@@ -35,14 +35,14 @@ class Suspects(NamedTuple):
     """The blobs of some frames, of which those that may be more, or less, than one marker are yet to be explained.
 
     Attributes:
-        blobs: as if each were one marker; index: (n) the suspected ones; pixels: theirs, None where n is 0.
+        blobs: as if each were one marker; which: (n) the suspected ones; pixels: theirs, None where n is 0.
         threshold: grey level above which a pixel is white.
         shape: of the frames, (n, H, W); scale: grey levels of the images to one of 8 bits.
         negative: the highest grey level where the images are negatives, else None.
     """
 
     blobs: Blobs
-    index: Ints
+    which: Ints
     pixels: Uncut | None
     threshold: float
     shape: tuple[int, ...]
@@ -73,10 +73,10 @@ def separated(parts: Sequence[Suspects], *, method: Centroids) -> list[Blobs]:
     pixels = [part.pixels for part in parts if part.pixels]
     if not pixels:
         return [_positive(part.blobs, part) for part in parts]
-    at_edge = np.concatenate([part.blobs.validity[part.index] == Validity.AT_EDGE for part in parts])
+    at_edge = np.concatenate([part.blobs.validity[part.which] == Validity.AT_EDGE for part in parts])
     seen, done, separate = _explained(together(pixels), at_edge, parts[0], method), 0, []
     for part in parts:
-        blobs, end = part.blobs, done + len(part.index)
+        blobs, end = part.blobs, done + len(part.which)
         if end > done:
             blobs = _rows(blobs, _among(seen, done, end, part), part.shape[1:], method)
         separate.append(_positive(blobs, part))
@@ -112,7 +112,7 @@ def _among(seen: ObservedGroup, first: int, last: int, part: Suspects) -> Observ
     """What all groups of a part show, of which the suspected ones are `seen` from first to last."""
     every = _nothing_seen(len(part.blobs.uv), seen.circles.shape[1])
     for column, own in zip(every, seen, strict=True):
-        column[part.index] = own[first:last]
+        column[part.which] = own[first:last]
     return every
 
 

@@ -82,7 +82,8 @@ def cut_pixels(
     runs = g, len(y), start, y, first, last
     marks = np.empty(most, np.uint8)
     function(images, n * height, height, width, *runs, level, margin, most, room, marks, ends, column, line, grey, own)
-    return GroupPixels(ends, *(values[: ends[-1]] for values in (column, line, grey, own)))
+    n = int(ends[-1])
+    return GroupPixels(ends, column[:n], line[:n], grey[:n], own[:n])
 
 
 def group_peaks(images: GreyLevels, start: Ints, y: Ints, first: Ints, last: Ints) -> Floats:

@@ -28,9 +28,6 @@ from .suspicion import suspicious
 PIXELS = 24_000  # fitted in one go: enough to share what NumPy costs a call, little enough for the cache; chosen
 
 
-NONE = np.zeros(0, np.int64)
-
-
 class Suspects(NamedTuple):
     """The blobs of some frames, of which those that may be more, or less, than one marker are yet to be explained.
 
@@ -54,7 +51,7 @@ def suspects(
     images: GreyLevels, groups: PixelGroups, blobs: Blobs, *, threshold: float, variance: Floats, method: Centroids
 ) -> Suspects:
     """The blobs of these groups in frames (n, H, W) of noise variance (n), and the pixels of those to be explained."""
-    some = NONE
+    some = np.zeros(0, np.int64)
     if method.max_discs > 1 or method.correct_occlusion:
         some = suspicious(groups, blobs.validity, aspect=method.aspect or 1.0)
     pixels = None

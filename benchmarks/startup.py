@@ -44,6 +44,7 @@ def programs(folder: Path) -> dict[str, list[str]]:
         "import kinemark": ["-c", "import kinemark"],
         "import kinemark, all names": ["-c", "from kinemark import *"],
         "kinemark --help": ["-m", "kinemark", "--help"],
+        "kinemark gait --help": ["-m", "kinemark", "gait", "--help"],
         "kinemark info FILE.c3d": ["-m", "kinemark", "info", str(file)],
         "kinemark convert FILE.c3d FILE.trc": ["-c", CONVERT, str(file), str(folder / "again.trc")],
     }

@@ -47,6 +47,35 @@ def test_help_brings_no_numbers():
     assert done.stdout.split("LOADED")[1].split() == [], done.stderr
 
 
+ENGINE = (
+    "h5py",
+    "plotly",
+    "pydantic",
+    "jinja2",
+    "scipy.optimize",
+    "kinemark.engine.settings",
+    "kinemark.engine.session",
+)
+HELP = """
+import sys
+from kinemark.apps.cli import COMMANDS, main
+for name in [name for names in COMMANDS.values() for name in names]:
+    sys.argv = ["kinemark", name, "--help"]
+    try:
+        main()
+    except SystemExit as end:
+        assert not end.code, end.code
+    print("LOADED", name, *[heavy for heavy in {names} if heavy in sys.modules])
+""".replace("{names}", repr(ENGINE))
+
+
+def test_help_of_no_command_brings_the_engine():
+    """It took 1.5 to 2 s, all of it imports."""
+    done = subprocess.run([sys.executable, "-c", HELP], capture_output=True, text=True, timeout=100)
+    said = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("LOADED")]
+    assert len(said) > 20 and all(len(words) == 1 for words in said), (said, done.stderr)
+
+
 def test_each_library_is_imported_when_a_file_needs_it(tmp_path):
     write_trial(made_trial(), tmp_path / "a.h5")
     assert loaded("info", tmp_path / "a.h5") == ["h5py"]

@@ -7,6 +7,9 @@ from scipy import ndimage
 from kinemark.data import Validity
 from kinemark.detect import Centroids, detect_frames
 from kinemark.detect import discs as fits
+from kinemark.detect.grouping import group_runs
+from kinemark.detect.patches import cut_out, pixels_of
+from kinemark.detect.pixel_runs import find_runs
 from kinemark.native import shape_images as shapes
 
 SIDE, FINE = 37, 4
@@ -352,3 +355,22 @@ def test_large_markers_and_many_discs_are_left_as_they_are():
     for wrong in (0, 6):
         with pytest.raises(ValueError, match="max_discs"):
             Centroids(max_discs=wrong)
+
+
+def test_what_a_group_shows_does_not_depend_on_what_is_fitted_beside_it():
+    """Fits of small groups were judged by places far away, which larger groups beside them brought."""
+    rng = np.random.default_rng(3)
+    pairs = [light(pair(rng, d, 0.35 + 0.5 * rng.random())) for d in [6.0, 8.0, 7.0, 6.5] * 4]
+    film = photo([*pairs, light(three(rng, 14.0)), light(three(rng, 12.0))], rng)
+    together = detect_frames(film)
+    alone = [detect_frames(image[None]) for image in film]
+    np.testing.assert_array_equal(together.counts, [int(one.counts[0]) for one in alone])
+    for name in ("uv", "cov", "area"):
+        apart = np.concatenate([getattr(one, name) for one in alone])
+        np.testing.assert_allclose(getattr(together, name), apart, rtol=1e-6, atol=1e-9)
+    groups = group_runs(find_runs(film.reshape(-1, SIDE), 60.0), height=SIDE, width=SIDE)
+    pixels = pixels_of(film, groups, threshold=60.0, variance=np.full(len(film), 9.0))
+    patches = cut_out(pixels, np.arange(len(groups.area)), threshold=60.0, shot=0.0, aspect=1.0).patches
+    for x, y, weight in zip(patches.x, patches.y, patches.weight, strict=True):
+        used = set(zip(x[weight > 0], y[weight > 0], strict=True))
+        assert set(zip(x, y, strict=True)) == used

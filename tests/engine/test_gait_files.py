@@ -10,7 +10,7 @@ import pytest
 from kinemark.data import Events, KinemarkError, Trial
 from kinemark.engine.gait_files import gait_of_files
 from kinemark.engine.gait_reference import reference_of_files
-from kinemark.engine.settings.gait_settings import GaitSettings
+from kinemark.engine.gait_settings import GaitSettings
 from kinemark.io.c3d import write_c3d
 from kinemark.io.trial import read_trial
 from kinemark.synth import walking

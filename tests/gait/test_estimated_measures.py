@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError
+from kinemark.engine.gait_settings import GaitSettings
 from kinemark.engine.gait_walks import WIDTH_MM, known_measures, recorded
-from kinemark.engine.settings.gait_settings import GaitSettings
 from kinemark.gait import estimated_measures, marker_points
 from kinemark.gait.estimated_measures import WIDTH_SD_MM
 from kinemark.io.c3d.subject_measures import measures_of

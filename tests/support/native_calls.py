@@ -59,11 +59,33 @@ def group_runs(rng):
     return Call(native.group_runs, dict(zip(("y", "first", "last"), runs, strict=True)), size)
 
 
-def sum_pixels(rng):
+def groups(rng):
+    """A film, its groups of white pixels as arguments by name, and the threshold."""
     images, threshold = film(rng)
     runs = native.find_runs(images.reshape(-1, images.shape[2]), threshold)
     (y, first, last), start, _ = native.group_runs(*runs, height=images.shape[1], width=images.shape[2])
-    return Call(native.sum_pixels, {"images": images, "start": start, "y": y, "first": first, "last": last}, {})
+    return {"images": images, "start": start, "y": y, "first": first, "last": last}, threshold
+
+
+def sum_pixels(rng):
+    return Call(native.sum_pixels, groups(rng)[0], {})
+
+
+def cut_pixels(rng):
+    asked, threshold = groups(rng)
+    return Call(native.cut_pixels, asked, {"threshold": threshold, "margin": int(rng.integers(0, 5))})
+
+
+def group_peaks(rng):
+    return Call(native.group_peaks, groups(rng)[0], {})
+
+
+def sum_peaks(rng):
+    asked, _ = groups(rng)
+    n = len(asked["start"]) - 1
+    peak = asked["images"].max(initial=0) - rng.integers(0, 3, n).astype(float)
+    places = {"peak": peak, "near": peak - rng.uniform(0, 50, n), "uv": rng.uniform(0, 30, (n, 2))}
+    return Call(native.sum_peaks, asked | places, {})
 
 
 def motion(rng, n):
@@ -205,7 +227,7 @@ def fit_shapes(rng):
 CALLS = {
     made.__name__: made
     for made in (
-        find_runs, group_runs, sum_pixels, predict, update, project, information,
+        find_runs, group_runs, sum_pixels, cut_pixels, group_peaks, sum_peaks, predict, update, project, information,
         index_images, image_index, near, candidates, intersect, fit_shapes,
     )
 }  # fmt: skip

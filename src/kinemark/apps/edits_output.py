@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..data import KinemarkError
 from ..data.edits import Applied, Entry
-from ..engine.editing import Said
 from ..io.edits_jsonl import JournalText
-from ..report.words import edit_text
 from .output import print_result
+
+if TYPE_CHECKING:  # these take long to import, and --help does without
+    from ..engine.editing import Said
 
 
 def span_of(text: str | None) -> tuple[int | None, int | None]:
@@ -47,6 +48,8 @@ def image_of(text: str) -> tuple[str, tuple[float, float]]:
 
 def entry_line(entry: Entry) -> str:
     """An entry in a line."""
+    from ..report.words import edit_text
+
     why = f"  “{entry.why}”" if entry.why else ""
     said = "; ".join(map(edit_text, entry.edits))
     return f"{entry.id:4d}  {entry.at[:19].replace('T', ' ')}  {entry.by}  {said}{why}"
@@ -54,6 +57,8 @@ def entry_line(entry: Entry) -> str:
 
 def applied_text(one: Applied) -> str:
     """What became of an edit, in a line."""
+    from ..report.words import edit_text
+
     why = f" ({one.reason})" if one.reason else ""
     return f"{one.entry:4d}  {one.outcome:9s}  {edit_text(one.edit)}{why}"
 
@@ -65,12 +70,16 @@ def fault_lines(text: JournalText) -> list[str]:
 
 def entry_figures(entry: Entry) -> dict[str, Any]:
     """For a machine."""
+    from ..report.words import edit_text
+
     figures = {name: getattr(entry, name) for name in ("id", "at", "by", "why", "version")}
     return figures | {"edits": [asdict(edit) for edit in entry.edits], "text": [edit_text(e) for e in entry.edits]}
 
 
 def applied_figures(one: Applied) -> dict[str, Any]:
     """What became of an edit, for a machine."""
+    from ..report.words import edit_text
+
     figures = {name: getattr(one, name) for name in ("entry", "outcome", "share", "samples", "reason")}
     return figures | {"edit": one.edit.kind, "text": edit_text(one.edit)}
 

@@ -9,23 +9,19 @@ from __future__ import annotations
 import sys
 from datetime import date
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from cyclopts import App, Parameter
 
 from ..data import KinemarkError
 from ..data.array_types import Floats
-from ..detect import Centroids
-from ..digitise import DigitisedImages, ImageMarkers, OtherViews, SemiAutomatic, find_markers
-from ..engine.calibration.from_known_points import rig_of_cp
-from ..engine.digitising import DigitisedFrames, digitise_camera, digitise_trial
-from ..engine.session import Session
-from ..engine.sources import frame_of
-from ..engine.um2as import angles_files, calibrate_file, coordinates_files, table
-from ..io.images import open_images, write_png
-from ..io.um2as import camera_number, read_da_set, read_rf, write_da, write_rf
 from .terminal import Terminal, pointed, say
+
+if TYPE_CHECKING:  # these take long to import, and --help does without
+    from ..detect import Centroids
+    from ..digitise import DigitisedImages, ImageMarkers, OtherViews, SemiAutomatic
+
 
 um2as = App(name="um2as", help=__doc__)  # the menu of figures 3.3 to 3.20
 
@@ -54,6 +50,8 @@ def snap(
         output: a PNG file for the black and white image.
         frame: which one, counted from 1.
     """
+    from ..io.images import write_png
+
     found = _image_markers(images, frame, threshold, inverted)
     if output is not None:
         write_png(output, np.where(found.owner >= 0, WHITE, 0).astype(np.uint8))
@@ -81,6 +79,8 @@ def reference(
         at: any white pixel of the marker, as '115 443'; asked for where it is not given.
         frame: which one, counted from 1.
     """
+    from ..io.um2as import camera_number, write_rf
+
     camera_number(output, "rf")
     uv = pointed(_image_markers(image, frame, threshold, inverted), "the reference marker", at)
     write_rf(output, uv)
@@ -112,6 +112,9 @@ def calibrate(
         made: the date for camera 1's file, as 1992-11-27; today without it.
         frame: which one, counted from 1.
     """
+    from ..engine.um2as import calibrate_file, table
+    from ..io.um2as import camera_number
+
     camera = camera_number(output, "cp")
     found = _image_markers(image, frame, threshold, inverted)
     n = len(at) if at else len(table(measured)[1])
@@ -167,6 +170,10 @@ def digitise_file(
         others: what is digitised of other cameras, as feeding.da2 feeding.da3.
         take_proposals: take what they propose, and do not ask.
     """
+    from ..engine.digitising import DigitisedFrames, digitise_camera
+    from ..io.images import open_images
+    from ..io.um2as import camera_number, read_rf, write_da
+
     method = _semi_automatic(markers, reference, confirm_reference=confirm_reference, take_proposals=take_proposals)
     camera = camera_number(output, "da")
     reel = DigitisedFrames(open_images(images), method=_centroids(threshold, inverted), every=every, last=last_frame)
@@ -204,6 +211,8 @@ def coordinates(
         data: what was digitised of the same cameras, as feeding.da1 feeding.da2 feeding.da3.
         markers: how many in a frame; only where camera 1's file, which says it, is not among the data.
     """
+    from ..engine.um2as import coordinates_files
+
     found = coordinates_files(calibration, data, output, markers=markers)
     gone = int(np.isnan(found.xyz[..., 0]).sum())
     say(f"{output} is written: {found.n_frames} frames of {len(found)} markers, {gone} places not known (999).")
@@ -218,6 +227,8 @@ def angles(coordinates: Path, *outputs: Path, inverse_cosines: Annotated[bool, P
         outputs: the files for shoulder, elbow and wrist, as feeding.shd feeding.elb feeding.wst; beside it else.
         inverse_cosines: as UM²AS calculates them, without the sign of the first and third angle.
     """
+    from ..engine.um2as import angles_files
+
     found = angles_files(coordinates, outputs, signed=not inverse_cosines)
     low, high = np.nanmin(found.deg, 1), np.nanmax(found.deg, 1)
     rows = [f"{joint}: {_range(low[j], high[j])}" for j, joint in enumerate(found.joints)]
@@ -233,6 +244,8 @@ def view(file: Path, *, frame: int | None = None, markers: int | None = None) ->
         frame: only this frame, counted from 1.
         markers: how many in a frame; for the data of a camera other than the first, whose file does not say it.
     """
+    from ..engine.um2as import table
+
     heading, rows = table(file, markers=markers)
     shown = [row for row in rows if frame is None or row[0] == frame]
     if not shown:
@@ -252,6 +265,9 @@ def digitise(session: Path, trial: str, *, camera: str | None = None, json: Json
         camera: stop after this one; all without it.
         json: print the figures for a machine.
     """
+    from ..engine.digitising import digitise_trial
+    from ..engine.session import Session
+
     opened = Session.open(session)
     task = opened.digitising(trial, opened.calibrate().rig)
     if camera is not None and camera not in task.images:
@@ -268,6 +284,8 @@ def digitise(session: Path, trial: str, *, camera: str | None = None, json: Json
 
 def _semi_automatic(markers: list[str], reference: str | None, **options: bool) -> SemiAutomatic:
     """How markers are followed; one that is a number says how many there are."""
+    from ..digitise import SemiAutomatic
+
     names = [str(m + 1) for m in range(int(markers[0]))] if len(markers) == 1 and markers[0].isdecimal() else markers
     try:
         return SemiAutomatic(tuple(names), reference, **options)
@@ -277,6 +295,10 @@ def _semi_automatic(markers: list[str], reference: str | None, **options: bool) 
 
 def _views(camera: int, calibration: list[Path], others: list[Path], markers: int) -> OtherViews | None:
     """What other cameras know, where their files are given."""
+    from ..digitise import OtherViews
+    from ..engine.calibration.from_known_points import rig_of_cp
+    from ..io.um2as import read_da_set
+
     if not others:
         return None
     rig = rig_of_cp(calibration) if calibration else None
@@ -292,6 +314,10 @@ def _views(camera: int, calibration: list[Path], others: list[Path], markers: in
 
 
 def _image_markers(images: Path, frame: int, threshold: float, inverted: bool) -> ImageMarkers:
+    from ..digitise import find_markers
+    from ..engine.sources import frame_of
+    from ..io.images import open_images
+
     source = open_images(images)
     if not 1 <= frame <= source.n_frames:
         raise KinemarkError(f"{images} has no frame {frame}, but 1 to {source.n_frames}. Name another.")
@@ -299,6 +325,8 @@ def _image_markers(images: Path, frame: int, threshold: float, inverted: bool) -
 
 
 def _centroids(threshold: float, inverted: bool) -> Centroids:
+    from ..detect import Centroids
+
     try:
         return Centroids(threshold=threshold, inverted=inverted)
     except ValueError as error:

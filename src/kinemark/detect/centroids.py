@@ -15,7 +15,7 @@ from .grouping import PixelGroups, group_runs
 from .moments import Moments, measure, outline_centroids
 from .pixel_runs import find_runs
 from .saturation import without_clipped
-from .separate import separated
+from .separate import Suspects, separated, suspects
 from .specks import blurred
 from .stage import DETECT
 from .validity import judge, remove_noise
@@ -27,15 +27,22 @@ MOST_GROUPS = 10_000  # groups of a frame at most; chosen: more are the noise of
 @DETECT.method("centroids", Centroids, source="Shafiq, Tümer and Güler 2001, section 2")
 def detect_centroids(images: NDArray[np.uint8 | np.uint16], first: int, *, method: Centroids) -> Blobs:
     """Markers in consecutive frames (n, H, W), of which the first has this number."""
+    return joined(separated(found_suspects(images, first, method=method), method=method))
+
+
+def found_suspects(images: NDArray[np.uint8 | np.uint16], first: int, *, method: Centroids) -> list[Suspects]:
+    """The same before `separated`, in parts of consecutive frames."""
     if not method.inverted:
         return _bright(images, first, method)
-    white = np.iinfo(images.dtype).max
+    white = int(np.iinfo(images.dtype).max)
     bright = replace(method, inverted=False)
     found = _bright(np.invert(images), first, bright, white - method.limits.threshold * grey_scale(images.dtype))
-    return found._replace(peak=white - found.peak)
+    return [part._replace(negative=white) for part in found]
 
 
-def _bright(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids, level: float | None = None) -> Blobs:
+def _bright(
+    images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids, level: float | None = None
+) -> list[Suspects]:
     """Bright markers; `level` is the threshold in the images' own grey levels where it is not the method's."""
     n, height, width = images.shape
     threshold = np.floor(method.limits.threshold * grey_scale(images.dtype) if level is None else level)
@@ -43,9 +50,7 @@ def _bright(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids
     runs = find_runs(tall, threshold, most=MOST_RUNS if n > 1 else None)
     if len(runs.y) == MOST_RUNS and n > 1:  # bright frames: fewer at a time, for memory's sake
         half = n // 2
-        return joined(
-            [_bright(images[:half], first, method, level), _bright(images[half:], first + half, method, level)]
-        )
+        return _bright(images[:half], first, method, level) + _bright(images[half:], first + half, method, level)
     groups = group_runs(runs, height=height, width=width)
     _check_number(groups, first, n, method)
     groups = remove_noise(groups, method=method)
@@ -54,7 +59,7 @@ def _bright(images: NDArray[np.uint8 | np.uint16], first: int, method: Centroids
     if method.noise_sd is not None:
         variance = np.full_like(variance, max((method.noise_sd * grey_scale(images.dtype)) ** 2, ROUNDING))
     blobs = _whole(images, groups, threshold, ground, variance, method)
-    return separated(images, groups, blobs, threshold=threshold, variance=variance, method=method)
+    return [suspects(images, groups, blobs, threshold=threshold, variance=variance, method=method)]
 
 
 def _whole(

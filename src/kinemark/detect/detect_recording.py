@@ -18,13 +18,17 @@ from ..data.method import Method
 from ..numerics.blas_threads import one_blas_thread
 from .blobs import Blobs, joined
 from .centroids_method import Centroids
-from .detect_frames import detect_frames
+from .detect_frames import detect_frames, find_suspects
 from .frame_source import FrameSource, prefetched
 from .ground import Ground
 from .learning import learned
 from .levels import levelled
 from .masks import masked
+from .separate import Suspects, separated
 from .stage import DETECT
+
+WAITING = 1 << 18
+"""Pixels of suspected groups that are kept until they are explained together; chosen for memory."""
 
 
 @one_blas_thread()
@@ -120,7 +124,8 @@ def _detect_camera(
         KinemarkError: more or fewer frames come than the source has announced, or see `detect_frames`.
     """
     method, ground = _for_camera(method, source)
-    parts, first, size = [_none(0)], 0, None
+    camera = _Camera(source, name, mask, ground)
+    first, size = 0, None
     ready = None
     for images in prefetched(source):
         if size is None:
@@ -130,8 +135,7 @@ def _detect_camera(
         images = images if ground is None else ground.taken_from(images, first)
         if ready is None:  # nothing has stood out from the background so far, so there was no marker either
             ready = levelled(method, images)
-        blobs = _detect_batch(source, images, first, name, ready, mask, ground) if ready else _none(len(images))
-        parts.append(blobs)
+        camera.look(images, first, ready)
         first += len(images)
         tell(len(images))
     if first != source.n_frames:
@@ -139,7 +143,53 @@ def _detect_camera(
             f"Camera {name}: {first} frames could be read of the {source.n_frames} that the recording announces. "
             "Copy the recording again, or cut all cameras to the frames that are there."
         )
-    return joined(parts), ground is not None
+    return camera.blobs(), ground is not None
+
+
+class _Camera:
+    """What is found in the batches of a camera; suspected groups of several batches are explained together."""
+
+    def __init__(self, source: FrameSource, name: str, mask: NDArray[np.bool_] | None, ground: Ground | None) -> None:
+        """Take what holds for all batches."""
+        self.source, self.name, self.mask, self.ground = source, name, mask, ground
+        self.frames = 0
+        self.parts = [_none(0)]
+        self.waiting: list[Suspects] = []
+        self.method = Centroids()
+
+    def look(self, images: NDArray[np.uint8 | np.uint16], first: int, method: Method | None) -> None:
+        """Take a batch, of which the first frame has this number; without a method there is nothing in it."""
+        if not isinstance(method, Centroids):
+            self._add(detect_frames(images, method=method) if method else _none(len(images)))
+            return
+        self.method = method
+        try:
+            self.waiting += [*find_suspects(images, method=method)]
+        except KinemarkError as error:
+            raise KinemarkError(f"Camera {self.name}, batch from frame {first} on: {error}") from None
+        if sum(len(part.pixels.grey) for part in self.waiting if part.pixels) > WAITING:
+            self._explain()
+
+    def blobs(self) -> Blobs:
+        """All that was found."""
+        self._explain()
+        return joined(self.parts)
+
+    def _explain(self) -> None:
+        waiting, self.waiting = self.waiting, []
+        for blobs in separated(waiting, method=self.method):
+            self._add(blobs)
+
+    def _add(self, blobs: Blobs) -> None:
+        """Note what was found in the next frames: grey levels of the recording, masked, fields on one plane."""
+        frames = self.frames + np.arange(len(blobs.counts))
+        self.frames += len(frames)
+        if (ground := self.ground) is not None:
+            light = ground.at(blobs.uv, np.repeat(frames, blobs.counts))
+            blobs = blobs._replace(peak=blobs.peak - light if ground.white else blobs.peak + light)
+        blobs = blobs if self.mask is None else masked(blobs, self.mask)
+        offset = np.repeat([self.source.v_offset(f) for f in frames.tolist()], blobs.counts)
+        self.parts.append(blobs._replace(uv=blobs.uv + np.stack([np.zeros(len(offset)), offset], -1)))
 
 
 def _for_camera(method: Method, source: FrameSource) -> tuple[Method, Ground | None]:
@@ -175,24 +225,3 @@ def _check_size(images: NDArray[np.uint8 | np.uint16], size: tuple[int, ...], fi
 
 def _by(shape: tuple[int, ...]) -> str:
     return f"{shape[1]} × {shape[0]} px"
-
-
-def _detect_batch(
-    source: FrameSource,
-    images: NDArray[np.uint8 | np.uint16],
-    first: int,
-    name: str,
-    method: Method,
-    mask: NDArray[np.bool_] | None,
-    ground: Ground | None,
-) -> Blobs:
-    try:
-        blobs = detect_frames(images, method=method)
-    except KinemarkError as error:
-        raise KinemarkError(f"Camera {name}, batch from frame {first} on: {error}") from None
-    if ground is not None:  # peaks are grey levels of the recording
-        light = ground.at(blobs.uv, np.repeat(first + np.arange(len(images)), blobs.counts))
-        blobs = blobs._replace(peak=blobs.peak - light if ground.white else blobs.peak + light)
-    blobs = blobs if mask is None else masked(blobs, mask)
-    offset = np.array([source.v_offset(first + k) for k in range(len(images))], np.float64)
-    return blobs._replace(uv=blobs.uv + np.stack([np.zeros(len(blobs.uv)), np.repeat(offset, blobs.counts)], -1))

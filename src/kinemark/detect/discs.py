@@ -69,7 +69,9 @@ def lit_from_a_side(shape: Shape, found: DiscFit, patches: Patches) -> DiscFit:
     """The fit with brightness that also rises along x and along y, by one linear step (9); no covariance."""
     model, J = image(shape, found.parameters, patches)
     bright = model - found.parameters[:, -1, None]
-    rising = [bright * (at - at.mean(1, keepdims=True)) for at in (patches.x, patches.y)]
+    used = patches.weight > 0
+    number = np.maximum(used.sum(1, keepdims=True), 1)
+    rising = [bright * (at - (used * at).sum(1, keepdims=True) / number) for at in (patches.x, patches.y)]
     J = np.concatenate([J, np.stack(rising, 1)], 1)
     change = np.einsum("np,npk->nk", step_of(J, model, patches, np.zeros(len(J)))[0], J)
     better = chi2_of(model + change, patches) < found.chi2

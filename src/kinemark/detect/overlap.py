@@ -256,16 +256,18 @@ def _chosen(tried: list[GroupExplanation], cut: CutOut, number: NDArray[np.int64
 def _spread(cut: CutOut) -> Floats:
     """(3) in px² of the patches."""
     value, vector = np.linalg.eigh(second_moments(cut)[1])
-    r = np.array([_inscribed(x, y, white) for x, y, white in zip(cut.patches.x, cut.patches.y, cut.white, strict=True)])
+    used = cut.patches.weight > 0
+    each = zip(cut.patches.x, cut.patches.y, cut.white, used & ~cut.white, strict=True)
+    r = np.array([_inscribed(x, y, white, dark) for x, y, white, dark in each])
     beyond = np.maximum(value - r.reshape(-1, 1) ** 2 / 4, 0.0)
     return np.asarray((vector * beyond[:, None]) @ vector.transpose(0, 2, 1))
 
 
-def _inscribed(x: Floats, y: Floats, white: NDArray[np.bool_]) -> float:
-    """Radius of the largest disc within the white ones of some pixels, px."""
-    if not white.any() or white.all():
+def _inscribed(x: Floats, y: Floats, white: NDArray[np.bool_], dark: NDArray[np.bool_]) -> float:
+    """Radius of the largest disc within the white ones of some pixels, px; dark are those round them."""
+    if not white.any() or not dark.any():
         return 0.0
-    far = np.hypot(x[white, None] - x[~white], y[white, None] - y[~white]).min(1)
+    far = np.hypot(x[white, None] - x[dark], y[white, None] - y[dark]).min(1)
     return float(far.max()) - 0.25
 
 

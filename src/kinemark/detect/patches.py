@@ -1,19 +1,20 @@
 """Groups cut out of their images, with what else lies there left out, as `shape_images.Patches`.
 
 A patch holds the group's own white pixels and all pixels within `MARGIN` of them; white pixels of other groups and
-their neighbours are left out. Places count from the centre of the group's rectangle, and v is divided by the aspect of
-a disc's image (its height by its width), so that discs are round there.
+their neighbours are left out (`native.group_pixels`). Places count from the centre of the group's rectangle, and v is
+divided by the aspect of a disc's image (its height by its width), so that discs are round there.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
-from ..data.array_types import Floats
+from .. import native
+from ..data.array_types import Bools, Floats, GreyLevels, Ints
 from ..native.shape_images import Patches
 from .grouping import PixelGroups
 
@@ -53,59 +54,56 @@ class CutOut(NamedTuple):
         )
 
 
-def cut_out(
-    images: NDArray[np.uint8 | np.uint16],
-    groups: PixelGroups,
-    *,
-    threshold: float,
-    variance: Floats,
-    shot: float,
-    aspect: float,
-) -> CutOut:
-    """The patches of all groups of frames (n, H, W) with noise variance (n), grey levels as in the images."""
-    _, height, width = images.shape
-    own, line, column = _painted(groups)
-    inside = (column >= 0) & (column < width) & (line // height == groups.frame[:, None, None])
-    grey = images.reshape(-1)[np.where(inside, line * width + column, 0)].astype(np.float64)
-    others = scipy.ndimage.maximum_filter((grey > threshold) & inside & ~own, size=(1, 3, 3))
-    near = scipy.ndimage.maximum_filter(own, size=(1, 2 * MARGIN + 1, 2 * MARGIN + 1))
-    used = near & inside & (own | ~others)
-    order = _packed(used)
-    white = np.take_along_axis(own.reshape(len(own), -1), order, 1)
-    grey = np.take_along_axis(grey.reshape(len(grey), -1), order, 1)
-    used = np.take_along_axis(used.reshape(len(used), -1), order, 1)
-    middle = np.stack([(groups.left + groups.right) / 2, (groups.top + groups.bottom) / 2], -1)
-    x, y = (
-        np.take_along_axis(np.broadcast_to(at, own.shape).reshape(len(own), -1), order, 1) - m[:, None]
-        for at, m in ((column, middle[:, 0]), (line, middle[:, 1]))
-    )
+class Uncut(NamedTuple):
+    """What `cut_out` makes patches of: n groups of frames that need not be at hand any longer.
+
+    Attributes:
+        start: (n+1) where each group's pixels start among all: column, line in its frame, grey level, own and white.
+        middle: (n, 2) px, the centre of its rectangle. variance: (n) of the noise in its frame, grey levels squared.
+    """
+
+    start: Ints
+    column: Ints
+    line: Ints
+    grey: Floats
+    own: Bools
+    middle: Floats
+    variance: Floats
+
+    @property
+    def number(self) -> Ints:
+        """(n) pixels of each."""
+        return np.diff(self.start)
+
+
+def pixels_of(images: GreyLevels, groups: PixelGroups, *, threshold: float, variance: Floats) -> Uncut:
+    """The pixels of groups of frames (n, H, W) with noise variance (n)."""
+    found = native.cut_pixels(images, groups.start, *groups.runs, threshold=threshold, margin=MARGIN)
+    top = groups.frame * images.shape[1]
+    middle = np.stack([(groups.left + groups.right) / 2, (groups.top + groups.bottom) / 2 - top], -1)
+    return Uncut(*found, middle, variance[groups.frame])
+
+
+def together(parts: Sequence[Uncut]) -> Uncut:
+    """Groups of several batches as one."""
+    start = np.concatenate([[0], np.cumsum(np.concatenate([part.number for part in parts]))])
+    return Uncut(start, *(np.concatenate(column) for column in list(zip(*parts, strict=True))[1:]))
+
+
+def cut_out(groups: Uncut, index: Ints, *, threshold: float, shot: float, aspect: float) -> CutOut:
+    """The patches of some groups; each is filled up with copies of its first pixel, of weight 0."""
+    number = groups.number[index]
+    place = np.arange(number.max(initial=1))
+    used = place < number[:, None]
+    pixel = groups.start[index, None] + np.where(used, place, 0)
+    white, grey, middle = groups.own[pixel] & used, groups.grey[pixel], groups.middle[index]
+    x, y = (at[pixel] - m[:, None] for at, m in zip((groups.column, groups.line), middle.T, strict=True))
     ground = _ground(grey, used & ~white, threshold)
     peak = np.where(white, grey, 0).max(1)
-    noise = variance[groups.frame, None] + shot * np.maximum(grey - ground[:, None], 0.0)
+    noise = groups.variance[index, None] + shot * np.maximum(grey - ground[:, None], 0.0)
     full = np.where((white & (grey == peak[:, None])).sum(1) >= SATURATED, _white(grey, white, peak, noise), np.inf)
     patches = Patches(x, y / aspect, grey, used / noise, full)
-    middle[:, 1] -= groups.frame * height
-    return CutOut(patches, white & used, middle, ground, peak, np.full(len(peak), 1 / aspect))
-
-
-def _painted(groups: PixelGroups) -> tuple[NDArray[np.bool_], NDArray[np.int64], NDArray[np.int64]]:
-    """(n, h, w) the groups' own pixels in rectangles of one size, with their lines (n, h, 1) and columns (n, 1, w)."""
-    high = int((groups.bottom - groups.top).max()) + 1 + 2 * MARGIN
-    wide = int((groups.right - groups.left).max()) + 1 + 2 * MARGIN
-    top, left = groups.top - MARGIN, groups.left - MARGIN
-    of = np.repeat(np.arange(len(top)), np.diff(groups.start))
-    edges = np.zeros((len(top), high, wide + 1), np.int8)
-    np.add.at(edges, (of, groups.runs.y - top[of], groups.runs.first - left[of]), 1)
-    np.add.at(edges, (of, groups.runs.y - top[of], groups.runs.last + 1 - left[of]), -1)
-    own = np.cumsum(edges[:, :, :-1], axis=2, dtype=np.int8) > 0
-    return own, top[:, None, None] + np.arange(high)[:, None], left[:, None, None] + np.arange(wide)
-
-
-def _packed(used: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """(n, N) flat places of the used pixels of each patch, then unused ones up to the same number."""
-    flat = used.reshape(len(used), -1)
-    most = max(int(flat.sum(1).max(initial=1)), 1)
-    return np.argsort(~flat, axis=1, kind="stable")[:, :most]
+    return CutOut(patches, white, middle, ground, peak, np.full(len(peak), 1 / aspect))
 
 
 def _ground(grey: Floats, dark: NDArray[np.bool_], threshold: float) -> Floats:

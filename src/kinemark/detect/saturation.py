@@ -23,6 +23,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import native
 from ..numerics.runs import equal_runs
 from .blobs import Blobs
 from .grouping import PixelGroups
@@ -44,18 +45,18 @@ def without_clipped(
     at_white = np.flatnonzero(_maybe(blobs.peak, groups.frame, images.dtype))
     if not len(at_white):
         return blobs
-    of, x, y, grey = _white_pixels(images, groups, at_white)
     peak = blobs.peak[at_white]
     dark = ground[groups.frame[at_white]]
     sigma = np.sqrt(variance[groups.frame[at_white]])
-    clipped = grey == peak[of]
-    near = np.bincount(of, grey > (peak - np.maximum(3 * sigma, 1.0))[of], len(at_white))
-    sure = np.bincount(of, clipped, len(at_white)) > 0.5 * near  # (2)
+    mask = np.zeros(len(groups.area), np.bool_)
+    mask[at_white] = True
+    some = groups.keep(mask)
+    near = peak - np.maximum(3 * sigma, 1.0)
+    at, above, xx, xy, yy = native.sum_peaks(images, some.start, *some.runs, peak, near, blobs.uv[at_white])
+    sure = at > 0.5 * above  # (2)
     S = blobs.area[at_white] * np.maximum(peak - dark, 1.0)
     noise = sigma**2 + shot * np.maximum(peak - dark, 0.0)
-    dx, dy = x - blobs.uv[at_white, 0][of], y - blobs.uv[at_white, 1][of]
-    sums = [np.bincount(of, clipped * a, len(at_white)) for a in (dx * dx, dx * dy, dx * dy, dy * dy)]
-    less = np.stack(sums, -1).reshape(-1, 2, 2) * (noise / S**2 * sure)[:, None, None]
+    less = np.stack([xx, xy, xy, yy], -1).reshape(-1, 2, 2) * (noise / S**2 * sure)[:, None, None]
     cov = blobs.cov.copy()
     cov[at_white] -= less * _share(cov[at_white], less)[:, None, None]  # (1)
     r = np.sqrt(np.maximum(blobs.area[at_white], 1.0) / np.pi)
@@ -75,20 +76,6 @@ def _maybe(
     top = peak == np.repeat(highest, number)
     shared = np.add.reduceat(top, first, dtype=np.int64) >= SHARED
     return np.asarray((peak == np.iinfo(dtype).max) | (top & np.repeat(shared, number)))
-
-
-def _white_pixels(
-    images: NDArray[np.uint8 | np.uint16], groups: PixelGroups, some: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Of the pixels of some groups: which of them each belongs to, x, y in its own frame, and grey level."""
-    number = np.diff(groups.start)[some]
-    run = np.arange(number.sum()) + np.repeat(groups.start[some] - np.cumsum(number) + number, number)
-    long = groups.runs.last[run] - groups.runs.first[run] + 1
-    of = np.repeat(np.repeat(np.arange(len(some)), number), long)
-    x = np.arange(long.sum()) + np.repeat(groups.runs.first[run] - np.cumsum(long) + long, long)
-    y = np.repeat(groups.runs.y[run], long)
-    grey = images.reshape(-1)[y * images.shape[2] + x].astype(np.float64)
-    return of, x, y - (groups.frame[some] * images.shape[1])[of], grey
 
 
 def _share(cov: NDArray[np.float64], less: NDArray[np.float64]) -> NDArray[np.float64]:

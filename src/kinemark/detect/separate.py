@@ -10,72 +10,122 @@ sight. A disc at the image's edge likewise, but it stays AT_EDGE unless its cent
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Validity
+from ..data.array_types import Bools, Floats, GreyLevels, Ints
 from .blobs import Blobs
 from .centroids_method import Centroids, grey_scale
 from .grouping import PixelGroups
 from .overlap import CUT, ONE, UNCLEAR, ObservedGroup, explain
-from .patches import MARGIN, cut_out
+from .patches import Uncut, cut_out, pixels_of, together
 from .suspicion import suspicious
 
-PIXELS = 12_000  # fitted in one go: enough to share what NumPy costs a call, little enough for the cache; chosen
+PIXELS = 24_000  # fitted in one go: enough to share what NumPy costs a call, little enough for the cache; chosen
 
 
-def separated(
-    images: NDArray[np.uint8 | np.uint16],
-    groups: PixelGroups,
-    blobs: Blobs,
-    *,
-    threshold: float,
-    variance: NDArray[np.float64],
-    method: Centroids,
-) -> Blobs:
-    """The blobs of these groups in frames (n, H, W) of noise variance (n), with their markers told apart."""
-    if method.max_discs < 2 and not method.correct_occlusion:
-        return blobs
-    aspect = method.aspect or 1.0
-    some = suspicious(groups, blobs.validity, aspect=aspect)
-    if not len(some):
-        return blobs
-    n, most = len(blobs.uv), method.max_discs + 1
-    seen = ObservedGroup(
-        np.ones(n, np.int64),
-        np.full((n, most, 3), np.nan),
-        np.full((n, most, 2, 2), np.nan),
-        np.zeros((n, 2, 2)),
-    )
-    for part in _portions(groups, some):
-        mask = np.zeros(n, np.bool_)
-        mask[part] = True
-        shot = method.shot_noise * grey_scale(images.dtype)
-        cut = cut_out(images, groups.keep(mask), threshold=threshold, variance=variance, shot=shot, aspect=aspect)
-        at_edge = blobs.validity[part] == Validity.AT_EDGE
-        found = explain(cut, most=method.max_discs, hidden=method.correct_occlusion, at_edge=at_edge)
+class Suspects(NamedTuple):
+    """The blobs of some frames, of which those that may be more, or less, than one marker are yet to be explained.
+
+    Attributes:
+        blobs: as if each were one marker; which: (n) the suspected ones; pixels: theirs, None where n is 0.
+        threshold: grey level above which a pixel is white.
+        shape: of the frames, (n, H, W); scale: grey levels of the images to one of 8 bits.
+        negative: the highest grey level where the images are negatives, else None.
+    """
+
+    blobs: Blobs
+    which: Ints
+    pixels: Uncut | None
+    threshold: float
+    shape: tuple[int, ...]
+    scale: float
+    negative: int | None = None
+
+
+def suspects(
+    images: GreyLevels, groups: PixelGroups, blobs: Blobs, *, threshold: float, variance: Floats, method: Centroids
+) -> Suspects:
+    """The blobs of these groups in frames (n, H, W) of noise variance (n), and the pixels of those to be explained."""
+    some = np.zeros(0, np.int64)
+    if method.max_discs > 1 or method.correct_occlusion:
+        some = suspicious(groups, blobs.validity, aspect=method.aspect or 1.0)
+    pixels = None
+    if len(some):
+        mask = np.zeros(len(blobs.uv), np.bool_)
+        mask[some] = True
+        pixels = pixels_of(images, groups.keep(mask), threshold=threshold, variance=variance)
+    return Suspects(blobs, some, pixels, threshold, images.shape, grey_scale(images.dtype))
+
+
+def separated(parts: Sequence[Suspects], *, method: Centroids) -> list[Blobs]:
+    """The blobs of each part, with their markers told apart; parts are of one camera, and so of one threshold.
+
+    Many frames are done at once, as their groups share what NumPy costs a call.
+    """
+    pixels = [part.pixels for part in parts if part.pixels]
+    if not pixels:
+        return [_positive(part.blobs, part) for part in parts]
+    at_edge = np.concatenate([part.blobs.validity[part.which] == Validity.AT_EDGE for part in parts])
+    seen, done, separate = _explained(together(pixels), at_edge, parts[0], method), 0, []
+    for part in parts:
+        blobs, end = part.blobs, done + len(part.which)
+        if end > done:
+            blobs = _rows(blobs, _among(seen, done, end, part), part.shape[1:], method)
+        separate.append(_positive(blobs, part))
+        done = end
+    return separate
+
+
+def _explained(pixels: Uncut, at_edge: Bools, part: Suspects, method: Centroids) -> ObservedGroup:
+    """What n groups show, places counted in their own frames."""
+    n, aspect = len(at_edge), method.aspect or 1.0
+    seen = _nothing_seen(n, method.max_discs + 1)
+    for some in _portions(pixels.number):
+        shot = method.shot_noise * part.scale
+        cut = cut_out(pixels, some, threshold=part.threshold, shot=shot, aspect=aspect)
+        found = explain(cut, most=method.max_discs, hidden=method.correct_occlusion, at_edge=at_edge[some])
         k = found.circles.shape[1]
         order = np.argsort(found.circles[:, :, 1], axis=1)[:, :, None]  # from above, whatever the fit began with
         circles = np.take_along_axis(found.circles, order, 1)
-        seen.kind[part], seen.spread[part] = found.kind, _stretched(found.spread, aspect)
-        seen.circles[part, :k] = circles
-        seen.circles[part, :k, :2] = circles[..., :2] * [1, aspect] + cut.origin[:, None]
-        seen.cov[part, :k] = _stretched(np.take_along_axis(found.cov, order[..., None], 1), aspect)
-    return _rows(blobs, seen, images.shape[1:], method)
+        seen.kind[some], seen.spread[some] = found.kind, _stretched(found.spread, aspect)
+        seen.circles[some, :k] = circles
+        seen.circles[some, :k, :2] = circles[..., :2] * [1, aspect] + cut.origin[:, None]
+        seen.cov[some, :k] = _stretched(np.take_along_axis(found.cov, order[..., None], 1), aspect)
+    return seen
 
 
-def _portions(groups: PixelGroups, some: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
-    """Groups of like size that together have no more than `PIXELS`, each in rising order."""
-    wide, high = groups.right[some] - groups.left[some], groups.bottom[some] - groups.top[some]
-    pixels = (wide + 2 * MARGIN + 1) * (high + 2 * MARGIN + 1)
-    order = np.argsort(-pixels, kind="stable")
+def _nothing_seen(n: int, most: int) -> ObservedGroup:
+    """Of n groups that all are whole markers."""
+    cov, spread = np.full((n, most, 2, 2), np.nan), np.zeros((n, 2, 2))
+    return ObservedGroup(np.full(n, ONE), np.full((n, most, 3), np.nan), cov, spread)
+
+
+def _among(seen: ObservedGroup, first: int, last: int, part: Suspects) -> ObservedGroup:
+    """What all groups of a part show, of which the suspected ones are `seen` from first to last."""
+    every = _nothing_seen(len(part.blobs.uv), seen.circles.shape[1])
+    for column, own in zip(every, seen, strict=True):
+        column[part.which] = own[first:last]
+    return every
+
+
+def _positive(blobs: Blobs, part: Suspects) -> Blobs:
+    """Grey levels of the images as they were."""
+    return blobs if part.negative is None else blobs._replace(peak=part.negative - blobs.peak)
+
+
+def _portions(number: Ints) -> Iterator[Ints]:
+    """Groups of these numbers of pixels (n), of like size, that together have no more than `PIXELS`."""
+    order = np.argsort(-number, kind="stable")
     begin = 0
     while begin < len(order):
-        number = max(1, int(PIXELS // pixels[order[begin]]))
-        yield np.sort(some[order[begin : begin + number]])
-        begin += number
+        count = max(1, int(PIXELS // number[order[begin]]))
+        yield np.sort(order[begin : begin + count])
+        begin += count
 
 
 def _stretched(cov: NDArray[np.float64], aspect: float) -> NDArray[np.float64]:

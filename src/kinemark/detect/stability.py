@@ -34,6 +34,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import native
 from .background_noise import background
 from .grouping import PixelGroups, group_runs
 from .kiss.white import pixels_of
@@ -69,7 +70,7 @@ class LevelGap(NamedTuple):
 class BrightPixels(NamedTuple):
     """The pixels of some frames that are brighter than a level, so that higher levels need not look at all.
 
-    key: (N) line (W + 1) + column, rising, with the width W, px; grey: (N + 1) their grey levels, and 0.
+    key: (N) line (W + 1) + column, rising, with the width W, px; grey: (N) their grey levels.
     """
 
     level: float
@@ -79,22 +80,12 @@ class BrightPixels(NamedTuple):
 
     def runs(self, level: float) -> Runs:
         """The runs of those brighter than a level that is no lower; the first `MOST_RUNS`."""
-        key = self.key[self.grey[:-1] > level]
+        key = self.key[self.grey > level]
         end = np.flatnonzero(np.diff(key) != 1)
         first = key[np.concatenate([[0], end + 1])] if len(key) else key
         last = key[np.concatenate([end, [len(key) - 1]])] if len(key) else key
         y = first // (self.width + 1)
         return Runs(*(a[:MOST_RUNS] for a in (y, first - y * (self.width + 1), last - y * (self.width + 1))))
-
-    def peaks(self, groups: PixelGroups) -> NDArray[np.float64]:
-        """(G) the brightest pixel of each group of such runs, without a look at the images."""
-        if len(groups.area) == 0:
-            return np.zeros(0)
-        runs = groups.runs
-        first = np.searchsorted(self.key, runs.y * (self.width + 1) + runs.first)
-        ends = np.stack([first, first + runs.last - runs.first + 1], -1).reshape(-1)
-        of_runs = np.maximum.reduceat(self.grey, ends)[::2]
-        return np.maximum.reduceat(of_runs, groups.start[:-1]).astype(np.float64)
 
 
 def bright_pixels(images: NDArray[np.uint8 | np.uint16], level: float) -> BrightPixels | None:
@@ -105,7 +96,7 @@ def bright_pixels(images: NDArray[np.uint8 | np.uint16], level: float) -> Bright
         return None
     line, column = pixels_of(*(side.astype(np.int64, copy=False) for side in runs))
     grey = images.reshape(-1, width)[line, column]
-    return BrightPixels(level, width, line * (width + 1) + column, np.append(grey, grey.dtype.type(0)))
+    return BrightPixels(level, width, line * (width + 1) + column, grey)
 
 
 def marker_gap(images: NDArray[np.uint8 | np.uint16]) -> LevelGap:
@@ -155,11 +146,7 @@ def real_groups(images: NDArray[np.uint8 | np.uint16], level: float) -> PixelGro
 
 def peaks_of(images: NDArray[np.uint8 | np.uint16], groups: PixelGroups) -> NDArray[np.float64]:
     """(G) the brightest pixel of each group."""
-    if len(groups.area) == 0:
-        return np.zeros(0)
-    line, column = pixels_of(*(side.astype(np.int64, copy=False) for side in groups.runs))
-    grey = images.reshape(-1, images.shape[2])[line, column]
-    return np.maximum.reduceat(grey, np.cumsum(groups.area) - groups.area).astype(np.float64)
+    return native.group_peaks(images, groups.start, *groups.runs)
 
 
 def _standing_out(
@@ -169,7 +156,7 @@ def _standing_out(
     groups = groups_above(images, b + c, bright)
     if len(groups.runs.y) > MOST_RUNS // 2:
         groups = groups.keep(np.zeros(len(groups.area), np.bool_))
-    peak = bright.peaks(groups) if bright and b + c >= bright.level else peaks_of(images, groups)
+    peak = peaks_of(images, groups)
     groups, peak = groups.keep(peak > b + 2 * c), peak[peak > b + 2 * c]
     real = blurred(images, groups)
     return groups.keep(real), peak[real]

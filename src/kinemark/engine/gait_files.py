@@ -22,6 +22,7 @@ from ..report.drawing_library import assets_for
 from ..report.gait_page import write_gait_page
 from ..report.words import with_words
 from .gait_exports import exports_of, write_exports
+from .gait_settings import GaitSettings
 from .gait_walks import (
     KnownMeasures,
     Recorded,
@@ -34,7 +35,6 @@ from .gait_walks import (
     with_gait,
 )
 from .identities import identity_of_file
-from .settings.gait_settings import GaitSettings
 
 PAGE, FIGURES = "gait.html", "gait.json"
 

@@ -25,7 +25,7 @@ from ..gait.standard_trial import StandardTrial, in_laboratory, standard_trial, 
 from ..gait.time_distance import strides
 from ..gait.uncertainty import gait_uncertainty, with_uncertainty
 from ..io.c3d.subject_measures import measures_of
-from .settings.gait_settings import GaitSettings
+from .gait_settings import GaitSettings
 
 WIDTH_MM = 2.0
 """Standard uncertainty of a measured width of knee or ankle, mm; chosen."""

@@ -35,8 +35,8 @@ from ..kinematics.chain import Points, chosen, complete, points_of
 from ..report.angles_page import write_angles_page
 from ..report.drawing_library import assets_for
 from ..report.words import with_words
+from .angle_settings import AngleSettings
 from .identities import identity_of_file
-from .settings.angle_settings import AngleSettings
 
 
 class TrialAngles(NamedTuple):

@@ -5,6 +5,7 @@ calls the compiled library or, where that is absent or `KINEMARK_PLAIN` is set, 
 """
 
 from .compiled_library import PLAIN, Status, library, status
+from .group_pixels import GroupPixels, cut_pixels, group_peaks, sum_peaks
 from .image_index import ImageIndex, candidates, index_images
 from .pixel_runs import find_runs
 from .pixel_sums import sum_pixels
@@ -16,10 +17,13 @@ from .symmetric3 import inverse
 
 __all__ = [
     "PLAIN",
+    "GroupPixels",
     "ImageIndex",
     "Status",
     "candidates",
+    "cut_pixels",
     "find_runs",
+    "group_peaks",
     "group_runs",
     "index_images",
     "information",
@@ -29,6 +33,7 @@ __all__ = [
     "predict",
     "project",
     "status",
+    "sum_peaks",
     "sum_pixels",
     "update",
 ]

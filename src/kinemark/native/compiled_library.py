@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-VERSION = 2
+VERSION = 3
 """Of the functions' meaning, as in library.c: a library left over from another version is not used; by definition."""
 
 PLAIN = "KINEMARK_PLAIN"
@@ -55,6 +55,12 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {
     **{f"find_runs_{bits}": (grey, *4 * [_SIZE], *3 * [_INTS]) for bits, grey in _DEPTHS},
     "group_runs": (_SIZE, *3 * [_INTS], *2 * [_SIZE], *4 * [_INTS]),
     **{f"sum_pixels_{bits}": (grey, *5 * [_SIZE], *5 * [_INTS], _FLOATS) for bits, grey in _DEPTHS},
+    **{
+        f"cut_pixels_{bits}": (grey, *5 * [_SIZE], *4 * [_INTS], *4 * [_SIZE], _GREY8, *3 * [_INTS], _FLOATS, _BOOLS)
+        for bits, grey in _DEPTHS
+    },
+    **{f"peaks_{bits}": (grey, *5 * [_SIZE], *4 * [_INTS], _FLOATS) for bits, grey in _DEPTHS},
+    **{f"sum_peaks_{bits}": (grey, *5 * [_SIZE], *4 * [_INTS], *5 * [_FLOATS]) for bits, grey in _DEPTHS},
     "predict": (_SIZE, _REAL, *5 * [_FLOATS]),
     "update": (_SIZE, *6 * [_FLOATS]),
     "project": (*2 * [_SIZE], *6 * [_FLOATS]),

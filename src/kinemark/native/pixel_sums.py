@@ -61,14 +61,14 @@ def sum_pixels(images: GreyLevels, start: Ints, y: Ints, first: Ints, last: Ints
         space, out = np.empty((2, height + 4 * MARGIN), np.int64), np.empty((SUMS, g))
         function = compiled.sum_pixels_8 if images.dtype == np.uint8 else compiled.sum_pixels_16
         good = function(images, n * height, height, width, g, len(y), start, y, first, last, space, out)
-    elif (good := _number_good(images.shape, start, y, first, last)) == g:
+    elif (good := number_good(images.shape, start, y, first, last)) == g:
         out = _numpy_sums(images, start, y, first, last)
     if good < g or (g == 0 and len(y)):
         raise ValueError(f"group {good} of {g} does not lie in one of the {n} frames of {width} × {height} px")
     return out
 
 
-def _number_good(shape: tuple[int, ...], start: Ints, y: Ints, first: Ints, last: Ints) -> int:
+def number_good(shape: tuple[int, ...], start: Ints, y: Ints, first: Ints, last: Ints) -> int:
     """How many groups, from the first on, are runs in scan order in one of the frames of this shape (n, H, W)."""
     n, height, width = shape
     size = np.diff(start)

@@ -1,5 +1,5 @@
 /* The pixels of marker detection, at the speed of memory: white runs, the groups they form, and sums over the groups, as
-   pixel_runs.py, run_groups.py and pixel_sums.py. */
+   pixel_runs.py, run_groups.py, pixel_sums.py, and group_pixels.py. */
 
 #include "native.h"
 
@@ -156,6 +156,45 @@ static void widened(const int64_t *left, const int64_t *right, int64_t i, int64_
     }
     *low -= by;
     *high += by;
+}
+
+/* ---- Single groups, for cut_pixels, sum_peaks and peaks. ---- */
+
+enum { OWN = 1, CLOSE = 2 }; /* marks of pixels: a group's own, and those within the margin */
+
+/* The first line of the frame in which group g lies, or −1 where its runs are none of a frame; and its box: left, right,
+   top, bottom. The arguments are those of sum_pixels. */
+static int64_t frame_of(int64_t g, int64_t lines, int64_t height, int64_t width, int64_t n_groups, int64_t n_runs,
+                        const int64_t *start, const int64_t *y, const int64_t *first, const int64_t *last, int64_t *box)
+{
+    int64_t head = start[g], end = start[g + 1];
+    if (height < 1 || head < 0 || end <= head || end > n_runs || y[head] < 0 || y[head] >= lines
+        || (g == 0 && head > 0) || (g == n_groups - 1 && end < n_runs)
+        || first_wrong(end - head, y + head, first + head, last + head, width) < end - head
+        || y[end - 1] / height != y[head] / height)
+        return -1;
+    box[0] = EMPTY, box[1] = -EMPTY, box[2] = y[head], box[3] = y[end - 1];
+    for (int64_t r = head; r < end; r++) {
+        box[0] = least(box[0], first[r]);
+        box[1] = most(box[1], last[r]);
+    }
+    return y[head] / height * height;
+}
+
+/* Mark n runs, and what is within the margin of them, in a rectangle of wide × high pixels from left and top on. */
+static void mark(int64_t n, const int64_t *y, const int64_t *first, const int64_t *last, int64_t left, int64_t top,
+                 int64_t wide, int64_t high, int64_t margin, uint8_t *marks)
+{
+    for (int64_t i = 0; i < wide * high; i++)
+        marks[i] = 0;
+    for (int64_t r = 0; r < n; r++) {
+        uint8_t *row = marks + (y[r] - top) * wide;
+        for (int64_t k = -margin; k <= margin; k++)
+            for (int64_t x = first[r] - margin - left; x <= last[r] + margin - left; x++)
+                row[k * wide + x] |= CLOSE;
+        for (int64_t x = first[r] - left; x <= last[r] - left; x++)
+            row[x] |= OWN;
+    }
 }
 
 /* ---- What reads pixels, once for each type. ---- */

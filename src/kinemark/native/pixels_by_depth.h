@@ -154,3 +154,105 @@ API int64_t OF_TYPE(sum_pixels)(const PIXEL *image, int64_t lines, int64_t heigh
     }
     return n_groups;
 }
+
+/* ---- Pixels of single groups ---- */
+
+/* Whether a pixel of a frame with lines begin to end is beside a white one that is not marked OWN. `cell` is its place
+   among the marks, whose lines are `wide` long. */
+static int OF_TYPE(beside_others)(const PIXEL *image, int64_t x, int64_t y, int64_t begin, int64_t end, int64_t width,
+                                  int64_t threshold, const uint8_t *cell, int64_t wide)
+{
+    for (int64_t dy = y > begin ? -1 : 0; dy <= (y < end ? 1 : 0); dy++)
+        for (int64_t dx = x > 0 ? -1 : 0; dx <= (x < width - 1 ? 1 : 0); dx++)
+            if (image[(y + dy) * width + x + dx] > threshold && !(cell[dy * wide + dx] & OWN))
+                return 1;
+    return 0;
+}
+
+/* The pixels of groups, and those within `margin` of them that are neither white pixels of other groups nor beside
+   such; groups as for sum_pixels, and white what is brighter than the threshold.
+
+   marks: (n_marks) for the greatest rectangle round a group, wider by margin + 1 on each side.
+   ends: (n_groups + 1) where each group's pixels start among the `room` of column, line (in the frame), grey and own.
+   Returns n_groups, or the first group that is none of these frames or finds no room. */
+API int64_t OF_TYPE(cut_pixels)(const PIXEL *image, int64_t lines, int64_t height, int64_t width, int64_t n_groups,
+                                int64_t n_runs, const int64_t *start, const int64_t *y, const int64_t *first,
+                                const int64_t *last, int64_t threshold, int64_t margin, int64_t n_marks, int64_t room,
+                                uint8_t *marks, int64_t *ends, int64_t *column, int64_t *line, double *grey,
+                                uint8_t *own)
+{
+    int64_t n = 0, box[4];
+    ends[0] = 0;
+    for (int64_t g = 0; g < n_groups; g++) {
+        int64_t begin = frame_of(g, lines, height, width, n_groups, n_runs, start, y, first, last, box);
+        if (begin < 0)
+            return g;
+        int64_t end = begin + height - 1, left = box[0] - margin - 1, top = box[2] - margin - 1;
+        int64_t wide = box[1] - left + margin + 2, high = box[3] - top + margin + 2;
+        if (wide * high > n_marks || n + wide * high > room)
+            return g;
+        mark(start[g + 1] - start[g], y + start[g], first + start[g], last + start[g], left, top, wide, high, margin,
+             marks);
+        for (int64_t at = most(top + 1, begin); at <= least(top + high - 2, end); at++)
+            for (int64_t x = most(left + 1, 0); x <= least(left + wide - 2, width - 1); x++) {
+                const uint8_t *cell = marks + (at - top) * wide + x - left;
+                if (!*cell || (!(*cell & OWN)
+                               && OF_TYPE(beside_others)(image, x, at, begin, end, width, threshold, cell, wide)))
+                    continue;
+                column[n] = x, line[n] = at - begin, grey[n] = image[at * width + x], own[n] = *cell & OWN;
+                n++;
+            }
+        ends[g + 1] = n;
+    }
+    return n_groups;
+}
+
+/* Over the white pixels of groups, as for sum_pixels: how many have the level `peak` (n_groups), how many are above
+   `near` (n_groups), and of those with `peak` the sums of dx², dx dy and dy² from places u, v (n_groups) of the frame.
+
+   out: (5, n_groups). Returns n_groups, or the first group that is none of these frames. */
+API int64_t OF_TYPE(sum_peaks)(const PIXEL *image, int64_t lines, int64_t height, int64_t width, int64_t n_groups,
+                               int64_t n_runs, const int64_t *start, const int64_t *y, const int64_t *first,
+                               const int64_t *last, const double *peak, const double *near, const double *u,
+                               const double *v, double *out)
+{
+    int64_t box[4];
+    for (int64_t g = 0; g < n_groups; g++) {
+        int64_t begin = frame_of(g, lines, height, width, n_groups, n_runs, start, y, first, last, box);
+        double sum[5] = {0, 0, 0, 0, 0};
+        if (begin < 0)
+            return g;
+        for (int64_t r = start[g]; r < start[g + 1]; r++) {
+            double dy = (double)(y[r] - begin) - v[g];
+            for (int64_t x = first[r]; x <= last[r]; x++) {
+                double level = image[y[r] * width + x], dx = (double)x - u[g];
+                sum[1] += level > near[g];
+                if (level == peak[g])
+                    sum[0] += 1, sum[2] += dx * dx, sum[3] += dx * dy, sum[4] += dy * dy;
+            }
+        }
+        for (int64_t k = 0; k < 5; k++)
+            out[k * n_groups + g] = sum[k];
+    }
+    return n_groups;
+}
+
+/* The brightest white pixel of groups, as for sum_pixels.
+
+   out: (n_groups). Returns n_groups, or the first group that is none of these frames. */
+API int64_t OF_TYPE(peaks)(const PIXEL *image, int64_t lines, int64_t height, int64_t width, int64_t n_groups,
+                           int64_t n_runs, const int64_t *start, const int64_t *y, const int64_t *first,
+                           const int64_t *last, double *out)
+{
+    int64_t box[4];
+    for (int64_t g = 0; g < n_groups; g++) {
+        PIXEL peak = 0;
+        if (frame_of(g, lines, height, width, n_groups, n_runs, start, y, first, last, box) < 0)
+            return g;
+        for (int64_t r = start[g]; r < start[g + 1]; r++)
+            for (int64_t x = first[r]; x <= last[r]; x++)
+                peak = image[y[r] * width + x] > peak ? image[y[r] * width + x] : peak;
+        out[g] = peak;
+    }
+    return n_groups;
+}

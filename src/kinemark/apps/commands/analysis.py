@@ -8,17 +8,9 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ...engine.error_budget import error_budget
-from ...engine.gait_files import gait_of_files
-from ...engine.gait_reference import reference_of_files
-from ...engine.settings.angle_settings import AngleSettings
-from ...engine.settings.gait_settings import GaitSettings
-from ...engine.trial_angles import angles_of_file
+from ...engine.angle_settings import AngleSettings
+from ...engine.gait_settings import GaitSettings
 from ...io.notes import file_note_text
-from ...report.angles_text import angle_summary
-from ...report.gait_text import gait_summary
-from ...report.sensitivity_text import sensitivity_summary
-from ...sensitivity import ErrorBudget
 from ..output import Json, LengthUnit, Partial, Rate, SelfContained, print_result
 from ..progress import progress
 
@@ -46,6 +38,9 @@ def angles(
         self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
+    from ...engine.trial_angles import angles_of_file
+    from ...report.angles_text import angle_summary
+
     result = angles_of_file(
         trial, model=model, folder=output, static=static, functional=functional, settings=settings,
         self_contained=self_contained,
@@ -86,6 +81,10 @@ def sensitivity(
         self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
+    from ...engine.error_budget import error_budget
+    from ...report.sensitivity_text import sensitivity_summary
+    from ...sensitivity import ErrorBudget
+
     try:
         asked = ErrorBudget(placement_mm=placement_mm, cycles=cycles, centroid_sd=centroid_px)
     except ValueError as error:
@@ -124,6 +123,9 @@ def gait(
         self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
+    from ...engine.gait_files import gait_of_files
+    from ...report.gait_text import gait_summary
+
     result = gait_of_files(
         walks, static=static, measures=measures, markers=_pairs(marker), reference=reference, folder=output,
         exports=exports, settings=settings, self_contained=self_contained,
@@ -181,5 +183,7 @@ def gait_reference(
         output: file of the band, JSON.
         source: where the controls are from, as the report will say it.
     """
+    from ...engine.gait_reference import reference_of_files
+
     band = reference_of_files(controls, output=output, source=source)
     print_result(f"{output}: {len(band.mean)} quantities of {band.subjects} subjects")

@@ -6,9 +6,6 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ...data import KinemarkError
-from ...engine.detection_proposals import learn_session_masks, propose_detection
-from ...report.proposal_text import proposal_text
-from ...report.words import with_words
 from ..output import Json, print_result
 
 
@@ -21,6 +18,10 @@ def detect(source: Path, *, propose: bool = False, masks: Path | None = None, js
         masks: a new TOML file for what the session's [masks] leave out, drawn and learned.
         json: print the proposed parameters for a machine.
     """
+    from ...engine.detection_proposals import learn_session_masks, propose_detection
+    from ...report.proposal_text import proposal_text
+    from ...report.words import with_words
+
     if propose == (masks is not None):
         raise KinemarkError("Say what is wanted, --propose or --masks FILE; kinemark run detects markers in a session.")
     if masks is not None:

@@ -13,20 +13,7 @@ from cyclopts import App, Parameter
 
 from ...data import KinemarkError
 from ...data.edits import counting
-from ...engine.edit_files import journal_at, open_editing, write_edited
 from ...io.notes import file_note_text
-from ..edits_output import (
-    applied_figures,
-    applied_text,
-    closed_span,
-    entry_figures,
-    entry_line,
-    fault_lines,
-    image_of,
-    print_entry,
-    print_said,
-    span_of,
-)
 from ..output import Json, print_result
 
 edits = App(name="edits", help=__doc__)
@@ -47,6 +34,9 @@ def list_entries(trial: Path, *, json: Json = False) -> None:
         trial: SESSION/NAME or a file.
         json: print it for a machine.
     """
+    from ...engine.edit_files import journal_at
+    from ..edits_output import entry_figures, entry_line, fault_lines
+
     text = journal_at(trial).read()
     counts = {entry.id for entry in counting(text.entries)}
     if json:
@@ -64,6 +54,9 @@ def check(trial: Path, *, json: Json = False) -> None:
         trial: SESSION/NAME or a file; a session's trial is processed as far as it must be.
         json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import applied_figures, applied_text, fault_lines
+
     editing = open_editing(trial)
     applied, text = editing.edited().applied, editing.journal.read()
     if json:
@@ -84,6 +77,9 @@ def show(trial: Path, entry: int, *, json: Json = False) -> None:
         entry: its number, from `kinemark edits list`.
         json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import applied_figures, applied_text, entry_figures, entry_line
+
     editing = open_editing(trial)
     found = next((one for one in editing.journal.entries if one.id == entry), None)
     if found is None:
@@ -109,6 +105,9 @@ def undo(trial: Path, entry: int | None = None, *, why: Why = "", by: By = "", j
         entry: its number; the last that counts where none is given.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import journal_at
+    from ..edits_output import print_entry
+
     print_entry(journal_at(trial).undo(entry, why=why, by=by), json)
 
 
@@ -120,6 +119,9 @@ def redo(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
         trial: SESSION/NAME or a file.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import journal_at
+    from ..edits_output import print_entry
+
     print_entry(journal_at(trial).redo(why=why, by=by), json)
 
 
@@ -131,6 +133,9 @@ def sign(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
         trial: SESSION/NAME or a file.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import print_entry
+
     print_entry(open_editing(trial, by=by).sign(why=why), json)
 
 
@@ -160,6 +165,9 @@ def claim(
         anyway: join two that do not seem to be one marker.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import print_said, span_of
+
     if (name is None) != no_marker:
         raise KinemarkError("Say either --name NAME or --no-marker.")
     editing = open_editing(trial, by=by)
@@ -186,6 +194,9 @@ def exchange(
         frames: in which they are exchanged: 751- from frame 751 on.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import print_said, span_of
+
     first, last = span_of(frames)
     print_said(open_editing(trial, by=by).exchange(one, other, first=first, last=last, why=why), json)
 
@@ -199,6 +210,9 @@ def erase(trial: Path, marker: str, *, frames: str, why: Why = "", by: By = "", 
         marker: its name. frames: A-B, or one.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import closed_span, print_said
+
     print_said(open_editing(trial, by=by).erase(marker, *closed_span(frames), why=why), json)
 
 
@@ -212,6 +226,9 @@ def gap(trial: Path, marker: str, *, frames: str, method: str, why: Why = "", by
         method: one of `kinemark methods fill`; best for the least expected error; open for not at all.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import closed_span, print_said
+
     print_said(open_editing(trial, by=by).gap(marker, *closed_span(frames), method, why=why), json)
 
 
@@ -238,6 +255,9 @@ def put(
         sd: standard deviation of each axis, mm; of images it is computed.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import image_of, print_said
+
     if (at is None) == (not image):
         raise KinemarkError("Say either --at X Y Z or --image CAMERA:U,V for two cameras or more.")
     editing = open_editing(trial, by=by)
@@ -269,6 +289,9 @@ def image(
         no_marker: the image there is no marker's.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import print_said
+
     if (name is None) != no_marker:
         raise KinemarkError("Say either --name NAME or --no-marker.")
     print_said(open_editing(trial, by=by).image(camera, frame, *at, name, why=why), json)
@@ -292,6 +315,9 @@ def review(
         right: it was right, or --wrong.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import print_said
+
     print_said(open_editing(trial, by=by).review(decision, right=right, why=why), json)
 
 
@@ -306,6 +332,9 @@ def smooth(
         marker: its name. frames: A-B. cutoff: in Hz.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import closed_span, print_said
+
     print_said(open_editing(trial, by=by).smooth(marker, *closed_span(frames), cutoff, why=why), json)
 
 
@@ -318,6 +347,9 @@ def trim(trial: Path, *, frames: str, why: Why = "", by: By = "", json: Json = F
         frames: A-B.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import closed_span, print_said
+
     print_said(open_editing(trial, by=by).trim(*closed_span(frames), why=why), json)
 
 
@@ -330,6 +362,9 @@ def finish(trial: Path, *, frames: Span = None, why: Why = "", by: By = "", json
         frames: A-B instead of those.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import print_said, span_of
+
     first, last = span_of(frames)
     print_said(open_editing(trial, by=by).finish(first=first, last=last, why=why), json)
 
@@ -345,6 +380,9 @@ def event(
         label: what, such as 'Foot Strike'. time: s from frame 1 of the recording. side: Left, Right or General.
         why: in your words. by: who says it. json: print it for a machine.
     """
+    from ...engine.edit_files import open_editing
+    from ..edits_output import print_said
+
     print_said(open_editing(trial, by=by).event(label, side, time, why=why), json)
 
 
@@ -356,5 +394,7 @@ def apply(source: Path, *, output: Annotated[Path, Parameter(name=("--output", "
         source: the file, whose journal is in the folder edits beside it.
         output: the file to write; an existing one is not replaced.
     """
+    from ...engine.edit_files import open_editing, write_edited
+
     notes = write_edited(open_editing(source), output)
     print_result("\n".join([*(f"note:     {file_note_text(note)}" for note in notes), f"results:  {output}"]))

@@ -9,7 +9,6 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ...engine.fill_files import fill_files, fill_method, filled_figures, filled_text
 from ...fill import LIMIT
 from ..output import FailOn, Json, LengthUnit, Partial, Rate, SelfContained, exit_by_verdict, print_result
 from ..progress import progress
@@ -53,6 +52,8 @@ def fill(
         fail_on: a verdict as bad as this ends the command with status 3; red where no gap could be filled.
         json: print what became of every gap for a machine.
     """
+    from ...engine.fill_files import fill_files, fill_method, filled_figures, filled_text
+
     chosen = fill_method(method, set or (), model=model)
     with progress() as tell:
         done = fill_files(

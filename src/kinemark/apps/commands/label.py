@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ...engine.check_files import CheckedNames, check_figures, check_files, check_text
-from ...engine.label_files import LabelledFile, label_files, label_text, template_of
-from ...engine.subject_templates import Known
 from ...io.marker_sets import read_marker_set
 from ...io.track_names import read_track_names
 from ..output import BAD_VERDICT, Json, print_errors, print_result
+
+if TYPE_CHECKING:  # these take long to import, and --help does without
+    from ...engine.check_files import CheckedNames
 
 
 def label(
@@ -58,6 +58,10 @@ def label(
             names; status 3 where there are any.
         json: print name, probability and runner-up of each track, or what the check found, for a machine.
     """
+    from ...engine.check_files import check_files
+    from ...engine.label_files import LabelledFile, label_files, label_text, template_of
+    from ...engine.subject_templates import Known
+
     worn = read_marker_set(marker_set) if marker_set else None
     known = Known(
         worn, tuple(filter(None, markers.split(","))), static, height_mm=height_mm, heights_mm=tuple(heights_mm or ())
@@ -86,6 +90,8 @@ def label(
 
 def _print_checks(done: dict[Path, CheckedNames | KinemarkError], json: bool) -> None:
     """What was found; status 1 where a file could not be checked, 3 where names are wrong."""
+    from ...engine.check_files import CheckedNames, check_figures, check_text
+
     found = {path: one for path, one in done.items() if isinstance(one, CheckedNames)}
     if json:
         print_result({str(path): check_figures(one) for path, one in found.items()})

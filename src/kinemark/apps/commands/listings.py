@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ...engine.bibliography import as_bibtex, as_text, chosen
-from ...engine.settings import methods_figures, methods_text, session_schema
-from ...findings.schema import quality_schema
 from ..output import Json, print_result
 
 
@@ -17,6 +14,8 @@ def methods(stage: str | None = None, *, json: Json = False) -> None:
         stage: calibrate, detect, match, reconstruct, track, fill, digitise, angles or smooth; all where none is given.
         json: print them for a machine, with all that is known of each parameter.
     """
+    from ...engine.settings import methods_figures, methods_text
+
     print_result(methods_figures(stage) if json else methods_text(stage))
 
 
@@ -26,6 +25,9 @@ def schema(what: Literal["session", "quality"] = "session") -> None:
     Args:
         what: of which file.
     """
+    from ...engine.settings import session_schema
+    from ...findings.schema import quality_schema
+
     print_result({"session": session_schema, "quality": quality_schema}[what]())
 
 
@@ -36,5 +38,7 @@ def cite(*words: str, bibtex: bool = False) -> None:
         words: only works whose authors, year or title hold all of these.
         bibtex: write entries for LaTeX.
     """
+    from ...engine.bibliography import as_bibtex, as_text, chosen
+
     found = chosen(words)
     print_result(as_bibtex(found) if bibtex else as_text(found))

@@ -7,7 +7,6 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from ...engine.marker_set_files import draw_set, list_text, listed, set_figures, set_from_file, set_text
 from ...io.marker_sets import read_marker_set
 from ..output import Json, print_result
 
@@ -21,6 +20,8 @@ def list_sets(*, json: Json = False) -> None:
     Args:
         json: print them for a machine.
     """
+    from ...engine.marker_set_files import list_text, listed
+
     print_result(listed() if json else list_text())
 
 
@@ -33,6 +34,8 @@ def show(name: str, *, figure: Path | None = None, json: Json = False) -> None:
         figure: draw it there, front and back: an SVG, or an HTML page with tables; an existing file is not replaced.
         json: print it for a machine.
     """
+    from ...engine.marker_set_files import draw_set, set_figures, set_text
+
     found = read_marker_set(name)
     if figure is not None:
         draw_set(figure, found)
@@ -59,5 +62,7 @@ def learn(
             also holds computed points, such as segments' axes.
         json: print the set for a machine.
     """
+    from ...engine.marker_set_files import set_figures, set_from_file, set_text
+
     found = set_from_file(trial, output, names=tuple(filter(None, markers.split(","))))
     print_result(set_figures(found) if json else set_text(found))

@@ -5,27 +5,16 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from ...data import KinemarkError
-from ...engine.first_session import (
-    Role,
-    SessionProposal,
-    answered,
-    propose_session,
-    session_text,
-    with_role,
-    write_first_session,
-)
-from ...engine.first_session.session_text import existing
 from ...engine.session_name import FILE
-from ...report.words.first_session import question_text
 from ..output import Json, print_result
 
-Change = Callable[[SessionProposal, str, str], SessionProposal]
-"""What one KEY=VALUE does to a proposal."""
+if TYPE_CHECKING:  # takes long to import, and --help does without
+    from ...engine.first_session import SessionProposal
 
 
 def init(
@@ -47,6 +36,10 @@ def init(
         dry_run: print the file instead of writing it.
         json: print what was found for a machine; asks nothing.
     """
+    from ...engine.first_session import answered, propose_session, session_text, write_first_session
+    from ...engine.first_session.session_text import existing
+    from ...report.words.first_session import question_text
+
     if (folder / FILE).exists() and not dry_run:
         raise existing(folder / FILE)
     proposal = propose_session(folder)
@@ -69,6 +62,9 @@ def init(
 
 def asked(proposal: SessionProposal) -> SessionProposal:
     """The same with what a person at the terminal answers; an empty line leaves a question open."""
+    from ...engine.first_session import answered
+    from ...report.words.first_session import question_text
+
     skipped: set[str] = set()
     while question := next((one for one in proposal.open if one.key + one.about not in skipped), None):
         print_result(f"{question_text(question)}  (Enter: later)")
@@ -97,6 +93,8 @@ def _changed(
 
 
 def _with_role(proposal: SessionProposal, path: str, role: str) -> SessionProposal:
+    from ...engine.first_session import Role, with_role
+
     if role.strip() not in list(Role):
         raise ValueError(f"{role.strip()!r} is no role; there are {', '.join(Role)}")
     return with_role(proposal, path, Role(role.strip()))
@@ -104,6 +102,8 @@ def _with_role(proposal: SessionProposal, path: str, role: str) -> SessionPropos
 
 def _written(proposal: SessionProposal, path: Path) -> str:
     """What was found, and what comes next."""
+    from ...report.words.first_session import question_text
+
     way = f"{proposal.way.role} ({proposal.way.path})" if proposal.way else "none found"
     lines = [
         f"cameras:     {', '.join(proposal.cameras) or 'not known'}",

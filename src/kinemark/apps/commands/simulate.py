@@ -10,7 +10,6 @@ from cyclopts import Parameter
 from ...data import KinemarkError
 from ...engine.simulate import Scene
 from ...engine.simulate import simulate as simulate_session
-from ..demo import demo as run_demo
 from ..output import Json, SelfContained, print_result
 from ..progress import progress
 
@@ -23,6 +22,8 @@ def demo(folder: Path = Path("demo"), *, self_contained: SelfContained = False, 
         self_contained: put the drawing library into each page, for mailing.
         json: print the figures for a machine.
     """
+    from ..demo import demo as run_demo
+
     with progress() as tell:
         result = run_demo(folder, self_contained=self_contained, progress=tell)
     print_result(result.figures() if json else result.text())

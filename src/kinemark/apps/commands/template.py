@@ -8,8 +8,6 @@ from typing import Annotated
 from cyclopts import App, Parameter
 
 from ...data import KinemarkError
-from ...engine.subject_templates import Known, subject_template, template_figures, template_text, with_trial
-from ...engine.template_files import load_template, save_template
 from ...io.marker_sets import read_marker_set
 from ..output import Json, print_result
 
@@ -46,6 +44,9 @@ def learn(
         heights_mm: of the other subjects, mm, one for each file.
         json: print what it holds for a machine.
     """
+    from ...engine.subject_templates import Known, subject_template, template_figures, template_text
+    from ...engine.template_files import save_template
+
     if output.exists():
         raise KinemarkError(f"{output} exists, and nothing is overwritten. Name another file or remove it.")
     worn = read_marker_set(marker_set) if marker_set else None
@@ -64,6 +65,9 @@ def show(file: Path, *, json: Json = False) -> None:
         file: NAME.template.h5.
         json: print it for a machine.
     """
+    from ...engine.subject_templates import template_figures, template_text
+    from ...engine.template_files import load_template
+
     found = load_template(file)
     print_result(template_figures(found) if json else template_text(found))
 
@@ -78,6 +82,9 @@ def grow(file: Path, trial: Path, *trials: Path, json: Json = False) -> None:
         trials: and others.
         json: print what it holds for a machine.
     """
+    from ...engine.subject_templates import template_figures, template_text, with_trial
+    from ...engine.template_files import load_template, save_template
+
     found = load_template(file)
     for one in (trial, *trials):
         found = with_trial(found, one)

@@ -47,14 +47,14 @@ DIRECTIONS = np.array([[1.0, 0.0], [0.0, 1.0], [0.5**0.5, 0.5**0.5], [0.5**0.5, 
 
 USUAL_SD, LOG_SD = (0.2, 0.1), 2.0
 """Of (4): s₀ and s₁ in px, and the standard deviation of their ln s²: calibrations are 0.03 to 1.5 px off.
-Chosen of 1.5, 2 and 2.3 (see benchmarks/tracking_scenes.py)."""
+Chosen of 1.5, 2 and 2.3 (see benchmarks/tracking_scenes.py --coverage)."""
 
 LOG_VARIANCES = np.linspace(2 * np.log(0.005), 2 * np.log(6.0), 61)
 """ln s² in px² at which (3) is worked out; chosen: finer and wider than any posterior."""
 
 MOST_RESIDUALS = 50.0
 """Residuals of two cameras that count, a number: what the waves do not fit is alike in neighbouring ones, and with more
-it would be taken for large waves; chosen (see benchmarks/tracking_scenes.py)."""
+it would be taken for large waves; chosen (see benchmarks/tracking_scenes.py --coverage)."""
 
 UNLIKE = 8.0
 """Of (6), a ratio of squares; chosen: where cameras are alike, one of 250 is so by chance, and of four cameras one that

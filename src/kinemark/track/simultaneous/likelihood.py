@@ -28,6 +28,9 @@ from .passes import Associations
 DEGREES_OF_FREEDOM = 4.0
 """ν, degrees of freedom of Student's t in (1); chosen (see benchmarks/tracking.py)."""
 
+AT_ONCE = 50_000
+"""Points that are worked out in one go; chosen: more would take memory and no less time."""
+
 WEAK = 0.75
 """Of (2): then a chance meeting, uniform within the gate, gains nothing from being long.
 Chosen (see benchmarks/tracking.py)."""
@@ -53,7 +56,10 @@ def disagreement(images: Images, detection: Ints) -> Floats:
     What the track's motion predicts has no say in it: it holds the place of the track, so that of two images more than
     the one distance would be free.
     """
-    squared = np.where(detection >= 0, intersect(images, detection).squared, 0.0).sum(0)
+    squared = np.zeros(detection.shape[1])
+    for first in range(0, len(squared), AT_ONCE):
+        part = detection[:, first : first + AT_ONCE]
+        squared[first : first + AT_ONCE] = np.where(part >= 0, intersect(images, part).squared, 0.0).sum(0)
     return np.where((detection >= 0).sum(0) >= 2, np.nan_to_num(squared, nan=np.inf, posinf=np.inf), 0.0)
 
 

@@ -26,6 +26,9 @@ from .simultaneous_method import Simultaneous
 LOOK = 8
 """Frames from which the motion is known; chosen (see benchmarks/tracking.py)."""
 
+AT_ONCE = 20_000
+"""Points that are smoothed in one go; chosen: more would take memory and no less time."""
+
 UNKNOWN_SD = 1000.0
 """mm, the standard deviation of a position of which nothing is known; chosen (see benchmarks/tracking.py)."""
 
@@ -77,8 +80,17 @@ def motion_from(points: TrackPoints, near: Ints, around: Floats, T: float, metho
 
 def smoothed(points: TrackPoints, which: Bools, sound: Bools, T: float, method: Simultaneous) -> tuple[Floats, Floats]:
     """Positions (n, 3) mm and covariances (n, 3, 3) mm² of the points `which` (P) by (1), from sound ones (P) near."""
-    row = np.flatnonzero(which)
-    rows, id, frame = rows_of(points), points.id[row], points.frame[row]
+    rows, row = rows_of(points), np.flatnonzero(which)
+    parts = [row[first : first + AT_ONCE] for first in range(0, max(len(row), 1), AT_ONCE)]
+    found = [_smoothed(points, rows, part, sound, T, method) for part in parts]
+    return np.concatenate([xyz for xyz, _ in found]), np.concatenate([cov for _, cov in found])
+
+
+def _smoothed(
+    points: TrackPoints, rows: NDArray[np.int32], row: Ints, sound: Bools, T: float, method: Simultaneous
+) -> tuple[Floats, Floats]:
+    """The same of some rows (n), with those of each track in each frame (N, F)."""
+    id, frame = points.id[row], points.frame[row]
     around = points.xyz[row].T
     near = [np.where(sound[one], one, -1) for one in (rows_near(rows, id, frame, way) for way in (-1, 1))]
     for one in near:

@@ -50,6 +50,9 @@ Chosen (see benchmarks/tracking.py)."""
 NEIGHBOURS = 3
 """Other tracks of which (2) counts; chosen (see benchmarks/tracking.py)."""
 
+PLACES = 1_000_000
+"""Frames of tracks that are looked at in one go beside another; chosen for memory."""
+
 AT_ONCE = 20_000
 """Pairs that are worked out in one go; more would take memory and no less time; chosen."""
 
@@ -194,7 +197,7 @@ def scores_by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats)
     known = {i: _distances(points, place, i) for i in np.unique([a[some], b[some]]).tolist()}
     score = np.zeros(len(a))
     for pair in some.tolist():
-        (r, sd), (r2, sd2) = known[int(a[pair])], known[int(b[pair])]
+        (r, sd), (r2, sd2) = (known[int(end[pair])].of_all(len(place)) for end in (a, b))
         sigma = np.hypot(sd, sd2)
         mates = np.argsort(sigma)[:NEIGHBOURS]
         mates = mates[np.isfinite(sigma[mates])]
@@ -203,15 +206,38 @@ def scores_by_distance(points: TrackPoints, a: Ints, b: Ints, by_motion: Floats)
     return score
 
 
-def _distances(points: TrackPoints, place: NDArray[np.int32], i: int) -> tuple[Floats, Floats]:
-    """Mean distances of track i from every other, and their standard deviations; NaN where less than LOOK frames."""
+class _Distances(NamedTuple):
+    """Of a track from those (n) that are seen beside it in LOOK frames: their numbers, mean and standard deviation, mm.
+
+    All pairs of thousands of tracks would take much memory, and few are ever seen together.
+    """
+
+    track: Ints
+    mean: Floats
+    sd: Floats
+
+    def of_all(self, n: int) -> tuple[Floats, Floats]:
+        """Mean and standard deviation from each of n tracks, NaN where not known."""
+        mean, sd = np.full((2, n), np.nan)
+        mean[self.track], sd[self.track] = self.mean, self.sd
+        return mean, sd
+
+
+def _distances(points: TrackPoints, place: NDArray[np.int32], i: int) -> _Distances:
+    """Mean distances of track i from others, and their standard deviations."""
     own = np.flatnonzero(place[i] >= 0)
-    there = place[:, own] >= 0
-    there[i] = False
-    some = np.flatnonzero(there.sum(1) >= LOOK)
-    rows = np.append(some, i)
-    known = np.append(there[some], np.ones((1, len(own)), bool), axis=0)
-    found = distances_from(np.where(known[..., None], points.xyz[place[rows[:, None], own]], np.nan), len(some))
-    mean, sd = np.full(len(place), np.nan), np.full(len(place), np.nan)
-    mean[some], sd[some] = found.mean[:-1], np.maximum(found.spread[:-1], LEAST)
-    return mean, sd
+    step = max(PLACES // max(len(own), 1), 1)
+    parts = (place[first : first + step] for first in range(0, len(place), step))
+    beside = np.concatenate([(part[:, own] >= 0).sum(1) for part in parts])
+    beside[i] = 0
+    some = np.flatnonzero(beside >= LOOK)
+    found = [_from_track(points, place, i, own, some[first : first + step]) for first in range(0, len(some), step)]
+    mean, sd = np.concatenate([np.zeros((2, 0)), *found], axis=1)
+    return _Distances(some, mean, np.maximum(sd, LEAST))
+
+
+def _from_track(points: TrackPoints, place: NDArray[np.int32], i: int, own: Ints, some: Ints) -> Floats:
+    """(2, n) mean distances of track i, in its own frames, from some others (n), and their standard deviations."""
+    row = place[np.append(some, i)[:, None], own]
+    found = distances_from(np.where((row >= 0)[..., None], points.xyz[row], np.nan), len(some))
+    return np.stack([found.mean[:-1], found.spread[:-1]])

@@ -104,9 +104,8 @@ def time_offsets(result: TrackingResult) -> TimeOffsets:
     if len(moving.frame) < MIN_POINTS:
         return TimeOffsets(*np.full((3, C), np.nan), *np.zeros((3, C)))
     speed = np.quantile(np.linalg.norm(moving.flow, axis=-1), FAST, axis=0)
-    columns = moving.flow[..., None] * np.eye(C)[:, None]
-    delay, error = _solved(moving, columns)
-    both, both_error = _solved(moving, np.concatenate([columns, columns * moving.y[..., None, None]], -1))  # (4)
+    delay, error = _solved(moving, rolling=False)
+    both, both_error = _solved(moving, rolling=True)
     shift, line_shift = np.abs(both[:C]) * speed, np.abs(both[C:]) * speed
     lines = TimeOffsets(both[:C], both_error[:C], shift, both[C:], both_error[C:], line_shift)
     return lines if lines.rolling.any() else TimeOffsets(delay, error, np.abs(delay) * speed, *np.zeros((3, C)))
@@ -117,9 +116,9 @@ def row_of_images(images: Images) -> Floats:
     return np.asarray(np.clip(2 * images.uv[:, 1] / images.size[images.camera, 1] - 1, -1.0, 1.0))
 
 
-def _solved(moving: Moving, columns: Floats) -> tuple[Floats, Floats]:
-    """(K) the solution (2) for columns (N, C, 2, K), and its standard errors by (3), in frames."""
-    A, b = _sums(moving, columns)
+def _solved(moving: Moving, *, rolling: bool) -> tuple[Floats, Floats]:
+    """(K) the solution (2) for delays, and λ where shutters may roll, and its standard errors by (3), in frames."""
+    A, b = _sums(moving, rolling)
     C = moving.off.shape[1]
     without = np.array([_time_offsets(A.sum(0) - A[j], b.sum(0) - b[j], C) for j in range(PARTS)])
     return _time_offsets(A.sum(0), b.sum(0), C), without.std(0) * np.sqrt(PARTS - 1)
@@ -148,18 +147,25 @@ def _moving(result: TrackingResult) -> Moving:
     return Moving(J, off, (J @ velocity[:, None, :, None])[..., 0], y, cloud.frame[point])
 
 
-def _sums(moving: Moving, columns: Floats) -> tuple[Floats, Floats]:
-    """DᵀQ D (k, K, K) and DᵀQ off (k, K) of each part of the recording, of the columns (N, C, 2, K) of D."""
-    C = moving.off.shape[1]
+def _sums(moving: Moving, rolling: bool) -> tuple[Floats, Floats]:
+    """DᵀQ D (k, K, K) and DᵀQ off (k, K) of each part of the recording."""
     far = np.linalg.norm(moving.off, axis=-1).max(1)
-    good = far <= OUTLIER * np.median(far)
-    J, off = moving.J[good].reshape(-1, 2 * C, 3), moving.off[good].reshape(-1, 2 * C)
-    D = columns[good].reshape(-1, 2 * C, columns.shape[-1])
-    QD = D - J @ np.linalg.solve(J.transpose(0, 2, 1) @ J, J.transpose(0, 2, 1) @ D)
+    good = np.flatnonzero(far <= OUTLIER * np.median(far))
     first = np.searchsorted(moving.frame[good], np.linspace(0, moving.frame[-1] + 1, PARTS + 1))
-    parts = [slice(*pair) for pair in pairwise(first.tolist())]
-    A = np.array([np.einsum("nic,nid->cd", QD[part], D[part]) for part in parts])
-    return A, np.array([np.einsum("nic,ni->c", QD[part], off[part]) for part in parts])
+    parts = [_sums_of(moving, good[begin:end], rolling) for begin, end in pairwise(first.tolist())]
+    return np.array([A for A, _ in parts]), np.array([b for _, b in parts])
+
+
+def _sums_of(moving: Moving, some: Ints, rolling: bool) -> tuple[Floats, Floats]:
+    """The same of some points: a part at a time takes a tenth of the memory."""
+    C = moving.off.shape[1]
+    columns = moving.flow[some, ..., None] * np.eye(C)[:, None]
+    if rolling:
+        columns = np.concatenate([columns, columns * moving.y[some, ..., None, None]], -1)  # (4)
+    J, off = moving.J[some].reshape(-1, 2 * C, 3), moving.off[some].reshape(-1, 2 * C)
+    D = columns.reshape(-1, 2 * C, columns.shape[-1])
+    QD = D - J @ np.linalg.solve(J.transpose(0, 2, 1) @ J, J.transpose(0, 2, 1) @ D)
+    return np.einsum("nic,nid->cd", QD, D), np.einsum("nic,ni->c", QD, off)
 
 
 def _time_offsets(A: Floats, b: Floats, C: int) -> Floats:

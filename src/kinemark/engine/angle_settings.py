@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from ...data import KinemarkError
-from ...kinematics import SMOOTH, InverseCosines, SignedAngles
+from ..data import KinemarkError
+from ..kinematics import SMOOTH, InverseCosines, SignedAngles
 
 
 @dataclass(frozen=True, slots=True)

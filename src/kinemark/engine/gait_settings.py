@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ...gait.physical import Physical
-from ...gait.plug_in_gait import PlugInGait
-from ...gait.standard_trial import Up
-from ...gait.uncertainty import GaitErrors
+from ..gait.physical import Physical
+from ..gait.plug_in_gait import PlugInGait
+from ..gait.standard_trial import Up
+from ..gait.uncertainty import GaitErrors
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...signal.common_time import moved_in_time
 from ..stage import DETECTIONS, TRACK
 from .simultaneous_method import Simultaneous
-from .time_offsets import TimeOffsets, row_of_images, time_offsets
+from .time_offsets import TimeOffsets, fast_residual, row_of_images, time_offsets
 from .tracker import CameraTimes, TrackingResult, track_once
 
 VOLUME_MARGIN = 100.0
@@ -68,7 +68,7 @@ def track_simultaneously(
 
 def _better(again: TrackingResult, before: TrackingResult) -> bool:
     """Whether images agree better by (1), and no fewer are in tracks."""
-    off, off_before = (float(np.sqrt((one.tracks.cloud.residual**2).mean())) for one in (again, before))
+    off, off_before = fast_residual(again), fast_residual(before)
     seen, seen_before = ((one.tracks.cloud.detection >= 0).sum() for one in (again, before))
     return bool(off < BETTER * off_before and seen >= SAME * seen_before)
 

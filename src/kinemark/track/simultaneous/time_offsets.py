@@ -18,11 +18,13 @@ jackknife's (Tukey 1958).
 A rolling shutter takes the rows of an image one after the other: with y from −1 in the first row to 1 in the last, an
 image at y is taken λ_c y later than the camera's middle row. (2) then has for each camera a second column y J_c v (4),
 and λ counts where it is significant in any.
+
+A calibration that is off moves images as well, by more than delays do where little moves. It is left open beside them
+(`timing_fit`), and what moves fast may be off by as much as delays that are not yet known.
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -31,10 +33,8 @@ from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
 from .detection_index import Images
 from .kalman_states import KalmanStates
+from .timing_fit import PARTS, Moving, calibration_columns, timing_fit
 from .tracker import TrackingResult
-
-PARTS = 10
-"""k of (3); chosen (see benchmarks/tracking.py)."""
 
 MIN_SHIFT = 0.5
 """px; less is what a usual calibration leaves; chosen (see benchmarks/tracking.py)."""
@@ -42,15 +42,12 @@ MIN_SHIFT = 0.5
 MIN_STANDARD_ERRORS = 5.0
 """Standard errors of a delay; chosen (see benchmarks/tracking.py)."""
 
-MAX_POINTS = 100_000
+MAX_POINTS = 20_000
 """Points that are looked at, at most, at even steps in time; chosen: more take memory, and the delay is known to a
-thousandth of a frame from a tenth of them."""
+thousandth of a frame from half of them."""
 
 MIN_POINTS = 300
 """Points from which something can be said; chosen (see benchmarks/tracking.py)."""
-
-OUTLIER = 4.0
-"""Images farther off than this many times the median are not used; they belong to something else; chosen."""
 
 MAX_VELOCITY_CHANGE = 0.5
 """Of a point's velocity: the most by which it may change in a frame; nothing else says when the point was where.
@@ -86,17 +83,6 @@ class TimeOffsets(NamedTuple):
         return (np.abs(self.line) > MIN_STANDARD_ERRORS * self.line_error) & (self.line_shift > MIN_SHIFT)
 
 
-class Moving(NamedTuple):
-    """N points in motion: J (N, C, 2, 3) px/mm, off and flow (N, C, 2) px and px a frame, 0 where unseen; y (N, C) of
-    (4); frame (N)."""
-
-    J: Floats
-    off: Floats
-    flow: Floats
-    y: Floats
-    frame: Ints
-
-
 def time_offsets(result: TrackingResult) -> TimeOffsets:
     """The delays of the cameras of a run, by (2)."""
     C = len(result.images.P)
@@ -104,12 +90,15 @@ def time_offsets(result: TrackingResult) -> TimeOffsets:
     if len(moving.frame) < MIN_POINTS:
         return TimeOffsets(*np.full((3, C), np.nan), *np.zeros((3, C)))
     speed = np.quantile(np.linalg.norm(moving.flow, axis=-1), FAST, axis=0)
-    columns = moving.flow[..., None] * np.eye(C)[:, None]
-    delay, error = _solved(moving, columns)
-    both, both_error = _solved(moving, np.concatenate([columns, columns * moving.y[..., None, None]], -1))  # (4)
-    shift, line_shift = np.abs(both[:C]) * speed, np.abs(both[C:]) * speed
-    lines = TimeOffsets(both[:C], both_error[:C], shift, both[C:], both_error[C:], line_shift)
-    return lines if lines.rolling.any() else TimeOffsets(delay, error, np.abs(delay) * speed, *np.zeros((3, C)))
+    columns = np.stack([moving.flow, moving.flow * moving.y[..., None]], -1)  # (4)
+    both = _with_errors(moving, columns, speed)
+    return both if both.rolling.any() else _with_errors(moving, columns[..., :1], speed)
+
+
+def fast_residual(result: TrackingResult) -> float:
+    """px, by which images of points in fast motion disagree beside what the calibration leaves; NaN of few points."""
+    moving = _moving(result)
+    return timing_fit(moving, np.zeros((*moving.flow.shape, 0))).fast if len(moving.frame) >= MIN_POINTS else np.nan
 
 
 def row_of_images(images: Images) -> Floats:
@@ -117,12 +106,16 @@ def row_of_images(images: Images) -> Floats:
     return np.asarray(np.clip(2 * images.uv[:, 1] / images.size[images.camera, 1] - 1, -1.0, 1.0))
 
 
-def _solved(moving: Moving, columns: Floats) -> tuple[Floats, Floats]:
-    """(K) the solution (2) for columns (N, C, 2, K), and its standard errors by (3), in frames."""
-    A, b = _sums(moving, columns)
-    C = moving.off.shape[1]
-    without = np.array([_time_offsets(A.sum(0) - A[j], b.sum(0) - b[j], C) for j in range(PARTS)])
-    return _time_offsets(A.sum(0), b.sum(0), C), without.std(0) * np.sqrt(PARTS - 1)
+def _with_errors(moving: Moving, columns: Floats, speed: Floats) -> TimeOffsets:
+    """What the columns (N, C, 2, n) of delays, and of lines where n is 2, come to where images move at speeds (C)."""
+    fit = timing_fit(moving, columns)
+    still = ~(moving.flow[fit.weight > 0] != 0).any((0, 2))
+    found = np.where(still[:, None], np.nan, np.concatenate([fit.theta[None], fit.without]))  # (1 + PARTS, C, n)
+    found[..., 0] -= np.nanmedian(found[..., 0], axis=1, keepdims=True) if not still.all() else 0.0
+    error = found[1:].std(0) * np.sqrt(PARTS - 1)  # (3)
+    rows = np.array([found[0].T, error.T, np.abs(found[0].T) * speed])  # (3, n, C)
+    lines = rows[:, 1] if columns.shape[-1] == 2 else np.zeros((3, len(speed)))
+    return TimeOffsets(*rows[:, 0], *lines)
 
 
 def _moving(result: TrackingResult) -> Moving:
@@ -138,35 +131,19 @@ def _moving(result: TrackingResult) -> Moving:
     point, velocity = middle[near], velocity[near]
     in_time = np.argsort(cloud.frame[point], kind="stable")
     in_time = in_time[:: -(-len(in_time) // MAX_POINTS) or 1]
-    point, velocity = point[in_time], velocity[in_time]
-    expected = predict_images(result.images.P, KalmanStates(cloud.xyz[point].T, np.zeros((3, 3, len(point)))))
-    detection = cloud.detection[point]
-    seen = (detection >= 0)[..., None]
-    J = np.where(seen[..., None], expected.J.transpose(3, 0, 1, 2), 0.0)
-    off = np.where(seen, result.images.uv[detection] - expected.uv.transpose(2, 0, 1), 0.0)
-    y = row_of_images(result.images)[detection]
-    return Moving(J, off, (J @ velocity[:, None, :, None])[..., 0], y, cloud.frame[point])
+    return _images_of(result, point[in_time], velocity[in_time])
 
 
-def _sums(moving: Moving, columns: Floats) -> tuple[Floats, Floats]:
-    """DᵀQ D (k, K, K) and DᵀQ off (k, K) of each part of the recording, of the columns (N, C, 2, K) of D."""
-    C = moving.off.shape[1]
-    far = np.linalg.norm(moving.off, axis=-1).max(1)
-    good = far <= OUTLIER * np.median(far)
-    J, off = moving.J[good].reshape(-1, 2 * C, 3), moving.off[good].reshape(-1, 2 * C)
-    D = columns[good].reshape(-1, 2 * C, columns.shape[-1])
-    QD = D - J @ np.linalg.solve(J.transpose(0, 2, 1) @ J, J.transpose(0, 2, 1) @ D)
-    first = np.searchsorted(moving.frame[good], np.linspace(0, moving.frame[-1] + 1, PARTS + 1))
-    parts = [slice(*pair) for pair in pairwise(first.tolist())]
-    A = np.array([np.einsum("nic,nid->cd", QD[part], D[part]) for part in parts])
-    return A, np.array([np.einsum("nic,ni->c", QD[part], off[part]) for part in parts])
-
-
-def _time_offsets(A: Floats, b: Floats, C: int) -> Floats:
-    """(K) frames by (2), the delays of C cameras less their median; NaN of cameras that saw nothing move."""
-    seen = np.diag(A) > 0
-    delay = np.full(len(b), np.nan)
-    delay[seen] = np.linalg.pinv(A[np.ix_(seen, seen)], rcond=1e-6, hermitian=True) @ b[seen]
-    if seen[:C].any():
-        delay[:C] -= np.median(delay[:C][seen[:C]])
-    return delay
+def _images_of(result: TrackingResult, point: Ints, velocity: Floats) -> Moving:
+    """The images of some points (N) that move at velocities (N, 3) mm a frame."""
+    cloud, images = result.tracks.cloud, result.images
+    xyz, detection = cloud.xyz[point], cloud.detection[point]
+    expected = predict_images(images.P, KalmanStates(xyz.T, np.zeros((3, 3, len(point)))))
+    seen = detection >= 0
+    J = np.where(seen[..., None, None], expected.J.transpose(3, 0, 1, 2), 0.0)
+    uv = expected.uv.transpose(2, 0, 1)
+    off = np.where(seen[..., None], images.uv[detection] - uv, 0.0)
+    flow = (J @ velocity[:, None, :, None])[..., 0]
+    depth = xyz @ images.P[:, 2, :3].T + images.P[:, 2, 3]
+    columns = np.where(seen[..., None, None], calibration_columns(xyz, depth, uv, images.size), 0.0)
+    return Moving(J, off, flow, row_of_images(images)[detection], cloud.frame[point], seen, columns)

@@ -94,6 +94,17 @@ def moved_in_time(detections: Detections, late: ArrayLike) -> Detections:
     return replace(detections, uv=uv, cov=cov)
 
 
+def image_flow(detections: Detections) -> Floats:
+    """(D, 2) px by which the detections move from image to image, by those before and after; NaN where none goes on."""
+    flow = np.full((len(detections), 2), np.nan)
+    for c in range(len(detections.cameras)):
+        own = slice(int(detections.start[c, 0]), int(detections.start[c, -1]))
+        uv = detections.uv[own]
+        before, after = linked(uv, detections.frame[own])
+        flow[own] = np.where((before >= 0)[:, None], (uv[after] - uv[before]) / 2, np.nan)
+    return flow
+
+
 def nearest_images(n: int, rate: float, camera_rate: float, delay: float, first: int = 0) -> tuple[Ints, Floats]:
     """Of n frames the camera's nearest image, −1 where it lies outside the n images, and δ (n) s by (1)."""
     time = (np.arange(n) + first) / rate

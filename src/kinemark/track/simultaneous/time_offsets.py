@@ -34,6 +34,7 @@ from .associate import predict_images
 from .detection_index import Images
 from .kalman_states import KalmanStates
 from .timing_fit import PARTS, Moving, calibration_columns, timing_fit
+from .timing_noise import timing_noise
 from .tracker import TrackingResult
 
 MIN_SHIFT = 0.5
@@ -63,6 +64,8 @@ class TimeOffsets(NamedTuple):
     Attributes:
         delay, error: (C) frames, and its standard error; shift: (C) px by which that moves images that are fast.
         line, line_error, line_shift: (C) λ of (4), the same way; 0 where no camera has a rolling shutter.
+        unsteady, unsteady_error: (C) frames², the variance of the times of the camera's images (`timing_noise`), and
+        its standard error; unsteady_shift: (C) px, the standard deviation of images that are fast which that makes.
     """
 
     delay: Floats
@@ -71,6 +74,9 @@ class TimeOffsets(NamedTuple):
     line: Floats
     line_error: Floats
     line_shift: Floats
+    unsteady: Floats
+    unsteady_error: Floats
+    unsteady_shift: Floats
 
     @property
     def significant(self) -> Bools:
@@ -82,13 +88,18 @@ class TimeOffsets(NamedTuple):
         """(C) cameras whose rolling shutter is no chance, likewise."""
         return (np.abs(self.line) > MIN_STANDARD_ERRORS * self.line_error) & (self.line_shift > MIN_SHIFT)
 
+    @property
+    def flickering(self) -> Bools:
+        """(C) cameras the times of whose images are not even, likewise."""
+        return (self.unsteady > MIN_STANDARD_ERRORS * self.unsteady_error) & (self.unsteady_shift > MIN_SHIFT)
+
 
 def time_offsets(result: TrackingResult) -> TimeOffsets:
     """The delays of the cameras of a run, by (2)."""
     C = len(result.images.P)
     moving = _moving(result)
     if len(moving.frame) < MIN_POINTS:
-        return TimeOffsets(*np.full((3, C), np.nan), *np.zeros((3, C)))
+        return TimeOffsets(*np.full((3, C), np.nan), *np.zeros((3, C)), *np.full((3, C), np.nan))
     speed = np.quantile(np.linalg.norm(moving.flow, axis=-1), FAST, axis=0)
     columns = np.stack([moving.flow, moving.flow * moving.y[..., None]], -1)  # (4)
     both = _with_errors(moving, columns, speed)
@@ -115,7 +126,8 @@ def _with_errors(moving: Moving, columns: Floats, speed: Floats) -> TimeOffsets:
     error = found[1:].std(0) * np.sqrt(PARTS - 1)  # (3)
     rows = np.array([found[0].T, error.T, np.abs(found[0].T) * speed])  # (3, n, C)
     lines = rows[:, 1] if columns.shape[-1] == 2 else np.zeros((3, len(speed)))
-    return TimeOffsets(*rows[:, 0], *lines)
+    variance, its_error = timing_noise(moving, fit)
+    return TimeOffsets(*rows[:, 0], *lines, variance, its_error, np.sqrt(np.maximum(variance, 0.0)) * speed)
 
 
 def _moving(result: TrackingResult) -> Moving:

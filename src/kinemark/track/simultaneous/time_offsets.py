@@ -33,19 +33,23 @@ from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
 from .detection_index import Images
 from .kalman_states import KalmanStates
-from .timing_fit import PARTS, Moving, calibration_columns, timing_fit
+from .timing_fit import PARTS, Moving, TimingFit, calibration_columns, timing_fit
 from .timing_noise import timing_noise
 from .tracker import TrackingResult
 
 MIN_SHIFT = 0.5
 """px; less is what a usual calibration leaves; chosen (see benchmarks/tracking.py)."""
 
+MIN_UNEVEN_SHIFT = 1.0
+"""px, the same of a standard deviation; chosen (see benchmarks/tracking_scenes.py): sprints before calibrations 1 px off
+reach it."""
+
 MIN_STANDARD_ERRORS = 5.0
 """Standard errors of a delay; chosen (see benchmarks/tracking.py)."""
 
-MAX_POINTS = 20_000
-"""Points that are looked at, at most, at even steps in time; chosen: more take memory, and the delay is known to a
-thousandth of a frame from half of them."""
+MAX_PLACES = 24_000
+"""Points, times cameras, that are looked at, at most, at even steps in time; chosen: more take as long as tracking, and
+delays are known to some thousandths of a frame from as many."""
 
 MIN_POINTS = 300
 """Points from which something can be said; chosen (see benchmarks/tracking.py)."""
@@ -91,25 +95,30 @@ class TimeOffsets(NamedTuple):
     @property
     def flickering(self) -> Bools:
         """(C) cameras the times of whose images are not even, likewise."""
-        return (self.unsteady > MIN_STANDARD_ERRORS * self.unsteady_error) & (self.unsteady_shift > MIN_SHIFT)
+        return (self.unsteady > MIN_STANDARD_ERRORS * self.unsteady_error) & (self.unsteady_shift > MIN_UNEVEN_SHIFT)
 
 
 def time_offsets(result: TrackingResult) -> TimeOffsets:
     """The delays of the cameras of a run, by (2)."""
     C = len(result.images.P)
-    moving = _moving(result)
-    if len(moving.frame) < MIN_POINTS:
+    if (moving := _moving(result)) is None:
         return TimeOffsets(*np.full((3, C), np.nan), *np.zeros((3, C)), *np.full((3, C), np.nan))
     speed = np.quantile(np.linalg.norm(moving.flow, axis=-1), FAST, axis=0)
     columns = np.stack([moving.flow, moving.flow * moving.y[..., None]], -1)  # (4)
-    both = _with_errors(moving, columns, speed)
-    return both if both.rolling.any() else _with_errors(moving, columns[..., :1], speed)
+    fit = timing_fit(moving, columns)
+    found = _with_errors(moving, fit, speed)
+    if not found.rolling.any():
+        fit = timing_fit(moving, columns[..., :1])
+        found = _with_errors(moving, fit, speed)
+    variance, error = timing_noise(moving, fit)
+    shift = np.sqrt(np.maximum(variance, 0.0)) * speed
+    return found._replace(unsteady=variance, unsteady_error=error, unsteady_shift=shift)
 
 
 def fast_residual(result: TrackingResult) -> float:
     """px, by which images of points in fast motion disagree beside what the calibration leaves; NaN of few points."""
     moving = _moving(result)
-    return timing_fit(moving, np.zeros((*moving.flow.shape, 0))).fast if len(moving.frame) >= MIN_POINTS else np.nan
+    return timing_fit(moving, np.zeros((*moving.flow.shape, 0))).fast if moving is not None else np.nan
 
 
 def row_of_images(images: Images) -> Floats:
@@ -117,21 +126,20 @@ def row_of_images(images: Images) -> Floats:
     return np.asarray(np.clip(2 * images.uv[:, 1] / images.size[images.camera, 1] - 1, -1.0, 1.0))
 
 
-def _with_errors(moving: Moving, columns: Floats, speed: Floats) -> TimeOffsets:
-    """What the columns (N, C, 2, n) of delays, and of lines where n is 2, come to where images move at speeds (C)."""
-    fit = timing_fit(moving, columns)
+def _with_errors(moving: Moving, fit: TimingFit, speed: Floats) -> TimeOffsets:
+    """What was fitted as delays, and as lines where these are wanted too, where images move at speeds (C)."""
     still = ~(moving.flow[fit.weight > 0] != 0).any((0, 2))
     found = np.where(still[:, None], np.nan, np.concatenate([fit.theta[None], fit.without]))  # (1 + PARTS, C, n)
     found[..., 0] -= np.nanmedian(found[..., 0], axis=1, keepdims=True) if not still.all() else 0.0
     error = found[1:].std(0) * np.sqrt(PARTS - 1)  # (3)
     rows = np.array([found[0].T, error.T, np.abs(found[0].T) * speed])  # (3, n, C)
-    lines = rows[:, 1] if columns.shape[-1] == 2 else np.zeros((3, len(speed)))
-    variance, its_error = timing_noise(moving, fit)
-    return TimeOffsets(*rows[:, 0], *lines, variance, its_error, np.sqrt(np.maximum(variance, 0.0)) * speed)
+    none = np.zeros((3, len(speed)))
+    return TimeOffsets(*rows[:, 0], *(rows[:, 1] if found.shape[-1] == 2 else none), *none)
 
 
-def _moving(result: TrackingResult) -> Moving:
-    """The points of tracks that three cameras see, with the point before and after them."""
+def _moving(result: TrackingResult) -> Moving | None:
+    """The points of tracks that three cameras see, with the point before and after them; None of fewer than
+    MIN_POINTS."""
     cloud, ids = result.tracks.cloud, result.tracks.id
     order = np.lexsort([cloud.frame, ids])
     middle, before, after = order[1:-1], order[:-2], order[2:]
@@ -142,8 +150,8 @@ def _moving(result: TrackingResult) -> Moving:
     near &= np.linalg.norm(ahead - behind, axis=1) < MAX_VELOCITY_CHANGE * np.linalg.norm(velocity, axis=1)
     point, velocity = middle[near], velocity[near]
     in_time = np.argsort(cloud.frame[point], kind="stable")
-    in_time = in_time[:: -(-len(in_time) // MAX_POINTS) or 1]
-    return _images_of(result, point[in_time], velocity[in_time])
+    in_time = in_time[:: -(-len(in_time) * len(result.images.P) // MAX_PLACES) or 1]
+    return _images_of(result, point[in_time], velocity[in_time]) if len(point) >= MIN_POINTS else None
 
 
 def _images_of(result: TrackingResult, point: Ints, velocity: Floats) -> Moving:

@@ -32,11 +32,14 @@ from ...data.array_types import Bools, Floats, Ints
 PARTS = 10
 """Parts of the recording for standard errors; chosen (see benchmarks/tracking.py)."""
 
-ROUNDS = 4
-"""Of (5); chosen: the fourth changes σ and τ by some per cent."""
+ROUNDS = 3
+"""Of (5); chosen: a fourth changes σ and τ by some per cent."""
 
 OUTLIER = 4.0
 """Standard deviations of (5); chosen."""
+
+LOOSE = 2.0
+"""Of OUTLIER; chosen: with one camera of uneven times, its standard deviation was found a third too small within it."""
 
 SLOW, FAST = 0.33, 0.8
 """Quantiles of speed in px: below the first a point is slow, above the second fast; chosen."""
@@ -76,13 +79,14 @@ class Moving(NamedTuple):
 
 class TimingFit(NamedTuple):
     """By (1): theta (C, n) of the n columns that were looked for, without (PARTS, C, n) the same without one part; left
-    (N, C, 2) px, what images are off beside it, as seen from the points; weight (N) of (5), 1/px², 0 for outliers; fast
-    px, the usual residual of points in fast motion."""
+    (N, C, 2) px, what images are off beside it, as seen from the points; weight (N) of (5), 1/px², 0 for outliers; loose (N) the
+    same, 0 for those that are LOOSE times farther off, as uneven times have heavy tails in all points together; fast px, the usual residual of points in fast motion."""
 
     theta: Floats
     without: Floats
     left: Floats
     weight: Floats
+    loose: Floats
     fast: float
 
 
@@ -106,18 +110,21 @@ def timing_fit(moving: Moving, wanted: Floats) -> TimingFit:
     D = np.concatenate([wanted, moving.calibration], -1)
     count = moving.seen.sum(1)
     speed = np.sqrt((moving.flow**2).sum((1, 2)) / count)
-    L = np.linalg.inv(np.linalg.cholesky(np.einsum("ncij,ncik->njk", moving.J, moving.J)))
-    LJ = np.einsum("njk,ncik->ncij", L, moving.J)  # H⁻¹ = LᵀL
+    L = np.linalg.inv(np.linalg.cholesky((moving.J.swapaxes(2, 3) @ moving.J).sum(1)))
+    LJ = moving.J @ L.swapaxes(1, 2)[:, None]  # H⁻¹ = LᵀL
     left = off_beside_points(moving.off, LJ)
     for _ in range(ROUNDS):
-        weight = _weights((left**2).sum((1, 2)) / (2 * count - 3), speed)
+        squared = (left**2).sum((1, 2)) / (2 * count - 3)
+        variance = _variance(squared, speed)
+        weight = np.where(squared < OUTLIER**2 * variance, 1 / variance, 0.0)
         A, b = _normal_equations(moving, D, LJ, weight)
         theta = _solution(A.sum(0), b.sum(0), n)
-        left = off_beside_points(moving.off - np.einsum("ncik,ck->nci", D, theta), LJ)
+        left = off_beside_points(moving.off - (D @ theta[..., None])[..., 0], LJ)
     without = np.array([_solution(A.sum(0) - A[j], b.sum(0) - b[j], n) for j in range(PARTS)])
     squared = (left**2).sum((1, 2)) / (2 * count - 3)
+    loose = np.where(squared < (LOOSE * OUTLIER) ** 2 * variance, 1 / variance, 0.0)
     fast = float(np.sqrt(np.median(squared[speed >= np.quantile(speed, FAST)]) / MEDIAN_OF_CHI2))
-    return TimingFit(theta[:, :n], without[..., :n], left, weight, fast)
+    return TimingFit(theta[:, :n], without[..., :n], left, weight, loose, fast)
 
 
 def off_beside_points(off: Floats, LJ: Floats) -> Floats:
@@ -125,13 +132,12 @@ def off_beside_points(off: Floats, LJ: Floats) -> Floats:
     return np.asarray(off - np.einsum("ncij,nj->nci", LJ, np.einsum("ncij,nci->nj", LJ, off)))
 
 
-def _weights(squared: Floats, speed: Floats) -> Floats:
-    """(N) by (5), from squared (N) px² a degree of freedom and speeds (N) px a frame."""
+def _variance(squared: Floats, speed: Floats) -> Floats:
+    """(N) px², that of (5), from squared (N) px² a degree of freedom and speeds (N) px a frame."""
     slow, fast = (speed <= np.quantile(speed, SLOW)), (speed >= np.quantile(speed, FAST)) & (speed > 0)
     sigma2 = max(float(np.median(squared[slow])) / MEDIAN_OF_CHI2, MIN_SIGMA2)
     tau2 = float(np.median(squared[fast] / speed[fast] ** 2)) / MEDIAN_OF_CHI2 if fast.any() else 0.0
-    variance = sigma2 + max(tau2, MIN_TAU2) * speed**2
-    return np.where(squared < OUTLIER**2 * variance, 1 / variance, 0.0)
+    return np.asarray(sigma2 + max(tau2, MIN_TAU2) * speed**2)
 
 
 def _normal_equations(moving: Moving, D: Floats, LJ: Floats, weight: Floats) -> tuple[Floats, Floats]:
@@ -139,7 +145,7 @@ def _normal_equations(moving: Moving, D: Floats, LJ: Floats, weight: Floats) -> 
     N, C, _, K = D.shape
     root = np.sqrt(weight)
     own, off = D * root[:, None, None, None], moving.off * root[:, None, None]
-    through = np.einsum("ncij,ncik->njck", LJ, own).reshape(N, 3, C * K)
+    through = (LJ.swapaxes(2, 3) @ own).swapaxes(1, 2).reshape(N, 3, C * K)
     point = np.einsum("ncij,nci->nj", LJ, off)
     A, b = np.zeros((PARTS, C * K, C * K)), np.zeros((PARTS, C * K))
     for j, part in enumerate(moving.parts):

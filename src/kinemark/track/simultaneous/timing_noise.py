@@ -39,8 +39,8 @@ def _equations(moving: Moving, fit: TimingFit) -> tuple[Floats, Floats]:
     C = moving.off.shape[1]
     A, b = np.zeros((PARTS, 2 * C, 2 * C)), np.zeros((PARTS, 2 * C))
     for j, part in enumerate(moving.parts):
-        own = part.start + np.flatnonzero(fit.weight[part] > 0)
-        J, f, e, weight = moving.J[own], moving.flow[own], fit.left[own], fit.weight[own] ** 2
+        own = part.start + np.flatnonzero(fit.loose[part] > 0)
+        J, f, e, weight = moving.J[own], moving.flow[own], fit.left[own], fit.loose[own] ** 2
         Q = _what_a_point_leaves(J, moving.seen[own])
         speed = np.linalg.norm(f, axis=-1, keepdims=True)
         u = np.divide(f, speed, out=np.zeros_like(f), where=speed > 0)

@@ -1,4 +1,4 @@
-"""Cameras that take their images at times of their own: other rates, delays, rolling shutters, uneven and long exposures.
+"""Cameras with times of their own: other rates, delays, rolling shutters, uneven times and long exposures.
 
 Markers move along smooth paths that are known at any time, so that each image is exact at the time of each of its rows.
 """

@@ -78,9 +78,7 @@ def at_common_time(
     images, F = F, F if (rates == detections.rate).all() else _frames(detections, rates, delay, first_frame)
     rows, counts, ahead = [np.zeros(0, np.int64)], np.zeros((C, F), np.int64), [np.zeros(0)]
     for c in range(C):
-        image, late = nearest_images(
-            F, detections.rate, float(rates[c]), float(delay[c]), first_frame, n_images=images
-        )
+        image, late = nearest_images(F, detections.rate, float(rates[c]), float(delay[c]), first_frame, n_images=images)
         own = _rows_of_images(detections, c, image)
         counts[c] = [len(each) for each in own]
         rows += own

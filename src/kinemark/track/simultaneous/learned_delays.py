@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...data import Detections, Rig, Tracks
+from ...data.array_types import Floats
 from ...geometry.weighted_points import DEFAULT_ERRORS, ImageErrors
 from ...signal.common_time import image_flow, moved_in_time
 from ..stage import DETECTIONS, TRACK
@@ -26,6 +27,9 @@ VOLUME_MARGIN = 100.0
 
 ROUNDS = 3
 """Times at most that delays are learned; chosen: the third changes them by less than their standard error."""
+
+UNEVEN_ROUNDS = 2
+"""Times that variances by (2) are learned; chosen: in simulation the second brings them from 70 to 90 % of the truth."""
 
 BETTER, SAME = 0.9, 0.99
 """Of the residual of fast points, the most that is left, and of the images in tracks, the least, by (1); chosen (see
@@ -81,18 +85,31 @@ def _with_uneven_times(
     errors: ImageErrors,
     volume_margin: float | None,
 ) -> TrackingResult:
-    """The result with variances by (2), where cameras have uneven times by what was found."""
-    if not found.flickering.any():
-        return result
-    unsteady = np.where(found.flickering, np.sqrt(np.maximum(found.unsteady, 0.0)), 0.0)
+    """The result with variances by (2), where cameras have uneven times by what was found; a second time, as images that
+    were too far off to be associated then are."""
+    for _ in range(UNEVEN_ROUNDS):
+        if not found.flickering.any():
+            break
+        unsteady = np.where(found.flickering, np.sqrt(np.maximum(found.unsteady, 0.0)), 0.0)
+        timing = unsteady[detections.camera, None] * _whole_flow(detections)
+        again = track_once(detections, rig, method, errors, volume_margin, timing)
+        if not _as_many_images(again, result):
+            break
+        result = again._replace(times=result.times._replace(unsteady=unsteady / detections.rate))
+        found = time_offsets(result)
+    return result
+
+
+def _whole_flow(detections: Detections) -> Floats:
+    """(D, 2) px a frame, of images that go on from none the root mean square of their camera's, as they may be fast."""
     flow, camera = image_flow(detections), detections.camera
-    for c in np.flatnonzero(unsteady).tolist():  # those that go on from none may be fast as well
-        own = camera == c
-        flow[own] = np.where(np.isfinite(flow[own]), flow[own], np.sqrt(np.nanmean(flow[own] ** 2, axis=0)))
-    timing = np.where((unsteady > 0)[camera, None], unsteady[camera, None] * flow, 0.0)
-    again = track_once(detections, rig, method, errors, volume_margin, timing)
-    times = result.times._replace(unsteady=unsteady / detections.rate)
-    return again._replace(times=times) if _as_many_images(again, result) else result
+    for c in range(len(detections.cameras)):
+        own = flow[camera == c]
+        known = np.isfinite(own)
+        flow[camera == c] = np.where(
+            known, own, np.sqrt(np.mean(own[known[:, 0]] ** 2, axis=0)) if known.any() else 0.0
+        )
+    return flow
 
 
 def _as_many_images(again: TrackingResult, before: TrackingResult) -> bool:

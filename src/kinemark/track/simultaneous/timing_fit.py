@@ -78,9 +78,15 @@ class Moving(NamedTuple):
 
 
 class TimingFit(NamedTuple):
-    """By (1): theta (C, n) of the n columns that were looked for, without (PARTS, C, n) the same without one part; left
-    (N, C, 2) px, what images are off beside it, as seen from the points; weight (N) of (5), 1/px², 0 for outliers; loose (N) the
-    same, 0 for those that are LOOSE times farther off, as uneven times have heavy tails in all points together; fast px, the usual residual of points in fast motion."""
+    """By (1).
+
+    Attributes:
+        theta: (C, n) of the n columns that were looked for; without: (PARTS, C, n) the same without one part.
+        left: (N, C, 2) px, what images are off beside it, as seen from the points.
+        weight: (N) of (5), 1/px², 0 for outliers; loose: (N) the same, 0 for those that are LOOSE times farther off, as
+            uneven times have heavy tails in all points together.
+        fast: px, the usual residual of points in fast motion.
+    """
 
     theta: Floats
     without: Floats

@@ -1,9 +1,9 @@
 """By how much the times of a camera's images are uncertain, from the disagreement of images in motion.
 
-An image that is taken at a time of standard deviation τ about its own lies off by a length along the flow f, the velocity
-of the marker in the image, of variance τ² |f|², while centroids are off by σ² in any direction. Beside the delays and
-what the calibration leaves (`timing_fit`), images are off by e = Q off, Q = 1 − J H⁻¹ Jᵀ what a point leaves. With
-Q_ck its part of cameras c and k and u the direction of f,
+An image that is taken at a time of standard deviation τ about its own lies off by a length along the flow f, the
+velocity of the marker in the image, of variance τ² |f|², while centroids are off by σ² in any direction. Beside the
+delays and what the calibration leaves (`timing_fit`), images are off by e = Q off, Q = 1 − J H⁻¹ Jᵀ what a point
+leaves. With Q_ck its part of cameras c and k and u the direction of f,
 
     E (u_cᵀ e_c)² = Σ_k τ_k² (u_cᵀ Q_ck f_k)² + Σ_k σ_k² |u_cᵀ Q_ck|²
     E |e_c|²      = Σ_k τ_k² |Q_ck f_k|²      + Σ_k σ_k² |Q_ck|²                           (1)

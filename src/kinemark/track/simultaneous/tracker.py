@@ -201,7 +201,9 @@ def _solver(detections: Detections, shared: Bools, working: Working, errors: Ima
     """The solver for images (D) of which tracks share some."""
     variance = _variance(shared, working.images, working.noise)
     share = working.noise.lasting[working.images.camera] / variance
-    return Solver(detections, working.rig, variance, errors, float(np.median(share)) if len(share) else 0.0, working.images.timing)
+    return Solver(
+        detections, working.rig, variance, errors, float(np.median(share)) if len(share) else 0.0, working.images.timing
+    )
 
 
 def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, method: Simultaneous) -> Working:

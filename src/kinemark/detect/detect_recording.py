@@ -109,7 +109,8 @@ def _common_length(sources: Sequence[FrameSource], cameras: Sequence[str], equal
         found = ", ".join(f"{name} {n}" for name, n in zip(cameras, lengths, strict=True))
         raise KinemarkError(
             f"The cameras have different numbers of frames: {found}. Synchronised cameras have equal ones; "
-            "cut the recordings to the frames that all cameras share, or state rates_hz in [cameras] where these differ."
+            "cut the recordings to the frames that all cameras share, or state rates_hz in [cameras] where rates "
+            "differ."
         )
     return max(lengths, default=0)
 

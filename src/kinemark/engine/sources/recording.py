@@ -93,7 +93,8 @@ class Recording:
         rate = [cameras.rates_hz.get(name, found.rate) for name in names]
         if not all(found.rate / MAX_RATE_RATIO <= own <= found.rate * MAX_RATE_RATIO for own in rate):
             raise KinemarkError(
-                f"rates_hz of [cameras] are {', '.join(f'{own:g}' for own in rate)}, and frames come at {found.rate:g} Hz. "
+                f"rates_hz of [cameras] are {', '.join(f'{own:g}' for own in rate)}, and frames come at "
+                f"{found.rate:g} Hz. "
                 f"Give rates within {MAX_RATE_RATIO:g} times of it."
             )
         first = 0 if self.frames is None else self.frames[0] - 1

@@ -209,8 +209,8 @@ TRIAL_WORDS = {
         "Markers at the edges of the image are measured best with a global shutter.",
     ),
     "camera_uneven_times": Words(
-        "The times at which {cameras} takes its images scatter by {uneven_ms:1}, standard deviation. Its images count the "
-        "less the faster their markers move, and positions in fast motion are less certain.",
+        "The times at which {cameras} takes its images scatter by {uneven_ms:1}, standard deviation. Its images count "
+        "the less the faster their markers move, and positions in fast motion are less certain.",
         "Check that the camera keeps its rate and loses or repeats no image; trigger all cameras together.",
     ),
     "camera_without_images": Words("{Cameras} has no images at all.", LOOK_AT_CAMERA),

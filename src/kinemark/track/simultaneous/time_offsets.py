@@ -41,8 +41,8 @@ MIN_SHIFT = 0.5
 """px; less is what a usual calibration leaves; chosen (see benchmarks/tracking.py)."""
 
 MIN_UNEVEN_SHIFT = 1.0
-"""px, the same of a standard deviation; chosen (see benchmarks/tracking_scenes.py): sprints before calibrations 1 px off
-reach it."""
+"""px, the same of a standard deviation; chosen (see benchmarks/tracking_scenes.py): sprints before calibrations 1 px
+off reach 0.98."""
 
 MIN_STANDARD_ERRORS = 5.0
 """Standard errors of a delay; chosen (see benchmarks/tracking.py)."""

@@ -29,7 +29,7 @@ ROUNDS = 3
 """Times at most that delays are learned; chosen: the third changes them by less than their standard error."""
 
 UNEVEN_ROUNDS = 2
-"""Times that variances by (2) are learned; chosen: in a simulation the second brought τ from 68 to 103 % of the truth."""
+"""Times that variances by (2) are learned; chosen: in simulation the second brought τ from 68 to 103 % of it."""
 
 BETTER, SAME = 0.9, 0.99
 """Of the residual of fast points, the most that is left, and of the images in tracks, the least, by (1); chosen (see

@@ -119,3 +119,20 @@ def test_what_is_not_one_a_camera_is_refused(delay, rate):
     detections, _ = recorded(ring(3), 50, np.zeros(3))
     with pytest.raises(ValueError, match="for each of 3 cameras"):
         at_common_time(detections, delay, rate=rate)
+
+
+@pytest.mark.parametrize("rate", [50.0, 60.0, 100.0])
+def test_cameras_of_fifty_and_sixty_hertz_last_equally_long(rate):
+    rig, rates = ring(4), [50.0, 60.0, 50.0, 60.0]
+    parts = [recorded(rig, own, np.zeros(4)) for own in (50.0, 60.0)]
+    n = [round(SECONDS * own) for own in rates]
+    counts = np.array([np.pad(parts[c % 2][0].counts[c], (0, max(n) - n[c])) for c in range(4)])
+    rows = [parts[c % 2][0].camera == c for c in range(4)]
+    uv, cov = (
+        np.concatenate([getattr(parts[c % 2][0], name)[own] for c, own in enumerate(rows)]) for name in ("uv", "cov")
+    )
+    found = at_common_time(Detections.build(rig.names, rate, counts, uv, cov), np.zeros(4), rate=rates).detections
+    assert abs(found.n_frames - SECONDS * rate) <= rate / 50
+    share, rms, count = recall_and_error(track_detections(found, rig, method=Simultaneous()), rate)
+    assert (share > 0.99, count) == (True, N)
+    assert rms < 0.8

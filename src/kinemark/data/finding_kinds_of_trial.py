@@ -51,6 +51,8 @@ TRIAL_KINDS = (
     Kind("camera_rolling_shutter", "track", "amber", "A camera takes the last row of its images later (or earlier, "
          "below 0) than the first by readout_ms, of standard error readout_se_ms; all was tracked so.",
          {"readout_ms": "ms", "readout_se_ms": "ms"}),
+    Kind("camera_uneven_times", "track", "amber", "The times of a camera's images scatter by uneven_ms, standard "
+         "deviation; its images count the less the faster they are.", {"uneven_ms": "ms"}),
     Kind("camera_without_images", "track", "amber", "A camera has no images at all."),
     Kind("camera_stopped", "track", "amber", "A camera has no images in the last frames, though markers were in view.",
          {"recorded_frames": "count"}),

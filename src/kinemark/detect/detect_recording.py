@@ -42,6 +42,7 @@ def detect(
     masks: Masks | None = None,
     progress: Callable[[int], None] | None = None,
     threads: int | None = None,
+    equal_lengths: bool = True,
 ) -> Detections:
     """Markers in the recordings of all cameras, at `rate` Hz.
 
@@ -55,6 +56,8 @@ def detect(
         masks: where nothing is a marker, for some or all of the cameras.
         progress: called with the number of frames done so far, all cameras together, from the threads that do them.
         threads: how many cameras are looked at side by side; as many as there are processors where None.
+        equal_lengths: whether all cameras must have equal numbers of frames; cameras of other rates have not, and a
+            shorter recording then has no detections after its end.
 
     Raises:
         ValueError: not one name a source, or a method of a camera that is not there.
@@ -66,7 +69,7 @@ def detect(
     if unknown := [name for name in of_cameras if name not in cameras]:
         raise ValueError(f"of_cameras names {', '.join(unknown)}, and the cameras are {', '.join(cameras)}")
     _check_masks(masks, cameras)
-    n_frames = _common_length(sources, cameras)
+    n_frames = _common_length(sources, cameras, equal_lengths)
     done, lock, stopped = [0], Lock(), Event()
 
     def tell(frames: int) -> None:
@@ -90,7 +93,7 @@ def detect(
     if not found:
         return Detections.build((), rate, np.zeros((0, 0), np.int64), np.zeros((0, 2)))
     all_cameras = joined([blobs for blobs, _ in found])
-    counts = all_cameras.counts.reshape(len(cameras), n_frames)
+    counts = np.array([np.pad(blobs.counts, (0, n_frames - len(blobs.counts))) for blobs, _ in found])
     columns = {k: v for k, v in all_cameras._asdict().items() if k != "counts"}
     subtracted = tuple(name for name, (_, taken) in zip(cameras, found, strict=True) if taken)
     return replace(Detections.build(tuple(cameras), rate, counts, **columns), ground_subtracted=subtracted)
@@ -104,15 +107,16 @@ def _check_masks(masks: Masks | None, cameras: Sequence[str]) -> None:
         )
 
 
-def _common_length(sources: Sequence[FrameSource], cameras: Sequence[str]) -> int:
+def _common_length(sources: Sequence[FrameSource], cameras: Sequence[str], equal: bool) -> int:
     lengths = [source.n_frames for source in sources]
-    if len(set(lengths)) > 1:
+    if equal and len(set(lengths)) > 1:
         found = ", ".join(f"{name} {n}" for name, n in zip(cameras, lengths, strict=True))
         raise KinemarkError(
             f"The cameras have different numbers of frames: {found}. Synchronised cameras have equal ones; "
-            "cut the recordings to the frames that all cameras share."
+            "cut the recordings to the frames that all cameras share, or state rates_hz in [cameras] where rates "
+            "differ."
         )
-    return lengths[0] if lengths else 0
+    return max(lengths, default=0)
 
 
 def _detect_camera(

@@ -56,7 +56,8 @@ def at_common_time(
 ) -> CommonTime:
     """The detections as they would be, had every camera taken its images at the times of the frames.
 
-    Frames that no image of a camera is nearest to, at its beginning and end, have no detections of it.
+    Frames that no image of a camera is nearest to, at its beginning and end, have no detections of it. Where cameras
+    have rates of their own, there are as many frames as the cameras' detections last.
 
     Args:
         detections: of C cameras, image after image.
@@ -74,9 +75,10 @@ def at_common_time(
         raise ValueError(
             f"wanted a finite delay and a rate above 0 for each of {C} cameras, found {delay} s, {rates} Hz"
         )
+    images, F = F, F if (rates == detections.rate).all() else _frames(detections, rates, delay, first_frame)
     rows, counts, ahead = [np.zeros(0, np.int64)], np.zeros((C, F), np.int64), [np.zeros(0)]
     for c in range(C):
-        image, late = nearest_images(F, detections.rate, float(rates[c]), float(delay[c]), first_frame)
+        image, late = nearest_images(F, detections.rate, float(rates[c]), float(delay[c]), first_frame, n_images=images)
         own = _rows_of_images(detections, c, image)
         counts[c] = [len(each) for each in own]
         rows += own
@@ -94,13 +96,33 @@ def moved_in_time(detections: Detections, late: ArrayLike) -> Detections:
     return replace(detections, uv=uv, cov=cov)
 
 
-def nearest_images(n: int, rate: float, camera_rate: float, delay: float, first: int = 0) -> tuple[Ints, Floats]:
-    """Of n frames the camera's nearest image, −1 where it lies outside the n images, and δ (n) s by (1)."""
+def image_flow(detections: Detections) -> Floats:
+    """(D, 2) px by which the detections move from image to image, by those before and after; NaN where none goes on."""
+    flow = np.full((len(detections), 2), np.nan)
+    for c in range(len(detections.cameras)):
+        own = slice(int(detections.start[c, 0]), int(detections.start[c, -1]))
+        uv = detections.uv[own]
+        before, after = linked(uv, detections.frame[own])
+        flow[own] = np.where((before >= 0)[:, None], (uv[after] - uv[before]) / 2, np.nan)
+    return flow
+
+
+def nearest_images(
+    n: int, rate: float, camera_rate: float, delay: float, first: int = 0, *, n_images: int | None = None
+) -> tuple[Ints, Floats]:
+    """Of n frames the camera's nearest image, −1 where it lies outside its images, n where None, and δ (n) s by (1)."""
     time = (np.arange(n) + first) / rate
     image = np.rint((time - delay) * camera_rate).astype(np.int64)
     late = image / camera_rate + delay - time
     image = image - first
-    return np.where((image >= 0) & (image < n), image, -1), late
+    return np.where((image >= 0) & (image < (n if n_images is None else n_images)), image, -1), late
+
+
+def _frames(detections: Detections, rates: Floats, delay: Floats, first: int) -> int:
+    """Frames until the last image with detections of the camera that has them longest."""
+    last = np.array([np.flatnonzero(counts).max(initial=-1) for counts in detections.counts])
+    end = ((last + first) / rates + delay) * detections.rate
+    return max(int(np.rint(end[last >= 0].max(initial=first - 1))) - first + 1, 0)
 
 
 def _rows_of_images(detections: Detections, c: int, image: Ints) -> list[Ints]:

@@ -30,7 +30,7 @@ def test_a_pass_keeps_what_was_associated_and_not_the_states_of_the_tracks(made)
 def test_time_offsets_from_some_of_the_points_are_those_from_all(made, monkeypatch):
     result = track_simultaneously(made.detections, made.rig, Simultaneous())
     whole = time_offsets.time_offsets(result)
-    monkeypatch.setattr(time_offsets, "MAX_POINTS", 2000)
+    monkeypatch.setattr(time_offsets, "MAX_PLACES", 8000)
     part = time_offsets.time_offsets(result)
     assert (part.error > whole.error).any()
     np.testing.assert_allclose(part.delay, whole.delay, atol=4 * float(np.hypot(part.error, whole.error).max()))

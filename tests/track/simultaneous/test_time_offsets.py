@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from kinemark.data import Detections
 from kinemark.track.simultaneous import Simultaneous, diagnose, track_simultaneously
 from kinemark.track.simultaneous.time_offsets import time_offsets
 from support.laboratory import observe, ring
 from support.motions import dance
+from support.uneven_times import Paths, Times, compared, recorded, truth
 
 FRAMES = 160
 
@@ -101,6 +103,56 @@ def test_synchronous_cameras_are_tracked_once(ball):
         track_simultaneously(detections, rig, Simultaneous(learn_delays=learn)).tracks for learn in (True, False)
     )
     assert np.array_equal(result.cloud.xyz, once.cloud.xyz)
+
+
+@pytest.mark.parametrize(("C", "rate", "speed"), [(4, 25.0, 2000.0), (6, 50.0, 4000.0)])
+def test_uneven_times_are_variances_that_grow_with_speed(C, rate, speed):
+    rig, paths, frames = ring(C), Paths(12, speed, seed=C), int(max(4 * rate, 160))
+    uneven = np.where(np.arange(C) == 1, 0.12, 0.0) / rate
+    detections, _ = recorded(rig, paths, Times.of(C, rate, uneven=uneven), frames=frames, rate=rate)
+    xyz = truth(paths, frames, rate)
+    torn = compared(track_simultaneously(detections, rig, Simultaneous(learn_delays=False)).tracks, xyz)
+    result = track_simultaneously(detections, rig, Simultaneous())
+    learned = compared(result.tracks, xyz)
+    assert result.times.unsteady[1] == pytest.approx(0.12 / rate, rel=0.2)
+    assert not np.delete(result.times.unsteady, 1).any()
+    assert learned[1] < 0.97 * torn[1]  # RMS
+    assert 0.9 < learned[2] < 0.985  # within 95 % ellipsoids
+    assert (learned[0] > 0.99, learned[3], learned[4]) == (True, 12, 0)
+    found = [one for one in diagnose(detections, rig, result) if one.kind == "camera_uneven_times"]
+    assert [one.cameras for one in found] == [(rig.names[1],)]
+    assert found[0].values["uneven_ms"] == pytest.approx(1000 * result.times.unsteady[1])
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_delays_and_lines_are_told_from_a_calibration_that_is_off(stated):
+    rig, paths, rate, frames = ring(5), Paths(12, 1200.0, seed=5), 50.0, 200
+    delay, readout = np.array([0, 0, 0.006, 0, -0.004]), np.array([0.012, 0, 0, 0.008, 0])
+    times = Times.of(5, rate, delay=delay, readout=readout, exposure=0.004)
+    detections, _ = recorded(rig, paths, times, frames=frames, rate=rate, stated=stated)
+    result = track_simultaneously(detections, off(rig, 1.0), Simultaneous())
+    assert result.times.delay == pytest.approx(delay, abs=6e-4)
+    assert 2 * result.times.line == pytest.approx(readout, abs=2e-3)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_calibration_that_is_off_is_no_delay(seed):
+    rig, paths, rate, frames = ring(4), Paths(12, 3000.0, seed), 100.0, 160
+    detections, _ = recorded(rig, paths, Times.of(4, rate), frames=frames, rate=rate)
+    times = track_simultaneously(detections, off(rig, 1.0, seed), Simultaneous()).times
+    assert not np.any(times)
+
+
+def off(rig, px, seed=3):
+    """The rig with each camera turned and refocused by chance, by so many px at its middle and its edge."""
+    rng = np.random.default_rng(seed)
+    cameras = []
+    for camera in rig:
+        f = camera.K[0, 0]
+        turn = Rotation.from_rotvec(rng.normal(0, px / f, 3)).as_matrix()
+        K = camera.K * np.array([[1 + rng.normal(0, px / (camera.size[0] / 2))] * 2 + [1.0]] * 2 + [[1.0] * 3])
+        cameras.append(replace(camera, K=K, R=turn @ camera.R, t=turn @ camera.t))
+    return replace(rig, cameras=tuple(cameras))
 
 
 def error(result, xyz):

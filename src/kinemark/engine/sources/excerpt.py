@@ -65,8 +65,10 @@ def within(found: Detections, of: Recording) -> Detections:
 
 def pictures_of(of: Recording, frames: Sequence[int]) -> list[GreyLevels]:
     """One image of each camera, of the frames (C) of the stretch."""
-    images, first = of.images(), 0 if of.frames is None else of.frames[0] - 1
-    return [frame_of(images[name], first + f) for name, f in zip(of.rig.names, frames, strict=True)]
+    images = of.images()
+    return [
+        frame_of(images[name], of.image_of(name, f, images[name])) for name, f in zip(of.rig.names, frames, strict=True)
+    ]
 
 
 def cut(trial: Trial, frames: tuple[int, int], rate: float) -> Trial:

@@ -47,13 +47,15 @@ class Images:
             masks=masks_of(of.root, of.settings, of.rig.names),
             progress=lambda done: tell(done, total),
             threads=threads,
+            equal_lengths=not of.settings.cameras.rates_hz,
         )
         return of.corrected(found).detections
 
     def contradictions(self) -> tuple[Finding, ...]:
         """Where the videos' own frame rates contradict the one that is used."""
-        images = self.of.images()
-        return other_rates(images, self._rate(images))
+        images, stated = self.of.images(), self.of.settings.cameras.rates_hz
+        rate = self._rate(images)
+        return other_rates({name: source for name, source in images.items() if name not in stated}, rate)
 
     def beside(self) -> Trial | None:
         """Nothing was recorded beside."""

@@ -20,6 +20,10 @@ Frames = tuple[int, int] | None
 """First and last frame of a stretch, counted from 1, both included; None means all."""
 
 
+MAX_RATE_RATIO = 100.0
+"""Of a camera's rate to that of the frames, either way: more is a slip of the decimal point; chosen."""
+
+
 @dataclass(frozen=True, slots=True)
 class Recording:
     """What every source of a trial knows.
@@ -75,7 +79,7 @@ class Recording:
         """The detections at the times of the frames, by `delays_ms` and `rates_hz`.
 
         Raises:
-            KinemarkError: one of these names a camera that is not there.
+            KinemarkError: one of these names a camera that is not there, or a rate is of another order.
         """
         cameras, names = self.settings.cameras, found.cameras
         if not self.own_times:
@@ -87,8 +91,21 @@ class Recording:
             )
         delay = [cameras.delays_ms.get(name, 0.0) / 1000 for name in names]
         rate = [cameras.rates_hz.get(name, found.rate) for name in names]
+        if not all(found.rate / MAX_RATE_RATIO <= own <= found.rate * MAX_RATE_RATIO for own in rate):
+            raise KinemarkError(
+                f"rates_hz of [cameras] are {', '.join(f'{own:g}' for own in rate)}, and frames come at "
+                f"{found.rate:g} Hz. "
+                f"Give rates within {MAX_RATE_RATIO:g} times of it."
+            )
         first = 0 if self.frames is None else self.frames[0] - 1
         return at_common_time(found, delay, rate=rate, first_frame=first)
+
+    def image_of(self, camera: str, frame: int, source: ImageSource) -> int:
+        """Number of the camera's image that is nearest in time to a frame of the stretch, both in the recording."""
+        cameras, rate = self.settings.cameras, self.rate(source.rate)
+        f = frame if self.frames is None else frame + self.frames[0] - 1
+        late, own = cameras.delays_ms.get(camera, 0.0) / 1000, cameras.rates_hz.get(camera, rate)
+        return int(np.clip(round((f / rate - late) * own), 0, source.n_frames - 1))
 
     def unshifted(self, found: Detections) -> Detections:
         """The detections as they would be, had no image shifted since the calibration; by fixed marks, where given."""

@@ -208,6 +208,11 @@ TRIAL_WORDS = {
         "first. All was tracked with its images moved to the times of the frames.",
         "Markers at the edges of the image are measured best with a global shutter.",
     ),
+    "camera_uneven_times": Words(
+        "The times at which {cameras} takes its images scatter by {uneven_ms:1}, standard deviation. Its images count "
+        "the less the faster their markers move, and positions in fast motion are less certain.",
+        "Check that the camera keeps its rate and loses or repeats no image; trigger all cameras together.",
+    ),
     "camera_without_images": Words("{Cameras} has no images at all.", LOOK_AT_CAMERA),
     "camera_stopped": Words(_stopped, "Check whether the camera stopped recording; else leave it out."),
     "camera_started_late": Words(_started_late, "Check whether the camera started late; else leave it out."),

@@ -53,6 +53,8 @@ class Images(NamedTuple):
         prior: (C) 2 ln(p / ((1 − p) 2π b)) of `associate`, b images per frame and px².
         calibration: (C) px², the second term of (1), which is in `variance`.
         margin: (D) px² that `variance` has for the association alone.
+        timing: (D, 2) px along the motion of each image, the standard deviation that the time at which it was taken
+        makes, whose square is in `variance`; None where all were taken in time.
         widest: (F C) px², the greatest variance in each frame and camera.
         stated: whether any source says how noisy its images are; usual: px², of those of which none does.
         size: (C, 2) of the images, px.
@@ -71,6 +73,7 @@ class Images(NamedTuple):
     prior: Floats
     calibration: Floats
     margin: Floats
+    timing: Floats | None
     widest: Floats
     stated: bool
     usual: float
@@ -100,8 +103,8 @@ class Images(NamedTuple):
         return [order[first[f * C] : first[(f + 1) * C]] for f in frames]
 
 
-def read_images(detections: Detections, rig: Rig) -> Images:
-    """The images of detections, seen by the cameras of a rig."""
+def read_images(detections: Detections, rig: Rig, timing: Floats | None = None) -> Images:
+    """The images of detections, seen by the cameras of a rig; `timing` (D, 2) px as that of `Images`."""
     uv = np.full((len(detections), 2), np.nan)
     for c, camera in enumerate(rig):
         own = slice(detections.start[c, 0], detections.start[c, -1])
@@ -119,6 +122,7 @@ def read_images(detections: Detections, rig: Rig) -> Images:
     margin = np.maximum(LEAST_SD**2 - noise, 0.0) + np.where(np.isfinite(detections.area), (HIDDEN * radius) ** 2, 0.0)
     variance = noise + margin + calibration[detections.camera]  # (1)
     variance = variance + np.where(detections.merged, radius**2 / 4, 0.0)  # (2)
+    variance = variance if timing is None else variance + (timing**2).sum(1)
     cell = detections.frame * len(rig) + detections.camera
     index = index_images(uv, cell, usable, n_cells=len(rig) * detections.n_frames)
     return Images(
@@ -133,6 +137,7 @@ def read_images(detections: Detections, rig: Rig) -> Images:
         prior=2 * np.log(SEEN / ((1 - SEEN) * 2 * np.pi * clutter)),
         calibration=calibration,
         margin=margin,
+        timing=timing,
         widest=_widest(variance, index),
         stated=bool(known.any()),
         usual=usual,

@@ -46,13 +46,17 @@ def diagnose(detections: Detections, rig: Rig, result: TrackingResult) -> list[F
 
 
 def _learned_delays(rig: Rig, result: TrackingResult) -> list[Finding]:
-    """About cameras that were tracked with delays of their own."""
+    """About cameras that were tracked with times of their own."""
     ms = CameraTimes(*(1000 * each for each in result.times))
     late = [
         make_finding(
             "camera_delay_learned", cameras=[rig.names[c]], delay_ms=ms.delay[c], delay_se_ms=ms.delay_error[c]
         )
         for c in np.flatnonzero(ms.delay).tolist()
+    ]
+    late += [
+        make_finding("camera_uneven_times", cameras=[rig.names[c]], uneven_ms=ms.unsteady[c])
+        for c in np.flatnonzero(ms.unsteady).tolist()
     ]
     return late + [
         make_finding(

@@ -37,7 +37,7 @@ def diagnose_tracks(detections: Detections, rig: Rig, tracks: Tracks) -> list[Fi
         images,
         noise,
         np.zeros((0, 3)),
-        CameraTimes(*np.zeros((4, len(rig)))),
+        CameraTimes(*np.zeros((5, len(rig)))),
     )
     return [_nobody_left_out(found) for found in diagnose(detections, rig, result)]
 

@@ -18,11 +18,13 @@ jackknife's (Tukey 1958).
 A rolling shutter takes the rows of an image one after the other: with y from −1 in the first row to 1 in the last, an
 image at y is taken λ_c y later than the camera's middle row. (2) then has for each camera a second column y J_c v (4),
 and λ counts where it is significant in any.
+
+A calibration that is off moves images as well, by more than delays do where little moves. It is left open beside them
+(`timing_fit`), and what moves fast may be off by as much as delays that are not yet known.
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -31,26 +33,26 @@ from ...data.array_types import Bools, Floats, Ints
 from .associate import predict_images
 from .detection_index import Images
 from .kalman_states import KalmanStates
+from .timing_fit import PARTS, Moving, TimingFit, calibration_columns, timing_fit
+from .timing_noise import timing_noise
 from .tracker import TrackingResult
-
-PARTS = 10
-"""k of (3); chosen (see benchmarks/tracking.py)."""
 
 MIN_SHIFT = 0.5
 """px; less is what a usual calibration leaves; chosen (see benchmarks/tracking.py)."""
 
+MIN_UNEVEN_SHIFT = 1.0
+"""px, the same of a standard deviation; chosen (see benchmarks/tracking_scenes.py): sprints before calibrations 1 px
+off reach 0.98."""
+
 MIN_STANDARD_ERRORS = 5.0
 """Standard errors of a delay; chosen (see benchmarks/tracking.py)."""
 
-MAX_POINTS = 100_000
-"""Points that are looked at, at most, at even steps in time; chosen: more take memory, and the delay is known to a
-thousandth of a frame from a tenth of them."""
+MAX_PLACES = 24_000
+"""Points, times cameras, that are looked at, at most, at even steps in time; chosen: more take as long as tracking, and
+delays are known to some thousandths of a frame from as many."""
 
 MIN_POINTS = 300
 """Points from which something can be said; chosen (see benchmarks/tracking.py)."""
-
-OUTLIER = 4.0
-"""Images farther off than this many times the median are not used; they belong to something else; chosen."""
 
 MAX_VELOCITY_CHANGE = 0.5
 """Of a point's velocity: the most by which it may change in a frame; nothing else says when the point was where.
@@ -66,6 +68,8 @@ class TimeOffsets(NamedTuple):
     Attributes:
         delay, error: (C) frames, and its standard error; shift: (C) px by which that moves images that are fast.
         line, line_error, line_shift: (C) λ of (4), the same way; 0 where no camera has a rolling shutter.
+        unsteady, unsteady_error: (C) frames², the variance of the times of the camera's images (`timing_noise`), and
+        its standard error; unsteady_shift: (C) px, the standard deviation of images that are fast which that makes.
     """
 
     delay: Floats
@@ -74,6 +78,9 @@ class TimeOffsets(NamedTuple):
     line: Floats
     line_error: Floats
     line_shift: Floats
+    unsteady: Floats
+    unsteady_error: Floats
+    unsteady_shift: Floats
 
     @property
     def significant(self) -> Bools:
@@ -85,30 +92,33 @@ class TimeOffsets(NamedTuple):
         """(C) cameras whose rolling shutter is no chance, likewise."""
         return (np.abs(self.line) > MIN_STANDARD_ERRORS * self.line_error) & (self.line_shift > MIN_SHIFT)
 
-
-class Moving(NamedTuple):
-    """N points in motion: J (N, C, 2, 3) px/mm, off and flow (N, C, 2) px and px a frame, 0 where unseen; y (N, C) of
-    (4); frame (N)."""
-
-    J: Floats
-    off: Floats
-    flow: Floats
-    y: Floats
-    frame: Ints
+    @property
+    def flickering(self) -> Bools:
+        """(C) cameras the times of whose images are not even, likewise."""
+        return (self.unsteady > MIN_STANDARD_ERRORS * self.unsteady_error) & (self.unsteady_shift > MIN_UNEVEN_SHIFT)
 
 
 def time_offsets(result: TrackingResult) -> TimeOffsets:
     """The delays of the cameras of a run, by (2)."""
     C = len(result.images.P)
-    moving = _moving(result)
-    if len(moving.frame) < MIN_POINTS:
-        return TimeOffsets(*np.full((3, C), np.nan), *np.zeros((3, C)))
+    if (moving := _moving(result)) is None:
+        return TimeOffsets(*np.full((3, C), np.nan), *np.zeros((3, C)), *np.full((3, C), np.nan))
     speed = np.quantile(np.linalg.norm(moving.flow, axis=-1), FAST, axis=0)
-    delay, error = _solved(moving, rolling=False)
-    both, both_error = _solved(moving, rolling=True)
-    shift, line_shift = np.abs(both[:C]) * speed, np.abs(both[C:]) * speed
-    lines = TimeOffsets(both[:C], both_error[:C], shift, both[C:], both_error[C:], line_shift)
-    return lines if lines.rolling.any() else TimeOffsets(delay, error, np.abs(delay) * speed, *np.zeros((3, C)))
+    columns = np.stack([moving.flow, moving.flow * moving.y[..., None]], -1)  # (4)
+    fit = timing_fit(moving, columns)
+    found = _with_errors(moving, fit, speed)
+    if not found.rolling.any():
+        fit = timing_fit(moving, columns[..., :1])
+        found = _with_errors(moving, fit, speed)
+    variance, error = timing_noise(moving, fit)
+    shift = np.sqrt(np.maximum(variance, 0.0)) * speed
+    return found._replace(unsteady=variance, unsteady_error=error, unsteady_shift=shift)
+
+
+def fast_residual(result: TrackingResult) -> float:
+    """px, by which images of points in fast motion disagree beside what the calibration leaves; NaN of few points."""
+    moving = _moving(result)
+    return timing_fit(moving, np.zeros((*moving.flow.shape, 0))).fast if moving is not None else np.nan
 
 
 def row_of_images(images: Images) -> Floats:
@@ -116,16 +126,20 @@ def row_of_images(images: Images) -> Floats:
     return np.asarray(np.clip(2 * images.uv[:, 1] / images.size[images.camera, 1] - 1, -1.0, 1.0))
 
 
-def _solved(moving: Moving, *, rolling: bool) -> tuple[Floats, Floats]:
-    """(K) the solution (2) for delays, and λ where shutters may roll, and its standard errors by (3), in frames."""
-    A, b = _sums(moving, rolling)
-    C = moving.off.shape[1]
-    without = np.array([_time_offsets(A.sum(0) - A[j], b.sum(0) - b[j], C) for j in range(PARTS)])
-    return _time_offsets(A.sum(0), b.sum(0), C), without.std(0) * np.sqrt(PARTS - 1)
+def _with_errors(moving: Moving, fit: TimingFit, speed: Floats) -> TimeOffsets:
+    """What was fitted as delays, and as lines where these are wanted too, where images move at speeds (C)."""
+    still = ~(moving.flow[fit.weight > 0] != 0).any((0, 2))
+    found = np.where(still[:, None], np.nan, np.concatenate([fit.theta[None], fit.without]))  # (1 + PARTS, C, n)
+    found[..., 0] -= np.nanmedian(found[..., 0], axis=1, keepdims=True) if not still.all() else 0.0
+    error = found[1:].std(0) * np.sqrt(PARTS - 1)  # (3)
+    rows = np.array([found[0].T, error.T, np.abs(found[0].T) * speed])  # (3, n, C)
+    none = np.zeros((3, len(speed)))
+    return TimeOffsets(*rows[:, 0], *(rows[:, 1] if found.shape[-1] == 2 else none), *none)
 
 
-def _moving(result: TrackingResult) -> Moving:
-    """The points of tracks that three cameras see, with the point before and after them."""
+def _moving(result: TrackingResult) -> Moving | None:
+    """The points of tracks that three cameras see, with the point before and after them; None of fewer than
+    MIN_POINTS."""
     cloud, ids = result.tracks.cloud, result.tracks.id
     order = np.lexsort([cloud.frame, ids])
     middle, before, after = order[1:-1], order[:-2], order[2:]
@@ -136,43 +150,20 @@ def _moving(result: TrackingResult) -> Moving:
     near &= np.linalg.norm(ahead - behind, axis=1) < MAX_VELOCITY_CHANGE * np.linalg.norm(velocity, axis=1)
     point, velocity = middle[near], velocity[near]
     in_time = np.argsort(cloud.frame[point], kind="stable")
-    in_time = in_time[:: -(-len(in_time) // MAX_POINTS) or 1]
-    point, velocity = point[in_time], velocity[in_time]
-    expected = predict_images(result.images.P, KalmanStates(cloud.xyz[point].T, np.zeros((3, 3, len(point)))))
-    detection = cloud.detection[point]
-    seen = (detection >= 0)[..., None]
-    J = np.where(seen[..., None], expected.J.transpose(3, 0, 1, 2), 0.0)
-    off = np.where(seen, result.images.uv[detection] - expected.uv.transpose(2, 0, 1), 0.0)
-    y = row_of_images(result.images)[detection]
-    return Moving(J, off, (J @ velocity[:, None, :, None])[..., 0], y, cloud.frame[point])
+    in_time = in_time[:: -(-len(in_time) * len(result.images.P) // MAX_PLACES) or 1]
+    return _images_of(result, point[in_time], velocity[in_time]) if len(point) >= MIN_POINTS else None
 
 
-def _sums(moving: Moving, rolling: bool) -> tuple[Floats, Floats]:
-    """DᵀQ D (k, K, K) and DᵀQ off (k, K) of each part of the recording."""
-    far = np.linalg.norm(moving.off, axis=-1).max(1)
-    good = np.flatnonzero(far <= OUTLIER * np.median(far))
-    first = np.searchsorted(moving.frame[good], np.linspace(0, moving.frame[-1] + 1, PARTS + 1))
-    parts = [_sums_of(moving, good[begin:end], rolling) for begin, end in pairwise(first.tolist())]
-    return np.array([A for A, _ in parts]), np.array([b for _, b in parts])
-
-
-def _sums_of(moving: Moving, some: Ints, rolling: bool) -> tuple[Floats, Floats]:
-    """The same of some points: a part at a time takes a tenth of the memory."""
-    C = moving.off.shape[1]
-    columns = moving.flow[some, ..., None] * np.eye(C)[:, None]
-    if rolling:
-        columns = np.concatenate([columns, columns * moving.y[some, ..., None, None]], -1)  # (4)
-    J, off = moving.J[some].reshape(-1, 2 * C, 3), moving.off[some].reshape(-1, 2 * C)
-    D = columns.reshape(-1, 2 * C, columns.shape[-1])
-    QD = D - J @ np.linalg.solve(J.transpose(0, 2, 1) @ J, J.transpose(0, 2, 1) @ D)
-    return np.einsum("nic,nid->cd", QD, D), np.einsum("nic,ni->c", QD, off)
-
-
-def _time_offsets(A: Floats, b: Floats, C: int) -> Floats:
-    """(K) frames by (2), the delays of C cameras less their median; NaN of cameras that saw nothing move."""
-    seen = np.diag(A) > 0
-    delay = np.full(len(b), np.nan)
-    delay[seen] = np.linalg.pinv(A[np.ix_(seen, seen)], rcond=1e-6, hermitian=True) @ b[seen]
-    if seen[:C].any():
-        delay[:C] -= np.median(delay[:C][seen[:C]])
-    return delay
+def _images_of(result: TrackingResult, point: Ints, velocity: Floats) -> Moving:
+    """The images of some points (N) that move at velocities (N, 3) mm a frame."""
+    cloud, images = result.tracks.cloud, result.images
+    xyz, detection = cloud.xyz[point], cloud.detection[point]
+    expected = predict_images(images.P, KalmanStates(xyz.T, np.zeros((3, 3, len(point)))))
+    seen = detection >= 0
+    J = np.where(seen[..., None, None], expected.J.transpose(3, 0, 1, 2), 0.0)
+    uv = expected.uv.transpose(2, 0, 1)
+    off = np.where(seen[..., None], images.uv[detection] - uv, 0.0)
+    flow = (J @ velocity[:, None, :, None])[..., 0]
+    depth = xyz @ images.P[:, 2, :3].T + images.P[:, 2, 3]
+    columns = np.where(seen[..., None, None], calibration_columns(xyz, depth, uv, images.size), 0.0)
+    return Moving(J, off, flow, row_of_images(images)[detection], cloud.frame[point], seen, columns)

@@ -58,12 +58,14 @@ ADJUSTED_VARIANCE_RATIO = 0.7
 
 class CameraTimes(NamedTuple):
     """Of C cameras: delay (C) s by which they take their images later than the others, and what the last row is taken
-    later than the middle one, line (C) s, with their standard errors; 0 where nothing was found."""
+    later than the middle one, line (C) s, with their standard errors; unsteady (C) s, the standard deviation of the
+    times of their images; 0 where nothing was found."""
 
     delay: Floats
     delay_error: Floats
     line: Floats
     line_error: Floats
+    unsteady: Floats
 
 
 class TrackingResult(NamedTuple):
@@ -93,11 +95,16 @@ class TrackingResult(NamedTuple):
 
 
 def track_once(
-    detections: Detections, rig: Rig, method: Simultaneous, errors: ImageErrors, volume_margin: float | None
+    detections: Detections,
+    rig: Rig,
+    method: Simultaneous,
+    errors: ImageErrors,
+    volume_margin: float | None,
+    timing: Floats | None = None,
 ) -> TrackingResult:
-    """`track_simultaneously` with all cameras taken for synchronous."""
+    """`track_simultaneously` with all cameras taken for synchronous, but for errors `timing` (D, 2) px of `Images`."""
     T = 1 / detections.rate
-    images, noise = learn_noise(images := read_images(detections, rig), fundamentals(images.P), method.gate)
+    images, noise = learn_noise(images := read_images(detections, rig, timing), fundamentals(images.P), method.gate)
     working = _working(detections, rig, images, noise, method)
     moving, method = with_learned_motion(working.images, detections.rate, method)
     working = working._replace(images=moving)
@@ -121,7 +128,7 @@ def track_once(
         images,
         noise,
         outside,
-        CameraTimes(*np.zeros((4, len(rig)))),
+        CameraTimes(*np.zeros((5, len(rig)))),
     )
 
 
@@ -163,14 +170,23 @@ def _first_pass(
 
 
 class Solver(NamedTuple):
-    """What positions are solved from: detections and their rig, the variance (D) px² of images, their errors, and the
-    usual share of the variance that the calibration leaves in all frames."""
+    """What positions are solved from: detections and their rig, the variance (D) px² of images, their errors, the
+    usual share of the variance that the calibration leaves in all frames, and `Images.timing`."""
 
     detections: Detections
     rig: Rig
     variance: Floats
     errors: ImageErrors
     lasting: float = 0.0
+    timing: Floats | None = None
+
+    @property
+    def cov(self) -> Floats:
+        """(D, 2, 2) px² of the images."""
+        if self.timing is None:
+            return np.asarray(self.variance[:, None, None] * np.eye(2))
+        across = np.maximum(self.variance - (self.timing**2).sum(1), LEAST)
+        return np.asarray(across[:, None, None] * np.eye(2) + self.timing[:, :, None] * self.timing[:, None])
 
 
 class Working(NamedTuple):
@@ -185,7 +201,9 @@ def _solver(detections: Detections, shared: Bools, working: Working, errors: Ima
     """The solver for images (D) of which tracks share some."""
     variance = _variance(shared, working.images, working.noise)
     share = working.noise.lasting[working.images.camera] / variance
-    return Solver(detections, working.rig, variance, errors, float(np.median(share)) if len(share) else 0.0)
+    return Solver(
+        detections, working.rig, variance, errors, float(np.median(share)) if len(share) else 0.0, working.images.timing
+    )
 
 
 def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, method: Simultaneous) -> Working:
@@ -197,7 +215,7 @@ def _working(detections: Detections, rig: Rig, images: Images, noise: Noise, met
     if not len(images.by_cell.order) or (images.stated and not noise.added.any()):
         return given  # nothing seen, or images that agree as well as they say
     adjusted = adjusted_rig(given.images, rig, sampled_frames(images))
-    moved = read_images(detections, adjusted)
+    moved = read_images(detections, adjusted, images.timing)
     moved, left = learn_noise(moved, fundamentals(moved.P), method.gate)
     if np.median(moved.variance) > ADJUSTED_VARIANCE_RATIO * np.median(images.variance):
         return given
@@ -295,7 +313,7 @@ def _variance(shared: Bools, images: Images, noise: Noise) -> Floats:
 def _solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud:
     """The points of detections (C, P), one to one, with guesses (3, P) mm of their positions."""
     parts = []
-    detections = replace(solver.detections, cov=solver.variance[:, None, None] * np.eye(2))
+    detections = replace(solver.detections, cov=solver.cov)
     for first in range(0, max(len(frame), 1), AT_ONCE):
         part = slice(first, first + AT_ONCE)
         matches = Matches(frame[part], detection[:, part].T, np.zeros(len(frame[part])), detections.n_frames)

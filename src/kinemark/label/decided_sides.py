@@ -5,7 +5,7 @@ shows of its front (`anatomy`); a marker set that is symmetric and flat has neit
 guess. So all names of the left change places with those of the right at once; where that loses little, the exchanged
 body is also settled by moves of a few labels, as a pelvis turns with its legs. Where one of these labellings is better
 it is taken; where the two differ by less than two quadruples are worth, the sides are undecided: their names are as
-likely as the other way round, and the finding asks.
+likely as the other way round, and the finding asks. A name with a side that was stated decides them.
 """
 
 from __future__ import annotations
@@ -59,7 +59,8 @@ def decided_sides(stretches: Stretches, label: Ints, template: Template, pairs: 
     other, every, none = mirrored(template.names), np.arange(len(template)), np.zeros(len(label), bool)
     present = np.isin(every, label)
     paired = (other != every) & (present | present[other])
-    if not paired.any():
+    stated = np.isin(every, stretches.fixed)
+    if not paired.any() or (stated & paired).any():
         return Sides(label, none, None)
     turn, gain = _best_turn(stretches, label, template, pairs, other)
     new = np.where(label >= 0, turn[label], -1) if gain > 0 else label
@@ -73,7 +74,7 @@ def _best_turn(
     stretches: Stretches, label: Ints, template: Template, pairs: PairScore, other: Ints
 ) -> tuple[Ints, float]:
     """(L) what each label becomes on the other side, and the nats a frame that this gains: the better of two ways."""
-    exchanger, anatomy = Exchanger.of(template, pairs), Anatomy.of(template.names)
+    exchanger, anatomy = Exchanger.of(template, pairs).keeping(stretches.fixed), Anatomy.of(template.names)
     y = places(stretches, label, len(template))
     y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
 

@@ -86,7 +86,8 @@ def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairS
         if settled and tried:
             break
         if settled:
-            turn = best_moves(places(stretches, best, len(template)), Exchanger.of(template, pairs), LEAST_GAIN)
+            moves = Exchanger.of(template, pairs).keeping(stretches.fixed)
+            turn = best_moves(places(stretches, best, len(template)), moves, LEAST_GAIN)
             tried = True
             if (turn == np.arange(len(turn))).all():
                 break
@@ -138,6 +139,8 @@ def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, b
     usable = np.flatnonzero(points >= min(4, points.max(initial=1)))
     if not len(usable):
         return None
+    stated = np.isfinite(stretches.xyz[stretches.fixed >= 0, :, 0]).sum(0)[usable]
+    usable = usable[stated == stated.max()]  # all, where nothing was stated
     some = np.unique(usable[np.linspace(0, len(usable) - 1, n).round().astype(int)])
     found = [_labelled(stretches, int(k), template, pairs, order, beam) for k in some]
     return max(found, key=lambda one: one.score)
@@ -149,7 +152,10 @@ def _labelled(
     """The labelling of one frame."""
     here = np.flatnonzero(np.isfinite(stretches.xyz[:, k, 0]))
     xyz = stretches.xyz[here, k]
-    point = settle(xyz, search(xyz, pairs, order, beam), pairs)
+    fixed = stretches.fixed[here]
+    if (fixed >= 0).any():
+        order = placings(pairs, template.handed, template.sign, fixed[fixed >= 0].tolist())
+    point = settle(xyz, search(xyz, pairs, order, beam, fixed), pairs, fixed)
     labels = np.flatnonzero(point >= 0)
     score = frame_score(xyz, point, pairs, template.handed, template.sign)
     return Start(score, k, here[point[labels]], labels)

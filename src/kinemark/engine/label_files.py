@@ -14,7 +14,7 @@ from ..io.formats import endings
 from ..io.notes import FileNote, read_notes
 from ..io.track_names import TrackName
 from ..io.trial import read_trial, write_trial
-from ..label import Labels, label, named
+from ..label import Labels, Switch, label_switching, named
 from ..label.from_set import by_figure_alone
 from ..label.stated import with_stated
 from ..label.subject_template import SubjectTemplate
@@ -84,13 +84,13 @@ def label_file(
         raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
     trial = read_trial(source)
     tracks, facts = stated_tracks(trial.trajectories, stated)
-    labels = label(tracks, template.template, method=method)
+    tracks, labels, _, switches = label_switching(tracks, template.template, method=method, stated=facts)
     if labels.refused:
         raise KinemarkError(f"{source} is not labelled. {text_of(labels.refused)} {advice_of(labels.refused)}")
     labels = with_stated(by_figure_alone(labels) if template.figure_alone else labels, tracks, facts)
     done = named(tracks, labels, unsure=unsure)
     notes = (*read_notes(trial.notes), *write_trial(replace(trial, trajectories=done), target))
-    return LabelledFile(done, labels, _figures(tracks, labels, template), target, notes)
+    return LabelledFile(done, labels, _figures(tracks, labels, template, switches), target, notes)
 
 
 def label_files(
@@ -122,7 +122,9 @@ def label_files(
     return done
 
 
-def _figures(tracks: Trajectories, labels: Labels, template: SubjectTemplate) -> dict[str, Any]:
+def _figures(
+    tracks: Trajectories, labels: Labels, template: SubjectTemplate, switches: Sequence[Switch]
+) -> dict[str, Any]:
     """For a machine."""
     n = np.isfinite(tracks.xyz[..., 0]).sum(1)
     each = [
@@ -145,6 +147,9 @@ def _figures(tracks: Trajectories, labels: Labels, template: SubjectTemplate) ->
         "figure_alone": template.figure_alone,
         "missing": [name for name in template.template.names if name not in sure],
         "tracks": each,
+        "switches": [
+            {"frame": one.frame + tracks.first_frame, "before": one.before, "after": one.after} for one in switches
+        ],
     }
 
 
@@ -167,6 +172,10 @@ def label_text(found: LabelledFile) -> str:
             for one in of["unsure"]
         ),
         f"unknown:  {len(of['unknown'])} tracks",
+        *(
+            f"cut:      a track that is {one['before']}, and {one['after']} from frame {one['frame']} on"
+            for one in found.figures["switches"]
+        ),
     ]
     if found.figures["missing"]:
         lines.append(f"missing:  {', '.join(found.figures['missing'])}")

@@ -15,11 +15,14 @@ from .shredded import Change, Shredded, shredded
 from .side_pairs import sides_by_name
 from .stage import LABEL
 from .subject_template import Grown, SubjectTemplate, TemplateSource
+from .switch_score import SwitchScore, cut_truth, score_switches
+from .switching import CutLabels, Switch, label_switching
 from .template import Template, learn_template
 
 __all__ = [
     "LABEL",
     "Change",
+    "CutLabels",
     "Distances",
     "Exchanged",
     "Grown",
@@ -31,18 +34,23 @@ __all__ = [
     "Shredded",
     "SideSwap",
     "SubjectTemplate",
+    "Switch",
+    "SwitchScore",
     "Template",
     "TemplateSource",
+    "cut_truth",
     "figure_template",
     "find_exchanges",
     "find_mislabelled",
     "find_side_swaps",
     "label",
+    "label_switching",
     "learn_marker_set",
     "learn_template",
     "named",
     "reliability",
     "score_labels",
+    "score_switches",
     "shredded",
     "sides_by_name",
     "static_template",

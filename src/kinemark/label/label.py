@@ -41,7 +41,8 @@ def label(
     if not len(trajectories) or not np.isfinite(trajectories.xyz).any():
         raise KinemarkError("There are no tracks with samples to be labelled. Track the recording first.")
     method = LABEL.make() if method is None else method
-    return with_stated(LABEL.function(method)(trajectories, template, method=method, stated=stated), trajectories, stated)
+    found = LABEL.function(method)(trajectories, template, method=method, stated=stated)
+    return with_stated(found, trajectories, stated)
 
 
 def refusal(fit: float, placed: float, holds: float, *, least_fit: float, least_placed: float) -> Finding | None:

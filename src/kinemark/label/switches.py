@@ -9,20 +9,21 @@ Where another track u has the name b meanwhile, it must leave it, so that a chan
 
     G = Σ_k [ e_k(t, b) − e_k(t, a) ] + max over c ≠ b of Σ_k [ e_k(u, c) − e_k(u, b) ]                           (2)
 
-with "none" among the c, worth 0. A posture that is new pulls at single markers, but not at those whose places they would
-take. A name that is free meanwhile has nobody to speak against it, so that twice as much is asked. Within the frames of
-a change, which are looked at 15 times a second, it is placed by the evidence of every frame between them.
+with "none" among the c, worth 0. A posture that is new pulls at single markers, but not at those whose places they
+would take. A name that is free meanwhile has nobody to speak against it, so that twice as much is asked. Frames are
+looked at 15 times a second; between two of them a change is placed by the evidence of every frame.
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from ..data import Trajectories
 from ..data.array_types import Floats, Ints
-from .evidence import PairScore
+from .evidence import PairScore, Single
 from .stretches import FREE, Stretches, stretches_of
 from .sweeps import expectation, places
 from .template import Template
@@ -63,7 +64,7 @@ def find_turns(tracks: Trajectories, label: Ints, template: Template, fixed: Int
     return found
 
 
-def _turns(nats: Floats, t: int, rows: Ints, label: Ints, least: Floats) -> list[Turn]:
+def _turns(nats: Single, t: int, rows: Ints, label: Ints, least: Floats) -> list[Turn]:
     """The changes of a track that gain enough."""
     own = nats[t, rows]
     whole = int(own.sum(0).argmax())
@@ -71,14 +72,14 @@ def _turns(nats: Floats, t: int, rows: Ints, label: Ints, least: Floats) -> list
         return []
     sequence = best_sequence(own, COST)
     ends = [0, *(np.flatnonzero(np.diff(sequence)) + 1).tolist(), len(rows)]
-    for a, b in zip(ends[:-1], ends[1:], strict=True):
+    for a, b in pairwise(ends):
         to = int(sequence[a])
         if to != whole and not _gains(nats, t, rows[a:b], whole, to, label, least):
             sequence[a:b] = whole
     return [Turn(int(rows[k]), int(sequence[k - 1]), int(sequence[k])) for k in np.flatnonzero(np.diff(sequence)) + 1]
 
 
-def _gains(nats: Floats, t: int, rows: Ints, was: int, to: int, label: Ints, least: Floats) -> bool:
+def _gains(nats: Single, t: int, rows: Ints, was: int, to: int, label: Ints, least: Floats) -> bool:
     """Whether a track is another marker in these rows, by (2)."""
     own = nats[t, rows]
     if own[:, to].mean() < least[to]:
@@ -94,7 +95,7 @@ def _gains(nats: Floats, t: int, rows: Ints, was: int, to: int, label: Ints, lea
     return gain - lost >= COST and lost < OTHERS * gain
 
 
-def frame_evidence(stretches: Stretches, label: Ints, pairs: PairScore) -> Floats:
+def frame_evidence(stretches: Stretches, label: Ints, pairs: PairScore) -> Single:
     """(T, K, L) nats of each track as each label in each frame, by all that is labelled; NaN where it is not seen."""
     L = len(pairs.distance)
     labelled = places(stretches, label, L)
@@ -105,7 +106,7 @@ def frame_evidence(stretches: Stretches, label: Ints, pairs: PairScore) -> Float
     return out
 
 
-def best_sequence(nats: Floats, cost: float) -> Ints:
+def best_sequence(nats: Single, cost: float) -> Ints:
     """(n) labels by (1), from the evidence (n, L)."""
     n, L = nats.shape
     back = np.zeros((n, L), np.int64)
@@ -122,9 +123,7 @@ def best_sequence(nats: Floats, cost: float) -> Ints:
     return out
 
 
-def _frame_of(
-    tracks: Trajectories, stretches: Stretches, t: int, turn: Turn, label: Ints, pairs: PairScore
-) -> int:
+def _frame_of(tracks: Trajectories, stretches: Stretches, t: int, turn: Turn, label: Ints, pairs: PairScore) -> int:
     """The frame of a change: the one before which the old label and from which on the new one has most evidence."""
     rows = np.flatnonzero(np.isfinite(stretches.xyz[t, :, 0]))
     at = int(np.searchsorted(rows, turn.row))

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..data import MarkerTrajectory, Origin, Trajectories
+from ..data import Origin, Trajectories
 from ..data.array_types import Ints
 from .label import label
 from .labels import Labels
@@ -92,22 +92,12 @@ def cut(tracks: Trajectories, cuts: set[tuple[int, int]]) -> tuple[Trajectories,
     paths, of = [], []
     for t, path in enumerate(tracks):
         ends = sorted(frame for one, frame in cuts if one == t)
-        pieces = [_only(path, a, b) for a, b in zip([0, *ends], [*ends, len(path.xyz)], strict=True)]
-        some = [piece for piece in pieces if np.isfinite(piece.xyz).any()] or [path]
-        named = [path] if len(some) == 1 else [replace(p, name=f"{path.name} ({k})") for k, p in enumerate(some, 1)]
-        paths += named
-        of += [t] * len(named)
+        part = np.searchsorted(ends, np.arange(len(path)), side="right")
+        seen = np.unique(part[path.origin != Origin.MISSING]).tolist()
+        pieces = [replace(path.only(part == k), name=f"{path.name} ({i})") for i, k in enumerate(seen, 1)]
+        paths += pieces if len(pieces) > 1 else [path]
+        of += [t] * max(len(pieces), 1)
     return replace(tracks, paths=tuple(paths)), np.array(of, np.int64)
-
-
-def _only(path: MarkerTrajectory, first: int, stop: int) -> MarkerTrajectory:
-    """The samples of frames first … stop − 1."""
-    if (first, stop) == (0, len(path.xyz)):
-        return path
-    frame = np.arange(len(path.xyz))
-    own = (frame >= first) & (frame < stop)
-    origin = np.where(own, path.origin, np.uint8(Origin.MISSING)).astype(path.origin.dtype)
-    return replace(path, xyz=np.where(own[:, None], path.xyz, np.nan), origin=origin)
 
 
 def _switches(now: Trajectories, of: Ints, labels: Labels, cuts: set[tuple[int, int]]) -> tuple[Switch, ...]:

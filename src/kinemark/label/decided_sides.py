@@ -5,7 +5,8 @@ shows of its front (`anatomy`); a marker set that is symmetric and flat has neit
 guess. So all names of the left change places with those of the right at once; where that loses little, the exchanged
 body is also settled by moves of a few labels, as a pelvis turns with its legs. Where one of these labellings is better
 it is taken; where the two differ by less than two quadruples are worth, the sides are undecided: their names are as
-likely as the other way round, and the finding asks. A name with a side that was stated decides them.
+likely as the other way round, and the finding asks. Names that
+were stated stay where they are, so that the rest of the body decides by them.
 """
 
 from __future__ import annotations
@@ -56,11 +57,13 @@ def decided_sides(stretches: Stretches, label: Ints, template: Template, pairs: 
     Args:
         label: (T) of the trial, −1 for none.
     """
-    other, every, none = mirrored(template.names), np.arange(len(template)), np.zeros(len(label), bool)
+    every, none = np.arange(len(template)), np.zeros(len(label), bool)
+    other = mirrored(template.names)
+    stated = np.isin(every, stretches.fixed)
+    other = np.where(stated | stated[other], every, other)
     present = np.isin(every, label)
     paired = (other != every) & (present | present[other])
-    stated = np.isin(every, stretches.fixed)
-    if not paired.any() or (stated & paired).any():
+    if not paired.any():
         return Sides(label, none, None)
     turn, gain = _best_turn(stretches, label, template, pairs, other)
     new = np.where(label >= 0, turn[label], -1) if gain > 0 else label

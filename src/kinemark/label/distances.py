@@ -18,7 +18,7 @@ from .held import held
 from .label import refusal, state_of
 from .labels import Labels
 from .margin import Margins, margins, probability
-from .solve import solve
+from .solve import solve, solve_with_facts
 from .stage import LABEL
 from .stated import anchored, fixed_labels
 from .stretches import FREE, Stretches, stretches_of
@@ -59,7 +59,7 @@ def label_by_distances(
     fixed = fixed_labels(trajectories, template, stated)
     stretches = stretches_of(trajectories, template.size, fixed)
     pairs = PairScore.of_template(template)
-    found = solve(
+    found = (solve if (fixed == FREE).all() else solve_with_facts)(
         stretches, template, pairs,
         key_frames=method.key_frames, beam=method.beam, least_fit=method.least_track_fit,
     )  # fmt: skip

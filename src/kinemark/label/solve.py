@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from .evidence import PairScore
 from .exchange import Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
 from .pool import pooled
-from .stretches import Stretches
+from .stretches import FREE, Stretches
 from .sweeps import evidence, expectation, outwards, places, sweep, total_score
 from .template import Template
 
@@ -73,6 +74,23 @@ def solve(
         found = _pooled(stretches, label, template, pairs, least_fit)
     after = found.after or pairs
     return found._replace(label=np.where(_doubtful(stretches, found.label, pairs, after), -1, found.label))
+
+
+def solve_with_facts(
+    stretches: Stretches, template: Template, pairs: PairScore, *, key_frames: int, beam: int, least_fit: float
+) -> Solution:
+    """The better of two labellings with what was stated: of a search that begins with it, and of one without it.
+
+    Labels that were stated do not change places, so that the first alone would miss what exchanges find.
+    """
+    options: dict[str, Any] = {"key_frames": key_frames, "beam": beam, "least_fit": least_fit}
+    own = solve(stretches, template, pairs, **options)
+    plain = solve(replace(stretches, fixed=np.full(len(stretches), FREE)), template, pairs, **options)
+    other = _settled(stretches, sweep(stretches, plain.label, pairs, least_fit), template, pairs, least_fit)
+    score, expected = total_score(stretches, other, pairs)
+    if score <= total_score(stretches, own.label, pairs)[0]:
+        return own
+    return Solution(other, score, expected, plain.after)
 
 
 def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, least_fit: float) -> Ints:
@@ -153,9 +171,11 @@ def _labelled(
     here = np.flatnonzero(np.isfinite(stretches.xyz[:, k, 0]))
     xyz = stretches.xyz[here, k]
     fixed = stretches.fixed[here]
+    orders = [order]
     if (fixed >= 0).any():
-        order = placings(pairs, template.handed, template.sign, fixed[fixed >= 0].tolist())
-    point = settle(xyz, search(xyz, pairs, order, beam, fixed), pairs, fixed)
+        orders.append(placings(pairs, template.handed, template.sign, fixed[fixed >= 0].tolist()))
+    points = [settle(xyz, search(xyz, pairs, one, beam, fixed), pairs, fixed) for one in orders]
+    scores = [frame_score(xyz, point, pairs, template.handed, template.sign) for point in points]
+    point, score = points[int(np.argmax(scores))], max(scores)
     labels = np.flatnonzero(point >= 0)
-    score = frame_score(xyz, point, pairs, template.handed, template.sign)
     return Start(score, k, here[point[labels]], labels)

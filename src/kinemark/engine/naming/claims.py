@@ -63,13 +63,9 @@ def claimed_tracks(
 
 
 def _parts(path: MarkerTrajectory, own: Ints) -> Ints:
-    """(F) the piece of each sample, −1 where there is none: a claim's are one, and so are those between two claims."""
-    seen = np.flatnonzero(path.origin != Origin.MISSING)
-    turns = np.r_[True, np.diff(own[seen]) != 0] if len(seen) else np.zeros(0, bool)
-    free = len(own) + np.cumsum(turns)
-    out = np.full(len(own), -1)
-    out[seen] = np.where(own[seen] >= 0, own[seen], free)
-    return out
+    """(F) the piece of each sample, −1 where there is none: those of a claim are one, and so is the rest."""
+    seen = path.origin != Origin.MISSING
+    return np.where(seen, np.where(own >= 0, own + 1, 0), -1)
 
 
 def _latest(tracks: Trajectories, claims: Sequence[Claim], claim: dict[str, int]) -> dict[str, int]:

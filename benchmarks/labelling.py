@@ -187,7 +187,10 @@ def cut_result(row: Row, pieces: int, seed: int, *, exchanged: bool = True) -> C
     how = {key: (n + 1) // 2 if few else n for key, n in EXCHANGES.items()} if exchanged else {}
     parts = shredded(row.trial, pieces, 2.0, seed, **how)
     found = label_switching(parts.tracks, row.template)
-    before, after = label(parts.tracks, row.template), score_labels(found.labels, cut_truth(found, parts), names_of(row))
+    before, after = (
+        label(parts.tracks, row.template),
+        score_labels(found.labels, cut_truth(found, parts), names_of(row)),
+    )
     return Cut(score_switches(found, parts), score_labels(before, parts, names_of(row)), after)
 
 

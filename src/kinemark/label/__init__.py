@@ -15,6 +15,7 @@ from .shredded import Change, Shredded, shredded
 from .side_pairs import sides_by_name
 from .stage import LABEL
 from .subject_template import Grown, SubjectTemplate, TemplateSource
+from .subjects import SubjectLabels, label_subjects
 from .switch_score import SwitchScore, cut_truth, score_switches
 from .switching import CutLabels, Switch, label_switching
 from .template import Template, learn_template
@@ -33,6 +34,7 @@ __all__ = [
     "Reliability",
     "Shredded",
     "SideSwap",
+    "SubjectLabels",
     "SubjectTemplate",
     "Switch",
     "SwitchScore",
@@ -44,6 +46,7 @@ __all__ = [
     "find_mislabelled",
     "find_side_swaps",
     "label",
+    "label_subjects",
     "label_switching",
     "learn_marker_set",
     "learn_template",

@@ -36,9 +36,8 @@ def test_tracks_of_two_subjects_have_their_own_subjects_names(n, size, pieces, s
     sure = np.array([state == "sure" for state in found.labels.state])
     right = np.array([a == b and a is not None for a, b in zip(found.labels.names, parts.truth, strict=True)])
     real = np.array([name is not None for name in parts.truth])
-    assert seen[sure & ~right].sum() == 0 and seen[sure & right].sum() / seen[real].sum() > (
-        0.99 if pieces == 1 else 0.9
-    )
+    share = seen[sure & right].sum() / seen[real].sum()
+    assert seen[sure & ~right].sum() == 0 and share > (0.99 if pieces == 1 else 0.9)
 
 
 def test_twins_are_not_told_apart_and_none_of_their_names_is_sure():

@@ -14,6 +14,7 @@ from kinemark.label import (
     find_mislabelled,
     find_side_swaps,
     label,
+    label_subjects,
     label_switching,
     learn_marker_set,
     learn_template,
@@ -153,7 +154,7 @@ def _(by):
     return Answer(rest=kinemark.score(moved(tracks(), by), walk().xyz[:, :60] + by))
 
 
-@law(learn_template, label, label_switching, named, find_exchanges, share=1e-6)
+@law(learn_template, label, label_switching, label_subjects, named, find_exchanges, share=1e-6)
 def _(by):
     """Places are float32 about one of the points."""
     learnt, seen = learn_template(moved(trial(gaps=False), by)), moved(trial(), by)
@@ -161,7 +162,8 @@ def _(by):
     first, second = seen.paths[:2]
     turned = replace(first, name=second.name), replace(second, name=first.name), *seen.paths[2:]
     cut = label_switching(seen, learnt)
-    rest = learnt, found, cut.labels, cut.switches, find_exchanges(replace(seen, paths=turned), learnt)
+    whose = label_subjects(seen, {"A": learnt}).labels
+    rest = learnt, found, cut.labels, cut.switches, whose, find_exchanges(replace(seen, paths=turned), learnt)
     return Answer(named(seen, found).xyz, rest)
 
 

@@ -18,7 +18,7 @@ import argparse
 import os
 import time
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
@@ -162,9 +162,9 @@ def metrics() -> list[Metric]:
             out.append(Metric(f"frames all right, {name}", 100 * one.frames, "%", "more", absolute=5.0))
             out.append(Metric(f"ghosts named, {name}", 100 * one.ghosts, "%", "less", absolute=0.5))
     for row in checked:
-        one = cut_result(row, 1, 1).switches
-        out.append(Metric(f"exchanges cut, {row.name}", 100 * one.found / one.of, "%", "more", absolute=0.5))
-        out.append(Metric(f"false cuts, {row.name}", one.false, "", "less"))
+        cuts = cut_result(row, 1, 1).switches
+        out.append(Metric(f"exchanges cut, {row.name}", 100 * cuts.found / cuts.of, "%", "more", absolute=0.5))
+        out.append(Metric(f"false cuts, {row.name}", cuts.false, "", "less"))
     p, good = (np.concatenate([getattr(one, key) for one in scores]) for key in ("probability", "good"))
     return [*out, Metric("Brier score of probabilities", float(((p - good) ** 2).mean()), "1", "less", absolute=0.002)]
 
@@ -184,7 +184,7 @@ EXCHANGES = {"exchanges": 2, "returns": 1, "takeovers": 2}
 def cut_result(row: Row, pieces: int, seed: int, *, exchanged: bool = True) -> Cut:
     """One row whose tracks go over to other markers, labelled as they are, and cut; or whole tracks, as a check."""
     few = len(row.template) < 20
-    how = {key: (n + 1) // 2 if few else n for key, n in EXCHANGES.items()} if exchanged else {}
+    how: dict[str, Any] = {key: (n + 1) // 2 if few else n for key, n in EXCHANGES.items()} if exchanged else {}
     parts = shredded(row.trial, pieces, 2.0, seed, **how)
     found = label_switching(parts.tracks, row.template)
     before, after = (

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...data import Detections, MarkerTrajectory, Origin, Trajectories
-from ...data.array_types import Ints
+from ...data.array_types import Bools, Ints
 from ...data.edits import Claim, live
 from ...edit.claims import claim_of_each
 from ..journal import Journal
@@ -36,22 +36,23 @@ def claims_of(root: Path, trial: str) -> tuple[Claim, ...]:
 
 
 def claimed_tracks(
-    tracks: Trajectories, claims: Sequence[Claim], detections: Detections, *, world: str
+    tracks: Trajectories, claims: Sequence[Claim], detections: Detections | None, *, world: str
 ) -> ClaimedTracks:
     """Tracks and what was claimed of them.
 
     Of two pieces seen at once of which the same name was claimed, the later claim counts.
 
     Args:
-        tracks: of a trial. detections: behind their samples. world: key of the cameras.
+        tracks: of a trial. detections: behind their samples, None for files alone. world: key of the cameras.
     """
     if not claims or not len(tracks):
         return ClaimedTracks(tracks, {})
     of = claim_of_each(tracks, claims, detections, world=world)
+    named = np.array([one.name is not None for one in claims], bool)
     paths: list[MarkerTrajectory] = []
     claim: dict[str, int] = {}
     for path, own in zip(tracks, of, strict=True):
-        part = _parts(path, own)
+        part = _parts(path, own, named)
         for i, k in enumerate(pieces := np.unique(part[part >= 0]).tolist(), 1):
             name = path.name if len(pieces) == 1 else f"{path.name} ({i})"
             paths.append(replace(path.only(part == k), name=name))
@@ -62,10 +63,16 @@ def claimed_tracks(
     return ClaimedTracks(cut, {name: claims[k].name for name, k in _latest(cut, claims, claim).items()})
 
 
-def _parts(path: MarkerTrajectory, own: Ints) -> Ints:
-    """(F) the piece of each sample, −1 where there is none: those of a claim are one, and so is the rest."""
+def _parts(path: MarkerTrajectory, own: Ints, named: Bools) -> Ints:
+    """(F) the piece of each sample, −1 where there is none: those of a claim are one, and so is what is between two.
+
+    A claim of no marker, of which `named` (K) is false, does not part what is before and after it.
+    """
     seen = path.origin != Origin.MISSING
-    return np.where(seen, np.where(own >= 0, own + 1, 0), -1)
+    claimed = own >= 0
+    parting = claimed & named[np.maximum(own, 0)]
+    free = len(named) + np.cumsum(np.diff(parting.astype(int), prepend=0) == 1)
+    return np.where(seen, np.where(claimed, own, free), -1)
 
 
 def _latest(tracks: Trajectories, claims: Sequence[Claim], claim: dict[str, int]) -> dict[str, int]:

@@ -1,6 +1,7 @@
 """Labelled trials without their names, whole or in pieces, among ghosts: which names come back, and how sure.
 
     python benchmarks/labelling.py [part of a row's name …] [--pieces 1 15] [--seeds 1 2]    the table
+    python benchmarks/labelling.py --exchanges    tracks that go over from one marker to another: found, cut and named
     python benchmarks/labelling.py --varied [--seeds 1 2]    all rows, shredded in many ways
     python benchmarks/labelling.py --fit    the coefficients of `label.margin`, from the rows that are tuned on
 
@@ -17,7 +18,7 @@ import argparse
 import os
 import time
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
@@ -27,7 +28,20 @@ from labelling_cases import VARIED, Row, Shredding, more_rows, rows, walkers
 from metrics import Metric
 from numpy.typing import NDArray
 
-from kinemark.label import Distances, Labels, LabelScore, Shredded, label, reliability, score_labels, shredded
+from kinemark.label import (
+    Distances,
+    Labels,
+    LabelScore,
+    Shredded,
+    SwitchScore,
+    cut_truth,
+    label,
+    label_switching,
+    reliability,
+    score_labels,
+    score_switches,
+    shredded,
+)
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import label_features, margins, track_features
 from kinemark.label.solve import solve
@@ -147,10 +161,62 @@ def metrics() -> list[Metric]:
             out.append(Metric(f"wrong, {name}", 100 * one.wrong, "%", "less", absolute=0.05))
             out.append(Metric(f"frames all right, {name}", 100 * one.frames, "%", "more", absolute=5.0))
             out.append(Metric(f"ghosts named, {name}", 100 * one.ghosts, "%", "less", absolute=0.5))
+    for row in checked:
+        cuts = cut_result(row, 1, 1).switches
+        out.append(Metric(f"exchanges cut, {row.name}", 100 * cuts.found / cuts.of, "%", "more", absolute=0.5))
+        out.append(Metric(f"false cuts, {row.name}", cuts.false, "", "less"))
     p, good = (np.concatenate([getattr(one, key) for one in scores]) for key in ("probability", "good"))
     return [*out, Metric("Brier score of probabilities", float(((p - good) ** 2).mean()), "1", "less", absolute=0.002)]
 
 
+class Cut(NamedTuple):
+    """Of one row with exchanges: cuts; labels without and with cutting."""
+
+    switches: SwitchScore
+    before: LabelScore
+    after: LabelScore
+
+
+EXCHANGES = {"exchanges": 2, "returns": 1, "takeovers": 2}
+"""Pairs of markers whose tracks are exchanged, for good, for a while, or taken over; half as many of 15 markers."""
+
+
+def cut_result(row: Row, pieces: int, seed: int, *, exchanged: bool = True) -> Cut:
+    """One row whose tracks go over to other markers, labelled as they are, and cut; or whole tracks, as a check."""
+    few = len(row.template) < 20
+    how: dict[str, Any] = {key: (n + 1) // 2 if few else n for key, n in EXCHANGES.items()} if exchanged else {}
+    parts = shredded(row.trial, pieces, 2.0, seed, **how)
+    found = label_switching(parts.tracks, row.template)
+    before, after = (
+        label(parts.tracks, row.template),
+        score_labels(found.labels, cut_truth(found, parts), names_of(row)),
+    )
+    return Cut(score_switches(found, parts), score_labels(before, parts, names_of(row)), after)
+
+
+def names_of(row: Row) -> tuple[str, ...]:
+    """That the row's template can know."""
+    return row.template.names if row.fits else ()
+
+
+def cut_table(chosen: Sequence[Row], pieces: Sequence[int], seeds: Sequence[int]) -> None:
+    """A line each: cut to within five frames, cut wrongly, and wrongly of the same trial without exchanges."""
+    head = ("cut", "of", "false", "of whole", "right", "→", "wrong", "→", "best r.", "→", "best w.", "→")
+    print(f"{'':46s}{'':>4s}" + "".join(f"{one:>9s}" for one in head))
+    total = np.zeros(4, int)
+    for row in chosen:
+        for n in pieces:
+            for seed in seeds:
+                one, plain = cut_result(row, n, seed), cut_result(row, n, seed, exchanged=False)
+                counts = (*one.switches, plain.switches.false)
+                total += counts
+                shares = [100 * getattr(s, key) for key in CUT_SHARES for s in (one.before, one.after)]
+                figures = "".join(f"{k:9d}" for k in counts) + "".join(f"{x:9.2f}" for x in shares)
+                print(f"{row.name:46s}{'×' + str(n):>4s}{figures}", flush=True)
+    print(f"{'':46s}{'':>4s}" + "".join(f"{k:9d}" for k in total))
+
+
+CUT_SHARES = ("right", "wrong", "best_right", "best_wrong")
 HEAD = ("right", "wrong", "unsure", "ghosts", "best r.", "best w.", "frames")
 
 
@@ -180,6 +246,7 @@ def main() -> None:
     parser.add_argument("--pieces", type=int, nargs="*", default=[1, 15])
     parser.add_argument("--seeds", type=int, nargs="*", default=[1])
     parser.add_argument("--varied", action="store_true")
+    parser.add_argument("--exchanges", action="store_true")
     parser.add_argument("--fit", action="store_true")
     asked = parser.parse_args()
     every = [*rows(), *(more_rows() if asked.varied or asked.fit else ())]
@@ -187,6 +254,8 @@ def main() -> None:
     if asked.fit:
         for name, beta in zip(("BETA_TRACK", "BETA_LABEL"), fitted([row for row in chosen if row.tuned]), strict=True):
             print(name, "=", tuple(np.round(beta, 2).tolist()))
+    elif asked.exchanges:
+        cut_table([row for row in chosen if row.fits], asked.pieces, asked.seeds)
     elif asked.varied:
         table([(row, VARIED[(k + 3) % len(VARIED)]) for k, row in enumerate(chosen)], asked.seeds)
     else:

@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from kinemark.data import MarkerTrajectory
 from kinemark.label import Labels, LabelScore, reliability, score_labels, shredded
-from kinemark.label.shredded import GHOSTS
+from kinemark.label.shredded import GHOSTS, Change
 from kinemark.synth import walking, with_markers
 
 
@@ -27,21 +28,31 @@ def named_as(truth, names, p=1.0):
     return Labels(tuple(names), p * has, states, (None,) * n, np.where(has, 1.0, np.nan), 1.0, 1.0)
 
 
-@pytest.mark.parametrize("how", [{}, {"pieces": 7}, {"pieces": 3, "exchanges": 3}, {"at_gaps": True, "ghosts": 4.0}])
+@pytest.mark.parametrize(
+    "how",
+    [
+        {},
+        {"pieces": 7},
+        {"pieces": 3, "exchanges": 3},
+        {"at_gaps": True, "ghosts": 4.0},
+        {"exchanges": 1, "returns": 2, "takeovers": 2},
+    ],
+)
 def test_every_sample_is_there_once_under_its_own_name(how):
     parts = shredded(walk(), seed=4, **how)
     back = {name: np.full((100, 3), np.nan) for name in walk().names}
     for t, (path, first) in enumerate(zip(parts.tracks, parts.truth, strict=True)):
-        change = parts.changes.get(t)
-        stop = 100 if change is None else change.frame
-        for rows, name in ((slice(0, stop), first), (slice(stop, 100), change.marker if change else None)):
+        marks = (Change(0, first), *parts.changes.get(t, ()), Change(100, None))
+        for (start, name), (stop, _) in pairwise(marks):
+            rows = slice(start, stop)
             if name is not None:
                 seen = np.isfinite(path.xyz[rows, 0])
                 assert np.isnan(back[name][rows][seen]).all()
                 back[name][rows][seen] = path.xyz[rows][seen]
     for name in walk().names:
         np.testing.assert_array_equal(back[name], walk()[name].xyz)
-    assert len(parts.changes) == 2 * how.get("exchanges", 0)
+    several = [how.get(kind, 0) for kind in ("exchanges", "returns", "takeovers")]
+    assert sum(len(one) for one in parts.changes.values()) == np.dot(several, (2, 4, 1))
 
 
 def test_the_same_seed_gives_the_same_tracks_and_another_others():
@@ -100,7 +111,7 @@ def test_the_truth_scores_one_and_each_kind_of_error_is_counted_where_it_belongs
 def test_a_track_that_changes_its_marker_is_right_only_where_it_is():
     parts = shredded(walk(), 1, 0.0, 6, exchanges=1)
     first = score_labels(named_as(parts, parts.truth), parts, walk().names)
-    after = sum(100 - one.frame for one in parts.changes.values()) / np.isfinite(parts.tracks.xyz[..., 0]).sum()
+    after = sum(100 - one.frame for (one,) in parts.changes.values()) / np.isfinite(parts.tracks.xyz[..., 0]).sum()
     assert first.wrong == pytest.approx(after, rel=0.05) and first.sure_wrong == pytest.approx(2 / 15)
     assert 0 < first.frames < 1
 

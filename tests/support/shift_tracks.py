@@ -14,6 +14,8 @@ from kinemark.label import (
     find_mislabelled,
     find_side_swaps,
     label,
+    label_subjects,
+    label_switching,
     learn_marker_set,
     learn_template,
     named,
@@ -152,14 +154,17 @@ def _(by):
     return Answer(rest=kinemark.score(moved(tracks(), by), walk().xyz[:, :60] + by))
 
 
-@law(learn_template, label, named, find_exchanges, share=1e-6)
+@law(learn_template, label, label_switching, label_subjects, named, find_exchanges, share=1e-6)
 def _(by):
     """Places are float32 about one of the points."""
     learnt, seen = learn_template(moved(trial(gaps=False), by)), moved(trial(), by)
     found = label(seen, learnt)
     first, second = seen.paths[:2]
     turned = replace(first, name=second.name), replace(second, name=first.name), *seen.paths[2:]
-    return Answer(named(seen, found).xyz, (learnt, found, find_exchanges(replace(seen, paths=turned), learnt)))
+    cut = label_switching(seen, learnt)
+    whose = label_subjects(seen, {"A": learnt}).labels
+    rest = learnt, found, cut.labels, cut.switches, whose, find_exchanges(replace(seen, paths=turned), learnt)
+    return Answer(named(seen, found).xyz, rest)
 
 
 @law(learn_marker_set, static_template, find_side_swaps, find_mislabelled, share=1e-6)

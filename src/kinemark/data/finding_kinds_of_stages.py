@@ -17,6 +17,8 @@ LABELLING = (
     Kind("markers_not_found", "label", "amber", "Markers of the template that no track is, not even probably."),
     Kind("ghosts_removed", "label", "info", "Tracks that were taken for no markers, as most of their images are those "
          "of named ones.", {"tracks": "count"}),
+    Kind("tracks_switched", "label", "info", "Tracks that went over from one marker to another, and were cut there.",
+         {"switches": "count"}),
     Kind("stated_names_lost", "label", "amber", "Names that were stated of places where no track is.",
          {"statements": "count"}),
     Kind("trial_contradicts_template", "label", "amber", "Markers of a labelled trial sit elsewhere than its subject's "

@@ -93,6 +93,17 @@ class MarkerTrajectory:
         names = ("xyz", "cov", "origin", "residual", "cameras", "detection")
         return replace(self, **{name: getattr(self, name)[first:stop] for name in names})
 
+    def only(self, rows: NDArray[np.bool_]) -> MarkerTrajectory:
+        """The samples of some frames (F); the others are missing, with all that was known of them."""
+        blank = {
+            "xyz": np.nan, "cov": np.nan, "origin": Origin.MISSING, "residual": np.nan, "cameras": 0, "detection": -1
+        }  # fmt: skip
+        columns = {}
+        for name, value in blank.items():
+            columns[name] = getattr(self, name).copy()
+            columns[name][~rows] = value
+        return replace(self, **columns)
+
 
 def camera_bits(detection: NDArray[np.int64]) -> NDArray[np.uint32]:
     """(F) bit c is set where camera c of the first 32 has an image in `detection` (F, C)."""

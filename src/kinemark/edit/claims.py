@@ -73,6 +73,14 @@ def with_claims(
     return Claimed(_renamed(trajectories, claims, of, kept), asked, found, samples, changed)
 
 
+def claim_of_each(
+    trajectories: Trajectories, claims: Sequence[Claim], detections: Detections | None, *, world: str = ""
+) -> Ints:
+    """(P, F) the claim, by its place among all, that speaks of each sample; −1 for none. Arguments as `with_claims`."""
+    said = votes([claim.where for claim in claims], trajectories, detections, world=world)
+    return _owners(trajectories, claims, said, detections)[0]
+
+
 def _owners(
     trajectories: Trajectories, claims: Sequence[Claim], said: Votes, detections: Detections | None
 ) -> tuple[Ints, Floats]:

@@ -101,6 +101,7 @@ def replay(
     detections: Detections | None = None,
     rig: Rig | None = None,
     world: str = "",
+    facts: bool = False,
 ) -> Edited:
     """The trial with all entries that count.
 
@@ -109,13 +110,14 @@ def replay(
         entries: of the journal, undone ones among them.
         detections, rig: behind the samples; None for a file without.
         world: key of the cameras in whose world the trial is; claims made in another one are found by images alone.
+        facts: the claims were facts by which the markers were named, so that they hold where they change nothing.
     """
     said = [(entry.id, edit) for entry in live(entries) for edit in entry.edits]
     claims = [edit for _, edit in said if isinstance(edit, Claim)]
     claimed = with_claims(trajectories, claims, detections, world=world)
     of = Footage(trajectories.first_frame, trajectories.rate, detections, rig, world)
     changing = _Markers(claimed.trajectories, of)
-    outcome = iter([_claim_outcome(claimed, k) for k in range(len(claims))])
+    outcome = iter([_claim_outcome(claimed, k, facts) for k in range(len(claims))])
     applied = []
     for number, edit in said:
         if isinstance(edit, Claim):
@@ -129,7 +131,7 @@ def replay(
     return Edited(changing.trajectories, tuple(found), reviewed)
 
 
-def _claim_outcome(claimed: Claimed, k: int) -> tuple[Outcome, float, int, str]:
+def _claim_outcome(claimed: Claimed, k: int, facts: bool) -> tuple[Outcome, float, int, str]:
     """Outcome, share of witnesses found, samples, and reason of claim k."""
     asked, found, samples = int(claimed.asked[k]), int(claimed.found[k]), int(claimed.samples[k])
     share = found / asked if asked else 0.0
@@ -141,7 +143,7 @@ def _claim_outcome(claimed: Claimed, k: int) -> tuple[Outcome, float, int, str]:
         return "overruled", share, 0, "later claims have all of its samples"
     if share < ENOUGH:
         return "thin", share, samples, f"only {found} of its {asked} witnesses are on a path now"
-    if not claimed.changed[k]:
+    if not claimed.changed[k] and not facts:
         return "moot", share, samples, "it is called so without it"
     return "held", share, samples, ""
 

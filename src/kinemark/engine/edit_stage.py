@@ -150,8 +150,16 @@ def _compute(
     """The stage: replay."""
     check_methods([edit for entry in entries for edit in entry.edits])
     rig = inputs.rig
-    edited = replay(named(inputs, records), entries, detections=records["detect"], rig=rig, world=world_key(rig))
+    edited = replay(
+        named(inputs, records), entries, detections=records["detect"], rig=rig, world=world_key(rig),
+        facts=claims_are_facts(records),
+    )  # fmt: skip
     return EditRecord(edited, faults)
+
+
+def claims_are_facts(records: Records) -> bool:
+    """Whether markers were named by what people claimed."""
+    return "label" in records and bool(records["label"].figures.get("claimed"))
 
 
 def _save(path: Path, record: EditRecord) -> None:

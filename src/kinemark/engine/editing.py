@@ -38,9 +38,10 @@ from ..edit.values import Footage, solve
 from ..geometry import project
 from ..io.trial import read_trial
 from ..track.simultaneous import AmbiguousDecision
-from .edit_stage import applied_entries, check_methods
+from .edit_stage import applied_entries, check_methods, claims_are_facts
 from .journal import Journal
 from .keys import world_key
+from .naming.claims import claims_of
 from .open_trial import OpenTrial
 from .trial_inputs import measured_of
 
@@ -68,6 +69,7 @@ class Editing:
         trajectories: before all edits; detections, rig: behind them, None for a file without.
         by: who edits; the user of the machine where empty.
         source: the file's trial; None of a session's. decisions: of the tracking that were close.
+        facts: the claims by which the markers were named.
     """
 
     name: str
@@ -78,6 +80,7 @@ class Editing:
     by: str = ""
     source: Trial | None = None
     decisions: tuple[AmbiguousDecision, ...] = ()
+    facts: tuple[Claim, ...] = ()
 
     @classmethod
     def of_trial(cls, trial: OpenTrial, *, by: str = "") -> Editing:
@@ -89,9 +92,17 @@ class Editing:
         done, inputs, records = trial.before_edits()
         journal = Journal.of(trial.workspace.root, trial.name)
         decisions = records["track"].ambiguous_decisions
+        facts = claims_of(trial.workspace.root, trial.name) if claims_are_facts(records) else ()
         return cls(
-            done.name, journal, measured_of(inputs, records), records["detect"], inputs.rig, by, decisions=decisions
-        )
+            done.name, journal, measured_of(inputs, records), records["detect"], inputs.rig, by, decisions=decisions,
+            facts=facts,
+        )  # fmt: skip
+
+    @property
+    def outdated(self) -> bool:
+        """Whether a claim by which the markers were named does not count any more: open the trial anew."""
+        now = [edit for entry in applied_entries(self.journal.read()) for edit in entry.edits]
+        return any(claim not in now for claim in self.facts)
 
     @classmethod
     def of_file(cls, path: Path, *, by: str = "") -> Editing:
@@ -286,7 +297,10 @@ class Editing:
         return marker
 
     def _replayed(self, entries: Sequence[Entry]) -> Edited:
-        return replay(self.trajectories, entries, detections=self.detections, rig=self.rig, world=self.world)
+        return replay(
+            self.trajectories, entries, detections=self.detections, rig=self.rig, world=self.world,
+            facts=bool(self.facts),
+        )  # fmt: skip
 
 
 def common_frames(trajectories: Trajectories) -> tuple[int, int]:

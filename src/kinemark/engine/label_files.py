@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ from ..io.formats import endings
 from ..io.notes import FileNote, read_notes
 from ..io.track_names import TrackName
 from ..io.trial import read_trial, write_trial
-from ..label import Labels, label, named
+from ..label import Labels, Switch, label_subjects, label_switching, named
 from ..label.from_set import by_figure_alone
 from ..label.stated import with_stated
 from ..label.subject_template import SubjectTemplate
@@ -60,7 +60,7 @@ def template_of(files: Sequence[Path], known: Known = Known(), *, scale: float |
 def label_file(
     source: Path,
     target: Path,
-    template: SubjectTemplate,
+    template: SubjectTemplate | Mapping[str, SubjectTemplate],
     *,
     method: Any = None,
     unsure: bool = False,
@@ -71,7 +71,8 @@ def label_file(
     Args:
         source: any file of trajectories; names that it has are not looked at.
         target: the file to write; an existing one is not replaced.
-        template: of the subject. method: of `label.LABEL`. unsure: also take names that are not sure.
+        template: of the subject; of several by their names, which stand before those of markers, as in `A:LKNE`.
+        method: of `label.LABEL`. unsure: also take names that are not sure.
         stated: names that a person states of its tracks; they are facts.
 
     Raises:
@@ -84,17 +85,23 @@ def label_file(
         raise KinemarkError(f"{target} wants one of the endings {', '.join(endings('trajectories'))}.")
     trial = read_trial(source)
     tracks, facts = stated_tracks(trial.trajectories, stated)
-    labels = label(tracks, template.template, method=method)
+    if isinstance(template, SubjectTemplate):
+        tracks, labels, _, switches = label_switching(tracks, template.template, method=method, stated=facts)
+        by_figure = template.figure_alone
+    else:
+        each = {name: one.template for name, one in template.items()}
+        labels, switches = label_subjects(tracks, each, method=method).labels, ()
+        by_figure = any(one.figure_alone for one in template.values())
     if labels.refused:
         raise KinemarkError(f"{source} is not labelled. {text_of(labels.refused)} {advice_of(labels.refused)}")
-    labels = with_stated(by_figure_alone(labels) if template.figure_alone else labels, tracks, facts)
+    labels = with_stated(by_figure_alone(labels) if by_figure else labels, tracks, facts)
     done = named(tracks, labels, unsure=unsure)
     notes = (*read_notes(trial.notes), *write_trial(replace(trial, trajectories=done), target))
-    return LabelledFile(done, labels, _figures(tracks, labels, template), target, notes)
+    return LabelledFile(done, labels, _figures(tracks, labels, _names_of(template), by_figure, switches), target, notes)
 
 
 def label_files(
-    sources: Sequence[Path], output: Path, template: SubjectTemplate, **options: Any
+    sources: Sequence[Path], output: Path, template: SubjectTemplate | Mapping[str, SubjectTemplate], **options: Any
 ) -> dict[Path, LabelledFile | KinemarkError]:
     """Label one trial into a file or folder, or many into a folder under their own names.
 
@@ -103,7 +110,7 @@ def label_files(
     Args:
         sources: files as `label_file` takes them.
         output: a file, or a folder, which is made where it is not there.
-        template: of the subject. options: the others of `label_file`.
+        template: of the subject, or of several. options: the others of `label_file`.
 
     Raises:
         KinemarkError: there are many files for one, or the only one cannot be labelled.
@@ -122,7 +129,16 @@ def label_files(
     return done
 
 
-def _figures(tracks: Trajectories, labels: Labels, template: SubjectTemplate) -> dict[str, Any]:
+def _names_of(template: SubjectTemplate | Mapping[str, SubjectTemplate]) -> tuple[str, ...]:
+    """All that tracks can be called."""
+    if isinstance(template, SubjectTemplate):
+        return template.template.names
+    return tuple(f"{subject}:{name}" for subject, one in template.items() for name in one.template.names)
+
+
+def _figures(
+    tracks: Trajectories, labels: Labels, names: Sequence[str], by_figure: bool, switches: Sequence[Switch]
+) -> dict[str, Any]:
     """For a machine."""
     n = np.isfinite(tracks.xyz[..., 0]).sum(1)
     each = [
@@ -142,9 +158,12 @@ def _figures(tracks: Trajectories, labels: Labels, template: SubjectTemplate) ->
     return {
         "fit": round(labels.fit, 3),
         "placed_share": round(labels.placed, 4),
-        "figure_alone": template.figure_alone,
-        "missing": [name for name in template.template.names if name not in sure],
+        "figure_alone": by_figure,
+        "missing": [name for name in names if name not in sure],
         "tracks": each,
+        "switches": [
+            {"frame": one.frame + tracks.first_frame, "before": one.before, "after": one.after} for one in switches
+        ],
     }
 
 
@@ -167,6 +186,10 @@ def label_text(found: LabelledFile) -> str:
             for one in of["unsure"]
         ),
         f"unknown:  {len(of['unknown'])} tracks",
+        *(
+            f"cut:      a track that is {one['before']}, and {one['after']} from frame {one['frame']} on"
+            for one in found.figures["switches"]
+        ),
     ]
     if found.figures["missing"]:
         lines.append(f"missing:  {', '.join(found.figures['missing'])}")

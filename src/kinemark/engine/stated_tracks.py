@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data import KinemarkError, MarkerTrajectory, Origin, Trajectories
+from ..data import KinemarkError, MarkerTrajectory, Trajectories
 from ..data.nearest_word import guess
 from ..io.track_names import TrackName
 
@@ -65,18 +65,9 @@ def _cut(
     parts = [k for k in range(-1, len(said)) if np.isfinite(path.xyz[owner == k]).any()]
     named = [path.name if len(parts) == 1 else f"{path.name} ({i})" for i in range(1, len(parts) + 1)]
     return [
-        (replace(_only(path, owner == k), name=name), said[k] if k >= 0 else None)
+        (replace(path.only(owner == k), name=name), said[k] if k >= 0 else None)
         for k, name in zip(parts, named, strict=True)
     ]
-
-
-def _only(path: MarkerTrajectory, rows: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> MarkerTrajectory:
-    """The samples of some frames."""
-    return replace(
-        path,
-        xyz=np.where(rows[:, None], path.xyz, np.nan),
-        origin=np.where(rows, path.origin, np.uint8(Origin.MISSING)).astype(path.origin.dtype),
-    )
 
 
 def _check_apart(tracks: Trajectories, stated: dict[str, str | None]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import datetime
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data import KinemarkError, MarkerSet, Trajectories
+from ..io.c3d import prefixes_of
 from ..io.trial import read_trial
 from ..label import Template, learn_template
 from ..label.from_set import STATIC_SPREAD, figure_template, static_template
@@ -117,7 +118,9 @@ def _by_others(files: Sequence[Path], known: Known) -> SubjectTemplate:
 
 def _by_trials(files: Sequence[Path], known: Known) -> SubjectTemplate:
     """By labelled trials of the subject."""
-    trials = [without_prefix(read_trial(file).trajectories, _wanted(known)) for file in files]
+    read = [read_trial(file) for file in files]
+    own = [of_subject(trial.trajectories, known.subject, prefixes_of(trial.source)) for trial in read]
+    trials = [without_prefix(trial, _wanted(known)) for trial in own]
     kind = "static" if known.static else "labelled"
     sources = tuple(
         TemplateSource(file.name, trial.n_frames, _today(), kind) for file, trial in zip(files, trials, strict=True)
@@ -144,6 +147,38 @@ def _learnt(trials: Sequence[Trajectories], known: Known) -> Template:
             f"in the trial, which has {', '.join(sorted(there)[:8])} …. Wanted are four or more, spelt alike."
         )
     return learn_template(*trials, names=names or None, relative_spread=STATIC_SPREAD if known.static else 0.0)
+
+
+def of_subject(trial: Trajectories, subject: str, prefixes: Mapping[str, str]) -> Trajectories:
+    """The markers of one of several subjects, by what stands before their names; all where that is before none.
+
+    Args:
+        subject: name of it. prefixes: subject → what stands there, as the file says it; `A:` for A where it does not.
+    """
+    prefix = prefixes.get(subject, f"{subject}:")
+    own = [path for path in trial if subject and path.name.startswith(prefix) and path.name != prefix]
+    return replace(trial, paths=tuple(replace(p, name=p.name.removeprefix(prefix)) for p in own)) if own else trial
+
+
+def templates_of_subjects(said: Sequence[str], known: Known) -> dict[str, SubjectTemplate]:
+    """Subject → template, of statements such as `A=anna.template.h5` or `B=walk01.c3d`.
+
+    Args:
+        said: one each. known: what is known of all of them, besides.
+
+    Raises:
+        KinemarkError: one is no such statement, a subject is named twice, or a file cannot be read.
+    """
+    found: dict[str, SubjectTemplate] = {}
+    for one in said:
+        subject, equals, file = one.partition("=")
+        if not equals or not subject or not file or ":" in subject or subject in found:
+            raise KinemarkError(
+                f"{one!r} is no subject with a template. Give each subject a name of its own without a colon, and a "
+                "template or labelled trial: --subject A=anna.template.h5 --subject B=ben.c3d."
+            )
+        found[subject] = subject_template([Path(file)], known._replace(subject=subject))
+    return found
 
 
 def without_prefix(trial: Trajectories, wanted: Sequence[str]) -> Trajectories:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ from ..data import (
     Trial,
     make_finding,
 )
+from ..data.edits import Claim
 from ..edit import cropped
 from ..fill import Filled, Rays, fill_recording
 from ..findings.gaps import filling_figures
@@ -48,6 +50,7 @@ from .graph import Graph, Records, Stage
 from .identities import identity_of_entry, stated_identity, with_identity
 from .keys import rig_key
 from .naming import FILES, Earlier, NamedTracks, load_named, save_named
+from .naming.claims import claims_of
 from .naming.label_stage import given_of, name_trial, static_of
 from .naming.naming import with_names
 from .settings import Settings
@@ -81,8 +84,9 @@ def trial_graph(
         stages.append(tracks.stage(from_points, ("detect", "reconstruct"), s.track, ()))
     needs: tuple[str, ...] = ("detect", "track")
     if s.label is not None:
-        given = given_of(source.of, earlier)
-        stages.append(Stage("label", needs, FILES, _label, save_named, load_named, s.label, given))
+        claims = () if identifies(source) else claims_of(source.of.root, name)
+        given, compute = given_of(source.of, earlier, claims), partial(_label, claims)
+        stages.append(Stage("label", needs, FILES, compute, save_named, load_named, s.label, given))
         needs = (*needs, "label")
     edits = edit_stage(source.of.root, name, calibrated.rig, needs, measured_of)
     stages += edits
@@ -116,13 +120,13 @@ def _reconstruct(inputs: TrialInputs, records: Records) -> Cloud:
     return reconstruct(records["match"], records["detect"], inputs.rig, method=method)
 
 
-def _label(inputs: TrialInputs, records: Records) -> NamedTracks:
-    """Names for the tracks, by `[label]`."""
+def _label(claims: tuple[Claim, ...], inputs: TrialInputs, records: Records) -> NamedTracks:
+    """Names for the tracks, by `[label]` and by what people claimed."""
     if inputs.source.operated() is None:
         named = None
     else:  # what an operator said are facts
         named = measured_of(inputs, {key: record for key, record in records.items() if key != "label"})
-    return name_trial(inputs.source.of, records["track"].tracks, inputs.earlier, named)
+    return name_trial(inputs.source.of, records["track"].tracks, inputs.earlier, named, claims, records["detect"])
 
 
 def _fill(inputs: TrialInputs, records: Records) -> Fills:

@@ -109,6 +109,10 @@ def label_findings(figures: Mapping[str, Any], labels: Labels, *, template: bool
         one["name"] for one in figures["markers"] if one["state"] == "missing" and one["name"] not in probably
     ]:
         found.append(make_finding("markers_not_found", markers=missing))
+    if switches := figures["switches"]:
+        names = sorted({one[key] for one in switches for key in ("before", "after")})
+        frames = sorted({(one["frame"] - 1, one["frame"]) for one in switches})
+        found.append(make_finding("tracks_switched", markers=names, frames=frames, switches=len(switches)))
     if figures["ghosts_removed"]:
         found.append(make_finding("ghosts_removed", tracks=figures["ghosts_removed"]))
     return tuple(found)

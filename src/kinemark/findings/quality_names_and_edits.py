@@ -36,6 +36,15 @@ class UnsureData(TypedDict):
 
 
 @documented
+class SwitchData(TypedDict):
+    """A track that went over from one marker to another; the first frame of the second, from 0."""
+
+    frame: Count
+    before: str
+    after: str
+
+
+@documented
 class LabelsData(TypedDict):
     """How the markers were named."""
 
@@ -51,6 +60,10 @@ class LabelsData(TypedDict):
     ghosts_removed: NotRequired[Count]
     stated: NotRequired[Count]
     """Tracks whose name a person stated."""
+    claimed: NotRequired[Count]
+    """Those of them that were claimed in the journal of edits."""
+    switches: NotRequired[list[SwitchData]]
+    """Where tracks were cut, as they went over from one marker to another."""
 
 
 @documented

@@ -15,11 +15,15 @@ from .shredded import Change, Shredded, shredded
 from .side_pairs import sides_by_name
 from .stage import LABEL
 from .subject_template import Grown, SubjectTemplate, TemplateSource
+from .subjects import SubjectLabels, label_subjects
+from .switch_score import SwitchScore, cut_truth, score_switches
+from .switching import CutLabels, Switch, label_switching
 from .template import Template, learn_template
 
 __all__ = [
     "LABEL",
     "Change",
+    "CutLabels",
     "Distances",
     "Exchanged",
     "Grown",
@@ -30,19 +34,26 @@ __all__ = [
     "Reliability",
     "Shredded",
     "SideSwap",
+    "SubjectLabels",
     "SubjectTemplate",
+    "Switch",
+    "SwitchScore",
     "Template",
     "TemplateSource",
+    "cut_truth",
     "figure_template",
     "find_exchanges",
     "find_mislabelled",
     "find_side_swaps",
     "label",
+    "label_subjects",
+    "label_switching",
     "learn_marker_set",
     "learn_template",
     "named",
     "reliability",
     "score_labels",
+    "score_switches",
     "shredded",
     "sides_by_name",
     "static_template",

@@ -5,7 +5,8 @@ shows of its front (`anatomy`); a marker set that is symmetric and flat has neit
 guess. So all names of the left change places with those of the right at once; where that loses little, the exchanged
 body is also settled by moves of a few labels, as a pelvis turns with its legs. Where one of these labellings is better
 it is taken; where the two differ by less than two quadruples are worth, the sides are undecided: their names are as
-likely as the other way round, and the finding asks.
+likely as the other way round, and the finding asks. Names that
+were stated stay where they are, so that the rest of the body decides by them.
 """
 
 from __future__ import annotations
@@ -56,7 +57,10 @@ def decided_sides(stretches: Stretches, label: Ints, template: Template, pairs: 
     Args:
         label: (T) of the trial, −1 for none.
     """
-    other, every, none = mirrored(template.names), np.arange(len(template)), np.zeros(len(label), bool)
+    every, none = np.arange(len(template)), np.zeros(len(label), bool)
+    other = mirrored(template.names)
+    stated = np.isin(every, stretches.fixed)
+    other = np.where(stated | stated[other], every, other)
     present = np.isin(every, label)
     paired = (other != every) & (present | present[other])
     if not paired.any():
@@ -73,7 +77,7 @@ def _best_turn(
     stretches: Stretches, label: Ints, template: Template, pairs: PairScore, other: Ints
 ) -> tuple[Ints, float]:
     """(L) what each label becomes on the other side, and the nats a frame that this gains: the better of two ways."""
-    exchanger, anatomy = Exchanger.of(template, pairs), Anatomy.of(template.names)
+    exchanger, anatomy = Exchanger.of(template, pairs).keeping(stretches.fixed), Anatomy.of(template.names)
     y = places(stretches, label, len(template))
     y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,9 +18,10 @@ from .held import held
 from .label import refusal, state_of
 from .labels import Labels
 from .margin import Margins, margins, probability
-from .solve import solve
+from .solve import solve, solve_with_facts
 from .stage import LABEL
-from .stretches import Stretches, stretches_of
+from .stated import anchored, fixed_labels
+from .stretches import FREE, Stretches, stretches_of
 from .template import Template
 
 
@@ -50,11 +52,14 @@ class Distances(Method):
 
 
 @LABEL.method("distances", Distances)
-def label_by_distances(trajectories: Trajectories, template: Template, *, method: Distances) -> Labels:
+def label_by_distances(
+    trajectories: Trajectories, template: Template, *, method: Distances, stated: Mapping[str, str | None]
+) -> Labels:
     """See `label`."""
-    stretches = stretches_of(trajectories, template.size)
+    fixed = fixed_labels(trajectories, template, stated)
+    stretches = stretches_of(trajectories, template.size, fixed)
     pairs = PairScore.of_template(template)
-    found = solve(
+    found = (solve if (fixed == FREE).all() else solve_with_facts)(
         stretches, template, pairs,
         key_frames=method.key_frames, beam=method.beam, least_fit=method.least_track_fit,
     )  # fmt: skip
@@ -63,9 +68,9 @@ def label_by_distances(trajectories: Trajectories, template: Template, *, method
     placed = _placed(stretches, sides.label, len(template))
     holds = held(stretches, sides.label, pairs)
     refused = refusal(fit, placed, holds, least_fit=method.least_fit, least_placed=method.least_placed)
-    label = np.full(len(stretches), -1) if refused else sides.label
+    label = np.full(len(stretches), -1) if refused else np.where(fixed == FREE, sides.label, np.maximum(fixed, -1))
     after = found.after if (label == found.label).all() else None  # learnt with the sides as they were
-    about = margins(stretches, label, template, pairs, after)
+    about = anchored(margins(stretches, label, template, pairs, after), label, fixed)
     p = _probability(trajectories, template, after or pairs, label, about, stretches.weight, method)
     p = at_most_even(p, sides.undecided)
     state = tuple(state_of(float(one), method.sure) for one in p)

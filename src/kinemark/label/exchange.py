@@ -57,6 +57,12 @@ class Exchanger(NamedTuple):
         cycles: list[Move] = [(g, to) for g in sorted(groups) for to in ((g[1], g[2], g[0]), (g[2], g[0], g[1]))]
         return cls(pairs, template.handed, template.sign, [((a, b), (b, a)) for a, b in sorted(twos)], cycles)
 
+    def keeping(self, labels: Ints) -> Exchanger:
+        """Without the moves of these labels, of which it was stated who they are; −1 and less for none."""
+        known = set(labels[labels >= 0].tolist())
+        twos, threes = ([move for move in moves if not known & set(move[0])] for moves in (self.twos, self.threes))
+        return self._replace(twos=twos, threes=threes)
+
     def gain(self, y: Single, d: Single, move: Move) -> float:
         """(1) in nats, mean over frames; y (K, L, 3) places and d (K, L, L) distances of the labels as they are."""
         was, to = list(move[0]), list(move[1])
@@ -103,6 +109,8 @@ def best_moves(y: Single, exchanger: Exchanger, least: float) -> Ints:
         twos = exchanger.gains(y, exchanger.twos)
         moves = [*exchanger.threes, *exchanger.pairs_of_twos(twos)]
         gains = np.concatenate([twos, exchanger.gains(y, moves)])
+        if not len(gains):
+            break
         best = int(gains.argmax())
         if gains[best] <= least:
             break

@@ -8,6 +8,7 @@ not by how many points they have.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..data.array_types import Ints
 from .evidence import WRONG_HAND, PairScore, Single, distances, hands
+from .stretches import FREE
 
 TELLING = 14
 """Placed labels to which a new one is compared; chosen: more change nothing but the time."""
@@ -23,6 +25,8 @@ QUADS_EACH = 4
 """Quadruples that a new label is tested by; chosen."""
 ROUNDS = 6
 """Of assignment after the search, at most; chosen."""
+STATED = 1e6
+"""Worth of a name that was stated, nats; chosen: more than all evidence of a frame."""
 
 
 class Placing(NamedTuple):
@@ -34,12 +38,12 @@ class Placing(NamedTuple):
     sign: Ints
 
 
-def placings(pairs: PairScore, handed: Ints, sign: Ints) -> list[Placing]:
-    """The order in which labels are placed."""
+def placings(pairs: PairScore, handed: Ints, sign: Ints, first: Sequence[int] = ()) -> list[Placing]:
+    """The order in which labels are placed; `first` those of which it was stated where they are."""
     told = pairs.expected
     L = len(told)
-    done = [int(np.sort(told, axis=1)[:, -4:].sum(1).argmax())]
-    turn = {done[0]: 0}
+    done = list(first) or [int(np.sort(told, axis=1)[:, -4:].sum(1).argmax())]
+    turn = {a: k for k, a in enumerate(done)}
     while len(done) < L:
         best = np.sort(told[:, done], axis=1)[:, -TELLING:].sum(1)
         best[done] = -np.inf
@@ -63,9 +67,13 @@ def _others(quads: Ints, sign: Ints, a: int) -> tuple[Ints, Ints]:
     return others, sign * np.where(place % 2 == 1, 1, -1)
 
 
-def search(xyz: Single, pairs: PairScore, order: list[Placing], beam: int) -> Ints:
-    """(L) the point of each label, or −1, in the best state found; xyz (N, 3) all points of one frame."""
+def search(xyz: Single, pairs: PairScore, order: list[Placing], beam: int, fixed: Ints | None = None) -> Ints:
+    """(L) the point of each label, or −1, in the best state found; xyz (N, 3) all points of one frame.
+
+    `fixed` (N) says which label a point has, as `Stretches.fixed`; nothing of any where None.
+    """
     N, L = len(xyz), len(order)
+    fixed = np.full(N, FREE) if fixed is None else fixed
     d = distances(xyz, xyz)
     np.fill_diagonal(d, np.nan)
     state, score = np.full((1, L), N, np.int64), np.zeros(1, np.float32)  # N: no point
@@ -81,6 +89,8 @@ def search(xyz: Single, pairs: PairScore, order: list[Placing], beam: int) -> In
             gain[:, :N] += _hand(far[state[:, others]], xyz, sign)
         total = np.where(used, -np.inf, score[:, None] + gain)
         total[:, N] = score
+        its = fixed == turn.label
+        total[:, np.append(~its, True) if its.any() else np.append(fixed != FREE, False)] = -np.inf
         flat = total.ravel()
         keep = np.argpartition(-flat, beam)[:beam] if len(flat) > beam else np.arange(len(flat))
         keep = keep[np.isfinite(flat[keep])]
@@ -101,8 +111,13 @@ def _hand(three: Single, xyz: Single, sign: int) -> Single:
     return np.where(volume < 0, np.float32(-WRONG_HAND), np.float32(0.0))
 
 
-def settle(xyz: Single, point: Ints, pairs: PairScore) -> Ints:
-    """(L) assigned anew by all labelled neighbours until nothing changes; points that none claims stay free."""
+def settle(xyz: Single, point: Ints, pairs: PairScore, fixed: Ints | None = None) -> Ints:
+    """(L) assigned anew by all labelled neighbours until nothing changes; points that none claims stay free.
+
+    `fixed` (N) as for `search`; such points keep what they are.
+    """
+    fixed = np.full(len(xyz), FREE) if fixed is None else fixed
+    stated = np.flatnonzero(fixed >= 0)
     for _ in range(ROUNDS):
         labelled = np.full((len(point), 3), np.nan, np.float32)
         placed = np.flatnonzero(point >= 0)
@@ -110,9 +125,11 @@ def settle(xyz: Single, point: Ints, pairs: PairScore) -> Ints:
         own = np.full(len(xyz), -1)
         own[point[placed]] = placed
         nats = pairs.of_points(xyz, labelled, own)
-        rows, columns = scipy.optimize.linear_sum_assignment(-np.maximum(nats, 0.0))
+        gain = np.where((fixed == FREE)[:, None], np.maximum(nats, 0.0), 0.0)
+        gain[stated, fixed[stated]] = STATED
+        rows, columns = scipy.optimize.linear_sum_assignment(-gain)
         new = np.full(len(point), -1)
-        good = nats[rows, columns] > 0
+        good = gain[rows, columns] > 0
         new[columns[good]] = rows[good]
         if (new == point).all():
             break

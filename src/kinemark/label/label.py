@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -12,16 +14,24 @@ from ..data.track_trajectories import trajectories_of
 from .held import LEAST
 from .labels import Labels, State
 from .stage import LABEL
+from .stated import with_stated
 from .template import Template
 
 
-def label(tracks: Tracks | Trajectories, template: Template, *, method: Any = None) -> Labels:
+def label(
+    tracks: Tracks | Trajectories,
+    template: Template,
+    *,
+    method: Any = None,
+    stated: Mapping[str, str | None] = MappingProxyType({}),
+) -> Labels:
     """Which marker each track is, as far as distances tell.
 
     Args:
         tracks: of a recording, whole or in pieces, with ghosts; names that they have are not looked at.
         template: what is known of the subject's markers.
         method: one of `LABEL`, with its parameters; `Distances()` where None.
+        stated: track → marker that a person stated, None for no marker; facts by which the others are found.
 
     Raises:
         KinemarkError: there are no tracks.
@@ -31,7 +41,8 @@ def label(tracks: Tracks | Trajectories, template: Template, *, method: Any = No
     if not len(trajectories) or not np.isfinite(trajectories.xyz).any():
         raise KinemarkError("There are no tracks with samples to be labelled. Track the recording first.")
     method = LABEL.make() if method is None else method
-    return LABEL.function(method)(trajectories, template, method=method)
+    found = LABEL.function(method)(trajectories, template, method=method, stated=stated)
+    return with_stated(found, trajectories, stated)
 
 
 def refusal(fit: float, placed: float, holds: float, *, least_fit: float, least_placed: float) -> Finding | None:

@@ -100,7 +100,7 @@ def margins(
         nats = evidence(stretches, label, after)
         share = _share(nats, stretches, label, after)
         own_fit, _ = _of_labels(stretches, t, a, share, L)
-    lost = _exchanges(y, template, pairs) if exchanges else np.zeros(L)
+    lost = _exchanges(y, template, pairs, stretches.fixed) if exchanges else np.zeros(L)
     least, second = _second(stretches, t, a, nats[t])
     found = Margins(
         least, second, share, share - own_fit[a], continuity(stretches, label, L)[t, a], lost[a],
@@ -163,9 +163,13 @@ def _fit_meanwhile(stretches: Stretches, t: Ints, y: Single, pairs: PairScore) -
     return np.asarray((here * fit).sum(1) / np.maximum(here.sum(1), 1))
 
 
-def _exchanges(y: Single, template: Template, pairs: PairScore) -> Floats:
-    """(L) the least that an exchange of two, with each label, loses, nats; negative where it gains, 0 without any."""
-    exchanger, anatomy, every = Exchanger.of(template, pairs), Anatomy.of(template.names), np.arange(len(template))
+def _exchanges(y: Single, template: Template, pairs: PairScore, fixed: Ints) -> Floats:
+    """(L) the least that an exchange of two, with each label, loses, nats; negative where it gains, 0 without any.
+
+    Labels that were stated of tracks, `fixed` (T), are exchanged with none.
+    """
+    exchanger, every = Exchanger.of(template, pairs).keeping(fixed), np.arange(len(template))
+    anatomy = Anatomy.of(template.names)
     y = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
     lost = np.full(len(template), np.inf)
     for (was, to), gain in zip(exchanger.twos, exchanger.gains(y, exchanger.twos), strict=True):

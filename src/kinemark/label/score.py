@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..data.array_types import Bools, Ints
 from .labels import Labels
-from .shredded import Shredded
+from .shredded import Change, Shredded
 
 BINS = (0.0, 0.5, 0.7, 0.9, 0.95, 0.99, 1.0)
 """Bounds of the probabilities that are looked at together; chosen, closer where a name is used."""
@@ -88,12 +88,9 @@ def _samples(labels: Labels, truth: Shredded, known: set[str], seen: Bools) -> t
     """(T, F) samples of markers that are known, and those of them that have their name."""
     real, good = np.zeros_like(seen), np.zeros_like(seen)
     for t, (name, first) in enumerate(zip(labels.names, truth.truth, strict=True)):
-        change = truth.changes.get(t)
-        stop = seen.shape[1] if change is None else change.frame
-        spans = [(slice(0, stop), first)] + ([] if change is None else [(slice(stop, None), change.marker)])
-        for frames, marker in spans:
-            real[t, frames] = marker in known
-            good[t, frames] = marker in known and marker == name
+        for change in (Change(0, first), *truth.changes.get(t, ())):
+            real[t, change.frame :] = change.marker in known
+            good[t, change.frame :] = change.marker in known and change.marker == name
     return real & seen, good & seen
 
 

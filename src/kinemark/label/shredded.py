@@ -6,7 +6,7 @@ that come back are compared with the truth by `score_labels`; `calibration` does
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
@@ -26,10 +26,10 @@ STEP_MM = 3.0
 
 
 class Change(NamedTuple):
-    """A track is another marker from this frame on."""
+    """A track is another marker from this frame on; none where that is None."""
 
     frame: int
-    marker: str
+    marker: str | None
 
 
 class Shredded(NamedTuple):
@@ -38,20 +38,20 @@ class Shredded(NamedTuple):
     Attributes:
         tracks: T of them, called `*1`, `*2`, …
         truth: (T) the marker that each is where it begins; None for ghosts.
-        changes: track → where it goes over to another marker; tracks that keep theirs are not in it.
+        changes: track → where it goes over to other markers, in their order; tracks that keep theirs are not in it.
     """
 
     tracks: Trajectories
     truth: tuple[str | None, ...]
-    changes: Mapping[int, Change] = MappingProxyType({})
+    changes: Mapping[int, tuple[Change, ...]] = MappingProxyType({})
 
 
 class _Piece(NamedTuple):
-    """A track to be: (F, 3) mm, its marker, and from which frame on it is another's."""
+    """A track to be: (F, 3) mm, its marker, and from which frames on it is others'."""
 
     xyz: Floats
     marker: str | None
-    change: Change | None = None
+    changes: tuple[Change, ...] = ()
 
 
 def shredded(
@@ -65,6 +65,8 @@ def shredded(
     absent: int = 0,
     extra: int = 0,
     exchanges: int = 0,
+    returns: int = 0,
+    takeovers: int = 0,
 ) -> Shredded:
     """A trial's markers as tracks without names.
 
@@ -78,22 +80,26 @@ def shredded(
         absent: markers left out, at random.
         extra: markers that the trial does not have, fixed to three near ones; called `+1`, `+2`, …
         exchanges: pairs of near markers whose tracks go over into each other at some frame.
+        returns: pairs that do so, and back again after a tenth to four tenths of the trial.
+        takeovers: markers whose track goes over to a near one, where that one's own ends; the rest of the first is a
+            track of its own.
 
     Raises:
         ValueError: pieces is below 1 or above the number of frames, another number is below 0, or there are not so
             many markers.
     """
-    _check(trial, pieces, ghosts, absent, extra, exchanges)
+    _check(trial, pieces, ghosts, absent, extra, exchanges + returns + takeovers)
     rng, other = np.random.default_rng(seed), np.random.default_rng([seed, 1])
     gone = set(other.choice(len(trial), absent, replace=False).tolist())
     whole = [_Piece(path.xyz, path.name) for i, path in enumerate(trial) if i not in gone]
     whole += [_Piece(_fixed_to(trial.xyz, other), f"+{k}") for k in range(1, extra + 1)]
-    whole = _exchanged(whole, exchanges, other)
+    kinds_of = (*[_exchange] * exchanges, *[_return] * returns, *[_takeover] * takeovers)
+    whole = _exchanged(whole, kinds_of, other)
     parts = [part for one in whole for part in _cut(one, pieces, at_gaps, rng)]
     parts += _ghosts(trial.xyz, ghosts, kinds, rng)
     order = [parts[i] for i in rng.permutation(len(parts))]
     paths = tuple(MarkerTrajectory.measured(f"*{k}", one.xyz) for k, one in enumerate(order, 1))
-    changes = {t: one.change for t, one in enumerate(order) if one.change is not None}
+    changes = {t: one.changes for t, one in enumerate(order) if one.changes}
     return Shredded(Trajectories(paths, trial.rate), tuple(one.marker for one in order), MappingProxyType(changes))
 
 
@@ -128,27 +134,49 @@ def _part(one: _Piece, a: int, b: int) -> _Piece:
     """Frames from a to below b; the track is what it is there."""
     xyz = np.full_like(one.xyz, np.nan)
     xyz[a:b] = one.xyz[a:b]
-    if one.change is None or one.change.frame >= b:
-        return _Piece(xyz, one.marker)
-    if one.change.frame <= a:
-        return _Piece(xyz, one.change.marker)
-    return _Piece(xyz, one.marker, one.change)
+    before = [change for change in one.changes if change.frame <= a]
+    inside = tuple(change for change in one.changes if a < change.frame < b)
+    return _Piece(xyz, before[-1].marker if before else one.marker, inside)
 
 
-def _exchanged(whole: list[_Piece], n: int, rng: np.random.Generator) -> list[_Piece]:
-    """With n pairs of nearest markers exchanged from a frame on in which both are seen."""
+_Exchange = Callable[[_Piece, _Piece, Ints, np.random.Generator], tuple[_Piece, ...]]
+"""What two near markers, seen together in some frames, become."""
+
+
+def _exchanged(whole: list[_Piece], kinds: Sequence[_Exchange], rng: np.random.Generator) -> list[_Piece]:
+    """With pairs of nearest markers exchanged, each in one of these ways."""
     left = list(rng.permutation(len(whole)))
     out = list(whole)
-    for _ in range(n):
+    for exchange in kinds:
         a = left.pop()
         apart = [_apart(whole[a], whole[b]) for b in left]
         b = left.pop(int(np.argmin(apart)))
         frames = np.flatnonzero(_both(whole[a], whole[b]))
-        if len(frames) < 3:
-            continue
-        at = int(frames[rng.integers(1, len(frames) - 1)])
-        out[a], out[b] = _turned(whole[a], whole[b], at), _turned(whole[b], whole[a], at)
+        if len(frames) >= 3:
+            out[a], out[b], *rest = exchange(whole[a], whole[b], frames, rng)
+            out += rest
     return out
+
+
+def _exchange(a: _Piece, b: _Piece, frames: Ints, rng: np.random.Generator) -> tuple[_Piece, ...]:
+    """Each is the other from some frame on."""
+    at = int(frames[rng.integers(1, len(frames) - 1)])
+    return _turned(a, b, at, len(a.xyz)), _turned(b, a, at, len(a.xyz))
+
+
+def _return(a: _Piece, b: _Piece, frames: Ints, rng: np.random.Generator) -> tuple[_Piece, ...]:
+    """Each is the other for a while."""
+    n = max(2, round(len(frames) * rng.uniform(0.1, 0.4)))
+    k = int(rng.integers(1, max(len(frames) - n, 2)))
+    at, stop = int(frames[k]), int(frames[min(k + n, len(frames) - 1)])
+    return _turned(a, b, at, stop), _turned(b, a, at, stop)
+
+
+def _takeover(a: _Piece, b: _Piece, frames: Ints, rng: np.random.Generator) -> tuple[_Piece, ...]:
+    """The first goes on as the second, which ends; what is left of the first begins anew."""
+    at = int(frames[rng.integers(1, len(frames) - 1)])
+    F = len(a.xyz)
+    return _turned(a, b, at, F), _part(b, 0, at), _part(a, at, F)
 
 
 def _apart(a: _Piece, b: _Piece) -> float:
@@ -162,11 +190,12 @@ def _both(a: _Piece, b: _Piece) -> Bools:
     return np.isfinite(a.xyz[:, 0]) & np.isfinite(b.xyz[:, 0])
 
 
-def _turned(a: _Piece, b: _Piece, at: int) -> _Piece:
-    """The one, and from frame `at` on the other."""
+def _turned(a: _Piece, b: _Piece, at: int, stop: int) -> _Piece:
+    """The one, and in frames from `at` to below `stop` the other."""
     xyz = a.xyz.copy()
-    xyz[at:] = b.xyz[at:]
-    return _Piece(xyz, a.marker, Change(at, str(b.marker)))
+    xyz[at:stop] = b.xyz[at:stop]
+    back = (Change(stop, str(a.marker)),) if stop < len(xyz) else ()
+    return _Piece(xyz, a.marker, (Change(at, str(b.marker)), *back))
 
 
 def _fixed_to(xyz: Floats, rng: np.random.Generator) -> Floats:

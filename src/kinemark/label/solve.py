@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from .evidence import PairScore
 from .exchange import Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
 from .pool import pooled
-from .stretches import Stretches
+from .stretches import FREE, Stretches
 from .sweeps import evidence, expectation, outwards, places, sweep, total_score
 from .template import Template
 
@@ -75,6 +76,23 @@ def solve(
     return found._replace(label=np.where(_doubtful(stretches, found.label, pairs, after), -1, found.label))
 
 
+def solve_with_facts(
+    stretches: Stretches, template: Template, pairs: PairScore, *, key_frames: int, beam: int, least_fit: float
+) -> Solution:
+    """The better of two labellings with what was stated: of a search that begins with it, and of one without it.
+
+    Labels that were stated do not change places, so that the first alone would miss what exchanges find.
+    """
+    options: dict[str, Any] = {"key_frames": key_frames, "beam": beam, "least_fit": least_fit}
+    own = solve(stretches, template, pairs, **options)
+    plain = solve(replace(stretches, fixed=np.full(len(stretches), FREE)), template, pairs, **options)
+    other = _settled(stretches, sweep(stretches, plain.label, pairs, least_fit), template, pairs, least_fit)
+    score, expected = total_score(stretches, other, pairs)
+    if score <= total_score(stretches, own.label, pairs)[0]:
+        return own
+    return Solution(other, score, expected, plain.after)
+
+
 def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairScore, least_fit: float) -> Ints:
     """(T) labels after sweeps and exchanges, those of the greatest score."""
     best, most, tried = label, -np.inf, False
@@ -86,7 +104,8 @@ def _settled(stretches: Stretches, label: Ints, template: Template, pairs: PairS
         if settled and tried:
             break
         if settled:
-            turn = best_moves(places(stretches, best, len(template)), Exchanger.of(template, pairs), LEAST_GAIN)
+            moves = Exchanger.of(template, pairs).keeping(stretches.fixed)
+            turn = best_moves(places(stretches, best, len(template)), moves, LEAST_GAIN)
             tried = True
             if (turn == np.arange(len(turn))).all():
                 break
@@ -138,6 +157,8 @@ def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, b
     usable = np.flatnonzero(points >= min(4, points.max(initial=1)))
     if not len(usable):
         return None
+    stated = np.isfinite(stretches.xyz[stretches.fixed >= 0, :, 0]).sum(0)[usable]
+    usable = usable[stated == stated.max()]  # all, where nothing was stated
     some = np.unique(usable[np.linspace(0, len(usable) - 1, n).round().astype(int)])
     found = [_labelled(stretches, int(k), template, pairs, order, beam) for k in some]
     return max(found, key=lambda one: one.score)
@@ -149,7 +170,12 @@ def _labelled(
     """The labelling of one frame."""
     here = np.flatnonzero(np.isfinite(stretches.xyz[:, k, 0]))
     xyz = stretches.xyz[here, k]
-    point = settle(xyz, search(xyz, pairs, order, beam), pairs)
+    fixed = stretches.fixed[here]
+    orders = [order]
+    if (fixed >= 0).any():
+        orders.append(placings(pairs, template.handed, template.sign, fixed[fixed >= 0].tolist()))
+    points = [settle(xyz, search(xyz, pairs, one, beam, fixed), pairs, fixed) for one in orders]
+    scores = [frame_score(xyz, point, pairs, template.handed, template.sign) for point in points]
+    point, score = points[int(np.argmax(scores))], max(scores)
     labels = np.flatnonzero(point >= 0)
-    score = frame_score(xyz, point, pairs, template.handed, template.sign)
     return Start(score, k, here[point[labels]], labels)

@@ -1,6 +1,6 @@
 """The methods of labelling, each in a file of its own beside this one.
 
-Called as `function(trajectories, template, method=…)`, and gives `Labels`.
+Called as `function(trajectories, template, method=…, stated=…)`, and gives `Labels`.
 """
 
 from ..data.method import Stage

@@ -23,6 +23,10 @@ ACCELERATION = 12.0
 """Standard deviation of a marker's acceleration in sizes of the body a second squared; chosen: 20 m/s² of 1.6 m."""
 
 
+FREE, NO_MARKER = -1, -2
+"""Of which nothing was stated, and of which it was that it is none of the template's markers; by definition."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Stretches:
     """T tracks at K of F frames.
@@ -34,6 +38,7 @@ class Stretches:
         start, stop: (T) first and last-plus-one frame.
         weight: (T) how many independent frames a track is worth.
         link: (T, T) nats that the column goes on where the row ends; 0 where nothing is said.
+        fixed: (T) the label that was stated of each track; FREE, or NO_MARKER.
     """
 
     xyz: NDArray[np.float32]
@@ -43,12 +48,13 @@ class Stretches:
     stop: Ints
     weight: Floats
     link: scipy.sparse.csr_array
+    fixed: Ints
 
     def __len__(self) -> int:
         return len(self.xyz)
 
 
-def stretches_of(trajectories: Trajectories, size: float) -> Stretches:
+def stretches_of(trajectories: Trajectories, size: float, fixed: Ints | None = None) -> Stretches:
     """The tracks of a trial; `size` of the body, mm. Tracks without samples have start and stop 0."""
     xyz, rate = trajectories.xyz, trajectories.rate
     seen = np.isfinite(xyz[..., 0])
@@ -60,7 +66,8 @@ def stretches_of(trajectories: Trajectories, size: float) -> Stretches:
     near = xyz - origin
     weight = 1.0 + seen.sum(1) / rate / 0.5  # a new pose each half second
     link = _links(near, seen, start, stop, rate, size)
-    return Stretches(near[:, frame].astype(np.float32), frame, seen, start, stop, weight, link)
+    fixed = np.full(len(xyz), FREE) if fixed is None else fixed
+    return Stretches(near[:, frame].astype(np.float32), frame, seen, start, stop, weight, link, fixed)
 
 
 def _frames(seen: Bools, start: Ints, stop: Ints, rate: float) -> Ints:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
 from .evidence import PairScore, Single, distances
-from .stretches import Stretches
+from .stretches import FREE, Stretches
 
 NONE = -1
 """The label of a track without one; by definition."""
@@ -63,8 +63,11 @@ class Decided:
 
     @classmethod
     def nothing(cls, stretches: Stretches, L: int) -> Decided:
-        """No track has a label."""
-        return cls(np.full(len(stretches), NONE), np.zeros((L, stretches.seen.shape[1]), bool))
+        """No track has a label, but those of which one was stated."""
+        found = cls(np.full(len(stretches), NONE), np.zeros((L, stretches.seen.shape[1]), bool))
+        stated = np.flatnonzero(stretches.fixed >= 0)
+        found.give(stretches, stated, stretches.fixed[stated])
+        return found
 
     def give(self, stretches: Stretches, tracks: Ints, labels: Ints) -> None:
         """These tracks take these labels."""
@@ -82,7 +85,8 @@ class Decided:
 
     def assign(self, stretches: Stretches, tracks: Ints, score: Floats, least: float = 0.0) -> None:
         """Tracks (n) seen together take free labels, with the greatest sum of scores (n, L) above `least`."""
-        gain = np.where(self.free(stretches, tracks), np.maximum(score - least, 0.0), 0.0)
+        open_ = self.free(stretches, tracks) & (stretches.fixed[tracks] == FREE)[:, None]
+        gain = np.where(open_, np.maximum(score - least, 0.0), 0.0)
         rows, columns = scipy.optimize.linear_sum_assignment(-gain)
         good = gain[rows, columns] > 0
         self.give(stretches, tracks[rows[good]], columns[good])

@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
-from kinemark.data import Cloud, KinemarkError, Tracks, make_finding
+from kinemark.data import Cloud, KinemarkError, MarkerTrajectory, Tracks, Trajectories, make_finding
+from kinemark.data.edits import Claim
+from kinemark.edit import stretch_of
+from kinemark.engine.naming.claims import claimed_tracks
 from kinemark.engine.naming.naming import ghost_tracks, with_names
 from kinemark.io.stated_names_csv import read_stated_names
 
@@ -45,3 +48,23 @@ def test_statements_that_are_none_are_refused_with_their_line(tmp_path, text, sa
     file.write_text(text)
     with pytest.raises(KinemarkError, match=said):
         read_stated_names(file)
+
+
+def test_claims_cut_tracks_where_they_begin_and_end_and_the_later_one_counts():
+    """A claim of no marker leaves what is around it one track; one of a name makes it two."""
+    xyz = np.column_stack([np.arange(60.0), np.zeros(60), np.zeros(60)])
+    tracks = Trajectories(
+        tuple(MarkerTrajectory.measured(f"*{k}", xyz + np.array([0.0, 100.0 * k, 0.0])) for k in (1, 2, 3)), 50.0
+    )
+
+    def claim(k, name, first=None, last=None):
+        return Claim(stretch_of(tracks, f"*{k}", first=first, last=last, world="w"), name)
+
+    said = [claim(1, "LKNE", 21, 30), claim(2, None, 21, 30), claim(3, "LKNE"), claim(3, "RKNE")]
+    found = claimed_tracks(tracks, said, None, world="w")
+    assert found.tracks.names == ("*1 (1)", "*1 (2)", "*1 (3)", "*2 (1)", "*2 (2)", "*3")
+    assert found.stated == {"*1 (1)": "LKNE", "*2 (1)": None, "*3": "RKNE"}
+    counts = [int(np.isfinite(path.xyz[:, 0]).sum()) for path in found.tracks]
+    assert counts == [10, 20, 30, 10, 50, 60]
+    twice = claimed_tracks(tracks, [claim(1, "LKNE"), claim(2, "LKNE")], None, world="w")
+    assert twice.stated == {"*2": "LKNE"}

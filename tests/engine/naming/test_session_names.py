@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from kinemark.data import KinemarkError, Origin
+from kinemark.engine.editing import Editing
 from kinemark.engine.session import Session
 from kinemark.engine.template_files import load_template
 from kinemark.io.c3d import read_c3d
@@ -89,6 +90,36 @@ def test_a_statement_goes_before_the_template(tmp_path):
     done = run(folder)["walk01"].trajectories
     assert np.linalg.norm(done["WAND"].xyz[9] - (x, y, z)) < 5
     assert "LKNE" not in done.names
+
+
+def test_a_claim_in_the_journal_is_a_fact_for_the_names_until_it_is_undone(tmp_path):
+    folder = session_of(tmp_path, "walk01", label='template = ["earlier.c3d"]')
+    trial = run(folder, to="quality")["walk01"]
+    before = trial.trajectories
+    assert labels(folder, "walk01")["figures"]["claimed"] == 0
+    Editing.of_trial(trial).claim("LKNE", "WAND")
+    again = run(folder, to="quality")["walk01"]
+    assert {"label", "edit"} <= set(again.computed) and "track" not in again.computed
+    figures = labels(folder, "walk01")["figures"]
+    assert figures["claimed"] == 1 and {"WAND"} < {one["name"] for one in figures["markers"]}
+    assert "LKNE" not in again.trajectories.names
+    np.testing.assert_array_equal(again.trajectories["WAND"].xyz, before["LKNE"].xyz)
+    editing = Editing.of_trial(again)
+    assert [one.outcome for one in editing.edited().applied] == ["held"] and not editing.outdated
+    check_quality(again.quality)
+    editing.journal.undo()
+    assert editing.outdated  # its names are still by the claim
+    back = run(folder, to="quality")["walk01"]
+    assert back.trajectories.names == before.names and labels(folder, "walk01")["figures"]["claimed"] == 0
+
+
+def test_a_claim_of_some_frames_names_its_piece_and_the_rest_of_the_track_stays_what_it_is(tmp_path):
+    folder = session_of(tmp_path, "walk01", label='template = ["earlier.c3d"]')
+    trial = run(folder)["walk01"]
+    Editing.of_trial(trial).claim("LKNE", None, first=10, last=20)
+    again = run(folder, to="edit")["walk01"]
+    left = np.isfinite(again.trajectories["LKNE"].xyz[:, 0])
+    assert not left[9:20].any() and left[20:].all() and left[:9].all()
 
 
 def test_a_trial_that_nothing_names_says_so_and_is_else_the_same(tmp_path):

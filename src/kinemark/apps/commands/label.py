@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -27,6 +27,7 @@ def label(
     marker_set: str | None = None,
     markers: str = "",
     static: bool = False,
+    subject: Annotated[list[str] | None, Parameter(name="--subject", negative="")] = None,
     scale: float | None = None,
     height_mm: float | None = None,
     heights_mm: Annotated[
@@ -49,6 +50,8 @@ def label(
         markers: names that the template learns, as LASI,RASI,SACR; those of the marker set, or all, where none is
             given. Name them where the files of the template also hold computed points, such as segments' axes.
         static: the template's trials show no motion; with a marker set, its segments say which distances stay.
+        subject: of several in one volume, a name and a template or labelled trial: A=anna.template.h5; one each. The
+            name stands before those of markers, as in A:LKNE.
         scale: the template is of another subject; height of this one over that of the other.
         height_mm: of the subject, mm.
         heights_mm: the templates are of other subjects; height of each, mm.
@@ -60,14 +63,19 @@ def label(
     """
     from ...engine.check_files import check_files
     from ...engine.label_files import LabelledFile, label_files, label_text, template_of
-    from ...engine.subject_templates import Known
+    from ...engine.subject_templates import Known, templates_of_subjects
 
     worn = read_marker_set(marker_set) if marker_set else None
     known = Known(
         worn, tuple(filter(None, markers.split(","))), static, height_mm=height_mm, heights_mm=tuple(heights_mm or ())
     )
-    learnt = template_of(template or [], known, scale=scale)
     every = (source, *sources)
+    if subject and (template or scale or heights_mm or check):
+        raise KinemarkError("Of several subjects each has its template: give --subject alone, without --template, …")
+    if subject:
+        learnt: Any = templates_of_subjects(subject, known)
+    else:
+        learnt = template_of(template or [], known, scale=scale)
     if check:
         _print_checks(check_files(every, learnt), json)
         return

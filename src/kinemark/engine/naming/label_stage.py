@@ -5,29 +5,41 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ...data import Tracks, Trajectories
+from ...data import Detections, Tracks, Trajectories
+from ...data.edits import Claim
 from ...io.stated_names_csv import StatedName, read_stated_names
+from ..keys import world_key
 from ..sources import Recording
+from .claims import claimed_tracks
 from .earlier import ABSENT, Earlier, template_files_key
 from .named_tracks import NamedTracks, load_learnt
-from .naming import name_tracks, stated_by_recording
+from .naming import name_tracks, numbered, stated_by_recording
 from .templates import session_template, worn
 
 
-def given_of(of: Recording, earlier: Sequence[Earlier]) -> tuple[Any, ...]:
-    """What names depend on besides the tracks: files, marker set and the trials before."""
+def given_of(of: Recording, earlier: Sequence[Earlier], claims: Sequence[Claim]) -> tuple[Any, ...]:
+    """What names depend on besides the tracks: files, marker set, the trials before, and what people claimed."""
     label = of.settings.label
     assert label is not None  # else there is no such stage
     before = [(one.name, one.kind, one.key) for one in earlier]
-    return template_files_key(of.root, label), worn(of.root, of.settings), before
+    given = template_files_key(of.root, label), worn(of.root, of.settings), before
+    return (*given, claims, world_key(of.rig)) if claims else given
 
 
-def name_trial(of: Recording, tracks: Tracks, earlier: Sequence[Earlier], named: Trajectories | None) -> NamedTracks:
+def name_trial(
+    of: Recording,
+    tracks: Tracks,
+    earlier: Sequence[Earlier],
+    named: Trajectories | None,
+    claims: Sequence[Claim],
+    detections: Detections,
+) -> NamedTracks:
     """The tracks of a trial joined to markers.
 
     Args:
         of: what is recorded. tracks: of it. earlier: the trials before it.
         named: its markers where the recording itself says which is which.
+        claims: of people, which are facts. detections: behind the tracks.
 
     Raises:
         KinemarkError: a file that the session names is absent or unusable.
@@ -38,7 +50,9 @@ def name_trial(of: Recording, tracks: Tracks, earlier: Sequence[Earlier], named:
         return stated_by_recording(tracks, named)
     template = session_template(of.root, of.settings, earlier)
     first = of.frames[0] if of.frames else 1
-    return name_tracks(tracks, template, how=label, stated=_stated(of), first_frame=first)
+    claimed = claimed_tracks(numbered(tracks, first), claims, detections, world=world_key(of.rig))
+    found = name_tracks(tracks, template, how=label, stated=_stated(of), first_frame=first, claimed=claimed)
+    return found._replace(figures={**found.figures, "claimed": len(claimed.stated)})
 
 
 def _stated(of: Recording) -> tuple[StatedName, ...]:

@@ -13,10 +13,11 @@ from ...data.array_types import Bools, Ints
 from ...data.track_trajectories import trajectories_of
 from ...findings.labels import label_figures, label_findings
 from ...io.stated_names_csv import StatedName
-from ...label import Labelling, label, learn_template, named
+from ...label import Labelling, Switch, label_switching, learn_template, named
 from ...label.pooled import contradiction
 from ...label.stated import with_stated
 from ...label.subject_template import FEWEST
+from .claims import ClaimedTracks
 from .named_tracks import NamedTracks
 from .statements import facts_of, labels_of_facts
 from .templates import SessionTemplate
@@ -37,6 +38,7 @@ def name_tracks(
     how: Labelling,
     stated: Sequence[StatedName] = (),
     first_frame: int = 1,
+    claimed: ClaimedTracks | None = None,
 ) -> NamedTracks:
     """The tracks joined to markers, with names where evidence or statements give them.
 
@@ -48,19 +50,23 @@ def name_tracks(
         how: what the session says of labelling.
         stated: what a person said of this trial.
         first_frame: number of the first frame in the recording.
+        claimed: its trajectories, a point's row as its residual, with what was claimed; made of the tracks where None.
     """
-    rows = np.arange(len(tracks.cloud), dtype=np.float64)
-    points = replace(trajectories_of(tracks, rows), first_frame=first_frame)  # a point's row stands as its residual
+    points, claims = claimed or ClaimedTracks(numbered(tracks, first_frame), {})
     facts = facts_of(points, stated)
-    some = len(points) and np.isfinite(points.xyz).any()
-    labels = label(points, by.template, method=how.method) if by and some else labels_of_facts(len(points))
-    labels = with_stated(labels, points, facts.of)
+    known = facts.of | claims  # what was claimed is later
+    switches: tuple[Switch, ...] = ()
+    if by and len(points) and np.isfinite(points.xyz).any():
+        points, labels, _, switches = label_switching(points, by.template, method=how.method, stated=known)
+    else:
+        labels = with_stated(labels_of_facts(len(points)), points, known)
     done = named(points, labels, unsure=how.unsure)
     joined = rows_of(done, len(tracks.cloud))
     ghosts = ghost_tracks(tracks, joined, sum(not name.startswith("*") for name in done.names))
     figures = label_figures(points, labels, done, by.template.names if by else (), by.sources if by else ())
     figures["ghosts_removed"] = len(ghosts)
-    figures["stated"] = len(facts.of)
+    figures["stated"] = len(known)
+    figures["switches"] = [{"frame": one.frame, "before": one.before, "after": one.after} for one in switches]
     findings = [*_lost(facts.lost), *label_findings(figures, labels, template=by is not None)]
     kept = _without(joined, ghosts)
     names = _renumbered([name for k, name in enumerate(done.names) if k not in ghosts])
@@ -70,6 +76,12 @@ def name_tracks(
         Tracks(tracks.cloud, kept), names, tracker_names(tracks, kept, names), figures,
         (*findings, *([contradicts] if contradicts else ())), learnt_of(done, accepted),
     )  # fmt: skip
+
+
+def numbered(tracks: Tracks, first_frame: int) -> Trajectories:
+    """Tracks as trajectories in which a point's row stands as its residual."""
+    rows = np.arange(len(tracks.cloud), dtype=np.float64)
+    return replace(trajectories_of(tracks, rows), first_frame=first_frame)
 
 
 def _contradicts(done: Trajectories, by: SessionTemplate | None) -> Finding | None:

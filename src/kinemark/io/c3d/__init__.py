@@ -7,7 +7,7 @@ from .numbers import ByteOrder
 from .parameters import Group, Parameter
 from .reading import decode_document, read_document
 from .storing import document_of, stored, write_c3d
-from .subject import subject_of
+from .subject import prefixes_of, subject_of
 from .to_trial import read_c3d, trial_of
 from .writing import encode_document, write_document
 
@@ -21,6 +21,7 @@ __all__ = [
     "document_of",
     "encode_document",
     "on_frames",
+    "prefixes_of",
     "read_c3d",
     "read_document",
     "stored",

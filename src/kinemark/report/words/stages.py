@@ -33,6 +33,11 @@ LABELLING_WORDS = {
         "{tracks} {tracks:track was|tracks were} taken for ghosts and left out: most of {tracks:its|their} images are "
         "those of named markers.",
     ),
+    "tracks_switched": Words(
+        "{switches} {switches:time|times} a track went over from one marker to another and was cut there: "
+        "{marker_names}; {frames}.",
+        "Look at these frames in the images.",
+    ),
     "stated_names_lost": Words(
         "{statements} {statements:name was|names were} stated of places where no track is: {marker_names}; {frames}.",
         "State them where the marker is tracked; the frame counts from 1 in the file of names.",

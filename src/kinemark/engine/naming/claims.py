@@ -1,0 +1,87 @@
+"""What people claimed of a trial's identities, as facts for the naming of its tracks.
+
+The journal of edits is read when the graph of a trial is made, and the claims that count are part of the key of the
+stage `label`: a claim more or less names the trial anew, with the claims as facts by which neighbours are found. The
+stage `edit` applies the journal afterwards as ever. There is no circle, as claims are anchored in images and places,
+not in names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data import Detections, MarkerTrajectory, Origin, Trajectories
+from ...data.array_types import Bools, Ints
+from ...data.edits import Claim, live
+from ...edit.claims import claim_of_each
+from ..journal import Journal
+
+
+class ClaimedTracks(NamedTuple):
+    """Tracks cut where claims begin and end; the name of each that was claimed, None where it is no marker."""
+
+    tracks: Trajectories
+    stated: dict[str, str | None]
+
+
+def claims_of(root: Path, trial: str) -> tuple[Claim, ...]:
+    """The claims that count in the journal of a trial, in their order."""
+    entries = live(Journal.of(root, trial).read().entries)
+    return tuple(edit for entry in entries for edit in entry.edits if isinstance(edit, Claim))
+
+
+def claimed_tracks(
+    tracks: Trajectories, claims: Sequence[Claim], detections: Detections | None, *, world: str
+) -> ClaimedTracks:
+    """Tracks and what was claimed of them.
+
+    Of two pieces seen at once of which the same name was claimed, the later claim counts.
+
+    Args:
+        tracks: of a trial. detections: behind their samples, None for files alone. world: key of the cameras.
+    """
+    if not claims or not len(tracks):
+        return ClaimedTracks(tracks, {})
+    of = claim_of_each(tracks, claims, detections, world=world)
+    named = np.array([one.name is not None for one in claims], bool)
+    paths: list[MarkerTrajectory] = []
+    claim: dict[str, int] = {}
+    for path, own in zip(tracks, of, strict=True):
+        part = _parts(path, own, named)
+        for i, k in enumerate(pieces := np.unique(part[part >= 0]).tolist(), 1):
+            name = path.name if len(pieces) == 1 else f"{path.name} ({i})"
+            paths.append(replace(path.only(part == k), name=name))
+            if (which := int(own[part == k][0])) >= 0:
+                claim[name] = which
+        paths += [path] if not pieces else []
+    cut = replace(tracks, paths=tuple(paths))
+    return ClaimedTracks(cut, {name: claims[k].name for name, k in _latest(cut, claims, claim).items()})
+
+
+def _parts(path: MarkerTrajectory, own: Ints, named: Bools) -> Ints:
+    """(F) the piece of each sample, −1 where there is none: those of a claim are one, and so is what is between two.
+
+    A claim of no marker, of which `named` (K) is false, does not part what is before and after it.
+    """
+    seen = path.origin != Origin.MISSING
+    claimed = own >= 0
+    parting = claimed & named[np.maximum(own, 0)]
+    free = len(named) + np.cumsum(np.diff(parting.astype(int), prepend=0) == 1)
+    return np.where(seen, np.where(claimed, own, free), -1)
+
+
+def _latest(tracks: Trajectories, claims: Sequence[Claim], claim: dict[str, int]) -> dict[str, int]:
+    """The claims of pieces without those of which a later one says that another piece is that marker meanwhile."""
+    seen = {name: tracks[name].origin != Origin.MISSING for name in claim}
+
+    def overruled(name: str) -> bool:
+        k = claim[name]
+        same = [n for n, other in claim.items() if other > k and claims[other].name == claims[k].name is not None]
+        return any((seen[name] & seen[n]).any() for n in same)
+
+    return {name: k for name, k in claim.items() if not overruled(name)}

@@ -1,0 +1,64 @@
+"""Tracks that go over from one marker to another are found, cut at the frame, and named; whole ones are left alone."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kinemark.label import cut_truth, label, label_switching, learn_template, score_labels, score_switches, shredded
+from kinemark.label.switches import best_sequence
+from kinemark.label.switching import cut
+from kinemark.synth import walking, with_markers
+
+
+@cache
+def walk(seed, n=39):
+    return with_markers(walking(duration_s=3.0, rate=100.0, seed=seed, wobble_mm=1.0), n, seed=1).trajectories
+
+
+@cache
+def template(n=39):
+    return learn_template(walk(1, n))
+
+
+@pytest.mark.parametrize(("kind", "seed"), [("exchanges", 4), ("returns", 5), ("takeovers", 6)])
+def test_tracks_that_go_over_to_another_marker_are_cut_there_and_named(kind, seed):
+    parts = shredded(walk(7), 1, 2.0, seed, **{kind: 2})
+    found = label_switching(parts.tracks, template())
+    assert score_switches(found, parts)[::2] == (sum(map(len, parts.changes.values())), 0)
+    before = score_labels(label(parts.tracks, template()), parts, template().names)
+    after = score_labels(found.labels, cut_truth(found, parts), template().names)
+    assert after.right > 0.99 > before.right and after.wrong < 0.002
+    for one in found.switches:
+        names = [m for _, m in parts.changes[one.track]]
+        assert {one.before, one.after} <= {parts.truth[one.track], *names}
+
+
+@pytest.mark.parametrize(("pieces", "seed"), [(1, 1), (6, 2)])
+def test_tracks_of_one_marker_are_not_cut(pieces, seed):
+    parts = shredded(walk(7), pieces, 3.0, seed, kinds=("walk", "midpoint", "reflection"))
+    found = label_switching(parts.tracks, template())
+    assert found.switches == () and found.tracks is parts.tracks
+    assert found.labels.names == label(parts.tracks, template()).names
+
+
+def test_a_track_of_which_a_name_was_stated_is_not_cut():
+    parts = shredded(walk(7), 1, 0.0, 4, exchanges=1)
+    stated = parts.tracks.names[min(parts.changes)]
+    found = label_switching(parts.tracks, template(), stated={stated: "LKNE"})
+    assert stated in found.tracks.names and found.labels.names[found.tracks.names.index(stated)] == "LKNE"
+
+
+def test_pieces_have_every_sample_once_with_all_that_is_known_of_it():
+    trial = walk(7)
+    pieces, of = cut(trial, {(2, 100), (2, 200), (5, 0)})
+    assert pieces.names[2:5] == tuple(f"{trial.names[2]} ({k})" for k in (1, 2, 3)) and len(pieces) == len(trial) + 2
+    own = [piece for piece, t in zip(pieces, of, strict=True) if t == 2]
+    np.testing.assert_array_equal(np.nansum([piece.xyz for piece in own], axis=0), trial.paths[2].xyz)
+    assert [int(np.isfinite(piece.xyz[:, 0]).sum()) for piece in own] == [100, 100, 100]
+
+
+def test_a_sequence_changes_where_it_gains_more_than_it_costs():
+    nats = np.where(np.arange(20)[:, None] < 12, [3.0, 0.0, 1.0], [0.0, 3.0, 1.0])
+    assert best_sequence(nats, 20.0).tolist() == [0] * 12 + [1] * 8
+    assert best_sequence(nats, 30.0).tolist() == [0] * 20

@@ -26,7 +26,7 @@ import numpy as np
 
 from ...data.array_types import Floats, Ints
 from .paths import Ends, Meeting, Paths, ends, meeting
-from .places import APART_S, Place
+from .places import APART_S, Partner, Place
 from .probability import probability
 from .shape import Distances, distances, misfit
 
@@ -43,6 +43,8 @@ class Evidence(NamedTuple):
         motion: (2), nats, for the exchange. shape: (3), 0 where unknown.
         own_misfit: of the path's own halves by shape; 0 where unknown. known: 1 where shape is known, else 0.
         own_chi: ln(1 + χ²/4) of its own halves by motion. own_sd: ln σ of their distance, mm.
+        other_chi: as own_chi, of the worse of both exchanged pairs of halves; 0 where there is none. alone: 1 where
+            there is no partner, else 0.
     """
 
     motion: float
@@ -51,19 +53,21 @@ class Evidence(NamedTuple):
     known: float
     own_chi: float
     own_sd: float
+    other_chi: float
+    alone: float
 
 
 class Change(NamedTuple):
     """A place of a path, and what tells that it goes on there as another marker.
 
     Attributes:
-        place: where. partner: index of the path that it may be exchanged with; −1 for none.
+        place: where. partner: the path that it may be exchanged with, or none, and where that is cut.
         evidence: what tells. wrong: probability of a change.
         keep_mm, exchange_mm: how far both paths are off from where their motion leads, as they are and exchanged.
     """
 
     place: Place
-    partner: int
+    partner: Partner
     evidence: Evidence
     wrong: float
     keep_mm: float
@@ -108,19 +112,12 @@ class _Costs(NamedTuple):
 
 def _pairs(paths: Paths, found: Sequence[Place]) -> list[tuple[int, int, int, int, int]]:
     """Path and index of each place; each partner, and the indices of its last sample before and first after, or −1."""
-    rows = []
+    rows, far = [], APART_S * paths.rate
     for place in found:
-        for q in place.partners:
-            if q < 0:
-                rows.append((place.path, place.index, 0, -1, -1))
-                continue
-            own = paths.frames[q]
-            j = paths.index_before(q, place.middle)
-            k = j + 1 if j + 1 < len(own) else -1
-            far = APART_S * paths.rate
-            j = j if j >= 0 and place.middle - own[j] < far else -1
-            k = k if k >= 0 and own[k] - place.middle < far else -1
-            rows.append((place.path, place.index, q, j, k))
+        for q, j in place.partners:
+            own = paths.frames[q] if q >= 0 else np.zeros(0, np.int64)
+            k = j + 1 if q >= 0 and j + 1 < len(own) and own[j + 1] - place.middle < far else -1
+            rows.append((place.path, place.index, max(q, 0), j if j >= 0 and place.middle - own[j] < far else -1, k))
     return rows
 
 
@@ -148,14 +145,16 @@ class _Windows:
             self.known[key] = distances(self.paths, p, middle, side)
         return self.known[key]
 
-    def misfits(self, place: Place, q: int) -> tuple[float, float, float]:
+    def misfits(self, place: Place, partner: Partner) -> tuple[float, float, float]:
         """Of p's own halves; of both paths as they are; and exchanged. NaN where unknown."""
-        p, t = place.path, place.middle
+        p, t, q = place.path, place.middle, partner.path
         p_before, p_after = self.of(p, t, -1), self.of(p, t, 1)
         if q < 0:
             own = misfit(p_before, p_after)
             return own, own, np.nan
-        q_before, q_after = self.of(q, t, -1), self.of(q, t, 1)
+        own_q = self.paths.frames[q]
+        at = own_q[partner.index] + 0.5 if 0 <= partner.index < len(own_q) - 1 else t
+        q_before, q_after = self.of(q, at, -1), self.of(q, at, 1)
         own = misfit(p_before, p_after, (q,))
         others = misfit(q_before, q_after, (p,))
         across = misfit(p_before, q_after, (p, q)), misfit(q_before, p_after, (p, q))
@@ -171,17 +170,18 @@ def _mean(values: Floats) -> float:
 def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
     """The partner with the most evidence."""
     best: Change | None = None
-    for n, q in enumerate(place.partners):
-        own, keep, other = windows.misfits(place, q)
+    for n, partner in enumerate(place.partners):
+        own, keep, other = windows.misfits(place, partner)
         shape = keep - (other if np.isfinite(other) else USUAL_MISFIT)
         motion = float(np.clip(costs.cost[0, n] + costs.cost[1, n] - costs.cost[2, n] - costs.cost[3, n], -MOST, MOST))
         known = np.isfinite(shape)
         evidence = Evidence(
             motion, float(shape) if known else 0.0, float(own) if np.isfinite(own) else 0.0, float(known),
             float(np.log1p(costs.squared[0, n] / 4)), float(np.log(costs.variance[0, n]) / 2),
+            float(np.log1p(np.nan_to_num(costs.squared[2:, n]).max() / 4)), float(partner.path < 0),
         )  # fmt: skip
         off = costs.off[:, n]
-        one = Change(place, q, evidence, probability("change", evidence), _most(off[:2]), _most(off[2:]))
+        one = Change(place, partner, evidence, probability("change", evidence), _most(off[:2]), _most(off[2:]))
         if best is None or _strength(one.evidence) > _strength(best.evidence):
             best = one
     assert best is not None

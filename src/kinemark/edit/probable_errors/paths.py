@@ -5,7 +5,8 @@ variance, w of an acceleration that changes at random by q per √s,
 
     cov(w(s), w(t)) = q² (m⁵/20 + d m⁴/8 + d² m³/12),   m = min(s, t), d = |s − t|                         (1)
 
-so that x₀ and its variance follow by generalised least squares. Two ends are continued to the middle between them (2).
+so that x₀ and its variance follow by generalised least squares; w of the past and of the future are independent. Two
+ends are continued to the middle between them (2).
 
 The trial itself says how noisy its samples are and how fast accelerations change. Each path's noise is that of its third
 differences, robustly, 1.48 median |Δ³x| / √20 (3), motion being smooth over four frames. q is such that the ends of
@@ -118,21 +119,27 @@ def ends(paths: Paths, who: Ints, index: Ints, step: int) -> Ends:
 
 
 def continued(end: Ends, to: Floats, rate: float, q: float) -> tuple[Floats, Floats]:
-    """Where ends are at frames `to` (N): (N, 3) mm and the variance of each axis (N) mm², infinite without a sample."""
+    """Where paths are at frames `to` (N): (N, 3) mm and the variance of each axis (N) mm², infinite without a sample."""
     known = np.isfinite(end.variance)
-    t = np.where(known, np.abs(end.frame - to[:, None]) / rate, 0.0)
+    t = np.where(known, (end.frame - to[:, None]) / rate, 0.0)
     s, u = t[:, :, None], t[:, None, :]
-    m, d = np.minimum(s, u), np.abs(s - u)
+    m, d = np.where(s * u > 0, np.minimum(np.abs(s), np.abs(u)), 0.0), np.abs(s - u)
     cov = q**2 * (m**5 / 20 + d * m**4 / 8 + d**2 * m**3 / 12)  # (1)
     cov += s * u * SPEED**2 + s**2 * u**2 / 4 * ACCELERATION**2
     both = known[:, :, None] & known[:, None, :]
     cov = np.where(both, cov, 0.0) + np.eye(t.shape[1]) * np.where(known, end.variance, 1.0)[:, None, :]
     weight = np.linalg.solve(cov, known[..., None].astype(np.float64))[..., 0]
     total = weight.sum(1)
-    origin = end.xyz[:, :1]
+    origin = end.xyz[np.arange(len(t)), known.argmax(1)][:, None]
     with np.errstate(invalid="ignore", divide="ignore"):
         place = origin[:, 0] + (weight[..., None] * (end.xyz - origin)).sum(1) / total[:, None]
-        return place, np.where(known[:, 0], 1 / np.maximum(total, 1e-12), np.inf)
+        return place, np.where(known.any(1), 1 / np.maximum(total, 1e-12), np.inf)
+
+
+def between(before: Ends, after: Ends, to: Floats, rate: float, q: float) -> tuple[Floats, Floats]:
+    """Where paths are at frames `to` (N) by what is before and after them together; as `continued`."""
+    both = (np.concatenate(columns, axis=1) for columns in zip(before, after, strict=True))
+    return continued(Ends(*both), to, rate, q)
 
 
 class Meeting(NamedTuple):

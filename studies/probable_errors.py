@@ -40,7 +40,7 @@ from kinemark.synth import observe, ring, walking, with_markers
 from kinemark.track.simultaneous import AmbiguousDecision, track_with_decisions
 from support.scenes import make, scene
 
-TUNE, CHECK = range(40), range(40, 100)
+TUNE, CHECK = range(60), range(60, 100)
 FILES = (
     "pig_gait_child*/*.c3d", "pig_gait_3plates_emg/PiG_M*FF.c3d", "fullbody_cmu/*.c3d", "labelling/*.c3d",
     "pig_wholebody/M*.c3d", "gait_emg_ccby/*01.c3d", "opensim_gait/*walk.trc",
@@ -94,7 +94,7 @@ def labelled(part: int) -> Iterator[Known]:
 def with_faults(known: Known, seed: int) -> Known:
     faulty = seeded(known.trajectories, known.owner, seed)
     owner = np.array(faulty.owner)
-    return known._replace(trajectories=faulty.trajectories, owner=owner, decisions=(), faulty=faulty)
+    return known._replace(trajectories=faulty.trajectories, owner=owner, faulty=faulty)
 
 
 def both(some: Iterator[Known]) -> Iterator[Known]:
@@ -153,7 +153,13 @@ def no_marker(known: Known, p: int) -> bool:
 def evidence(known: Known) -> Iterator[tuple[str, tuple[float, ...], bool]]:
     """What tells of everything that is looked at in a trial, and the truth."""
     paths = Paths.of(known.trajectories)
-    for change in changes(paths, places(paths)):
+    told = [
+        (track, (one.first + one.last) / 2, next((k for k in one.tracks if k != track), -1))
+        for one in known.decisions
+        for track in one.tracks
+        if one.kind != "ghost" and 0 <= track < len(known.trajectories)
+    ]
+    for change in changes(paths, places(paths, told)):
         own, i, p = paths.frames[change.place.path], change.place.index, change.place.path
         yield from _told("change", change.evidence, changed(known, p, int(own[i]), int(own[i + 1])))
     for spike in spikes(paths):

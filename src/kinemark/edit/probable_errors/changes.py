@@ -42,7 +42,11 @@ class Evidence(NamedTuple):
     Attributes:
         motion: (2), nats, for the exchange. shape: (3), 0 where unknown.
         own_misfit: of the path's own halves by shape; 0 where unknown. known: 1 where shape is known, else 0.
-        own_chi: ln(1 + χ²/4) of its own halves by motion. own_sd: ln σ of their distance, mm.
+        own_chi: ln(1 + χ²/4) of its own halves by motion. own_sd: ln σ of their distance, mm. own_off: ln(1 + d / 10
+            mm) of their distance where that is significant.
+        surely: motion above 0, else 0.
+        told: 1 where tracking was not sure of the place. images: ln of how many images the samples beside it have, the
+            fewer of both; that of two where they are not known.
         other_chi: as own_chi, of the worse of both exchanged pairs of halves; 0 where there is none. alone: 1 where
             there is no partner, else 0.
     """
@@ -53,6 +57,10 @@ class Evidence(NamedTuple):
     known: float
     own_chi: float
     own_sd: float
+    own_off: float
+    surely: float
+    told: float
+    images: float
     other_chi: float
     alone: float
 
@@ -145,6 +153,12 @@ class _Windows:
             self.known[key] = distances(self.paths, p, middle, side)
         return self.known[key]
 
+    def images(self, place: Place) -> float:
+        """As `Evidence` has it."""
+        paths, own = self.paths, self.paths.frames[place.path]
+        beside = paths.images[place.path, own[place.index : place.index + 2]]
+        return float(np.log(max(int(beside.min()), 2)))
+
     def misfits(self, place: Place, partner: Partner) -> tuple[float, float, float]:
         """Of p's own halves; of both paths as they are; and exchanged. NaN where unknown."""
         p, t, q = place.path, place.middle, partner.path
@@ -178,7 +192,8 @@ def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
         evidence = Evidence(
             motion, float(shape) if known else 0.0, float(own) if np.isfinite(own) else 0.0, float(known),
             float(np.log1p(costs.squared[0, n] / 4)), float(np.log(costs.variance[0, n]) / 2),
-            float(np.log1p(np.nan_to_num(costs.squared[2:, n]).max() / 4)), float(partner.path < 0),
+            float(np.log1p(costs.off[0, n] / USUAL_MM) * (costs.squared[0, n] > SIGNIFICANT)), max(motion, 0.0),
+            float(place.told), windows.images(place), float(np.log1p(np.nan_to_num(costs.squared[2:, n]).max() / 4)), float(partner.path < 0),
         )  # fmt: skip
         off = costs.off[:, n]
         one = Change(place, partner, evidence, probability("change", evidence), _most(off[:2]), _most(off[2:]))
@@ -188,6 +203,8 @@ def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
     return best
 
 
+USUAL_MM, SIGNIFICANT = 10.0, 11.34
+"""mm; and χ² of three degrees of freedom that 1 in 100 exceeds; chosen."""
 USUAL_MISFIT = 1.0
 """Misfit by shape of halves that are one marker, in the mean; measured by studies/probable_errors.py."""
 SHAPE_NATS = 4.0

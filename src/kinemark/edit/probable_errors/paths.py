@@ -57,6 +57,7 @@ class Paths(NamedTuple):
     Attributes:
         xyz: (M, F, 3) mm, NaN where missing. seen: (M, F). frames: of each path, those with a sample.
         sd: (M) mm, noise of each axis. rate: Hz. q: of (1).
+        images: (M, F) of each sample; 0 where they are not known.
         jumps: of each path, indices of the last samples before jumps (5): it is not continued over them.
     """
 
@@ -65,6 +66,7 @@ class Paths(NamedTuple):
     frames: tuple[Ints, ...]
     sd: Floats
     rate: float
+    images: Ints
     q: float = USUAL_Q
     jumps: tuple[Ints, ...] = ()
 
@@ -75,7 +77,8 @@ class Paths(NamedTuple):
         seen = seen.reshape(len(trajectories), trajectories.n_frames)
         xyz = np.where(seen[..., None], trajectories.xyz, np.nan)
         frames = tuple(np.flatnonzero(row) for row in seen)
-        paths = cls(xyz, seen, frames, _noise(xyz), trajectories.rate)
+        images = np.array([(p.detection >= 0).sum(1) for p in trajectories], np.int64).reshape(seen.shape)
+        paths = cls(xyz, seen, frames, _noise(xyz), trajectories.rate, images)
         paths = paths._replace(jumps=tuple(_jumps(xyz[p, own], own, paths.sd[p]) for p, own in enumerate(frames)))
         return paths._replace(q=_process_noise(paths))
 

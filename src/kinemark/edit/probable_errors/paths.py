@@ -13,7 +13,7 @@ differences, robustly, 1.48 median |Δ³x| / √20 (3), motion being smooth over
 pieces of HELD s that are taken out of the paths meet within what (2) states in half of all cases (4).
 
 A path jumps from one frame to the next where the step is off the mean of the steps before and after it by more than
-JUMP times what is usual there, its running median (5).
+JUMP times what is usual there, its running median (5), which counts up to RESTLESS times that of the path.
 """
 
 from __future__ import annotations
@@ -47,8 +47,9 @@ HALF = 2.366
 
 JUMP, JUMP_MM = 6.0, 3.0
 """Times what is usual, and mm besides noise, of (5); chosen: noise alone reaches them once in thousands of samples."""
-USUAL_S = 25
-"""Steps on each side that say what is usual; chosen."""
+USUAL_STEPS, RESTLESS = 25, 5.0
+"""Steps on each side that say what is usual, and times the median of the path that it may be; chosen: a path that jumps
+all the time does not hide its jumps."""
 
 
 class Paths(NamedTuple):
@@ -209,5 +210,6 @@ def _jumps(xyz: Floats, frame: Ints, sd: float) -> Ints:
     rate = np.diff(xyz, axis=0) / np.diff(frame)[:, None]
     before, after = np.vstack([rate[:1], rate[:-1]]), np.vstack([rate[1:], rate[-1:]])
     off = np.minimum(np.linalg.norm(rate - before, axis=1), np.linalg.norm(rate - after, axis=1))
-    usual = scipy.ndimage.median_filter(off, 2 * USUAL_S + 1, mode="nearest")
+    usual = scipy.ndimage.median_filter(off, 2 * USUAL_STEPS + 1, mode="nearest")
+    usual = np.minimum(usual, RESTLESS * np.median(off))
     return np.flatnonzero((np.diff(frame) == 1) & (off > JUMP * (usual + sd) + JUMP_MM))

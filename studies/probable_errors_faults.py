@@ -1,10 +1,10 @@
 """Faults seeded into trials whose truth is known, for the study of probable errors.
 
-    exchange   two paths have each other's samples from a frame on: near ones, or at a gap
-    stretch    the same for 0.2 to 1 s only: a mislabelled stretch
-    join       a path goes on as another one, whose own rest is a path without a name
-    spike      1 to 6 samples stand 15 to 100 mm off
-    cut        a path is two, from a gap on
+exchange   two paths have each other's samples from a frame on: near ones, or at a gap
+stretch    the same for 0.2 to 1 s only: a mislabelled stretch
+join       a path goes on as another one, whose own rest is a path without a name
+spike      1 to 6 samples stand 15 to 100 mm off
+cut        a path is two, from a gap on
 """
 
 from __future__ import annotations
@@ -48,15 +48,18 @@ class Faulty:
 
     @classmethod
     def of(cls, trajectories: Trajectories, owner: Ints) -> Faulty:
+        """A trial before any."""
         columns = [{name: getattr(path, name).copy() for name in COLUMNS} for path in trajectories]
         return cls(trajectories, columns, list(trajectories.names), [row.copy() for row in owner])
 
     @property
     def trajectories(self) -> Trajectories:
+        """The trial as it is now."""
         pairs = zip(self.names, self.columns, strict=True)
         return replace(self.source, paths=tuple(MarkerTrajectory(name, **columns) for name, columns in pairs))
 
     def seen(self, p: int) -> Ints:
+        """Frames that a path has."""
         return np.flatnonzero(self.columns[p]["origin"] != Origin.MISSING)
 
     def near(self, p: int, f: int) -> list[int]:
@@ -72,6 +75,7 @@ class Faulty:
         return [q for _, q in sorted(found)]
 
     def exchange(self, p: int, q: int, first: int, stop: int) -> None:
+        """Two paths have each other's samples in these frames."""
         for name in COLUMNS:
             a, b = self.columns[p][name], self.columns[q][name]
             a[first:stop], b[first:stop] = b[first:stop].copy(), a[first:stop].copy()

@@ -17,7 +17,7 @@ from .edit_files import open_editing
 from .problems import problems
 
 SURE = 0.9
-"""Probability from which on a problem is mended without a person; chosen: of ten such acts one may have to be undone."""
+"""Probability from which on a problem is mended without a person; chosen: one act of ten may have to be undone."""
 WHY = "kinemark audit"
 ROUNDS = 5
 """Times that a file is looked at again after it was mended, at most; chosen: one error may hide another."""

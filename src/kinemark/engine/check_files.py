@@ -48,7 +48,9 @@ def check_file(source: Path, template: SubjectTemplate) -> CheckedNames:
     """
     known = template.marker_set if template.marker_set in marker_sets() else None
     pairs = read_marker_set(known).pairs if known else sides_by_name(template.template.names)
-    return check_names(without_prefix(read_trial(source).trajectories, template.template.names), template.template, pairs)
+    return check_names(
+        without_prefix(read_trial(source).trajectories, template.template.names), template.template, pairs
+    )
 
 
 def check_names(trial: Trajectories, own: Template, pairs: Sequence[tuple[str, str]]) -> CheckedNames:

@@ -8,4 +8,18 @@ from .places import Partner, Place, places
 from .probability import name_probability
 from .spikes import Spike, spikes
 
-__all__ = ["Change", "Ghost", "Partner", "Paths", "Piece", "Place", "Spike", "changes", "ghosts", "name_probability", "pieces", "places", "spikes"]
+__all__ = [
+    "Change",
+    "Ghost",
+    "Partner",
+    "Paths",
+    "Piece",
+    "Place",
+    "Spike",
+    "changes",
+    "ghosts",
+    "name_probability",
+    "pieces",
+    "places",
+    "spikes",
+]

@@ -13,8 +13,8 @@ which knows outliers; a half that begins or ends costs END. The evidence of moti
 that of shape the same difference of the misfits of `shape` (3). No other path, q = none, is a partner like others: the
 path is then two. Of all partners the one with the most evidence is taken.
 
-The probability of a change is a logistic function of (2), (3) and what `Evidence` lists (4); its coefficients were fitted
-to seeded faults (studies/probable_errors.py).
+The probability of a change is a logistic function of (2), (3) and what `Evidence` lists (4); its coefficients were
+fitted to seeded faults (studies/probable_errors.py).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from .probability import probability
 from .shape import Distances, distances, misfit
 
 END = 10.0
-"""Nats that the beginning or end of a path costs; chosen: a place anywhere in a volume of a cubic decimetre to metre."""
+"""Nats that the beginning or end of a path costs; chosen: a place anywhere in a room's corner."""
 MOST = 30.0
 """Nats of motion that count at most; chosen."""
 
@@ -193,7 +193,8 @@ def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
             motion, float(shape) if known else 0.0, float(own) if np.isfinite(own) else 0.0, float(known),
             float(np.log1p(costs.squared[0, n] / 4)), float(np.log(costs.variance[0, n]) / 2),
             float(np.log1p(costs.off[0, n] / USUAL_MM) * (costs.squared[0, n] > SIGNIFICANT)), max(motion, 0.0),
-            float(place.told), windows.images(place), float(np.log1p(np.nan_to_num(costs.squared[2:, n]).max() / 4)), float(partner.path < 0),
+            float(place.told), windows.images(place),
+            float(np.log1p(np.nan_to_num(costs.squared[2:, n]).max() / 4)), float(partner.path < 0),
         )  # fmt: skip
         off = costs.off[:, n]
         one = Change(place, partner, evidence, probability("change", evidence), _most(off[:2]), _most(off[2:]))

@@ -8,8 +8,8 @@ variance, w of an acceleration that changes at random by q per √s,
 so that x₀ and its variance follow by generalised least squares; w of the past and of the future are independent. Two
 ends are continued to the middle between them (2).
 
-The trial itself says how noisy its samples are and how fast accelerations change. Each path's noise is that of its third
-differences, robustly, 1.48 median |Δ³x| / √20 (3), motion being smooth over four frames. q is such that the ends of
+The trial itself says how noisy its samples are and how fast accelerations change. Each path's noise is that of its
+third differences, robustly, 1.48 median |Δ³x| / √20 (3), motion being smooth over four frames. q is such that the ends of
 pieces of HELD s that are taken out of the paths meet within what (2) states in half of all cases (4).
 
 A path jumps from one frame to the next where the step is off the mean of the steps before and after it by more than
@@ -123,7 +123,7 @@ def ends(paths: Paths, who: Ints, index: Ints, step: int) -> Ends:
 
 
 def continued(end: Ends, to: Floats, rate: float, q: float) -> tuple[Floats, Floats]:
-    """Where paths are at frames `to` (N): (N, 3) mm and the variance of each axis (N) mm², infinite without a sample."""
+    """Where paths are at frames `to` (N): (N, 3) mm, and the variance of each axis (N) mm², infinite without any."""
     known = np.isfinite(end.variance)
     t = np.where(known, (end.frame - to[:, None]) / rate, 0.0)
     s, u = t[:, :, None], t[:, None, :]

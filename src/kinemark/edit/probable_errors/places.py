@@ -23,8 +23,8 @@ from .paths import Paths
 NEAR_SD, NEAR_MM = 8.0, 3.0
 """Standard deviations of both, and mm: within them a path may be another; chosen."""
 ONE_PLACE_MM = 5.0
-"""mm: two paths that are mostly nearer are computed points or one marker twice, and are not exchanged; chosen: less than
-two markers' radii."""
+"""mm: two paths that are mostly nearer are computed points or one marker twice, and are not exchanged; chosen: less
+than two markers' radii."""
 TOLD_S = 0.05
 """s within which a place is one that tracking was not sure of; chosen: such decisions last some frames."""
 REACH_MM, REACH_SPEED = 40.0, 3000.0

@@ -34,7 +34,7 @@ class SpikeEvidence(NamedTuple):
 
 
 class Spike(NamedTuple):
-    """Samples `first` to `last` (frames from 0) of a path that stand off, by how much, and how likely they are wrong."""
+    """Samples `first` to `last` (frames from 0) of a path that stand off, by how much, and how likely that is wrong."""
 
     path: int
     first: int
@@ -75,9 +75,7 @@ def spikes(paths: Paths) -> list[Spike]:
     return _apart(found)
 
 
-def _standing_off(
-    paths: Paths, p: Ints, a: Ints, b: Ints, before: Ends, after: Ends
-) -> tuple[Floats, Floats]:
+def _standing_off(paths: Paths, p: Ints, a: Ints, b: Ints, before: Ends, after: Ends) -> tuple[Floats, Floats]:
     """(N) how far the first, the middle or the last sample is off at least, mm, and its χ²."""
     off, squared = [], []
     for index in (a + 1, (a + b + 1) // 2, b):

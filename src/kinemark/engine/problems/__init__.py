@@ -26,8 +26,8 @@ __all__ = ["filled_gaps", "problems"]
 NEAR_S = 0.2
 """s that a verdict may be beside a problem that it was on; chosen, as changes that are one problem."""
 BEGINS_S, SURE = 0.5, 0.5
-"""s that a change may be beside a stretch with wrong names to be its cause, and its least probability; chosen: names are
-judged in windows of half a second."""
+"""s that a change may be beside a stretch with wrong names to be its cause, and its least probability; chosen: names
+are judged in windows of half a second."""
 FAMILY: dict[str, str] = {"join": "swap", "stitch": "swap", "merge": "swap"}
 """Kinds of which one may be seen as another when a trial is processed again; others are of their own."""
 BEFORE: dict[ProblemKind, int] = {"edit": 0}

@@ -36,10 +36,11 @@ from ..data.edits import (
 from ..edit import Connection, Edited, connection, replay, stretch_of
 from ..edit.values import Footage, solve
 from ..geometry import project
+from ..io.edits_jsonl import NOTHING
 from ..io.trial import read_trial
 from ..track.simultaneous import AmbiguousDecision
-from .edit_stage import applied_entries, check_methods, claims_are_facts
-from .journal import Journal
+from .edit_stage import applied_entries, check_methods, claims_are_facts, unsigned
+from .journal import Journal, hash_of_entry
 from .keys import world_key
 from .naming.claims import claims_of
 from .open_trial import OpenTrial
@@ -125,6 +126,30 @@ class Editing:
     def edited(self) -> Edited:
         """The trial with all that stands in the journal."""
         return self._replayed(applied_entries(self.journal.read()))
+
+    def preview(self, edits: Sequence[Edit]) -> Edited:
+        """What an act would give; it is written nowhere.
+
+        Raises:
+            KinemarkError: a choice for a gap is no method.
+        """
+        check_methods(edits)
+        entries = self.journal.read().entries
+        number = max((entry.id for entry in entries), default=0) + 1
+        return self._replayed((*unsigned(entries), Entry(number, "", self.by, "", "", "", tuple(edits))))
+
+    def at(self, head: str) -> Edited:
+        """The trial as it was when the journal had this head; before all edits where that is empty.
+
+        Raises:
+            KinemarkError: the journal never had it.
+        """
+        entries = self.journal.read().entries
+        heads = [NOTHING, *map(hash_of_entry, entries)]
+        head = head or NOTHING
+        if head not in heads:
+            raise KinemarkError(f"The journal {self.journal.path} has no line with the hash {head[:12]}.")
+        return self._replayed(unsigned(entries[: heads.index(head)]))
 
     def say(self, *edits: Edit, why: str = "", head: str | None = None) -> Said:
         """Write one act into the journal; what came of it.

@@ -125,6 +125,47 @@ def redo(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
     print_entry(journal_at(trial).redo(why=why, by=by), json)
 
 
+@edits.command(name="problems")
+def list_problems(
+    trial: Path, *, fill: Annotated[bool, Parameter(negative="")] = False, every: bool = False, json: Json = False
+) -> None:
+    """List what is probably wrong with a trial, what saves most first, and what can be done about each.
+
+    Args:
+        trial: SESSION/NAME or a file; a session's trial is processed as far as it must be.
+        fill: fill its gaps too, for what error is to be expected in each.
+        every: also those that are not worth a look.
+        json: print it for a machine, with the edits that each alternative would say.
+    """
+    from ...engine.edit_files import open_editing
+    from ...engine.problems import filled_gaps, problems
+    from ..problems_output import problems_figures, problems_text
+
+    editing = open_editing(trial)
+    found = problems(editing, gaps=filled_gaps(editing) if fill else ())
+    print_result(problems_figures(found) if json else problems_text(found, every=every))
+
+
+@edits.command
+def accept(trial: Path, problem: str, alternative: int = 1, *, why: Why = "", by: By = "", json: Json = False) -> None:
+    """Take an alternative of a problem.
+
+    Args:
+        trial: SESSION/NAME or a file.
+        problem: its id, from `kinemark edits problems`.
+        alternative: its number, from 1.
+        why: in your words. by: who says it. json: print it for a machine.
+    """
+    from ...engine.edit_files import open_editing
+    from ...engine.problems import filled_gaps, problems
+    from ..edits_output import print_said
+    from ..problems_output import chosen_edits
+
+    editing = open_editing(trial, by=by)
+    found = problems(editing, gaps=filled_gaps(editing) if problem.startswith("gap-") else ())
+    print_said(editing.say(*chosen_edits(found, problem, alternative), why=why, head=found.head), json)
+
+
 @edits.command
 def sign(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None:
     """Stand for the trial with all that was said of it until now.

@@ -1,0 +1,144 @@
+"""Places where a path may go on as another marker, and whose it may be exchanged with.
+
+    gap       a path was not seen in between
+    jump      it goes on where its motion does not lead
+    near      another path is so near that either could be the other
+
+At each place the two halves of the path are before and after. Another path may be cut anywhere in it: in a gap, before
+the first of its samples there, after the last, in the middle, or where it jumps. Which paths are looked at: those whose
+half before is near the half after of the first, or the other way round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Floats
+from ...numerics.runs import true_runs
+from .paths import Paths
+
+NEAR_SD, NEAR_MM = 8.0, 3.0
+"""Standard deviations of both, and mm: within them a path may be another; chosen."""
+ONE_PLACE_MM = 5.0
+"""mm: two paths that are mostly nearer are computed points or one marker twice, and are not exchanged; chosen: less
+than two markers' radii."""
+TOLD_S = 0.05
+"""s within which a place is one that tracking was not sure of; chosen: such decisions last some frames."""
+REACH_MM, REACH_SPEED = 40.0, 3000.0
+"""mm, and mm/s: how far a marker may be from where it was last seen; chosen: a marker of a running foot."""
+PARTNERS = 4
+"""Other paths that are looked at, at most, of a place; chosen."""
+APART_S = 1.0
+"""s: another path's half that ends, or begins, longer before or after is not looked at; chosen."""
+
+
+class Partner(NamedTuple):
+    """Another path (−1: none), and the index of its last sample before it is cut (−1: it begins later)."""
+
+    path: int
+    sample: int
+
+
+NOBODY = Partner(-1, -1)
+"""No other path; by definition."""
+
+
+class Place(NamedTuple):
+    """Where path `path` goes from its sample of index `sample` to the next, in the middle (frame), and other paths.
+
+    `told` says whether tracking itself was not sure there.
+    """
+
+    path: int
+    sample: int
+    middle: float
+    partners: tuple[Partner, ...]
+    told: bool = False
+
+
+def places(paths: Paths, told: Iterable[tuple[int, float, int]] = ()) -> list[Place]:
+    """All places of a trial.
+
+    Args:
+        paths: of the trial.
+        told: path, frame, and another path or −1, of places that are known to be ambiguous.
+    """
+    found = dict[tuple[int, int], set[int]]()
+    for p, own in enumerate(paths.frames):
+        for i in [*np.flatnonzero(np.diff(own) > 1).tolist(), *paths.jumps[p].tolist()]:
+            found.setdefault((p, i), set())
+    told = tuple(told)
+    for p, frame, q in (*_near(paths), *told):
+        i = paths.index_before(p, frame)
+        if 0 <= i < len(paths.frames[p]) - 1:
+            found.setdefault((p, i), set()).update({q} - {-1})
+    unsure = _unsure(paths, told)
+    return [_place(paths, p, i, others, (p, i) in unsure) for (p, i), others in sorted(found.items())]
+
+
+def _unsure(paths: Paths, told: Iterable[tuple[int, float, int]]) -> set[tuple[int, int]]:
+    """Paths and indices near to which tracking was not sure."""
+    out = set[tuple[int, int]]()
+    for p, frame, _ in told:
+        own, near = paths.frames[p], TOLD_S * paths.rate
+        out |= {(p, i) for i in range(*np.searchsorted(own, [frame - near, frame + near]).tolist())}
+        out.add((p, paths.index_before(p, frame)))
+    return out
+
+
+def _place(paths: Paths, p: int, i: int, others: set[int], told: bool) -> Place:
+    own = paths.frames[p]
+    middle = (own[i] + own[i + 1]) / 2
+    near = dict.fromkeys([*sorted(others), *_partners(paths, p, i, middle)])
+    cuts = [cut for q in near for cut in _cuts(paths, q, float(own[i]), float(own[i + 1]))]
+    return Place(p, i, float(middle), (NOBODY, *cuts), told)
+
+
+def _cuts(paths: Paths, q: int, first: float, last: float) -> list[Partner]:
+    """Where path q may be cut between two frames, its own samples in them on either side."""
+    frames = paths.frames[q]
+    at = {paths.index_before(q, f) for f in (first, (first + last) / 2, last - 0.5)}
+    jumps = paths.jumps[q]
+    inside = jumps[(frames[jumps] >= first) & (frames[jumps] < last)]
+    return [Partner(q, j) for j in sorted(at | set(inside.tolist()))]
+
+
+def _partners(paths: Paths, p: int, i: int, middle: float) -> list[int]:
+    """Those whose halves are nearest to the halves of p."""
+    own = paths.frames[p]
+    a, b = paths.xyz[p, own[i]], paths.xyz[p, own[i + 1]]
+    scored = []
+    for q, frames in enumerate(paths.frames):
+        if q == p or not len(frames):
+            continue
+        j = int(np.searchsorted(frames, middle, side="right")) - 1
+        near = []
+        if j >= 0 and own[i + 1] - frames[j] < APART_S * paths.rate:
+            near.append(_far(paths, paths.xyz[q, frames[j]], b, own[i + 1] - frames[j]))
+        if j + 1 < len(frames) and frames[j + 1] - own[i] < APART_S * paths.rate:
+            near.append(_far(paths, paths.xyz[q, frames[j + 1]], a, frames[j + 1] - own[i]))
+        if near and min(near) < 1:
+            scored.append((min(near), q))
+    return [q for _, q in sorted(scored)[:PARTNERS]]
+
+
+def _far(paths: Paths, x: Floats, y: Floats, frames: float) -> float:
+    """Distance by how far a marker may come in these frames."""
+    return float(np.linalg.norm(x - y)) / (REACH_MM + REACH_SPEED * float(frames) / paths.rate)
+
+
+def _near(paths: Paths) -> Iterator[tuple[int, float, int]]:
+    """Two paths, and the frame in which they are nearest, of each time that they come near."""
+    M = len(paths.frames)
+    for p in range(M):
+        limit = NEAR_SD * (paths.sd[p] + paths.sd[p + 1 :]) + NEAR_MM
+        apart = np.linalg.norm(paths.xyz[p + 1 :] - paths.xyz[p], axis=-1)
+        for k in np.flatnonzero(np.nanmin(np.where(np.isnan(apart), np.inf, apart), axis=1, initial=np.inf) < limit):
+            if np.nanmedian(apart[k]) < ONE_PLACE_MM:
+                continue
+            row = np.where(np.isnan(apart[k]), np.inf, apart[k])
+            for first, stop in true_runs(row < limit[k]).tolist():
+                yield p, float(first + row[first:stop].argmin()), p + 1 + int(k)

@@ -3,7 +3,7 @@
 Where a marker sits far from where the template foretells it, its neighbour can take its name, the next one the
 neighbour's, and so on to a label that is absent: each name is wrong, and each supports the next, so that no marker
 alone would change. So a marker that does not lie where its name should takes another's name, the one that had it takes
-the next, and so on, each time the few by which the places gain most,
+the next, and so on, each time the few by which the places gain most, or the two change places,
 
     gain of a step = e3(m, a) − e3(m', a)   where m' had a,   e3(m, a) + 10   where no marker had it,            (1)
 
@@ -23,8 +23,10 @@ STARTS = 4
 """Markers from which chains begin, those that fit worst; chosen."""
 LONGEST = 6
 """Names that change hands in a chain, at most; chosen: the spine of the largest set has five."""
-EACH, BEAM = 4, 4
+EACH, BEAM = 3, 2
 """Names that a marker tries, and chains that go on; chosen."""
+PASSES = 4
+"""Chains that are moved one after the other, at most; chosen."""
 TRIED = 3
 """Chains from one marker that are scored as wholes, those that gain most; chosen."""
 
@@ -44,23 +46,48 @@ class Chain(NamedTuple):
 
 
 def rechained(now: Ints, nats: Nats, score: Score, *, least: float, absent: float) -> Ints:
-    """(M) labels after the best chain, or as they were where none scores better.
+    """(M) labels after the best chains, one after the other, or as they were where none scores better.
 
     Args:
         now: (M) −1 for none. least: nats of a marker under its own name up to which a chain begins at it. absent: what
             a label without a marker costs, nats.
     """
-    own = nats(now)[np.arange(len(now)), np.maximum(now, 0)]
+    for _ in range(PASSES):
+        new = _once(now, nats, score, least, absent)
+        if (new == now).all():
+            break
+        now = new
+    return now
+
+
+def _once(now: Ints, nats: Nats, score: Score, least: float, absent: float) -> Ints:
+    """(M) labels after the best chain."""
+    worth = nats(now)
+    own = worth[np.arange(len(now)), np.maximum(now, 0)]
     fit = np.where(now < 0, np.finfo(float).min, np.where(np.isfinite(own), own, np.inf))
     starts = [m for m in np.argsort(fit, kind="stable")[:STARTS].tolist() if fit[m] <= least]
     best, most = now, score(now) if starts else 0.0
     for start in starts:
-        ends = sorted(_ends(now, start, nats, absent), key=lambda one: -one.gain)[:TRIED]
-        for end in ends:
-            total = score(end.label)
+        chains = sorted(_ends(now, start, nats, absent), key=lambda one: -one.gain)[:TRIED]
+        for label in (*(chain.label for chain in chains), *_exchanged(now, start, worth, absent)):
+            total = score(label)
             if total > most + 1e-6:
-                best, most = end.label, total
+                best, most = label, total
     return best
+
+
+def _exchanged(now: Ints, start: int, worth: Floats, absent: float) -> list[Ints]:
+    """(M) labellings in which a marker and another have each other's name, those of the greatest worth (M, L)."""
+    named = np.flatnonzero((now >= 0) & (np.arange(len(now)) != start))
+    if now[start] < 0:
+        return []
+    both = worth[start, now[named]] + worth[named, now[start]] - np.maximum(worth[named, now[named]], -absent)
+    out = []
+    for other in named[np.argsort(-np.where(np.isfinite(both), both, -np.inf), kind="stable")[:TRIED]]:
+        label = now.copy()
+        label[[start, other]] = now[[other, start]]
+        out.append(label)
+    return out
 
 
 def _ends(now: Ints, start: int, nats: Nats, absent: float) -> list[Chain]:

@@ -37,7 +37,7 @@ from kinemark.label.stretches import stretches_of
 
 FRAMES = 160
 """Of a trial that the coefficients are fitted to, its middle ones; chosen: 260 took twice as long for the same."""
-RIDGE = 3e-5
+RIDGE = 1e-4
 """On the squares of coefficients; chosen, so small that it only holds back what the cases do not tell."""
 
 

@@ -27,7 +27,7 @@ FLOOR = -2.0
 
 
 def losses(y: Single, pairs: PairScore, template: Template, twos: Ints) -> Floats:
-    """(P) nats (1) that an exchange of two labels loses; 0 where they are not seen with their neighbours.
+    """(P) nats (1) that an exchange of two labels loses; infinite where the two are not seen together.
 
     Args:
         y: (K, L, 3) places of labels, mm, NaN where not seen. twos: (P, 2) labels that are exchanged.
@@ -45,7 +45,7 @@ def losses(y: Single, pairs: PairScore, template: Template, twos: Ints) -> Float
         each = _nats((off - of_template) / width) - _nats((off + of_template) / width)
         total += np.where(np.isfinite(each), each, 0.0).sum(1)
         frames += np.isfinite(each).any(1)
-    return np.asarray(total / np.maximum(frames, 1))
+    return np.asarray(np.where(frames > 0, total / np.maximum(frames, 1), np.inf))
 
 
 def _nats(z: Floats) -> Floats:

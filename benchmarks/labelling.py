@@ -73,7 +73,7 @@ class Cases(NamedTuple):
     """Of one shredded trial's named tracks: features of `label.margin` (3) and (4), and what came true.
 
     Attributes:
-        track: (n, 7). label: (n, 7). mate: (n) the track is what most samples of its label are. right: (n) these
+        track: (n, 7). label: (n, 8). mate: (n) the track is what most samples of its label are. right: (n) these
         samples are what they are called. share: (n) one over the label's tracks, so that each label counts once; 0
         where an exchange loses less than a nat, which (4) judges without coefficients.
     """
@@ -197,8 +197,10 @@ def main() -> None:
     every = [*rows(), *(more_rows() if asked.varied or asked.fit else ())]
     chosen = [row for row in every if not asked.names or any(name in row.name for name in asked.names)]
     if asked.fit:
-        for name, beta in zip(("BETA_TRACK", "BETA_LABEL"), fitted([row for row in chosen if row.tuned]), strict=True):
-            print(name, "=", tuple(np.round(beta, 2).tolist()))
+        for label_name, doubted in (("BETA_LABEL", False), ("BETA_OTHER", True)):
+            own = [row for row in chosen if row.tuned and bool(np.any(row.template.doubt)) == doubted]
+            for name, beta in zip(("BETA_TRACK", label_name), fitted(own), strict=True):
+                print(name, "=", tuple(np.round(beta, 2).tolist()))
     elif asked.varied:
         table([(row, VARIED[(k + 3) % len(VARIED)]) for k, row in enumerate(chosen)], asked.seeds)
     else:

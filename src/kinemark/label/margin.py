@@ -23,9 +23,10 @@ have all moved up one place end at one that fits badly, or at a piece of a marke
 nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well. All
 of it is by the template as it was given, as what is known after the trial was learnt from these very labels:
 
-    p_label = logistic(x) · logistic( β · (1, log(1 + x), f_a, f_n, log n, log(1 + y), h) )                      (4)
+    p_label = logistic(x) · logistic( β · (1, log(1 + x), f_a, f_n, F, log n, log(1 + y), h) )                   (4)
 
-with y the loss by `differences` (1) and h how well the four stiffest distances hold (`held`).
+with y the loss by `differences` (1) and h how well the four stiffest distances hold (`held`): these two are told by
+another subject's template, whose β differ, as fits are lower there; F is not.
 
 Pairs are not independent, so that none of these is a logarithm of odds: all β are
 measured, over many templates and trials (`benchmarks/labelling.py --fit`).
@@ -51,8 +52,10 @@ from .template import Template
 
 BETA_TRACK = (-2.41, 1.18, 1.72, 1.78, 1.33, 0.84, 0.67)
 """Of (3); measured by benchmarks/labelling.py --fit on the rows that it says were tuned on."""
-BETA_LABEL = (-4.21, 1.46, 0.9, 1.3, 0.7, 1.39, 1.78)
-"""Of (4); measured likewise, but over 132 trials of other subjects and static ones, tuned on and not: see label.md."""
+BETA_LABEL = (-7.67, 1.67, 3.37, 0.86, 4.31, 0.61, 0.0, 0.0)
+"""Of (4), of the subject's own template; measured by benchmarks/labelling.py --fit likewise, without the last two."""
+BETA_OTHER = (-4.21, 1.46, 0.9, 1.3, 0.0, 0.7, 1.39, 1.78)
+"""Of (4), of another subject's template, without F; measured over 132 trials of other subjects and static ones."""
 NEAR = 4
 """Nearest labels whose fit counts for a label; chosen."""
 FIT_HIGH = 1.3
@@ -206,9 +209,12 @@ def track_features(found: Margins, weight: Floats) -> Floats:
 
 
 def label_features(found: Margins) -> Floats:
-    """(T, 7) of (4); the same for all tracks of a label."""
+    """(T, 8) of (4); the same for all tracks of a label, but for the fit of their frames."""
     fits = (np.minimum(part, FIT_HIGH) for part in (found.label_fit, found.near_fit))
-    parts = (_log(found.exchange), *fits, np.log(found.present), _log(found.difference), found.stiff)
+    parts = (
+        _log(found.exchange), *fits, np.minimum(found.frame_fit, 1.0), np.log(found.present),
+        _log(found.difference), found.stiff,
+    )  # fmt: skip
     return np.stack([np.ones(len(found.fit)), *parts], axis=1)
 
 

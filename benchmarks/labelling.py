@@ -18,6 +18,7 @@ import argparse
 import os
 import time
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from typing import Any, NamedTuple
 
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
@@ -28,6 +29,7 @@ from labelling_cases import VARIED, Row, Shredding, more_rows, rows, walkers
 from metrics import Metric
 from numpy.typing import NDArray
 
+from kinemark.data import Trajectories
 from kinemark.label import (
     Distances,
     Labels,
@@ -47,7 +49,9 @@ from kinemark.label.margin import label_features, margins, track_features
 from kinemark.label.solve import solve
 from kinemark.label.stretches import stretches_of
 
-RIDGE = 3e-5
+FRAMES = 160
+"""Of a trial that the coefficients are fitted to, its middle ones; chosen: 260 took twice as long for the same."""
+RIDGE = 1e-4
 """On the squares of coefficients; chosen, so small that it only holds back what the cases do not tell."""
 
 
@@ -73,11 +77,17 @@ def result(row: Row, how: Shredding, seed: int) -> Result:
     return Result(score_labels(found, parts, row.template.names if row.fits else ()), found, spent)
 
 
+def middle(trial: Trajectories) -> Trajectories:
+    """At most so many frames of a trial as a fit looks at."""
+    first = max(0, trial.n_frames - FRAMES) // 2
+    return trial.frames(first, min(trial.n_frames, first + FRAMES))
+
+
 class Cases(NamedTuple):
     """Of one shredded trial's named tracks: features of `label.margin` (3) and (4), and what came true.
 
     Attributes:
-        track: (n, 7). label: (n, 6). mate: (n) the track is what most samples of its label are. right: (n) these
+        track: (n, 7). label: (n, 8). mate: (n) the track is what most samples of its label are. right: (n) these
         samples are what they are called. share: (n) one over the label's tracks, so that each label counts once; 0
         where an exchange loses less than a nat, which (4) judges without coefficients.
     """
@@ -113,11 +123,13 @@ def cases(row: Row, how: Shredding, seed: int) -> Cases:
 
 def fitted(tuned: Sequence[Row]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """β of `label.margin` (3) and (4): logistic regressions over the tuned rows, each shredded in two ways."""
-    found = [
-        cases(row, how, seed)
+    jobs = [
+        (row._replace(trial=middle(row.trial)), how, seed)
         for k, row in enumerate(tuned)
         for seed, how in ((1, Shredding(15)), (101, VARIED[k % len(VARIED)]))
     ]
+    with ProcessPoolExecutor(2) as pool:
+        found = list(pool.map(cases, *zip(*jobs, strict=True), chunksize=4))
     track, of_label, mate, right, share = (np.concatenate(part) for part in zip(*found, strict=True))
     return logistic_regression(track, mate, np.ones(len(mate))), logistic_regression(of_label, right, share)
 
@@ -252,8 +264,10 @@ def main() -> None:
     every = [*rows(), *(more_rows() if asked.varied or asked.fit else ())]
     chosen = [row for row in every if not asked.names or any(name in row.name for name in asked.names)]
     if asked.fit:
-        for name, beta in zip(("BETA_TRACK", "BETA_LABEL"), fitted([row for row in chosen if row.tuned]), strict=True):
-            print(name, "=", tuple(np.round(beta, 2).tolist()))
+        for label_name, doubted in (("BETA_LABEL", False), ("BETA_OTHER", True)):
+            own = [row for row in chosen if row.tuned and bool(np.any(row.template.doubt)) == doubted]
+            for name, beta in zip(("BETA_TRACK", label_name), fitted(own), strict=True):
+                print(name, "=", tuple(np.round(beta, 2).tolist()))
     elif asked.exchanges:
         cut_table([row for row in chosen if row.fits], asked.pieces, asked.seeds)
     elif asked.varied:

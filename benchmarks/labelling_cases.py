@@ -18,8 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kinemark.data import MarkerTrajectory, Trajectories
+from kinemark.io.marker_sets import read_marker_set
 from kinemark.io.trial import read_trial
-from kinemark.label import Template, learn_template
+from kinemark.label import Template, learn_template, static_template
 from kinemark.synth import walking, with_markers
 
 ROOT = Path(os.environ.get("KINEMARK_DATA", Path(__file__).parents[2] / "shared" / "data")) / "mocap3d"
@@ -36,6 +37,8 @@ CHILDREN = {
     "HC033A": ("pig_gait_children", "10", "22", "01"),
 }
 """Folder, a walk, another, and the static trial of each."""
+GAIT, PLATES = "qualisys_gait/Gait - CGM2 1.c3d", "pig_gait_3plates_emg/PiG_"
+"""A gait trial; the beginning of another laboratory's."""
 TUNED_CHILDREN = {"HC030A", "HC002D", "HC031A"}
 """Every row with another child, as template or as trial, is a check."""
 SIDE = {
@@ -134,6 +137,7 @@ def rows() -> Iterator[Row]:
     if ROOT.is_dir():
         yield from same_subject()
         yield from static_trials()
+        yield from static_sets()
         yield from other_child("HC030A")
         yield from wrong_templates()
     yield from walkers()
@@ -221,6 +225,23 @@ def static_trials() -> Iterator[Row]:
     ):
         template = learn_template(static, relative_spread=STATIC, segments=SEGMENTS)
         yield Row(f"{name}, segments", template, trial, tuned=tuned)
+
+
+def static_sets() -> Iterator[Row]:
+    """A static trial and a marker set that is shipped, whose segments have hands and whose joints say what meets."""
+    body, move = _whole_body(), read("pig_wholebody/Movement_trial.c3d")
+    trials = [
+        ("whole body", "plug-in-gait-full", body, move),
+        ("whole body", "plug-in-gait-lower", body, move),
+        ("qualisys", "plug-in-gait-full", read("qualisys_gait/Static - CGM2 1.c3d"), read(GAIT)),
+        ("three plates", "plug-in-gait-lower", read(f"{PLATES}Calibration3_FF.c3d"), read(f"{PLATES}Motion3_FF.c3d")),
+        *((name, "plug-in-gait-full", child(name, 2), child(name, 0)) for name in CHILDREN),
+        *((name, "kiss-15", child(name, 2), child(name, 0)) for name in tuple(CHILDREN)[:2]),
+    ]
+    for name, of, static, trial in trials:
+        template = static_template(static, read_marker_set(of))
+        tuned = name in {*TUNED_CHILDREN, "whole body"}
+        yield Row(f"{name} static, {of}", template, only(trial, template.names), tuned=tuned)
 
 
 def static_children() -> Iterator[Row]:

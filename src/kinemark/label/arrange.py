@@ -19,6 +19,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
+from .chains import rechained
 from .evidence import PairScore, Single
 from .shape import FLOOR, Shapes
 from .stretches import Stretches
@@ -38,6 +39,8 @@ CLEAR = 3.0
 """By which a track goes on as another rather than as the next, nats; chosen."""
 TRUSTED = -2.0
 """Least of e3 with which a marker tells where others are, nats; chosen: one that is off misleads."""
+CHAIN_FRAMES = 10
+"""In which chains of markers are looked for; chosen: those that gain are then scored in all."""
 LONG = 0.3
 """Share of the frames in which a track without label counts as a marker; chosen."""
 
@@ -57,15 +60,24 @@ def arranged(stretches: Stretches, label: Ints, template: Template, pairs: PairS
         return label
     markers = _markers(stretches, label, L)
     now, best = markers.label, markers.label
-    most = _sum(_nats(markers, now, shapes, pairs, TEMPER), now, L)
+    most = _sum(markers, now, shapes, pairs)
     for share in ROUNDS:
         now = _assigned(
             _nats(markers, _trusted(markers, now, shapes, pairs), shapes, pairs, share),
             FLOOR if share == 0 else -ABSENT,
         )
-        total = _sum(_nats(markers, now, shapes, pairs, TEMPER), now, L)
+        total = _sum(markers, now, shapes, pairs)
         if total > most + 1e-6:
             best, most = now, total
+    few = markers._replace(xyz=markers.xyz[:: max(1, len(markers.xyz) // CHAIN_FRAMES)])
+    known = np.where(shapes.known, 0.0, -np.inf)
+    best = rechained(
+        best,
+        lambda now: _nats(few, now, shapes, pairs, 0.0) + known,
+        lambda now: _sum(markers, now, shapes, pairs),
+        least=TRUSTED,
+        absent=ABSENT,
+    )
     return np.where(markers.of >= 0, best[markers.of], label)
 
 
@@ -134,7 +146,8 @@ def _assigned(nats: Floats, least: float) -> Ints:
     return out
 
 
-def _sum(nats: Floats, now: Ints, L: int) -> float:
-    """Nats of a labelling."""
-    own = np.flatnonzero(now >= 0)
-    return float(nats[own, now[own]].sum()) - ABSENT * (L - len(own))
+def _sum(markers: Markers, now: Ints, shapes: Shapes, pairs: PairScore) -> float:
+    """Nats of a labelling; a marker that is there in some of the frames counts, and costs, by these."""
+    nats, own = _nats(markers, now, shapes, pairs, TEMPER), np.flatnonzero(now >= 0)
+    share = np.isfinite(markers.xyz[:, own, 0]).mean(0)
+    return float((share * nats[own, now[own]]).sum()) - ABSENT * float(len(shapes.sigma) - share.sum())

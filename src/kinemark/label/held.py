@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..data.array_types import Ints
-from .evidence import PairScore, distances
+from ..data.array_types import Floats, Ints
+from .evidence import PairScore, Single, distances
 from .stretches import Stretches
 from .sweeps import places
 
@@ -19,6 +19,8 @@ WITHIN = 2.5
 """σ within which such a distance holds; chosen: one in a hundred is farther off."""
 FRAMES = 40
 """In which this is looked at; chosen."""
+STIFFEST = 4
+"""Of each label, those by which its own probability is told; chosen."""
 
 LEAST = 0.65
 """Below which a template is of something else; chosen: right ones hold 0.80 to 1, also with four markers absent, in a
@@ -32,8 +34,7 @@ def held(stretches: Stretches, label: Ints, pairs: PairScore) -> float:
         label: (T) −1 for none.
     """
     L = len(pairs.distance)
-    sigma = np.where(pairs.inverse > 0, 1 / np.where(pairs.inverse > 0, pairs.inverse, 1.0), np.inf)
-    near = np.argsort(sigma, axis=1, kind="stable")[:, : min(NEIGHBOURS, L - 1)]
+    near = _stiffest(pairs, NEIGHBOURS)
     y = places(stretches, label, L)
     holds = total = 0
     for k in np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int)):
@@ -42,3 +43,25 @@ def held(stretches: Stretches, label: Ints, pairs: PairScore) -> float:
         holds += int((np.take_along_axis(off, near, axis=1)[own] < WITHIN).sum())
         total += int(own.sum()) * near.shape[1]
     return holds / max(total, 1)
+
+
+def stiffness_kept(y: Single, pairs: PairScore) -> Floats:
+    """(L) how well each label's stiffest distances hold, from 0 to 1: mean of exp(−z²/2) with z in σ; 0 where absent.
+
+    Args:
+        y: (K, L, 3) places of labels, mm, NaN where not seen.
+    """
+    near = _stiffest(pairs, STIFFEST)
+    total, count = np.zeros(len(near)), np.zeros(len(near))
+    for xyz in y:
+        off = np.take_along_axis((distances(xyz, xyz) - pairs.distance) * pairs.inverse, near, axis=1)
+        seen = np.isfinite(off)
+        total += np.where(seen, np.exp(-0.5 * np.where(seen, off, 0.0) ** 2), 0.0).sum(1)
+        count += seen.sum(1)
+    return np.asarray(total / np.maximum(count, 1))
+
+
+def _stiffest(pairs: PairScore, n: int) -> Ints:
+    """(L, n) of each label, the others whose distance is known best."""
+    sigma = np.where(pairs.inverse > 0, 1 / np.where(pairs.inverse > 0, pairs.inverse, 1.0), np.inf)
+    return np.argsort(sigma, axis=1, kind="stable")[:, : min(n, len(sigma) - 1)]

@@ -14,7 +14,7 @@ from .exchange import Exchanger, best_moves
 from .key_frames import Placing, frame_score, placings, search, settle
 from .pool import pooled
 from .stretches import FREE, Stretches
-from .sweeps import evidence, expectation, outwards, places, sweep, total_score
+from .sweeps import continuity, evidence, expectation, outwards, places, sweep, total_score
 from .template import Template
 
 SWEEPS = 6
@@ -32,6 +32,11 @@ LEAST_KNOWN = 0.5
 """Share of the samples that must have a name before a trial may tell of the subject; chosen, as for a refusal."""
 OFF = 0.3
 """The same for tracks of a marker that is known by the trial; chosen."""
+GOES_ON = 10.0
+"""Nats from which on a track goes on as another marker's, and half of it as no other's; chosen: pieces that were
+cut from a marker have more, ghosts that pass by less."""
+LONGEST_CHAIN = 8
+"""Rounds of it; chosen: so many pieces one after the other."""
 LEAST_GAIN = 1.0
 """Of an exchange of labels, nats a frame; chosen."""
 
@@ -62,18 +67,45 @@ def solve(
     stretches: Stretches, template: Template, pairs: PairScore, *, key_frames: int, beam: int, least_fit: float
 ) -> Solution:
     """The labelling of the greatest score that was found; without a label for any track where no frame has points."""
-    best = Solution(np.full(len(stretches), -1), 0.0, 0.0)
     start = _start(stretches, template, pairs, key_frames, beam)
     if start is None:
-        return best
+        return Solution(np.full(len(stretches), -1), 0.0, 0.0)
+    found = _from(start, stretches, template, pairs, least_fit)
+    after = found.after or pairs
+    kept = np.where(_doubtful(stretches, found.label, pairs, after), -1, found.label)
+    return found._replace(label=_gone_on(stretches, kept, len(template)))
+
+
+def _from(start: Start, stretches: Stretches, template: Template, pairs: PairScore, least_fit: float) -> Solution:
+    """The labelling that a key frame leads to."""
     label = outwards(stretches, start.frame, start.tracks, start.labels, pairs)
     found = Solution(_settled(stretches, label, template, pairs, least_fit), 0.0, 0.0)
     doubted = bool(np.any(template.doubt))
     for _ in range(ARRANGINGS if doubted else 1):
         label = arranged(stretches, found.label, template, pairs) if doubted else found.label
         found = _pooled(stretches, label, template, pairs, least_fit)
-    after = found.after or pairs
-    return found._replace(label=np.where(_doubtful(stretches, found.label, pairs, after), -1, found.label))
+    return found
+
+
+def _gone_on(stretches: Stretches, label: Ints, L: int) -> Ints:
+    """(T) labels, also of tracks that go on, by motion, from a marker's tracks: in a posture that is new for a moment.
+
+    A marker's name must be free in all their frames, and no other's tracks may go on with them nearly as well.
+    """
+    label = label.copy()
+    for _ in range(LONGEST_CHAIN):
+        nats = continuity(stretches, label, L)
+        nats[label >= 0] = 0.0
+        first = np.argsort(-nats.max(1), kind="stable")
+        named = 0
+        for t in first[nats.max(1)[first] > GOES_ON].tolist():
+            a = int(nats[t].argmax())
+            taken = (stretches.seen[label == a] & stretches.seen[t]).any()
+            if not taken and nats[t, a] - np.delete(nats[t], a).max(initial=0.0) > GOES_ON / 2:
+                label[t], named = a, named + 1
+        if not named:
+            break
+    return label
 
 
 def solve_with_facts(
@@ -151,7 +183,7 @@ def _share_of_frames(stretches: Stretches, label: Ints, L: int) -> Floats:
 
 
 def _start(stretches: Stretches, template: Template, pairs: PairScore, n: int, beam: int) -> Start | None:
-    """The best of `n` key frames, evenly spread over those with points."""
+    """The best of `n` key frames, evenly spread over those with points; None where there are none."""
     order = placings(pairs, template.handed, template.sign)
     points = np.isfinite(stretches.xyz[..., 0]).sum(0)
     usable = np.flatnonzero(points >= min(4, points.max(initial=1)))

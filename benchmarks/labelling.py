@@ -50,7 +50,7 @@ from kinemark.label.solve import solve
 from kinemark.label.stretches import stretches_of
 
 FRAMES = 160
-"""Of a trial that the coefficients are fitted to, its middle ones; chosen: 260 took twice as long for the same."""
+"""Of a trial that the coefficients are fitted to, its middle ones; chosen: 260 take nearly twice as long."""
 RIDGE = 1e-4
 """On the squares of coefficients; chosen, so small that it only holds back what the cases do not tell."""
 

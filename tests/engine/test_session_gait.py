@@ -11,9 +11,11 @@ from kinemark.gait import marker_points
 from kinemark.io.c3d import write_c3d
 from kinemark.io.records import save
 from kinemark.io.rig_toml import write_rig_toml
+from kinemark.io.tdf import read_tdf
 from kinemark.numerics.runs import true_runs
 from kinemark.synth import observe
 from support.named_sessions import RIG, walk
+from support.shared import shared_data
 
 GAIT = """[gait]
 uncertainty = false
@@ -117,6 +119,31 @@ def test_plates_recorded_beside_give_moments(tmp_path):
     (folder / "plates.c3d").unlink()
     with pytest.raises(KinemarkError, match=r"plates\.c3d"):
         opened.run(["walk01"])
+
+
+def test_a_clinical_recording_goes_from_cameras_to_gait(tmp_path):
+    file = shared_data("cameras/gait9_bts/gait9.tdf")
+    reference = read_tdf(file).trajectories
+    write_c3d(tmp_path / "earlier.c3d", Trial("earlier", reference.frames(600, 900)))
+    (tmp_path / "session.toml").write_text(
+        f'name = "s"\n[calibration]\nfile = "{file}"\n[[trials]]\nname = "walk"\ndetections = "{file}"\n'
+        '[label]\ntemplate = ["earlier.c3d"]\n'
+        '[gait]\nuncertainty = false\n[gait.markers]\nRHEE = "Mk19"\nLHEE = "Mk23"\n'
+    )
+    opened = Session.open(tmp_path)
+    opened.run()
+    figures = opened.gait
+    for side in ("left", "right"):
+        own = figures["time_distance"][side]
+        assert own["speed"]["mean"] == pytest.approx(760, abs=30) and own["speed"]["strides"] >= 2
+        assert own["cadence"]["mean"] == pytest.approx(101, abs=4)
+    assert figures["measures"]["mass_kg"] == pytest.approx(94.5, abs=3), "one foot's impulse"
+    curves = {one["name"]: one for one in figures["curves"]}
+    knee = np.array(curves["RKneeAngles"]["mean"])[:, 0]
+    assert 50 < knee.max() < 75 and 65 < knee.argmax() < 80
+    ankle = np.array(curves["RAnkleMoment"]["mean"], float)[:, 0]
+    assert 0.8 < np.nanmax(ankle) < 2.2 and 20 < np.nanargmax(ankle) < 60
+    assert sum(one["axes"][0] == "envelope" for one in figures["curves"]) == 6
 
 
 @pytest.mark.parametrize(

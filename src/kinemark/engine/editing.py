@@ -15,13 +15,14 @@ from typing import NamedTuple
 from ..data import Detections, KinemarkError, Rig, Trajectories, Trial
 from ..data.edits import AddEvent, Applied, Edit, Entry, Signed, Trim
 from ..edit import Connection, Edited, connection, replay
+from ..io.edits_jsonl import NOTHING
 from ..io.trial import read_trial
 from ..track.simultaneous import AmbiguousDecision
 from . import edit_makers
 from .edit_makers import PUT_SD
-from .edit_stage import applied_entries, check_methods
+from .edit_stage import applied_entries, check_methods, unsigned
 from .graph import Records
-from .journal import Journal
+from .journal import Journal, hash_of_entry
 from .keys import world_key
 from .open_trial import OpenTrial
 from .replays import Replays
@@ -97,6 +98,30 @@ class Editing:
     def edited(self) -> Edited:
         """The trial with all that stands in the journal."""
         return self._replayed(applied_entries(self.journal.read()))
+
+    def preview(self, edits: Sequence[Edit]) -> Edited:
+        """What an act would give; it is written nowhere.
+
+        Raises:
+            KinemarkError: a choice for a gap is no method.
+        """
+        check_methods(edits)
+        entries = self.journal.read().entries
+        number = max((entry.id for entry in entries), default=0) + 1
+        return self._replayed((*unsigned(entries), Entry(number, "", self.by, "", "", "", tuple(edits))))
+
+    def at(self, head: str) -> Edited:
+        """The trial as it was when the journal had this head; before all edits where that is empty.
+
+        Raises:
+            KinemarkError: the journal never had it.
+        """
+        entries = self.journal.read().entries
+        heads = [NOTHING, *map(hash_of_entry, entries)]
+        head = head or NOTHING
+        if head not in heads:
+            raise KinemarkError(f"The journal {self.journal.path} has no line with the hash {head[:12]}.")
+        return self._replayed(unsigned(entries[: heads.index(head)]))
 
     def say(self, *edits: Edit, why: str = "", head: str | None = None) -> Said:
         """Write one act into the journal; what came of it.

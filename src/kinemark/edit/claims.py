@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -182,16 +183,31 @@ def _uncut(mask: Bools, cuts: Bools) -> Iterator[Bools]:
         yield mask & (piece == value)
 
 
+_KNOWN: WeakValueDictionary[object, MarkerTrajectory] = WeakValueDictionary()
+"""Paths of pieces, as long as somebody has them: the next version has the same record where the pieces are the same."""
+
+
 def _joined(trajectories: Trajectories, name: str, masks: Sequence[tuple[int, Bools]]) -> MarkerTrajectory:
     """One path of samples of several, no frame of them twice."""
     masks = [one for one in masks if one[1].any()] or masks[:1]
     p, mask = masks[0]
     first = trajectories.paths[p]
-    if len(masks) == 1 and np.array_equal(mask, first.origin != Origin.MISSING):
-        return first if first.name == name else replace(first, name=name)
-    blank = _blank(name, len(first), max(trajectories.paths[p].detection.shape[1] for p, _ in masks))
-    for p, mask in masks:
-        path = trajectories.paths[p]
+    if len(masks) == 1 and first.name == name and np.array_equal(mask, first.origin != Origin.MISSING):
+        return first
+    pieces = [(trajectories.paths[p], mask) for p, mask in masks]
+    key = name, *((path, mask.tobytes()) for path, mask in pieces)
+    found = _KNOWN.get(key)
+    if found is None:
+        _KNOWN[key] = found = _of_pieces(name, pieces)
+    return found
+
+
+def _of_pieces(name: str, pieces: Sequence[tuple[MarkerTrajectory, Bools]]) -> MarkerTrajectory:
+    first, mask = pieces[0]
+    if len(pieces) == 1 and np.array_equal(mask, first.origin != Origin.MISSING):
+        return replace(first, name=name)
+    blank = _blank(name, len(first), max(path.detection.shape[1] for path, _ in pieces))
+    for path, mask in pieces:
         for column, values in blank.items():
             source = getattr(path, column)
             if column != "detection" or source.shape[1]:

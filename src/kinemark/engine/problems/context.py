@@ -13,7 +13,8 @@ from ...data.edits import UNNAMED, Claim, Edit, Erase, Stretch, Verdict, is_name
 from ...data.problems import Action, Alternative, ProblemKind, problem_id
 from ...edit import Edited, stretch_of
 from ...report.words.problems import action_text
-from ..editing import REVIEWED_BESIDE, Editing
+from ..edit_makers import REVIEWED_BESIDE
+from ..editing import Editing
 
 GRID_MM, GRID_S = 50.0, 0.1
 """To which places and times are rounded in the id of a problem; chosen: far above what reprocessing moves them."""

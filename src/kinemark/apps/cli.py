@@ -23,6 +23,7 @@ COMMANDS = {
     "commands/template.py": ("template",),
     "commands/edits.py": ("edits",),
     "commands/fill.py": ("fill",),
+    "commands/studio.py": ("studio",),
     "commands/files.py": ("info", "convert"),
     "commands/analysis.py": ("angles", "gait", "gait-reference", "sensitivity"),
     "um2as.py": ("digitise", "um2as"),

@@ -39,10 +39,11 @@ from ..geometry import project
 from ..io.trial import read_trial
 from ..track.simultaneous import AmbiguousDecision
 from .edit_stage import applied_entries, check_methods
+from .graph import Records
 from .journal import Journal
 from .keys import world_key
 from .open_trial import OpenTrial
-from .trial_inputs import measured_of
+from .trial_inputs import TrialInputs, measured_of
 
 EditKind = TypeVar("EditKind")
 
@@ -86,11 +87,16 @@ class Editing:
         Raises:
             KinemarkError: it cannot be processed.
         """
-        done, inputs, records = trial.before_edits()
+        _, inputs, records = trial.before_edits()
+        return cls.of_records(trial, inputs, records, by=by)
+
+    @classmethod
+    def of_records(cls, trial: OpenTrial, inputs: TrialInputs, records: Records, *, by: str = "") -> Editing:
+        """A trial of a session, by what `OpenTrial.before_edits` gave."""
         journal = Journal.of(trial.workspace.root, trial.name)
         decisions = records["track"].ambiguous_decisions
         return cls(
-            done.name, journal, measured_of(inputs, records), records["detect"], inputs.rig, by, decisions=decisions
+            trial.name, journal, measured_of(inputs, records), records["detect"], inputs.rig, by, decisions=decisions
         )
 
     @classmethod
@@ -113,7 +119,7 @@ class Editing:
 
     def edited(self) -> Edited:
         """The trial with all that stands in the journal."""
-        return self._replayed(applied_entries(self.journal.read()))
+        return self.replayed(applied_entries(self.journal.read()))
 
     def say(self, *edits: Edit, why: str = "", head: str | None = None) -> Said:
         """Write one act into the journal; what came of it.
@@ -285,7 +291,8 @@ class Editing:
             )
         return marker
 
-    def _replayed(self, entries: Sequence[Entry]) -> Edited:
+    def replayed(self, entries: Sequence[Entry]) -> Edited:
+        """The trial with these entries."""
         return replay(self.trajectories, entries, detections=self.detections, rig=self.rig, world=self.world)
 
 

@@ -1,0 +1,135 @@
+"""All of a trial but its samples, for the page."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...data import Camera, MarkerSet, Rig
+from ...data.edits import Signed, counting, is_named, live
+from ...engine.journal import last_undo
+from ...fill.methods.stage import FILL
+from ...io.edits_jsonl import JournalText
+from ...version import __version__
+from .desk import OpenDocument
+from .home import last_of, newer
+from .messages import CameraRow, EventRow, Link, MarkerSetRow, Mosaic, TrackRow, TrialHeader
+from .paths import samples
+
+STALE = "Something was said or set since the last run: run the trial so that gaps, report and files follow."
+
+
+def header(document: OpenDocument, mosaic: Mosaic | None) -> TrialHeader:
+    """The header of an open trial."""
+    editing, text, trial = document.editing, document.text, document.trial
+    trajectories, rig = document.now.trajectories, editing.rig
+    start, (low, stop) = trajectories.first_frame, document.now.kept
+    return TrialHeader(
+        id=document.place.id,
+        name=editing.name,
+        session=None if trial is None else trial.workspace.settings.name,
+        rate=trajectories.rate,
+        first_frame=start,
+        n_frames=trajectories.n_frames,
+        tracks=_tracks(document),
+        cameras=[] if rig is None else [_camera(camera) for camera in rig],
+        volume=_volume(rig),
+        marker_set=None if document.marker_set is None else _marker_set(document.marker_set),
+        events=_events(document),
+        trim=(low + start, stop - 1 + start),
+        named_only=document.now.named_only,
+        head=text.head,
+        edits=document.said,
+        undo=next_undo(text),
+        redo=_next_redo(text),
+        version=__version__,
+        by=editing.by,
+        has_images=mosaic is not None,
+        has_detections=editing.detections is not None,
+        mosaic=mosaic,
+        methods=[*FILL],
+        last=last_of(text.entries),
+        stale=STALE if trial is not None and newer(trial) else "",
+    )
+
+
+def next_undo(text: JournalText) -> int | None:
+    """The entry that undo takes back."""
+    found = (e.id for e in reversed(live(text.entries)) if not any(isinstance(edit, Signed) for edit in e.edits))
+    return next(found, None)
+
+
+def _next_redo(text: JournalText) -> int | None:
+    last = last_undo(text.entries)
+    return last.id if last is not None and last in counting(text.entries) else None
+
+
+def _tracks(document: OpenDocument) -> list[TrackRow]:
+    """A row for each trajectory, with what automatic labelling thinks of its name."""
+    names = document.records["label"].figures["markers"] if "label" in document.records else []
+    sure = {one["name"]: one for one in names}
+    start = document.now.trajectories.first_frame
+    rows = []
+    for path in document.now.trajectories:
+        first, last, n = _samples(document, path)
+        one: dict[str, Any] = sure.get(path.name, {})
+        rows.append(
+            TrackRow(
+                name=path.name,
+                named=is_named(path.name),
+                first=first + start if n else None,
+                last=last + start if n else None,
+                samples=n,
+                probability=one.get("probability"),
+                runner_up=one.get("runner_up"),
+            )
+        )
+    return rows
+
+
+def _samples(document: OpenDocument, path: Any) -> tuple[int, int, int]:
+    """Of a trajectory, counted once for each record."""
+    known = document.blobs.setdefault(id(path), (path, {}))[1]
+    if "samples" not in known:
+        known["samples"] = samples(path)
+    return known["samples"]  # type: ignore[no-any-return]
+
+
+def _camera(camera: Camera) -> CameraRow:
+    plain: dict[str, Any] = {name: getattr(camera, name).tolist() for name in ("centre", "R", "t", "K", "distortion")}
+    width, height = camera.size.tolist()
+    return CameraRow(name=camera.name, width=width, height=height, **plain)
+
+
+def _volume(rig: Rig | None) -> Any:
+    return rig.volume.tolist() if rig is not None and np.isfinite(rig.volume).all() else None
+
+
+def _marker_set(of: MarkerSet) -> MarkerSetRow:
+    links = [
+        Link(a=of.names[a], b=of.names[b], length_mm=finite(length), spread_mm=finite(spread))
+        for (a, b), length, spread in zip(of.links.tolist(), of.length, of.spread, strict=True)
+    ]
+    return MarkerSetRow(
+        name=of.name,
+        names=list(of.names),
+        places=dict(of.places),
+        faces=dict(of.faces),
+        meaning=dict(of.meaning),
+        links=links,
+        pairs=list(of.pairs),
+    )
+
+
+def _events(document: OpenDocument) -> list[EventRow]:
+    """Those of the file or the recording, and those that were added."""
+    source = document.editing.source
+    given = [] if source is None else zip(source.events.label, source.events.side, source.events.time, strict=True)
+    rows = [EventRow(label=a, side=b, time_s=float(c)) for a, b, c in given]
+    return rows + [EventRow(label=e.label, side=e.side, time_s=e.time_s) for e in document.now.events]
+
+
+def finite(value: Any) -> float | None:
+    """A number, None where it is none."""
+    return float(value) if value is not None and np.isfinite(value) else None

@@ -1,0 +1,150 @@
+"""The cards of Home, from what stands on disk: nothing is processed for them."""
+
+from __future__ import annotations
+
+import getpass
+import json
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from ...data import KinemarkError
+from ...data.edits import Entry, Signed, live
+from ...engine.journal import Journal
+from ...engine.open_trial import OpenTrial
+from ...engine.session import Session
+from ...engine.session_name import FILE
+from ...engine.store import STEPS, Store
+from ...io.trial import read_trial
+from ...version import __version__
+from .messages import Home, Last, SessionCard, TrialCard, TrialState
+from .shelf import Place, Shelf
+
+QUALITY = "quality.json"
+
+
+def home(shelf: Shelf, failed: dict[str, str]) -> Home:
+    """All that may be opened; `failed` says by id why a run of a trial came to nothing."""
+    sessions = [_session(folder, failed) for folder in shelf.sessions()]
+    files = [_file(place) for place in shelf.files()]
+    return Home(sessions=sessions, files=files, version=__version__, by=user())
+
+
+def user() -> str:
+    """Whose account it is."""
+    with suppress(KeyError, OSError):
+        return getpass.getuser()
+    return "unknown"
+
+
+def last_of(entries: tuple[Entry, ...]) -> Last | None:
+    """Who spoke last."""
+    return Last(by=entries[-1].by, at=entries[-1].at) if entries else None
+
+
+def _session(folder: Path, failed: dict[str, str]) -> SessionCard:
+    key = Place(folder).id
+    try:
+        session = Session.open(folder)
+    except KinemarkError as error:
+        return SessionCard(id=key, title=folder.name, folder=folder.name, trials=[], words=str(error))
+    trials = [_trial(session.trial(name), Place(folder, name), failed) for name in session.names]
+    return SessionCard(id=key, title=session.settings.name, folder=folder.name, trials=trials)
+
+
+def _trial(trial: OpenTrial, place: Place, failed: dict[str, str]) -> TrialCard:
+    """A trial by its last run and its journal."""
+    journal = Journal.of(trial.workspace.root, trial.name)
+    entries, quality = journal.entries, figures(trial.folder / QUALITY)
+    found, words = state(trial, entries), failed.get(place.id, "")
+    counted = _counts(quality)
+    return TrialCard(
+        id=place.id,
+        name=trial.name,
+        state="failed" if words else found,
+        verdict=str(quality.get("verdict", {}).get("grade", "")),
+        edits=len(live(entries)),
+        last=last_of(entries),
+        words=words,
+        **counted,
+    )
+
+
+def _counts(quality: dict[str, Any]) -> dict[str, Any]:
+    """Frames, rate, markers and problems of a trial's figures."""
+    if not quality:
+        return {}
+    recording, markers = quality["recording"], quality["trajectories"]
+    return {
+        "frames": recording["frames"],
+        "rate": recording["rate_hz"],
+        "markers": markers["count"],
+        "named": markers["count"] - markers["unlabelled"],
+        "problems": len(quality["ambiguous_decisions"]),
+    }
+
+
+def state(trial: OpenTrial, entries: tuple[Entry, ...]) -> TrialState:
+    """How far a trial is, and whether anything was said or set since."""
+    done = Store.read(trial.folder).old
+    if "track" not in done:
+        return "not run"
+    said = live(entries)
+    if said and any(isinstance(edit, Signed) for edit in said[-1].edits):
+        return "signed"
+    if "write" in done:
+        return "stale" if newer(trial) else "done"
+    return "filled" if "fill" in done else "tracked"
+
+
+def newer(trial: OpenTrial) -> bool:
+    """Whether the settings or the journal were written after the last run."""
+    root = trial.workspace.root
+    given = (root / FILE, Journal.of(root, trial.name).path)
+    ran = written(trial.folder / STEPS)
+    return any(written(path) > ran for path in given)
+
+
+def written(path: Path) -> int:
+    """When a file was written, ns; 0 where there is none."""
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:
+        return 0
+
+
+def _file(place: Place) -> TrialCard:
+    """A file by its journal; it is read when it is opened."""
+    entries = Journal.of(place.path.parent, place.path.stem).entries
+    said = live(entries)
+    signed = bool(said) and any(isinstance(edit, Signed) for edit in said[-1].edits)
+    counted, words = _read(place.path, written(place.path))
+    found: TrialState = "failed" if words else "signed" if signed else "tracked"
+    return TrialCard(
+        id=place.id, name=place.name, state=found, edits=len(said), last=last_of(entries), words=words, **counted
+    )
+
+
+_KNOWN: dict[Path, tuple[int, dict[str, Any], str]] = {}
+
+
+def _read(path: Path, changed: int) -> tuple[dict[str, Any], str]:
+    """What a file holds, read once; and why it cannot be read."""
+    if path not in _KNOWN or _KNOWN[path][0] != changed:
+        try:
+            found = read_trial(path).trajectories
+            named = sum(not name.startswith("*") for name in found.names)
+            counted = {"frames": found.n_frames, "rate": found.rate, "markers": len(found), "named": named}
+            _KNOWN[path] = changed, counted, ""
+        except KinemarkError as error:
+            _KNOWN[path] = changed, {}, str(error)
+    return _KNOWN[path][1:]
+
+
+def figures(path: Path) -> dict[str, Any]:
+    """What a file of figures holds; nothing where it is absent or of another version."""
+    try:
+        found = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) and "verdict" in found else {}

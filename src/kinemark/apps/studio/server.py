@@ -1,0 +1,103 @@
+"""The server of the studio: a port of its own on this machine, and the address that opens it once."""
+
+from __future__ import annotations
+
+import ipaddress
+import socket
+import threading
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+
+import uvicorn
+
+from ...data import KinemarkError
+from .app import studio_app
+from .desk import Desk
+from .guard import Guard
+from .home import user
+from .shelf import Shelf
+
+LOOPBACK = "127.0.0.1"
+WARNING = (
+    "warning: --host {host} lets other machines of the network reach this server, and what goes over the network is "
+    "not encrypted. Whoever gets the address below can see and change the patients' data in it."
+)
+
+
+def serve(
+    paths: tuple[Path, ...], *, host: str = LOOPBACK, port: int = 0, browser: bool = True, say: Callable[[str], None]
+) -> None:
+    """Serve until Ctrl-C.
+
+    Args:
+        paths: folders of sessions, sessions, and files of trajectories.
+        host: the address that is listened on. port: 0 takes a free one.
+        browser: whether to open one. say: gets what is to be told to whoever started it.
+
+    Raises:
+        KinemarkError: a path is not there, or the port cannot be had.
+    """
+    desk = Desk(Shelf.of(paths), user())
+    listening = _listen(host, port)
+    port = listening.getsockname()[1]
+    names = hosts(host, port)
+
+    def tell() -> None:
+        say(f"studio: http://{names[0]}/?token={guard.token}  (works once)")
+
+    guard = Guard(studio_app(desk), names, port, used=tell)
+    if not is_loopback(host):
+        say(WARNING.format(host=host))
+    tell()
+    if browser:
+        threading.Timer(0.5, webbrowser.open, [f"http://{names[0]}/?token={guard.token}"]).start()
+    config = uvicorn.Config(guard, log_level="warning", lifespan="off", server_header=False, ws_max_size=1 << 16)
+    uvicorn.Server(config).run(sockets=[listening])
+
+
+def hosts(host: str, port: int) -> list[str]:
+    """What browsers may call the server; the first is what it is opened by."""
+    own = [f"{LOOPBACK}:{port}", f"localhost:{port}", f"[::1]:{port}"]
+    if is_loopback(host):
+        return own
+    there = [host] if not ipaddress_any(host) else [socket.gethostname(), *_addresses()]
+    return [*(f"[{one}]:{port}" if ":" in one else f"{one}:{port}" for one in there), *own]
+
+
+def is_loopback(host: str) -> bool:
+    """Whether nobody else can reach it."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def ipaddress_any(host: str) -> bool:
+    """Whether it means all addresses of this machine."""
+    try:
+        return ipaddress.ip_address(host).is_unspecified
+    except ValueError:
+        return False
+
+
+def _addresses() -> list[str]:
+    """Of this machine, by its name."""
+    try:
+        return sorted({str(one[4][0]) for one in socket.getaddrinfo(socket.gethostname(), None)})
+    except OSError:
+        return []
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    found = socket.socket(family, socket.SOCK_STREAM)
+    found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        found.bind((host, port))
+    except OSError as error:
+        found.close()
+        raise KinemarkError(
+            f"{host}:{port} cannot be listened on: {error.strerror}. Give another --port, or none for a free one."
+        ) from error
+    return found

@@ -3,7 +3,68 @@
  * Do not make direct changes to the file.
  */
 
-export type paths = Record<string, never>;
+export interface paths {
+    "/api/home": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Home
+         * @description Sessions with their trials, and files.
+         */
+        get: operations["get_home_api_home_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Header
+         * @description All but the samples.
+         */
+        get: operations["get_header_api_trials__trial__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/paths": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Paths
+         * @description Samples as `PathsHeader` says; all trajectories where none is named.
+         */
+        get: operations["get_paths_api_trials__trial__paths_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+}
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
@@ -12,10 +73,10 @@ export interface components {
          * @description An act on what the page has seen, whose head it names.
          */
         ActBody: {
-            /** Head */
-            head: string;
             /** Act */
             act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
+            /** Head */
+            head: string;
             /**
              * Why
              * @default
@@ -27,57 +88,63 @@ export interface components {
          * @description An act that stands in the journal: what changed since the head that the page had seen.
          */
         ActDone: {
-            /** Entry */
-            entry: number;
-            /** Outcomes */
-            outcomes: components["schemas"]["Outcome"][];
-            /** Head */
-            head: string;
             /**
              * Changed
              * @description Trajectories that are new or have other samples; to be fetched again.
              */
             changed: string[];
+            /** Entry */
+            entry: number;
+            /** Head */
+            head: string;
+            header: components["schemas"]["TrialHeader"];
+            /** Outcomes */
+            outcomes: components["schemas"]["Outcome"][];
             /** Removed */
             removed: string[];
-            header: components["schemas"]["TrialHeader"];
         };
         /**
          * Alternative
          * @description One thing that may be done about a problem; `act` is null where nothing is to be done.
          */
         Alternative: {
-            /** Key */
-            key: string;
-            /** Words */
-            words: string;
-            /**
-             * Consequence
-             * @default
-             */
-            consequence: string;
             /**
              * Act
              * @default null
              */
             act: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"]) | null;
+            /**
+             * Consequence
+             * @default
+             */
+            consequence: string;
+            /** Key */
+            key: string;
+            /** Words */
+            words: string;
         };
         /**
          * CameraRow
          * @description A camera: x_cam = R X + t; K and distortion (k1 k2 p1 p2 k3) lead to px; (0, 0) is the first pixel's centre.
          */
         CameraRow: {
-            /** Name */
-            name: string;
-            /** Width */
-            width: number;
-            /** Height */
-            height: number;
-            /** Centre */
-            centre: [
-                number,
-                number,
-                number
+            /** K */
+            K: [
+                [
+                    number,
+                    number,
+                    number
+                ],
+                [
+                    number,
+                    number,
+                    number
+                ],
+                [
+                    number,
+                    number,
+                    number
+                ]
             ];
             /** R */
             R: [
@@ -97,29 +164,11 @@ export interface components {
                     number
                 ]
             ];
-            /** T */
-            t: [
+            /** Centre */
+            centre: [
                 number,
                 number,
                 number
-            ];
-            /** K */
-            K: [
-                [
-                    number,
-                    number,
-                    number
-                ],
-                [
-                    number,
-                    number,
-                    number
-                ],
-                [
-                    number,
-                    number,
-                    number
-                ]
             ];
             /** Distortion */
             distortion: [
@@ -129,33 +178,45 @@ export interface components {
                 number,
                 number
             ];
+            /** Height */
+            height: number;
+            /** Name */
+            name: string;
+            /** T */
+            t: [
+                number,
+                number,
+                number
+            ];
+            /** Width */
+            width: number;
         };
         /**
          * Candidate
          * @description A way to fill a gap: places (n, 3) mm, and the standard deviation of each axis.
          */
         Candidate: {
-            /** Method */
-            method: string;
             /** Expected Mm */
             expected_mm: number | null;
-            /** Xyz */
-            xyz: [
-                number,
-                number,
-                number
-            ][];
+            /**
+             * Final
+             * @default true
+             */
+            final: boolean;
+            /** Method */
+            method: string;
             /** Sd */
             sd: [
                 number,
                 number,
                 number
             ][];
-            /**
-             * Final
-             * @default true
-             */
-            final: boolean;
+            /** Xyz */
+            xyz: [
+                number,
+                number,
+                number
+            ][];
         };
         /**
          * ClaimAct
@@ -163,29 +224,29 @@ export interface components {
          */
         ClaimAct: {
             /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
+             * At
+             * @default null
              */
-            kind: "claim";
-            /** Track */
-            track: string;
-            /** Name */
-            name: string | null;
+            at: number | null;
             /**
              * First
              * @default null
              */
             first: number | null;
             /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "claim";
+            /**
              * Last
              * @default null
              */
             last: number | null;
-            /**
-             * At
-             * @default null
-             */
-            at: number | null;
+            /** Name */
+            name: string | null;
+            /** Track */
+            track: string;
         };
         /**
          * Click
@@ -209,26 +270,26 @@ export interface components {
         DetectionsHeader: {
             /** Cameras */
             cameras: string[];
-            /** First */
-            first: number;
-            /** Last */
-            last: number;
             /** Detections */
             detections: number;
+            /** First */
+            first: number;
             /** Head */
             head: string;
+            /** Last */
+            last: number;
         };
         /**
          * Difference
          * @description Two versions of a trial, by the entry that each goes up to; 0 is before all edits.
          */
         Difference: {
+            /** Identities */
+            identities: components["schemas"]["IdentityChange"][];
             /** Of */
             of: number;
             /** Other */
             other: number;
-            /** Identities */
-            identities: components["schemas"]["IdentityChange"][];
             /** Samples */
             samples: components["schemas"]["SampleChange"][];
         };
@@ -263,17 +324,17 @@ export interface components {
          * @description Samples are wrong.
          */
         EraseAct: {
+            /** First */
+            first: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "erase";
-            /** Marker */
-            marker: string;
-            /** First */
-            first: number;
             /** Last */
             last: number;
+            /** Marker */
+            marker: string;
         };
         /**
          * EventAct
@@ -309,11 +370,6 @@ export interface components {
          * @description Two named trajectories have each other's names from a frame on, or in a stretch.
          */
         ExchangeAct: {
-            /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            kind: "exchange";
             /** A */
             a: string;
             /** B */
@@ -323,6 +379,11 @@ export interface components {
              * @default null
              */
             first: number | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "exchange";
             /**
              * Last
              * @default null
@@ -369,15 +430,15 @@ export interface components {
          */
         FinishAct: {
             /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            kind: "finish";
-            /**
              * First
              * @default null
              */
             first: number | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "finish";
             /**
              * Last
              * @default null
@@ -389,17 +450,17 @@ export interface components {
          * @description How gaps in these frames are filled: a method, "best" or "open".
          */
         GapAct: {
+            /** First */
+            first: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "gap";
-            /** Marker */
-            marker: string;
-            /** First */
-            first: number;
             /** Last */
             last: number;
+            /** Marker */
+            marker: string;
             /** Method */
             method: string;
         };
@@ -408,56 +469,56 @@ export interface components {
          * @description All ways to fill one gap, best first; `pending` while better ones are computed: ask again.
          */
         GapCandidates: {
-            /** Marker */
-            marker: string;
-            /** First */
-            first: number;
-            /** Last */
-            last: number;
             /** Candidates */
             candidates: components["schemas"]["Candidate"][];
+            /** First */
+            first: number;
+            /** Head */
+            head: string;
+            /** Last */
+            last: number;
+            /** Marker */
+            marker: string;
             /**
              * Pending
              * @default false
              */
             pending: boolean;
-            /** Head */
-            head: string;
         };
         /**
          * GapRow
          * @description A gap. `choice` is what a person chose; `cameras_alone` saw the marker while no other did.
          */
         GapRow: {
-            /** Marker */
-            marker: string;
-            /** First */
-            first: number;
-            /** Last */
-            last: number;
-            /** Frames */
-            frames: number;
-            /** Method */
-            method: string | null;
-            /** Expected Mm */
-            expected_mm: number | null;
-            /**
-             * Others
-             * @default []
-             */
-            others: components["schemas"]["MethodError"][];
             /**
              * Cameras Alone
              * @default []
              */
             cameras_alone: string[];
-            /** State */
-            state: string;
             /**
              * Choice
              * @default null
              */
             choice: string | null;
+            /** Expected Mm */
+            expected_mm: number | null;
+            /** First */
+            first: number;
+            /** Frames */
+            frames: number;
+            /** Last */
+            last: number;
+            /** Marker */
+            marker: string;
+            /** Method */
+            method: string | null;
+            /**
+             * Others
+             * @default []
+             */
+            others: components["schemas"]["MethodError"][];
+            /** State */
+            state: string;
             /**
              * Words
              * @default
@@ -471,10 +532,10 @@ export interface components {
         Gaps: {
             /** Gaps */
             gaps: components["schemas"]["GapRow"][];
-            /** Limit Mm */
-            limit_mm: number;
             /** Head */
             head: string;
+            /** Limit Mm */
+            limit_mm: number;
         };
         /**
          * History
@@ -493,58 +554,58 @@ export interface components {
          * @description An entry of the journal; `hash` is the head when it was the last.
          */
         HistoryRow: {
-            /** Id */
-            id: number;
             /** At */
             at: string;
             /** By */
             by: string;
-            /** Why */
-            why: string;
-            /** Version */
-            version: string;
             /** Hash */
             hash: string;
+            /** Id */
+            id: number;
             /** Kinds */
             kinds: string[];
-            /** Words */
-            words: string;
-            /** Undone */
-            undone: boolean;
-            /** Signed */
-            signed: boolean;
             /** Outcome */
             outcome: ("held" | "thin" | "moot" | "overruled" | "orphan") | null;
             /** Outcomes */
             outcomes: components["schemas"]["Outcome"][];
+            /** Signed */
+            signed: boolean;
+            /** Undone */
+            undone: boolean;
+            /** Version */
+            version: string;
+            /** Why */
+            why: string;
+            /** Words */
+            words: string;
         };
         /**
          * Home
          * @description All that may be opened.
          */
         Home: {
-            /** Sessions */
-            sessions: components["schemas"]["SessionCard"][];
-            /** Files */
-            files: components["schemas"]["TrialCard"][];
-            /** Version */
-            version: string;
             /** By */
             by: string;
+            /** Files */
+            files: components["schemas"]["TrialCard"][];
+            /** Sessions */
+            sessions: components["schemas"]["SessionCard"][];
+            /** Version */
+            version: string;
         };
         /**
          * IdentityChange
          * @description Samples that have another name in one version than in the other; null: none.
          */
         IdentityChange: {
-            /** Of */
-            of: string | null;
-            /** Other */
-            other: string | null;
             /** First */
             first: number;
             /** Last */
             last: number;
+            /** Of */
+            of: string | null;
+            /** Other */
+            other: string | null;
             /** Samples */
             samples: number;
         };
@@ -553,46 +614,34 @@ export interface components {
          * @description Where a marker is in one image; or that the image there is no marker's, where `marker` is null.
          */
         ImageAct: {
+            /** Camera */
+            camera: string;
+            /** Frame */
+            frame: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "image";
-            /** Camera */
-            camera: string;
-            /** Frame */
-            frame: number;
+            /** Marker */
+            marker: string | null;
             /** U */
             u: number;
             /** V */
             v: number;
-            /** Marker */
-            marker: string | null;
         };
         /**
          * Job
          * @description A run of a trial.
          */
         Job: {
+            /** Id */
+            id: string;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "job";
-            /** Id */
-            id: string;
-            /** Trial */
-            trial: string;
-            /**
-             * State
-             * @enum {string}
-             */
-            state: "running" | "done" | "failed" | "cancelled";
-            /**
-             * Stage
-             * @default
-             */
-            stage: string;
             /**
              * Progress
              * @default null
@@ -604,6 +653,18 @@ export interface components {
              */
             seconds_left: number | null;
             /**
+             * Stage
+             * @default
+             */
+            stage: string;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "running" | "done" | "failed" | "cancelled";
+            /** Trial */
+            trial: string;
+            /**
              * Words
              * @default
              */
@@ -614,30 +675,32 @@ export interface components {
          * @description How well two pieces go together: frames both have, frames between, mm apart, mm/s of the jump.
          */
         Join: {
-            /** Overlap */
-            overlap: number;
+            /** Connectable */
+            connectable: boolean;
+            /** Deviations */
+            deviations: number;
             /** Gap */
             gap: number;
             /** Off Mm */
             off_mm: number;
+            /** Overlap */
+            overlap: number;
             /** Sd Mm */
             sd_mm: number;
-            /** Deviations */
-            deviations: number;
             /** Speed Mm S */
             speed_mm_s: number;
-            /** Connectable */
-            connectable: boolean;
         };
         /**
          * Labels
          * @description Names of tracks; `sides` says where left and right cannot be told, `words` why nothing is proposed.
          */
         Labels: {
-            /** Proposals */
-            proposals: components["schemas"]["Proposal"][];
+            /** Head */
+            head: string;
             /** Links */
             links: components["schemas"]["LinkFound"][];
+            /** Proposals */
+            proposals: components["schemas"]["Proposal"][];
             /**
              * Sides
              * @default
@@ -648,18 +711,16 @@ export interface components {
              * @default
              */
             words: string;
-            /** Head */
-            head: string;
         };
         /**
          * Last
          * @description Who spoke last of a trial, and when: UTC, ISO 8601.
          */
         Last: {
-            /** By */
-            by: string;
             /** At */
             at: string;
+            /** By */
+            by: string;
         };
         /**
          * Link
@@ -670,16 +731,10 @@ export interface components {
             a: string;
             /** B */
             b: string;
-            /**
-             * Length Mm
-             * @default null
-             */
-            length_mm: number | null;
-            /**
-             * Spread Mm
-             * @default null
-             */
-            spread_mm: number | null;
+            /** Length Mm */
+            length_mm?: number | null;
+            /** Spread Mm */
+            spread_mm?: number | null;
         };
         /**
          * LinkFound
@@ -712,10 +767,25 @@ export interface components {
          * @description A marker set; places are forward, left, up in shares of height; faces are the views of the figure.
          */
         MarkerSetRow: {
+            /** Faces */
+            faces: {
+                [key: string]: "front" | "back" | "both";
+            };
+            /** Links */
+            links: components["schemas"]["Link"][];
+            /** Meaning */
+            meaning: {
+                [key: string]: string;
+            };
             /** Name */
             name: string;
             /** Names */
             names: string[];
+            /** Pairs */
+            pairs: [
+                string,
+                string
+            ][];
             /** Places */
             places: {
                 [key: string]: [
@@ -724,21 +794,6 @@ export interface components {
                     number
                 ];
             };
-            /** Faces */
-            faces: {
-                [key: string]: "front" | "back" | "both";
-            };
-            /** Meaning */
-            meaning: {
-                [key: string]: string;
-            };
-            /** Links */
-            links: components["schemas"]["Link"][];
-            /** Pairs */
-            pairs: [
-                string,
-                string
-            ][];
         };
         /**
          * Message
@@ -750,22 +805,22 @@ export interface components {
          * @description The mean error expected of a method; null where it has no prediction.
          */
         MethodError: {
-            /** Method */
-            method: string;
             /** Expected Mm */
             expected_mm: number | null;
+            /** Method */
+            method: string;
         };
         /**
          * Mosaic
          * @description The layout of the mosaics of a trial.
          */
         Mosaic: {
-            /** Width */
-            width: number;
             /** Height */
             height: number;
             /** Tiles */
             tiles: components["schemas"]["Tile"][];
+            /** Width */
+            width: number;
         };
         /**
          * Outcome
@@ -774,22 +829,22 @@ export interface components {
         Outcome: {
             /** Kind */
             kind: string;
-            /** Words */
-            words: string;
             /**
              * Outcome
              * @enum {string}
              */
             outcome: "held" | "thin" | "moot" | "overruled" | "orphan";
-            /** Share */
-            share: number;
-            /** Samples */
-            samples: number;
             /**
              * Reason
              * @default
              */
             reason: string;
+            /** Samples */
+            samples: number;
+            /** Share */
+            share: number;
+            /** Words */
+            words: string;
         };
         /**
          * PathsHeader
@@ -800,54 +855,54 @@ export interface components {
          *     [m, n], how many saw it.
          */
         PathsHeader: {
+            /** Columns */
+            columns: ("xyz" | "sd" | "origin" | "cov" | "residual" | "cameras")[];
+            /** First Frame */
+            first_frame: number;
+            /** Head */
+            head: string;
+            /** N Frames */
+            n_frames: number;
+            /** Names */
+            names: string[];
             /**
              * View
              * @enum {string}
              */
             view: "edited" | "before" | "filled";
-            /** Names */
-            names: string[];
-            /** First Frame */
-            first_frame: number;
-            /** N Frames */
-            n_frames: number;
-            /** Columns */
-            columns: ("xyz" | "sd" | "origin" | "cov" | "residual" | "cameras")[];
-            /** Head */
-            head: string;
         };
         /**
          * PathsPart
          * @description Some trajectories in some frames: base64 of the columns as `/paths` has them.
          */
         PathsPart: {
-            /** Names */
-            names: string[];
             /** First Frame */
             first_frame: number;
             /** N Frames */
             n_frames: number;
-            /** Xyz */
-            xyz: string;
-            /** Sd */
-            sd: string;
+            /** Names */
+            names: string[];
             /** Origin */
             origin: string;
+            /** Sd */
+            sd: string;
+            /** Xyz */
+            xyz: string;
         };
         /**
          * Preview
          * @description What an act would give.
          */
         Preview: {
-            /** Outcomes */
-            outcomes: components["schemas"]["Outcome"][];
             /** Changed */
             changed: string[];
-            /** Removed */
-            removed: string[];
-            paths: components["schemas"]["PathsPart"];
             /** @default null */
             join: components["schemas"]["Join"] | null;
+            /** Outcomes */
+            outcomes: components["schemas"]["Outcome"][];
+            paths: components["schemas"]["PathsPart"];
+            /** Removed */
+            removed: string[];
         };
         /**
          * PreviewBody
@@ -862,28 +917,11 @@ export interface components {
          * @description A probable error. `wrong` is its probability; `frame` the one to look at; `images` the cameras that tell most.
          */
         Problem: {
-            /** Id */
-            id: string;
             /**
-             * Kind
-             * @enum {string}
+             * Alternatives
+             * @default []
              */
-            kind: "swap" | "join" | "gap" | "ghost" | "spike" | "label" | "sides" | "thin" | "orphan";
-            /** Words */
-            words: string;
-            /** Tracks */
-            tracks: string[];
-            /** First */
-            first: number;
-            /** Last */
-            last: number;
-            /** Frame */
-            frame: number;
-            /**
-             * Wrong
-             * @default null
-             */
-            wrong: number | null;
+            alternatives: components["schemas"]["Alternative"][];
             /**
              * At Stake
              * @default 0
@@ -894,44 +932,59 @@ export interface components {
              * @default null
              */
             cost_mm: number | null;
-            /**
-             * Alternatives
-             * @default []
-             */
-            alternatives: components["schemas"]["Alternative"][];
+            /** First */
+            first: number;
+            /** Frame */
+            frame: number;
+            /** Id */
+            id: string;
             /**
              * Images
              * @default []
              */
             images: string[];
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "swap" | "join" | "gap" | "ghost" | "spike" | "label" | "sides" | "thin" | "orphan";
+            /** Last */
+            last: number;
+            /** Tracks */
+            tracks: string[];
+            /** Words */
+            words: string;
+            /**
+             * Wrong
+             * @default null
+             */
+            wrong: number | null;
         };
         /**
          * Problems
          * @description Problems by expected cost; `errors_left` is the number of errors expected among those below `worth_looking`.
          */
         Problems: {
-            /** Problems */
-            problems: components["schemas"]["Problem"][];
             /**
              * Errors Left
              * @default null
              */
             errors_left: number | null;
+            /** Head */
+            head: string;
+            /** Problems */
+            problems: components["schemas"]["Problem"][];
             /**
              * Worth Looking
              * @description How many of the first are worth looking at; the stop rule.
              */
             worth_looking: number;
-            /** Head */
-            head: string;
         };
         /**
          * Proposal
          * @description What automatic labelling says of a track.
          */
         Proposal: {
-            /** Track */
-            track: string;
             /** Name */
             name: string | null;
             /** Probability */
@@ -943,6 +996,8 @@ export interface components {
              * @enum {string}
              */
             state: "sure" | "unsure" | "unknown";
+            /** Track */
+            track: string;
         };
         /**
          * PutAct
@@ -950,14 +1005,24 @@ export interface components {
          */
         PutAct: {
             /**
+             * Clicks
+             * @default []
+             */
+            clicks: components["schemas"]["Click"][];
+            /** Frame */
+            frame: number;
+            /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "put";
             /** Marker */
             marker: string;
-            /** Frame */
-            frame: number;
+            /**
+             * Sd
+             * @default null
+             */
+            sd: number | null;
             /**
              * Xyz
              * @default null
@@ -967,16 +1032,6 @@ export interface components {
                 number,
                 number
             ] | null;
-            /**
-             * Clicks
-             * @default []
-             */
-            clicks: components["schemas"]["Click"][];
-            /**
-             * Sd
-             * @default null
-             */
-            sd: number | null;
         };
         /**
          * RedoAct
@@ -994,13 +1049,10 @@ export interface components {
          * @description Why something was not done; `head` where the journal has gone on since.
          */
         Refusal: {
+            /** Head */
+            head?: string | null;
             /** Words */
             words: string;
-            /**
-             * Head
-             * @default null
-             */
-            head: string | null;
         };
         /**
          * ReviewAct
@@ -1029,23 +1081,18 @@ export interface components {
             to: string;
         };
         /**
-         * Said
-         * @description An act; nothing besides its fields is understood.
-         */
-        Said: Record<string, never>;
-        /**
          * SampleChange
          * @description Samples of a marker that differ; `max_mm` of those that both versions have.
          */
         SampleChange: {
-            /** Marker */
-            marker: string;
-            /** Frames */
-            frames: number;
-            /** Max Mm */
-            max_mm: number | null;
             /** Appeared */
             appeared: number;
+            /** Frames */
+            frames: number;
+            /** Marker */
+            marker: string;
+            /** Max Mm */
+            max_mm: number | null;
             /** Vanished */
             vanished: number;
         };
@@ -1054,12 +1101,12 @@ export interface components {
          * @description A session on Home; `words` where it cannot be read.
          */
         SessionCard: {
+            /** Folder */
+            folder: string;
             /** Id */
             id: string;
             /** Title */
             title: string;
-            /** Folder */
-            folder: string;
             /** Trials */
             trials: components["schemas"]["TrialCard"][];
             /**
@@ -1073,13 +1120,13 @@ export interface components {
          * @description Several edits in one entry, undone together; each is of the trial as it is before all of them.
          */
         SeveralAct: {
+            /** Acts */
+            acts: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["TrimAct"] | components["schemas"]["EventAct"])[];
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "several";
-            /** Acts */
-            acts: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["TrimAct"] | components["schemas"]["EventAct"])[];
         };
         /**
          * SidesAct
@@ -1087,15 +1134,15 @@ export interface components {
          */
         SidesAct: {
             /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
-             */
-            kind: "sides";
-            /**
              * First
              * @default null
              */
             first: number | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "sides";
             /**
              * Last
              * @default null
@@ -1118,19 +1165,19 @@ export interface components {
          * @description A stretch is low-pass filtered.
          */
         SmoothAct: {
+            /** Cutoff Hz */
+            cutoff_hz: number;
+            /** First */
+            first: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "smooth";
-            /** Marker */
-            marker: string;
-            /** First */
-            first: number;
             /** Last */
             last: number;
-            /** Cutoff Hz */
-            cutoff_hz: number;
+            /** Marker */
+            marker: string;
         };
         /**
          * Tile
@@ -1139,70 +1186,60 @@ export interface components {
         Tile: {
             /** Camera */
             camera: string;
+            /** Height */
+            height: number;
+            /** Width */
+            width: number;
             /** X */
             x: number;
             /** Y */
             y: number;
-            /** Width */
-            width: number;
-            /** Height */
-            height: number;
         };
         /**
          * TrackRow
          * @description A trajectory: its frames with samples, and how sure automatic labelling was of its name.
          */
         TrackRow: {
-            /** Name */
-            name: string;
-            /** Named */
-            named: boolean;
             /** First */
             first: number | null;
             /** Last */
             last: number | null;
+            /** Name */
+            name: string;
+            /** Named */
+            named: boolean;
+            /** Probability */
+            probability?: number | null;
+            /** Runner Up */
+            runner_up?: string | null;
             /** Samples */
             samples: number;
-            /**
-             * Probability
-             * @default null
-             */
-            probability: number | null;
-            /**
-             * Runner Up
-             * @default null
-             */
-            runner_up: string | null;
         };
         /**
          * TrialCard
          * @description A trial on Home. `markers` counts trajectories, `named` those with a marker's name; `words` say why it failed.
          */
         TrialCard: {
+            /**
+             * Edits
+             * @default 0
+             */
+            edits: number;
+            /** Frames */
+            frames?: number | null;
             /** Id */
             id: string;
+            last?: components["schemas"]["Last"] | null;
+            /** Markers */
+            markers?: number | null;
             /** Name */
             name: string;
-            /**
-             * Frames
-             * @default null
-             */
-            frames: number | null;
-            /**
-             * Rate
-             * @default null
-             */
-            rate: number | null;
-            /**
-             * Markers
-             * @default null
-             */
-            markers: number | null;
-            /**
-             * Named
-             * @default null
-             */
-            named: number | null;
+            /** Named */
+            named?: number | null;
+            /** Problems */
+            problems?: number | null;
+            /** Rate */
+            rate?: number | null;
             /**
              * State
              * @enum {string}
@@ -1213,18 +1250,6 @@ export interface components {
              * @default
              */
             verdict: string;
-            /**
-             * Problems
-             * @default null
-             */
-            problems: number | null;
-            /**
-             * Edits
-             * @default 0
-             */
-            edits: number;
-            /** @default null */
-            last: components["schemas"]["Last"] | null;
             /**
              * Words
              * @default
@@ -1239,22 +1264,57 @@ export interface components {
          *     `why_asked` that every act wants a reason; `session` is null for a file.
          */
         TrialHeader: {
-            /** Id */
-            id: string;
-            /** Name */
-            name: string;
-            /** Session */
-            session: string | null;
-            /** Rate */
-            rate: number;
-            /** First Frame */
-            first_frame: number;
-            /** N Frames */
-            n_frames: number;
-            /** Tracks */
-            tracks: components["schemas"]["TrackRow"][];
+            /** By */
+            by: string;
             /** Cameras */
             cameras: components["schemas"]["CameraRow"][];
+            /** Edits */
+            edits: number;
+            /** Events */
+            events: components["schemas"]["EventRow"][];
+            /** First Frame */
+            first_frame: number;
+            /** Has Detections */
+            has_detections: boolean;
+            /** Has Images */
+            has_images: boolean;
+            /** Head */
+            head: string;
+            /** Id */
+            id: string;
+            last?: components["schemas"]["Last"] | null;
+            marker_set: components["schemas"]["MarkerSetRow"] | null;
+            /** Methods */
+            methods: string[];
+            mosaic: components["schemas"]["Mosaic"] | null;
+            /** N Frames */
+            n_frames: number;
+            /** Name */
+            name: string;
+            /** Named Only */
+            named_only: boolean;
+            /** Rate */
+            rate: number;
+            /** Redo */
+            redo: number | null;
+            /** Session */
+            session: string | null;
+            /**
+             * Stale
+             * @default
+             */
+            stale: string;
+            /** Tracks */
+            tracks: components["schemas"]["TrackRow"][];
+            /** Trim */
+            trim: [
+                number,
+                number
+            ];
+            /** Undo */
+            undo: number | null;
+            /** Version */
+            version: string;
             /** Volume */
             volume: [
                 [
@@ -1268,48 +1328,14 @@ export interface components {
                     number
                 ]
             ] | null;
-            marker_set: components["schemas"]["MarkerSetRow"] | null;
-            /** Events */
-            events: components["schemas"]["EventRow"][];
-            /** Trim */
-            trim: [
-                number,
-                number
-            ];
-            /** Named Only */
-            named_only: boolean;
-            /** Head */
-            head: string;
-            /** Edits */
-            edits: number;
-            /** Undo */
-            undo: number | null;
-            /** Redo */
-            redo: number | null;
-            /** Version */
-            version: string;
-            /** By */
-            by: string;
-            /** Has Images */
-            has_images: boolean;
-            /** Has Detections */
-            has_detections: boolean;
-            mosaic: components["schemas"]["Mosaic"] | null;
-            /** Methods */
-            methods: string[];
-            /** @default null */
-            last: components["schemas"]["Last"] | null;
-            /**
-             * Stale
-             * @default
-             */
-            stale: string;
         };
         /**
          * TrialMoved
          * @description The journal of a trial has gone on, or it was run.
          */
         TrialMoved: {
+            /** Head */
+            head: string;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -1317,21 +1343,19 @@ export interface components {
             kind: "trial";
             /** Trial */
             trial: string;
-            /** Head */
-            head: string;
         };
         /**
          * TrimAct
          * @description All markers begin and end at these frames.
          */
         TrimAct: {
+            /** First */
+            first: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "trim";
-            /** First */
-            first: number;
             /** Last */
             last: number;
         };
@@ -1359,4 +1383,100 @@ export interface components {
     pathItems: never;
 }
 export type $defs = Record<string, never>;
-export type operations = Record<string, never>;
+export interface operations {
+    get_home_api_home_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Home"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_header_api_trials__trial__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TrialHeader"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_paths_api_trials__trial__paths_get: {
+        parameters: {
+            query?: {
+                marker?: string[];
+                view?: "edited" | "before" | "filled";
+                column?: string[];
+            };
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+}

@@ -7,7 +7,7 @@ import type { CameraRow, TrialHeader } from "../api/types";
 import { epipolarLine, project } from "../model/camera";
 import { detectedIn, type Detected } from "../model/detections";
 import type { Path, PathSet } from "../model/paths";
-import { fit, palette, type Palette } from "./palette";
+import { fit } from "./palette";
 
 export interface Click { camera: string; u: number; v: number }
 export interface CameraView {
@@ -40,7 +40,6 @@ export class Cameras {
   private paths: PathSet | null = null;
   private detected: Detected | null = null;
   private view: CameraView = { selected: [], lines: true, images: true, follow: false, order: [], clicks: [], instead: [], residuals: false };
-  private p: Palette = palette();
   private readonly bitmaps = new Map<number, ImageBitmap | null>();
   private large: string | null = null;
   private shownFrame = 0;
@@ -56,7 +55,6 @@ export class Cameras {
     const same = this.header?.id === header.id && this.tiles.length === header.cameras.length;
     this.header = header;
     this.paths = paths;
-    this.p = palette();
     if (!same) this.build(header);
     this.redraw();
   }

@@ -147,13 +147,17 @@ export class Cameras {
 
   private fitOf(tile: Tile, width: number, height: number, frame: number): Fit {
     const { camera } = tile, own = Math.min(width / (camera.width || 1), height / (camera.height || 1));
-    const at = this.view.follow ? this.seen(camera, this.view.selected[0], frame) : null;
+    const at = this.view.follow ? (this.seen(camera, this.view.selected[0], frame) ?? this.place(camera, this.view.instead[0], frame)) : null;
     const scale = own * (at ? FOLLOW : tile.zoom), [u, v] = at ?? (tile.zoom > 1 ? [tile.u, tile.v] : [camera.width / 2, camera.height / 2]);
     return { scale, x: width / 2 - (u + 0.5) * scale, y: height / 2 - (v + 0.5) * scale };
   }
 
   private seen(camera: CameraRow, name: string | undefined, frame: number): [number, number] | null {
-    const path = name ? this.paths!.byName.get(name) : undefined, i = frame - this.paths!.firstFrame;
+    return this.place(camera, name ? this.paths!.byName.get(name) : undefined, frame);
+  }
+
+  private place(camera: CameraRow, path: Path | undefined, frame: number): [number, number] | null {
+    const i = frame - this.paths!.firstFrame;
     return path?.origin[i] ? project(camera, path.xyz[3 * i]!, path.xyz[3 * i + 1]!, path.xyz[3 * i + 2]!) : null;
   }
 
@@ -186,14 +190,12 @@ export class Cameras {
   }
 
   private crosses(c: CanvasRenderingContext2D, camera: CameraRow, f: Fit, frame: number): void {
-    const i = frame - this.paths!.firstFrame;
     for (const name of this.view.selected) {
       const at = this.seen(camera, name, frame);
       if (at) cross(c, f, at, this.view.instead.length ? "#ff8a45" : "#ff7ac6", 7, name);
     }
     for (const path of this.view.instead) {
-      if (!path.origin[i]) continue;
-      const at = project(camera, path.xyz[3 * i]!, path.xyz[3 * i + 1]!, path.xyz[3 * i + 2]!);
+      const at = this.place(camera, path, frame);
       if (at) cross(c, f, at, "#36d3a2", 7, `B ${path.name}`, true);
     }
   }

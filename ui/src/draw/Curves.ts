@@ -161,6 +161,6 @@ function shade(u: uPlot, [first, last]: CurveView["marked"], p: Palette): void {
   const { left, top, width, height } = u.bbox;
   const clamp = (x: number): number => Math.min(left + width, Math.max(left, x));
   const a = first === null ? left : clamp(u.valToPos(first, "x", true)), b = last === null ? left + width : clamp(u.valToPos(last, "x", true));
-  u.ctx.fillStyle = `${p.select}22`;
+  u.ctx.fillStyle = `${p.select}12`;
   u.ctx.fillRect(a, top, Math.max(1, b - a), height);
 }

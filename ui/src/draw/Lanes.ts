@@ -121,7 +121,7 @@ export class Lanes {
     const { first, last } = this.marks, { firstFrame, frames } = this.paths!;
     if (first === null && last === null) return;
     const a = NAMES + placeOf(first ?? firstFrame, width, firstFrame, frames), b = NAMES + placeOf(last ?? firstFrame + frames - 1, width, firstFrame, frames);
-    c.fillStyle = `${p.select}26`;
+    c.fillStyle = `${p.select}1c`;
     c.fillRect(a, 0, Math.max(1, b - a), height);
     c.fillStyle = p.select;
     c.fillRect(a, 0, 1, height);

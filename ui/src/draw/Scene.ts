@@ -23,6 +23,8 @@ export interface Shown {
 export const ELLIPSOID = 2.7955, LARGER = 10;
 /** px about a marker in which a click means it; chosen. */
 const NEAR_PX = 12;
+/** px of a name, which is left out where another stands; chosen. */
+const NAME_PX = [44, 13] as const;
 /** s of trail before and after the frame; chosen. */
 const BACK_S = 0.8, AHEAD_S = 0.4;
 /** mm, radius of a marker; chosen: of 14 mm spheres, a little larger. */
@@ -223,14 +225,17 @@ export class Scene {
   /** Names beside the markers, and A and B beside what is and what would be. */
   private write(drawn: readonly Path[], index: number, some: ReadonlySet<string>): void {
     this.last = index;
-    const c = this.over.getContext("2d")!, scale = this.over.width / Math.max(1, this.over.clientWidth), crowded = drawn.length > 24 && some.size > 0;
+    const c = this.over.getContext("2d")!, scale = this.over.width / Math.max(1, this.over.clientWidth);
     c.setTransform(scale, 0, 0, scale, 0, 0);
     c.clearRect(0, 0, this.over.clientWidth, this.over.clientHeight);
     c.font = SANS;
-    for (const path of drawn) {
+    const taken: [number, number][] = [];
+    for (const path of [...drawn].sort((a, b) => Number(some.has(b.name)) - Number(some.has(a.name)))) {
       const own = some.has(path.name), at = this.onScreen(path, index);
-      if (!at || (crowded && !own && this.orbit.distance > 1600)) continue;
+      if (!at) continue;
       if (own) ring(c, at, this.shown.instead.length ? this.colours.a : this.colours.select);
+      if (!own && taken.some(([x, y]) => Math.abs(x - at[0]) < NAME_PX[0] && Math.abs(y - at[1]) < NAME_PX[1])) continue;
+      taken.push(at);
       text(c, own && this.shown.instead.length ? `A ${path.name}` : path.name, at[0] + 9, at[1] - 7, own ? this.colours.ink : this.colours.faint, this.colours.view);
     }
     for (const path of this.shown.instead) {

@@ -38,4 +38,4 @@ export function onKey(event: KeyboardEvent): void {
 
 /** A key as it is printed on keyboards. */
 export const shownKey = (key: string): string =>
-  key.replace("ArrowRight", "→").replace("ArrowLeft", "←").replace("Delete", "Del").replace("Escape", "Esc").replace("-", "–");
+  key.replace("Shift+", "⇧ ").replace("Ctrl+", "Ctrl ").replace("ArrowRight", "→").replace("ArrowLeft", "←").replace("Delete", "Del").replace("Escape", "Esc").replace("-", "–");

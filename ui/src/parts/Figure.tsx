@@ -1,5 +1,6 @@
 /** The marker set as one who stands, from the front and from the back; which markers are there, and which is selected. */
-import { useMemo } from "react";
+import { RotateCw } from "lucide-react";
+import { useMemo, useState } from "react";
 import type { MarkerSetRow } from "../api/types";
 import { claim } from "../state/acts";
 import { get, set as put, useStore } from "../state/store";
@@ -15,10 +16,11 @@ const LIMBS: readonly (readonly [number, readonly (readonly [number, number])[]]
 const TRUNK: readonly (readonly [number, number])[] = [[0.125, 0.812], [0.1, 0.64], [0.105, 0.5], [0, 0.47]];
 
 export function Figure({ set }: { set: MarkerSetRow }): React.JSX.Element {
-  const placed = set.names.filter((name) => set.places[name]), rest = set.names.filter((name) => !set.places[name]);
+  const [back, setBack] = useState(false), placed = set.names.filter((name) => set.places[name]), rest = set.names.filter((name) => !set.places[name]);
   return (
     <div className={styles.figure}>
-      {placed.length > 0 && <div className={styles.views}>{(["front", "back"] as const).map((view) => <View key={view} set={set} view={view} />)}</div>}
+      {placed.length > 0 && <button type="button" className={`button ${styles.turn}`} onClick={() => setBack(!back)}><RotateCw size={13} aria-hidden />From the {back ? "front" : "back"}</button>}
+      {placed.length > 0 && <div className={styles.views} data-back={back}>{(["front", "back"] as const).map((view) => <View key={view} set={set} view={view} />)}</div>}
       {rest.length > 0 && <ul className={styles.rest}>{rest.map((name) => <li key={name}><Name name={name} /></li>)}</ul>}
       <Counts set={set} />
     </div>

@@ -5,7 +5,7 @@ import { Modal } from "./Modal";
 import styles from "./Modal.module.css";
 
 const GROUPS: readonly Group[] = ["Problems", "Names", "Gaps and places", "Time", "View", "Trial", "Go to"];
-const keys = (all: readonly string[]): string[] => all.map((key) => key.split("+").map(shownKey).join(" "));
+const keys = (all: readonly string[]): string[] => all.map((key) => shownKey(key));
 
 export function Help(): React.JSX.Element {
   const letters = useStore((s) => s.letters);

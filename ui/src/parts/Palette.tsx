@@ -9,7 +9,7 @@ import styles from "./Modal.module.css";
 /** Commands that can be done now, markers, and trials, by a few letters of each word. */
 export function Palette(): React.JSX.Element {
   const state = useStore();
-  const commands: Choice[] = COMMANDS.filter((c) => possible(c, state)).map((c) => ({ id: `c:${c.id}`, words: c.title, beside: c.group, key: c.keys[0]!.split("+").map(shownKey).join(" ") }));
+  const commands: Choice[] = COMMANDS.filter((c) => possible(c, state)).map((c) => ({ id: `c:${c.id}`, words: c.title, beside: c.group, key: shownKey(c.keys[0]!) }));
   const markers: Choice[] = (state.header?.tracks ?? []).map((t) => ({ id: `m:${t.name}`, words: t.name, beside: "select" }));
   const trials: Choice[] = (state.home?.sessions ?? []).flatMap((s) => s.trials.map((t) => ({ id: `t:${t.id}`, words: `${s.title} › ${t.name}`, beside: "open" })));
   const find = (typed: string): Choice[] => {

@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from "react";
 import { Cameras } from "../draw/Cameras";
 import { Curves, type Curve } from "../draw/Curves";
-import { ELLIPSOID, LARGER, Scene } from "../draw/Scene";
+import { LARGER, Scene } from "../draw/Scene";
 import { palette } from "../draw/palette";
 import type { Side } from "../draw/orbit";
 import { mm } from "../model/format";
@@ -90,11 +90,10 @@ function SceneWords({ scene }: { scene: Scene | null }): React.JSX.Element {
     playhead.draw();
     return off;
   }, [selected, paths, scene]);
-  return <p className={styles.words}><span ref={text} className="number" />{selected.length > 0 && bands && <span className="soft"> · 95 % ellipsoid, drawn {LARGER} times as large</span>}</p>;
+  return <p className={styles.words}><span ref={text} className="number" />{selected.length > 0 && bands && <span className="soft"> · 95 % ellipsoid × {LARGER}</span>}</p>;
 }
 
 const mmOf = (v: number): string => v.toFixed(1);
-export { ELLIPSOID };
 
 export function CurvesView(): React.JSX.Element {
   const place = useRef<HTMLDivElement>(null), [curves, setCurves] = useState<Curves | null>(null);

@@ -61,11 +61,11 @@ function Table(): React.JSX.Element {
 function Row({ gap: g, at, on, limit }: { gap: GapRow; at: number; on: boolean; limit: number }): React.JSX.Element {
   const over = g.expected_mm !== null && g.expected_mm > limit;
   return (
-    <div role="row" aria-rowindex={at + 2} className={styles.row} aria-selected={on} data-gap={`${g.marker} ${g.first}`} data-state={g.state} onClick={() => void lookAtGap(g)} title={g.words || undefined}>
+    <div role="row" aria-rowindex={at + 2} className={styles.row} aria-selected={on} data-gap={`${g.marker} ${g.first}`} data-state={g.state} onClick={() => void lookAtGap(g)} title={[g.words, g.cameras_alone.length ? `${g.cameras_alone.join(", ")} saw it alone` : ""].filter(Boolean).join(" · ") || undefined}>
       <span role="cell"><b>{g.marker}</b></span>
       <span role="cell" className="number">{g.frames} <small className="soft">{frames(g.first, g.last)}</small></span>
       <span role="cell">{g.choice ?? g.method ?? "–"}</span>
-      <span role="cell" className={`number ${over ? styles.over : ""}`}>{mm(g.expected_mm)} mm{over && <span title="above the limit"> ▲</span>}{g.cameras_alone.length > 0 && <small className="soft" title={`${g.cameras_alone.join(", ")} saw it alone`}> · {g.cameras_alone.length} cam</small>}</span>
+      <span role="cell" className={`number ${over ? styles.over : ""}`}>{mm(g.expected_mm)} mm{over && <span title="above the limit"> ▲</span>}</span>
       <span role="cell"><span className={`pill ${g.choice ? "good" : over || g.expected_mm === null ? "warn" : ""}`}>{g.choice ? (g.choice === "open" ? "left open" : "chosen") : g.state}</span></span>
     </div>
   );
@@ -77,7 +77,7 @@ function Ways(): React.JSX.Element {
   if (!gap) return <div className={styles.ways}><p className="soft">Choose a gap on the left, or press <kbd>N</kbd>. Each way to fill it is drawn with its band; the + in the images shows where the fill would be: a free image on the + proves it.</p></div>;
   return (
     <div className={styles.ways}>
-      <h2>{gap.marker} <span className="soft number">{frames(gap.first, gap.last)} · {many(gap.frames, "frame")}</span></h2>
+      <h2>{gap.marker} <span className="soft number">{frames(gap.first, gap.last)} · {many(gap.frames, "frame")}{gap.cameras_alone.length > 0 && ` · ${gap.cameras_alone.join(", ")} saw it alone`}</span></h2>
       <div className={styles.methods} role="group" aria-label="Ways to fill">
         {candidates?.candidates.map((c) => (
           <button key={c.method} type="button" className="button" aria-pressed={c.method === method} onClick={() => set({ method: c.method })}>{c.method} <span className="number soft">{mm(c.expected_mm)} mm{!c.final && " …"}</span></button>

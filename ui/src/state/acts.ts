@@ -66,7 +66,7 @@ export function lookAt(problem: Problem): void {
   playhead.loop = [Math.max(playhead.first, problem.frame - round), Math.min(playhead.last, problem.frame + round)];
   const window: [number, number] = [Math.max(playhead.first, Math.min(problem.first, problem.frame) - beside), Math.min(playhead.last, Math.min(problem.last, problem.frame + 4 * beside) + beside)];
   const there = problem.tracks.filter((name) => get().paths?.byName.has(name));
-  set((s) => ({ problem: problem.id, selected: there, instead: null, first: null, last: null, window, focused: s.focused + 1, join: null }));
+  set((s) => ({ problem: problem.id, selected: there, instead: null, first: null, last: null, window, focused: s.focused + 1, join: null, follow: true }));
   playhead.go(problem.frame);
   if (!still() && (problem.kind === "swap" || problem.kind === "sides")) playhead.play();
   void drawInstead(problem);
@@ -96,7 +96,9 @@ export function decodePart(part: { names: string[]; first_frame: number; n_frame
 }
 
 export function step(by: 1 | -1): void {
-  const s = get(), open = (s.problems?.problems ?? []).filter((p) => !s.later.includes(p.id));
+  const s = get();
+  if (!s.problems) return;
+  const open = (s.problems?.problems ?? []).filter((p) => !s.later.includes(p.id));
   const next = stepProblem(open, s.problem, by);
   if (next) lookAt(next);
   else say("news", "There is nothing more to look at.");
@@ -230,7 +232,7 @@ export function fillAll(): void {
 
 export async function lookAtGap(gap: GapRow): Promise<void> {
   const id = get().id, beside = Math.max(20, gap.frames);
-  set((s) => ({ gap, selected: [gap.marker], method: gap.choice ?? gap.method, candidates: null, first: gap.first, last: gap.last, window: [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)], focused: s.focused + 1 }));
+  set((s) => ({ gap, selected: [gap.marker], method: gap.choice ?? gap.method, candidates: null, first: gap.first, last: gap.last, window: [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)], focused: s.focused + 1, follow: true }));
   playhead.pause();
   playhead.loop = [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)];
   playhead.go(Math.round((gap.first + gap.last) / 2));

@@ -1,7 +1,20 @@
 """What a person said of a trial, applied to it: identities by witnesses, then values, then what the end shall be."""
 
 from .connect import Connection, connection
+from .difference import Changed, Difference, Renamed, difference
 from .replay import Edited, Reviewed, cropped, replay
 from .witnesses import stretch_of
 
-__all__ = ["Connection", "Edited", "Reviewed", "connection", "cropped", "replay", "stretch_of"]
+__all__ = [
+    "Changed",
+    "Connection",
+    "Difference",
+    "Edited",
+    "Renamed",
+    "Reviewed",
+    "connection",
+    "cropped",
+    "difference",
+    "replay",
+    "stretch_of",
+]

@@ -125,8 +125,8 @@ def replay(
             applied.append(Applied(number, edit, result.outcome, 1.0, result.samples, result.reason))
     found = _overruled(applied)
     verdicts = [one.edit for one in found if one.outcome == "held" and isinstance(one.edit, Verdict)]
-    reviewed = tuple(_reviewed(edit, trajectories, of) for edit in verdicts)
-    return Edited(changing.trajectories, tuple(found), reviewed)
+    found_again = tuple(reviewed(edit, trajectories, of) for edit in verdicts)
+    return Edited(changing.trajectories, tuple(found), found_again)
 
 
 def _claim_outcome(claimed: Claimed, k: int) -> tuple[Outcome, float, int, str]:
@@ -247,8 +247,8 @@ def _about(edit: Edit) -> object:
     return "trim" if isinstance(edit, Trim) else None
 
 
-def _reviewed(edit: Verdict, before: Trajectories, of: Footage) -> Reviewed:
-    """A verdict by the paths and frames of now."""
+def reviewed(edit: Verdict, before: Trajectories, of: Footage) -> Reviewed:
+    """A verdict by the paths and frames of some trajectories."""
     found = votes(edit.where, before, of.detections, world=of.world)
     on = found.path >= 0
     frames = found.frame[on]

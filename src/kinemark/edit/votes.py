@@ -16,6 +16,7 @@ than FAR_MM apart.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -106,6 +107,7 @@ def _witnesses(stretches: Sequence[Stretch], first_frame: int, cameras: Sequence
     return Votes(stretch, frame, np.where(same[stretch][:, None], xyz, np.nan), uv, np.full(len(rows), -1, np.int64))
 
 
+@lru_cache(maxsize=1)  # the trial that is edited is the same at every edit
 def owners(trajectories: Trajectories, n_detections: int) -> Ints:
     """(D) index of the path that has each image; −1 where none or several have it."""
     owner, several = np.full(n_detections, -1, np.int64), np.zeros(n_detections, bool)

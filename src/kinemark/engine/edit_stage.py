@@ -52,7 +52,12 @@ class EditRecord:
 
 def applied_entries(journal: JournalText) -> tuple[Entry, ...]:
     """The entries that replay applies: signatures change nothing."""
-    return tuple(e for e in live(journal.entries) if not all(isinstance(edit, Signed) for edit in e.edits))
+    return unsigned(journal.entries)
+
+
+def unsigned(entries: Sequence[Entry]) -> tuple[Entry, ...]:
+    """Of some entries those that count and are no signature."""
+    return tuple(e for e in live(entries) if not all(isinstance(edit, Signed) for edit in e.edits))
 
 
 def edit_stage(

@@ -11,7 +11,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -54,6 +54,7 @@ def rig_key(rig: Rig) -> str:
     return digest([(c.name, c.size, c.K, c.distortion, c.R, c.t, c.cov) for c in rig], rig.volume)
 
 
+@lru_cache(maxsize=8)
 def world_key(rig: Rig) -> str:
     """A key of the world that a rig measures in: of where its cameras are, and of their optics, and nothing else."""
     return digest("world", [(c.name, c.K, c.distortion, c.R, c.t) for c in rig])

@@ -19,6 +19,7 @@ from .methods.quintic import Quintic
 from .methods.relational import Relational
 from .methods.rigid_body import RigidBody
 from .methods.stage import FILL
+from .prepared import GapFill, PreparedFill, prepare
 from .rays import Rays
 from .static import FromStatic, PlacedMarker, place_absent
 from .static_shape import StaticShape
@@ -37,6 +38,7 @@ __all__ = [
     "FromStatic",
     "Gap",
     "GapEdges",
+    "GapFill",
     "Kalman",
     "KalmanAngles",
     "LimbAngles",
@@ -47,6 +49,7 @@ __all__ = [
     "Pattern",
     "PlacedMarker",
     "Prediction",
+    "PreparedFill",
     "Quintic",
     "Rays",
     "Relational",
@@ -60,5 +63,6 @@ __all__ = [
     "fit_model",
     "model_events",
     "place_absent",
+    "prepare",
     "trim_edges",
 ]

@@ -137,10 +137,15 @@ def without_outliers(motion: MarkerArray) -> MarkerArray:
 
 
 def evaluate_candidates(
-    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0
+    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], *, seed: int = 0, per_gap: int | None = None
 ) -> list[CandidateFill]:
-    """Each method's predictions for all gaps, and its results in one set of hold-out gaps."""
-    return _evaluated(motion, gaps, candidates, seed, lambda _: True)
+    """Each method's predictions for all gaps, and its results in one set of hold-out gaps.
+
+    Args:
+        motion: the trial. gaps: in it. candidates: methods. seed: of the places of hold-out gaps.
+        per_gap: hold-out gaps of each; as many as `fill` makes where None.
+    """
+    return _evaluated(motion, gaps, candidates, seed, lambda _: True, per_gap)
 
 
 def evaluate_leading(
@@ -166,7 +171,12 @@ def evaluate_leading(
 
 
 def _evaluated(
-    motion: MarkerArray, gaps: list[Gap], candidates: Sequence[Any], seed: int, whether: Callable[[Any], bool]
+    motion: MarkerArray,
+    gaps: list[Gap],
+    candidates: Sequence[Any],
+    seed: int,
+    whether: Callable[[Any], bool],
+    per_gap: int | None = None,
 ) -> list[CandidateFill]:
     """The results of all methods in the hold-out gaps, and the predictions of those that `whether` admits.
 
@@ -176,7 +186,8 @@ def _evaluated(
     if not gaps:
         return []
     tested = _gaps_to_test(gaps) if len(candidates) == 1 else list(range(len(gaps)))
-    hold_out = draw_hold_out_gaps(motion, [gaps[k] for k in tested], per_gap=tests_per_gap(len(gaps)), seed=seed)
+    each = per_gap or tests_per_gap(len(gaps))
+    hold_out = draw_hold_out_gaps(motion, [gaps[k] for k in tested], per_gap=each, seed=seed)
     hold_out = hold_out._replace(tests=[test._replace(of=tested[test.of]) for test in hold_out.tests])
     moving = PartMotion(motion)
     amount = [moving.of_gap(gap) for gap in gaps]

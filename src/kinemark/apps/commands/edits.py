@@ -14,6 +14,7 @@ from cyclopts import App, Parameter
 from ...data import KinemarkError
 from ...data.edits import counting
 from ...engine.edit_files import journal_at, open_editing, write_edited
+from ...engine.problems import filled_gaps, problems
 from ...io.notes import file_note_text
 from ..edits_output import (
     applied_figures,
@@ -28,6 +29,7 @@ from ..edits_output import (
     span_of,
 )
 from ..output import Json, print_result
+from ..problems_output import chosen_edits, problems_figures, problems_text
 
 edits = App(name="edits", help=__doc__)
 
@@ -121,6 +123,38 @@ def redo(trial: Path, *, why: Why = "", by: By = "", json: Json = False) -> None
         why: in your words. by: who says it. json: print it for a machine.
     """
     print_entry(journal_at(trial).redo(why=why, by=by), json)
+
+
+@edits.command(name="problems")
+def list_problems(
+    trial: Path, *, fill: Annotated[bool, Parameter(negative="")] = False, every: bool = False, json: Json = False
+) -> None:
+    """List what is probably wrong with a trial, what saves most first, and what can be done about each.
+
+    Args:
+        trial: SESSION/NAME or a file; a session's trial is processed as far as it must be.
+        fill: fill its gaps too, for what error is to be expected in each.
+        every: also those that are not worth a look.
+        json: print it for a machine, with the edits that each alternative would say.
+    """
+    editing = open_editing(trial)
+    found = problems(editing, gaps=filled_gaps(editing) if fill else ())
+    print_result(problems_figures(found) if json else problems_text(found, every=every))
+
+
+@edits.command
+def accept(trial: Path, problem: str, alternative: int = 1, *, why: Why = "", by: By = "", json: Json = False) -> None:
+    """Take an alternative of a problem.
+
+    Args:
+        trial: SESSION/NAME or a file.
+        problem: its id, from `kinemark edits problems`.
+        alternative: its number, from 1.
+        why: in your words. by: who says it. json: print it for a machine.
+    """
+    editing = open_editing(trial, by=by)
+    found = problems(editing, gaps=filled_gaps(editing) if problem.startswith("gap-") else ())
+    print_said(editing.say(*chosen_edits(found, problem, alternative), why=why, head=found.head), json)
 
 
 @edits.command

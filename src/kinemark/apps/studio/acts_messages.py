@@ -117,6 +117,14 @@ class ReviewAct(Said):
     right: bool
 
 
+class AlternativeAct(Said):
+    """An alternative of a problem, by its key."""
+
+    kind: Literal["alternative"]
+    problem: Name
+    key: Name
+
+
 class TrimAct(Said):
     """All markers begin and end at these frames."""
 
@@ -162,8 +170,8 @@ class SignAct(Said):
 
 
 OneEdit = Annotated[
-    ClaimAct | ExchangeAct | SidesAct | EraseAct | PutAct | GapAct | SmoothAct | ImageAct | ReviewAct | TrimAct
-    | EventAct,
+    ClaimAct | ExchangeAct | SidesAct | EraseAct | PutAct | GapAct | SmoothAct | ImageAct | ReviewAct | AlternativeAct
+    | TrimAct | EventAct,
     Field(discriminator="kind"),
 ]  # fmt: skip
 
@@ -176,7 +184,7 @@ class SeveralAct(Said):
 
 
 Act = Annotated[
-    ClaimAct | ExchangeAct | SidesAct | EraseAct | PutAct | GapAct | SmoothAct | ImageAct | ReviewAct | TrimAct
-    | FinishAct | EventAct | UndoAct | RedoAct | SignAct | SeveralAct,
+    ClaimAct | ExchangeAct | SidesAct | EraseAct | PutAct | GapAct | SmoothAct | ImageAct | ReviewAct | AlternativeAct
+    | TrimAct | FinishAct | EventAct | UndoAct | RedoAct | SignAct | SeveralAct,
     Field(discriminator="kind"),
 ]  # fmt: skip

@@ -11,7 +11,7 @@ from typing import Any
 from ...data import KinemarkError, MarkerSet
 from ...data.edits import live
 from ...edit import Edited
-from ...engine.edit_stage import applied_entries, stage_before_edits
+from ...engine.edit_stage import stage_before_edits
 from ...engine.editing import Editing
 from ...engine.naming.templates import worn
 from ...engine.open_trial import OpenTrial
@@ -75,7 +75,7 @@ class OpenDocument:
             if stamp == self.stamp:
                 return
             self.text, self.stamp = self.editing.journal.read(), stamp
-            self.now = self.editing.replayed(applied_entries(self.text))
+            self.now = self.editing.edited()
 
 
 def journal_stamp(editing: Editing) -> tuple[int, ...]:
@@ -155,7 +155,7 @@ def opened(place: Place, by: str) -> OpenDocument:
 def _document(place: Place, editing: Editing) -> OpenDocument:
     stamp = journal_stamp(editing)
     text = editing.journal.read()
-    return OpenDocument(place, editing, text, editing.replayed(applied_entries(text)), stamp=stamp)
+    return OpenDocument(place, editing, text, editing.edited(), stamp=stamp)
 
 
 def _check_tracked(trial: OpenTrial) -> None:

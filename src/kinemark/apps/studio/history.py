@@ -1,0 +1,40 @@
+"""What was said of a trial, and how two versions of it differ."""
+
+from __future__ import annotations
+
+from ...data import KinemarkError
+from ...data.edits import Applied, Entry, Signed, counting, entry_outcome
+from ...edit import Edited
+from ...engine.journal import hash_of_entry
+from ...report.words import edit_text
+from .acts import outcome
+from .desk import OpenDocument
+from .messages import Difference, Fault, History, HistoryRow, IdentityChange, SampleChange
+
+
+def history(document: OpenDocument) -> History:
+    """Every entry with its outcome now."""
+    text, counts = document.text, {entry.id for entry in counting(document.text.entries)}
+    applied: dict[int, list[Applied]] = {}
+    for one in document.now.applied:
+        applied.setdefault(one.entry, []).append(one)
+    rows = [_row(entry, applied.get(entry.id, []), entry.id in counts) for entry in text.entries]
+    faults = [Fault(line=fault.line, words=fault.text) for fault in text.faults]
+    return History(entries=rows, faults=faults, head=text.head)
+
+
+def _row(entry: Entry, applied: list[Applied], counts: bool) -> HistoryRow:
+    return HistoryRow(
+        id=entry.id,
+        at=entry.at,
+        by=entry.by,
+        why=entry.why,
+        version=entry.version,
+        hash=hash_of_entry(entry),
+        kinds=[edit.kind for edit in entry.edits],
+        words="; ".join(map(edit_text, entry.edits)),
+        undone=not counts,
+        signed=any(isinstance(edit, Signed) for edit in entry.edits),
+        outcome=entry_outcome(applied) if applied else None,
+        outcomes=[outcome(one) for one in applied],
+    )

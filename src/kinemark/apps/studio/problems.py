@@ -1,0 +1,3 @@
+"""What is probably wrong with a trial, the costliest first."""
+
+from __future__ import annotations

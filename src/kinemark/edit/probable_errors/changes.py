@@ -1,0 +1,203 @@
+"""Changes of identity: how likely it is that a path goes on as another marker at a place.
+
+At a place of path p, with the halves p₋ and p₊ before and after and those of another path q, either each goes on as
+itself, or as the other. What two halves cost that are one marker is
+
+    c = 7/2 ln(1 + χ²/4) + 3/2 ln(2π σ²),      χ² = d²/σ²                                                    (1)
+
+with the distance d of their continuations and its variance σ² per axis, as of Student's t with four degrees of freedom,
+which knows outliers; a half that begins or ends costs END. The evidence of motion for an exchange is
+
+    motion = c(p₋ p₊) + c(q₋ q₊) − c(p₋ q₊) − c(q₋ p₊),                                                       (2)
+
+that of shape the same difference of the misfits of `shape` (3). No other path, q = none, is a partner like others: the
+path is then two. Of all partners the one with the most evidence is taken.
+
+The probability of a change is a logistic function of (2), (3) and what `Evidence` lists (4); its coefficients were fitted
+to seeded faults (studies/probable_errors.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Floats, Ints
+from .paths import Ends, Meeting, Paths, ends, meeting
+from .places import APART_S, Place
+from .probability import probability
+from .shape import Distances, distances, misfit
+
+END = 10.0
+"""Nats that the beginning or end of a path costs; chosen: a place anywhere in a volume of a cubic decimetre to metre."""
+MOST = 30.0
+"""Nats of motion that count at most; chosen."""
+
+
+class Evidence(NamedTuple):
+    """What tells of a change at a place, for the partner with the most of it.
+
+    Attributes:
+        motion: (2), nats, for the exchange. shape: (3), 0 where unknown.
+        own_misfit: of the path's own halves by shape; 0 where unknown. known: 1 where shape is known, else 0.
+        own_chi: ln(1 + χ²/4) of its own halves by motion. own_sd: ln σ of their distance, mm.
+    """
+
+    motion: float
+    shape: float
+    own_misfit: float
+    known: float
+    own_chi: float
+    own_sd: float
+
+
+class Change(NamedTuple):
+    """A place of a path, and what tells that it goes on there as another marker.
+
+    Attributes:
+        place: where. partner: index of the path that it may be exchanged with; −1 for none.
+        evidence: what tells. wrong: probability of a change.
+        keep_mm, exchange_mm: how far both paths are off from where their motion leads, as they are and exchanged.
+    """
+
+    place: Place
+    partner: int
+    evidence: Evidence
+    wrong: float
+    keep_mm: float
+    exchange_mm: float
+
+
+def changes(paths: Paths, found: Sequence[Place]) -> list[Change]:
+    """What is to be said of each place."""
+    if not found:
+        return []
+    costs = _Costs.of(paths, found)
+    window = _Windows(paths)
+    at, out = 0, []
+    for place in found:
+        rows = slice(at, at + len(place.partners))
+        at = rows.stop
+        out.append(_change(place, costs.rows(rows), window))
+    return out
+
+
+class _Costs(NamedTuple):
+    """Of each place and partner: what (1) says of the halves, in the order p₋p₊, q₋q₊, p₋q₊, q₋p₊ (4, N): cost; off,
+    mm; χ²; and variance."""
+
+    cost: Floats
+    off: Floats
+    squared: Floats
+    variance: Floats
+
+    def rows(self, some: slice) -> _Costs:
+        return _Costs(*(column[:, some] for column in self))
+
+    @classmethod
+    def of(cls, paths: Paths, found: Sequence[Place]) -> _Costs:
+        p, i, q, j, k = (np.array(column, np.int64) for column in zip(*_pairs(paths, found), strict=True))
+        p_before, p_after = ends(paths, p, i, -1), ends(paths, p, i + 1, 1)
+        q_before, q_after = ends(paths, q, j, -1), ends(paths, q, k, 1)
+        halves = (p_before, p_after), (q_before, q_after), (p_before, q_after), (q_before, p_after)
+        met = [_met(a, b, paths) for a, b in halves]
+        return cls(*(np.array(column) for column in zip(*met, strict=True)))
+
+
+def _pairs(paths: Paths, found: Sequence[Place]) -> list[tuple[int, int, int, int, int]]:
+    """Path and index of each place; each partner, and the indices of its last sample before and first after, or −1."""
+    rows = []
+    for place in found:
+        for q in place.partners:
+            if q < 0:
+                rows.append((place.path, place.index, 0, -1, -1))
+                continue
+            own = paths.frames[q]
+            j = paths.index_before(q, place.middle)
+            k = j + 1 if j + 1 < len(own) else -1
+            far = APART_S * paths.rate
+            j = j if j >= 0 and place.middle - own[j] < far else -1
+            k = k if k >= 0 and own[k] - place.middle < far else -1
+            rows.append((place.path, place.index, q, j, k))
+    return rows
+
+
+def _met(before: Ends, after: Ends, paths: Paths) -> tuple[Floats, Floats, Floats, Floats]:
+    """(1) of N pairs of halves, with what an end costs where one half is not."""
+    met: Meeting = meeting(before, after, paths.rate, paths.q)
+    none_before, none_after = np.isinf(before.variance[:, 0]), np.isinf(after.variance[:, 0])
+    with np.errstate(invalid="ignore"):
+        squared = met.squared
+        cost = 3.5 * np.log1p(squared / 4) + 1.5 * np.log(2 * np.pi * met.variance)
+    cost = np.where(none_before & none_after, 0.0, np.where(none_before | none_after, END, cost))
+    return cost, met.off, squared, met.variance
+
+
+class _Windows:
+    """Distances of halves, each worked out once."""
+
+    def __init__(self, paths: Paths) -> None:
+        self.paths = paths
+        self.known: dict[tuple[int, float, int], Distances] = {}
+
+    def of(self, p: int, middle: float, side: int) -> Distances:
+        key = p, middle, side
+        if key not in self.known:
+            self.known[key] = distances(self.paths, p, middle, side)
+        return self.known[key]
+
+    def misfits(self, place: Place, q: int) -> tuple[float, float, float]:
+        """Of p's own halves; of both paths as they are; and exchanged. NaN where unknown."""
+        p, t = place.path, place.middle
+        p_before, p_after = self.of(p, t, -1), self.of(p, t, 1)
+        if q < 0:
+            own = misfit(p_before, p_after)
+            return own, own, np.nan
+        q_before, q_after = self.of(q, t, -1), self.of(q, t, 1)
+        own = misfit(p_before, p_after, (q,))
+        others = misfit(q_before, q_after, (p,))
+        across = misfit(p_before, q_after, (p, q)), misfit(q_before, p_after, (p, q))
+        keep = np.array([own, others])
+        return own, _mean(keep), _mean(np.array(across))
+
+
+def _mean(values: Floats) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else float("nan")
+
+
+def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
+    """The partner with the most evidence."""
+    best: Change | None = None
+    for n, q in enumerate(place.partners):
+        own, keep, other = windows.misfits(place, q)
+        shape = keep - (other if np.isfinite(other) else USUAL_MISFIT)
+        motion = float(np.clip(costs.cost[0, n] + costs.cost[1, n] - costs.cost[2, n] - costs.cost[3, n], -MOST, MOST))
+        known = np.isfinite(shape)
+        evidence = Evidence(
+            motion, float(shape) if known else 0.0, float(own) if np.isfinite(own) else 0.0, float(known),
+            float(np.log1p(costs.squared[0, n] / 4)), float(np.log(costs.variance[0, n]) / 2),
+        )  # fmt: skip
+        off = costs.off[:, n]
+        one = Change(place, q, evidence, probability("change", evidence), _most(off[:2]), _most(off[2:]))
+        if best is None or _strength(one.evidence) > _strength(best.evidence):
+            best = one
+    assert best is not None
+    return best
+
+
+USUAL_MISFIT = 1.0
+"""Misfit by shape of halves that are one marker, in the mean; measured by studies/probable_errors.py."""
+SHAPE_NATS = 4.0
+"""Nats of motion that 1 of misfit is worth when a partner is chosen; chosen."""
+
+
+def _strength(evidence: Evidence) -> float:
+    return evidence.motion + SHAPE_NATS * evidence.shape
+
+
+def _most(off: Floats) -> float:
+    known: Ints = np.flatnonzero(np.isfinite(off))
+    return float(off[known].max()) if len(known) else float("nan")

@@ -1,0 +1,203 @@
+"""Paths and how they go on: the motion model by which every place of a trial is judged.
+
+A path is continued from its nearest samples as in `connect`: x(t) = x₀ + v t + a t²/2 + w(t) + noise, v and a of known
+variance, w of an acceleration that changes at random by q per √s,
+
+    cov(w(s), w(t)) = q² (m⁵/20 + d m⁴/8 + d² m³/12),   m = min(s, t), d = |s − t|                         (1)
+
+so that x₀ and its variance follow by generalised least squares. Two ends are continued to the middle between them (2).
+
+The trial itself says how noisy its samples are and how fast accelerations change. Each path's noise is that of its third
+differences, robustly, 1.48 median |Δ³x| / √20 (3), motion being smooth over four frames. q is such that the ends of
+pieces of HELD s that are taken out of the paths meet within what (2) states in half of all cases (4).
+
+A path jumps from one frame to the next where the step is off the mean of the steps before and after it by more than
+JUMP times what is usual there, its running median (5).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from ...data import Origin, Trajectories
+from ...data.array_types import Bools, Floats, Ints
+
+NEAREST = 12
+"""Samples that a path is continued from; chosen: farther ones tell nothing new."""
+LOOK_S = 0.3
+"""s of path that is continued; chosen, as in `connect`."""
+SPEED, ACCELERATION = 1500.0, 15_000.0
+"""mm/s and mm/s²: standard deviations of each component of v and a; chosen, as in tracking."""
+USUAL_Q = 40_000.0
+"""q where a trial is too short to tell it, mm/s² per √s; chosen, as in tracking."""
+LEAST_Q, MOST_Q = 4_000.0, 400_000.0
+"""What a trial may make of it; chosen: a tenth of what is usual, and ten times."""
+LEAST_SD, MOST_SD = 0.05, 5.0
+"""mm, noise of a sample per axis; chosen: below any system's, and above what a marker's size allows."""
+HELD = 0.1
+"""s; of (4). Chosen: as long as a gap that is judged by motion alone."""
+TESTS = 400
+"""Pieces that are taken out at most, over all paths; chosen."""
+HALF = 2.366
+"""Median of χ² with three degrees of freedom; by definition."""
+
+JUMP, JUMP_MM = 6.0, 3.0
+"""Times what is usual, and mm besides noise, of (5); chosen: noise alone reaches them once in thousands of samples."""
+USUAL_S = 25
+"""Steps on each side that say what is usual; chosen."""
+
+
+class Paths(NamedTuple):
+    """The paths of a trial.
+
+    Attributes:
+        xyz: (M, F, 3) mm, NaN where missing. seen: (M, F). frames: of each path, those with a sample.
+        sd: (M) mm, noise of each axis. rate: Hz. q: of (1).
+        jumps: of each path, indices of the last samples before jumps (5): it is not continued over them.
+    """
+
+    xyz: Floats
+    seen: Bools
+    frames: tuple[Ints, ...]
+    sd: Floats
+    rate: float
+    q: float = USUAL_Q
+    jumps: tuple[Ints, ...] = ()
+
+    @classmethod
+    def of(cls, trajectories: Trajectories) -> Paths:
+        """Those of a trial; samples that were filled count as missing."""
+        seen = np.array([(p.origin != Origin.MISSING) & (p.origin != Origin.FILLED) for p in trajectories])
+        seen = seen.reshape(len(trajectories), trajectories.n_frames)
+        xyz = np.where(seen[..., None], trajectories.xyz, np.nan)
+        frames = tuple(np.flatnonzero(row) for row in seen)
+        paths = cls(xyz, seen, frames, _noise(xyz), trajectories.rate)
+        paths = paths._replace(jumps=tuple(_jumps(xyz[p, own], own, paths.sd[p]) for p, own in enumerate(frames)))
+        return paths._replace(q=_process_noise(paths))
+
+    def index_before(self, p: int, f: float) -> int:
+        """Of path p the index of its last sample at or before frame f; −1 where there is none."""
+        return int(np.searchsorted(self.frames[p], f, side="right")) - 1
+
+
+class Ends(NamedTuple):
+    """The NEAREST samples of N ends of paths, from the outermost inwards: frame (N, n), xyz (N, n, 3), variance (N, n),
+    infinite where there is none."""
+
+    frame: Floats
+    xyz: Floats
+    variance: Floats
+
+    @property
+    def outermost(self) -> Floats:
+        """(N) frame."""
+        return self.frame[:, 0]
+
+
+def ends(paths: Paths, who: Ints, index: Ints, step: int) -> Ends:
+    """The ends of paths `who` (N) at the samples of that index (N), looking back (step −1) or ahead (1).
+
+    An end whose index is outside its path has no sample at all.
+    """
+    N = len(who)
+    frame, xyz = np.zeros((N, NEAREST)), np.zeros((N, NEAREST, 3))
+    variance = np.full((N, NEAREST), np.inf)
+    for p in np.unique(who):
+        rows, own = np.flatnonzero(who == p), paths.frames[p]
+        at = index[rows, None] + step * np.arange(NEAREST)
+        there = (at >= 0) & (at < len(own)) & (index[rows, None] >= 0)
+        f = own[np.clip(at, 0, max(len(own) - 1, 0))] if len(own) else np.zeros_like(at)
+        piece = np.searchsorted(paths.jumps[p], np.clip(at, 0, max(len(own) - 1, 0)))
+        there &= (np.abs(f - f[:, :1]) <= LOOK_S * paths.rate) & (piece == piece[:, :1])
+        frame[rows], xyz[rows] = f, np.where(there[..., None], paths.xyz[p, f], 0.0)
+        variance[rows] = np.where(there, paths.sd[p] ** 2, np.inf)
+    return Ends(frame, xyz, variance)
+
+
+def continued(end: Ends, to: Floats, rate: float, q: float) -> tuple[Floats, Floats]:
+    """Where ends are at frames `to` (N): (N, 3) mm and the variance of each axis (N) mm², infinite without a sample."""
+    known = np.isfinite(end.variance)
+    t = np.where(known, np.abs(end.frame - to[:, None]) / rate, 0.0)
+    s, u = t[:, :, None], t[:, None, :]
+    m, d = np.minimum(s, u), np.abs(s - u)
+    cov = q**2 * (m**5 / 20 + d * m**4 / 8 + d**2 * m**3 / 12)  # (1)
+    cov += s * u * SPEED**2 + s**2 * u**2 / 4 * ACCELERATION**2
+    both = known[:, :, None] & known[:, None, :]
+    cov = np.where(both, cov, 0.0) + np.eye(t.shape[1]) * np.where(known, end.variance, 1.0)[:, None, :]
+    weight = np.linalg.solve(cov, known[..., None].astype(np.float64))[..., 0]
+    total = weight.sum(1)
+    origin = end.xyz[:, :1]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        place = origin[:, 0] + (weight[..., None] * (end.xyz - origin)).sum(1) / total[:, None]
+        return place, np.where(known[:, 0], 1 / np.maximum(total, 1e-12), np.inf)
+
+
+class Meeting(NamedTuple):
+    """How two ends meet: distance (N) mm, its variance (N) per axis mm²; NaN and infinite where one has no sample."""
+
+    off: Floats
+    variance: Floats
+
+    @property
+    def squared(self) -> Floats:
+        """(N) χ² of three degrees of freedom."""
+        return self.off**2 / self.variance
+
+
+def meeting(before: Ends, after: Ends, rate: float, q: float) -> Meeting:
+    """How N ends before go on in N ends after (2)."""
+    middle = (before.outermost + after.outermost) / 2
+    (a, u), (b, v) = (continued(end, middle, rate, q) for end in (before, after))
+    there = np.isfinite(u) & np.isfinite(v)
+    return Meeting(np.where(there, np.linalg.norm(a - b, axis=1), np.nan), u + v)
+
+
+def _noise(xyz: Floats) -> Floats:
+    """(M) by (3)."""
+    third = np.abs(np.diff(xyz, 3, axis=1)).reshape(len(xyz), -1)
+    known = np.isfinite(third)
+    usual = np.median(third[known]) if known.any() else 1.0
+    sd = np.array([np.median(row[ok]) if ok.sum() > 30 else usual for row, ok in zip(third, known, strict=True)])
+    return np.clip(1.48 * sd.reshape(len(xyz)) / np.sqrt(20), LEAST_SD, MOST_SD)
+
+
+def _process_noise(paths: Paths) -> float:
+    """q by (4), by bisection of its logarithm."""
+    held = max(2, round(HELD * paths.rate))
+    who, index = _tests(paths, held)
+    if len(who) < 10:
+        return USUAL_Q
+    before, after = ends(paths, who, index, -1), ends(paths, who, index + held, 1)
+    low, high = np.log(LEAST_Q), np.log(MOST_Q)
+    for _ in range(8):
+        middle = (low + high) / 2
+        fits = np.nanmedian(meeting(before, after, paths.rate, float(np.exp(middle))).squared) < HALF
+        low, high = (low, middle) if fits else (middle, high)
+    return float(np.exp(high))
+
+
+def _tests(paths: Paths, held: int) -> tuple[Ints, Ints]:
+    """Paths and indices of last samples before pieces without a gap that are taken out, evenly spread."""
+    who, index = [], []
+    each = max(1, TESTS // max(len(paths.frames), 1))
+    for p, own in enumerate(paths.frames):
+        if len(own) > 3 * held:
+            whole = np.flatnonzero(own[2 * held :] - own[: -2 * held] == 2 * held) + held // 2
+            chosen = whole[np.linspace(0, len(whole) - 1, min(each, len(whole))).astype(int)] if len(whole) else whole
+            who += [p] * len(chosen)
+            index += chosen.tolist()
+    return np.array(who, np.int64), np.array(index, np.int64)
+
+
+def _jumps(xyz: Floats, frame: Ints, sd: float) -> Ints:
+    """Indices of last samples (N, 3) before jumps (5), from one frame to the next."""
+    if len(xyz) < 3:
+        return np.zeros(0, np.int64)
+    rate = np.diff(xyz, axis=0) / np.diff(frame)[:, None]
+    before, after = np.vstack([rate[:1], rate[:-1]]), np.vstack([rate[1:], rate[-1:]])
+    off = np.minimum(np.linalg.norm(rate - before, axis=1), np.linalg.norm(rate - after, axis=1))
+    usual = scipy.ndimage.median_filter(off, 2 * USUAL_S + 1, mode="nearest")
+    return np.flatnonzero((np.diff(frame) == 1) & (off > JUMP * (usual + sd) + JUMP_MM))

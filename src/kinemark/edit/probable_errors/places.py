@@ -1,0 +1,101 @@
+"""Places where a path may go on as another marker, and whose it may be exchanged with.
+
+    gap       a path was not seen in between
+    jump      it goes on where its motion does not lead
+    near      another path is so near that either could be the other
+
+At each place the two halves of the path are before and after; those of another path are cut in the middle of the
+place. Which paths are looked at: those whose half before is near the half after of the first, or the other way round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ...data.array_types import Floats, Ints
+from ...numerics.runs import true_runs
+from .paths import Paths
+
+NEAR_SD, NEAR_MM = 8.0, 3.0
+"""Standard deviations of both, and mm: within them a path may be another; chosen."""
+REACH_MM, REACH_SPEED = 40.0, 3000.0
+"""mm, and mm/s: how far a marker may be from where it was last seen; chosen: a marker of a running foot."""
+PARTNERS = 4
+"""Other paths that are looked at, at most, of a place; chosen."""
+APART_S = 1.0
+"""s: another path's half that ends, or begins, longer before or after is not looked at; chosen."""
+
+
+class Place(NamedTuple):
+    """Where path `path` goes from its sample of index `index` to the next, and other paths in its stead.
+
+    `partners` are indices of paths; −1 stands for none.
+    """
+
+    path: int
+    index: int
+    middle: float
+    partners: tuple[int, ...]
+
+
+def places(paths: Paths, told: Iterable[tuple[int, float, int]] = ()) -> list[Place]:
+    """All places of a trial.
+
+    Args:
+        paths: of the trial.
+        told: path, frame, and another path or −1, of places that are known to be ambiguous.
+    """
+    found: dict[tuple[int, int], set[int]] = {}
+    for p, own in enumerate(paths.frames):
+        for i in [*np.flatnonzero(np.diff(own) > 1).tolist(), *paths.jumps[p].tolist()]:
+            found.setdefault((p, i), set())
+    for p, frame, q in (*_near(paths), *told):
+        i = paths.index_before(p, frame)
+        if 0 <= i < len(paths.frames[p]) - 1:
+            found.setdefault((p, i), set()).update({q} - {-1})
+    return [_place(paths, p, i, others) for (p, i), others in sorted(found.items())]
+
+
+def _place(paths: Paths, p: int, i: int, others: set[int]) -> Place:
+    own = paths.frames[p]
+    middle = (own[i] + own[i + 1]) / 2
+    return Place(p, i, float(middle), (-1, *dict.fromkeys([*sorted(others), *_partners(paths, p, i, middle)])))
+
+
+def _partners(paths: Paths, p: int, i: int, middle: float) -> list[int]:
+    """Those whose halves are nearest to the halves of p."""
+    own = paths.frames[p]
+    a, b = paths.xyz[p, own[i]], paths.xyz[p, own[i + 1]]
+    scored = []
+    for q, frames in enumerate(paths.frames):
+        if q == p or not len(frames):
+            continue
+        j = int(np.searchsorted(frames, middle, side="right")) - 1
+        near = []
+        if j >= 0 and own[i + 1] - frames[j] < APART_S * paths.rate:
+            near.append(_far(paths, paths.xyz[q, frames[j]], b, own[i + 1] - frames[j]))
+        if j + 1 < len(frames) and frames[j + 1] - own[i] < APART_S * paths.rate:
+            near.append(_far(paths, paths.xyz[q, frames[j + 1]], a, frames[j + 1] - own[i]))
+        if near and min(near) < 1:
+            scored.append((min(near), q))
+    return [q for _, q in sorted(scored)[:PARTNERS]]
+
+
+def _far(paths: Paths, x: Floats, y: Floats, frames: float) -> float:
+    """Distance by how far a marker may come in these frames."""
+    return float(np.linalg.norm(x - y)) / (REACH_MM + REACH_SPEED * float(frames) / paths.rate)
+
+
+def _near(paths: Paths) -> Iterator[tuple[int, float, int]]:
+    """Two paths, and the frame in which they are nearest, of each time that they come near."""
+    M = len(paths.frames)
+    for p in range(M):
+        limit = NEAR_SD * (paths.sd[p] + paths.sd[p + 1 :]) + NEAR_MM
+        apart = np.linalg.norm(paths.xyz[p + 1 :] - paths.xyz[p], axis=-1)
+        for k in np.flatnonzero(np.nanmin(np.where(np.isnan(apart), np.inf, apart), axis=1, initial=np.inf) < limit):
+            row = np.where(np.isnan(apart[k]), np.inf, apart[k])
+            for first, stop in true_runs(row < limit[k]).tolist():
+                yield p, float(first + row[first:stop].argmin()), p + 1 + int(k)

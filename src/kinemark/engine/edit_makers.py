@@ -1,0 +1,199 @@
+"""Edits, made from what somebody points at, and not yet said: faces preview them, or say several in one act."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from ..data import KinemarkError, Origin, Rig, Trajectories
+from ..data.array_types import Floats
+from ..data.edits import (
+    Claim,
+    DropUnnamed,
+    Erase,
+    GapChoice,
+    ImagePoint,
+    Put,
+    Smooth,
+    Trim,
+    Verdict,
+    is_named,
+)
+from ..edit import stretch_of
+from ..edit.values import Footage, solve
+from ..geometry import project
+
+if TYPE_CHECKING:
+    from .editing import Editing
+
+EditKind = TypeVar("EditKind")
+
+REVIEWED_BESIDE = 20
+"""Frames before and after an ambiguous decision that witnesses of a verdict are taken from; chosen."""
+PUT_SD = 1.0
+"""mm per axis, of a place put by hand where nobody says; chosen."""
+
+
+def claim(
+    of: Editing,
+    track: str,
+    name: str | None,
+    *,
+    first: int | None = None,
+    last: int | None = None,
+    at: int | None = None,
+) -> Claim:
+    """A stretch of a trajectory is the marker of this name, or no marker where that is None.
+
+    Raises:
+        KinemarkError: there is no such trajectory or no sample of it, or the name is none.
+    """
+    now = of.edited().trajectories
+    try:
+        where = stretch_of(now, track, first=first, last=last, at=at, detections=of.detections, world=of.world)
+        return Claim(where, name)
+    except (KeyError, ValueError) as error:
+        raise KinemarkError(f"{error.args[0]}.") from error
+
+
+def exchange(
+    of: Editing, one: str, other: str, *, first: int | None = None, last: int | None = None
+) -> tuple[Claim, ...]:
+    """Two trajectories have each other's names in these frames; where one has none, the other takes it over.
+
+    Raises:
+        KinemarkError: neither has a marker's name, or one is not there or has no sample in these frames.
+    """
+    pairs = [(a, b) for a, b in ((one, other), (other, one)) if is_named(b)]
+    if not pairs:
+        raise KinemarkError(f"Neither {one} nor {other} has a marker's name. Claim one of them for a marker first.")
+    return tuple(claim(of, a, b, first=first, last=last) for a, b in pairs)
+
+
+def erase(of: Editing, marker: str, first: int, last: int) -> Erase:
+    """Samples of a marker are wrong."""
+    return made(Erase, known(of, marker), first, last)
+
+
+def put(of: Editing, marker: str, frame: int, xyz: Sequence[float], *, sd_mm: float = PUT_SD) -> Put:
+    """A marker is at this place, mm, in a frame."""
+    place = np.asarray(xyz, np.float64)
+    images = () if of.rig is None else tuple(_seen(of.rig, place))
+    spot = (float(place[0]), float(place[1]), float(place[2]))
+    return made(Put, known(of, marker), frame, spot, sd_mm, images, of.world)
+
+
+def put_in_images(of: Editing, marker: str, frame: int, images: Mapping[str, tuple[float, float]]) -> Put:
+    """A marker is where it was clicked in two images or more: u, v px by camera.
+
+    Raises:
+        KinemarkError: these are no place.
+    """
+    footage = Footage(of.trajectories.first_frame, of.trajectories.rate, of.detections, of.rig, of.world)
+    found = solve(footage, images)
+    if found is None:
+        raise KinemarkError(f"{', '.join(images) or 'No image'} is no place: click it in two of the cameras.")
+    seen = tuple((name, u, v) for name, (u, v) in images.items())
+    sd = float(np.sqrt(np.trace(found.cov) / 3))
+    x, y, z = found.xyz.tolist()
+    return made(Put, known(of, marker), frame, (x, y, z), sd, seen, of.world)
+
+
+def gap(of: Editing, marker: str, first: int, last: int, method: str) -> GapChoice:
+    """How gaps of a marker that reach into these frames are filled: a method, "best" or "open"."""
+    return made(GapChoice, known(of, marker), first, last, method)
+
+
+def smooth(of: Editing, marker: str, first: int, last: int, cutoff_hz: float) -> Smooth:
+    """A stretch of a marker is low-pass filtered."""
+    return made(Smooth, known(of, marker), first, last, cutoff_hz)
+
+
+def image(of: Editing, camera: str, frame: int, u: float, v: float, marker: str | None) -> ImagePoint:
+    """Where a marker is in an image; or that the image there is no marker's."""
+    return made(ImagePoint, camera, frame, u, v, marker and known(of, marker))
+
+
+def finish(of: Editing, *, first: int | None = None, last: int | None = None) -> tuple[DropUnnamed, Trim]:
+    """Drop what is unnamed, and trim all markers to the frames that all of them have (KISS 4.3).
+
+    Raises:
+        KinemarkError: no marker has a name, or there is no frame between the first and the last that all have.
+    """
+    low, high = common_frames(of.edited().trajectories)
+    low, high = (low if first is None else first), (high if last is None else last)
+    if low > high:
+        raise KinemarkError(
+            f"There are no frames that all named markers reach: the last begins in frame {low} and the first ends "
+            f"in {high}. Name the pieces that are missing, or say from where to where: --frames."
+        )
+    return DropUnnamed(), Trim(low, high)
+
+
+def review(of: Editing, number: int, *, right: bool) -> Verdict:
+    """A verdict on an ambiguous decision, by its number from 1 among those of the tracking.
+
+    Raises:
+        KinemarkError: there is no such decision, or its tracks have no sample at its time.
+    """
+    if not 1 <= number <= len(of.decisions):
+        raise KinemarkError(f"There is no decision {number}: the tracking left {len(of.decisions)} to look at.")
+    decision, start = of.decisions[number - 1], of.trajectories.first_frame
+    ends = decision.first + start, decision.last + start
+    beside = ends[0] - REVIEWED_BESIDE, ends[1] + REVIEWED_BESIDE
+    names = [of.trajectories.names[track] for track in decision.tracks if track >= 0]
+    try:
+        where = tuple(
+            stretch_of(
+                of.trajectories, name, first=ends[0], last=ends[1], within=beside, detections=of.detections,
+                world=of.world,
+            )
+            for name in names
+        )  # fmt: skip
+    except ValueError as error:
+        raise KinemarkError(f"{error}.") from error
+    return Verdict(decision.kind, where, right)
+
+
+def common_frames(trajectories: Trajectories) -> tuple[int, int]:
+    """First and last frame, numbers in the recording, between the ends of every named marker that is seen.
+
+    Raises:
+        KinemarkError: no marker has a name.
+    """
+    seen = [np.flatnonzero(path.origin != Origin.MISSING) for path in trajectories if is_named(path.name)]
+    seen = [frames for frames in seen if len(frames)]
+    if not seen:
+        raise KinemarkError("No trajectory has a marker's name, so nothing would be left. Claim names first.")
+    start = trajectories.first_frame
+    return max(int(f[0]) for f in seen) + start, min(int(f[-1]) for f in seen) + start
+
+
+def made(kind: type[EditKind], *values: object) -> EditKind:
+    """An edit, with the user's mistakes as errors of theirs."""
+    try:
+        return kind(*values)
+    except ValueError as error:
+        raise KinemarkError(f"{error}.") from error
+
+
+def known(of: Editing, marker: str) -> str:
+    """A marker's name; raises a KinemarkError where there is no such marker, or it has no name."""
+    names = of.edited().trajectories.names
+    if marker not in names:
+        raise KinemarkError(f"There is no marker {marker}; there are {', '.join(names) or 'none'}.")
+    if not is_named(marker):
+        raise KinemarkError(
+            f"{marker} is the number of a track, which is another in the next run. Claim a name for it first."
+        )
+    return marker
+
+
+def _seen(rig: Rig, xyz: Floats) -> Iterator[tuple[str, float, float]]:
+    """Where a place is in the images of all cameras that look at it."""
+    for camera in rig:
+        if (camera.R @ xyz + camera.t)[2] > 0:
+            u, v = project(camera, xyz[None])[0].tolist()
+            yield camera.name, u, v

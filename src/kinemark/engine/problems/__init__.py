@@ -1,0 +1,78 @@
+"""Problems of a trial: what is probably wrong with it, and what can be said to mend it, in one list.
+
+`problems(editing)` looks at the trial as it is edited now. What somebody gave a verdict on is not listed again, in this
+processing or any other: the verdict finds its place by its witnesses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ...data.edits import Verdict
+from ...data.problems import Problem, ProblemKind, Problems
+from ...edit.replay import Reviewed, reviewed
+from ...edit.values import Footage
+from ...fill import FilledGap, fill
+from ..editing import Editing
+from .context import Context
+from .of_gaps import of_edits, of_gaps
+from .of_paths import of_paths
+
+__all__ = ["filled_gaps", "problems"]
+
+NEAR_S = 0.2
+"""s that a verdict may be beside a problem that it was on; chosen, as changes that are one problem."""
+FAMILY: dict[str, str] = {"join": "swap", "stitch": "swap", "merge": "swap"}
+"""Kinds of which one may be seen as another when a trial is processed again; others are of their own."""
+BEFORE: dict[ProblemKind, int] = {"edit": 0}
+"""Kinds that come first whatever they cost."""
+
+
+def problems(editing: Editing, *, gaps: Sequence[FilledGap] = ()) -> Problems:
+    """What is to be looked at, what saves most first.
+
+    Args:
+        editing: the trial.
+        gaps: what filling said of its gaps; none are listed where it was not filled.
+    """
+    edited = editing.edited()
+    context = Context(editing, edited)
+    found = [*of_edits(context), *of_gaps(context, gaps)]
+    settled = _settled(context)
+    found += [one for one in of_paths(context) if not any(_is_about(verdict, one, context) for verdict in settled)]
+    order = sorted(found, key=lambda one: (BEFORE.get(one.kind, 1), not one.asked, -one.cost, one.first, one.id))
+    return Problems(tuple(_with_own_ids(order)), editing.journal.head)
+
+
+def filled_gaps(editing: Editing) -> tuple[FilledGap, ...]:
+    """What filling says of each gap of a trial as it is edited now."""
+    return fill(editing.edited().trajectories).gaps
+
+
+def _settled(context: Context) -> list[Reviewed]:
+    """Verdicts by the paths and frames of now."""
+    e = context.editing
+    of = Footage(context.start, context.now.rate, e.detections, e.rig, e.world)
+    return [reviewed(edit, context.now, of) for edit in context.edited.standing if isinstance(edit, Verdict)]
+
+
+def _is_about(verdict: Reviewed, problem: Problem, context: Context) -> bool:
+    """Whether a verdict was on this problem."""
+    near = NEAR_S * context.now.rate
+    kinds = [FAMILY.get(kind, kind) for kind in (verdict.decision, problem.kind)]
+    first, last = problem.first - context.start, problem.last - context.start
+    at_once = verdict.first - near <= last and verdict.last + near >= first
+    names = {context.now.names[path] for path in verdict.paths}
+    return kinds[0] == kinds[1] and at_once and bool(names & set(problem.tracks))
+
+
+def _with_own_ids(found: Sequence[Problem]) -> list[Problem]:
+    """No two with one id."""
+    seen: dict[str, int] = {}
+    out = []
+    for one in found:
+        k = seen.get(one.id, 0)
+        seen[one.id] = k + 1
+        out.append(one if not k else replace(one, id=f"{one.id}-{k + 1}"))
+    return out

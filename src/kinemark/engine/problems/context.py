@@ -1,0 +1,129 @@
+"""What problems are made of: the trial as it is edited now, and the edits that would mend it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...data import Origin, Trajectories
+from ...data.array_types import Floats, Ints
+from ...data.edits import UNNAMED, Claim, Edit, Erase, Stretch, Verdict, is_named
+from ...data.problems import Action, Alternative, ProblemKind, problem_id
+from ...edit import Edited, stretch_of
+from ...report.words.problems import action_text
+from ..edit_makers import REVIEWED_BESIDE
+from ..editing import Editing
+
+GRID_MM, GRID_S = 50.0, 0.1
+"""To which places and times are rounded in the id of a problem; chosen: far above what reprocessing moves them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Context:
+    """A trial that is looked at.
+
+    Attributes:
+        editing: it. edited: with all that was said.
+    """
+
+    editing: Editing
+    edited: Edited
+
+    @property
+    def now(self) -> Trajectories:
+        """The trajectories as they are called now."""
+        return self.edited.trajectories
+
+    @property
+    def start(self) -> int:
+        """Number of the first frame."""
+        return self.now.first_frame
+
+    def name(self, path: int) -> str:
+        """Of a path."""
+        return self.now.names[path]
+
+    def marker(self, path: int, part: str = "") -> str:
+        """The name of a marker that a path is; one of its own where it has none."""
+        name = self.name(path)
+        base = (
+            name
+            if is_named(name) and not part
+            else f"{'track' if name.startswith(UNNAMED) else ''}{name.strip('*')}{part}"
+        )
+        used, k, free = set(self.now.names), 2, base
+        while free in used and free != name:
+            free, k = f"{base}_{k}", k + 1
+        return free
+
+    def stretch(self, path: int, first: int | None = None, last: int | None = None) -> Stretch:
+        """Of a path, frames from 0, both included; None follows it as far as it goes.
+
+        Raises:
+            ValueError: it has no sample there.
+        """
+        a, b = (None if f is None else f + self.start for f in (first, last))
+        e = self.editing
+        return stretch_of(self.now, self.name(path), first=a, last=b, detections=e.detections, world=e.world)
+
+    def claim(self, path: int, name: str | None, first: int | None = None, last: int | None = None) -> Iterator[Claim]:
+        """The claim of a stretch, none where there is nothing to claim: no sample, or the name it has."""
+        whole = first is None and last is None
+        if (whole and name == self.name(path)) or not self._any(path, first, last):
+            return
+        yield Claim(self.stretch(path, first, last), name)
+
+    def erase(self, path: int, first: int, last: int) -> tuple[Edit, ...]:
+        """Samples of a path are wrong."""
+        if is_named(self.name(path)):
+            return (Erase(self.name(path), first + self.start, last + self.start),)
+        return tuple(self.claim(path, None, first, last))
+
+    def verdict(self, kind: ProblemKind, paths: Sequence[int], first: int, last: int, *, right: bool) -> Verdict:
+        """Somebody decided a problem, frames from 0."""
+        where = [self._beside(path, first, last) for path in paths if path >= 0]
+        return Verdict(kind, tuple(stretch for stretch in where if stretch is not None), right)
+
+    def id(self, kind: ProblemKind, path: int, frame: float) -> str:
+        """The same when the trial is processed again: by time, and name or place."""
+        name, when = self.name(path), round((frame + self.start) / (GRID_S * self.now.rate))
+        if is_named(name):
+            return problem_id(kind, when, name)
+        own = self.samples(path)
+        near = own[np.abs(own - frame).argmin()]
+        return problem_id(kind, when, *np.round(self.now.paths[path].xyz[near] / GRID_MM).astype(int).tolist())
+
+    def alternative(
+        self, action: Action, tracks: Sequence[str], frame: int, probability: float, cost: float, edits: Sequence[Edit],
+        *, mm: float = float("nan"), name: str = "", images: int | None = None,
+    ) -> Alternative:  # fmt: skip
+        """One way to settle a problem; `frame` is a number in the recording."""
+        words = action_text(action, tracks, frame, mm, name)
+        return Alternative(action, words, probability, cost, mm, images, tuple(edits))
+
+    def samples(self, path: int) -> Ints:
+        """Frames that a path has, from 0."""
+        return np.flatnonzero(self.now.paths[path].origin != Origin.MISSING)
+
+    def apart(self, one: int, other: int) -> float:
+        """Median distance of two paths, mm; NaN where they are never seen together."""
+        d: Floats = np.linalg.norm(self.now.paths[one].xyz - self.now.paths[other].xyz, axis=1)
+        known = d[np.isfinite(d)]
+        return float(np.median(known)) if len(known) else float("nan")
+
+    def _any(self, path: int, first: int | None, last: int | None) -> bool:
+        own = self.samples(path)
+        low, high = (-1 if first is None else first), (np.inf if last is None else last)
+        return bool(((own >= low) & (own <= high)).any())
+
+    def _beside(self, path: int, first: int, last: int) -> Stretch | None:
+        """A stretch with witnesses a little before and after."""
+        e, within = self.editing, (first - REVIEWED_BESIDE + self.start, last + REVIEWED_BESIDE + self.start)
+        if not self._any(path, first - REVIEWED_BESIDE, last + REVIEWED_BESIDE):
+            return None
+        return stretch_of(
+            self.now, self.name(path), first=first + self.start, last=last + self.start, within=within,
+            detections=e.detections, world=e.world,
+        )  # fmt: skip

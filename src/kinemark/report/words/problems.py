@@ -1,0 +1,47 @@
+"""Problems of a trial, and what can be done, in a line each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...data.problems import Action, ProblemKind
+
+
+def problem_text(kind: ProblemKind, tracks: Sequence[str], first: int, last: int, mm: float) -> str:
+    """What it is."""
+    frames = f"frame {first}" if first == last else f"frames {first}–{last}"
+    off = f", {mm:.0f} mm" if np.isfinite(mm) else ""
+    one, other = tracks[0], (tracks[1] if len(tracks) > 1 else "")
+    text = {
+        "swap": f"{one} and {other} may be exchanged from {frames} on",
+        "join": f"{one} and {other} may be one marker" if other else f"{one} may be two markers, before and after",
+        "ghost": f"{one} may be no marker",
+        "spike": f"{one} jumps away and back",
+        "label": f"{one} may be called so by mistake",
+        "sides": "left and right may be exchanged",
+        "gap": f"{one} has a gap",
+        "edit": "an edit no longer finds its place",
+    }[kind]
+    return f"{text}, {frames}{off}" if kind != "swap" else f"{text}{off}"
+
+
+def action_text(action: Action, tracks: Sequence[str], frame: int, mm: float, name: str = "") -> str:
+    """What an alternative does; `name` is what it calls something, or the method of filling."""
+    one, other = tracks[0], (tracks[1] if len(tracks) > 1 else "")
+    jump = f" ({mm:.0f} mm off)" if np.isfinite(mm) else ""
+    return {
+        "keep": f"right as it is{jump}",
+        "exchange": f"exchange {one} and {other} from frame {frame} on{jump}",
+        "cut": f"cut {one} at frame {frame}: two markers",
+        "join": f"{one} and {other} are one marker{jump}",
+        "no_marker": f"{one} is no marker",
+        "erase": f"these samples are wrong{jump}",
+        "rename": f"it is {name}",
+        "unname": f"{one} loses its name there",
+        "fill": f"fill by {name}{jump}",
+        "leave_open": "leave it open",
+        "drop_edit": "drop the edit",
+        "wait": "keep it, and wait",
+    }[action]

@@ -54,7 +54,7 @@ export const gap = (id: string, marker: string, first: number): Promise<GapCandi
 export const labels = (id: string): Promise<Labels> => json(`${of(id)}/labels`);
 export const history = (id: string): Promise<History> => json(`${of(id)}/history`);
 export const difference = (id: string, from: number, to: number): Promise<Difference> =>
-  json(`${of(id)}/diff?of=${from}&with=${to}`);
+  json(`${of(id)}/diff?of=${from}&other=${to}`);
 
 export async function paths(id: string, view: string, markers: readonly string[] = []): Promise<PathSet> {
   const some = markers.length ? `&${markers.map((name) => `marker=${part(name)}`).join("&")}` : "";

@@ -108,7 +108,7 @@ class Editing:
         check_methods(edits)
         entries = self.journal.read().entries
         number = max((entry.id for entry in entries), default=0) + 1
-        return self._replayed((*unsigned(entries), Entry(number, "", self.by, "", "", "", tuple(edits))))
+        return self._replayed(unsigned((*entries, Entry(number, "", self.by, "", "", "", tuple(edits)))))
 
     def at(self, head: str) -> Edited:
         """The trial as it was when the journal had this head; before all edits where that is empty.

@@ -5,10 +5,12 @@ from __future__ import annotations
 from ...data import KinemarkError
 from ...data.edits import Applied, Entry, Signed, counting, entry_outcome
 from ...edit import Edited
+from ...edit.difference import difference
 from ...engine.journal import hash_of_entry
 from ...report.words import edit_text
 from .acts import outcome
 from .desk import OpenDocument
+from .header import finite
 from .messages import Difference, Fault, History, HistoryRow, IdentityChange, SampleChange
 
 
@@ -38,3 +40,28 @@ def _row(entry: Entry, applied: list[Applied], counts: bool) -> HistoryRow:
         outcome=entry_outcome(applied) if applied else None,
         outcomes=[outcome(one) for one in applied],
     )
+
+
+def versions_apart(document: OpenDocument, of: int, other: int) -> Difference:
+    """How the version up to an entry differs from the one up to another; 0 is before all edits.
+
+    Raises:
+        KinemarkError: there is no such entry.
+    """
+    before, after = (_version(document, number) for number in (of, other))
+    found = difference(before.trajectories, after.trajectories)
+    return Difference(
+        of=of,
+        other=other,
+        identities=[IdentityChange(**one._asdict()) for one in found.renamed],
+        samples=[SampleChange(**one._asdict() | {"max_mm": finite(one.max_mm)}) for one in found.changed],
+    )
+
+
+def _version(document: OpenDocument, number: int) -> Edited:
+    if number == 0:
+        return document.editing.at("")
+    entry = next((entry for entry in document.text.entries if entry.id == number), None)
+    if entry is None:
+        raise KinemarkError(f"There is no entry {number} in the journal.")
+    return document.editing.at(hash_of_entry(entry))

@@ -9,13 +9,13 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from ...data.problems import Action, ProblemKind
 from .acts_messages import Act
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 TrialState = Literal["not run", "tracked", "filled", "done", "signed", "failed", "stale"]
 View = Literal["edited", "before", "filled"]
-ProblemKind = Literal["swap", "join", "gap", "ghost", "spike", "label", "sides", "thin", "orphan"]
 OutcomeWord = Literal["held", "thin", "moot", "overruled", "orphan"]
 
 
@@ -194,7 +194,7 @@ class PathsHeader(Message):
 
     xyz float32 [m, n, 3] mm; sd float32 [m, n] mm, of the largest axis; origin uint8 [m, n] (0 missing, 1 measured,
     2 filled, 3 edited); cov float32 [m, n, 6] mm² (xx xy xz yy yz zz); residual float32 [m, n] mm; cameras uint8
-    [m, n], how many saw it.
+    [m, n], how many saw it. `pending`: chosen fills are still computed; ask again.
     """
 
     view: View
@@ -203,6 +203,7 @@ class PathsHeader(Message):
     n_frames: int
     columns: list[Literal["xyz", "sd", "origin", "cov", "residual", "cameras"]]
     head: str
+    pending: bool = False
 
 
 class DetectionsHeader(Message):
@@ -220,16 +221,28 @@ class DetectionsHeader(Message):
 
 
 class Alternative(Message):
-    """One thing that may be done about a problem; `act` is null where nothing is to be done."""
+    """One way to settle a problem; `act` is null where nothing is to be said.
+
+    `probability` that it is the right one; `cost` expected, mm times samples, where it is taken; `jump_mm` how far paths
+    are from where their motion leads; `images` that a marker there explains.
+    """
 
     key: str
+    action: Action
     words: str
     consequence: str = ""
+    probability: float | None = None
+    cost: float | None = None
+    jump_mm: float | None = None
+    images: int | None = None
     act: Act | None = None
 
 
 class Problem(Message):
-    """A probable error. `wrong` is its probability; `frame` the one to look at; `images` the cameras that tell most."""
+    """A probable error: `wrong` its probability, `at_stake` samples that are then wrong, by `cost_mm` each.
+
+    `cost` is expected, mm times samples; `frame` the one to look at; `images` the cameras that see most of it.
+    """
 
     id: str
     kind: ProblemKind
@@ -241,16 +254,22 @@ class Problem(Message):
     wrong: float | None = None
     at_stake: int = 0
     cost_mm: float | None = None
+    cost: float = 0.0
     alternatives: list[Alternative] = []
     images: list[str] = []
 
 
 class Problems(Message):
-    """Problems by expected cost; `errors_left` is the number of errors expected among those below `worth_looking`."""
+    """Problems, the one whose looking at saves most first.
+
+    The first `worth_looking` are worth a look (the stop rule); `errors` are expected now, `errors_left` when these are
+    put right.
+    """
 
     problems: list[Problem]
-    errors_left: float | None = None
-    worth_looking: int = Field(description="How many of the first are worth looking at; the stop rule.")
+    errors: float
+    errors_left: float
+    worth_looking: int
     head: str
 
 
@@ -331,46 +350,53 @@ class MethodError(Message):
 
 
 class GapRow(Message):
-    """A gap. `choice` is what a person chose; `cameras_alone` saw the marker while no other did."""
+    """A gap: the best method known and its expected error, null until it was judged; `choice` is what a person chose.
+
+    `cameras_alone` saw the marker in it while no other camera did.
+    """
 
     marker: str
     first: int
     last: int
     frames: int
-    method: str | None
-    expected_mm: float | None
+    method: str | None = None
+    expected_mm: float | None = None
     others: list[MethodError] = []
     cameras_alone: list[str] = []
-    state: str
+    state: Literal["not judged", "fillable", "above limit", "open", "chosen", "no way"]
     choice: str | None = None
     words: str = ""
 
 
 class Gaps(Message):
-    """All gaps of a trial's named markers."""
+    """All gaps of named markers; `pending` while some are judged: ask again."""
 
     gaps: list[GapRow]
     limit_mm: float
+    pending: bool
     head: str
 
 
 class Candidate(Message):
-    """A way to fill a gap: places (n, 3) mm, and the standard deviation of each axis."""
+    """A way to fill a gap: places (n, 3) mm, and the standard deviation of each axis, null where unknown."""
 
     method: str
     expected_mm: float | None
     xyz: list[Vector]
-    sd: list[Vector]
-    final: bool = True
+    sd: list[Vector] | None
 
 
 class GapCandidates(Message):
-    """All ways to fill one gap, best first; `pending` while better ones are computed: ask again."""
+    """All ways to fill one gap, best first; `best` is the method that filling itself would take, null until known.
+
+    `pending` while better ones are computed: ask again.
+    """
 
     marker: str
     first: int
     last: int
     candidates: list[Candidate]
+    best: str | None = None
     pending: bool = False
     head: str
 
@@ -439,23 +465,24 @@ class History(Message):
 
 
 class IdentityChange(Message):
-    """Samples that have another name in one version than in the other; null: none."""
+    """Samples that have another name in the later version."""
 
-    of: str | None
-    other: str | None
+    before: str
+    after: str
     first: int
     last: int
     samples: int
 
 
 class SampleChange(Message):
-    """Samples of a marker that differ; `max_mm` of those that both versions have."""
+    """Samples of a marker that were added, erased or moved, by at most so much."""
 
     marker: str
-    frames: int
+    what: Literal["added", "erased", "moved"]
+    first: int
+    last: int
+    samples: int
     max_mm: float | None
-    appeared: int
-    vanished: int
 
 
 class Difference(Message):

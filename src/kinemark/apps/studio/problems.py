@@ -1,3 +1,136 @@
-"""What is probably wrong with a trial, the costliest first."""
+"""What is probably wrong with a trial, and the edits that would mend it, for the page."""
 
 from __future__ import annotations
+
+import numpy as np
+
+from ...data import KinemarkError
+from ...data import problems as core
+from ...data.edits import Edit, GapChoice, Verdict
+from ...engine.problems import problems
+from .acts_messages import AlternativeAct
+from .desk import OpenDocument
+from .gaps import judged_gaps
+from .header import finite
+from .messages import Alternative, Problem, Problems
+
+NEAR_FRAMES = 10
+"""Frames beside the one to look at in which cameras are counted; chosen: a blink."""
+
+
+def problems_of(document: OpenDocument) -> core.Problems:
+    """Those of the trial as it is edited now, worked out once for each version and state of the gaps."""
+    gaps = judged_gaps(document)
+    key = document.head, document.ran, len(gaps)
+    known = document.kept.get("problems")
+    if known is None or known[0] != key:
+        document.kept["problems"] = known = key, problems(document.editing, gaps=gaps)
+    found: core.Problems = known[1]
+    return found
+
+
+def listed(document: OpenDocument) -> Problems:
+    """For the page."""
+    found = problems_of(document)
+    return Problems(
+        problems=[_problem(document, one) for one in found.items],
+        errors=found.errors,
+        errors_left=found.errors_left,
+        worth_looking=len(found.asked),
+        head=document.head,
+    )
+
+
+def alternative_edits(document: OpenDocument, problem: str, key: str) -> tuple[Edit, ...]:
+    """What an alternative says.
+
+    Raises:
+        KinemarkError: there is no such problem or alternative any more, or nothing is to be said.
+    """
+    one = _known(document, problem)
+    edits = next((way.edits for way in one.alternatives if key_of(way) == key), ())
+    if not edits:
+        raise KinemarkError(f"There is no alternative {key!r} of this problem that says anything.")
+    return edits
+
+
+def verdict_on(document: OpenDocument, problem: str, *, right: bool) -> Verdict:
+    """That a problem was looked at and is right as it is, or is wrong.
+
+    Raises:
+        KinemarkError: there is no such problem any more, or a verdict is none on it.
+    """
+    one = _known(document, problem)
+    said = (edit for way in one.alternatives for edit in way.edits if isinstance(edit, Verdict))
+    found = next(said, None)
+    if found is None:
+        raise KinemarkError("This is no question of right or wrong. Take one of its alternatives.")
+    return Verdict(found.decision, found.where, right)
+
+
+def key_of(way: core.Alternative) -> str:
+    """What the page calls an alternative."""
+    method = next((edit.method for edit in way.edits if isinstance(edit, GapChoice)), "")
+    return f"{way.action}-{method}" if way.action == "fill" else way.action
+
+
+def _known(document: OpenDocument, problem: str) -> core.Problem:
+    try:
+        return problems_of(document)[problem]
+    except KeyError as error:
+        raise KinemarkError("This problem is there no more. Look at the list again.") from error
+
+
+def _problem(document: OpenDocument, one: core.Problem) -> Problem:
+    at_stake = one.wrong * one.at_stake
+    return Problem(
+        id=one.id,
+        kind=one.kind,
+        words=one.words,
+        tracks=list(one.tracks),
+        first=one.first,
+        last=one.last,
+        frame=one.frame,
+        wrong=finite(one.wrong),
+        at_stake=one.at_stake,
+        cost_mm=finite(one.cost / at_stake) if at_stake else None,
+        cost=one.cost,
+        alternatives=[_alternative(one, way) for way in one.alternatives],
+        images=_cameras(document, one),
+    )
+
+
+def _alternative(of: core.Problem, way: core.Alternative) -> Alternative:
+    key = key_of(way)
+    return Alternative(
+        key=key,
+        action=way.action,
+        words=way.words,
+        consequence=_consequence(way),
+        probability=finite(way.probability),
+        cost=finite(way.cost),
+        jump_mm=finite(way.jump_mm),
+        images=way.images,
+        act=AlternativeAct(kind="alternative", problem=of.id, key=key) if way.edits else None,
+    )
+
+
+def _consequence(way: core.Alternative) -> str:
+    """What comes of it, in figures."""
+    parts = [f"{way.jump_mm:.1f} mm"] if np.isfinite(way.jump_mm) and way.action != "fill" else []
+    parts += [f"explains {way.images} images"] if way.images is not None else []
+    return ", ".join(parts)
+
+
+def _cameras(document: OpenDocument, one: core.Problem) -> list[str]:
+    """The cameras that see the tracks near the frame, those that see most first."""
+    detections, now = document.editing.detections, document.now.trajectories
+    if detections is None:
+        return []
+    f = one.frame - now.first_frame
+    near = slice(max(f - NEAR_FRAMES, 0), f + NEAR_FRAMES + 1)
+    seen = np.zeros(len(detections.cameras), np.int64)
+    for path in now:
+        if path.name in one.tracks and path.detection.shape[1] == len(seen):
+            seen += (path.detection[near] >= 0).sum(0)
+    return [detections.cameras[c] for c in np.argsort(-seen, kind="stable").tolist() if seen[c]]

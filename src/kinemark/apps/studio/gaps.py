@@ -1,0 +1,278 @@
+"""The gaps of a trial: how each can be filled and how well, judged behind while the page shows what is known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...data import KinemarkError, MarkerTrajectory, Origin, Trajectories
+from ...data.edits import BEST, OPEN, GapChoice, is_named
+from ...engine.last_fill import last_filled
+from ...fill import LIMIT, Filled, FilledGap
+from ...fill.methods.stage import FILL
+from ...fill.prepared import GapFill, PreparedFill, prepare
+from .desk import OpenDocument
+from .header import finite
+from .messages import Candidate, GapCandidates, GapRow, Gaps, MethodError
+
+POOL = ThreadPoolExecutor(1, "gaps")
+"""Judges gaps, one at a time, so that edits are answered at once meanwhile."""
+
+
+Key = tuple[str, int, int]
+"""Marker, first frame and last-plus-one, from 0."""
+
+
+class Gap(NamedTuple):
+    """A gap of a marker: its frames from 0, stop excluded."""
+
+    path: MarkerTrajectory
+    start: int
+    stop: int
+
+    @property
+    def key(self) -> Key:
+        """By which it is known."""
+        return self.path.name, self.start, self.stop
+
+
+@dataclass(slots=True)
+class GapWork:
+    """What is known of the gaps of an open trial, by marker, frames and method; worth something while the path is."""
+
+    answers: dict[tuple[Key, str], tuple[MarkerTrajectory, Future[GapFill]]] = field(default_factory=dict)
+    prepared: PreparedFill | None = None
+
+    def of(self, document: OpenDocument) -> PreparedFill:
+        """The trial as it is now, prepared once."""
+        now = document.now.trajectories
+        if self.prepared is None or self.prepared.trajectories is not now:
+            self.prepared = prepare(now)
+        return self.prepared
+
+    def ask(self, document: OpenDocument, gap: Gap, method: str) -> Future[GapFill]:
+        """How a method fills a gap, "best" for what filling would take; worked out behind."""
+        key = gap.key, method
+        known = self.answers.get(key)
+        if known is None or known[0] is not gap.path:
+            self.answers[key] = known = gap.path, POOL.submit(self._answer, document, gap, method)
+        return known[1]
+
+    def known(self, gap: Gap, method: str) -> GapFill | None:
+        """An answer that is there."""
+        found = self.answers.get((gap.key, method))
+        if found is None or found[0] is not gap.path or not found[1].done() or found[1].exception() is not None:
+            return None
+        return found[1].result()
+
+    def _answer(self, document: OpenDocument, gap: Gap, method: str) -> GapFill:
+        if gap.path not in document.now.trajectories.paths:
+            raise KinemarkError("this marker was edited since")
+        prepared, frame = self.of(document), gap.start + document.now.trajectories.first_frame
+        if method == BEST:
+            return prepared.best(gap.path.name, frame)
+        return prepared.candidates(gap.path.name, frame, methods=(FILL.make(method),))[0]
+
+
+def work_of(document: OpenDocument) -> GapWork:
+    """The work on a document's gaps."""
+    with document.lock:
+        found: GapWork = document.kept.setdefault("gaps", GapWork())
+        return found
+
+
+def gaps_in(trajectories: Trajectories) -> Iterator[Gap]:
+    """Those between samples of named markers."""
+    for path in trajectories:
+        if is_named(path.name):
+            yield from (Gap(path, start, stop) for start, stop in path.gaps)
+
+
+def gap_table(document: OpenDocument, *, judge: bool = True) -> Gaps:
+    """Every gap with what is known of it; those that nobody judged are judged behind."""
+    work, before = work_of(document), filled_before(document)
+    rows, pending = [], False
+    for gap in gaps_in(document.now.trajectories):
+        found = work.known(gap, BEST)
+        said = found.gap if found else before.get(gap.key)
+        if said is None and judge:
+            pending = True
+            work.ask(document, gap, BEST)
+        rows.append(_row(document, gap, said))
+    return Gaps(gaps=rows, limit_mm=LIMIT, pending=pending, head=document.head)
+
+
+def judged_gaps(document: OpenDocument) -> tuple[FilledGap, ...]:
+    """What filling says of the gaps, as far as it is known."""
+    work, before = work_of(document), filled_before(document)
+    found = []
+    for gap in gaps_in(document.now.trajectories):
+        answer = work.known(gap, BEST)
+        said = answer.gap if answer else before.get(gap.key)
+        found += [said] if said else []
+    return tuple(found)
+
+
+def filled_before(document: OpenDocument) -> dict[Key, FilledGap]:
+    """What the last run said of gaps, by marker and frames; a gap beside which anything changed is not among them."""
+    filled = _last(document)
+    if filled is None:
+        return {}
+    said = {(gap.marker, gap.start, gap.stop): gap for gap in filled.gaps}
+    old = {path.name: path for path in filled.trajectories}
+    there = (gap.key for gap in gaps_in(document.now.trajectories) if _same(old, gap))
+    return {key: said[key] for key in there if key in said}
+
+
+def _last(document: OpenDocument) -> Filled | None:
+    """What the last run filled, read once."""
+    if "fills" not in document.kept:
+        trial, measured = document.trial, document.editing.trajectories
+        document.kept["fills"] = None if trial is None else last_filled(trial, measured)
+    found: Filled | None = document.kept["fills"]
+    return found
+
+
+def _same(old: dict[str, MarkerTrajectory], gap: Gap) -> bool:
+    """Whether the samples beside a gap are those that it was filled between."""
+    path, ends = old.get(gap.path.name), [gap.start - 1, gap.stop]
+    if path is None or len(path) != len(gap.path):
+        return False
+    return bool(np.array_equal(path.xyz[ends], gap.path.xyz[ends], equal_nan=True))
+
+
+def candidates(document: OpenDocument, marker: str, first: int) -> GapCandidates:
+    """Quick ways to fill a gap at once, all others behind.
+
+    Raises:
+        KinemarkError: there is no such gap.
+    """
+    start = document.now.trajectories.first_frame
+    gap = next((g for g in gaps_in(document.now.trajectories) if g.path.name == marker and g.start == first - start), None)
+    if gap is None:
+        raise KinemarkError(f"{marker} has no gap that begins in frame {first}. Look at the table again.")
+    work = work_of(document)
+    quick = work.of(document).candidates(marker, first)
+    best = work.ask(document, gap, BEST)
+    found = {one.method: one for one in quick}
+    final = work.known(gap, BEST)
+    if final is not None:
+        found[final.method] = final
+    order = sorted(found.values(), key=lambda one: (not np.isfinite(one.expected_mm), one.expected_mm))
+    return GapCandidates(
+        marker=marker,
+        first=first,
+        last=gap.stop - 1 + start,
+        candidates=[_candidate(one) for one in order if np.isfinite(one.xyz).all()],
+        best=final.method if final else None,
+        pending=not best.done(),
+        head=document.head,
+    )
+
+
+def chosen_fills(document: OpenDocument) -> tuple[Trajectories, bool]:
+    """The trial with its fills: those somebody chose, else those of the last run; and whether some are still computed."""
+    now, work, pending = document.now.trajectories, work_of(document), False
+    paths = _as_run_before(document)
+    for gap in gaps_in(now):
+        choice = _choice(document, gap)
+        if choice is None:
+            continue
+        if choice == OPEN:
+            paths[gap.path.name] = _with(paths[gap.path.name], gap, gap.path.xyz[gap.start : gap.stop], None)
+            continue
+        work.ask(document, gap, choice)
+        fill = work.known(gap, choice)
+        pending |= fill is None
+        if fill is not None:
+            paths[gap.path.name] = _with(paths[gap.path.name], gap, fill.xyz, fill.cov)
+    return replace(now, paths=tuple(paths[path.name] for path in now)), pending
+
+
+def _as_run_before(document: OpenDocument) -> dict[str, MarkerTrajectory]:
+    """The markers with the fills of the last run, in gaps that are still the same."""
+    paths, filled = {path.name: path for path in document.now.trajectories}, _last(document)
+    if filled is None:
+        return paths
+    old = {path.name: path for path in filled.trajectories}
+    for gap in gaps_in(document.now.trajectories):
+        at = slice(gap.start, gap.stop)
+        if _same(old, gap) and (old[gap.path.name].origin[at] == Origin.FILLED).all():
+            paths[gap.path.name] = _with(
+                paths[gap.path.name], gap, old[gap.path.name].xyz[at], old[gap.path.name].cov[at]
+            )
+    return paths
+
+
+def _with(path: MarkerTrajectory, gap: Gap, xyz: Any, cov: Any) -> MarkerTrajectory:
+    """A marker with a gap filled, or left open where `xyz` is NaN."""
+    at = slice(gap.start, gap.stop)
+    columns = {name: getattr(path, name).copy() for name in ("xyz", "cov", "origin")}
+    columns["xyz"][at], columns["cov"][at] = xyz, np.nan if cov is None else cov
+    known = np.isfinite(columns["xyz"][at]).all(1)
+    columns["xyz"][at][~known] = np.nan
+    columns["origin"][at] = np.where(known, Origin.FILLED, Origin.MISSING)
+    return replace(path, **columns)
+
+
+def _choice(document: OpenDocument, gap: Gap) -> str | None:
+    """What somebody chose for a gap; the last word counts."""
+    start = document.now.trajectories.first_frame
+    first, last = gap.start + start, gap.stop - 1 + start
+
+    def about(one: GapChoice) -> bool:
+        return one.marker == gap.path.name and one.first <= last and one.last >= first
+
+    mine = [one.method for one in document.now.choices if about(one)]
+    return mine[-1] if mine else None
+
+
+def _row(document: OpenDocument, gap: Gap, said: FilledGap | None) -> GapRow:
+    start, choice = document.now.trajectories.first_frame, _choice(document, gap)
+    others = {} if said is None else {m: mm for m, mm in said.candidates.items() if m != said.method}
+    return GapRow(
+        marker=gap.path.name,
+        first=gap.start + start,
+        last=gap.stop - 1 + start,
+        frames=gap.stop - gap.start,
+        method=(said.method or None) if said else None,
+        expected_mm=finite(said.expected_mm) if said else None,
+        others=[MethodError(method=m, expected_mm=finite(mm)) for m, mm in sorted(others.items(), key=lambda o: o[1])],
+        cameras_alone=_alone(document, gap),
+        state=_state(said, choice),
+        choice=choice,
+        words=said.reason if said else "",
+    )
+
+
+def _state(said: FilledGap | None, choice: str | None) -> Any:
+    if choice is not None:
+        return "open" if choice == OPEN else "chosen"
+    if said is None:
+        return "not judged"
+    if not said.candidates and not said.method:
+        return "no way"
+    return "fillable" if said.method and said.expected_mm <= LIMIT else "above limit"
+
+
+def _alone(document: OpenDocument, gap: Gap) -> list[str]:
+    """The cameras whose image was used in the gap though no other saw the marker."""
+    detections = document.editing.detections
+    if detections is None or gap.path.detection.shape[1] != len(detections.cameras):
+        return []
+    seen = (gap.path.detection[gap.start : gap.stop] >= 0).any(0)
+    return [name for name, there in zip(detections.cameras, seen.tolist(), strict=True) if there]
+
+
+def _candidate(fill: GapFill) -> Candidate:
+    known = bool(np.isfinite(fill.sd).all())
+    return Candidate(
+        method=fill.method,
+        expected_mm=finite(fill.expected_mm),
+        xyz=fill.xyz.tolist(),
+        sd=fill.sd.tolist() if known else None,
+    )

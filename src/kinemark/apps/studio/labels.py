@@ -1,0 +1,100 @@
+"""Names of tracks: what automatic labelling proposes, and whether links keep their lengths."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...data import MarkerSet, Trajectories
+from ...report.words import text_of
+from .desk import OpenDocument
+from .header import finite
+from .messages import Labels, LinkFound, Proposal
+
+STRETCHED = 0.04
+"""Standard deviation of a link's length, as a share of it, above which it is shown as stretched; chosen: skin moves
+markers of one segment by 1–3 % against each other."""
+LEAST_FRAMES = 10
+"""That a link must be seen in for its spread to say something; chosen."""
+
+
+def labels(document: OpenDocument) -> Labels:
+    """Proposals, links and sides of an open trial."""
+    record = document.records.get("label")
+    proposals = [] if record is None else [*_sure(record.figures, document), *_unsure(record.figures, document)]
+    said = [] if record is None else list(record.findings)
+    sides = [text_of(one) for one in said if "side" in one.kind]
+    words = [text_of(one) for one in said if "side" not in one.kind]
+    return Labels(
+        proposals=proposals,
+        links=_links(document.marker_set, document.now.trajectories),
+        sides=" ".join(sides),
+        words=" ".join(words) if not proposals else "",
+        head=document.head,
+    )
+
+
+def _sure(figures: Any, document: OpenDocument) -> list[Proposal]:
+    """Markers that have their names from labelling."""
+    there = set(document.now.trajectories.names)
+    return [
+        Proposal(
+            track=one["name"],
+            name=one["name"],
+            probability=one["probability"] or 0.0,
+            runner_up=one["runner_up"],
+            state="sure" if one["state"] in ("sure", "stated") else "unsure",
+        )
+        for one in figures["markers"]
+        if one["state"] != "missing" and one["name"] in there
+    ]
+
+
+def _unsure(figures: Any, document: OpenDocument) -> list[Proposal]:
+    """Tracks without a name that labelling has one for, by the track that has their samples now."""
+    found = []
+    for one in figures["unsure"]:
+        track = _track_at(document.now.trajectories, one)
+        if track is not None:
+            found.append(
+                Proposal(
+                    track=track,
+                    name=one["name"],
+                    probability=one["probability"],
+                    runner_up=one["runner_up"],
+                    state="unsure",
+                )
+            )
+    return found
+
+
+def _track_at(trajectories: Trajectories, one: Any) -> str | None:
+    """The unnamed trajectory whose samples are those of a proposal, by first and last frame."""
+    for path in trajectories:
+        seen = np.flatnonzero(path.origin)
+        if path.name.startswith("*") and len(seen) and [int(seen[0]), int(seen[-1])] == list(one["frames"]):
+            return path.name
+    return None
+
+
+def _links(marker_set: MarkerSet | None, trajectories: Trajectories) -> list[LinkFound]:
+    """The links of the marker set whose ends are both there."""
+    if marker_set is None:
+        return []
+    there = {path.name: path for path in trajectories}
+    found = []
+    for (a, b), stated in zip(marker_set.links.tolist(), marker_set.length, strict=True):
+        ends = there.get(marker_set.names[a]), there.get(marker_set.names[b])
+        if ends[0] is not None and ends[1] is not None:
+            found.append(_link(ends[0].name, ends[1].name, ends[0].xyz - ends[1].xyz, finite(stated)))
+    return found
+
+
+def _link(a: str, b: str, apart: Any, stated: float | None) -> LinkFound:
+    length = np.linalg.norm(apart, axis=1)
+    length = length[np.isfinite(length)]
+    if len(length) < LEAST_FRAMES:
+        return LinkFound(a=a, b=b, mean_mm=None, sd_mm=None, stated_mm=stated, stretched=False)
+    mean, sd = float(length.mean()), float(length.std())
+    return LinkFound(a=a, b=b, mean_mm=mean, sd_mm=sd, stated_mm=stated, stretched=sd > STRETCHED * mean)

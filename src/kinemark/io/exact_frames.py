@@ -1,0 +1,178 @@
+"""Frames of a video by their numbers, exactly those that decoding it from its start would give.
+
+A container says when a frame is shown, rounded, and players seek by that: they are off by a frame where rates are odd,
+times are uneven, or a part is cut off by an edit list. Here the packets are listed once; sorted by time, their order is
+the number of a frame, and a frame is found by decoding from the last key frame that is shown before it until the one
+with its very time comes. Where the packets do not say it so, frames are counted from the start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple
+
+import av
+import numpy as np
+
+from ..data import KinemarkError
+from ..data.array_types import Ints
+from .images import ImageSource, read_image
+from .pixels import Image, check_pixels, grey
+from .video import VideoInfo, opened, video_stream
+
+
+class FrameIndex(NamedTuple):
+    """When each frame is shown, in units of the stream, rising; and the numbers of the key frames, rising."""
+
+    time: Ints
+    key: Ints
+
+
+def frame_index(path: Path, info: VideoInfo) -> FrameIndex | None:
+    """The index of a video; None where its packets are not one a frame, each with a time of its own."""
+    times, keys = [], []
+    with opened(path) as container:
+        for packet in container.demux(video_stream(path, container)):
+            if not packet.size or packet.is_discard:
+                continue
+            if packet.pts is None:
+                return None
+            times.append(packet.pts)
+            keys += [packet.pts] if packet.is_keyframe else []
+    time = np.unique(np.array(times, np.int64))
+    if len(time) != len(times) or len(time) != info.n_frames or not keys or min(keys) != time[0]:
+        return None
+    return FrameIndex(time, np.searchsorted(time, np.unique(keys)))
+
+
+class ExactVideo:
+    """A video that stays open; not for two threads at once."""
+
+    def __init__(self, path: Path, info: VideoInfo) -> None:
+        """Raises a KinemarkError where it cannot be read."""
+        self.path, self.info = path, info
+        try:
+            self.index = frame_index(path, info)
+            self._container = opened(path)
+            self._start()
+        except av.FFmpegError as error:
+            raise self._damaged(error) from error
+
+    def frame(self, n: int) -> Image:
+        """Frame n, from 0: (H, W), uint8 or uint16.
+
+        Raises:
+            KinemarkError: there is none, or it is damaged.
+        """
+        if not 0 <= n < self.info.n_frames:
+            raise KinemarkError(f"{self.path.name} has frames 0 to {self.info.n_frames - 1}, and {n} was asked for.")
+        try:
+            found = self._counted(n) if self.index is None else self._sought(self.index, n)
+        except av.FFmpegError as error:
+            raise self._damaged(error) from error
+        if found is None and self.index is not None:  # the decoder left out what the packets promise
+            self.index = None
+            self._restart()
+            return self.frame(n)
+        if found is None:
+            raise KinemarkError(f"{self.path} ends before frame {n}: it is truncated. Copy it again.")
+        check_pixels(str(self.path), found.width, found.height)
+        return grey(found, str(self.path))
+
+    def close(self) -> None:
+        """It is not asked again."""
+        self._container.close()
+
+    def __enter__(self) -> ExactVideo:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _sought(self, index: FrameIndex, n: int) -> av.VideoFrame | None:
+        """By its time; decoding goes on where that leads to it sooner than a key frame does."""
+        key = int(index.key[np.searchsorted(index.key, n, side="right") - 1])
+        if not key <= self._next <= n:
+            self._container.seek(int(index.time[key]), stream=self._stream)
+            self._frames = self._decoded()
+        wanted = int(index.time[n])
+        for frame in self._frames:
+            if frame.pts is None or frame.pts > wanted:
+                return self._again_from_key(index, n, key)
+            if frame.pts == wanted:
+                self._next = n + 1
+                return frame
+        return None
+
+    def _again_from_key(self, index: FrameIndex, n: int, key: int) -> av.VideoFrame | None:
+        """Seeking went too far: from one key frame earlier, then by counting."""
+        before = index.key[index.key < key]
+        self._next = -1
+        for start in [int(before[-1])] if len(before) else []:
+            self._container.seek(int(index.time[start]), stream=self._stream)
+            self._frames = self._decoded()
+            for frame in self._frames:
+                if frame.pts == index.time[n]:
+                    self._next = n + 1
+                    return frame
+        return None
+
+    def _counted(self, n: int) -> av.VideoFrame | None:
+        """By counting from the start, or from where decoding stands."""
+        if self._next > n:
+            self._restart()
+        for frame in self._frames:
+            self._next += 1
+            if self._next == n + 1:
+                return frame
+        return None
+
+    def _decoded(self) -> Iterator[av.VideoFrame]:
+        return self._container.decode(self._stream)
+
+    def _start(self) -> None:
+        """At the first frame."""
+        self._stream = video_stream(self.path, self._container)
+        self._stream.thread_type = "SLICE"  # threads by frames would decode many after each one that is wanted
+        self._frames, self._next = self._decoded(), 0
+
+    def _restart(self) -> None:
+        self._container.close()
+        self._container = opened(self.path)
+        self._start()
+
+    def _damaged(self, error: Exception) -> KinemarkError:
+        return KinemarkError(f"{self.path} is damaged ({error}). Copy it again.")
+
+
+class ExactImages:
+    """The frames of one camera, by number: of a video, of image files, or the fields of either."""
+
+    def __init__(self, source: ImageSource) -> None:
+        """Raises a KinemarkError where it cannot be read."""
+        self.source = source
+        self._video = ExactVideo(source.paths[0], source.video) if source.video else None
+
+    def frame(self, n: int) -> Image:
+        """Frame n, from 0: (H, W), uint8 or uint16.
+
+        Raises:
+            KinemarkError: there is none, or it is damaged.
+        """
+        source = self.source
+        if not 0 <= n < source.n_frames:
+            raise KinemarkError(f"There are frames 0 to {source.n_frames - 1}, and {n} was asked for.")
+        whole, field = divmod(n, 2) if source.interlaced else (n, 0)
+        image = self._video.frame(whole) if self._video else read_image(source.paths[whole])
+        if not source.interlaced:
+            return image
+        return image[(field + int(source.interlaced == "bottom")) % 2 :: 2]
+
+    def close(self) -> None:
+        """It is not asked again."""
+        if self._video:
+            self._video.close()

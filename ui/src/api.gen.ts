@@ -74,7 +74,7 @@ export interface components {
          */
         ActBody: {
             /** Act */
-            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
+            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
             /** Head */
             head: string;
             /**
@@ -105,23 +105,66 @@ export interface components {
         };
         /**
          * Alternative
-         * @description One thing that may be done about a problem; `act` is null where nothing is to be done.
+         * @description One way to settle a problem; `act` is null where nothing is to be said.
+         *
+         *     `probability` that it is the right one; `cost` expected, mm times samples, where it is taken; `jump_mm` how far paths
+         *     are from where their motion leads; `images` that a marker there explains.
          */
         Alternative: {
             /**
              * Act
              * @default null
              */
-            act: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"]) | null;
+            act: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"]) | null;
+            /**
+             * Action
+             * @enum {string}
+             */
+            action: "keep" | "exchange" | "cut" | "join" | "no_marker" | "erase" | "rename" | "unname" | "fill" | "leave_open" | "drop_edit" | "wait";
             /**
              * Consequence
              * @default
              */
             consequence: string;
+            /**
+             * Cost
+             * @default null
+             */
+            cost: number | null;
+            /**
+             * Images
+             * @default null
+             */
+            images: number | null;
+            /**
+             * Jump Mm
+             * @default null
+             */
+            jump_mm: number | null;
             /** Key */
             key: string;
+            /**
+             * Probability
+             * @default null
+             */
+            probability: number | null;
             /** Words */
             words: string;
+        };
+        /**
+         * AlternativeAct
+         * @description An alternative of a problem, by its key.
+         */
+        AlternativeAct: {
+            /** Key */
+            key: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "alternative";
+            /** Problem */
+            problem: string;
         };
         /**
          * CameraRow
@@ -193,16 +236,11 @@ export interface components {
         };
         /**
          * Candidate
-         * @description A way to fill a gap: places (n, 3) mm, and the standard deviation of each axis.
+         * @description A way to fill a gap: places (n, 3) mm, and the standard deviation of each axis, null where unknown.
          */
         Candidate: {
             /** Expected Mm */
             expected_mm: number | null;
-            /**
-             * Final
-             * @default true
-             */
-            final: boolean;
             /** Method */
             method: string;
             /** Sd */
@@ -210,7 +248,7 @@ export interface components {
                 number,
                 number,
                 number
-            ][];
+            ][] | null;
             /** Xyz */
             xyz: [
                 number,
@@ -466,9 +504,16 @@ export interface components {
         };
         /**
          * GapCandidates
-         * @description All ways to fill one gap, best first; `pending` while better ones are computed: ask again.
+         * @description All ways to fill one gap, best first; `best` is the method that filling itself would take, null until known.
+         *
+         *     `pending` while better ones are computed: ask again.
          */
         GapCandidates: {
+            /**
+             * Best
+             * @default null
+             */
+            best: string | null;
             /** Candidates */
             candidates: components["schemas"]["Candidate"][];
             /** First */
@@ -487,7 +532,9 @@ export interface components {
         };
         /**
          * GapRow
-         * @description A gap. `choice` is what a person chose; `cameras_alone` saw the marker while no other did.
+         * @description A gap: the best method known and its expected error, null until it was judged; `choice` is what a person chose.
+         *
+         *     `cameras_alone` saw the marker in it while no other camera did.
          */
         GapRow: {
             /**
@@ -500,7 +547,10 @@ export interface components {
              * @default null
              */
             choice: string | null;
-            /** Expected Mm */
+            /**
+             * Expected Mm
+             * @default null
+             */
             expected_mm: number | null;
             /** First */
             first: number;
@@ -510,15 +560,21 @@ export interface components {
             last: number;
             /** Marker */
             marker: string;
-            /** Method */
+            /**
+             * Method
+             * @default null
+             */
             method: string | null;
             /**
              * Others
              * @default []
              */
             others: components["schemas"]["MethodError"][];
-            /** State */
-            state: string;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "not judged" | "fillable" | "above limit" | "open" | "chosen" | "no way";
             /**
              * Words
              * @default
@@ -527,7 +583,7 @@ export interface components {
         };
         /**
          * Gaps
-         * @description All gaps of a trial's named markers.
+         * @description All gaps of named markers; `pending` while some are judged: ask again.
          */
         Gaps: {
             /** Gaps */
@@ -536,6 +592,8 @@ export interface components {
             head: string;
             /** Limit Mm */
             limit_mm: number;
+            /** Pending */
+            pending: boolean;
         };
         /**
          * History
@@ -595,17 +653,17 @@ export interface components {
         };
         /**
          * IdentityChange
-         * @description Samples that have another name in one version than in the other; null: none.
+         * @description Samples that have another name in the later version.
          */
         IdentityChange: {
+            /** After */
+            after: string;
+            /** Before */
+            before: string;
             /** First */
             first: number;
             /** Last */
             last: number;
-            /** Of */
-            of: string | null;
-            /** Other */
-            other: string | null;
             /** Samples */
             samples: number;
         };
@@ -852,7 +910,7 @@ export interface components {
          *
          *     xyz float32 [m, n, 3] mm; sd float32 [m, n] mm, of the largest axis; origin uint8 [m, n] (0 missing, 1 measured,
          *     2 filled, 3 edited); cov float32 [m, n, 6] mm² (xx xy xz yy yz zz); residual float32 [m, n] mm; cameras uint8
-         *     [m, n], how many saw it.
+         *     [m, n], how many saw it. `pending`: chosen fills are still computed; ask again.
          */
         PathsHeader: {
             /** Columns */
@@ -865,6 +923,11 @@ export interface components {
             n_frames: number;
             /** Names */
             names: string[];
+            /**
+             * Pending
+             * @default false
+             */
+            pending: boolean;
             /**
              * View
              * @enum {string}
@@ -910,11 +973,13 @@ export interface components {
          */
         PreviewBody: {
             /** Act */
-            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
+            act: components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"];
         };
         /**
          * Problem
-         * @description A probable error. `wrong` is its probability; `frame` the one to look at; `images` the cameras that tell most.
+         * @description A probable error: `wrong` its probability, `at_stake` samples that are then wrong, by `cost_mm` each.
+         *
+         *     `cost` is expected, mm times samples; `frame` the one to look at; `images` the cameras that see most of it.
          */
         Problem: {
             /**
@@ -927,6 +992,11 @@ export interface components {
              * @default 0
              */
             at_stake: number;
+            /**
+             * Cost
+             * @default 0
+             */
+            cost: number;
             /**
              * Cost Mm
              * @default null
@@ -947,7 +1017,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "swap" | "join" | "gap" | "ghost" | "spike" | "label" | "sides" | "thin" | "orphan";
+            kind: "swap" | "join" | "ghost" | "spike" | "label" | "sides" | "gap" | "edit";
             /** Last */
             last: number;
             /** Tracks */
@@ -962,22 +1032,21 @@ export interface components {
         };
         /**
          * Problems
-         * @description Problems by expected cost; `errors_left` is the number of errors expected among those below `worth_looking`.
+         * @description Problems, the one whose looking at saves most first.
+         *
+         *     The first `worth_looking` are worth a look (the stop rule); `errors` are expected now, `errors_left` when these are
+         *     put right.
          */
         Problems: {
-            /**
-             * Errors Left
-             * @default null
-             */
-            errors_left: number | null;
+            /** Errors */
+            errors: number;
+            /** Errors Left */
+            errors_left: number;
             /** Head */
             head: string;
             /** Problems */
             problems: components["schemas"]["Problem"][];
-            /**
-             * Worth Looking
-             * @description How many of the first are worth looking at; the stop rule.
-             */
+            /** Worth Looking */
             worth_looking: number;
         };
         /**
@@ -1082,19 +1151,24 @@ export interface components {
         };
         /**
          * SampleChange
-         * @description Samples of a marker that differ; `max_mm` of those that both versions have.
+         * @description Samples of a marker that were added, erased or moved, by at most so much.
          */
         SampleChange: {
-            /** Appeared */
-            appeared: number;
-            /** Frames */
-            frames: number;
+            /** First */
+            first: number;
+            /** Last */
+            last: number;
             /** Marker */
             marker: string;
             /** Max Mm */
             max_mm: number | null;
-            /** Vanished */
-            vanished: number;
+            /** Samples */
+            samples: number;
+            /**
+             * What
+             * @enum {string}
+             */
+            what: "added" | "erased" | "moved";
         };
         /**
          * SessionCard
@@ -1121,7 +1195,7 @@ export interface components {
          */
         SeveralAct: {
             /** Acts */
-            acts: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["TrimAct"] | components["schemas"]["EventAct"])[];
+            acts: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["EventAct"])[];
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}

@@ -9,7 +9,7 @@ function body(...parts: (Float32Array | Uint8Array | Uint32Array | Int32Array)[]
 }
 
 describe("paths as they come", () => {
-  const header = { view: "edited" as const, names: ["A", "B"], first_frame: 5, n_frames: 3, columns: ["xyz", "sd", "origin", "residual"] as const, head: "h" };
+  const header = { view: "edited" as const, names: ["A", "B"], first_frame: 5, n_frames: 3, columns: ["xyz", "sd", "origin", "residual"] as const, head: "h", pending: false };
   const xyz = Float32Array.from({ length: 18 }, (_, i) => i), sd = Float32Array.from([1, 2, 3, 4, 5, 6]), origin = Uint8Array.from([1, 0, 1, 1, 1, 2]);
   const residual = Float32Array.from([6, 5, 4, 3, 2, 1]);
 

@@ -1,4 +1,4 @@
-import type { Problem, Problems, TrialHeader } from "../src/api/types";
+import type { Action, Alternative, Problem, Problems, TrialHeader } from "../src/api/types";
 import type { Path, PathSet } from "../src/model/paths";
 
 export const HEADER = {
@@ -8,15 +8,19 @@ export const HEADER = {
   events: [], trim: [11, 16], named_only: false, head: "", edits: 0, undo: 1, redo: null, version: "", by: "", has_images: false, has_detections: false, mosaic: null, methods: [], last: null, stale: "",
 } as unknown as TrialHeader;
 
+export function alternative(action: Action, says = true): Alternative {
+  return { key: action, action, words: action, consequence: "", probability: 0.5, cost: 1, jump_mm: null, images: null, act: says ? { kind: "alternative", problem: "p", key: action } : null };
+}
+
 export function problem(id: string, some: Partial<Problem> = {}): Problem {
   return {
     id, kind: "swap", words: "", tracks: ["LKNE", "*3"], first: 12, last: 13, frame: 12, wrong: 0.5, at_stake: 10, cost_mm: 20, images: [],
-    alternatives: [{ key: "b", words: "Exchange them", consequence: "", act: { kind: "exchange", a: "LKNE", b: "*3", first: 12, last: null } }, { key: "a", words: "Keep", consequence: "", act: null }],
+    cost: 100, alternatives: [{ ...alternative("exchange"), words: "Exchange them" }, alternative("keep")],
     ...some,
   };
 }
 
-export const PROBLEMS = { problems: [problem("p1"), problem("p2")], errors_left: 0.2, worth_looking: 2, head: "" } as Problems;
+export const PROBLEMS = { problems: [problem("p1"), problem("p2")], errors: 1, errors_left: 0.2, worth_looking: 2, head: "" } as Problems;
 
 /** A path whose sample i is at (i, 10 i, 0), missing where its origin is 0. */
 export function path(name: string, origin: number[]): Path {
@@ -24,4 +28,4 @@ export function path(name: string, origin: number[]): Path {
   return { name, xyz, sd: Float32Array.from(origin.map((o) => (o ? 1 : NaN))), origin: Uint8Array.from(origin) };
 }
 
-export const set = (paths: readonly Path[]): PathSet => ({ firstFrame: 11, frames: 6, head: "", byName: new Map(paths.map((p) => [p.name, p])) });
+export const set = (paths: readonly Path[]): PathSet => ({ firstFrame: 11, frames: 6, head: "", pending: false, byName: new Map(paths.map((p) => [p.name, p])) });

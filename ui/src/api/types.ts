@@ -13,6 +13,7 @@ export type TrackRow = Schemas["TrackRow"];
 export type CameraRow = Schemas["CameraRow"];
 export type Mosaic = Schemas["Mosaic"];
 export type MarkerSetRow = Schemas["MarkerSetRow"];
+export type Action = Schemas["Alternative"]["action"];
 export type Problem = Schemas["Problem"];
 export type Problems = Schemas["Problems"];
 export type Alternative = Schemas["Alternative"];

@@ -19,6 +19,8 @@ export interface PathSet {
   readonly firstFrame: number;
   readonly frames: number;
   readonly head: string;
+  /** Chosen fills are still computed: ask again. */
+  readonly pending: boolean;
   readonly byName: ReadonlyMap<string, Path>;
 }
 
@@ -51,7 +53,7 @@ export function decodePaths(header: PathsHeader, body: ArrayBuffer): PathSet {
       },
     ]),
   );
-  return { firstFrame: header.first_frame, frames: n, head: header.head, byName };
+  return { firstFrame: header.first_frame, frames: n, head: header.head, pending: header.pending, byName };
 }
 
 /** The set with some paths replaced, and some gone. */
@@ -59,7 +61,7 @@ export function mergePaths(whole: PathSet, some: PathSet, removed: readonly stri
   const byName = new Map(whole.byName);
   for (const name of removed) byName.delete(name);
   for (const [name, path] of some.byName) byName.set(name, path);
-  return { ...whole, head: some.head, byName };
+  return { ...whole, head: some.head, pending: some.pending, byName };
 }
 
 /** A run of frames of one origin: start included, end excluded, counted from 0. */

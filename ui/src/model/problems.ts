@@ -1,16 +1,13 @@
-/** The order in which problems are worth a look, and what is left when one stops. */
+/** The list of problems as it is walked through. Its order is the server's: what looking at it saves, and the stop rule. */
 import type { Act, Alternative, Problem } from "../api/types";
 
-/** What is expected to be lost by not looking: probability × samples × mm. A gap is certain. */
-export const expectedCost = (p: Problem): number => (p.wrong ?? 1) * p.at_stake * (p.cost_mm ?? 1);
+/** Ways that leave the trial as it is. */
+const AS_IT_IS: readonly Alternative["action"][] = ["keep", "wait", "leave_open"];
 
-/** Least probability of an error that is worth a look; as the server's stop rule has it. */
-export const WORTH = 0.05;
-
-/** Edits that no longer hold come first, then by expected cost; equal ones by their frame. */
-export function orderProblems(problems: readonly Problem[]): Problem[] {
-  const lost = (p: Problem): number => (p.kind === "orphan" ? 2 : p.kind === "thin" ? 1 : 0);
-  return [...problems].sort((a, b) => lost(b) - lost(a) || expectedCost(b) - expectedCost(a) || a.first - b.first);
+/** The order in which problems are shown: as they come, those that were put off after the others. */
+export function inOrder(problems: readonly Problem[], later: readonly string[]): Problem[] {
+  const off = new Set(later);
+  return [...problems.filter((p) => !off.has(p.id)), ...problems.filter((p) => off.has(p.id))];
 }
 
 /** The one after or before `current` in a ring; the first or last where there is none. */
@@ -21,13 +18,24 @@ export function stepProblem(all: readonly Problem[], current: string | null, ste
   return all[(at + step + all.length) % all.length]!;
 }
 
-/** What the program proposes: the first alternative. */
+/** The one to look at when `done` was settled: the first after it that is still there, else the first of all. */
+export function nextAfter(before: readonly Problem[], done: string, now: readonly Problem[]): Problem | null {
+  const there = new Map(now.map((p) => [p.id, p])), at = before.findIndex((p) => p.id === done);
+  const after = before.slice(at + 1).find((p) => p.id !== done && there.has(p.id));
+  return (after && there.get(after.id)) ?? now.find((p) => p.id !== done) ?? null;
+}
+
+/** What the program proposes: the first, which costs least. */
 export const proposed = (p: Problem): Alternative | null => p.alternatives[0] ?? null;
 
-/** The act of taking an alternative; one that changes nothing is a verdict that all is right. */
-export const actOf = (p: Problem, taken: Alternative): Act =>
-  (taken.act as Act | null) ?? { kind: "review", problem: p.id, right: true };
+/** Whether an alternative leaves the trial as it is: drawn as A; all others as B. */
+export const asItIs = (a: Alternative): boolean => AS_IT_IS.includes(a.action);
 
-/** The act of an alternative that makes a track no marker, or takes wrong samples away. */
-export const dropOf = (p: Problem): Alternative | null =>
-  p.alternatives.find((a) => (a.act?.kind === "claim" && a.act.name === null) || a.act?.kind === "erase") ?? null;
+/** The act of taking an alternative; one that says nothing is a verdict that all is right. */
+export const actOf = (p: Problem, taken: Alternative): Act => (taken.act as Act | null) ?? { kind: "review", problem: p.id, right: true };
+
+/** The alternative that says that all is right as it is. */
+export const keepOf = (p: Problem): Alternative | null => p.alternatives.find(asItIs) ?? null;
+
+/** The alternative that makes a track no marker, or takes wrong samples away. */
+export const dropOf = (p: Problem): Alternative | null => p.alternatives.find((a) => a.action === "no_marker" || a.action === "erase") ?? null;

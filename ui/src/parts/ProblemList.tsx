@@ -1,19 +1,19 @@
-import { ArrowLeftRight, CircleCheck, Ghost, Link2, Spline, Tag, TriangleAlert, Unlink, Users, Zap } from "lucide-react";
+import { ArrowLeftRight, CircleCheck, Ghost, Link2, Spline, Tag, Unlink, Users, Zap } from "lucide-react";
 import { useEffect, useRef } from "react";
-import type { Problem } from "../api/types";
-import { frames, many, mm, percent } from "../model/format";
-import { actOf } from "../model/problems";
+import type { Alternative, Problem } from "../api/types";
+import { count, frames, many, mm, percent } from "../model/format";
+import { asItIs, inOrder, keepOf } from "../model/problems";
 import { choose, lookAt } from "../state/acts";
 import { useStore } from "../state/store";
 import styles from "./ProblemList.module.css";
 
 const KINDS: Record<Problem["kind"], { word: string; icon: typeof Tag }> = {
   swap: { word: "Exchange?", icon: ArrowLeftRight }, join: { word: "One marker?", icon: Link2 }, gap: { word: "Gap", icon: Spline }, ghost: { word: "Ghost?", icon: Ghost },
-  spike: { word: "Spike?", icon: Zap }, label: { word: "Name?", icon: Tag }, sides: { word: "Left and right?", icon: Users }, thin: { word: "Edit holds thinly", icon: TriangleAlert }, orphan: { word: "Edit lost its place", icon: Unlink },
+  spike: { word: "Spike?", icon: Zap }, label: { word: "Name?", icon: Tag }, sides: { word: "Left and right?", icon: Users }, edit: { word: "Edit lost its place", icon: Unlink },
 };
 
 export function ProblemList(): React.JSX.Element {
-  const { problems, problem, later } = useStore(), list = useRef<HTMLDivElement>(null), all = problems?.problems ?? [], worth = problems?.worth_looking ?? all.length;
+  const { problems, problem, later } = useStore(), list = useRef<HTMLDivElement>(null), all = inOrder(problems?.problems ?? [], later), worth = problems?.worth_looking ?? all.length;
   useEffect(() => void list.current?.querySelector('[aria-current="true"]')?.scrollIntoView({ block: "nearest" }), [problem]);
   return (
     <section className={styles.section} aria-label="Problems">
@@ -52,9 +52,15 @@ function Row({ problem: p, number, later }: { problem: Problem; number: number; 
   );
 }
 
+/** How probable a way is, and what comes of it. */
+function Consequence({ of: a }: { of: Alternative }): React.JSX.Element | null {
+  const parts = [a.probability == null ? "" : `${percent(a.probability)} right`, a.consequence ?? "", a.cost == null ? "" : `costs ${count(a.cost < 10 ? Math.round(10 * a.cost) / 10 : Math.round(a.cost))} mm × samples`].filter(Boolean);
+  return parts.length ? <small className="number">{parts.join(" · ")}</small> : null;
+}
+
 /** The problem that is looked at: what may be wrong, and the ways to go, each with its key and what it costs. */
 function Open({ problem: p, number }: { problem: Problem; number: number }): React.JSX.Element {
-  const { word, icon: Icon } = KINDS[p.kind], none = p.alternatives.every((a) => actOf(p, a).kind !== "review");
+  const { word, icon: Icon } = KINDS[p.kind], none = keepOf(p) !== null;
   return (
     <div className={styles.open} aria-current="true">
       <div className={styles.title}><span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden /><b>{word}</b><span className="soft number">{frames(p.first, p.last)}</span><Weight problem={p} /></div>
@@ -65,8 +71,8 @@ function Open({ problem: p, number }: { problem: Problem; number: number }): Rea
           <li key={a.key}>
             <button type="button" className={styles.way} data-key={a.key} data-first={i === 0 ? "yes" : ""} onClick={() => void choose(p, a.key)}>
               <kbd>{i === 0 ? "Enter" : i + 1}</kbd>
-              <span><b>{a.words}</b>{a.consequence && <small>{a.consequence}</small>}</span>
-              <i className={a.act === null ? styles.a : styles.b} aria-hidden>{a.act === null ? "A" : "B"}</i>
+              <span><b>{a.words}</b>{<Consequence of={a} />}</span>
+              <i className={asItIs(a) ? styles.a : styles.b} aria-hidden>{asItIs(a) ? "A" : "B"}</i>
             </button>
           </li>
         ))}

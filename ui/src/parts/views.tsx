@@ -27,10 +27,10 @@ function insteadOf(s: State): readonly Path[] {
 }
 
 /** A way to fill as a path of the gap's frames. */
-export function candidatePath(name: string, xyz: readonly (readonly number[])[], sd: readonly (readonly number[])[]): Path {
-  const n = xyz.length, cov = new Float32Array(6 * n);
-  for (const [i, s] of sd.entries()) (cov[6 * i] = s[0]! ** 2), (cov[6 * i + 3] = s[1]! ** 2), (cov[6 * i + 5] = s[2]! ** 2);
-  return { name, xyz: Float32Array.from(xyz.flat()), sd: Float32Array.from(sd.map((s) => Math.max(...s))), origin: new Uint8Array(n).fill(2), cov };
+export function candidatePath(name: string, xyz: readonly (readonly number[])[], sd: readonly (readonly number[])[] | null): Path {
+  const n = xyz.length, cov = new Float32Array(6 * n).fill(NaN);
+  for (const [i, s] of (sd ?? []).entries()) (cov[6 * i] = s[0]! ** 2), (cov[6 * i + 3] = s[1]! ** 2), (cov[6 * i + 5] = s[2]! ** 2);
+  return { name, xyz: Float32Array.from(xyz.flat()), sd: sd ? Float32Array.from(sd.map((s) => Math.max(...s))) : new Float32Array(n).fill(NaN), origin: new Uint8Array(n).fill(2), cov };
 }
 
 /** Pieces as paths of all frames of the trial, so that the frame means the same everywhere. */

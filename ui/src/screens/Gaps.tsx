@@ -17,7 +17,7 @@ export function Gaps(): React.JSX.Element {
   return (
     <div className={styles.screen}>
       <section className={styles.left} aria-label="Gaps">
-        <header className={styles.head}><h1>Gaps</h1><span className="soft number">{gaps ? `${gaps.gaps.filter(undecided).length} undecided of ${gaps.gaps.length}` : "…"}</span></header>
+        <header className={styles.head}><h1>Gaps</h1><span className="soft number">{gaps ? `${gaps.gaps.filter(undecided).length} undecided of ${gaps.gaps.length}${gaps.pending ? ", being judged …" : ""}` : "…"}</span></header>
         <Accept />
         <Table />
       </section>
@@ -29,6 +29,8 @@ export function Gaps(): React.JSX.Element {
     </div>
   );
 }
+
+const TONE: Record<GapRow["state"], string> = { "not judged": "", fillable: "info", "above limit": "warn", open: "", chosen: "good", "no way": "bad" };
 
 /** All gaps below a limit at once. */
 function Accept(): React.JSX.Element {
@@ -66,7 +68,7 @@ function Row({ gap: g, at, on, limit }: { gap: GapRow; at: number; on: boolean; 
       <span role="cell" className="number">{g.frames} <small className="soft">{frames(g.first, g.last)}</small></span>
       <span role="cell">{g.choice ?? g.method ?? "–"}</span>
       <span role="cell" className={`number ${over ? styles.over : ""}`}>{mm(g.expected_mm)} mm{over && <span title="above the limit"> ▲</span>}</span>
-      <span role="cell"><span className={`pill ${g.choice ? "good" : over || g.expected_mm === null ? "warn" : ""}`}>{g.choice ? (g.choice === "open" ? "left open" : "chosen") : g.state}</span></span>
+      <span role="cell"><span className={`pill ${TONE[g.state]}`}>{g.choice === "open" ? "left open" : g.state}</span></span>
     </div>
   );
 }
@@ -80,7 +82,7 @@ function Ways(): React.JSX.Element {
       <h2>{gap.marker} <span className="soft number">{frames(gap.first, gap.last)} · {many(gap.frames, "frame")}{gap.cameras_alone.length > 0 && ` · ${gap.cameras_alone.join(", ")} saw it alone`}</span></h2>
       <div className={styles.methods} role="group" aria-label="Ways to fill">
         {candidates?.candidates.map((c) => (
-          <button key={c.method} type="button" className="button" aria-pressed={c.method === method} onClick={() => set({ method: c.method })}>{c.method} <span className="number soft">{mm(c.expected_mm)} mm{!c.final && " …"}</span></button>
+          <button key={c.method} type="button" className="button" aria-pressed={c.method === method} onClick={() => set({ method: c.method })}>{c.method} <span className="number soft">{mm(c.expected_mm)} mm</span></button>
         ))}
         {(!candidates || candidates.pending) && <span className="soft" role="status">others are being computed …</span>}
       </div>

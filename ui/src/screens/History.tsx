@@ -73,12 +73,12 @@ function Diff({ shown, all, compare }: { shown: Difference | null; all: readonly
       {!shown && <p className={styles.none}>Choose two versions, or an entry on the left: names that changed come first, then samples.</p>}
       {shown && (
         <div className={styles.tables} tabIndex={0} role="region" aria-label="What differs">
-          <h3>{shown.of ? `After ${shown.of}` : "Before all edits"} → {shown.other ? `after ${shown.other}` : "before all edits"}: {many(shown.identities.length, "change")} of names, {many(shown.samples.length, "marker")} with other samples</h3>
+          <h3>{shown.of ? `After ${shown.of}` : "Before all edits"} → {shown.other ? `after ${shown.other}` : "before all edits"}: {many(shown.identities.length, "change")} of names, {many(new Set(shown.samples.map((d) => d.marker)).size, "marker")} with other samples</h3>
           {shown.identities.length > 0 && <table><thead><tr><th scope="col">Was</th><th scope="col">Is</th><th scope="col">Frames</th><th scope="col">Samples</th></tr></thead><tbody>
-            {shown.identities.map((d, i) => <tr key={i}><td>{d.of ?? "none"}</td><td><b>{d.other ?? "none"}</b></td><td className="number">{frames(d.first, d.last)}</td><td className="number">{count(d.samples)}</td></tr>)}
+            {shown.identities.map((d, i) => <tr key={i}><td>{d.before}</td><td><b>{d.after}</b></td><td className="number">{frames(d.first, d.last)}</td><td className="number">{count(d.samples)}</td></tr>)}
           </tbody></table>}
-          {shown.samples.length > 0 && <table><thead><tr><th scope="col">Marker</th><th scope="col">Changed</th><th scope="col">At most</th><th scope="col">New</th><th scope="col">Gone</th></tr></thead><tbody>
-            {shown.samples.map((d) => <tr key={d.marker}><td><b>{d.marker}</b></td><td className="number">{many(d.frames, "frame")}</td><td className="number">{mm(d.max_mm)} mm</td><td className="number">{count(d.appeared)}</td><td className="number">{count(d.vanished)}</td></tr>)}
+          {shown.samples.length > 0 && <table><thead><tr><th scope="col">Marker</th><th scope="col">Samples</th><th scope="col">Frames</th><th scope="col">At most</th></tr></thead><tbody>
+            {shown.samples.map((d, i) => <tr key={i}><td><b>{d.marker}</b></td><td className="number">{count(d.samples)} {d.what}</td><td className="number">{frames(d.first, d.last)}</td><td className="number">{d.max_mm === null ? "" : `${mm(d.max_mm)} mm`}</td></tr>)}
           </tbody></table>}
           {!shown.identities.length && !shown.samples.length && <p className="soft">Nothing differs.</p>}
         </div>

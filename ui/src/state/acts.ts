@@ -3,7 +3,7 @@ import * as api from "../api/client";
 import type { Act, ActDone, GapRow, Problem } from "../api/types";
 import { percent } from "../model/format";
 import { decodePaths, type PathSet } from "../model/paths";
-import { actOf, dropOf, proposed, stepProblem } from "../model/problems";
+import { actOf, asItIs, dropOf, inOrder, keepOf, nextAfter, proposed, stepProblem } from "../model/problems";
 import { fetchChanged, fresh, refetch, refreshProblems, say, take } from "./load";
 import { currentProblem, get, playhead, set, still } from "./store";
 
@@ -74,7 +74,7 @@ export function lookAt(problem: Problem): void {
 
 /** Ask what the first other way would give, and draw it beside what is. */
 async function drawInstead(problem: Problem): Promise<void> {
-  const other = problem.alternatives.find((a) => a.act !== null), id = get().id;
+  const other = problem.alternatives.find((a) => a.act !== null && !asItIs(a)), id = get().id;
   if (!other?.act || !id) return;
   try {
     const shown = await api.preview(id, other.act);
@@ -92,29 +92,26 @@ export function decodePart(part: { names: string[]; first_frame: number; n_frame
   let at = 0;
   for (const b of bytes) body.set(b, at), (at += b.length);
   const columns = ["xyz", "sd", "origin"] as const;
-  return decodePaths({ names: part.names, first_frame: part.first_frame, n_frames: part.n_frames, columns: [...columns], view: "edited", head: "" }, body.buffer);
+  return decodePaths({ names: part.names, first_frame: part.first_frame, n_frames: part.n_frames, columns: [...columns], view: "edited", head: "", pending: false }, body.buffer);
 }
 
 export function step(by: 1 | -1): void {
   const s = get();
   if (!s.problems) return;
-  const open = (s.problems?.problems ?? []).filter((p) => !s.later.includes(p.id));
-  const next = stepProblem(open, s.problem, by);
+  const next = stepProblem(inOrder(s.problems.problems, s.later), s.problem, by);
   if (next) lookAt(next);
-  else say("news", "There is nothing more to look at.");
+  else say("news", "There is nothing to look at.");
 }
 
 /** Take an alternative of the problem that is looked at; then the next one comes by itself. */
 export async function choose(problem: Problem, key: string): Promise<void> {
   const taken = problem.alternatives.find((a) => a.key === key);
   if (!taken) return;
-  const all = (get().problems?.problems ?? []).filter((p) => !get().later.includes(p.id)), at = all.findIndex((p) => p.id === problem.id);
+  const before = inOrder(get().problems?.problems ?? [], get().later);
   const done = await act(actOf(problem, taken), taken.words);
   if (!done || get().problem !== problem.id) return;
-  set((s) => ({ later: s.problems?.problems.some((p) => p.id === problem.id) ? [...s.later, problem.id] : s.later }));
-  const left = get().problems?.problems ?? [], after = all.slice(at + 1).find((p) => left.some((q) => q.id === p.id));
-  const open = left.filter((p) => !get().later.includes(p.id)), next = open.find((p) => p.id === after?.id) ?? open[0];
-  if (next) lookAt(next);
+  const { problems, later } = get(), next = nextAfter(before, problem.id, inOrder(problems?.problems ?? [], later));
+  if (next && (problems?.worth_looking ?? 0) > 0) lookAt(next);
   else finishLooking();
 }
 
@@ -136,7 +133,7 @@ export function takeNumber(n: number): void {
 
 export function rightAsIs(): void {
   const p = currentProblem(get());
-  const keep = p?.alternatives.find((a) => a.act === null);
+  const keep = p && keepOf(p);
   if (p && keep) void choose(p, keep.key);
   else if (p) void act({ kind: "review", problem: p.id, right: true }, "Right as it is").then((done) => done && step(1));
 }
@@ -232,14 +229,14 @@ export function fillAll(): void {
 
 export async function lookAtGap(gap: GapRow): Promise<void> {
   const id = get().id, beside = Math.max(20, gap.frames);
-  set((s) => ({ gap, selected: [gap.marker], method: gap.choice ?? gap.method, candidates: null, first: gap.first, last: gap.last, window: [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)], focused: s.focused + 1, follow: true }));
+  set((s) => ({ gap, selected: [gap.marker], method: gap.choice === "open" ? gap.method : (gap.choice ?? gap.method), candidates: null, first: gap.first, last: gap.last, window: [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)], focused: s.focused + 1, follow: true }));
   playhead.pause();
   playhead.loop = [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)];
   playhead.go(Math.round((gap.first + gap.last) / 2));
   for (let tries = 0; id && tries < 40; tries++) {
     const candidates = await api.gap(id, gap.marker, gap.first).catch(() => null);
     if (!candidates || get().gap?.marker !== gap.marker || get().gap?.first !== gap.first) return;
-    set({ candidates });
+    set((s) => ({ candidates, method: s.method ?? candidates.best ?? candidates.candidates[0]?.method ?? null }));
     if (!candidates.pending) return;
     await new Promise((done) => setTimeout(done, 250));
   }

@@ -1,10 +1,13 @@
 /** Getting what a screen shows, and going from one to another. The place is kept in the fragment of the address. */
 import * as api from "../api/client";
-import type { TrialHeader } from "../api/types";
+import type { Gaps, TrialHeader } from "../api/types";
 import { mergePaths } from "../model/paths";
-import { orderProblems } from "../model/problems";
 import { get, OF_TRIAL, playhead, SCREENS, set, type Screen } from "./store";
 
+/** With chosen fills, so that what is drawn is what a run would write. */
+const VIEW = "filled";
+/** ms after which what was still being computed is asked for again; chosen. */
+const AGAIN_MS = 400;
 /** Frames of detections that are fetched at a time, so many before the one that is looked at; chosen: 60 markers in 8
  * cameras are 1 MB. */
 const AHEAD = 240, BEFORE = 60;
@@ -50,10 +53,11 @@ export async function arrive(): Promise<void> {
 }
 
 async function openTrial(id: string): Promise<void> {
-  const [header, paths] = (await tried(() => Promise.all([api.trial(id), api.paths(id, "edited")]))) ?? [];
+  const [header, paths] = (await tried(() => Promise.all([api.trial(id), api.paths(id, VIEW)]))) ?? [];
   if (!header || !paths || get().id !== id) return;
   playhead.set(header.first_frame, header.n_frames, header.rate);
   set({ header, paths, savedAt: header.last?.at ?? null });
+  if (paths.pending) askAgain(id, [...paths.byName.keys()], header.head);
   await refreshProblems();
 }
 
@@ -63,7 +67,7 @@ export async function fresh(): Promise<void> {
   if (!id) return;
   if (screen === "gaps") {
     const gaps = await tried(() => api.gaps(id));
-    if (gaps && get().id === id) set((s) => ({ gaps, gap: gaps.gaps.find((g) => g.marker === s.gap?.marker && g.first === s.gap.first) ?? null, limit: s.gaps ? s.limit : gaps.limit_mm }));
+    if (gaps && get().id === id) takeGaps(gaps, id);
   } else if (screen === "labels") {
     const labels = await tried(() => api.labels(id));
     if (labels && get().id === id) set({ labels });
@@ -73,17 +77,23 @@ export async function fresh(): Promise<void> {
   }
 }
 
+/** The table of gaps; asked for again while some are judged. */
+function takeGaps(gaps: Gaps, id: string): void {
+  set((s) => ({ gaps, gap: gaps.gaps.find((g) => g.marker === s.gap?.marker && g.first === s.gap.first) ?? null, limit: s.gaps ? s.limit : gaps.limit_mm }));
+  if (gaps.pending) setTimeout(() => void (get().id === id && get().screen === "gaps" && api.gaps(id).then((again) => takeGaps(again, id)).catch(() => null)), AGAIN_MS);
+}
+
 export async function refreshProblems(): Promise<void> {
   const id = get().id;
   const problems = id && (await tried(() => api.problems(id)));
-  if (problems && get().id === id) set({ problems: { ...problems, problems: orderProblems(problems.problems) } });
+  if (problems && get().id === id) set({ problems });
 }
 
 /** The trial as it is now on the server, where the journal has gone on without this page. */
 export async function refetch(): Promise<void> {
   const id = get().id;
   if (!id) return;
-  const got = await tried(() => Promise.all([api.trial(id), api.paths(id, "edited")]));
+  const got = await tried(() => Promise.all([api.trial(id), api.paths(id, VIEW)]));
   if (!got || get().id !== id) return;
   take(got[0]);
   set({ paths: got[1], detected: null, instead: null });
@@ -99,9 +109,17 @@ export function take(header: TrialHeader): void {
 export async function fetchChanged(changed: readonly string[], removed: readonly string[]): Promise<void> {
   const { id, paths } = get();
   if (!id || !paths) return;
-  if (!changed.length) return set({ paths: mergePaths(paths, { ...paths, byName: new Map() }, removed) });
-  const some = await api.paths(id, "edited", changed);
-  if (get().id === id) set((s) => ({ paths: mergePaths(s.paths ?? some, some, removed) }));
+  const some = changed.length ? await api.paths(id, VIEW, changed) : { ...paths, byName: new Map() };
+  if (get().id !== id) return;
+  set((s) => ({ paths: mergePaths(s.paths ?? some, some, removed) }));
+  if (changed.length && some.pending) askAgain(id, changed, some.head);
+}
+
+/** Fetch markers again whose fills were not there yet, as long as nothing else is said. */
+function askAgain(id: string, markers: readonly string[], head: string): void {
+  setTimeout(() => {
+    if (get().id === id && get().header?.head === head) void fetchChanged(markers, []).catch(() => null);
+  }, AGAIN_MS);
 }
 
 let asking: readonly [number, number] | null = null;

@@ -1,11 +1,14 @@
 /** The whole trial as lanes, a row a marker: measured, filled, edited, missing. Painted once; the playhead moves over it. */
 import type { Problem, TrialHeader } from "../api/types";
 import { frameAt, painted, pieces, placeOf, rowOrder } from "../model/lanes";
-import { EDITED, FILLED, MISSING, type PathSet } from "../model/paths";
+import { EDITED, FILLED, MEASURED, MISSING, type PathSet } from "../model/paths";
 import { byOrigin, fit, palette, type Palette } from "./palette";
 
 /** px: of a row, of the names left of it, of the strip of problems and events above. */
 const ROW = 9, NAMES = 62, HEAD = 14;
+
+/** Opacity of lanes that are not selected; chosen. */
+const QUIET = 0.62;
 
 export interface LaneMarks { selected: readonly string[]; first: number | null; last: number | null; problem: string | null }
 
@@ -110,7 +113,9 @@ export class Lanes {
     for (const piece of painted(pieces(path.origin, width))) {
       const x = NAMES + piece.x, own = piece.origin;
       c.fillStyle = own === MISSING ? p.view : (colours[own] ?? p.measured);
+      c.globalAlpha = own === MEASURED && !selected ? QUIET : 1; // what is as usual stands back
       c.fillRect(x, y + 1, piece.width, ROW - 2);
+      c.globalAlpha = 1;
       if (own === MISSING) (c.fillStyle = hatch), c.fillRect(x, y + 1, piece.width, ROW - 2);
       if (own === FILLED) (c.fillStyle = p.view), c.fillRect(x, y + 4, piece.width, 1); // not by colour alone
       if (own === EDITED) (c.fillStyle = p.view), c.fillRect(x, y + 3, piece.width, 1), c.fillRect(x, y + 5, piece.width, 1);

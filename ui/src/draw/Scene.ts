@@ -90,7 +90,7 @@ export class Scene {
 
   /** Look at some markers where they are in a frame; turned so that two of them are farthest apart on the screen. */
   focus(names: readonly string[], frame: number): void {
-    const places = names.map((name) => this.at(name, frame)).filter((p): p is Vector3 => p !== null);
+    const places = names.map((name) => this.near(name, frame)).filter((p): p is Vector3 => p !== null);
     if (!places.length) return;
     const middle = places.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(places.length);
     if (places.length > 1) {
@@ -210,9 +210,12 @@ export class Scene {
     (this.cloud.material as MeshBasicMaterial).color.set(this.colours.select);
   }
 
-  private at(name: string, frame: number): Vector3 | null {
-    const path = this.paths?.byName.get(name), i = frame - (this.paths?.firstFrame ?? 0);
-    return path?.origin[i] ? new Vector3(path.xyz[3 * i], path.xyz[3 * i + 1], path.xyz[3 * i + 2]) : null;
+  /** Where a marker is in a frame, or in the nearest one that has it. */
+  private near(name: string, frame: number): Vector3 | null {
+    const path = this.paths?.byName.get(name), at = frame - (this.paths?.firstFrame ?? 0), n = path?.origin.length ?? 0;
+    for (let off = 0; path && off < n; off++)
+      for (const i of [at - off, at + off]) if (path.origin[i]) return new Vector3(path.xyz[3 * i], path.xyz[3 * i + 1], path.xyz[3 * i + 2]);
+    return null;
   }
 
   private onScreen(path: Path, index: number): [number, number] | null {

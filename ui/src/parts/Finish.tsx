@@ -13,7 +13,7 @@ export async function write(): Promise<void> {
 }
 
 export function Finish(): React.JSX.Element {
-  const { header, problems } = useStore(), unnamed = header?.tracks.filter((t) => !t.named).length ?? 0, left = problems?.errors_left;
+  const { header, problems } = useStore(), unnamed = header?.tracks.filter((t) => !t.named).length ?? 0, left = problems?.errors;
   const finish = async (e: React.FormEvent): Promise<void> => {
     e.preventDefault();
     set({ dialog: null });
@@ -23,7 +23,7 @@ export function Finish(): React.JSX.Element {
     <Modal title="Finish the trial">
       <form className={styles.body} onSubmit={(e) => void finish(e)}>
         <p>{unnamed ? `${many(unnamed, "track")} without a name ${unnamed === 1 ? "is" : "are"} left out` : "Every track has a name"}, all markers begin and end at the frames that all of them have, and a C3D is written beside the trial. One act: Ctrl+Z takes it back.</p>
-        {left != null && <p>Errors left, expected: <b>{left.toFixed(1)}</b>.</p>}
+        {left != null && <p>Errors expected: <b>{left.toFixed(1)}</b>.</p>}
         <div className={styles.actions}>
           <button type="button" className="button" onClick={() => (set({ dialog: null }), void write())}>Only write</button>
           <button className="button strong" autoFocus>Finish and write</button>

@@ -29,7 +29,7 @@ export function ProblemList(): React.JSX.Element {
           ))}
         </ol>
       </div>
-      {problems && problems.errors_left != null && <p className={styles.rule}>Errors left, expected: <b className="number">{problems.errors_left.toFixed(1)}</b>{worth === 0 && " – looking on is not worth it"}</p>}
+      {problems && <p className={styles.rule}>Errors expected: <b className="number">{problems.errors.toFixed(1)}</b>{worth ? <>, and <b className="number">{problems.errors_left.toFixed(1)}</b> when these are settled</> : ". Looking on is not worth it."}</p>}
     </section>
   );
 }

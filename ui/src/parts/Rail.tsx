@@ -35,16 +35,17 @@ export function Rail(): React.JSX.Element {
   );
 }
 
-/** The stop rule: how many errors are still expected. */
+/** How many errors are expected, and what looking on would be worth: the stop rule. */
 function Left(): React.JSX.Element | null {
   const problems = useStore((s) => s.problems);
-  if (problems?.errors_left == null) return null;
-  const left = problems.errors_left, done = problems.worth_looking === 0;
+  if (!problems) return null;
   return (
     <div className={styles.left}>
-      <h3>Errors left, expected</h3>
-      <p className={styles.figure}>{left < 10 ? left.toFixed(1) : Math.round(left)}</p>
-      <p className="soft">{done ? "Looking on is not worth it." : `${problems.worth_looking} worth a look`}</p>
+      <h3>Errors expected</h3>
+      <p className={styles.figure} data-errors={problems.errors}>{tenths(problems.errors)}</p>
+      <p className="soft">{problems.worth_looking ? `${tenths(problems.errors_left)} when the ${problems.worth_looking} worth a look are settled` : "Looking on is not worth it."}</p>
     </div>
   );
 }
+
+const tenths = (n: number): string => (n < 10 ? n.toFixed(1) : String(Math.round(n)));

@@ -22,6 +22,7 @@ function pick(name: string | null, more: boolean): void {
 /** What is drawn beside what is: a proposal, or the way to fill that is shown. */
 function insteadOf(s: State): readonly Path[] {
   if (s.screen === "tracks") return s.instead && s.instead.problem === s.problem ? whole(s.instead.paths, s.instead.at, s.paths) : [];
+  if (s.screen !== "gaps") return [];
   const one = s.candidates?.candidates.find((c) => c.method === s.method);
   return one && s.candidates ? whole([candidatePath(s.candidates.marker, one.xyz, one.sd)], s.candidates.first, s.paths) : [];
 }
@@ -61,7 +62,7 @@ export function SceneView(): React.JSX.Element {
     return () => (off(), watch.disconnect(), made.dispose());
   }, []);
   useEffect(() => void (scene && header && paths && scene.set(header, paths)), [scene, header, paths]);
-  useEffect(() => scene?.with({ selected, alone, ellipsoids: bands, instead }), [scene, selected, alone, bands, s.instead, s.candidates, s.method]);
+  useEffect(() => scene?.with({ selected, alone, ellipsoids: bands, instead }), [scene, selected, alone, bands, s.instead, s.candidates, s.method, s.screen]);
   useEffect(() => void (side || scene?.orbit.azimuth ? scene?.side(SIDES[side]!) : null), [scene, side]);
   useEffect(() => void (scene && focused && scene.focus(get().selected, playhead.frame)), [scene, focused]);
   const turn = (e: React.KeyboardEvent): void => {

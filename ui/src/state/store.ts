@@ -101,5 +101,4 @@ export const set = useStore.setState;
 export const still = (): boolean =>
   new URLSearchParams(location.search).has("still") || matchMedia("(prefers-reduced-motion: reduce)").matches;
 
-export const currentProblem = (s: State): Problem | null => s.problems?.problems.find((p) => p.id === s.problem) ?? null;
-export const problemsShown = (s: State): readonly Problem[] => s.problems?.problems ?? [];
+export const currentProblem = (s: State): Problem | null => (s.screen === "tracks" && s.problems?.problems.find((p) => p.id === s.problem)) || null;

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ..data import KinemarkError
 from .files import read_bytes, replacing
-from .pixels import MOST_PIXELS, Image, check_pixels, grey
+from .pixels import MOST_PIXELS, Image, check_pixels, grey, plane
 from .video import VideoInfo, decode_video, frames_at, key_frames_near, probe_video
 
 Interlaced = Literal[False, "top", "bottom"]
@@ -279,6 +279,31 @@ def png_bytes(image: Image) -> bytes:
     pixels: Any = np.ascontiguousarray(image)
     packets = [*context.encode(av.VideoFrame.from_ndarray(pixels, format=depth)), *context.encode(None)]
     return b"".join(map(bytes, packets))
+
+
+def jpeg_bytes(image: Image, *, coarseness: int = 5) -> bytes:
+    """Grey values (H, W), uint8, as a JPEG file has them; `coarseness` from 2 (finest) to 31.
+
+    Raises:
+        ValueError: `image` has another shape or dtype.
+    """
+    if image.ndim != 2 or image.dtype != np.uint8 or not image.size:
+        raise ValueError(f"image must be (height, width) of uint8, found {image.dtype} {image.shape}")
+    context = av.CodecContext.create("mjpeg", "w")
+    context.height, context.width = image.shape
+    context.pix_fmt, context.time_base = "yuvj420p", Fraction(1)
+    context.options = {"qmin": str(coarseness), "qmax": str(coarseness)}
+    pixels: Any = np.ascontiguousarray(image)
+    frame = av.VideoFrame.from_ndarray(pixels, format="gray").reformat(format="yuvj420p")
+    return b"".join(map(bytes, [*context.encode(frame), *context.encode(None)]))
+
+
+def scaled(image: Image, width: int, height: int) -> Image:
+    """Grey values (H, W), uint8, made smaller: each pixel the mean of those that it covers."""
+    pixels: Any = np.ascontiguousarray(image)
+    frame = av.VideoFrame.from_ndarray(pixels, format="gray")
+    small = frame.reformat(width=width, height=height, interpolation="AREA")
+    return plane(small, 8)
 
 
 def write_png(path: Path | str, image: Image) -> None:

@@ -66,6 +66,16 @@ def relink(page: Path, assets: Path, *, self_contained: bool) -> None:
         write_text(page, text.replace(old, new))
 
 
+def self_contained(page: Path, assets: Path) -> str:
+    """The text of a page with the library in it, whether or not its file shares one.
+
+    Raises:
+        OSError: the page cannot be read.
+    """
+    shared, own = (render("library.html", library=way) for way in (_linked(page, assets / library_name()), inside()))
+    return page.read_text("utf-8").replace(shared, own)
+
+
 def _linked(page: Path, file: Path) -> DrawingLibrary:
     return DrawingLibrary(address=quote(Path(os.path.relpath(file, page.parent)).as_posix()))
 

@@ -15,7 +15,9 @@ ABSENT = 'The studio needs FastAPI and uvicorn, and {name} is not there. Install
 
 def studio(
     *paths: Path,
-    host: Annotated[str, Parameter(help="Address to listen on; another than 127.0.0.1 is seen by others.")] = "127.0.0.1",
+    host: Annotated[
+        str, Parameter(help="Address to listen on; another than 127.0.0.1 is seen by others.")
+    ] = "127.0.0.1",
     port: Annotated[int, Parameter(help="Port to listen on; 0 takes a free one.")] = 0,
     browser: Annotated[bool, Parameter(help="Open the browser.")] = True,
 ) -> None:

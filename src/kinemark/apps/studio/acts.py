@@ -77,9 +77,7 @@ def preview(document: OpenDocument, said: Act) -> Preview:
     outcomes = [outcome(one) for one in after.applied[len(before.applied) :]]
     first, stop = _differs(before.trajectories, after.trajectories, changed)
     shown = part(changed, after.trajectories, first, stop)
-    return Preview(
-        outcomes=outcomes, changed=changed, removed=removed, paths=shown, join=_join(document.editing, said)
-    )
+    return Preview(outcomes=outcomes, changed=changed, removed=removed, paths=shown, join=_join(document.editing, said))
 
 
 def previewed(document: OpenDocument, said: Act) -> Edited:

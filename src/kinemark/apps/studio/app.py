@@ -12,7 +12,7 @@ from starlette.exceptions import HTTPException
 from ...data import KinemarkError
 from ...engine.journal import StaleJournal
 from ...version import __version__
-from . import home_routes, page_routes, trial_routes
+from . import export_routes, home_routes, image_routes, live, page_routes, trial_routes
 from .desk import Desk, NotRun
 from .limits import Limits
 from .messages import Refusal
@@ -28,8 +28,8 @@ def studio_app(desk: Desk) -> FastAPI:
         title="Kinemark studio", version=__version__, docs_url=None, redoc_url=None, openapi_url=None,
         responses={422: {"model": Refusal}}, separate_input_output_schemas=False,
     )  # fmt: skip
-    app.state.desk = desk
-    for part in (home_routes, trial_routes, page_routes):
+    app.state.desk, app.state.live = desk, live.Live(desk)
+    for part in (home_routes, trial_routes, image_routes, export_routes, live, page_routes):
         app.include_router(part.router)
     app.add_exception_handler(KinemarkError, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)

@@ -152,7 +152,9 @@ def candidates(document: OpenDocument, marker: str, first: int) -> GapCandidates
         KinemarkError: there is no such gap.
     """
     start = document.now.trajectories.first_frame
-    gap = next((g for g in gaps_in(document.now.trajectories) if g.path.name == marker and g.start == first - start), None)
+    gap = next(
+        (g for g in gaps_in(document.now.trajectories) if g.path.name == marker and g.start == first - start), None
+    )
     if gap is None:
         raise KinemarkError(f"{marker} has no gap that begins in frame {first}. Look at the table again.")
     work = work_of(document)

@@ -1,15 +1,24 @@
-"""Home: what may be opened."""
+"""Home: what may be opened, and files that are dropped there."""
 
 from __future__ import annotations
 
+import re
+import secrets
+from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request
+from starlette.concurrency import run_in_threadpool
 
+from ...data import KinemarkError
+from ...engine.editing import Editing
 from .desk import Desk
 from .home import home
-from .messages import Home
+from .messages import Dropped, Home
+from .shelf import ENDINGS, Place
 
+LONGEST_NAME = 120
+"""Characters of a dropped file's name; chosen, as file systems take 255 bytes."""
 router = APIRouter(prefix="/api")
 
 
@@ -24,6 +33,45 @@ TheDesk = Annotated[Desk, Depends(desk_of)]
 
 
 @router.get("/home")
-def get_home(desk: TheDesk) -> Home:
+def get_home(request: Request, desk: TheDesk) -> Home:
     """Sessions with their trials, and files."""
-    return home(desk.shelf, {})
+    return home(desk.shelf, request.app.state.live.failed)
+
+
+@router.post("/files", openapi_extra={"requestBody": {"content": {"application/octet-stream": {}}, "required": True}})
+async def post_file(request: Request, desk: TheDesk, name: str) -> Dropped:
+    """Keep a file that was dropped on the page, in the studio's own folder, if it can be read."""
+    folder = desk.shelf.home
+    target = kept_name(folder, name)
+    beside = folder / f".{secrets.token_hex(8)}.part{target.suffix}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with beside.open("xb") as file:
+            async for part in request.stream():
+                file.write(part)
+        editing = await run_in_threadpool(Editing.of_file, beside)
+        target = beside.rename(kept_name(folder, name))
+    except KinemarkError as error:
+        raise KinemarkError(str(error).replace(str(beside), name)) from error
+    except OSError as error:
+        raise KinemarkError(f"{target} cannot be written: {error}.") from error
+    finally:
+        beside.unlink(missing_ok=True)
+    assert editing.source is not None
+    return Dropped(id=Place(target.resolve()).id, words=list(editing.source.notes))
+
+
+def kept_name(folder: Path, name: str) -> Path:
+    """A name in the folder that no file has, made of what was given: letters, digits, space, dot, dash.
+
+    Raises:
+        KinemarkError: it has an ending that is not read.
+    """
+    given = Path(name.replace("\\", "/")).name[-LONGEST_NAME:]
+    if (ending := Path(given).suffix.lower()) not in ENDINGS:
+        raise KinemarkError(f"{given!r} has none of the endings {', '.join(ENDINGS)}. Convert it: kinemark convert.")
+    stem = re.sub(r"[^\w\- .]", "_", Path(given).stem).strip(" .") or "trial"
+    k = 1
+    while (found := folder / f"{stem}{'' if k == 1 else f' {k}'}{ending}").exists():
+        k += 1
+    return found

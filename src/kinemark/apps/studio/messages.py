@@ -508,7 +508,7 @@ class RunBody(Message):
 
 
 class Job(Message):
-    """A run of a trial."""
+    """A run of a trial; progress is of the stage, from 0 to 1."""
 
     kind: Literal["job"] = "job"
     id: str

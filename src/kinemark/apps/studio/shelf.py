@@ -102,7 +102,7 @@ class Shelf:
     def _found(self) -> list[Path]:
         """Session files and files of trajectories below the roots."""
         found = dict[Path, None]()
-        for root in self.roots:
+        for root in (*self.roots, *([self.home.resolve()] if self.home.is_dir() else [])):
             if root.is_file():
                 found[root] = None
                 continue

@@ -1,4 +1,4 @@
-"""One trial: its header and its samples."""
+"""One trial: its header and samples, what is wrong with it, what was said and what can be."""
 
 from __future__ import annotations
 
@@ -9,14 +9,22 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 
 from ...data import Trajectories
 from ...engine.keys import digest
+from . import messages as m
+from .acts import act, preview
 from .desk import OpenDocument
+from .gaps import candidates, chosen_fills, gap_table
 from .header import header
-from .home_routes import desk_of
-from .messages import PathsHeader, TrialHeader, View
+from .history import history, versions_apart
+from .home_routes import TheDesk, desk_of
+from .images import mosaic_of
+from .labels import labels
+from .live import TheLive
 from .paths import COLUMNS, DEFAULT, encoded, forget_others
+from .problems import listed
 from .shelf import NotThere
 
 BINARY = {200: {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}}
+"""What OpenAPI says of columns."""
 router = APIRouter(prefix="/api/trials/{trial}")
 
 
@@ -29,9 +37,9 @@ Document = Annotated[OpenDocument, Depends(document_of)]
 
 
 @router.get("")
-def get_header(document: Document) -> TrialHeader:
+def get_header(document: Document) -> m.TrialHeader:
     """All but the samples."""
-    return header(document, None)
+    return header(document, mosaic_of(document))
 
 
 @router.get("/paths", response_class=Response, responses=BINARY)  # type: ignore[arg-type]
@@ -39,28 +47,81 @@ def get_paths(
     request: Request,
     document: Document,
     marker: Annotated[list[str], Query(max_length=2000)] = [],  # noqa: B006  FastAPI copies it
-    view: View = "edited",
+    view: m.View = "edited",
     column: Annotated[list[str], Query(max_length=len(COLUMNS))] = list(DEFAULT),  # noqa: B006
 ) -> Response:
     """Samples as `PathsHeader` says; all trajectories where none is named."""
-    shown, head = viewed(document, view), document.head
+    (shown, pending), head = viewed(document, view), document.head
     names = marker or list(shown.names)
-    strange = [*({*names} - {*shown.names}), *({*column} - {*COLUMNS})]
-    if strange:
+    if strange := [*({*names} - {*shown.names}), *({*column} - {*COLUMNS})]:
         raise NotThere(f"There is no {strange[0]!r} in this trial.")
     tag = f'"{digest(head, document.ran, view, names, column)}"'
-    if request.headers.get("if-none-match") == tag:
+    if request.headers.get("if-none-match") == tag and view != "filled":
         return Response(status_code=304, headers={"ETag": tag})
-    about = PathsHeader(
-        view=view, names=names, first_frame=shown.first_frame, n_frames=shown.n_frames, columns=column, head=head
-    )  # type: ignore[arg-type]
+    about = m.PathsHeader(
+        view=view, names=names, first_frame=shown.first_frame, n_frames=shown.n_frames, columns=column, head=head,
+        pending=pending,
+    )  # type: ignore[arg-type]  # fmt: skip
+    paths = {path.name: path for path in shown}
     with document.lock:
         forget_others(document, (document.editing.trajectories, document.now.trajectories, shown))
-        body = encoded(document, [shown[name] for name in names], column)
+        body = encoded(document, [paths[name] for name in names], column)
     said = {"X-Kinemark-Paths": json.dumps(about.model_dump()), "ETag": tag, "Cache-Control": "no-cache"}
     return Response(body, media_type="application/octet-stream", headers=said)
 
 
-def viewed(document: OpenDocument, view: View) -> Trajectories:
-    """The trajectories of a view."""
-    return document.editing.trajectories if view == "before" else document.now.trajectories
+def viewed(document: OpenDocument, view: m.View) -> tuple[Trajectories, bool]:
+    """The trajectories of a view, and whether some of it is still computed."""
+    if view == "filled":
+        return chosen_fills(document)
+    return (document.editing.trajectories if view == "before" else document.now.trajectories), False
+
+
+@router.get("/problems")
+def get_problems(document: Document) -> m.Problems:
+    """What is probably wrong, what saves most first."""
+    return listed(document)
+
+
+@router.post("/acts")
+def post_act(document: Document, body: m.ActBody, live: TheLive, desk: TheDesk) -> m.ActDone:
+    """Say something of the trial."""
+    done = act(document, body)
+    live.moved(document.place.id, done.head)
+    return done
+
+
+@router.post("/preview")
+def post_preview(document: Document, body: m.PreviewBody) -> m.Preview:
+    """What an act would give; nothing is written."""
+    return preview(document, body.act)
+
+
+@router.get("/gaps")
+def get_gaps(document: Document) -> m.Gaps:
+    """All gaps, with what is known of how they can be filled."""
+    return gap_table(document)
+
+
+@router.get("/gaps/{marker}/{first}")
+def get_gap(document: Document, marker: str, first: int) -> m.GapCandidates:
+    """All ways to fill one gap."""
+    return candidates(document, marker, first)
+
+
+@router.get("/labels")
+def get_labels(document: Document) -> m.Labels:
+    """Names of tracks, proposed."""
+    return labels(document)
+
+
+@router.get("/history")
+def get_history(document: Document) -> m.History:
+    """What was said."""
+    return history(document)
+
+
+@router.get("/diff")
+def get_difference(document: Document, of: int, other: int) -> m.Difference:
+    """How two versions differ."""
+    return versions_apart(document, of, other)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Floats
 from ...numerics.runs import true_runs
 from .paths import Paths
 

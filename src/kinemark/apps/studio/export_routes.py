@@ -1,0 +1,73 @@
+"""What leaves the studio: the edited file, and the report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fastapi import APIRouter
+from fastapi.responses import HTMLResponse
+
+from ...data import KinemarkError
+from ...engine.edit_files import write_edited
+from ...engine.trial_graph import REPORT
+from ...io.notes import file_note_text
+from ...report.drawing_library import ASSETS, self_contained
+from .desk import OpenDocument
+from .home import state
+from .home_routes import TheDesk
+from .messages import ExportBody, Exported
+from .shelf import NotThere
+from .trial_routes import Document
+
+SANDBOX = (
+    "sandbox allow-scripts allow-popups; default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; "
+    "style-src 'unsafe-inline'; img-src data: blob:; frame-ancestors 'self'"
+)
+"""The report is a page of its own, with its scripts in it: it has no origin, so it can ask the server for nothing."""
+MOST_NAMES = 1000
+"""Files of one trial that are written beside each other; chosen."""
+router = APIRouter(prefix="/api/trials/{trial}")
+
+
+@router.post("/export")
+def post_export(document: Document, body: ExportBody) -> Exported:
+    """Write the edited trial beside what was given, which is never touched."""
+    if document.trial is not None:
+        return _of_session(document)
+    target = free_name(document.place.path, body.ending)
+    notes = write_edited(document.editing, target)
+    return Exported(name=target.name, words=[file_note_text(note) for note in notes])
+
+
+def _of_session(document: OpenDocument) -> Exported:
+    """A run has written it; raises a KinemarkError where something was said since."""
+    trial = document.trial
+    assert trial is not None
+    if state(trial, document.text.entries) not in ("done", "signed"):
+        raise KinemarkError("The file is written by a run, and something was said or set since. Run the trial first.")
+    return Exported(name=f"results/{trial.name}/{trial.name}.c3d")
+
+
+def free_name(given: Path, ending: str) -> Path:
+    """A name beside a file that no file has: walk01-edited.c3d, walk01-edited-2.c3d, …
+
+    Raises:
+        KinemarkError: there are too many.
+    """
+    ending = ending if ending.startswith(".") and ending[1:].isalnum() else ".c3d"
+    for k in range(1, MOST_NAMES):
+        found = given.with_name(f"{given.stem}-edited{'' if k == 1 else f'-{k}'}{ending}")
+        if not found.exists():
+            return found
+    raise KinemarkError(f"There are {MOST_NAMES} edited files of {given.name}. Remove some.")
+
+
+@router.get("/report", response_class=HTMLResponse)
+def get_report(trial: str, desk: TheDesk) -> HTMLResponse:
+    """The report of the last run, with all that it draws with."""
+    place = desk.place(trial)
+    results = place.path / "results"
+    page = results / str(place.trial) / REPORT
+    if place.trial is None or not page.is_file():
+        raise NotThere("There is no report yet: run the trial.")
+    return HTMLResponse(self_contained(page, results / ASSETS), headers={"Content-Security-Policy": SANDBOX})

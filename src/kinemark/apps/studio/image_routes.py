@@ -1,0 +1,59 @@
+"""What the cameras saw of a trial: images, detections, and where another camera may see the same."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Response
+
+from ...data import KinemarkError
+from .detections import MOST_FRAMES, epipolar_lines, seen_between
+from .images import seen
+from .messages import EpipolarLine
+from .trial_routes import BINARY, Document
+
+KEPT = "private, max-age=3600"
+"""Images of a frame never change while the page is open."""
+router = APIRouter(prefix="/api/trials/{trial}")
+
+
+def _image(kind: str) -> dict[int | str, dict[str, object]]:
+    return {200: {"content": {kind: {"schema": {"type": "string", "format": "binary"}}}}}
+
+
+@router.get("/mosaic/{frame}", response_class=Response, responses=_image("image/jpeg"))
+def get_mosaic(document: Document, frame: int) -> Response:
+    """The images of all cameras in a frame, by its number."""
+    return Response(seen(document).jpeg(frame - 1), media_type="image/jpeg", headers={"Cache-Control": KEPT})
+
+
+@router.get("/cameras/{camera}/{frame}", response_class=Response, responses=_image("image/png"))
+def get_crop(
+    document: Document,
+    camera: str,
+    frame: int,
+    x: Annotated[int, Query(ge=0)],
+    y: Annotated[int, Query(ge=0)],
+    w: Annotated[int, Query(gt=0)],
+    h: Annotated[int, Query(gt=0)],
+) -> Response:
+    """A part of an image as it was recorded."""
+    png = seen(document).crop(camera, frame - 1, x, y, w, h)
+    return Response(png, media_type="image/png", headers={"Cache-Control": KEPT})
+
+
+@router.get("/detections", response_class=Response, responses=BINARY)  # type: ignore[arg-type]
+def get_detections(document: Document, first: int, last: int) -> Response:
+    """What was detected in some frames, as `DetectionsHeader` says."""
+    if not 0 <= last - first < MOST_FRAMES:
+        raise KinemarkError(f"Frames {first} to {last} are none, or more than {MOST_FRAMES} at a time.")
+    about, body = seen_between(document, first, last)
+    said = {"X-Kinemark-Detections": json.dumps(about.model_dump())}
+    return Response(body, media_type="application/octet-stream", headers=said)
+
+
+@router.get("/epipolar")
+def get_epipolar(document: Document, camera: str, u: float, v: float) -> list[EpipolarLine]:
+    """Where the other cameras may see what one sees at a place."""
+    return epipolar_lines(document, camera, u, v)

@@ -1,0 +1,51 @@
+"""The images of an open trial, always by the number of a frame."""
+
+from __future__ import annotations
+
+from ...data import KinemarkError
+from ...engine.keys import digest, file_key
+from ...engine.mosaics import Mosaics
+from . import messages
+from .desk import OpenDocument
+
+FOLDER = "mosaics"
+"""In a trial's folder of results."""
+
+
+def mosaics_of(document: OpenDocument) -> Mosaics | None:
+    """The mosaics of a trial; None where its images are not there."""
+    with document.lock:
+        if "mosaics" not in document.kept:
+            document.kept["mosaics"] = _mosaics(document)
+        found: Mosaics | None = document.kept["mosaics"]
+        return found
+
+
+def mosaic_of(document: OpenDocument) -> messages.Mosaic | None:
+    """Where each camera is in them."""
+    found = mosaics_of(document)
+    if found is None:
+        return None
+    layout = found.layout
+    tiles = [messages.Tile(**tile._asdict()) for tile in layout.tiles]
+    return messages.Mosaic(width=layout.width, height=layout.height, tiles=tiles)
+
+
+def seen(document: OpenDocument) -> Mosaics:
+    """The same; raises a KinemarkError where there are no images."""
+    found = mosaics_of(document)
+    if found is None:
+        raise KinemarkError("This trial has no images.")
+    return found
+
+
+def _mosaics(document: OpenDocument) -> Mosaics | None:
+    if document.inputs is None or document.inputs.source.of.entry.images is None:
+        return None
+    try:
+        sources = document.inputs.source.of.images()
+    except KinemarkError:  # they were moved since the trial was run
+        return None
+    files = [path for source in sources.values() for path in source.paths]
+    fields = [source.interlaced for source in sources.values()]
+    return Mosaics(sources, document.inputs.folder / FOLDER / digest(file_key(*files), list(sources), fields))

@@ -1,0 +1,180 @@
+"""The images of all cameras in one frame, side by side in one small picture: a mosaic; made once and kept.
+
+A page that shows eight cameras at a frame asks for one file instead of eight, always by the frame's number.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..data import KinemarkError
+from ..io.exact_frames import ExactImages
+from ..io.files import replacing
+from ..io.images import ImageSource, jpeg_bytes, png_bytes, scaled
+from ..io.pixels import Image
+
+WIDTHS = (960, 640, 480, 400)
+"""px, of a tile where there are 1, 2, 3 or 4 cameras; chosen: what fits beside the rest on a screen of 1366 px."""
+MANY = 320
+"""px, of a tile where there are more; chosen, as above."""
+AHEAD = 48
+"""Frames that are made ahead of the one asked for; chosen: half a second of most recordings."""
+WORKERS = 4
+"""Threads that decode cameras side by side; chosen: more than most machines have to spare."""
+
+
+class Tile(NamedTuple):
+    """Where a camera's image is in the mosaic, px."""
+
+    camera: str
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Tiles in rows, and the size of the whole, px; both even."""
+
+    tiles: tuple[Tile, ...]
+    width: int
+    height: int
+
+
+def layout_of(sources: Mapping[str, ImageSource]) -> Layout:
+    """Tiles of one size for all cameras, each with its image as large as fits; fields have their true height."""
+    n = len(sources)
+    columns = math.ceil(math.sqrt(n))
+    largest = WIDTHS[n - 1] if n <= len(WIDTHS) else MANY
+    cell_w = _even(min(largest, max(source.size[0] for source in sources.values())))
+    shapes = {name: _fitted(source, cell_w) for name, source in sources.items()}
+    cell_h = max(height for _, height in shapes.values())
+    tiles = [
+        Tile(name, k % columns * cell_w, k // columns * cell_h, *shape)
+        for k, (name, shape) in enumerate(shapes.items())
+    ]
+    return Layout(tuple(tiles), columns * cell_w, math.ceil(n / columns) * cell_h)
+
+
+def _fitted(source: ImageSource, width: int) -> tuple[int, int]:
+    """Width and height of a tile."""
+    w, h = source.size[0], source.size[1] * (2 if source.interlaced else 1)
+    width = _even(min(width, w))
+    return width, max(_even(round(width * h / w)), 2)
+
+
+def _even(n: int) -> int:
+    return max(n - n % 2, 2)
+
+
+class Mosaics:
+    """The mosaics of one trial's recording."""
+
+    def __init__(self, sources: Mapping[str, ImageSource], folder: Path) -> None:
+        """Nothing is opened yet; mosaics are kept in the folder, where it can be written."""
+        self.sources, self.folder = dict(sources), folder
+        self.layout = layout_of(sources)
+        self.n_frames = min(source.n_frames for source in sources.values())
+        self._open: dict[str, ExactImages] = {}
+        self._locks = {name: threading.Lock() for name in sources}
+        self._bits: dict[str, int] = {}
+        self._pool = ThreadPoolExecutor(WORKERS, "tiles")
+        self._behind = ThreadPoolExecutor(1, "mosaics")
+        self._asked = 0, 0
+        self._made: dict[int, bytes] = {}
+
+    def jpeg(self, n: int) -> bytes:
+        """The mosaic of frame n, from 0; those after it, in the direction of asking, are made behind.
+
+        Raises:
+            KinemarkError: there is no such frame, or an image is damaged.
+        """
+        before, _ = self._asked
+        self._asked = n, n - before
+        found = self._mosaic(n)
+        self._behind.submit(self._ahead, self._asked)
+        return found
+
+    def crop(self, camera: str, n: int, x: int, y: int, width: int, height: int) -> bytes:
+        """A part of one camera's image as PNG, as it was recorded.
+
+        Raises:
+            KinemarkError: there is no such camera, frame or part.
+        """
+        if camera not in self.sources:
+            raise KinemarkError(f"There is no camera {camera}; there are {', '.join(self.sources)}.")
+        w, h = self.sources[camera].size
+        if not (0 <= x < x + width <= w and 0 <= y < y + height <= h):
+            raise KinemarkError(f"{camera} has {w} × {h} px; {width} × {height} from ({x}, {y}) is no part of that.")
+        return png_bytes(np.ascontiguousarray(self._image(camera, n)[y : y + height, x : x + width]))
+
+    def close(self) -> None:
+        """Nothing more is asked."""
+        self._asked = -1, 0
+        self._behind.shutdown(cancel_futures=True)
+        self._pool.shutdown()
+        for images in self._open.values():
+            images.close()
+
+    def _mosaic(self, n: int) -> bytes:
+        """Kept, or made now."""
+        file = self.folder / f"{n:07d}.jpg"
+        with suppress(OSError):
+            return file.read_bytes()
+        if n not in self._made:
+            self._made[n] = jpeg_bytes(self._drawn(n))
+            self._keep(file, self._made[n])
+            while len(self._made) > AHEAD:
+                self._made.pop(next(iter(self._made)), None)
+        return self._made[n]
+
+    def _keep(self, file: Path, content: bytes) -> None:
+        """On disk, where that can be."""
+        with suppress(KinemarkError, OSError):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            with replacing(file) as beside:
+                beside.write_bytes(content)
+
+    def _ahead(self, asked: tuple[int, int]) -> None:
+        """Frames after the one that was asked for, until another one is."""
+        n, step = asked
+        step = -1 if step < 0 else 1
+        with suppress(KinemarkError):  # whoever asks for the damaged frame is told
+            for k in range(n + step, n + step * AHEAD, step):
+                if self._asked != asked or not 0 <= k < self.n_frames:
+                    return
+                self._mosaic(k)
+
+    def _drawn(self, n: int) -> Image:
+        """(H, W) uint8."""
+        whole = np.zeros((self.layout.height, self.layout.width), np.uint8)
+        small = self._pool.map(lambda tile: self._tile(tile, n), self.layout.tiles)
+        for tile, image in zip(self.layout.tiles, small, strict=True):
+            whole[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width] = image
+        return whole
+
+    def _tile(self, tile: Tile, n: int) -> Image:
+        image = self._image(tile.camera, n)
+        if image.dtype != np.uint8:
+            image = (image >> self._shift(tile.camera, image)).clip(0, 255).astype(np.uint8)
+        return scaled(image, tile.width, tile.height)
+
+    def _shift(self, camera: str, image: Image) -> int:
+        """Bits of a camera above the eight that are shown, by the first image that is seen of it."""
+        return self._bits.setdefault(camera, max(int(image.max()).bit_length() - 8, 0))
+
+    def _image(self, camera: str, n: int) -> Image:
+        with self._locks[camera]:
+            if camera not in self._open:
+                self._open[camera] = ExactImages(self.sources[camera])
+            return self._open[camera].frame(n).copy()  # the decoder's own memory otherwise

@@ -4,6 +4,26 @@
  */
 
 export interface paths {
+    "/api/files": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post File
+         * @description Keep a file that was dropped on the page, in the studio's own folder, if it can be read.
+         */
+        post: operations["post_file_api_files_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/home": {
         parameters: {
             query?: never;
@@ -16,6 +36,26 @@ export interface paths {
          * @description Sessions with their trials, and files.
          */
         get: operations["get_home_api_home_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/jobs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Jobs
+         * @description Runs of trials since the server was started.
+         */
+        get: operations["get_jobs_api_jobs_get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -44,6 +84,226 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/trials/{trial}/acts": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Act
+         * @description Say something of the trial.
+         */
+        post: operations["post_act_api_trials__trial__acts_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/cameras/{camera}/{frame}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Crop
+         * @description A part of an image as it was recorded.
+         */
+        get: operations["get_crop_api_trials__trial__cameras__camera___frame__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/detections": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Detections
+         * @description What was detected in some frames, as `DetectionsHeader` says.
+         */
+        get: operations["get_detections_api_trials__trial__detections_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/diff": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Difference
+         * @description How two versions differ.
+         */
+        get: operations["get_difference_api_trials__trial__diff_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/epipolar": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Epipolar
+         * @description Where the other cameras may see what one sees at a place.
+         */
+        get: operations["get_epipolar_api_trials__trial__epipolar_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/export": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Export
+         * @description Write the edited trial beside what was given, which is never touched.
+         */
+        post: operations["post_export_api_trials__trial__export_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/gaps": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Gaps
+         * @description All gaps, with what is known of how they can be filled.
+         */
+        get: operations["get_gaps_api_trials__trial__gaps_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/gaps/{marker}/{first}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Gap
+         * @description All ways to fill one gap.
+         */
+        get: operations["get_gap_api_trials__trial__gaps__marker___first__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/history": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get History
+         * @description What was said.
+         */
+        get: operations["get_history_api_trials__trial__history_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/labels": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Labels
+         * @description Names of tracks, proposed.
+         */
+        get: operations["get_labels_api_trials__trial__labels_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/mosaic/{frame}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Mosaic
+         * @description The images of all cameras in a frame, by its number.
+         */
+        get: operations["get_mosaic_api_trials__trial__mosaic__frame__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/trials/{trial}/paths": {
         parameters: {
             query?: never;
@@ -59,6 +319,90 @@ export interface paths {
         put?: never;
         post?: never;
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Preview
+         * @description What an act would give; nothing is written.
+         */
+        post: operations["post_preview_api_trials__trial__preview_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/problems": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Problems
+         * @description What is probably wrong, what saves most first.
+         */
+        get: operations["get_problems_api_trials__trial__problems_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/report": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Report
+         * @description The report of the last run, with all that it draws with.
+         */
+        get: operations["get_report_api_trials__trial__report_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/run": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Run
+         * @description Run a trial.
+         */
+        post: operations["post_run_api_trials__trial__run_post"];
+        /**
+         * Delete Run
+         * @description Stop the run of a trial.
+         */
+        delete: operations["delete_run_api_trials__trial__run_delete"];
         options?: never;
         head?: never;
         patch?: never;
@@ -111,11 +455,8 @@ export interface components {
          *     are from where their motion leads; `images` that a marker there explains.
          */
         Alternative: {
-            /**
-             * Act
-             * @default null
-             */
-            act: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"]) | null;
+            /** Act */
+            act?: (components["schemas"]["ClaimAct"] | components["schemas"]["ExchangeAct"] | components["schemas"]["SidesAct"] | components["schemas"]["EraseAct"] | components["schemas"]["PutAct"] | components["schemas"]["GapAct"] | components["schemas"]["SmoothAct"] | components["schemas"]["ImageAct"] | components["schemas"]["ReviewAct"] | components["schemas"]["AlternativeAct"] | components["schemas"]["TrimAct"] | components["schemas"]["FinishAct"] | components["schemas"]["EventAct"] | components["schemas"]["UndoAct"] | components["schemas"]["RedoAct"] | components["schemas"]["SignAct"] | components["schemas"]["SeveralAct"]) | null;
             /**
              * Action
              * @enum {string}
@@ -126,28 +467,16 @@ export interface components {
              * @default
              */
             consequence: string;
-            /**
-             * Cost
-             * @default null
-             */
-            cost: number | null;
-            /**
-             * Images
-             * @default null
-             */
-            images: number | null;
-            /**
-             * Jump Mm
-             * @default null
-             */
-            jump_mm: number | null;
+            /** Cost */
+            cost?: number | null;
+            /** Images */
+            images?: number | null;
+            /** Jump Mm */
+            jump_mm?: number | null;
             /** Key */
             key: string;
-            /**
-             * Probability
-             * @default null
-             */
-            probability: number | null;
+            /** Probability */
+            probability?: number | null;
             /** Words */
             words: string;
         };
@@ -261,26 +590,17 @@ export interface components {
          * @description A stretch of a trajectory is this marker; or no marker, where `name` is null. `at`: the frame pointed at.
          */
         ClaimAct: {
-            /**
-             * At
-             * @default null
-             */
-            at: number | null;
-            /**
-             * First
-             * @default null
-             */
-            first: number | null;
+            /** At */
+            at?: number | null;
+            /** First */
+            first?: number | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "claim";
-            /**
-             * Last
-             * @default null
-             */
-            last: number | null;
+            /** Last */
+            last?: number | null;
             /** Name */
             name: string | null;
             /** Track */
@@ -412,21 +732,15 @@ export interface components {
             a: string;
             /** B */
             b: string;
-            /**
-             * First
-             * @default null
-             */
-            first: number | null;
+            /** First */
+            first?: number | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "exchange";
-            /**
-             * Last
-             * @default null
-             */
-            last: number | null;
+            /** Last */
+            last?: number | null;
         };
         /**
          * ExportBody
@@ -467,21 +781,15 @@ export interface components {
          * @description What is unnamed is dropped and the rest is trimmed to common frames: those given, or those of all markers.
          */
         FinishAct: {
-            /**
-             * First
-             * @default null
-             */
-            first: number | null;
+            /** First */
+            first?: number | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "finish";
-            /**
-             * Last
-             * @default null
-             */
-            last: number | null;
+            /** Last */
+            last?: number | null;
         };
         /**
          * GapAct
@@ -509,11 +817,8 @@ export interface components {
          *     `pending` while better ones are computed: ask again.
          */
         GapCandidates: {
-            /**
-             * Best
-             * @default null
-             */
-            best: string | null;
+            /** Best */
+            best?: string | null;
             /** Candidates */
             candidates: components["schemas"]["Candidate"][];
             /** First */
@@ -542,16 +847,10 @@ export interface components {
              * @default []
              */
             cameras_alone: string[];
-            /**
-             * Choice
-             * @default null
-             */
-            choice: string | null;
-            /**
-             * Expected Mm
-             * @default null
-             */
-            expected_mm: number | null;
+            /** Choice */
+            choice?: string | null;
+            /** Expected Mm */
+            expected_mm?: number | null;
             /** First */
             first: number;
             /** Frames */
@@ -560,11 +859,8 @@ export interface components {
             last: number;
             /** Marker */
             marker: string;
-            /**
-             * Method
-             * @default null
-             */
-            method: string | null;
+            /** Method */
+            method?: string | null;
             /**
              * Others
              * @default []
@@ -690,7 +986,7 @@ export interface components {
         };
         /**
          * Job
-         * @description A run of a trial.
+         * @description A run of a trial; progress is of the stage, from 0 to 1.
          */
         Job: {
             /** Id */
@@ -700,16 +996,10 @@ export interface components {
              * @enum {string}
              */
             kind: "job";
-            /**
-             * Progress
-             * @default null
-             */
-            progress: number | null;
-            /**
-             * Seconds Left
-             * @default null
-             */
-            seconds_left: number | null;
+            /** Progress */
+            progress?: number | null;
+            /** Seconds Left */
+            seconds_left?: number | null;
             /**
              * Stage
              * @default
@@ -959,8 +1249,7 @@ export interface components {
         Preview: {
             /** Changed */
             changed: string[];
-            /** @default null */
-            join: components["schemas"]["Join"] | null;
+            join?: components["schemas"]["Join"] | null;
             /** Outcomes */
             outcomes: components["schemas"]["Outcome"][];
             paths: components["schemas"]["PathsPart"];
@@ -997,11 +1286,8 @@ export interface components {
              * @default 0
              */
             cost: number;
-            /**
-             * Cost Mm
-             * @default null
-             */
-            cost_mm: number | null;
+            /** Cost Mm */
+            cost_mm?: number | null;
             /** First */
             first: number;
             /** Frame */
@@ -1024,11 +1310,8 @@ export interface components {
             tracks: string[];
             /** Words */
             words: string;
-            /**
-             * Wrong
-             * @default null
-             */
-            wrong: number | null;
+            /** Wrong */
+            wrong?: number | null;
         };
         /**
          * Problems
@@ -1087,16 +1370,10 @@ export interface components {
             kind: "put";
             /** Marker */
             marker: string;
-            /**
-             * Sd
-             * @default null
-             */
-            sd: number | null;
-            /**
-             * Xyz
-             * @default null
-             */
-            xyz: [
+            /** Sd */
+            sd?: number | null;
+            /** Xyz */
+            xyz?: [
                 number,
                 number,
                 number
@@ -1207,21 +1484,15 @@ export interface components {
          * @description Left and right of every pair of the marker set are exchanged, from a frame on, or in a stretch.
          */
         SidesAct: {
-            /**
-             * First
-             * @default null
-             */
-            first: number | null;
+            /** First */
+            first?: number | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
             kind: "sides";
-            /**
-             * Last
-             * @default null
-             */
-            last: number | null;
+            /** Last */
+            last?: number | null;
         };
         /**
          * SignAct
@@ -1443,11 +1714,8 @@ export interface components {
              * @enum {string}
              */
             kind: "undo";
-            /**
-             * Of
-             * @default null
-             */
-            of: number | null;
+            /** Of */
+            of?: number | null;
         };
     };
     responses: never;
@@ -1458,6 +1726,41 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
+    post_file_api_files_post: {
+        parameters: {
+            query: {
+                name: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/octet-stream": unknown;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Dropped"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
     get_home_api_home_get: {
         parameters: {
             query?: never;
@@ -1474,6 +1777,35 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Home"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_jobs_api_jobs_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Job"][];
                 };
             };
             /** @description Unprocessable Entity */
@@ -1518,6 +1850,375 @@ export interface operations {
             };
         };
     };
+    post_act_api_trials__trial__acts_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ActBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ActDone"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_crop_api_trials__trial__cameras__camera___frame__get: {
+        parameters: {
+            query: {
+                x: number;
+                y: number;
+                w: number;
+                h: number;
+            };
+            header?: never;
+            path: {
+                camera: string;
+                frame: number;
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_detections_api_trials__trial__detections_get: {
+        parameters: {
+            query: {
+                first: number;
+                last: number;
+            };
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_difference_api_trials__trial__diff_get: {
+        parameters: {
+            query: {
+                of: number;
+                other: number;
+            };
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Difference"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_epipolar_api_trials__trial__epipolar_get: {
+        parameters: {
+            query: {
+                camera: string;
+                u: number;
+                v: number;
+            };
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EpipolarLine"][];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_export_api_trials__trial__export_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ExportBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Exported"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_gaps_api_trials__trial__gaps_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Gaps"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_gap_api_trials__trial__gaps__marker___first__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                marker: string;
+                first: number;
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GapCandidates"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_history_api_trials__trial__history_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["History"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_labels_api_trials__trial__labels_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Labels"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_mosaic_api_trials__trial__mosaic__frame__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                frame: number;
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/jpeg": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
     get_paths_api_trials__trial__paths_get: {
         parameters: {
             query?: {
@@ -1540,6 +2241,169 @@ export interface operations {
                 };
                 content: {
                     "application/octet-stream": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_preview_api_trials__trial__preview_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PreviewBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Preview"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_problems_api_trials__trial__problems_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problems"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_report_api_trials__trial__report_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_run_api_trials__trial__run_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["RunBody"] | null;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Job"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    delete_run_api_trials__trial__run_delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Job"];
                 };
             };
             /** @description Unprocessable Entity */

@@ -72,7 +72,7 @@ export const COMMANDS: readonly Command[] = [
   ...[1, 2, 3, 4, 5].map(taken),
   { id: "right", keys: ["Y"], title: "It is right as it is", group: "Problems", screens: ["tracks"], when: onProblem, foot: 20, hint: () => "right as it is", run: acts.rightAsIs },
   { id: "later", keys: ["-"], title: "Later", group: "Problems", screens: ["tracks"], when: onProblem, foot: 22, hint: () => "later", run: acts.putOff },
-  { id: "drop", keys: ["Delete"], title: "It is not a marker; erase the marked samples", group: "Problems", screens: EDITOR, when: (s) => selected(s) || onProblem(s), foot: 24, hint: (s) => (s.first !== null && s.last !== null && !s.selected[0]?.startsWith("*") ? "erase the marked samples" : "not a marker"), run: acts.notAMarker },
+  { id: "drop", keys: ["Delete"], title: "It is not a marker; erase the marked samples", group: "Problems", screens: ["tracks", "labels", "gaps"], when: (s) => selected(s) || onProblem(s), foot: 24, hint: (s) => (s.first !== null && s.last !== null && !s.selected[0]?.startsWith("*") ? "erase the marked samples" : "not a marker"), run: acts.notAMarker },
   // Names
   { id: "exchange", keys: ["X"], title: "Exchange two markers from here on, or in the marked stretch", group: "Names", screens: ["tracks"], when: (s) => s.selected.length > 1, foot: 26, hint: (s) => `exchange ${s.selected[0]} and ${s.selected[1]} from here on`, run: acts.exchange },
   { id: "cut", keys: ["C"], title: "Cut here: mark from this frame to the end", group: "Names", screens: ["tracks"], when: selected, run: acts.cut },

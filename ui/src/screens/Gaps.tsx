@@ -61,7 +61,7 @@ function Table(): React.JSX.Element {
 }
 
 function Row({ gap: g, at, on, limit }: { gap: GapRow; at: number; on: boolean; limit: number }): React.JSX.Element {
-  const over = g.expected_mm !== null && g.expected_mm > limit;
+  const over = g.expected_mm != null && g.expected_mm > limit;
   return (
     <div role="row" aria-rowindex={at + 2} className={styles.row} aria-selected={on} data-gap={`${g.marker} ${g.first}`} data-state={g.state} onClick={() => void lookAtGap(g)} title={[g.words, g.cameras_alone.length ? `${g.cameras_alone.join(", ")} saw it alone` : ""].filter(Boolean).join(" · ") || undefined}>
       <span role="cell"><b>{g.marker}</b></span>

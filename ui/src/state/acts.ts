@@ -215,9 +215,9 @@ export async function fillGap(method = get().method ?? "best"): Promise<void> {
 }
 
 /** Whether nobody has said yet what becomes of a gap. */
-export const undecided = (g: GapRow): boolean => g.choice === null;
+export const undecided = (g: GapRow): boolean => g.choice == null;
 
-export const acceptable = (): GapRow[] => (get().gaps?.gaps ?? []).filter((g) => undecided(g) && g.method !== null && g.expected_mm !== null && g.expected_mm <= get().limit);
+export const acceptable = (): GapRow[] => (get().gaps?.gaps ?? []).filter((g) => undecided(g) && g.method != null && g.expected_mm != null && g.expected_mm <= get().limit);
 
 /** All gaps whose expected error is below the limit, in one act. */
 export function fillAll(): void {

@@ -74,7 +74,9 @@ class Server:
         said = ""
         while "token=" not in said:
             line = self.process.stdout.readline()
-            assert line or self.process.poll() is None, said
+            if not line:
+                self.kill()
+                raise AssertionError(f"the server did not start: {said}")
             said += line
         self.address = re.search(r"http://\S+", said).group()
         self.base = self.address.split("?")[0]

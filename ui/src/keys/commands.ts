@@ -3,6 +3,7 @@
  * palette, foot and tests all read it.
  */
 import { many, mm, percent } from "../model/format";
+import { asked, labelRows } from "../model/labels";
 import { proposed } from "../model/problems";
 import * as acts from "../state/acts";
 import { goTo } from "../state/load";
@@ -144,9 +145,9 @@ const errorOf = (s: State): number | null => s.candidates?.candidates.find((c) =
 const proposalOf = (s: State): { track: string; name: string | null; probability: number } | null => s.labels?.proposals.find((p) => p.track === s.track && p.name !== null && p.track !== p.name) ?? null;
 
 function nextProposal(by: 1 | -1): void {
-  const all = (get().labels?.proposals ?? []).filter((p) => p.track.startsWith("*") || p.state !== "sure"), at = all.findIndex((p) => p.track === get().track);
+  const { header, labels } = get(), all = header ? asked(labelRows(header, labels)) : [], at = all.findIndex((p) => p.track === get().track);
   const next = all[at < 0 ? (by > 0 ? 0 : all.length - 1) : (at + by + all.length) % all.length];
-  if (next) set({ track: next.track, selected: [next.track] });
+  if (next) set((s) => ({ track: next.track, selected: [next.track], focused: s.focused + 1 }));
 }
 
 function nextGap(by: 1 | -1): void {

@@ -7,6 +7,7 @@ import { SceneView } from "../parts/views";
 import { Waiting } from "../parts/Waiting";
 import { LABEL_LIMIT } from "../keys/commands";
 import { many, mm, percent } from "../model/format";
+import { labelRows } from "../model/labels";
 import { acceptLabels, claim, exchangeSides, sureLabels } from "../state/acts";
 import { set, useStore } from "../state/store";
 import styles from "./Labels.module.css";
@@ -59,10 +60,7 @@ function Accept(): React.JSX.Element {
 function Proposals(): React.JSX.Element {
   const labels = useStore((s) => s.labels), header = useStore((s) => s.header), place = useRef<HTMLDivElement>(null), track = useStore((s) => s.track);
   useEffect(() => void place.current?.querySelector('[aria-current="true"]')?.scrollIntoView({ block: "nearest" }), [track]);
-  const known = new Map(labels?.proposals.map((p) => [p.track, p]));
-  const rows = (header?.tracks ?? []).filter((t) => t.samples > 0).map((t): Proposal => known.get(t.name) ?? { track: t.name, name: t.named ? t.name : null, probability: t.probability ?? NaN, runner_up: t.runner_up ?? null, state: t.named ? "sure" : "unknown" });
-  const rank = (p: Proposal): number => (p.track.startsWith("*") ? 0 : p.state === "unsure" ? 1 : 2);
-  rows.sort((a, b) => rank(a) - rank(b) || (a.probability || 0) - (b.probability || 0));
+  const rows = header ? labelRows(header, labels) : [];
   return <div ref={place} className={styles.list} tabIndex={0} role="region" aria-label="Names of tracks"><ul>{rows.map((p) => <Row key={p.track} of={p} />)}</ul></div>;
 }
 

@@ -4,7 +4,7 @@ import json
 import re
 
 import pytest
-from support.studio import AXE, Studio, window
+from support.studio_page import AXE, Studio, window
 
 SCREENS = ("home", "tracks", "labels", "gaps", "report", "history")
 LEVELS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
@@ -28,7 +28,7 @@ def violations(page):
 def test_every_screen_opens_without_an_error_and_axe_finds_nothing(folder, walk, chromium_running, theme):
     if not AXE.is_file():
         pytest.skip("needs axe-core: python3 dev.py studio")
-    from support.studio import served
+    from support.studio_page import served
 
     with served(folder, "--faults") as server:
         context = window(chromium_running, bypass_csp=True)  # axe is put in by evaluation, which the policy forbids

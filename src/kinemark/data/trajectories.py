@@ -22,7 +22,7 @@ class Origin(IntEnum):
     EDITED = 3
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class MarkerTrajectory:
     """One marker over F frames.
 

@@ -16,16 +16,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
+from weakref import WeakValueDictionary
 
 import numpy as np
 
 from ..data import Detections, MarkerTrajectory, Origin, Trajectories
 from ..data.array_types import Bools, Floats, Ints
 from ..data.edits import UNNAMED, Claim, is_named
-from .votes import Votes, denies, votes
+from .votes import KnownVotes, Votes, denies, known_votes, votes
 
 ENOUGH = 0.8
 """Share of a claim's witnesses that must be found for it to hold; chosen (see studies/edits.py)."""
+MOST_ROWS = 256
+"""Paths with their claims that are kept for the next version; chosen: each is 160 kB of 10 000 frames."""
 
 
 class Claimed(NamedTuple):
@@ -62,7 +65,7 @@ def with_claims(
     inside = (said.frame >= 0) & (said.frame < trajectories.n_frames)
     asked = np.bincount(said.stretch[inside], minlength=len(claims))
     found = np.bincount(said.stretch[said.path >= 0], minlength=len(claims))
-    of, apart = _owners(trajectories, claims, said, detections)
+    of, apart = _owners(trajectories, claims, said, known_votes(trajectories, detections, world))
     kept = _one_a_frame(trajectories, claims, of, apart)
     samples = np.bincount(of[kept & (of >= 0)], minlength=len(claims))
     changed = none.copy()
@@ -73,21 +76,34 @@ def with_claims(
     return Claimed(_renamed(trajectories, claims, of, kept), asked, found, samples, changed)
 
 
-def _owners(
-    trajectories: Trajectories, claims: Sequence[Claim], said: Votes, detections: Detections | None
-) -> tuple[Ints, Floats]:
+def _owners(trajectories: Trajectories, claims: Sequence[Claim], said: Votes, known: KnownVotes) -> tuple[Ints, Floats]:
     """The claim (P, F) that has each sample of each path, −1 for none, and the frames to its nearest witness."""
     shape = len(trajectories), trajectories.n_frames
     of, apart = np.full(shape, -1, np.int64), np.full(shape, np.inf)
     for p in np.unique(said.path[said.path >= 0]).tolist():
-        on = {k: said.of(said.stretch == k) for k in np.unique(said.stretch[said.path == p]).tolist()}
-        for k, own in on.items():
-            denied = own.frame[denies(own, p, trajectories, detections)]
-            _nearest(of[p], apart[p], k, own.frame[own.path == p], denied, _covered(claims[k], trajectories))  # (2)
-        for k, own in on.items():
-            speaking = own.of(own.path >= 0)
-            _between(of[p], apart[p], k, speaking.frame, speaking.path == p, _covered(claims[k], trajectories))  # (1)
-        of[p][trajectories.paths[p].origin == Origin.MISSING] = -1
+        mine = np.unique(said.stretch[said.path == p]).tolist()
+        key = p, *((k, claims[k].where) for k in mine)
+        if key not in known.rows:
+            while len(known.rows) >= MOST_ROWS:
+                del known.rows[next(iter(known.rows))]
+            known.rows[key] = _owner(trajectories, p, {k: claims[k] for k in mine}, said, known.detections)
+        of[p], apart[p] = known.rows[key]
+    return of, apart
+
+
+def _owner(
+    trajectories: Trajectories, p: int, claims: dict[int, Claim], said: Votes, detections: Detections | None
+) -> tuple[Ints, Floats]:
+    """The same (F) of one path; `claims` that have a witness on it, by their numbers."""
+    of, apart = np.full(trajectories.n_frames, -1, np.int64), np.full(trajectories.n_frames, np.inf)
+    on = {k: said.of(said.stretch == k) for k in claims}
+    for k, own in on.items():
+        denied = own.frame[denies(own, p, trajectories, detections)]
+        _nearest(of, apart, k, own.frame[own.path == p], denied, _covered(claims[k], trajectories))  # (2)
+    for k, own in on.items():
+        speaking = own.of(own.path >= 0)
+        _between(of, apart, k, speaking.frame, speaking.path == p, _covered(claims[k], trajectories))  # (1)
+    of[trajectories.paths[p].origin == Origin.MISSING] = -1
     return of, apart
 
 
@@ -125,18 +141,28 @@ def _between(of: Ints, apart: Floats, k: int, frame: Ints, here: Bools, at: slic
 def _one_a_frame(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, apart: Floats) -> Bools:
     """(P, F) which samples keep the name that they have now by claim, or by their path, (4)."""
     present = np.array([path.origin != Origin.MISSING for path in trajectories]).reshape(of.shape)
-    for name in sorted({claim.name for claim in claims if claim.name is not None}):
-        mine = np.array([k for k, claim in enumerate(claims) if claim.name == name])
-        claimed = np.isin(of, mine)
-        if not claimed.any():
+    for name, rows in _sharing(trajectories, claims, of).items():
+        mine = np.array([*(claim.name == name for claim in claims), False])  # the last stands for no claim, −1
+        claimed = mine[of[rows]]
+        own = np.array([trajectories.paths[p].name == name for p in rows])[:, None] & (of[rows] < 0) & present[rows]
+        if ((claimed | own).sum(0) <= 1).all():
             continue
-        own = np.array([path.name == name for path in trajectories])[:, None] & (of < 0) & present
-        rows = np.flatnonzero((claimed | own).any(1))
-        worth = np.where(claimed[rows], of[rows] + 1 / (1 + apart[rows]), np.where(own[rows], -0.5, -np.inf))
+        worth = np.where(claimed, of[rows] + 1 / (1 + apart[rows]), np.where(own, -0.5, -np.inf))
         best = np.zeros(worth.shape, bool)
         best[worth.argmax(0), np.arange(worth.shape[1])] = True
-        present[rows] &= best | ~(claimed | own)[rows]
+        present[rows] &= best | ~(claimed | own)
     return present
+
+
+def _sharing(trajectories: Trajectories, claims: Sequence[Claim], of: Ints) -> dict[str, list[int]]:
+    """The names that were claimed and that samples of two or more paths have, and these paths."""
+    rows: dict[str, list[int]] = {claim.name: [] for claim in claims if claim.name is not None}
+    for p, path in enumerate(trajectories):
+        count = np.bincount(of[p] + 1, minlength=len(claims) + 1)
+        names = {claims[k].name for k in np.flatnonzero(count[1:]).tolist()} | ({path.name} if count[0] else set())
+        for name in names & rows.keys():
+            rows[str(name)].append(p)
+    return {name: some for name, some in rows.items() if len(some) > 1}
 
 
 def _renamed(trajectories: Trajectories, claims: Sequence[Claim], of: Ints, kept: Bools) -> Trajectories:
@@ -182,16 +208,31 @@ def _uncut(mask: Bools, cuts: Bools) -> Iterator[Bools]:
         yield mask & (piece == value)
 
 
+_KNOWN: WeakValueDictionary[object, MarkerTrajectory] = WeakValueDictionary()
+"""Paths of pieces, as long as somebody has them: the next version has the same record where the pieces are the same."""
+
+
 def _joined(trajectories: Trajectories, name: str, masks: Sequence[tuple[int, Bools]]) -> MarkerTrajectory:
     """One path of samples of several, no frame of them twice."""
     masks = [one for one in masks if one[1].any()] or masks[:1]
     p, mask = masks[0]
     first = trajectories.paths[p]
-    if len(masks) == 1 and np.array_equal(mask, first.origin != Origin.MISSING):
-        return first if first.name == name else replace(first, name=name)
-    blank = _blank(name, len(first), max(trajectories.paths[p].detection.shape[1] for p, _ in masks))
-    for p, mask in masks:
-        path = trajectories.paths[p]
+    if len(masks) == 1 and first.name == name and np.array_equal(mask, first.origin != Origin.MISSING):
+        return first
+    pieces = [(trajectories.paths[p], mask) for p, mask in masks]
+    key = name, *((path, mask.tobytes()) for path, mask in pieces)
+    found = _KNOWN.get(key)
+    if found is None:
+        _KNOWN[key] = found = _of_pieces(name, pieces)
+    return found
+
+
+def _of_pieces(name: str, pieces: Sequence[tuple[MarkerTrajectory, Bools]]) -> MarkerTrajectory:
+    first, mask = pieces[0]
+    if len(pieces) == 1 and np.array_equal(mask, first.origin != Origin.MISSING):
+        return replace(first, name=name)
+    blank = _blank(name, len(first), max(path.detection.shape[1] for path, _ in pieces))
+    for path, mask in pieces:
         for column, values in blank.items():
             source = getattr(path, column)
             if column != "detection" or source.shape[1]:

@@ -15,8 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data import Detections, MarkerTrajectory, Origin, Rig, Trajectories
-from ..data.array_types import Bools
+from ..data import Detections, Rig, Trajectories
 from ..data.edits import (
     AddEvent,
     Applied,
@@ -24,20 +23,19 @@ from ..data.edits import (
     DropUnnamed,
     Edit,
     Entry,
-    Erase,
     GapChoice,
     ImagePoint,
     Outcome,
     Put,
-    Smooth,
     Trim,
     Verdict,
     is_named,
     live,
 )
 from .claims import ENOUGH, Claimed, with_claims
-from .values import Changed, Footage, Result, erase, put, smooth, with_image, without_image
-from .votes import nearest_images, votes
+from .folds import Folded, ValueEdit, with_values
+from .values import Footage, Result
+from .votes import votes
 
 
 class Reviewed(NamedTuple):
@@ -58,11 +56,13 @@ class Edited:
         trajectories: the markers, before filling.
         applied: what became of each edit, in the order of the journal.
         reviewed: ambiguous decisions that nobody is to be asked about again; paths are those before all edits.
+        folds: markers with their edits of values, which the next version may use again.
     """
 
     trajectories: Trajectories
     applied: tuple[Applied, ...] = ()
     reviewed: tuple[Reviewed, ...] = ()
+    folds: tuple[Folded, ...] = ()
 
     @property
     def standing(self) -> tuple[Edit, ...]:
@@ -114,19 +114,22 @@ def replay(
     claims = [edit for _, edit in said if isinstance(edit, Claim)]
     claimed = with_claims(trajectories, claims, detections, world=world)
     of = Footage(trajectories.first_frame, trajectories.rate, detections, rig, world)
-    changing = _Markers(claimed.trajectories, of)
+    values = [edit for _, edit in said if isinstance(edit, ValueEdit)]
+    after, results, folds = with_values(claimed.trajectories, values, of)
     outcome = iter([_claim_outcome(claimed, k) for k in range(len(claims))])
+    result_of_value = iter(results)
     applied = []
     for number, edit in said:
         if isinstance(edit, Claim):
             applied.append(Applied(number, edit, *next(outcome)))
         else:
-            result = changing.apply(edit, trajectories)
+            of_value = isinstance(edit, ValueEdit)
+            result = next(result_of_value) if of_value else _result(edit, trajectories, after, of)
             applied.append(Applied(number, edit, result.outcome, 1.0, result.samples, result.reason))
     found = _overruled(applied)
     verdicts = [one.edit for one in found if one.outcome == "held" and isinstance(one.edit, Verdict)]
     found_again = tuple(reviewed(edit, trajectories, of) for edit in verdicts)
-    return Edited(changing.trajectories, tuple(found), found_again)
+    return Edited(after, tuple(found), found_again, folds)
 
 
 def _claim_outcome(claimed: Claimed, k: int) -> tuple[Outcome, float, int, str]:
@@ -146,74 +149,17 @@ def _claim_outcome(claimed: Claimed, k: int) -> tuple[Outcome, float, int, str]:
     return "held", share, samples, ""
 
 
-class _Markers:
-    """The markers while edits of values are applied to them, one after the other."""
-
-    def __init__(self, trajectories: Trajectories, of: Footage) -> None:
-        self.trajectories = trajectories
-        self.of = of
-
-    def apply(self, edit: Edit, before: Trajectories) -> Result:
-        """What becomes of an edit; `before` are the paths before all edits."""
-        if isinstance(edit, Verdict):
-            return _verdict_result(edit, before, self.of)
-        if isinstance(edit, Trim):
-            inside = edit.last >= self.of.first_frame and edit.first < self.of.first_frame + before.n_frames
-            return Result("held") if inside else Result("orphan", reason="the trial has none of these frames")
-        if isinstance(edit, DropUnnamed):
-            n = sum(not is_named(name) for name in self.trajectories.names)
-            return Result("held", n) if n else Result("moot", reason="all have names")
-        if isinstance(edit, ImagePoint) and edit.marker is None:
-            return self._no_marker(edit)
-        if isinstance(edit, Erase | Put | Smooth | ImagePoint | GapChoice):
-            return self._of_marker(edit)
-        return Result("held")
-
-    def _of_marker(self, edit: Erase | Put | Smooth | ImagePoint | GapChoice) -> Result:
-        """Edits of one marker."""
-        name = str(edit.marker)
-        if name not in self.trajectories.names:
-            return Result("orphan", reason=f"there is no marker {name}")
-        path = self.trajectories[name]
-        if isinstance(edit, GapChoice):
-            return _choice_result(edit, path.origin == Origin.MISSING, self.of)
-        changed, result = _change(path, edit, self.of)
-        self._put_back(changed)
-        return result
-
-    def _put_back(self, changed: MarkerTrajectory) -> None:
-        paths = tuple(changed if path.name == changed.name else path for path in self.trajectories)
-        self.trajectories = replace(self.trajectories, paths=paths)
-
-    def _no_marker(self, edit: ImagePoint) -> Result:
-        """An image that is no marker's is taken from whoever has it."""
-        seen, f = self.of.detections, edit.frame - self.of.first_frame
-        if seen is None or edit.camera not in seen.cameras:
-            return Result("orphan", reason=f"there is no camera {edit.camera}")
-        if not 0 <= f < min(self.trajectories.n_frames, seen.n_frames):
-            return Result("moot", reason="the trial does not have this frame")
-        c = seen.cameras.index(edit.camera)
-        row = nearest_images(np.array([c]), np.array([f]), np.array([[edit.u, edit.v]]), seen)[0]
-        have = [path for path in self.trajectories if path.detection.shape[1] and path.detection[f, c] == row >= 0]
-        for path in have:
-            self._put_back(without_image(path, f, edit.camera, self.of)[0])
-        return Result("held", len(have)) if have else Result("moot", reason="no marker has an image there")
-
-
-def _change(path: MarkerTrajectory, edit: Erase | Put | Smooth | ImagePoint, of: Footage) -> Changed:
-    """A marker after an edit of its values."""
-    if isinstance(edit, Erase):
-        return erase(path, edit, of)
-    if isinstance(edit, Put):
-        return put(path, edit, of)
-    return smooth(path, edit, of) if isinstance(edit, Smooth) else with_image(path, edit, of)
-
-
-def _choice_result(edit: GapChoice, missing: Bools, of: Footage) -> Result:
-    """Whether a choice has anything to choose for."""
-    span = slice(max(edit.first - of.first_frame, 0), max(edit.last - of.first_frame + 1, 0))
-    n = int(missing[span].sum())
-    return Result("held", n) if n else Result("moot", reason="there is no gap in these frames")
+def _result(edit: Edit, before: Trajectories, after: Trajectories, of: Footage) -> Result:
+    """What becomes of an edit that changes no values; `before` all edits, and with their names and values."""
+    if isinstance(edit, Verdict):
+        return _verdict_result(edit, before, of)
+    if isinstance(edit, Trim):
+        inside = edit.last >= of.first_frame and edit.first < of.first_frame + before.n_frames
+        return Result("held") if inside else Result("orphan", reason="the trial has none of these frames")
+    if isinstance(edit, DropUnnamed):
+        n = sum(not is_named(name) for name in after.names)
+        return Result("held", n) if n else Result("moot", reason="all have names")
+    return Result("held")
 
 
 def _verdict_result(edit: Verdict, before: Trajectories, of: Footage) -> Result:

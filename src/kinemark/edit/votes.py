@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data import Detections, Origin, Trajectories
+from ..data import Detections, Origin, Trajectories, Validity
 from ..data.array_types import Bools, Floats, Ints
 from ..data.edits import Stretch
 
@@ -65,7 +65,42 @@ def votes(
         trajectories: as they are now. detections: behind their samples; None for a file without its images.
         world: key of the cameras in whose world they are now.
     """
-    said = _witnesses(stretches, trajectories.first_frame, detections.cameras if detections is not None else (), world)
+    known = known_votes(trajectories, detections, world)
+    parts = [known.get(stretch) or known.setdefault(stretch, _votes(stretch, known)) for stretch in stretches]
+    if not parts:
+        return _votes_of((), known)
+    numbers = np.repeat(np.arange(len(parts)), [len(part.frame) for part in parts])
+    return Votes(numbers, *(np.concatenate(columns) for columns in list(zip(*parts, strict=True))[1:]))
+
+
+class KnownVotes(dict[Stretch, Votes]):
+    """Votes of one trial that were counted before: edits come one by one, and earlier ones vote as they did.
+
+    Attributes:
+        rows: what claims made of a path, by the path and the claims; for `claims`.
+    """
+
+    def __init__(self, trajectories: Trajectories, detections: Detections | None, world: str) -> None:
+        super().__init__()
+        self.trajectories, self.detections, self.world = trajectories, detections, world
+        self.rows: dict[object, tuple[Ints, Floats]] = {}
+
+
+@lru_cache(maxsize=1)  # the trial that is edited is the same at every edit
+def known_votes(trajectories: Trajectories, detections: Detections | None, world: str) -> KnownVotes:
+    """Those of a trial in this world."""
+    return KnownVotes(trajectories, detections, world)
+
+
+def _votes(stretch: Stretch, of: KnownVotes) -> Votes:
+    return _votes_of((stretch,), of)
+
+
+def _votes_of(stretches: Sequence[Stretch], of: KnownVotes) -> Votes:
+    """The path of each witness, all counted now."""
+    trajectories, detections = of.trajectories, of.detections
+    cameras = detections.cameras if detections is not None else ()
+    said = _witnesses(stretches, trajectories.first_frame, cameras, of.world)
     inside = (said.frame >= 0) & (said.frame < trajectories.n_frames)
     images = np.full(len(said.frame), -1, np.int64)
     if detections is not None:
@@ -125,7 +160,7 @@ def nearest_images(camera: Ints, frame: Ints, uv: Floats, detections: Detections
     n = detections.start[camera, frame + 1] - first
     of = np.repeat(np.arange(len(n)), n)
     row = np.arange(len(of)) - np.repeat(np.cumsum(n) - n, n) + first[of]
-    kept = detections.valid[row]
+    kept = detections.validity[row] == Validity.VALID
     of, row = of[kept], row[kept]
     apart = np.hypot(*(detections.uv[row] - uv[of]).T)
     close = apart < CROWDED

@@ -13,7 +13,7 @@ from ...engine.trial_graph import REPORT
 from ...io.notes import file_note_text
 from ...report.drawing_library import ASSETS, self_contained
 from .desk import OpenDocument
-from .home import state
+from .home import newer
 from .home_routes import TheDesk
 from .messages import ExportBody, Exported
 from .shelf import NotThere
@@ -43,7 +43,7 @@ def _of_session(document: OpenDocument) -> Exported:
     """A run has written it; raises a KinemarkError where something was said since."""
     trial = document.trial
     assert trial is not None
-    if state(trial, document.text.entries) not in ("done", "signed"):
+    if not (trial.folder / f"{trial.name}.c3d").is_file() or newer(trial):
         raise KinemarkError("The file is written by a run, and something was said or set since. Run the trial first.")
     return Exported(name=f"results/{trial.name}/{trial.name}.c3d")
 

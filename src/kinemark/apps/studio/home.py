@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...data import KinemarkError
-from ...data.edits import Entry, Signed, live
+from ...data.edits import Entry, Signed, is_named, live
 from ...engine.journal import Journal
 from ...engine.open_trial import OpenTrial
 from ...engine.session import Session
@@ -74,12 +74,12 @@ def _counts(quality: dict[str, Any]) -> dict[str, Any]:
     """Frames, rate, markers and problems of a trial's figures."""
     if not quality:
         return {}
-    recording, markers = quality["recording"], quality["trajectories"]
+    recording, names = quality["recording"], [one["name"] for one in quality["trajectories"]["markers"]]
     return {
         "frames": recording["frames"],
         "rate": recording["rate_hz"],
-        "markers": markers["count"],
-        "named": markers["count"] - markers["unlabelled"],
+        "markers": len(names),
+        "named": sum(map(is_named, names)),
         "problems": len(quality["ambiguous_decisions"]),
     }
 
@@ -133,7 +133,7 @@ def _read(path: Path, changed: int) -> tuple[dict[str, Any], str]:
     if path not in _KNOWN or _KNOWN[path][0] != changed:
         try:
             found = read_trial(path).trajectories
-            named = sum(not name.startswith("*") for name in found.names)
+            named = sum(map(is_named, found.names))
             counted = {"frames": found.n_frames, "rate": found.rate, "markers": len(found), "named": named}
             _KNOWN[path] = changed, counted, ""
         except KinemarkError as error:

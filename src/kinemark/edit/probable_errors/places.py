@@ -4,8 +4,9 @@
     jump      it goes on where its motion does not lead
     near      another path is so near that either could be the other
 
-At each place the two halves of the path are before and after; those of another path are cut in the middle of the
-place. Which paths are looked at: those whose half before is near the half after of the first, or the other way round.
+At each place the two halves of the path are before and after. Another path may be cut anywhere in it: in a gap, before
+the first of its samples there, after the last, in the middle, or where it jumps. Which paths are looked at: those whose
+half before is near the half after of the first, or the other way round.
 """
 
 from __future__ import annotations
@@ -21,6 +22,9 @@ from .paths import Paths
 
 NEAR_SD, NEAR_MM = 8.0, 3.0
 """Standard deviations of both, and mm: within them a path may be another; chosen."""
+ONE_PLACE_MM = 5.0
+"""mm: two paths that are mostly nearer are computed points or one marker twice, and are not exchanged; chosen: less than
+two markers' radii."""
 REACH_MM, REACH_SPEED = 40.0, 3000.0
 """mm, and mm/s: how far a marker may be from where it was last seen; chosen: a marker of a running foot."""
 PARTNERS = 4
@@ -29,16 +33,23 @@ APART_S = 1.0
 """s: another path's half that ends, or begins, longer before or after is not looked at; chosen."""
 
 
-class Place(NamedTuple):
-    """Where path `path` goes from its sample of index `index` to the next, and other paths in its stead.
+class Partner(NamedTuple):
+    """Another path (−1: none), and the index of its last sample before it is cut (−1: it begins later)."""
 
-    `partners` are indices of paths; −1 stands for none.
-    """
+    path: int
+    index: int
+
+
+NOBODY = Partner(-1, -1)
+
+
+class Place(NamedTuple):
+    """Where path `path` goes from its sample of index `index` to the next, in the middle (frame), and other paths."""
 
     path: int
     index: int
     middle: float
-    partners: tuple[int, ...]
+    partners: tuple[Partner, ...]
 
 
 def places(paths: Paths, told: Iterable[tuple[int, float, int]] = ()) -> list[Place]:
@@ -48,7 +59,7 @@ def places(paths: Paths, told: Iterable[tuple[int, float, int]] = ()) -> list[Pl
         paths: of the trial.
         told: path, frame, and another path or −1, of places that are known to be ambiguous.
     """
-    found: dict[tuple[int, int], set[int]] = {}
+    found = dict[tuple[int, int], set[int]]()
     for p, own in enumerate(paths.frames):
         for i in [*np.flatnonzero(np.diff(own) > 1).tolist(), *paths.jumps[p].tolist()]:
             found.setdefault((p, i), set())
@@ -62,7 +73,18 @@ def places(paths: Paths, told: Iterable[tuple[int, float, int]] = ()) -> list[Pl
 def _place(paths: Paths, p: int, i: int, others: set[int]) -> Place:
     own = paths.frames[p]
     middle = (own[i] + own[i + 1]) / 2
-    return Place(p, i, float(middle), (-1, *dict.fromkeys([*sorted(others), *_partners(paths, p, i, middle)])))
+    near = dict.fromkeys([*sorted(others), *_partners(paths, p, i, middle)])
+    cuts = [cut for q in near for cut in _cuts(paths, q, float(own[i]), float(own[i + 1]))]
+    return Place(p, i, float(middle), (NOBODY, *cuts))
+
+
+def _cuts(paths: Paths, q: int, first: float, last: float) -> list[Partner]:
+    """Where path q may be cut between two frames, its own samples in them on either side."""
+    frames = paths.frames[q]
+    at = {paths.index_before(q, f) for f in (first, (first + last) / 2, last - 0.5)}
+    jumps = paths.jumps[q]
+    inside = jumps[(frames[jumps] >= first) & (frames[jumps] < last)]
+    return [Partner(q, j) for j in sorted(at | set(inside.tolist()))]
 
 
 def _partners(paths: Paths, p: int, i: int, middle: float) -> list[int]:
@@ -96,6 +118,8 @@ def _near(paths: Paths) -> Iterator[tuple[int, float, int]]:
         limit = NEAR_SD * (paths.sd[p] + paths.sd[p + 1 :]) + NEAR_MM
         apart = np.linalg.norm(paths.xyz[p + 1 :] - paths.xyz[p], axis=-1)
         for k in np.flatnonzero(np.nanmin(np.where(np.isnan(apart), np.inf, apart), axis=1, initial=np.inf) < limit):
+            if np.nanmedian(apart[k]) < ONE_PLACE_MM:
+                continue
             row = np.where(np.isnan(apart[k]), np.inf, apart[k])
             for first, stop in true_runs(row < limit[k]).tolist():
                 yield p, float(first + row[first:stop].argmin()), p + 1 + int(k)

@@ -1,0 +1,75 @@
+"""Mosaics show every camera at the frame of the number, and a part of an image is that part."""
+
+import av
+import numpy as np
+import pytest
+
+from kinemark import KinemarkError
+from kinemark.engine.mosaics import Mosaics, layout_of
+from kinemark.io.images import open_images
+from support.numbered_video import WIDTH, bars, number, write_numbered
+
+FRAMES = 120
+
+
+def image_in(content, codec):
+    return av.CodecContext.create(codec, "r").decode(av.Packet(content))[0].to_ndarray(format="gray")
+
+
+def shifted(k):
+    """Cameras differ: camera k has the number of frame n + 500 k."""
+    return lambda n: bars(n + 500 * k)
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("videos")
+    kinds = {"c0": ("c0.mkv", 60), "c1": ("c1.mp4", 250), "c2": ("c2.avi", 30)}
+    return {
+        name: open_images(write_numbered(folder / file, FRAMES, group=group, image=shifted(k)))
+        for k, (name, (file, group)) in enumerate(kinds.items())
+    }
+
+
+def shown(mosaics, n):
+    whole = image_in(mosaics.jpeg(n), "mjpeg")
+    assert whole.shape == (mosaics.layout.height, mosaics.layout.width)
+    return [number(whole[t.y : t.y + t.height, t.x : t.x + t.width]) for t in mosaics.layout.tiles]
+
+
+def test_all_tiles_are_of_the_frame_asked_for_made_or_kept(sources, tmp_path):
+    mosaics = Mosaics(sources, tmp_path / "kept")
+    asked = [*np.random.default_rng(0).integers(0, FRAMES, 40).tolist(), 5, 6, 7, 8, 7, 6, 5]
+    for n in asked:
+        assert shown(mosaics, n) == [n, n + 500, n + 1000]
+    mosaics.close()
+    again = Mosaics(sources, tmp_path / "kept")
+    assert len(list((tmp_path / "kept").iterdir())) >= len(set(asked))
+    assert all(shown(again, n) == [n, n + 500, n + 1000] for n in asked)
+    again.close()
+
+
+def test_where_nothing_can_be_kept_they_are_made_again(sources, tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    mosaics = Mosaics(sources, tmp_path / "file" / "kept")
+    assert shown(mosaics, 9) == [9, 509, 1009] == shown(mosaics, 9)
+    mosaics.close()
+
+
+def test_tiles_lie_beside_each_other_within_the_whole(sources):
+    for n in range(1, 13):
+        layout = layout_of({f"c{k}": sources["c0"] for k in range(n)})
+        covered = np.zeros((layout.height, layout.width), int)
+        for tile in layout.tiles:
+            covered[tile.y : tile.y + tile.height, tile.x : tile.x + tile.width] += 1
+        assert len(layout.tiles) == n and covered.max() == 1
+
+
+def test_a_part_is_exactly_that_part_or_refused(sources, tmp_path):
+    mosaics = Mosaics(sources, tmp_path)
+    part = image_in(mosaics.crop("c0", 37, 8, 4, 40, 10), "png")
+    assert part.shape == (10, 40) and np.abs(part.astype(int) - bars(37)[4:14, 8:48]).max() < 40  # as H.264 left it
+    for wrong in (("c9", 1, 0, 0, 4, 4), ("c0", 1, 0, 0, WIDTH + 1, 4), ("c0", 1, 90, 0, 9, 4), ("c0", FRAMES, 0, 0, 4, 4)):
+        with pytest.raises(KinemarkError):
+            mosaics.crop(*wrong)
+    mosaics.close()

@@ -5,7 +5,7 @@ import { percent } from "../model/format";
 import { decodePaths, type PathSet } from "../model/paths";
 import { actOf, asItIs, dropOf, inOrder, keepOf, nextAfter, proposed, stepProblem } from "../model/problems";
 import { fetchChanged, fresh, refetch, refreshProblems, say, take } from "./load";
-import { currentProblem, get, playhead, set, still } from "./store";
+import { currentProblem, get, playhead, set, still, useStore } from "./store";
 
 /** s before and after a problem that playing goes round in; the design's. */
 const ROUND_S = 0.4;
@@ -97,10 +97,20 @@ export function decodePart(part: { names: string[]; first_frame: number; n_frame
 
 export function step(by: 1 | -1): void {
   const s = get();
-  if (!s.problems) return;
+  if (!s.problems) return soon(by);
   const next = stepProblem(inOrder(s.problems.problems, s.later), s.problem, by);
   if (next) lookAt(next);
   else say("news", "There is nothing to look at.");
+}
+
+/** The step that was asked for before the problems were there. */
+function soon(by: 1 | -1): void {
+  say("news", "The problems are still being looked for …");
+  const off = useStore.subscribe((now) => {
+    if (!now.problems) return;
+    off();
+    step(by);
+  });
 }
 
 /** Take an alternative of the problem that is looked at; then the next one comes by itself. */

@@ -69,7 +69,12 @@ def test_a_part_is_exactly_that_part_or_refused(sources, tmp_path):
     mosaics = Mosaics(sources, tmp_path)
     part = image_in(mosaics.crop("c0", 37, 8, 4, 40, 10), "png")
     assert part.shape == (10, 40) and np.abs(part.astype(int) - bars(37)[4:14, 8:48]).max() < 40  # as H.264 left it
-    for wrong in (("c9", 1, 0, 0, 4, 4), ("c0", 1, 0, 0, WIDTH + 1, 4), ("c0", 1, 90, 0, 9, 4), ("c0", FRAMES, 0, 0, 4, 4)):
+    for wrong in (
+        ("c9", 1, 0, 0, 4, 4),
+        ("c0", 1, 0, 0, WIDTH + 1, 4),
+        ("c0", 1, 90, 0, 9, 4),
+        ("c0", FRAMES, 0, 0, 4, 4),
+    ):
         with pytest.raises(KinemarkError):
             mosaics.crop(*wrong)
     mosaics.close()

@@ -31,7 +31,9 @@ def interlaced(n):
     return frame
 
 
-def write_numbered(path, frames, *, codec="libx264", rate=Fraction(100), group=250, reordered=2, image=bars, options=None):
+def write_numbered(
+    path, frames, *, codec="libx264", rate=Fraction(100), group=250, reordered=2, image=bars, options=None
+):
     """A video of so many frames; `group` from key frame to key frame, `reordered` of them in a row."""
     pixels = {"mjpeg": "yuvj420p", "ffv1": "gray"}.get(codec, "yuv420p")
     with av.open(str(path), "w") as container:

@@ -22,6 +22,7 @@ COMMANDS = {
     "commands/marker_set.py": ("marker-set",),
     "commands/template.py": ("template",),
     "commands/edits.py": ("edits",),
+    "commands/audit.py": ("audit",),
     "commands/fill.py": ("fill",),
     "commands/studio.py": ("studio",),
     "commands/files.py": ("info", "convert"),

@@ -30,7 +30,7 @@ OF_IDENTITY: tuple[ProblemKind, ...] = ("swap", "join", "ghost", "spike", "label
 """Kinds that are errors where they are right; a gap and an edit that is an orphan are there for certain."""
 
 Action = Literal[
-    "keep", "exchange", "cut", "join", "no_marker", "erase", "rename", "unname", "fill", "leave_open", "drop_edit", "wait"
+    "keep", "exchange", "cut", "join", "no_marker", "erase", "rename", "fill", "leave_open", "drop_edit", "wait",
 ]  # fmt: skip
 """What an alternative does."""
 

@@ -1,8 +1,8 @@
 """What is different between two versions of a trial: first who is who, then where.
 
 A sample that is at exactly the same place in both versions is the same sample; where its name is another, it was
-renamed. What is left of a marker was added, erased, or moved. Markers that share their record, as edits leave those that
-they are not about, are not looked at.
+renamed. What is left of a marker was added, erased, or moved. Markers that share their record, as edits leave those
+that they are not about, are not looked at.
 """
 
 from __future__ import annotations

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..data import KinemarkError
+from ..data import KinemarkError, Trajectories
 from ..data.array_types import Ints
 from ..io.marker_sets import marker_sets, read_marker_set
 from ..io.trial import read_trial
-from ..label import Exchanged, find_exchanges
+from ..label import Exchanged, Template, find_exchanges
 from ..label.check_sides import SideSwap, find_side_swaps
 from ..label.check_stretches import Mislabelled, find_mislabelled
 from ..label.side_pairs import sides_by_name
@@ -46,10 +46,22 @@ def check_file(source: Path, template: SubjectTemplate) -> CheckedNames:
     Raises:
         KinemarkError: the file cannot be read, or has too few of the template's names.
     """
-    own = template.template
-    trial = without_prefix(read_trial(source).trajectories, own.names)
     known = template.marker_set if template.marker_set in marker_sets() else None
-    pairs = read_marker_set(known).pairs if known else sides_by_name(own.names)
+    pairs = read_marker_set(known).pairs if known else sides_by_name(template.template.names)
+    return check_names(
+        without_prefix(read_trial(source).trajectories, template.template.names), template.template, pairs
+    )
+
+
+def check_names(trial: Trajectories, own: Template, pairs: Sequence[tuple[str, str]]) -> CheckedNames:
+    """Where names of a labelled trial are wrong.
+
+    Args:
+        trial: labelled. own: template of the subject. pairs: left and right names.
+
+    Raises:
+        KinemarkError: it has too few of the template's names.
+    """
     swapped = find_side_swaps(trial, own, pairs)
     exchanged = tuple(one for one in find_exchanges(trial, own) if not _of_swap(one, swapped))
     besides = _frames([*exchanged, *swapped])

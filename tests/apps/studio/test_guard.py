@@ -159,7 +159,12 @@ def test_huge_bodies_are_refused_however_they_come(studio, folder, monkeypatch):
 )
 def test_names_never_lead_anywhere(studio, folder, name):
     before = files(folder)
-    for path in (f"/assets/{name}", f"/api/trials/{name}", f"/api/trials/{name}/report", f"{studio.trial}/gaps/{name}/1"):
+    for path in (
+        f"/assets/{name}",
+        f"/api/trials/{name}",
+        f"/api/trials/{name}/report",
+        f"{studio.trial}/gaps/{name}/1",
+    ):
         assert studio.page.get(path).status in (404, 422), path
     answer = studio.page.request("POST", f"/api/files?name={name}", b"not a file of trajectories")
     assert answer.status == 422 and files(folder) == before

@@ -115,28 +115,35 @@ def edits_of(document: OpenDocument, said: Act) -> tuple[Edit, ...]:
 
 
 def _of_trial(of: Editing, said: Act) -> tuple[Edit, ...]:
-    """Edits of markers and of the whole."""
+    """Edits of identities and of the whole."""
     match said:
         case ClaimAct():
             return (make.claim(of, said.track, said.name, first=said.first, last=said.last, at=said.at),)
         case ExchangeAct():
             return make.exchange(of, said.a, said.b, first=said.first, last=said.last)
-        case EraseAct():
-            return (make.erase(of, said.marker, said.first, said.last),)
-        case PutAct():
-            return (_put(of, said),)
-        case GapAct():
-            return (make.gap(of, said.marker, said.first, said.last, said.method),)
-        case SmoothAct():
-            return (make.smooth(of, said.marker, said.first, said.last, said.cutoff_hz),)
-        case ImageAct():
-            return (make.image(of, said.camera, said.frame, said.u, said.v, said.marker),)
         case TrimAct():
             return (make.made(Trim, said.first, said.last),)
         case FinishAct():
             return make.finish(of, first=said.first, last=said.last)
         case EventAct():
             return (make.made(AddEvent, said.label, said.side, said.time_s),)
+        case _:
+            return (_of_marker(of, said),)
+
+
+def _of_marker(of: Editing, said: Act) -> Edit:
+    """Edits of one marker's values."""
+    match said:
+        case EraseAct():
+            return make.erase(of, said.marker, said.first, said.last)
+        case PutAct():
+            return _put(of, said)
+        case GapAct():
+            return make.gap(of, said.marker, said.first, said.last, said.method)
+        case SmoothAct():
+            return make.smooth(of, said.marker, said.first, said.last, said.cutoff_hz)
+        case ImageAct():
+            return make.image(of, said.camera, said.frame, said.u, said.v, said.marker)
         case _:
             raise KinemarkError(f"{said.kind} is no act of this trial.")
 

@@ -1,4 +1,4 @@
-"""The trials that lie open: each is loaded once, kept with what was said of it, and looked at again when that changes."""
+"""The trials that lie open: each is loaded once, and looked at again when something is said of it."""
 
 from __future__ import annotations
 

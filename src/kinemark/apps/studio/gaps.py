@@ -177,7 +177,7 @@ def candidates(document: OpenDocument, marker: str, first: int) -> GapCandidates
 
 
 def chosen_fills(document: OpenDocument) -> tuple[Trajectories, bool]:
-    """The trial with its fills: those somebody chose, else those of the last run; and whether some are still computed."""
+    """The trial with the fills that somebody chose, else of the last run; and whether some are still computed."""
     now, work, pending = document.now.trajectories, work_of(document), False
     paths = _as_run_before(document)
     for gap in gaps_in(now):

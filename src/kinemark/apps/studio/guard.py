@@ -2,8 +2,8 @@
 
 Everything is refused that does not show all of: a host name that is ours (a foreign one is DNS rebinding), an origin
 that is ours where there is one (a foreign page) or where the request could change anything, and the secret, in a cookie
-that other sites' requests do not carry or, from scripts, as a bearer token. The address that is opened first has a token
-that works once, and leaves no trace of it in the browser's history.
+that other sites' requests do not carry or, from scripts, as a bearer token. The address that is opened first has a
+token that works once, and leaves no trace of it in the browser's history.
 """
 
 from __future__ import annotations
@@ -33,7 +33,10 @@ REFUSED = "This is the studio of somebody else, or its address was used before. 
 class Guard:
     """The middleware outside of the app; deny by default."""
 
-    def __init__(self, app: ASGIApp, hosts: Iterable[str], port: int, *, used: Callable[[], None] | None = None):
+    def __init__(
+        self, app: ASGIApp, hosts: Iterable[str], port: int, *, used: Callable[[], None] | None = None
+    ) -> None:
+        """`hosts`: the names that the server may be called by. `used`: called when the first address was opened."""
         self.app = app
         self.hosts = frozenset(hosts)
         self.origins = frozenset(f"http://{host}" for host in self.hosts)

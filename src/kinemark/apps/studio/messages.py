@@ -223,8 +223,8 @@ class DetectionsHeader(Message):
 class Alternative(Message):
     """One way to settle a problem; `act` is null where nothing is to be said.
 
-    `probability` that it is the right one; `cost` expected, mm times samples, where it is taken; `jump_mm` how far paths
-    are from where their motion leads; `images` that a marker there explains.
+    `probability` that it is the right one; `cost` expected, mm times samples, where it is taken; `jump_mm` how far
+    paths are from where their motion leads; `images` that a marker there explains.
     """
 
     key: str

@@ -7,6 +7,7 @@ import socket
 import threading
 import webbrowser
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import uvicorn
@@ -46,14 +47,19 @@ def serve(
     def tell() -> None:
         say(f"studio: http://{names[0]}/?token={guard.token}  (works once)")
 
-    guard = Guard(studio_app(desk), names, port, used=tell)
+    app = studio_app(desk)
+    guard = Guard(app, names, port, used=tell)
     if not is_loopback(host):
         say(WARNING.format(host=host))
     tell()
     if browser:
         threading.Timer(0.5, webbrowser.open, [f"http://{names[0]}/?token={guard.token}"]).start()
     config = uvicorn.Config(guard, log_level="warning", lifespan="off", server_header=False, ws_max_size=1 << 16)
-    uvicorn.Server(config).run(sockets=[listening])
+    with listening, suppress(KeyboardInterrupt):  # which is how it is ended
+        try:
+            uvicorn.Server(config).run(sockets=[listening])
+        finally:
+            app.state.live.close()
 
 
 def hosts(host: str, port: int) -> list[str]:

@@ -4,7 +4,22 @@ from .changes import Change, changes
 from .ghosts import Ghost, ghosts
 from .paths import Paths
 from .pieces import Piece, pieces
-from .places import Place, places
+from .places import Partner, Place, places
+from .probability import name_probability
 from .spikes import Spike, spikes
 
-__all__ = ["Change", "Ghost", "Paths", "Piece", "Place", "Spike", "changes", "ghosts", "pieces", "places", "spikes"]
+__all__ = [
+    "Change",
+    "Ghost",
+    "Partner",
+    "Paths",
+    "Piece",
+    "Place",
+    "Spike",
+    "changes",
+    "ghosts",
+    "name_probability",
+    "pieces",
+    "places",
+    "spikes",
+]

@@ -13,8 +13,8 @@ which knows outliers; a half that begins or ends costs END. The evidence of moti
 that of shape the same difference of the misfits of `shape` (3). No other path, q = none, is a partner like others: the
 path is then two. Of all partners the one with the most evidence is taken.
 
-The probability of a change is a logistic function of (2), (3) and what `Evidence` lists (4); its coefficients were fitted
-to seeded faults (studies/probable_errors.py).
+The probability of a change is a logistic function of (2), (3) and what `Evidence` lists (4); its coefficients were
+fitted to seeded faults (studies/probable_errors.py).
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ import numpy as np
 
 from ...data.array_types import Floats, Ints
 from .paths import Ends, Meeting, Paths, ends, meeting
-from .places import APART_S, Place
+from .places import APART_S, Partner, Place
 from .probability import probability
 from .shape import Distances, distances, misfit
 
 END = 10.0
-"""Nats that the beginning or end of a path costs; chosen: a place anywhere in a volume of a cubic decimetre to metre."""
+"""Nats that the beginning or end of a path costs; chosen: a place anywhere in a room's corner."""
 MOST = 30.0
 """Nats of motion that count at most; chosen."""
 
@@ -42,7 +42,13 @@ class Evidence(NamedTuple):
     Attributes:
         motion: (2), nats, for the exchange. shape: (3), 0 where unknown.
         own_misfit: of the path's own halves by shape; 0 where unknown. known: 1 where shape is known, else 0.
-        own_chi: ln(1 + χ²/4) of its own halves by motion. own_sd: ln σ of their distance, mm.
+        own_chi: ln(1 + χ²/4) of its own halves by motion. own_sd: ln σ of their distance, mm. own_off: ln(1 + d / 10
+            mm) of their distance where that is significant.
+        surely: motion above 0, else 0.
+        told: 1 where tracking was not sure of the place. images: ln of how many images the samples beside it have, the
+            fewer of both; that of two where they are not known.
+        other_chi: as own_chi, of the worse of both exchanged pairs of halves; 0 where there is none. alone: 1 where
+            there is no partner, else 0.
     """
 
     motion: float
@@ -51,19 +57,25 @@ class Evidence(NamedTuple):
     known: float
     own_chi: float
     own_sd: float
+    own_off: float
+    surely: float
+    told: float
+    images: float
+    other_chi: float
+    alone: float
 
 
 class Change(NamedTuple):
     """A place of a path, and what tells that it goes on there as another marker.
 
     Attributes:
-        place: where. partner: index of the path that it may be exchanged with; −1 for none.
+        place: where. partner: the path that it may be exchanged with, or none, and where that is cut.
         evidence: what tells. wrong: probability of a change.
         keep_mm, exchange_mm: how far both paths are off from where their motion leads, as they are and exchanged.
     """
 
     place: Place
-    partner: int
+    partner: Partner
     evidence: Evidence
     wrong: float
     keep_mm: float
@@ -108,19 +120,12 @@ class _Costs(NamedTuple):
 
 def _pairs(paths: Paths, found: Sequence[Place]) -> list[tuple[int, int, int, int, int]]:
     """Path and index of each place; each partner, and the indices of its last sample before and first after, or −1."""
-    rows = []
+    rows, far = [], APART_S * paths.rate
     for place in found:
-        for q in place.partners:
-            if q < 0:
-                rows.append((place.path, place.index, 0, -1, -1))
-                continue
-            own = paths.frames[q]
-            j = paths.index_before(q, place.middle)
-            k = j + 1 if j + 1 < len(own) else -1
-            far = APART_S * paths.rate
-            j = j if j >= 0 and place.middle - own[j] < far else -1
-            k = k if k >= 0 and own[k] - place.middle < far else -1
-            rows.append((place.path, place.index, q, j, k))
+        for q, j in place.partners:
+            own = paths.frames[q] if q >= 0 else np.zeros(0, np.int64)
+            k = j + 1 if q >= 0 and j + 1 < len(own) and own[j + 1] - place.middle < far else -1
+            rows.append((place.path, place.index, max(q, 0), j if j >= 0 and place.middle - own[j] < far else -1, k))
     return rows
 
 
@@ -148,14 +153,22 @@ class _Windows:
             self.known[key] = distances(self.paths, p, middle, side)
         return self.known[key]
 
-    def misfits(self, place: Place, q: int) -> tuple[float, float, float]:
+    def images(self, place: Place) -> float:
+        """As `Evidence` has it."""
+        paths, own = self.paths, self.paths.frames[place.path]
+        beside = paths.images[place.path, own[place.index : place.index + 2]]
+        return float(np.log(max(int(beside.min()), 2)))
+
+    def misfits(self, place: Place, partner: Partner) -> tuple[float, float, float]:
         """Of p's own halves; of both paths as they are; and exchanged. NaN where unknown."""
-        p, t = place.path, place.middle
+        p, t, q = place.path, place.middle, partner.path
         p_before, p_after = self.of(p, t, -1), self.of(p, t, 1)
         if q < 0:
             own = misfit(p_before, p_after)
             return own, own, np.nan
-        q_before, q_after = self.of(q, t, -1), self.of(q, t, 1)
+        own_q = self.paths.frames[q]
+        at = own_q[partner.index] + 0.5 if 0 <= partner.index < len(own_q) - 1 else t
+        q_before, q_after = self.of(q, at, -1), self.of(q, at, 1)
         own = misfit(p_before, p_after, (q,))
         others = misfit(q_before, q_after, (p,))
         across = misfit(p_before, q_after, (p, q)), misfit(q_before, p_after, (p, q))
@@ -171,23 +184,28 @@ def _mean(values: Floats) -> float:
 def _change(place: Place, costs: _Costs, windows: _Windows) -> Change:
     """The partner with the most evidence."""
     best: Change | None = None
-    for n, q in enumerate(place.partners):
-        own, keep, other = windows.misfits(place, q)
+    for n, partner in enumerate(place.partners):
+        own, keep, other = windows.misfits(place, partner)
         shape = keep - (other if np.isfinite(other) else USUAL_MISFIT)
         motion = float(np.clip(costs.cost[0, n] + costs.cost[1, n] - costs.cost[2, n] - costs.cost[3, n], -MOST, MOST))
         known = np.isfinite(shape)
         evidence = Evidence(
             motion, float(shape) if known else 0.0, float(own) if np.isfinite(own) else 0.0, float(known),
             float(np.log1p(costs.squared[0, n] / 4)), float(np.log(costs.variance[0, n]) / 2),
+            float(np.log1p(costs.off[0, n] / USUAL_MM) * (costs.squared[0, n] > SIGNIFICANT)), max(motion, 0.0),
+            float(place.told), windows.images(place),
+            float(np.log1p(np.nan_to_num(costs.squared[2:, n]).max() / 4)), float(partner.path < 0),
         )  # fmt: skip
         off = costs.off[:, n]
-        one = Change(place, q, evidence, probability("change", evidence), _most(off[:2]), _most(off[2:]))
+        one = Change(place, partner, evidence, probability("change", evidence), _most(off[:2]), _most(off[2:]))
         if best is None or _strength(one.evidence) > _strength(best.evidence):
             best = one
     assert best is not None
     return best
 
 
+USUAL_MM, SIGNIFICANT = 10.0, 11.34
+"""mm; and χ² of three degrees of freedom that 1 in 100 exceeds; chosen."""
 USUAL_MISFIT = 1.0
 """Misfit by shape of halves that are one marker, in the mean; measured by studies/probable_errors.py."""
 SHAPE_NATS = 4.0

@@ -5,14 +5,15 @@ variance, w of an acceleration that changes at random by q per √s,
 
     cov(w(s), w(t)) = q² (m⁵/20 + d m⁴/8 + d² m³/12),   m = min(s, t), d = |s − t|                         (1)
 
-so that x₀ and its variance follow by generalised least squares. Two ends are continued to the middle between them (2).
+so that x₀ and its variance follow by generalised least squares; w of the past and of the future are independent. Two
+ends are continued to the middle between them (2).
 
-The trial itself says how noisy its samples are and how fast accelerations change. Each path's noise is that of its third
-differences, robustly, 1.48 median |Δ³x| / √20 (3), motion being smooth over four frames. q is such that the ends of
+The trial itself says how noisy its samples are and how fast accelerations change. Each path's noise is that of its
+third differences, robustly, 1.48 median |Δ³x| / √20 (3), motion being smooth over four frames. q is such that the ends of
 pieces of HELD s that are taken out of the paths meet within what (2) states in half of all cases (4).
 
 A path jumps from one frame to the next where the step is off the mean of the steps before and after it by more than
-JUMP times what is usual there, its running median (5).
+JUMP times what is usual there, its running median (5), which counts up to RESTLESS times that of the path.
 """
 
 from __future__ import annotations
@@ -46,8 +47,9 @@ HALF = 2.366
 
 JUMP, JUMP_MM = 6.0, 3.0
 """Times what is usual, and mm besides noise, of (5); chosen: noise alone reaches them once in thousands of samples."""
-USUAL_S = 25
-"""Steps on each side that say what is usual; chosen."""
+USUAL_STEPS, RESTLESS = 25, 5.0
+"""Steps on each side that say what is usual, and times the median of the path that it may be; chosen: a path that jumps
+all the time does not hide its jumps."""
 
 
 class Paths(NamedTuple):
@@ -56,6 +58,7 @@ class Paths(NamedTuple):
     Attributes:
         xyz: (M, F, 3) mm, NaN where missing. seen: (M, F). frames: of each path, those with a sample.
         sd: (M) mm, noise of each axis. rate: Hz. q: of (1).
+        images: (M, F) of each sample; 0 where they are not known.
         jumps: of each path, indices of the last samples before jumps (5): it is not continued over them.
     """
 
@@ -64,6 +67,7 @@ class Paths(NamedTuple):
     frames: tuple[Ints, ...]
     sd: Floats
     rate: float
+    images: Ints
     q: float = USUAL_Q
     jumps: tuple[Ints, ...] = ()
 
@@ -74,7 +78,8 @@ class Paths(NamedTuple):
         seen = seen.reshape(len(trajectories), trajectories.n_frames)
         xyz = np.where(seen[..., None], trajectories.xyz, np.nan)
         frames = tuple(np.flatnonzero(row) for row in seen)
-        paths = cls(xyz, seen, frames, _noise(xyz), trajectories.rate)
+        images = np.array([(p.detection >= 0).sum(1) for p in trajectories], np.int64).reshape(seen.shape)
+        paths = cls(xyz, seen, frames, _noise(xyz), trajectories.rate, images)
         paths = paths._replace(jumps=tuple(_jumps(xyz[p, own], own, paths.sd[p]) for p, own in enumerate(frames)))
         return paths._replace(q=_process_noise(paths))
 
@@ -118,21 +123,27 @@ def ends(paths: Paths, who: Ints, index: Ints, step: int) -> Ends:
 
 
 def continued(end: Ends, to: Floats, rate: float, q: float) -> tuple[Floats, Floats]:
-    """Where ends are at frames `to` (N): (N, 3) mm and the variance of each axis (N) mm², infinite without a sample."""
+    """Where paths are at frames `to` (N): (N, 3) mm, and the variance of each axis (N) mm², infinite without any."""
     known = np.isfinite(end.variance)
-    t = np.where(known, np.abs(end.frame - to[:, None]) / rate, 0.0)
+    t = np.where(known, (end.frame - to[:, None]) / rate, 0.0)
     s, u = t[:, :, None], t[:, None, :]
-    m, d = np.minimum(s, u), np.abs(s - u)
+    m, d = np.where(s * u > 0, np.minimum(np.abs(s), np.abs(u)), 0.0), np.abs(s - u)
     cov = q**2 * (m**5 / 20 + d * m**4 / 8 + d**2 * m**3 / 12)  # (1)
     cov += s * u * SPEED**2 + s**2 * u**2 / 4 * ACCELERATION**2
     both = known[:, :, None] & known[:, None, :]
     cov = np.where(both, cov, 0.0) + np.eye(t.shape[1]) * np.where(known, end.variance, 1.0)[:, None, :]
     weight = np.linalg.solve(cov, known[..., None].astype(np.float64))[..., 0]
     total = weight.sum(1)
-    origin = end.xyz[:, :1]
+    origin = end.xyz[np.arange(len(t)), known.argmax(1)][:, None]
     with np.errstate(invalid="ignore", divide="ignore"):
         place = origin[:, 0] + (weight[..., None] * (end.xyz - origin)).sum(1) / total[:, None]
-        return place, np.where(known[:, 0], 1 / np.maximum(total, 1e-12), np.inf)
+        return place, np.where(known.any(1), 1 / np.maximum(total, 1e-12), np.inf)
+
+
+def between(before: Ends, after: Ends, to: Floats, rate: float, q: float) -> tuple[Floats, Floats]:
+    """Where paths are at frames `to` (N) by what is before and after them together; as `continued`."""
+    both = (np.concatenate(columns, axis=1) for columns in zip(before, after, strict=True))
+    return continued(Ends(*both), to, rate, q)
 
 
 class Meeting(NamedTuple):
@@ -199,5 +210,6 @@ def _jumps(xyz: Floats, frame: Ints, sd: float) -> Ints:
     rate = np.diff(xyz, axis=0) / np.diff(frame)[:, None]
     before, after = np.vstack([rate[:1], rate[:-1]]), np.vstack([rate[1:], rate[-1:]])
     off = np.minimum(np.linalg.norm(rate - before, axis=1), np.linalg.norm(rate - after, axis=1))
-    usual = scipy.ndimage.median_filter(off, 2 * USUAL_S + 1, mode="nearest")
+    usual = scipy.ndimage.median_filter(off, 2 * USUAL_STEPS + 1, mode="nearest")
+    usual = np.minimum(usual, RESTLESS * np.median(off))
     return np.flatnonzero((np.diff(frame) == 1) & (off > JUMP * (usual + sd) + JUMP_MM))

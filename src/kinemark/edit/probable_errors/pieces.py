@@ -20,11 +20,18 @@ END = 20.0
 
 
 class PieceEvidence(NamedTuple):
-    """Nats for one marker by motion; misfit by shape, 0 where unknown; whether another piece fits as well, in nats."""
+    """What tells that two pieces are one marker.
+
+    Attributes:
+        motion: nats for it. misfit: by shape, 0 where unknown; known: 1 where it is known, else 0.
+        rival: nats by which no other piece fits as well. sd: ln of the standard deviation of their distance, mm.
+    """
 
     motion: float
     misfit: float
+    known: float
     rival: float
+    sd: float
 
 
 class Piece(NamedTuple):
@@ -61,7 +68,11 @@ def pieces(paths: Paths) -> list[Piece]:
         shape = misfit(
             distances(paths, int(p[n]), f, -1), distances(paths, int(q[n]), g - 1, 1), (int(p[n]), int(q[n]))
         )
-        evidence = PieceEvidence(float(np.clip(motion[n], -30, 30)), shape if np.isfinite(shape) else 0.0, rival)
+        known = np.isfinite(shape)
+        evidence = PieceEvidence(
+            float(np.clip(motion[n], -30, 30)), shape if known else 0.0, float(known), rival,
+            float(np.log(met.variance[n]) / 2),
+        )  # fmt: skip
         one = Piece(int(p[n]), int(q[n]), f, g, evidence, probability("piece", evidence), float(met.off[n]))
         found.append(one)
     return _each_once(found)

@@ -23,8 +23,10 @@ from .paths import Paths
 NEAR_SD, NEAR_MM = 8.0, 3.0
 """Standard deviations of both, and mm: within them a path may be another; chosen."""
 ONE_PLACE_MM = 5.0
-"""mm: two paths that are mostly nearer are computed points or one marker twice, and are not exchanged; chosen: less than
-two markers' radii."""
+"""mm: two paths that are mostly nearer are computed points or one marker twice, and are not exchanged; chosen: less
+than two markers' radii."""
+TOLD_S = 0.05
+"""s within which a place is one that tracking was not sure of; chosen: such decisions last some frames."""
 REACH_MM, REACH_SPEED = 40.0, 3000.0
 """mm, and mm/s: how far a marker may be from where it was last seen; chosen: a marker of a running foot."""
 PARTNERS = 4
@@ -44,12 +46,16 @@ NOBODY = Partner(-1, -1)
 
 
 class Place(NamedTuple):
-    """Where path `path` goes from its sample of index `index` to the next, in the middle (frame), and other paths."""
+    """Where path `path` goes from its sample of index `index` to the next, in the middle (frame), and other paths.
+
+    `told` says whether tracking itself was not sure there.
+    """
 
     path: int
     index: int
     middle: float
     partners: tuple[Partner, ...]
+    told: bool = False
 
 
 def places(paths: Paths, told: Iterable[tuple[int, float, int]] = ()) -> list[Place]:
@@ -63,19 +69,31 @@ def places(paths: Paths, told: Iterable[tuple[int, float, int]] = ()) -> list[Pl
     for p, own in enumerate(paths.frames):
         for i in [*np.flatnonzero(np.diff(own) > 1).tolist(), *paths.jumps[p].tolist()]:
             found.setdefault((p, i), set())
+    told = tuple(told)
     for p, frame, q in (*_near(paths), *told):
         i = paths.index_before(p, frame)
         if 0 <= i < len(paths.frames[p]) - 1:
             found.setdefault((p, i), set()).update({q} - {-1})
-    return [_place(paths, p, i, others) for (p, i), others in sorted(found.items())]
+    unsure = _unsure(paths, told)
+    return [_place(paths, p, i, others, (p, i) in unsure) for (p, i), others in sorted(found.items())]
 
 
-def _place(paths: Paths, p: int, i: int, others: set[int]) -> Place:
+def _unsure(paths: Paths, told: Iterable[tuple[int, float, int]]) -> set[tuple[int, int]]:
+    """Paths and indices near to which tracking was not sure."""
+    out = set[tuple[int, int]]()
+    for p, frame, _ in told:
+        own, near = paths.frames[p], TOLD_S * paths.rate
+        out |= {(p, i) for i in range(*np.searchsorted(own, [frame - near, frame + near]).tolist())}
+        out.add((p, paths.index_before(p, frame)))
+    return out
+
+
+def _place(paths: Paths, p: int, i: int, others: set[int], told: bool) -> Place:
     own = paths.frames[p]
     middle = (own[i] + own[i + 1]) / 2
     near = dict.fromkeys([*sorted(others), *_partners(paths, p, i, middle)])
     cuts = [cut for q in near for cut in _cuts(paths, q, float(own[i]), float(own[i + 1]))]
-    return Place(p, i, float(middle), (NOBODY, *cuts))
+    return Place(p, i, float(middle), (NOBODY, *cuts), told)
 
 
 def _cuts(paths: Paths, q: int, first: float, last: float) -> list[Partner]:

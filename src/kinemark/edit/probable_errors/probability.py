@@ -13,10 +13,13 @@ from collections.abc import Sequence
 import numpy as np
 
 COEFFICIENTS: dict[str, tuple[float, ...]] = {
-    "change": (-4.0, 0.3, 0.8, 0.3, -0.5, 0.8, 0.1),
-    "spike": (-4.0, 1.0, -0.5, 0.0),
-    "piece": (0.0, 0.3, -0.8, 0.0),
-    "ghost": (1.0, -1.0, -0.5, 0.0),
+    "change": (-1.92, 0.24, 0.28, 0.71, -0.36, -0.32, -0.38, 0.17, 0.07, 1.36, -0.12, 0.08, -0.84),
+    "spike": (0.34, 0.21, -0.24, 0.87, 0.48, 0.07),
+    "piece": (-0.44, 0.33, -0.95, 2.35, 0.01, 0.05),
+    "ghost": (-0.91, -0.74, -1.03, 1.63),
+    "name_swap": (-3.0, 1.5, 0.5),
+    "name_sides": (-3.0, 1.5, 0.5),
+    "name_label": (-3.0, 1.5, 0.5),
 }
 """Constant, then as the evidence of each kind lists them. Fitted by studies/probable_errors.py."""
 
@@ -26,3 +29,8 @@ def probability(kind: str, evidence: Sequence[float]) -> float:
     c = COEFFICIENTS[kind]
     z = c[0] + float(np.dot(c[1:], np.asarray(evidence, np.float64)))
     return float(1 / (1 + np.exp(-np.clip(z, -50, 50))))
+
+
+def name_probability(kind: str, nats: float, seconds: float) -> float:
+    """(1) of a stretch whose names fit worse than others by so many nats a frame, for so many seconds."""
+    return probability(f"name_{kind}", (float(np.log(max(nats, 1e-3))), float(np.log(max(seconds, 1e-3)))))

@@ -6,23 +6,35 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .paths import Paths, ends, meeting
+from ...data.array_types import Floats, Ints
+from .paths import Ends, Paths, between, ends, meeting
 from .probability import probability
 
 SPIKE_S = 0.15
 """s; chosen: longer than an image that was taken wrongly lasts."""
 
+LEAST_MM = 1.0
+"""mm below which distances do not differ; chosen."""
+
 
 class SpikeEvidence(NamedTuple):
-    """ln(1 + χ²/4) of the lesser of both jumps; of what is left without the samples; ln of seconds."""
+    """What tells of a spike.
 
-    jump: float
+    Attributes:
+        off: ln(1 + χ²/4) of its samples from where the path is by what is before and after, the least of them.
+        without: the same of how before goes on in after. times: ln of how many times farther the samples are.
+        seconds: ln of their duration, s. rate: ln of the trial's, Hz.
+    """
+
+    off: float
     without: float
+    times: float
     seconds: float
+    rate: float
 
 
 class Spike(NamedTuple):
-    """Samples `first` to `last` (frames from 0) of a path that stand off, by how much, and how likely they are wrong."""
+    """Samples `first` to `last` (frames from 0) of a path that stand off, by how much, and how likely that is wrong."""
 
     path: int
     first: int
@@ -45,19 +57,34 @@ def spikes(paths: Paths) -> list[Spike]:
     if not rows:
         return []
     p, a, b = (np.array(column, np.int64) for column in zip(*rows, strict=True))
-    away = meeting(ends(paths, p, a, -1), ends(paths, p, a + 1, 1), paths.rate, paths.q)
-    back = meeting(ends(paths, p, b, -1), ends(paths, p, b + 1, 1), paths.rate, paths.q)
-    rest = meeting(ends(paths, p, a, -1), ends(paths, p, b + 1, 1), paths.rate, paths.q)
-    jump = np.log1p(np.fmin(away.squared, back.squared) / 4)
+    before, after = ends(paths, p, a, -1), ends(paths, p, b + 1, 1)
+    rest = meeting(before, after, paths.rate, paths.q)
     without = np.log1p(rest.squared / 4)
+    off, squared = _standing_off(paths, p, a, b, before, after)
     found = []
     for n in range(len(p)):
         own = paths.frames[p[n]]
         first, last = int(own[a[n] + 1]), int(own[b[n]])
-        evidence = SpikeEvidence(float(jump[n]), float(without[n]), float(np.log((last - first + 1) / paths.rate)))
-        keep = float(np.fmax(away.off[n], back.off[n]))
-        found.append(Spike(int(p[n]), first, last, evidence, probability("spike", evidence), keep, float(rest.off[n])))
+        times = float(np.log((off[n] + LEAST_MM) / (rest.off[n] + LEAST_MM)))
+        seconds = float(np.log((last - first + 1) / paths.rate))
+        evidence = SpikeEvidence(
+            float(np.log1p(squared[n] / 4)), float(without[n]), times, seconds, float(np.log(paths.rate))
+        )
+        wrong = probability("spike", evidence)
+        found.append(Spike(int(p[n]), first, last, evidence, wrong, float(off[n]), float(rest.off[n])))
     return _apart(found)
+
+
+def _standing_off(paths: Paths, p: Ints, a: Ints, b: Ints, before: Ends, after: Ends) -> tuple[Floats, Floats]:
+    """(N) how far the first, the middle or the last sample is off at least, mm, and its χ²."""
+    off, squared = [], []
+    for index in (a + 1, (a + b + 1) // 2, b):
+        frame = np.array([paths.frames[k][i] for k, i in zip(p, index, strict=True)])
+        place, variance = between(before, after, frame.astype(np.float64), paths.rate, paths.q)
+        d = np.linalg.norm(paths.xyz[p, frame] - place, axis=1)
+        off.append(d)
+        squared.append(d**2 / (variance + paths.sd[p] ** 2))
+    return np.min(off, axis=0), np.min(squared, axis=0)
 
 
 def _apart(found: list[Spike]) -> list[Spike]:

@@ -14,33 +14,41 @@ from ...data.problems import Problem, ProblemKind, Problems
 from ...edit.replay import Reviewed, reviewed
 from ...edit.values import Footage
 from ...fill import FilledGap, fill
+from ...label import Template
 from ..editing import Editing
 from .context import Context
 from .of_gaps import of_edits, of_gaps
+from .of_names import of_names
 from .of_paths import of_paths
 
 __all__ = ["filled_gaps", "problems"]
 
 NEAR_S = 0.2
 """s that a verdict may be beside a problem that it was on; chosen, as changes that are one problem."""
+BEGINS_S, SURE = 0.5, 0.5
+"""s that a change may be beside a stretch with wrong names to be its cause, and its least probability; chosen: names
+are judged in windows of half a second."""
 FAMILY: dict[str, str] = {"join": "swap", "stitch": "swap", "merge": "swap"}
 """Kinds of which one may be seen as another when a trial is processed again; others are of their own."""
 BEFORE: dict[ProblemKind, int] = {"edit": 0}
 """Kinds that come first whatever they cost."""
 
 
-def problems(editing: Editing, *, gaps: Sequence[FilledGap] = ()) -> Problems:
+def problems(editing: Editing, *, gaps: Sequence[FilledGap] = (), template: Template | None = None) -> Problems:
     """What is to be looked at, what saves most first.
 
     Args:
         editing: the trial.
         gaps: what filling said of its gaps; none are listed where it was not filled.
+        template: of the subject, by which names are judged; what the trial is itself like where None.
     """
     edited = editing.edited()
     context = Context(editing, edited)
     found = [*of_edits(context), *of_gaps(context, gaps)]
     settled = _settled(context)
-    found += [one for one in of_paths(context) if not any(_is_about(verdict, one, context) for verdict in settled)]
+    seen = list(of_paths(context))
+    seen += [one for one in of_names(context, template) if not _seen_by_motion(one, seen, context)]
+    found += [one for one in seen if not any(_is_about(verdict, one, context) for verdict in settled)]
     order = sorted(found, key=lambda one: (BEFORE.get(one.kind, 1), not one.asked, -one.cost, one.first, one.id))
     return Problems(tuple(_with_own_ids(order)), editing.journal.head)
 
@@ -65,6 +73,18 @@ def _is_about(verdict: Reviewed, problem: Problem, context: Context) -> bool:
     at_once = verdict.first - near <= last and verdict.last + near >= first
     names = {context.now.names[path] for path in verdict.paths}
     return kinds[0] == kinds[1] and at_once and bool(names & set(problem.tracks))
+
+
+def _seen_by_motion(one: Problem, seen: Sequence[Problem], context: Context) -> bool:
+    """Whether a stretch with wrong names begins where paths are seen to change already."""
+    near = BEGINS_S * context.now.rate
+    return any(
+        other.kind in ("swap", "join", "spike")
+        and other.wrong >= SURE
+        and bool(set(other.tracks) & set(one.tracks))
+        and one.first - near <= other.frame <= one.last + near
+        for other in seen
+    )
 
 
 def _with_own_ids(found: Sequence[Problem]) -> list[Problem]:

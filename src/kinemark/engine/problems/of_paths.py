@@ -66,14 +66,14 @@ def _once(some: Sequence[Change], paths: Paths) -> list[Change]:
         if any(abs(k.place.middle - one.place.middle) <= TOGETHER_S * paths.rate for k in of.get(mine, ())):
             continue
         kept.append(one)
-        for path in {mine, one.partner} - {-1}:
+        for path in {mine, one.partner.path} - {-1}:
             of.setdefault(path, []).append(one)
     return kept
 
 
 def _change(context: Context, paths: Paths, change: Change) -> Problem:
     """A place at which a path may go on as another marker."""
-    p, q, i = change.place.path, change.partner, change.place.index
+    p, q, i = change.place.path, change.partner.path, change.place.index
     f, g = int(paths.frames[p][i]), int(paths.frames[p][i + 1])
     tracks = tuple(context.name(path) for path in (p, q) if path >= 0)
     kind = "swap" if q >= 0 else "join"
@@ -90,7 +90,7 @@ def _change(context: Context, paths: Paths, change: Change) -> Problem:
     )  # fmt: skip
     if q >= 0:
         other = context.alternative(
-            "exchange", tracks, frame, wrong, (1 - wrong) * n * mm, [*_exchanged(context, p, q, g), no],
+            "exchange", tracks, frame, wrong, (1 - wrong) * n * mm, [*_exchanged(context, paths, change, g), no],
             mm=change.exchange_mm,
         )  # fmt: skip
     else:
@@ -105,13 +105,15 @@ def _change(context: Context, paths: Paths, change: Change) -> Problem:
     )  # fmt: skip
 
 
-def _exchanged(context: Context, p: int, q: int, g: int) -> Iterator[Edit]:
+def _exchanged(context: Context, paths: Paths, change: Change, g: int) -> Iterator[Edit]:
     """From frame g (from 0) on each has the other's name; tracks without get one of their own."""
+    p, (q, j) = change.place.path, change.partner
     mine, theirs = context.marker(p), context.marker(q)
     yield from context.claim(p, mine)
     yield from context.claim(q, theirs)
     yield from context.claim(p, theirs, g)
-    yield from context.claim(q, mine, g)
+    if j + 1 < len(paths.frames[q]):
+        yield from context.claim(q, mine, int(paths.frames[q][j + 1]))
 
 
 def _spike(context: Context, spike: Spike) -> Problem:

@@ -39,7 +39,6 @@ def action_text(action: Action, tracks: Sequence[str], frame: int, mm: float, na
         "no_marker": f"{one} is no marker",
         "erase": f"these samples are wrong{jump}",
         "rename": f"it is {name}",
-        "unname": f"{one} loses its name there",
         "fill": f"fill by {name}{jump}",
         "leave_open": "leave it open",
         "drop_edit": "drop the edit",

@@ -1,0 +1,63 @@
+"""`kinemark audit`: what is probably wrong with the tracks and names of labelled files, of any system."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ...data import KinemarkError
+from ...engine.audit import Audit, audit_files
+from ...engine.label_files import template_of
+from ..output import BAD_VERDICT, Json, print_errors, print_result
+from ..problems_output import problems_figures, problems_text
+
+
+def audit(
+    source: Path,
+    *sources: Path,
+    template: Annotated[
+        list[Path] | None, Parameter(name=("--template", "-t"), consume_multiple=True, negative="")
+    ] = None,
+    mend: Annotated[bool, Parameter(negative="")] = False,
+    every: bool = False,
+    by: str = "",
+    json: Json = False,
+) -> None:
+    """List what is probably wrong with labelled files: swaps, spikes, wrong names, left and right; ends with 3 if any.
+
+    Args:
+        source: a file of trajectories: C3D, TDF, TRC, CSV or HDF5; or SESSION/TRIAL.
+        sources: and others.
+        template: labelled trials of the subject, or a kept template (NAME.template.h5), by which names are judged;
+            what a file is itself like where none is given.
+        mend: write what is sure into the journal beside the file, edits/NAME.jsonl; kinemark edits apply writes another
+            file with it, and kinemark edits undo takes it back.
+        every: also list what is not worth a look.
+        by: who mends; the user of the machine where not given.
+        json: print it for a machine.
+    """
+    learnt = template_of(template).template if template else None
+    done = audit_files((source, *sources), template=learnt, mend=mend, by=by)
+    found = {str(path): one for path, one in done.items() if isinstance(one, Audit)}
+    if json:
+        print_result({path: _figures(one) for path, one in found.items()})
+    else:
+        print_result("\n\n".join(f"{path}\n{_text(one, every)}" for path, one in found.items()))
+    failed = {str(path): one for path, one in done.items() if isinstance(one, KinemarkError)}
+    print_errors(failed)
+    if failed:
+        sys.exit(1)
+    if any(one.found.asked for one in found.values()):
+        sys.exit(BAD_VERDICT)
+
+
+def _figures(one: Audit) -> dict[str, object]:
+    return problems_figures(one.found) | {"mended": [problem.words for problem in one.mended]}
+
+
+def _text(one: Audit, every: bool) -> str:
+    mended = [f"mended: {problem.words}" for problem in one.mended]
+    return "\n".join([*mended, problems_text(one.found, every=every)])

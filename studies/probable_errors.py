@@ -1,0 +1,303 @@
+"""Are the probabilities of problems true, and does the list find what is wrong?
+
+Simulated scenes of 15 to 60 markers and 2 to 12 cameras are tracked, and labelled trials of other systems are read;
+each is looked at as it is, and with seeded faults (`probable_errors_faults`). What the trackers themselves did wrong counts
+as well. The coefficients of `edit/probable_errors/probability.py` are fitted to the scenes and files of TUNE; everything
+else is told of those of CHECK, on which nothing was tuned.
+
+Of CHECK it is told: the area under the ROC curve of `wrong`; how many of the problems of a class of `wrong` were truly
+wrong; how many errors were expected and true, among all and among those below the stop rule; how many problems a trial
+without faults has; and which seeded faults were found.
+
+Run: python studies/probable_errors.py [fit]         fit: print new coefficients too
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy
+from probable_errors_faults import Faulty, owners, seeded
+from recordings import FOLDER as DATA
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+from kinemark.data import Detections, KinemarkError, Origin, Rig, Trajectories
+from kinemark.data.array_types import Floats, Ints
+from kinemark.data.problems import Problem, Problems
+from kinemark.data.track_trajectories import trajectories_of
+from kinemark.edit.probable_errors import Paths, changes, ghosts, pieces, places, spikes
+from kinemark.engine.editing import Editing
+from kinemark.engine.journal import Journal
+from kinemark.engine.problems import problems
+from kinemark.io.trial import read_trial
+from kinemark.synth import observe, ring, walking, with_markers
+from kinemark.track.simultaneous import AmbiguousDecision, track_with_decisions
+from support.scenes import make, scene
+
+TUNE, CHECK = range(60), range(60, 100)
+FILES = (
+    "pig_gait_child*/*.c3d", "pig_gait_3plates_emg/PiG_M*FF.c3d", "fullbody_cmu/*.c3d", "labelling/*.c3d",
+    "pig_wholebody/M*.c3d", "gait_emg_ccby/*01.c3d", "opensim_gait/*walk.trc",
+)  # fmt: skip
+NEAR = 8  # samples of a half that say whose it is
+OFF_MM = 5.0  # mm that samples must be off at least to be wrong
+LONGEST = 1500  # frames of a file that are looked at
+BINS = (0.0, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 1.0001)
+KINDS = ("change", "spike", "piece", "ghost")
+
+
+class Known(NamedTuple):
+    """A trial whose truth is known: true paths (M, F, 3) mm, and whose each sample is (P, F)."""
+
+    name: str
+    trajectories: Trajectories
+    owner: Ints
+    truth: Floats
+    detections: Detections | None = None
+    rig: Rig | None = None
+    decisions: tuple[AmbiguousDecision, ...] = ()
+    faulty: Faulty | None = None
+
+
+def simulated(seeds: Sequence[int]) -> Iterator[Known]:
+    for seed in seeds:
+        made = make(scene(seed))
+        try:
+            tracks, decisions = track_with_decisions(made.detections, made.rig)
+        except KinemarkError:
+            continue
+        found = trajectories_of(tracks)
+        if len(found):
+            owner = owners(found, made.xyz)
+            yield Known(str(made.scene), found, owner, made.xyz, made.detections, made.rig, tuple(decisions))
+
+
+def labelled(part: int) -> Iterator[Known]:
+    """Every second file of other systems, from the first or second on, without what was filled."""
+    files = sorted(file for pattern in FILES for file in (DATA / "mocap3d").glob(pattern)) if DATA.is_dir() else []
+    for file in files[part::2]:
+        whole = read_trial(file).trajectories
+        found = whole.frames(0, min(whole.n_frames, LONGEST)).select(
+            [p.name for p in whole if not p.name.startswith("*")]
+        )
+        seen = [path for path in found if (path.origin != Origin.MISSING).sum() > 50]
+        if len(seen) > 4:
+            found = found.select([path.name for path in seen])
+            owner = np.where(np.isfinite(found.xyz[..., 0]), np.arange(len(found))[:, None], -1)
+            yield Known(file.name, found, owner, found.xyz)
+
+
+def with_faults(known: Known, seed: int) -> Known:
+    faulty = seeded(known.trajectories, known.owner, seed)
+    owner = np.array(faulty.owner)
+    return known._replace(trajectories=faulty.trajectories, owner=owner, faulty=faulty)
+
+
+def both(some: Iterator[Known]) -> Iterator[Known]:
+    for k, known in enumerate(some):
+        yield known
+        yield with_faults(known, k)
+
+
+# Truth
+
+
+def whose(owner: Ints) -> int:
+    own = owner[owner >= 0]
+    values, count = np.unique(own, return_counts=True)
+    return int(values[count.argmax()]) if len(own) else -1
+
+
+def halves(known: Known, p: int, f: int, g: int) -> tuple[int, int]:
+    """Whose path p is up to frame f, and from g on."""
+    own = np.flatnonzero(known.trajectories.paths[p].origin != Origin.MISSING)
+    return whose(known.owner[p][own[own <= f][-NEAR:]]), whose(known.owner[p][own[own >= g][:NEAR]])
+
+
+def changed(known: Known, p: int, f: int, g: int) -> bool | None:
+    a, b = halves(known, p, f, g)
+    return None if a < 0 or b < 0 else a != b
+
+
+def stands_off(known: Known, p: int, first: int, last: int, mm: float) -> bool | None:
+    a, _ = halves(known, p, first - 1, last + 1)
+    if a < 0:
+        return None
+    xyz, truth = known.trajectories.paths[p].xyz, known.truth[a]
+    off = np.linalg.norm(xyz - truth, axis=1)
+    own = np.flatnonzero(np.isfinite(off[:first]))[-NEAR:]
+    usual = float(np.median(off[own])) if len(own) else 0.0
+    there = off[first : last + 1]
+    there = there[np.isfinite(there)]
+    return bool(len(there)) and float(np.median(there)) > max(0.4 * mm, 2 * usual, OFF_MM)
+
+
+def one_marker(known: Known, p: int, q: int) -> bool | None:
+    own, other = (np.flatnonzero(known.trajectories.paths[k].origin != Origin.MISSING) for k in (p, q))
+    a, b = whose(known.owner[p][own[-NEAR:]]), whose(known.owner[q][other[:NEAR]])
+    return None if a < 0 and b < 0 else a == b
+
+
+def no_marker(known: Known, p: int) -> bool:
+    own = known.trajectories.paths[p].origin != Origin.MISSING
+    return bool((known.owner[p][own] >= 0).mean() < 0.5)
+
+
+# Fitting
+
+
+def evidence(known: Known) -> Iterator[tuple[str, tuple[float, ...], bool]]:
+    """What tells of everything that is looked at in a trial, and the truth."""
+    paths = Paths.of(known.trajectories)
+    told = [
+        (track, (one.first + one.last) / 2, next((k for k in one.tracks if k != track), -1))
+        for one in known.decisions
+        for track in one.tracks
+        if one.kind != "ghost" and 0 <= track < len(known.trajectories)
+    ]
+    for change in changes(paths, places(paths, told)):
+        own, i, p = paths.frames[change.place.path], change.place.index, change.place.path
+        yield from _told("change", change.evidence, changed(known, p, int(own[i]), int(own[i + 1])))
+    for spike in spikes(paths):
+        yield from _told("spike", spike.evidence, stands_off(known, spike.path, spike.first, spike.last, spike.keep_mm))
+    for piece in pieces(paths):
+        yield from _told("piece", piece.evidence, one_marker(known, piece.before, piece.after))
+    for ghost in ghosts(paths, known.trajectories):
+        yield from _told("ghost", ghost.evidence, no_marker(known, ghost.path))
+
+
+def _told(kind: str, of: Sequence[float], wrong: bool | None) -> Iterator[tuple[str, tuple[float, ...], bool]]:
+    if wrong is not None:
+        yield kind, tuple(of), wrong
+
+
+def fitted(x: Floats, y: Floats) -> Floats:
+    """Coefficients of the likeliest logistic function, slightly drawn to 0."""
+    one = np.column_stack([np.ones(len(x)), x])
+
+    def cost(c: Floats) -> tuple[float, Floats]:
+        z = one @ c
+        slope = one.T @ (scipy.special.expit(z) - y) + 2e-4 * len(x) * np.append(0, c[1:])
+        return float((np.logaddexp(0, z) - y * z).sum() + 1e-4 * len(x) * (c[1:] ** 2).sum()), slope
+
+    return scipy.optimize.minimize(cost, np.zeros(one.shape[1]), jac=True, method="L-BFGS-B").x
+
+
+def fit(some: Iterator[Known]) -> None:
+    rows = [row for known in some for row in evidence(known)]
+    for kind in KINDS:
+        mine = [(of, wrong) for k, of, wrong in rows if k == kind]
+        x, y = np.array([of for of, _ in mine]), np.array([float(wrong) for _, wrong in mine])
+        print(f'    "{kind}": ({", ".join(f"{c:.2f}" for c in fitted(x, y))}),  # {len(y)}, {y.sum():.0f} wrong')
+
+
+# Checking
+
+
+def listed(known: Known) -> Problems:
+    with tempfile.TemporaryDirectory() as folder:
+        journal = Journal.of(Path(folder), "trial")
+        return problems(
+            Editing("trial", journal, known.trajectories, known.detections, known.rig, decisions=known.decisions)
+        )
+
+
+def truth_of(known: Known, one: Problem) -> bool | None:
+    """Whether a problem is one; None where the truth does not say."""
+    names, start = known.trajectories.names, known.trajectories.first_frame
+    who = [names.index(name) for name in one.tracks]
+    first, last = one.first - start, one.last - start
+    if one.kind == "spike":
+        return stands_off(known, who[0], first, last, one.alternatives[0].jump_mm)
+    if one.kind == "ghost":
+        return no_marker(known, who[0])
+    if one.kind == "join" and len(who) == 2:
+        return one_marker(known, *who)
+    return changed(known, who[0], first, last)
+
+
+def found(known: Known, asked: Sequence[Problem]) -> dict[str, tuple[int, int]]:
+    """Of each kind of seeded fault: how many have a problem worth a look at their frame, and how many there are."""
+    out: dict[str, tuple[int, int]] = {}
+    assert known.faulty is not None
+    near, start = 0.1 * known.trajectories.rate + 2, known.trajectories.first_frame
+    for kind, frame in known.faulty.done:
+        hit = any(one.first - start - near <= frame <= one.last - start + near for one in asked)
+        a, b = out.get(kind, (0, 0))
+        out[kind] = a + hit, b + 1
+    return out
+
+
+def auc(wrong: Floats, y: Floats) -> float:
+    rank = scipy.stats.rankdata(wrong)
+    n = y.sum()
+    return float((rank[y > 0].sum() - n * (n + 1) / 2) / (n * (len(y) - n)))
+
+
+def check(title: str, some: Iterator[Known]) -> None:
+    rows: list[tuple[str, float, bool, bool]] = []
+    hits: dict[str, tuple[int, int]] = {}
+    asked: dict[bool, list[int]] = {True: [], False: []}
+    for known in some:
+        of = listed(known)
+        asked[known.faulty is not None].append(len(of.asked))
+        judged = [(one.kind, one.wrong, truth_of(known, one), one.asked) for one in of.items]
+        rows += [(kind, wrong, true, look) for kind, wrong, true, look in judged if true is not None]
+        if known.faulty is not None:
+            for kind, (a, b) in found(known, of.asked).items():
+                hits[kind] = hits.get(kind, (0, 0))[0] + a, hits.get(kind, (0, 0))[1] + b
+    print(f"\n{title}: {len(asked[False])} trials, each as it is and with faults")
+    for kind in ("all", "swap", "join", "spike", "ghost"):
+        table(kind, [row for row in rows if kind in ("all", row[0])])
+    expected, true = sum(row[1] for row in rows), sum(row[2] for row in rows)
+    left, left_true = sum(r[1] for r in rows if not r[3]), sum(r[2] for r in rows if not r[3])
+    print(f"  errors: expected {expected:.0f}, true {true}; below the stop rule: expected {left:.1f}, true {left_true}")
+    for faults, name in ((False, "as they are"), (True, "with faults")):
+        n = asked[faults]
+        print(f"  problems worth a look, {name}: median {np.median(n):.0f}, most {max(n)}")
+    print("  seeded faults with a problem: " + ", ".join(f"{k} {a} of {b}" for k, (a, b) in sorted(hits.items())))
+
+
+def table(kind: str, rows: list[tuple[str, float, bool, bool]]) -> None:
+    wrong, y = np.array([row[1] for row in rows]), np.array([float(row[2]) for row in rows])
+    if not 0 < y.sum() < len(y):
+        return
+    cells = []
+    for low, high in pairwise(BINS):
+        mine = (wrong >= low) & (wrong < high)
+        cells.append(f"{wrong[mine].mean():.2f}→{y[mine].mean():.2f} ({mine.sum()})" if mine.any() else "–")
+    print(f"  {kind:6} {len(y):5} {y.sum():4.0f} wrong, area {auc(wrong, y):.3f}; said→true: {'  '.join(cells)}")
+
+
+def clean(n: int = 6) -> None:
+    """Trials of 30 s in which nothing went wrong."""
+    counts = []
+    for seed in range(n):
+        subject = walking(duration_s=30.0, rate=100.0, speed_mm_s=80.0, wobble_mm=1.0, seed=seed)
+        subject = with_markers(subject, 39, apart_mm=30.0, seed=seed)
+        rig = ring(8)
+        detections = observe(rig, subject, noise_px=0.2, merge_px=4.0, seed=seed).detections
+        tracks, decisions = track_with_decisions(detections, rig)
+        known = Known("", trajectories_of(tracks), np.zeros((0, 0), np.int64), subject.xyz, detections, rig)
+        counts.append((len(listed(known._replace(decisions=tuple(decisions))).asked), len(decisions)))
+    print(f"\nClean trials of 30 s, 39 markers, 8 cameras: worth a look {', '.join(str(a) for a, _ in counts)}; the "
+          f"tracker's own ambiguous decisions {', '.join(str(b) for _, b in counts)}")  # fmt: skip
+
+
+def main(*what: Any) -> None:
+    if "fit" in what:
+        fit(known for some in (simulated(TUNE), labelled(0)) for known in both(some))
+    check(f"Simulated scenes {CHECK.start} to {CHECK.stop - 1}", both(simulated(CHECK)))
+    check("Files of other systems, every second", both(labelled(1)))
+    clean()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,116 @@
+"""A session in the studio: run, seen with its cameras, told of; images where there are some."""
+
+import asyncio
+import json
+import time
+
+import numpy as np
+import pytest
+
+pytest.importorskip("fastapi", reason="the studio's dependencies are absent: pip install 'kinemark[studio]'")
+
+from kinemark.engine.session import Session
+from support.sessions import folder_of
+from support.studio import Studio
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return folder_of(tmp_path_factory.mktemp("session"), 4)[0]
+
+
+@pytest.fixture(scope="module")
+def studio(folder):
+    """It was run by a job of the studio's own."""
+    studio = Studio(folder)
+    card = studio.page.get("/api/home").json()["sessions"][0]["trials"][0]
+    assert card["state"] == "not run" and studio.page.get(studio.trial).status == 424
+    job = studio.page.post(f"{studio.trial}/run", {}).json()
+    assert job["state"] == "running" and studio.page.post(f"{studio.trial}/run", {}).status == 422
+    began = time.monotonic()
+    while (job := studio.page.get("/api/jobs").json()[-1])["state"] == "running":
+        assert time.monotonic() - began < 120
+        time.sleep(0.1)
+    assert job["state"] == "done", job["words"]
+    return studio
+
+
+def test_a_run_trial_is_shown_with_its_cameras_and_detections(studio, folder):
+    header = studio.page.get(studio.trial).json()
+    rig = Session.open(folder).calibrate().rig
+    assert [camera["name"] for camera in header["cameras"]] == list(rig.names)
+    assert np.allclose(header["cameras"][2]["K"], rig[2].K) and header["has_detections"] and not header["has_images"]
+    answer = studio.page.get(f"{studio.trial}/detections?first=2&last=4")
+    about = json.loads(answer.headers["x-kinemark-detections"])
+    n, d = 4 * 3, about["detections"]
+    counts = np.frombuffer(answer.body[: n * 4], "<u4").reshape(4, 3)
+    track = np.frombuffer(answer.body[n * 4 + d * 8 : n * 4 + d * 12], "<i4")
+    assert counts.sum() == d and len(answer.body) == n * 4 + d * 13
+    assert set(track[:5].tolist()) == set(range(5)), "every marker has an image of its own in the first frame"
+    home = studio.page.get("/api/home").json()["sessions"][0]["trials"][0]
+    assert (home["state"], home["frames"], home["markers"], home["named"]) == ("done", 20, 5, 0)
+
+
+def test_an_epipolar_line_leads_through_the_image_of_the_same_marker(studio):
+    answer = studio.page.get(f"{studio.trial}/detections?first=5&last=5")
+    counts = np.frombuffer(answer.body[:16], "<u4")
+    d = int(counts.sum())
+    uv = np.frombuffer(answer.body[16 : 16 + d * 8], "<f4").reshape(d, 2)
+    track = np.frombuffer(answer.body[16 + d * 8 : 16 + d * 12], "<i4")
+    names = [camera["name"] for camera in studio.page.get(studio.trial).json()["cameras"]]
+    of = np.repeat(np.arange(4), counts)
+    here = np.flatnonzero((of == 0) & (track == 1))[0]
+    lines = studio.page.get(f"{studio.trial}/epipolar?camera={names[0]}&u={uv[here, 0]}&v={uv[here, 1]}").json()
+    assert len(lines) == 3
+    for line in lines:
+        there = uv[(of == names.index(line["camera"])) & (track == 1)][0]
+        a, b = np.array(line["points"][:-1]), np.array(line["points"][1:])
+        along = ((there - a) * (b - a)).sum(1) / ((b - a) ** 2).sum(1)
+        off = np.linalg.norm(a + along.clip(0, 1)[:, None] * (b - a) - there, axis=1).min()
+        assert off < 1.0
+
+
+def test_what_is_said_makes_results_stale_and_the_file_follows_by_a_run(studio, folder):
+    assert studio.page.post(f"{studio.trial}/export", {}).json()["name"] == "results/one/one.c3d"
+    assert studio.act(kind="claim", track="*1", name="LKNE").status == 200
+    assert studio.page.get(studio.trial).json()["stale"]
+    assert studio.page.get("/api/home").json()["sessions"][0]["trials"][0]["state"] == "stale"
+    assert studio.page.post(f"{studio.trial}/export", {}).status == 422
+    assert (folder / "edits" / "one.jsonl").is_file()
+
+
+def test_the_report_has_no_origin_and_all_that_it_draws_with(studio):
+    answer = studio.page.get(f"{studio.trial}/report")
+    assert answer.status == 200 and answer.headers["content-security-policy"].startswith("sandbox allow-scripts ")
+    assert b'src="../assets' not in answer.body and len(answer.body) > 1_000_000
+
+
+def test_a_trial_without_images_says_so(studio):
+    assert studio.page.get(f"{studio.trial}/mosaic/1").json()["words"] == "This trial has no images."
+
+
+def test_open_pages_are_told_when_somebody_says_something(studio):
+    address = f"{studio.trial}/acts"
+
+    async def told():
+        said, gone = asyncio.Queue(), asyncio.Event()
+
+        async def receive(first=[True]):  # noqa: B006  one socket
+            if first.pop() if first else False:
+                return {"type": "websocket.connect"}
+            await gone.wait()
+            return {"type": "websocket.disconnect", "code": 1000}
+
+        socket = asyncio.create_task(studio.guard(studio.page.scope("websocket", "/api/live"), receive, said.put))
+        assert (await said.get())["type"] == "websocket.accept"
+        head = await asyncio.to_thread(studio.head)
+        body = {"head": head, "act": {"kind": "claim", "track": "*2", "name": "RKNE"}, "why": ""}
+        done = await asyncio.to_thread(studio.page.post, address, body)
+        while (message := json.loads((await asyncio.wait_for(said.get(), 20))["text"]))["kind"] != "trial":
+            pass
+        gone.set()
+        await socket
+        return message, done.json()["head"]
+
+    message, head = asyncio.run(told())
+    assert message["head"] == head

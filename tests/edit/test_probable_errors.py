@@ -1,0 +1,95 @@
+"""Errors of paths are found where they are, with probabilities that tell them from what is right."""
+
+import numpy as np
+import pytest
+
+from kinemark.data.edits import is_named
+from kinemark.edit.probable_errors import Paths, changes, ghosts, pieces, places, spikes
+from kinemark.edit.probable_errors.paths import HALF, ends, meeting
+from support.walked import clean, exchanged, nearest, spiked, trajectories, walk, with_xyz, without
+
+
+def changes_of(trial):
+    paths = Paths.of(trial)
+    return changes(paths, places(paths)), paths
+
+
+def likely(trial, above=0.5):
+    found, paths = changes_of(trial)
+    frame = {one: int(paths.frames[one.place.path][one.place.index + 1]) for one in found}
+    return [(one.place.path, one.partner.path, frame[one], one.wrong) for one in found if one.wrong > above]
+
+
+@pytest.mark.parametrize("seed", [3, 8])
+def test_a_clean_walk_has_no_likely_error(seed):
+    trial = clean(seed=seed)
+    assert not likely(trial) and not [one for one in spikes(Paths.of(trial)) if one.wrong > 0.5]
+
+
+@pytest.mark.parametrize(("p", "f"), [(4, 150), (9, 200), (15, 260)])
+def test_an_exchange_of_neighbours_is_found_in_its_frame_with_its_partner(p, f):
+    trial = clean()
+    q = nearest(walk()[1], p, f)
+    found = likely(exchanged(trial, p, q, f))
+    assert found and {frame for *_, frame, _ in found} == {f}
+    assert {(a, b) for a, b, *_ in found} <= {(p, q), (q, p)} and max(wrong for *_, wrong in found) > 0.9
+
+
+def test_an_exchange_over_a_gap_is_told_from_a_gap_by_the_shape_of_the_body():
+    trial = clean()
+    p, f = 9, 200
+    q = nearest(walk()[1], p, f)
+    hidden = without(without(trial, p, f - 15, f + 15), q, f - 15, f + 15)
+    assert not likely(hidden)
+    assert {(a, b) for a, b, *_ in likely(exchanged(hidden, p, q, f))} == {(p, q), (q, p)}
+
+
+@pytest.mark.parametrize(("first", "stop"), [(120, 121), (120, 126), (250, 252)])
+def test_a_spike_is_found_with_its_samples(first, stop):
+    found = [one for one in spikes(Paths.of(spiked(clean(), 6, first, stop))) if one.wrong > 0.5]
+    assert [(one.path, one.first, one.last) for one in found] == [(6, first, stop - 1)]
+    assert abs(found[0].keep_mm - 40) < 6 and found[0].erase_mm < 6
+
+
+def test_two_pieces_of_one_marker_are_likelier_one_than_two_of_two():
+    names, xyz = walk()
+    whole = np.full((1, *xyz.shape[1:]), np.nan)
+    parts = {"*1": whole[0].copy(), "*2": whole[0].copy()}
+    parts["*1"][:200], parts["*2"][206:] = xyz[9, :200], xyz[9, 206:]
+    rest = np.delete(xyz, 9, 0)
+    trial = trajectories([*rest, *parts.values()], [*np.delete(names, 9), *parts])
+    best = max(pieces(Paths.of(trial)), key=lambda one: one.wrong)
+    assert (trial.names[best.before], trial.names[best.after]) == ("*1", "*2") and best.wrong > 0.8
+    assert best.join_mm < 20 and (best.last, best.first) == (199, 206)
+
+
+def test_only_short_rough_paths_without_a_name_are_ghosts():
+    names, xyz = walk()
+    ghost = np.full(xyz.shape[1:], np.nan)
+    ghost[100:104] = xyz[:, 100:104].mean(0) + np.random.default_rng(0).normal(0, 8, (4, 3))
+    trial = trajectories([*xyz, ghost], ["*7", *names[1:], "*99"])
+    found = {trial.names[one.path]: one.wrong for one in ghosts(Paths.of(trial), trial)}
+    assert set(found) == {"*7", "*99"} and not any(map(is_named, found)) and found["*99"] > 10 * found["*7"]
+
+
+def test_ends_meet_within_what_is_stated_in_half_of_all_cases():
+    trial = clean()
+    paths = Paths.of(trial)
+    who, index = np.repeat(np.arange(len(trial)), 20), np.tile(np.linspace(30, 350, 20).astype(int), len(trial))
+    met = meeting(ends(paths, who, index, -1), ends(paths, who, index + 10, 1), paths.rate, paths.q)
+    assert 0.3 < np.mean(met.squared < HALF) < 0.75
+
+
+def test_noise_is_that_of_the_samples_whatever_the_motion():
+    names, xyz = walk()
+    rng = np.random.default_rng(1)
+    noisy = trajectories(xyz + rng.normal(0, 1.0, xyz.shape), names)
+    assert abs(np.median(Paths.of(noisy).sd) / np.hypot(1.0, 0.2) - 1) < 0.25
+
+
+def test_what_is_found_hangs_neither_on_the_origin_nor_on_the_axes():
+    trial = spiked(exchanged(clean(), 9, nearest(walk()[1], 9, 200), 200), 6, 100, 102)
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    moved = with_xyz(trial, {k: path.xyz @ turn.T + [4e5, -3e5, 1e4] for k, path in enumerate(trial)})
+    one, other = (sorted(round(c.wrong, 4) for c in changes_of(t)[0]) for t in (trial, moved))
+    assert one == pytest.approx(other, abs=2e-3)

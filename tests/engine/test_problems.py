@@ -1,0 +1,194 @@
+"""Problems of a trial: what is seeded is listed, alternatives mend it, and what was decided is not asked again."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinemark import KinemarkError
+from kinemark.apps.cli import app
+from kinemark.data import Origin, Trial
+from kinemark.data.edits import Claim, Erase, Verdict
+from kinemark.data.problems import ASK_ABOVE, OF_IDENTITY
+from kinemark.edit import Renamed, difference
+from kinemark.engine.audit import audit_file, audit_files
+from kinemark.engine.editing import Editing
+from kinemark.engine.journal import Journal
+from kinemark.engine.problems import filled_gaps, problems
+from kinemark.io.c3d import read_c3d, write_c3d
+from support.edited import scene
+from support.walked import clean, exchanged, nearest, spiked, walk, without
+
+P, AT = 9, 200
+
+
+def faulty():
+    """An exchange of neighbours from frame AT on, and a spike."""
+    return spiked(exchanged(clean(), P, nearest(walk()[1], P, AT), AT), 6, 100, 103)
+
+
+def editing_of(trajectories, folder, **more):
+    return Editing("walk", Journal.of(folder, "walk"), trajectories, by="EG", **more)
+
+
+def asked(editing, above=0.5):
+    return [one for one in problems(editing).asked if one.wrong > above]
+
+
+def test_what_is_seeded_is_listed_in_the_order_of_its_cost_and_nothing_else_is_likely(tmp_path):
+    assert not asked(editing_of(clean(), tmp_path))
+    whole = faulty()
+    pair = {whole.names[P], whole.names[nearest(walk()[1], P, AT)]}
+    found = asked(editing_of(whole, tmp_path))
+    assert [one.kind for one in found] == ["swap", "spike"] and found[0].cost > found[1].cost
+    assert set(found[0].tracks) == pair and found[0].frame == AT + 1
+    assert (found[1].first, found[1].last, found[1].at_stake) == (101, 103, 3)
+    assert all(sum(way.probability for way in one.alternatives) == pytest.approx(1) for one in found)
+
+
+def test_taking_the_best_alternatives_gives_the_trial_back(tmp_path):
+    editing = editing_of(faulty(), tmp_path)
+    for _ in range(2):
+        editing.say(*asked(editing)[0].alternatives[0].edits)
+    found = difference(clean(), editing.edited().trajectories)
+    assert not found.renamed and [(one.marker, one.what, one.samples) for one in found.changed] == [
+        (faulty().names[6], "erased", 3)
+    ]
+    assert not asked(editing)
+
+
+def test_a_verdict_takes_a_problem_away_and_undo_brings_it_back_with_its_id(tmp_path):
+    editing = editing_of(faulty(), tmp_path)
+    one = asked(editing)[0]
+    keep = next(way for way in one.alternatives if way.action == "keep")
+    assert isinstance(keep.edits[0], Verdict) and keep.edits[0].right
+    editing.say(*keep.edits)
+    assert one.id not in {other.id for other in problems(editing).items}
+    editing.journal.undo()
+    assert one.id in {other.id for other in problems(editing).items}
+
+
+def test_verdicts_and_ids_hold_when_samples_are_a_little_elsewhere(tmp_path):
+    whole = faulty()
+    one = asked(editing_of(whole, tmp_path))[0]
+    noise = np.random.default_rng(5).normal(0, 0.3, (whole.n_frames, 3))
+    moved = replace(whole, paths=tuple(replace(path, xyz=path.xyz + noise) for path in whole))
+    again = editing_of(moved, tmp_path)
+    assert one.id in {other.id for other in problems(again).items}
+    again.say(*next(way for way in one.alternatives if way.action == "keep").edits)
+    assert one.id not in {other.id for other in problems(again).items}
+
+
+def test_errors_left_are_those_below_the_stop_rule(tmp_path):
+    found = problems(editing_of(faulty(), tmp_path))
+    below = [one.wrong for one in found.items if one.kind in OF_IDENTITY and one.wrong < ASK_ABOVE]
+    assert found.errors_left == pytest.approx(sum(below)) and 1.5 < found.errors < 3.5 and found.errors_left < 0.5
+
+
+def test_tracks_without_names_are_exchanged_under_names_of_their_own(tmp_path):
+    whole = faulty()
+    bare = replace(whole, paths=tuple(replace(path, name=f"*{k + 1}") for k, path in enumerate(whole)))
+    editing = editing_of(bare, tmp_path)
+    one = asked(editing)[0]
+    editing.say(*next(way for way in one.alternatives if way.action == "exchange").edits)
+    q = nearest(walk()[1], P, AT)
+    now = editing.edited().trajectories
+    for k in (P, q):
+        assert np.array_equal(now[f"track{k + 1}"].xyz, clean().paths[k].xyz)
+
+
+def test_gaps_are_problems_with_ways_to_fill_until_somebody_chose(tmp_path):
+    editing = editing_of(without(clean(), 5, 150, 171), tmp_path)
+    one = next(p for p in problems(editing, gaps=filled_gaps(editing)).items if p.kind == "gap")
+    assert (one.first, one.last, one.at_stake) == (151, 171, 21) and one.alternatives[0].action == "fill"
+    editing.say(*one.alternatives[0].edits)
+    assert not [p for p in problems(editing, gaps=filled_gaps(editing)).items if p.kind == "gap"]
+
+
+def test_edits_that_find_no_place_come_first(tmp_path):
+    editing = editing_of(clean(), tmp_path)
+    editing.journal.append([Erase("NOBODY", 5, 9)])
+    one = problems(editing).items[0]
+    assert one.kind == "edit" and "NOBODY" in one.words
+    editing.say(*one.alternatives[0].edits)
+    assert not [p for p in problems(editing).items if p.kind == "edit"]
+
+
+def test_a_preview_is_what_saying_it_gives_and_writes_nothing(tmp_path):
+    editing = editing_of(clean(), tmp_path)
+    edit = Erase(editing.trajectories.names[0], 10, 20)
+    seen = editing.preview([edit])
+    assert not editing.journal.path.exists() and seen.applied[0].outcome == "held"
+    editing.say(edit)
+    assert not difference(seen.trajectories, editing.edited().trajectories)
+
+
+def test_earlier_versions_are_there_by_the_head_of_the_journal(tmp_path):
+    editing = editing_of(clean(), tmp_path)
+    name = editing.trajectories.names[0]
+    heads = [editing.journal.head]
+    for claimed in ("A", "B"):
+        editing.claim(name if claimed == "A" else "A", claimed)
+        heads.append(editing.journal.head)
+    editing.journal.undo()
+    assert [editing.at(head).trajectories.names[0] for head in heads] == [name, "A", "B"]
+    assert editing.edited().trajectories.names[0] == "A"
+    frames = (1, editing.trajectories.n_frames, editing.trajectories.n_frames)
+    between = difference(editing.at(heads[1]).trajectories, editing.at(heads[2]).trajectories)
+    assert between.renamed == (Renamed("A", "B", *frames),)
+    with pytest.raises(KinemarkError, match="no line with the hash"):
+        editing.at("0" * 64)
+
+
+def test_the_trackers_own_decisions_are_judged_with_their_images(tmp_path):
+    rig, detections, tracked, _ = scene()
+    found = problems(editing_of(tracked, tmp_path, detections=detections, rig=rig))
+    assert not found.asked
+
+
+def test_an_audited_file_is_mended_in_its_journal_and_not_itself(tmp_path):
+    source = tmp_path / "walk.c3d"
+    write_c3d(source, Trial("walk", faulty()))
+    before = source.read_bytes()
+    assert {one.kind for one in audit_file(source).found.asked} >= {"swap", "spike"}
+    assert not (tmp_path / "edits").exists()
+    done = audit_file(source, mend=True)
+    assert {one.kind for one in done.mended} == {"swap", "spike"} and source.read_bytes() == before
+    entries = Journal.of(tmp_path, "walk").entries
+    assert all(entry.why.startswith("kinemark audit: ") for entry in entries)
+    assert {type(edit) for entry in entries for edit in entry.edits} == {Claim, Erase, Verdict}
+    app(["edits", "apply", str(source), "-o", str(tmp_path / "done.c3d")], result_action="return_value")
+    written = read_c3d(tmp_path / "done.c3d").trajectories.select(clean().names)
+    assert (written.paths[6].origin == Origin.MISSING).sum() == 3
+    off = np.linalg.norm(written.xyz - clean().xyz, axis=-1)
+    assert np.nanmax(off) < 0.1
+
+
+def test_the_command_lists_with_a_status_and_a_bad_file_does_not_stop_the_others(tmp_path, capsys):
+    good, bad, broken = (tmp_path / name for name in ("good.c3d", "bad.c3d", "broken.c3d"))
+    write_c3d(good, Trial("walk", clean()))
+    write_c3d(bad, Trial("walk", faulty()))
+    broken.write_bytes(b"nothing")
+    app(["audit", str(good)], result_action="return_value")
+    assert "0 to look at" in capsys.readouterr().out
+    with pytest.raises(SystemExit) as end:
+        app(["audit", str(bad), "--json"], result_action="return_value")
+    assert end.value.code == 3
+    said = json.loads(capsys.readouterr().out)
+    assert {one["kind"] for one in said[str(bad)]["problems"] if one["asked"]} >= {"swap", "spike"}
+    assert isinstance(audit_files([broken, good])[broken], KinemarkError)
+    with pytest.raises(KinemarkError):
+        audit_files([broken])
+
+
+def test_the_commands_list_problems_and_take_an_alternative(tmp_path, capsys):
+    source = tmp_path / "walk.c3d"
+    write_c3d(source, Trial("walk", faulty()))
+    one = problems(Editing.of_file(source)).asked[0]
+    app(["edits", "problems", str(source)], result_action="return_value")
+    assert one.id in capsys.readouterr().out
+    app(["edits", "accept", str(source), one.id, "1", "--why", "seen"], result_action="return_value")
+    assert one.id not in {other.id for other in problems(Editing.of_file(source)).items}
+    with pytest.raises(KinemarkError, match="There is no problem x"):
+        app(["edits", "accept", str(source), "x"], result_action="return_value")

@@ -451,8 +451,8 @@ export interface components {
          * Alternative
          * @description One way to settle a problem; `act` is null where nothing is to be said.
          *
-         *     `probability` that it is the right one; `cost` expected, mm times samples, where it is taken; `jump_mm` how far paths
-         *     are from where their motion leads; `images` that a marker there explains.
+         *     `probability` that it is the right one; `cost` expected, mm times samples, where it is taken; `jump_mm` how far
+         *     paths are from where their motion leads; `images` that a marker there explains.
          */
         Alternative: {
             /** Act */
@@ -461,7 +461,7 @@ export interface components {
              * Action
              * @enum {string}
              */
-            action: "keep" | "exchange" | "cut" | "join" | "no_marker" | "erase" | "rename" | "unname" | "fill" | "leave_open" | "drop_edit" | "wait";
+            action: "keep" | "exchange" | "cut" | "join" | "no_marker" | "erase" | "rename" | "fill" | "leave_open" | "drop_edit" | "wait";
             /**
              * Consequence
              * @default

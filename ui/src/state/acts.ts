@@ -218,11 +218,14 @@ export async function fillGap(method = get().method ?? "best"): Promise<void> {
   if (!gap) return say("news", "There is no gap of the selected marker in this frame.");
   const rows = get().gaps?.gaps ?? [], at = rows.findIndex((g) => g.marker === gap.marker && g.first === gap.first);
   const words = method === "open" ? `${gap.marker} is left open` : `${gap.marker}: ${gap.frames} frames filled by ${method}`;
-  const done = await act({ kind: "gap", marker: gap.marker, first: gap.first, last: gap.last, method }, words);
+  const done = await act({ kind: "gap", marker: gap.marker, first: gap.first, last: gap.last, method: sayable(method) }, words);
   if (!done || get().screen !== "gaps") return;
   const left = get().gaps?.gaps ?? [], next = [...rows.slice(at + 1), ...rows.slice(0, at)].map((g) => left.find((l) => l.marker === g.marker && l.first === g.first && undecided(l))).find(Boolean);
   if (next) void lookAtGap(next);
 }
+
+/** A method as it can be said; a mean of several, which only filling itself makes, is the best there is. */
+const sayable = (method: string | null | undefined): string => (method === "open" || get().header?.methods.includes(method ?? "") ? method! : "best");
 
 /** Whether nobody has said yet what becomes of a gap. */
 export const undecided = (g: GapRow): boolean => g.choice == null;
@@ -233,7 +236,7 @@ export const acceptable = (): GapRow[] => (get().gaps?.gaps ?? []).filter((g) =>
 export function fillAll(): void {
   const some = acceptable();
   if (!some.length) return say("news", `No undecided gap has an expected error below ${get().limit} mm.`);
-  const acts = some.map((g) => ({ kind: "gap" as const, marker: g.marker, first: g.first, last: g.last, method: g.method ?? "best" }));
+  const acts = some.map((g) => ({ kind: "gap" as const, marker: g.marker, first: g.first, last: g.last, method: sayable(g.method) }));
   void act({ kind: "several", acts }, `${some.length} gaps filled, each by the method with the least expected error`);
 }
 

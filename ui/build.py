@@ -1,8 +1,8 @@
 """Builds the studio's page into the package, with the node that a wheel brings: `python3 dev.py studio`.
 
-    build     src/kinemark/apps/studio/page, from locked packages (default)
-    test      the tests of its TypeScript
-    serve     the page while it is being written; the studio itself runs beside it on port 8900
+build     src/kinemark/apps/studio/page, from locked packages (default)
+test      the tests of its TypeScript
+serve     the page while it is being written; the studio itself runs beside it on port 8900
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ TASKS = {"build": ("run", "build"), "test": ("run", "test"), "serve": ("exec", "
 def npm(*arguments: str) -> None:
     """Run npm in this folder, and end with its status where it fails."""
     path = os.pathsep.join([str(NODE), os.environ.get("PATH", "")])  # packages' programs look for node there
-    cli = next(Path(executable.ROOT_DIR).glob("**/npm/bin/npm-cli.js"))  # wheels hold no links, so that bin/npm has lost its own
+    cli = next(
+        Path(executable.ROOT_DIR).glob("**/npm/bin/npm-cli.js")
+    )  # wheels hold no links, so that bin/npm has lost its own
     command = [str(NODE / "node"), str(cli), *arguments]
     status = subprocess.run(command, cwd=HERE, env=os.environ | {"PATH": path}, check=False).returncode
     if status:

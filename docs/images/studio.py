@@ -1,4 +1,4 @@
-"""Makes docs/images/studio.png: the screen Tracks on a simulated walk whose tracker erred. `python docs/images/studio.py`.
+"""Makes docs/images/studio.png: the screen Tracks on a simulated walk whose tracker erred.
 
 Needs Chromium, Playwright and the built page (`python3 dev.py studio`).
 """
@@ -17,7 +17,11 @@ SIZE = (1600, 900)
 
 def main() -> None:
     """Simulate, look at the first problem, and keep the picture."""
-    with tempfile.TemporaryDirectory() as folder, browser() as running, served(walked(Path(folder)), "--faults") as server:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        browser() as running,
+        served(walked(Path(folder)), "--faults") as server,
+    ):
         studio = Studio(window(running, *SIZE), server).enter(server.address).open()
         studio.press("n")
         studio.idle().page.wait_for_timeout(3000)

@@ -1,6 +1,7 @@
 """A session and a browser for the tests of the studio's page, made once for each process."""
 
 import pytest
+
 from support.studio_page import Studio, browser, copied, needed, served, walked, window
 
 

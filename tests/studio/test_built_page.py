@@ -6,6 +6,7 @@ import re
 import sys
 
 import pytest
+
 from support.studio_page import PAGE, ROOT
 
 UI = ROOT / "ui"
@@ -63,4 +64,3 @@ def test_the_page_asks_nobody_else_for_anything():
         assert not re.search(r"url\(|@import", path.read_text("utf-8"))
     code = "".join(path.read_text("utf-8") for path in built(".js"))
     assert not re.search(r"\bnew Function\(|[^.\w]eval\(", code)
-

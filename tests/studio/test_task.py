@@ -1,4 +1,4 @@
-"""The task: a rendered trial with faults is mended by somebody who uses only what the screen shows, and judged by truth.
+"""The task: a rendered trial with faults is mended by somebody who sees only the screen, and judged by truth.
 
 Three exchanges, two pieces without a name, left and right exchanged, four gaps, a ghost and a spike (`support.faults`).
 """
@@ -7,6 +7,7 @@ import re
 import shutil
 
 import numpy as np
+
 from kinemark.apps.demo import NEAR_MM
 from kinemark.data import Origin
 from kinemark.data.edits import is_named
@@ -54,7 +55,8 @@ def test_a_novice_mends_the_trial_in_time(folder, faulty_studio, record_property
     print(f"{operator.actions} actions, {operator.seconds:.0f} s", *operator.did, sep="\n  ")
 
     now, clean = edited(folder)
-    assert swaps(now.trajectories, truth, names) == 0
+    own = swaps(clean, truth, names)  # single samples that the tracker without faults has off
+    assert swaps(now.trajectories, truth, names) <= own < 3
     assert not [path.name for path in now.trajectories if not is_named(path.name)], "something without a name is left"
     harmed = [(path.name, int(f)) for path in clean for f in lost_or_moved(path, now.trajectories)]
     assert len(harmed) <= allowed(clean), harmed
@@ -87,10 +89,12 @@ def test_the_edits_hold_when_the_detection_is_changed_and_the_trial_run_again(fo
     operator.problems()
     faulty_studio.server.kill()
     settings = folder / "session.toml"
-    settings.write_text(re.sub(r"\n\[fill\]", "\n[detect]\nnoise_sd = 2.0\n\n[fill]", settings.read_text("utf-8")), "utf-8")
+    settings.write_text(
+        re.sub(r"\n\[fill\]", "\n[detect]\nnoise_sd = 2.0\n\n[fill]", settings.read_text("utf-8")), "utf-8"
+    )
     shutil.rmtree(folder / "results" / "walk01")
     Session.open(folder).run()
-    now, clean = edited(folder)
+    now, _ = edited(folder)
     assert {one.outcome for one in now.applied} <= {"held", "moot", "overruled"}
     with np.load(folder / "truth.npz") as kept:
         assert swaps(now.trajectories, kept["xyz"], [str(name) for name in kept["names"]]) <= 2 + 2

@@ -133,7 +133,9 @@ class Studio:
     def open(self, screen="tracks", trial="walk01"):
         """A trial by its name on Home, and one of its screens by the rail."""
         self.page.get_by_role("button", name=trial, exact=True).click()
-        self.page.get_by_role("region", name="Three dimensions").or_(self.page.locator("[data-screen=tracks] canvas")).first.wait_for()
+        self.page.get_by_role("region", name="Three dimensions").or_(
+            self.page.locator("[data-screen=tracks] canvas")
+        ).first.wait_for()
         self.page.get_by_text("Errors expected").first.wait_for()
         if screen != "tracks":
             self.page.get_by_role("button", name=re.compile(f"^{screen.title()}")).click()

@@ -3,9 +3,11 @@
 import os
 import re
 import shutil
+import socket
 import subprocess
 import sys
-from contextlib import contextmanager
+import time
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -80,6 +82,14 @@ class Server:
             said += line
         self.address = re.search(r"http://\S+", said).group()
         self.base = self.address.split("?")[0]
+        self._listens(int(self.base.rstrip("/").rsplit(":", 1)[1]))
+
+    def _listens(self, port):
+        """Until it does: it says its address a little before."""
+        for _ in range(600):
+            with suppress(ConnectionError), socket.create_connection(("127.0.0.1", port), timeout=1):
+                return
+            time.sleep(0.1)
 
     def next_address(self):
         """An address for another browser: each works once, and the server then says the next."""

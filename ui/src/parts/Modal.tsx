@@ -8,7 +8,8 @@ export function Modal({ title, wide, children }: { title: string; wide?: boolean
   const dialog = useRef<HTMLDialogElement>(null);
   useEffect(() => {
     const element = dialog.current!;
-    element.showModal();
+    element.showModal(); // it would give the focus to the button that closes it
+    element.querySelector<HTMLElement>("[data-body] :is(input, select, .strong)")?.focus();
     return () => element.close();
   }, []);
   const close = (): void => set({ dialog: null });
@@ -16,7 +17,7 @@ export function Modal({ title, wide, children }: { title: string; wide?: boolean
     <dialog ref={dialog} className={`${styles.dialog} ${wide ? styles.wide : ""}`} aria-labelledby="dialog-title" onCancel={(e) => (e.preventDefault(), close())} onClick={(e) => e.target === dialog.current && close()}>
       <div className={styles.inside}>
         <header><h2 id="dialog-title">{title}</h2><button type="button" className="icon-button" aria-label="Close (Esc)" onClick={close}><X size={16} aria-hidden /></button></header>
-        {children}
+        <div data-body className={styles.content}>{children}</div>
       </div>
     </dialog>
   );

@@ -1,9 +1,9 @@
 """Are the probabilities of problems true, and does the list find what is wrong?
 
 Simulated scenes of 15 to 60 markers and 2 to 12 cameras are tracked, and labelled trials of other systems are read;
-each is looked at as it is, and with seeded faults (`probable_errors_faults`). What the trackers themselves did wrong counts
-as well. The coefficients of `edit/probable_errors/probability.py` are fitted to the scenes and files of TUNE; everything
-else is told of those of CHECK, on which nothing was tuned.
+each is looked at as it is, and with seeded faults (`probable_errors_faults`). What the trackers themselves did wrong
+counts as well. The coefficients of `edit/probable_errors/probability.py` are fitted to the scenes and files of TUNE;
+everything else is told of those of CHECK, on which nothing was tuned.
 
 Of CHECK it is told: the area under the ROC curve of `wrong`; how many of the problems of a class of `wrong` were truly
 wrong; how many errors were expected and true, among all and among those below the stop rule; how many problems a trial
@@ -163,7 +163,7 @@ def evidence(known: Known) -> Iterator[tuple[str, tuple[float, ...], bool]]:
         if one.kind != "ghost" and 0 <= track < len(known.trajectories)
     ]
     for change in changes(paths, places(paths, told)):
-        own, i, p = paths.frames[change.place.path], change.place.index, change.place.path
+        own, i, p = paths.frames[change.place.path], change.place.sample, change.place.path
         yield from _told("change", change.evidence, changed(known, p, int(own[i]), int(own[i + 1])))
     for spike in spikes(paths):
         yield from _told("spike", spike.evidence, stands_off(known, spike.path, spike.first, spike.last, spike.keep_mm))

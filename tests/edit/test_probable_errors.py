@@ -16,7 +16,7 @@ def changes_of(trial):
 
 def likely(trial, above=0.5):
     found, paths = changes_of(trial)
-    frame = {one: int(paths.frames[one.place.path][one.place.index + 1]) for one in found}
+    frame = {one: int(paths.frames[one.place.path][one.place.sample + 1]) for one in found}
     return [(one.place.path, one.partner.path, frame[one], one.wrong) for one in found if one.wrong > above]
 
 

@@ -1,6 +1,7 @@
 """Videos whose every frame has its number drawn into it as a bar code, so that a wrong one is seen."""
 
 from fractions import Fraction
+from itertools import pairwise
 
 import av
 import numpy as np
@@ -20,7 +21,7 @@ def number(image):
     """What bars say, at any scale."""
     level = image.astype(float).mean(0)
     edges = np.linspace(0, len(level), BITS + 1).round().astype(int)
-    mean = [level[a + 1 : b - 1].mean() for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    mean = [level[a + 1 : b - 1].mean() for a, b in pairwise(edges)]
     return sum(1 << b for b, value in enumerate(mean) if value > (BLACK + WHITE) / 2)
 
 

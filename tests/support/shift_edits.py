@@ -1,11 +1,18 @@
 """Cases of the shift law: edits of trajectories."""
 
 from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from kinemark.data.edits import Claim, Entry, Erase, Put, Stretch, Trim, Witness
-from kinemark.edit import connection, cropped, replay, stretch_of
+from kinemark.edit import connection, cropped, difference, replay, stretch_of
+from kinemark.edit.probable_errors import Paths, changes, ghosts, pieces, places, spikes
+from kinemark.engine.editing import Editing
+from kinemark.engine.journal import Journal
+from kinemark.engine.problems import filled_gaps, problems
+from kinemark.fill import Linear, prepare
 from support.edited import entries, paths_without_images
 from support.shift_law import Answer, law, moved
 
@@ -51,3 +58,33 @@ def _(by):
     missing = np.arange(len(one)) >= 90
     first = replace(one, xyz=np.where(missing[:, None], np.nan, one.xyz), origin=np.where(missing, 0, one.origin))
     return Answer(rest=connection(first, other, rate=100.0)._asdict())
+
+
+@law(difference, mm=1e-6)
+def _(by):
+    found = difference(trial(by), replay(trial(by), said(by)).trajectories)
+    return Answer(rest=[one[:5] for one in (*found.renamed, *found.changed)])
+
+
+@law(changes, places, spikes, pieces, ghosts, share=1e-2)
+def _(by):
+    whole = trial(by)
+    paths = Paths.of(whole)
+    some = [*changes(paths, places(paths)), *spikes(paths), *pieces(paths), *ghosts(paths, whole)]
+    return Answer(rest=[round(one.wrong, 2) for one in some])
+
+
+@law(problems, filled_gaps, share=1e-2)
+def _(by):
+    whole = replay(trial(by), said(by)).trajectories
+    with TemporaryDirectory() as folder:
+        editing = Editing("walk", Journal.of(Path(folder), "walk"), whole)
+        found = problems(editing, gaps=filled_gaps(editing)).items
+    return Answer(rest=sorted((one.kind, one.first, one.last, round(one.wrong, 2)) for one in found))
+
+
+@law(prepare, mm=1e-6)
+def _(by):
+    whole = replay(trial(by), said(by)).trajectories
+    best = prepare(whole).candidates("A", 45, methods=(Linear(),))[0]
+    return Answer(best.xyz, round(best.expected_mm, 6))

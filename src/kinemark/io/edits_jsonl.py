@@ -15,9 +15,9 @@ import hashlib
 import json
 import re
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from ..data.edits import Edit, Entry
 
@@ -27,7 +27,7 @@ NOTHING = hashlib.sha256(b"").hexdigest()
 KNOWN_LINES = 4096
 """Lines that are kept as they were parsed, 2.5 kB each; chosen: more than a day's work."""
 
-_EDITS: TypeAdapter[Any] = TypeAdapter(tuple[Edit, ...])
+_EDITS: TypeAdapter[Any] = TypeAdapter(tuple[Annotated[Edit, Field(discriminator="kind")], ...])
 _FIELDS = ("id", "at", "by", "why", "version", "before", "edits")
 
 

@@ -74,6 +74,8 @@ class ExactVideo:
     def __init__(self, path: Path, info: VideoInfo) -> None:
         """Raises a KinemarkError where it cannot be read."""
         self.path, self.info = path, info
+        self._next = 0  # number of the frame that decoding gives next; −1 where that is not known
+        self._recent: dict[int, av.VideoFrame] = {}
         try:
             self.index = frame_index(path, info)
             self._container = opened(path)
@@ -126,16 +128,16 @@ class ExactVideo:
         for frame in self._frames:
             if frame.pts is None or frame.pts > wanted:
                 return self._again_from_key(index, n, key)
-            self._keep(index, frame)
+            self._keep(index, frame.pts, frame)
             if frame.pts == wanted:
                 self._next = n + 1
                 return frame
         return None
 
-    def _keep(self, index: FrameIndex, frame: av.VideoFrame) -> None:
+    def _keep(self, index: FrameIndex, time: int, frame: av.VideoFrame) -> None:
         """Among the recent ones, by its number."""
-        number = int(np.searchsorted(index.time, frame.pts))
-        if index.time[number] == frame.pts:
+        number = int(np.searchsorted(index.time, time))
+        if index.time[number] == time:
             self._recent[number] = frame
         while len(self._recent) > RECENT:
             del self._recent[next(iter(self._recent))]
@@ -171,7 +173,7 @@ class ExactVideo:
         self._stream = video_stream(self.path, self._container)
         self._stream.thread_type = "SLICE"  # threads by frames would decode many after each one that is wanted
         self._frames, self._next = self._decoded(), 0
-        self._recent: dict[int, av.VideoFrame] = {}
+        self._recent.clear()
 
     def _restart(self) -> None:
         self._container.close()

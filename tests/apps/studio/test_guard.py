@@ -129,10 +129,12 @@ def test_other_kinds_of_connection_are_refused(studio):
 
 @pytest.mark.parametrize(
     "body",
-    [b"", b"{", b"[]", b"null", b'{"head":1}', b"\xff\xfe", b"[" * 100_000, b'{"act":{"kind":"claim"}}', b"NaN"]
-    + [b'{"head":"x","act":{"kind":"put","marker":"A","frame":1,"xyz":[NaN,0,Infinity]},"why":""}']
-    + [b'{"head":"x","act":{"kind":"claim","track":"A","name":"B","path":"/etc/passwd"}}']
-    + [b'{"head":"x","act":{"kind":"trim","first":' + b"9" * 400 + b',"last":1}}'],
+    [
+        b"", b"{", b"[]", b"null", b'{"head":1}', b"\xff\xfe", b"[" * 100_000, b'{"act":{"kind":"claim"}}', b"NaN",
+        b'{"head":"x","act":{"kind":"put","marker":"A","frame":1,"xyz":[NaN,0,Infinity]},"why":""}',
+        b'{"head":"x","act":{"kind":"claim","track":"A","name":"B","path":"/etc/passwd"}}',
+        b'{"head":"x","act":{"kind":"trim","first":' + b"9" * 400 + b',"last":1}}',
+    ],
     ids=lambda body: repr(body[:24]),
 )  # fmt: skip
 def test_malformed_bodies_are_refused_in_words_and_change_nothing(studio, folder, body):

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import shutil
 import time
 
 import numpy as np
@@ -33,6 +34,12 @@ def studio(folder):
         time.sleep(0.1)
     assert job["state"] == "done", job["words"]
     return studio
+
+
+@pytest.fixture
+def own(studio, folder, tmp_path):
+    """A copy, of which something may be said."""
+    return Studio(shutil.copytree(folder, tmp_path / "own"))
 
 
 def test_a_run_trial_is_shown_with_its_cameras_and_detections(studio, folder):
@@ -70,13 +77,13 @@ def test_an_epipolar_line_leads_through_the_image_of_the_same_marker(studio):
         assert off < 1.0
 
 
-def test_what_is_said_makes_results_stale_and_the_file_follows_by_a_run(studio, folder):
-    assert studio.page.post(f"{studio.trial}/export", {}).json()["name"] == "results/one/one.c3d"
-    assert studio.act(kind="claim", track="*1", name="LKNE").status == 200
-    assert studio.page.get(studio.trial).json()["stale"]
-    assert studio.page.get("/api/home").json()["sessions"][0]["trials"][0]["state"] == "stale"
-    assert studio.page.post(f"{studio.trial}/export", {}).status == 422
-    assert (folder / "edits" / "one.jsonl").is_file()
+def test_what_is_said_makes_results_stale_and_the_file_follows_by_a_run(own, tmp_path):
+    assert own.page.post(f"{own.trial}/export", {}).json()["name"] == "results/one/one.c3d"
+    assert own.act(kind="claim", track="*1", name="LKNE").status == 200
+    assert own.page.get(own.trial).json()["stale"]
+    assert own.page.get("/api/home").json()["sessions"][0]["trials"][0]["state"] == "stale"
+    assert own.page.post(f"{own.trial}/export", {}).status == 422
+    assert (tmp_path / "own" / "edits" / "one.jsonl").is_file()
 
 
 def test_the_report_has_no_origin_and_all_that_it_draws_with(studio):
@@ -89,8 +96,8 @@ def test_a_trial_without_images_says_so(studio):
     assert studio.page.get(f"{studio.trial}/mosaic/1").json()["words"] == "This trial has no images."
 
 
-def test_open_pages_are_told_when_somebody_says_something(studio):
-    address = f"{studio.trial}/acts"
+def test_open_pages_are_told_when_somebody_says_something(own):
+    address = f"{own.trial}/acts"
 
     async def told():
         said, gone = asyncio.Queue(), asyncio.Event()
@@ -101,11 +108,11 @@ def test_open_pages_are_told_when_somebody_says_something(studio):
             await gone.wait()
             return {"type": "websocket.disconnect", "code": 1000}
 
-        socket = asyncio.create_task(studio.guard(studio.page.scope("websocket", "/api/live"), receive, said.put))
+        socket = asyncio.create_task(own.guard(own.page.scope("websocket", "/api/live"), receive, said.put))
         assert (await said.get())["type"] == "websocket.accept"
-        head = await asyncio.to_thread(studio.head)
+        head = await asyncio.to_thread(own.head)
         body = {"head": head, "act": {"kind": "claim", "track": "*2", "name": "RKNE"}, "why": ""}
-        done = await asyncio.to_thread(studio.page.post, address, body)
+        done = await asyncio.to_thread(own.page.post, address, body)
         while (message := json.loads((await asyncio.wait_for(said.get(), 20))["text"]))["kind"] != "trial":
             pass
         gone.set()

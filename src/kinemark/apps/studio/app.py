@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -50,7 +51,7 @@ async def _refused(request: Request, error: Exception) -> JSONResponse:
 
 async def _malformed(request: Request, error: Exception) -> JSONResponse:
     """A message that is none of the contract."""
-    mistakes: list[Any] = error.errors() if isinstance(error, RequestValidationError) else []
+    mistakes: Sequence[Any] = error.errors() if isinstance(error, RequestValidationError) else ()
     said = [f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in mistakes[:MOST_WORDS]]
     return _answer(422, "; ".join(said) or "This is no message that the studio knows.")
 

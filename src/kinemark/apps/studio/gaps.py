@@ -266,8 +266,8 @@ def _alone(document: OpenDocument, gap: Gap) -> list[str]:
     detections = document.editing.detections
     if detections is None or gap.path.detection.shape[1] != len(detections.cameras):
         return []
-    seen = (gap.path.detection[gap.start : gap.stop] >= 0).any(0)
-    return [name for name, there in zip(detections.cameras, seen.tolist(), strict=True) if there]
+    seen = np.flatnonzero((gap.path.detection[gap.start : gap.stop] >= 0).any(0))
+    return [detections.cameras[c] for c in seen.tolist()]
 
 
 def _candidate(fill: GapFill) -> Candidate:

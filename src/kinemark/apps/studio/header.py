@@ -93,7 +93,8 @@ def _samples(document: OpenDocument, path: Any) -> tuple[int, int, int]:
     known = document.blobs.setdefault(id(path), (path, {}))[1]
     if "samples" not in known:
         known["samples"] = samples(path)
-    return known["samples"]  # type: ignore[no-any-return]
+    found: tuple[int, int, int] = known["samples"]
+    return found
 
 
 def _camera(camera: Camera) -> CameraRow:

@@ -16,6 +16,7 @@ Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 TrialState = Literal["not run", "tracked", "filled", "done", "signed", "failed", "stale"]
 View = Literal["edited", "before", "filled"]
+Column = Literal["xyz", "sd", "origin", "cov", "residual", "cameras"]
 OutcomeWord = Literal["held", "thin", "moot", "overruled", "orphan"]
 
 
@@ -201,7 +202,7 @@ class PathsHeader(Message):
     names: list[str]
     first_frame: int
     n_frames: int
-    columns: list[Literal["xyz", "sd", "origin", "cov", "residual", "cameras"]]
+    columns: list[Column]
     head: str
     pending: bool = False
 

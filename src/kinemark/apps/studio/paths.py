@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from ...data import MarkerTrajectory, Origin, Trajectories
 from ...data.array_types import Floats
 from .desk import OpenDocument
-from .messages import PathsPart
+from .messages import Column, PathsPart
 
-DEFAULT = ("xyz", "sd", "origin")
-COLUMNS = (*DEFAULT, "cov", "residual", "cameras")
+DEFAULT: tuple[Column, ...] = ("xyz", "sd", "origin")
+COLUMNS: tuple[Column, ...] = get_args(Column)
 
 
 def encoded(document: OpenDocument, paths: Sequence[MarkerTrajectory], columns: Sequence[str]) -> bytes:

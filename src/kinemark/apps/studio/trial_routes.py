@@ -48,12 +48,12 @@ def get_paths(
     document: Document,
     marker: Annotated[list[str], Query(max_length=2000)] = [],  # noqa: B006  FastAPI copies it
     view: m.View = "edited",
-    column: Annotated[list[str], Query(max_length=len(COLUMNS))] = list(DEFAULT),  # noqa: B006
+    column: Annotated[list[m.Column], Query(max_length=len(COLUMNS))] = list(DEFAULT),  # noqa: B006
 ) -> Response:
     """Samples as `PathsHeader` says; all trajectories where none is named."""
     (shown, pending), head = viewed(document, view), document.head
     names = marker or list(shown.names)
-    if strange := [*({*names} - {*shown.names}), *({*column} - {*COLUMNS})]:
+    if strange := sorted({*names} - {*shown.names}):
         raise NotThere(f"There is no {strange[0]!r} in this trial.")
     tag = f'"{digest(head, document.ran, view, names, column)}"'
     if request.headers.get("if-none-match") == tag and view != "filled":
@@ -61,7 +61,7 @@ def get_paths(
     about = m.PathsHeader(
         view=view, names=names, first_frame=shown.first_frame, n_frames=shown.n_frames, columns=column, head=head,
         pending=pending,
-    )  # type: ignore[arg-type]  # fmt: skip
+    )  # fmt: skip
     paths = {path.name: path for path in shown}
     with document.lock:
         forget_others(document, (document.editing.trajectories, document.now.trajectories, shown))

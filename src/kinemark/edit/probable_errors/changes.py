@@ -125,7 +125,7 @@ def _pairs(paths: Paths, found: Sequence[Place]) -> list[tuple[int, int, int, in
         for q, j in place.partners:
             own = paths.frames[q] if q >= 0 else np.zeros(0, np.int64)
             k = j + 1 if q >= 0 and j + 1 < len(own) and own[j + 1] - place.middle < far else -1
-            rows.append((place.path, place.index, max(q, 0), j if j >= 0 and place.middle - own[j] < far else -1, k))
+            rows.append((place.path, place.sample, max(q, 0), j if j >= 0 and place.middle - own[j] < far else -1, k))
     return rows
 
 
@@ -156,7 +156,7 @@ class _Windows:
     def images(self, place: Place) -> float:
         """As `Evidence` has it."""
         paths, own = self.paths, self.paths.frames[place.path]
-        beside = paths.images[place.path, own[place.index : place.index + 2]]
+        beside = paths.images[place.path, own[place.sample : place.sample + 2]]
         return float(np.log(max(int(beside.min()), 2)))
 
     def misfits(self, place: Place, partner: Partner) -> tuple[float, float, float]:
@@ -167,7 +167,7 @@ class _Windows:
             own = misfit(p_before, p_after)
             return own, own, np.nan
         own_q = self.paths.frames[q]
-        at = own_q[partner.index] + 0.5 if 0 <= partner.index < len(own_q) - 1 else t
+        at = own_q[partner.sample] + 0.5 if 0 <= partner.sample < len(own_q) - 1 else t
         q_before, q_after = self.of(q, at, -1), self.of(q, at, 1)
         own = misfit(p_before, p_after, (q,))
         others = misfit(q_before, q_after, (p,))

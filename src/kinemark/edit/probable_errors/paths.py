@@ -9,8 +9,8 @@ so that x₀ and its variance follow by generalised least squares; w of the past
 ends are continued to the middle between them (2).
 
 The trial itself says how noisy its samples are and how fast accelerations change. Each path's noise is that of its
-third differences, robustly, 1.48 median |Δ³x| / √20 (3), motion being smooth over four frames. q is such that the ends of
-pieces of HELD s that are taken out of the paths meet within what (2) states in half of all cases (4).
+third differences, robustly, 1.48 median |Δ³x| / √20 (3), motion being smooth over four frames. q is such that the ends
+of pieces of HELD s that are taken out of the paths meet within what (2) states in half of all cases (4).
 
 A path jumps from one frame to the next where the step is off the mean of the steps before and after it by more than
 JUMP times what is usual there, its running median (5), which counts up to RESTLESS times that of the path.
@@ -192,7 +192,7 @@ def _process_noise(paths: Paths) -> float:
 
 def _tests(paths: Paths, held: int) -> tuple[Ints, Ints]:
     """Paths and indices of last samples before pieces without a gap that are taken out, evenly spread."""
-    who, index = [], []
+    who, index = list[int](), list[int]()
     each = max(1, TESTS // max(len(paths.frames), 1))
     for p, own in enumerate(paths.frames):
         if len(own) > 3 * held:

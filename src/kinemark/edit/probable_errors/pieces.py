@@ -16,7 +16,7 @@ LONGEST_S = 1.5
 OVERLAP_S = 0.04
 """s that they may overlap, at most; chosen: a few images that one marker had twice."""
 END = 20.0
-"""Nats that an end and a beginning cost; as in `changes`."""
+"""Nats that an end and a beginning cost; chosen, as in `changes`."""
 
 
 class PieceEvidence(NamedTuple):

@@ -39,20 +39,21 @@ class Partner(NamedTuple):
     """Another path (−1: none), and the index of its last sample before it is cut (−1: it begins later)."""
 
     path: int
-    index: int
+    sample: int
 
 
 NOBODY = Partner(-1, -1)
+"""No other path; by definition."""
 
 
 class Place(NamedTuple):
-    """Where path `path` goes from its sample of index `index` to the next, in the middle (frame), and other paths.
+    """Where path `path` goes from its sample of index `sample` to the next, in the middle (frame), and other paths.
 
     `told` says whether tracking itself was not sure there.
     """
 
     path: int
-    index: int
+    sample: int
     middle: float
     partners: tuple[Partner, ...]
     told: bool = False

@@ -1,4 +1,4 @@
-"""How likely an error is, from what tells of it: logistic functions (Cox 1958) of the evidence.
+"""How likely an error is, from what tells of it: logistic functions of the evidence.
 
     wrong = 1 / (1 + exp(−(c₀ + Σ c_k e_k)))                                                              (1)
 

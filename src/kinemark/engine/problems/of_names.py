@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...data import KinemarkError
-from ...data.edits import is_named
+from ...data.edits import Edit, is_named
 from ...data.problems import Problem, ProblemKind
 from ...edit.probable_errors import name_probability
 from ...label import Exchanged, Mislabelled, SideSwap, Template, learn_template
@@ -75,7 +75,7 @@ def _problem(
     pairs = zip([*who[::2], *who[1::2]] if kind == "sides" else who, turned, strict=True)
     instead = getattr(found, "instead", None)
     if kind == "label":
-        edits = [*context.claim(who[0], instead, *span), no]
+        edits: list[Edit] = [*context.claim(who[0], instead, *span), no]
         act = context.alternative(
             "rename" if instead else "no_marker", tracks, first, wrong, (1 - wrong) * n * mm, edits, name=instead or ""
         )

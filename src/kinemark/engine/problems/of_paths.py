@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...data.edits import Edit, is_named
-from ...data.problems import Alternative, Problem
+from ...data.problems import Alternative, Problem, ProblemKind
 from ...edit.probable_errors import Change, Ghost, Paths, Piece, Spike, changes, ghosts, pieces, places, spikes
 from ...report.words.problems import problem_text
 from .context import Context
@@ -51,7 +51,7 @@ def _told(context: Context) -> Iterator[tuple[int, float, int]]:
 def _not_in_spikes(some: Sequence[Change], found: Sequence[Spike], paths: Paths) -> list[Change]:
     """The changes that are not the edge of a spike that is likelier."""
     inside = {(s.path, f): s.wrong for s in found for f in range(s.first - 1, s.last + 1)}
-    frames = [int(paths.frames[one.place.path][one.place.index]) for one in some]
+    frames = [int(paths.frames[one.place.path][one.place.sample]) for one in some]
     return [
         one for one, f in zip(some, frames, strict=True) if inside.get((one.place.path, f), 0.0) < max(one.wrong, 0.5)
     ]
@@ -73,10 +73,10 @@ def _once(some: Sequence[Change], paths: Paths) -> list[Change]:
 
 def _change(context: Context, paths: Paths, change: Change) -> Problem:
     """A place at which a path may go on as another marker."""
-    p, q, i = change.place.path, change.partner.path, change.place.index
+    p, q, i = change.place.path, change.partner.path, change.place.sample
     f, g = int(paths.frames[p][i]), int(paths.frames[p][i + 1])
     tracks = tuple(context.name(path) for path in (p, q) if path >= 0)
-    kind = "swap" if q >= 0 else "join"
+    kind: ProblemKind = "swap" if q >= 0 else "join"
     first, last, frame = f + context.start, g + context.start, g + context.start
     halves = [min(int((paths.frames[k] <= f).sum()), int((paths.frames[k] >= g).sum())) for k in (p, q) if k >= 0]
     n = max(sum(halves), 1)

@@ -2224,7 +2224,7 @@ export interface operations {
             query?: {
                 marker?: string[];
                 view?: "edited" | "before" | "filled";
-                column?: string[];
+                column?: ("xyz" | "sd" | "origin" | "cov" | "residual" | "cameras")[];
             };
             header?: never;
             path: {

@@ -278,5 +278,5 @@ function cross(c: CanvasRenderingContext2D, f: Fit, [u, v]: readonly [number, nu
   if (!name) return;
   c.font = "11px sans-serif";
   c.fillStyle = colour;
-  c.fillText(name, x + r + 1, y - 3);
+  c.fillText(name, x + r + 1, y + (dashed ? 12 : -3)); // one way above, the other below
 }

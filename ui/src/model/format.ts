@@ -2,7 +2,7 @@
 export const mm = (value: number | null | undefined): string =>
   value == null || !Number.isFinite(value) ? "–" : value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(value < 1 ? 2 : 1);
 export const percent = (p: number | null | undefined): string =>
-  p == null ? "–" : p > 0.995 && p < 1 ? `${(100 * p).toFixed(1)} %` : `${Math.round(100 * p)} %`;
+  p == null ? "–" : p > 0.9995 ? "> 99.9 %" : p > 0.995 ? `${(100 * p).toFixed(1)} %` : p < 0.005 ? "< 1 %" : `${Math.round(100 * p)} %`;
 export const count = (n: number | null | undefined): string => (n == null ? "–" : n.toLocaleString("en").replaceAll(",", " "));
 export const frames = (first: number, last: number): string => (first === last ? `f ${first}` : `f ${first}–${last}`);
 export const many = (n: number, one: string, more = `${one}s`): string => `${count(n)} ${n === 1 ? one : more}`;

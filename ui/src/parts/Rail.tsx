@@ -5,7 +5,7 @@ import styles from "./Rail.module.css";
 
 const STEPS: readonly { screen: Screen; title: string; icon: typeof House; open?: (s: State) => number }[] = [
   { screen: "home", title: "Home", icon: House },
-  { screen: "tracks", title: "Tracks", icon: Orbit, open: (s) => s.problems?.problems.length ?? 0 },
+  { screen: "tracks", title: "Tracks", icon: Orbit, open: (s) => s.problems?.worth_looking ?? 0 },
   { screen: "labels", title: "Labels", icon: Tags, open: (s) => s.header?.tracks.filter((t) => !t.named && t.samples > 0).length ?? 0 },
   { screen: "gaps", title: "Gaps", icon: Spline, open: (s) => s.gaps?.gaps.filter((g) => g.choice === null).length ?? 0 },
   { screen: "report", title: "Report", icon: FileText },

@@ -2,7 +2,7 @@
  * The one table of commands: their keys, their words, when they can be done and what they would do now. Keys, help,
  * palette, foot and tests all read it.
  */
-import { many, mm, percent } from "../model/format";
+import { many, mm, percent, wayOf } from "../model/format";
 import { asked, labelRows } from "../model/labels";
 import { proposed } from "../model/problems";
 import * as acts from "../state/acts";
@@ -86,7 +86,7 @@ export const COMMANDS: readonly Command[] = [
   { id: "label-previous", keys: ["Shift+N"], title: "Previous track to be asked about", group: "Names", screens: ["labels"], run: () => nextProposal(-1) },
   // Gaps and places
   { id: "fill", keys: ["G"], title: "Fill the gap here", group: "Gaps and places", screens: ["tracks"], when: (s) => selected(s), hint: () => "fill the gap here", run: () => void acts.fillGap("best") },
-  { id: "gap-fill", keys: ["Enter", "G"], title: "Fill the gap by the method shown", group: "Gaps and places", screens: ["gaps"], when: (s) => s.gap !== null, foot: 1, hint: (s) => `fill ${s.gap!.marker}, ${s.gap!.frames} frames, by ${s.method ?? "best"}, expected ${mm(errorOf(s))} mm`, run: () => void acts.fillGap() },
+  { id: "gap-fill", keys: ["Enter", "G"], title: "Fill the gap by the method shown", group: "Gaps and places", screens: ["gaps"], when: (s) => s.gap !== null, foot: 1, hint: (s) => `fill ${s.gap!.marker}, ${s.gap!.frames} frames, by ${wayOf(s.method ?? "best")}, expected ${mm(errorOf(s))} mm`, run: () => void acts.fillGap() },
   { id: "gap-all", keys: ["Shift+Enter"], title: "Fill all gaps below the limit", group: "Gaps and places", screens: ["gaps"], foot: 2, hint: (s) => `fill all ${acts.acceptable().length} below ${s.limit} mm`, run: acts.fillAll },
   { id: "method", keys: ["Shift+G"], title: "Next method", group: "Gaps and places", screens: ["gaps"], when: (s) => (s.candidates?.candidates.length ?? 0) > 1, foot: 3, hint: () => "next method", run: () => acts.nextMethod() },
   { id: "open", keys: ["O"], title: "Leave the gap open", group: "Gaps and places", screens: EDITOR, when: (s) => (s.screen === "gaps" ? s.gap !== null : selected(s)), foot: 21, hint: () => "leave the gap open", run: () => void acts.fillGap("open") },

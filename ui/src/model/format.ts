@@ -21,3 +21,6 @@ export function when(iso: string, now = new Date()): string {
   const time = `${pad(at.getHours())}:${pad(at.getMinutes())}`;
   return at.toDateString() === now.toDateString() ? time : `${day} ${time}`;
 }
+
+/** A way to fill, short: a mean of several is called so. */
+export const wayOf = (method: string): string => (method.includes(" + ") ? `mean of ${method.split(" + ").length}` : method);

@@ -5,7 +5,7 @@ import { Curves, type Curve } from "../draw/Curves";
 import { LARGER, Scene } from "../draw/Scene";
 import { palette } from "../draw/palette";
 import type { Side } from "../draw/orbit";
-import { mm } from "../model/format";
+import { mm, wayOf } from "../model/format";
 import type { Path, PathSet } from "../model/paths";
 import { currentProblem, get, playhead, set, useStore, type State } from "../state/store";
 import { wantDetections } from "../state/load";
@@ -139,7 +139,7 @@ function CurveLegend(): React.JSX.Element {
   return (
     <p className={styles.legend}>
       <b>{selected.slice(0, 4).join(", ")}</b>{shown ? <> · <i className={styles.a} />A as it is · <i className={styles.b} />B if: {instead.words}</> : null}
-      {screen === "gaps" && candidates && method && <> · <i className={styles.fillOf} />{method}</>}{bands && " · shaded 95 %"}
+      {screen === "gaps" && candidates && method && <> · <i className={styles.fillOf} />{wayOf(method)}</>}{bands && " · shaded 95 %"}
     </p>
   );
 }

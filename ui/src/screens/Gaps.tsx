@@ -6,7 +6,7 @@ import type { GapRow } from "../api/types";
 import { CamerasView, CurvesView, SceneView } from "../parts/views";
 import { PutPanel } from "../parts/PutPanel";
 import { Waiting } from "../parts/Waiting";
-import { frames, many, mm } from "../model/format";
+import { frames, many, mm, wayOf } from "../model/format";
 import { acceptable, fillAll, fillGap, lookAtGap, undecided } from "../state/acts";
 import { set, useStore } from "../state/store";
 import styles from "./Gaps.module.css";
@@ -66,7 +66,7 @@ function Row({ gap: g, at, on, limit }: { gap: GapRow; at: number; on: boolean; 
     <div role="row" aria-rowindex={at + 2} className={styles.row} aria-selected={on} data-gap={`${g.marker} ${g.first}`} data-state={g.state} onClick={() => void lookAtGap(g)} title={[g.words, g.cameras_alone.length ? `${g.cameras_alone.join(", ")} saw it alone` : ""].filter(Boolean).join(" · ") || undefined}>
       <span role="cell"><b>{g.marker}</b></span>
       <span role="cell" className="number">{g.frames} <small className="soft">{frames(g.first, g.last)}</small></span>
-      <span role="cell">{g.choice ?? g.method ?? "–"}</span>
+      <span role="cell" title={g.choice ?? g.method ?? undefined}>{wayOf(g.choice ?? g.method ?? "–")}</span>
       <span role="cell" className={`number ${over ? styles.over : ""}`}>{mm(g.expected_mm)} mm{over && <span title="above the limit"> ▲</span>}</span>
       <span role="cell"><span className={`pill ${TONE[g.state]}`}>{g.choice === "open" ? "left open" : g.state}</span></span>
     </div>
@@ -82,12 +82,12 @@ function Ways(): React.JSX.Element {
       <h2>{gap.marker} <span className="soft number">{frames(gap.first, gap.last)} · {many(gap.frames, "frame")}{gap.cameras_alone.length > 0 && ` · ${gap.cameras_alone.join(", ")} saw it alone`}</span></h2>
       <div className={styles.methods} role="group" aria-label="Ways to fill">
         {candidates?.candidates.map((c) => (
-          <button key={c.method} type="button" className="button" aria-pressed={c.method === method} onClick={() => set({ method: c.method })}>{c.method} <span className="number soft">{mm(c.expected_mm)} mm</span></button>
+          <button key={c.method} type="button" className="button" aria-pressed={c.method === method} title={c.method} onClick={() => set({ method: c.method })}>{wayOf(c.method)} <span className="number soft">{mm(c.expected_mm)} mm</span></button>
         ))}
         {(!candidates || candidates.pending) && <span className="soft" role="status">others are being computed …</span>}
       </div>
       <div className={styles.acts}>
-        <button type="button" className="button strong" onClick={() => void fillGap()}>Fill by {method ?? "best"}<kbd>Enter</kbd></button>
+        <button type="button" className="button strong" onClick={() => void fillGap()}>Fill by {wayOf(method ?? "best")}<kbd>Enter</kbd></button>
         <button type="button" className="button" onClick={() => void fillGap("open")}><SkipForward size={14} aria-hidden />Leave open<kbd>O</kbd></button>
         <button type="button" className="button" aria-pressed={clicks !== null} onClick={() => set({ clicks: clicks ? null : [] })}><Crosshair size={14} aria-hidden />Put a point<kbd>P</kbd></button>
       </div>

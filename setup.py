@@ -6,6 +6,7 @@ from pathlib import Path
 from setuptools import Extension, setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
+from setuptools.command.build_py import build_py
 
 FOLDER = "src/kinemark/native"
 
@@ -40,6 +41,17 @@ class BuildLibrary(build_ext):
         return list(ext.libraries)
 
 
+class Sources(build_py):
+    """Brings the studio's page where `dev.py studio` has built it; KINEMARK_SKIP_UI=1 leaves it out."""
+
+    def find_data_files(self, package: str, src_dir: str) -> list[str]:
+        """Files of a package besides its modules."""
+        found: list[str] = super().find_data_files(package, src_dir)
+        page = Path(src_dir, "page")
+        skip = package == "kinemark.apps.studio" and os.environ.get("KINEMARK_SKIP_UI", "") not in ("", "0")
+        return [path for path in found if not (skip and page in Path(path).parents)]
+
+
 class Wheel(bdist_wheel):
     """py3-none-PLATFORM where the library was compiled, py3-none-any where it was not."""
 
@@ -58,7 +70,7 @@ class Wheel(bdist_wheel):
 
 
 setup(
-    cmdclass={"build_ext": BuildLibrary, "bdist_wheel": Wheel},
+    cmdclass={"build_ext": BuildLibrary, "build_py": Sources, "bdist_wheel": Wheel},
     ext_modules=[
         Extension(
             "kinemark.native._native",

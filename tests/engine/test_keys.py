@@ -121,6 +121,17 @@ def test_the_packages_own_sources_count(tmp_path):
     assert len(code_key()) == 16 and code_key() == code_key()
 
 
+def test_the_page_of_the_studio_does_not_count(tmp_path):
+    """Building it again makes no result stale."""
+    page = tmp_path / "apps" / "studio" / "page"
+    page.mkdir(parents=True)
+    before = keys._sources(tmp_path, "")
+    (page / "index.html").write_text("<!doctype html>")
+    assert keys._sources(tmp_path, "") == before
+    (page.parent / "app.py").write_text("x = 1")
+    assert keys._sources(tmp_path, "") != before
+
+
 def test_an_update_never_serves_what_another_version_made(tmp_path, monkeypatch):
     from kinemark.engine.graph import Graph, Stage
     from kinemark.engine.progress import SILENT

@@ -30,6 +30,8 @@ PARTS, PART = 64, 64 << 10
 """How many parts of a larger file are read, and their bytes: 4 MiB of any video; chosen."""
 
 SOURCES = (".py", ".c", ".h", ".toml", ".html")
+PAGE = "/apps/studio/page"
+"""What the studio shows in the browser: no result depends on it."""
 
 
 def digest(*parts: Any) -> str:
@@ -70,6 +72,8 @@ def _sources(folder: Traversable, name: str) -> list[tuple[str, bytes]]:
     """Name and content of the sources in a folder of the package."""
     found = []
     for entry in folder.iterdir():
+        if entry.is_dir() and f"{name}/{entry.name}" == PAGE:
+            continue
         if entry.is_dir():
             found += _sources(entry, f"{name}/{entry.name}")
         elif entry.name.endswith(SOURCES):

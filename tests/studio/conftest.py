@@ -1,0 +1,42 @@
+"""A session and a browser for the tests of the studio's page, made once for each process."""
+
+import pytest
+
+from support.studio_page import Studio, browser, copied, needed, served, walked, window
+
+
+@pytest.fixture(scope="session")
+def walk(tmp_path_factory):
+    needed()
+    base = tmp_path_factory.getbasetemp()
+    return walked(base.parent if base.name.startswith("popen") else base)
+
+
+@pytest.fixture(scope="session")
+def chromium_running():
+    needed()
+    with browser() as running:
+        yield running
+
+
+@pytest.fixture
+def folder(walk, tmp_path):
+    return copied(walk, tmp_path / "session")
+
+
+@pytest.fixture
+def studio(folder, chromium_running):
+    """The studio on a session without faults, in a window of its own."""
+    with served(folder) as server:
+        context = window(chromium_running)
+        yield Studio(context, server).enter(server.address)
+        context.close()
+
+
+@pytest.fixture
+def faulty_studio(folder, chromium_running):
+    """The same with a tracker that errs."""
+    with served(folder, "--faults") as server:
+        context = window(chromium_running)
+        yield Studio(context, server).enter(server.address)
+        context.close()

@@ -1,0 +1,165 @@
+"""The page in Chromium: every screen opens, everybody can use it, and what is done on it is in the journal."""
+
+import json
+import re
+
+import pytest
+
+from support.studio_page import AXE, Studio, window
+
+SCREENS = ("home", "tracks", "labels", "gaps", "report", "history")
+LEVELS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
+DIALOGS = {
+    "?": "Keys",
+    "Control+k": "Search or command",
+    "Shift+W": "Why",
+    "Shift+S": "Sign",
+    "Shift+F": "Finish",
+    "k": "An event",
+}
+
+
+def lines(folder):
+    """The journal's entries."""
+    path = folder / "edits" / "walk01.jsonl"
+    return [json.loads(line) for line in path.read_text("utf-8").splitlines()] if path.is_file() else []
+
+
+def violations(page):
+    """What axe finds, each with where it is."""
+    page.evaluate(AXE.read_text("utf-8"))
+    found = page.evaluate("levels => axe.run({runOnly: {type: 'tag', values: levels}})", LEVELS)
+    return [
+        f"{one['id']}: {one['nodes'][0]['html'][:160]} {one['nodes'][0]['failureSummary'][:200]}"
+        for one in found["violations"]
+    ]
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_every_screen_opens_without_an_error_and_axe_finds_nothing(folder, walk, chromium_running, theme):
+    if not AXE.is_file():
+        pytest.skip("needs axe-core: python3 dev.py studio")
+    from support.studio_page import served
+
+    with served(folder, "--faults") as server:
+        context = window(chromium_running, bypass_csp=True)  # axe is put in by evaluation, which the policy forbids
+        studio, found = Studio(context, server, theme=theme).enter(server.address), {}
+        for screen in SCREENS:
+            if screen == "home":
+                studio.page.get_by_role("button", name="walk01", exact=True).wait_for()
+            elif screen == "tracks":
+                studio.open()
+            else:
+                studio.page.get_by_role("button", name=re.compile(f"^{screen.title()}")).click()
+            studio.idle().press("n")
+            studio.page.wait_for_timeout(300)
+            found[screen] = violations(studio.page)
+        for key, title in DIALOGS.items():
+            studio.page.get_by_role("button", name=re.compile("^Tracks")).click()
+            studio.idle().press(key)
+            studio.page.get_by_role("dialog", name=re.compile(re.escape(title))).wait_for()
+            found[title] = violations(studio.page)
+            studio.press("Escape")
+        context.close()
+        assert [one for of in found.values() for one in of] == []
+        assert studio.errors == []
+
+
+def test_the_policy_refuses_nothing_and_the_view_is_drawn(studio):
+    studio.open().press("n")
+    studio.idle()
+    assert studio.errors == []
+    picture = studio.page.get_by_role("img", name="Markers, their paths and the cameras in space")
+    colours = {tuple(picture.screenshot()[i : i + 64]) for i in range(2000, 6000, 64)}
+    assert len(colours) > 20, "the view is flat"
+
+
+def test_the_images_are_those_of_the_frame(studio):
+    """Every frame that is gone to is the one that the tiles say they show."""
+    studio.open()
+    grid = studio.page.locator("[aria-label=Cameras] [data-frame]")
+    for frame in (7, 93, 41, 120, 1):
+        field = studio.page.get_by_label("Frame", exact=True)
+        field.fill(str(frame))
+        field.press("Enter")
+        studio.page.locator(f"[aria-label=Cameras] [data-frame='{frame}'][data-images='{frame}']").wait_for()
+    assert grid.count() == 1
+
+
+def test_an_act_is_in_the_journal_is_undone_and_done_again(folder, studio):
+    studio.open().press(".")
+    before = studio.head
+    studio.press("u").acted(before)
+    assert [edit["kind"] for edit in lines(folder)[-1]["edits"]] == ["claim"]
+    assert studio.page.get_by_text(re.compile(r"^saved")).count() == 1
+    for key in ("Control+z", "Control+Shift+z"):
+        before = studio.head
+        studio.press(key).acted(before)
+    assert [entry["edits"][0]["kind"] for entry in lines(folder)] == ["claim", "undo", "undo"]
+
+
+def test_all_is_done_by_keyboard_alone(folder, studio):
+    """From Home to a signed trial without the mouse."""
+    page = studio.page
+    page.get_by_role("button", name="walk01", exact=True).wait_for()
+    for _ in range(40):
+        if page.evaluate_handle("document.activeElement").as_element().inner_text() == "walk01":
+            break
+        studio.press("Tab")
+    studio.press("Enter")
+    page.locator("main[data-screen=tracks] canvas").first.wait_for()
+    studio.idle().press(".", "[")
+    studio.press("ArrowRight", "ArrowRight", "]")
+    before = studio.head
+    studio.press("Delete").acted(before)
+    before = studio.head
+    studio.press("Shift+S")
+    page.get_by_role("dialog").wait_for()
+    studio.press("Enter").acted(before)
+    said = [edit for entry in lines(folder) for edit in entry["edits"]]
+    assert [(edit["kind"], edit.get("first"), edit.get("last")) for edit in said] == [
+        ("erase", 1, 3),
+        ("signed", None, None),
+    ]
+
+
+def test_a_name_is_given_and_the_join_is_shown_before(folder, faulty_studio):
+    studio, page = faulty_studio.open(), faulty_studio.page
+    studio.press("Control+k")
+    page.keyboard.type("*91 select")
+    studio.press("Enter", "l")
+    page.get_by_role("combobox").fill("SACR")
+    page.get_by_role("dialog").get_by_text("They go together").wait_for()
+    before = studio.head
+    studio.press("Enter").acted(before)
+    assert lines(folder)[-1]["edits"][0]["name"] == "SACR"
+
+
+def test_two_windows_do_not_harm_each_other(folder, studio):
+    """What one says is shown in the other, which then speaks of what it sees."""
+    other = Studio(studio.page.context, studio.server)
+    other.page.goto(studio.server.base + other.asked)
+    studio.open(), other.open()
+    before = studio.head
+    studio.press(".", "u").acted(before)
+    other.page.locator(f"main[data-head='{studio.head}']").wait_for()
+    before = other.head
+    other.press(".", ".", "u").acted(before)
+    studio.page.locator(f"main[data-head='{other.head}']").wait_for()
+    assert [entry["edits"][0]["kind"] for entry in lines(folder)] == ["claim", "claim"]
+
+
+def test_a_server_that_is_killed_loses_nothing(folder, studio):
+    studio.open()
+    before = studio.head
+    studio.press(".", "u").acted(before)
+    after, port = studio.head, re.search(r":(\d+)/", studio.server.base).group(1)
+    studio.server.kill()
+    studio.page.get_by_role("alert").wait_for()
+    studio.press("u")
+    studio.page.get_by_text("does not answer").first.wait_for()
+    studio.server.start(port)
+    studio.errors.clear()
+    studio.enter(studio.server.address).open()
+    assert studio.head == after
+    assert len(lines(folder)) == 1

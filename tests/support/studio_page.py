@@ -1,0 +1,180 @@
+"""The studio in a browser: a session that was simulated and run, its server, and a page in Chromium by Playwright."""
+
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import pytest
+from filelock import FileLock
+
+from support.browser import chromium
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+PAGE = ROOT / "src" / "kinemark" / "apps" / "studio" / "page" / "index.html"
+AXE = ROOT / "ui" / "node_modules" / "axe-core" / "axe.min.js"
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--disable-sync",
+         "--disable-background-networking", "--disable-component-update"]  # fmt: skip
+PATIENCE_MS = 60_000  # a busy machine draws slowly
+
+
+def needed():
+    """Skip where something is not here."""
+    for module in ("playwright", "fastapi", "uvicorn"):
+        pytest.importorskip(module, reason=f"needs {module}")
+    if not PAGE.is_file():
+        pytest.skip("the page of the studio is not built: python3 dev.py studio")
+    return chromium()
+
+
+def walked(shared):
+    """The folder of a session: a walk of 15 markers before 5 cameras, rendered and run; made once for all processes."""
+    from kinemark.engine.session import Session
+    from kinemark.engine.simulate import Scene, simulate
+
+    folder = shared / "walk"
+    with FileLock(shared / "walk.lock"):
+        if not (folder / "results").is_dir():
+            scene = Scene(cameras=5, seconds=2.4, focal_px=500.0, size_px=(488, 378), noise=1.0)
+            simulate(folder, scene=scene)
+            Session.open(folder).run()
+    return folder
+
+
+def copied(folder, target):
+    """A session of a test's own; recordings, which nobody changes, are the same files."""
+    shutil.copytree(folder, target, copy_function=lambda a, b: _link(Path(a), Path(b)))
+    return target
+
+
+def _link(a, b):
+    if a.suffix in (".mkv", ".png"):
+        os.link(a, b)
+    else:
+        shutil.copy2(a, b)
+
+
+class Server:
+    """The server of a folder; `address` opens it once, `base` is without its token."""
+
+    def __init__(self, folder, *options):
+        self.folder, self.options = folder, options
+        self.start()
+
+    def start(self, *more):
+        environment = os.environ | {"PYTHONPATH": str(ROOT / "src"), "PYTHONUNBUFFERED": "1"}
+        self.process = subprocess.Popen(
+            [sys.executable, str(HERE / "studio_server.py"), str(self.folder), *self.options, *more],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment,
+        )  # fmt: skip
+        said = ""
+        while "token=" not in said:
+            line = self.process.stdout.readline()
+            if not line:
+                self.kill()
+                raise AssertionError(f"the server did not start: {said}")
+            said += line
+        self.address = re.search(r"http://\S+", said).group()
+        self.base = self.address.split("?")[0]
+        self._listens(int(self.base.rstrip("/").rsplit(":", 1)[1]))
+
+    def _listens(self, port):
+        """Until it does: it says its address a little before."""
+        for _ in range(600):
+            with suppress(ConnectionError), socket.create_connection(("127.0.0.1", port), timeout=1):
+                return
+            time.sleep(0.1)
+
+    def next_address(self):
+        """An address for another browser: each works once, and the server then says the next."""
+        return re.search(r"http://\S+", self.process.stdout.readline()).group()
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+
+
+@contextmanager
+def served(folder, *options):
+    """A server that ends with the test."""
+    server = Server(folder, *options)
+    try:
+        yield server
+    finally:
+        server.kill()
+
+
+@contextmanager
+def browser():
+    """Chromium."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
+        try:
+            yield running
+        finally:
+            running.close()
+
+
+class Studio:
+    """A page of the studio: what a person sees of it, and the keys that they press. `errors` are the console's."""
+
+    def __init__(self, context, server, *, theme="light", still=True):
+        self.page, self.server, self.errors = context.new_page(), server, []
+        self.page.set_default_timeout(PATIENCE_MS)
+        self.asked = f"?aa=0&theme={theme}{'&still=1' if still else ''}"
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("console", lambda said: self.errors.append(said.text) if said.type == "error" else None)
+
+    def enter(self, address):
+        """By the address of the terminal, then as tests want it."""
+        self.page.goto(address)
+        self.page.goto(self.server.base + self.asked)
+        return self
+
+    def open(self, screen="tracks", trial="walk01"):
+        """A trial by its name on Home, and one of its screens by the rail."""
+        self.page.get_by_role("button", name=trial, exact=True).click()
+        self.page.get_by_role("region", name="Three dimensions").or_(
+            self.page.locator("[data-screen=tracks] canvas")
+        ).first.wait_for()
+        self.page.get_by_text("Errors expected").first.wait_for()
+        if screen != "tracks":
+            self.page.get_by_role("button", name=re.compile(f"^{screen.title()}")).click()
+            self.page.locator(f"main[data-screen={screen}]").wait_for()
+        return self.idle()
+
+    def idle(self):
+        """Until nothing is asked of the server any more."""
+        self.page.locator("main[data-busy=no]").wait_for()
+        return self
+
+    def press(self, *keys):
+        for key in keys:
+            self.page.keyboard.press(key)
+        return self
+
+    @property
+    def head(self):
+        return self.page.locator("main").get_attribute("data-head")
+
+    def acted(self, before):
+        """Until an act has changed the head."""
+        self.page.locator(f"main:not([data-head='{before}'])[data-busy=no]").wait_for()
+        return self
+
+    def note(self):
+        return self.page.locator("footer [role=status]").inner_text()
+
+
+def window(running, width=1366, height=768, **options):
+    """A browser's window."""
+    return running.new_context(viewport={"width": width, "height": height}, **options)

@@ -1,0 +1,45 @@
+/** The frame of every screen: head, rail, screen, foot. */
+import { useEffect } from "react";
+import styles from "./App.module.css";
+import { Dialogs } from "./parts/Dialogs";
+import { Foot } from "./parts/Foot";
+import { Head } from "./parts/Head";
+import { Rail } from "./parts/Rail";
+import { Transport } from "./parts/Transport";
+import { Gaps } from "./screens/Gaps";
+import { History } from "./screens/History";
+import { Home } from "./screens/Home";
+import { Labels } from "./screens/Labels";
+import { Report } from "./screens/Report";
+import { Tracks } from "./screens/Tracks";
+import { playhead, useStore, type Screen } from "./state/store";
+
+const SCREENS: Record<Screen, () => React.JSX.Element> = { home: Home, tracks: Tracks, labels: Labels, gaps: Gaps, report: Report, history: History };
+
+/** Buttons that were clicked give the keys back; whoever tabs to them keeps them. */
+function blurClicked(event: React.MouseEvent): void {
+  if (event.detail > 0 && (event.target as Element).closest("button") && document.activeElement instanceof HTMLButtonElement) document.activeElement.blur();
+}
+
+export function App(): React.JSX.Element {
+  const screen = useStore((s) => s.screen), header = useStore((s) => s.header), busy = useStore((s) => s.busy), connected = useStore((s) => s.connected);
+  const Shown = SCREENS[screen], editor = header !== null && (screen === "tracks" || screen === "gaps");
+  useEffect(() => {
+    const name = header && screen !== "home" ? `${header.name} – ` : "";
+    document.title = `${name}Kinemark studio`;
+  }, [header, screen]);
+  useEffect(() => playhead.on((frame) => (document.getElementById("main")!.dataset.frame = String(frame))), []);
+  return (
+    <div className={styles.app} onClick={blurClicked}>
+      <Head />
+      <Rail />
+      <main id="main" className={styles.main} data-screen={screen} data-head={header?.head ?? ""} data-edits={header?.edits ?? ""} data-busy={busy > 0 ? "yes" : "no"}>
+        {!connected && <p role="alert" className={styles.lost}>The studio's server does not answer. Nothing is lost: every edit is saved when it is made. This page goes on as soon as the server is there again.</p>}
+        <Shown />
+      </main>
+      {editor && <Transport />}
+      <Foot />
+      <Dialogs />
+    </div>
+  );
+}

@@ -1,0 +1,84 @@
+/** What the page asks of the server: one function a route. */
+import { decodeDetections, type Detected } from "../model/detections";
+import { decodePaths, type PathSet } from "../model/paths";
+import type {
+  Act, ActDone, DetectionsHeader, Difference, GapCandidates, Gaps, History, Home, Labels, PathsHeader, Preview, Problems,
+  TrialHeader,
+} from "./types";
+
+/** The server refused: its words are for the person. `head` where the journal has gone on since. */
+export class Refused extends Error {
+  constructor(readonly status: number, words: string, readonly head: string | null = null) {
+    super(words);
+  }
+}
+
+async function asked(path: string, init?: RequestInit): Promise<Response> {
+  let answer: Response;
+  try {
+    answer = await fetch(`/api${path}`, init);
+  } catch {
+    throw new Refused(0, "The studio's server does not answer. What you did is saved; start it again to go on.");
+  }
+  if (answer.ok) return answer;
+  const said: unknown = await answer.json().catch(() => null);
+  const { words, head } = wordsOf(said);
+  throw new Refused(answer.status, words ?? `The server answered ${answer.status} to ${path}.`, head);
+}
+
+/** The words of a refusal, in whichever envelope they come. */
+export function wordsOf(said: unknown): { words: string | null; head: string | null } {
+  if (typeof said !== "object" || said === null) return { words: null, head: null };
+  const { words, head, detail } = said as { words?: unknown; head?: unknown; detail?: unknown };
+  if (typeof words === "string") return { words, head: typeof head === "string" ? head : null };
+  if (typeof detail === "string") return { words: detail, head: null };
+  if (Array.isArray(detail)) return { words: detail.map((d: { msg?: string }) => d.msg ?? "").join("; "), head: null };
+  return detail ? wordsOf(detail) : { words: null, head: null };
+}
+
+const json = async <T>(path: string, init?: RequestInit): Promise<T> => (await (await asked(path, init)).json()) as T;
+const body = (value: unknown, method = "POST"): RequestInit => ({
+  method,
+  headers: { "Content-Type": "application/json" },
+  body: JSON.stringify(value),
+});
+const part = encodeURIComponent;
+const of = (id: string): string => `/trials/${part(id)}`;
+
+export const home = (): Promise<Home> => json("/home");
+export const trial = (id: string): Promise<TrialHeader> => json(of(id));
+export const problems = (id: string): Promise<Problems> => json(`${of(id)}/problems`);
+export const gaps = (id: string): Promise<Gaps> => json(`${of(id)}/gaps`);
+export const gap = (id: string, marker: string, first: number): Promise<GapCandidates> =>
+  json(`${of(id)}/gaps/${part(marker)}/${first}`);
+export const labels = (id: string): Promise<Labels> => json(`${of(id)}/labels`);
+export const history = (id: string): Promise<History> => json(`${of(id)}/history`);
+export const difference = (id: string, from: number, to: number): Promise<Difference> =>
+  json(`${of(id)}/diff?of=${from}&other=${to}`);
+
+export async function paths(id: string, view: string, markers: readonly string[] = []): Promise<PathSet> {
+  const some = markers.length ? `&${markers.map((name) => `marker=${part(name)}`).join("&")}` : "";
+  const answer = await asked(`${of(id)}/paths?view=${view}${some}`);
+  const header = JSON.parse(answer.headers.get("X-Kinemark-Paths") ?? "null") as PathsHeader;
+  return decodePaths(header, await answer.arrayBuffer());
+}
+
+export async function detections(id: string, first: number, last: number): Promise<Detected> {
+  const answer = await asked(`${of(id)}/detections?first=${first}&last=${last}`);
+  const header = JSON.parse(answer.headers.get("X-Kinemark-Detections") ?? "null") as DetectionsHeader;
+  return decodeDetections(header, await answer.arrayBuffer());
+}
+
+export const act = (id: string, head: string, what: Act, why = ""): Promise<ActDone> =>
+  json(`${of(id)}/acts`, body({ head, act: what, why }));
+export const preview = (id: string, what: Act): Promise<Preview> => json(`${of(id)}/preview`, body({ act: what }));
+export const run = (id: string): Promise<unknown> => json(`${of(id)}/run`, body({}));
+export const cancel = async (id: string): Promise<void> => void (await asked(`${of(id)}/run`, { method: "DELETE" }));
+export const exportTrial = (id: string): Promise<{ name: string; words: string[] }> => json(`${of(id)}/export`, body({}));
+export const drop = (file: File): Promise<{ id: string; words: string[] }> =>
+  json(`/files?name=${part(file.name)}`, { method: "POST", body: file });
+
+export const reportAddress = (id: string): string => `/api${of(id)}/report`;
+export const mosaicAddress = (id: string, frame: number): string => `/api${of(id)}/mosaic/${frame}`;
+export const cropAddress = (id: string, camera: string, frame: number, box: readonly number[]): string =>
+  `/api${of(id)}/cameras/${part(camera)}/${frame}?x=${box[0]}&y=${box[1]}&w=${box[2]}&h=${box[3]}`;

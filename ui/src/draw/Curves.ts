@@ -1,0 +1,166 @@
+/** X, Y, Z and speed over time with their 95 % bands. `set` what is drawn, `show` a frame, `dispose`. */
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { speed, type Path } from "../model/paths";
+import { palette, type Palette } from "./palette";
+
+/** A path in a colour; dashed where it is a possibility. `at` is its first frame where it is only a piece. */
+export interface Curve { path: Path; colour: string; dashed?: boolean; band?: boolean; at?: number }
+
+export interface CurveView {
+  curves: readonly Curve[];
+  /** First frame of the paths, Hz. */
+  firstFrame: number;
+  rate: number;
+  /** Frames that are shown. */
+  window: readonly [number, number];
+  marked: readonly [number | null, number | null];
+  bands: boolean;
+  /** Below the places. */
+  fourth: "speed" | "residual";
+}
+
+/** Standard deviations of a band that holds 95 % on one axis. */
+const BAND = 1.96;
+const TITLES = ["X mm", "Y mm", "Z mm"] as const;
+
+export class Curves {
+  onFrame: (frame: number) => void = () => {};
+  onStretch: (first: number, last: number) => void = () => {};
+  onWindow: (first: number, last: number) => void = () => {};
+  private plots: uPlot[] = [];
+  private readonly lines: HTMLElement[] = [];
+  private view: CurveView | null = null;
+  private frame = 0;
+  private readonly watch: ResizeObserver;
+  private waiting = 0;
+
+  constructor(private readonly element: HTMLElement) {
+    this.watch = new ResizeObserver(() => this.later());
+    this.watch.observe(element);
+  }
+
+  set(view: CurveView): void {
+    this.view = view;
+    this.later();
+  }
+
+  show(frame: number): void {
+    this.frame = frame;
+    for (const [i, plot] of this.plots.entries()) {
+      const x = plot.valToPos(frame, "x"), line = this.lines[i]!;
+      const hidden = !(x >= 0 && x <= plot.over.clientWidth);
+      line.style.visibility = hidden ? "hidden" : "visible";
+      if (!hidden) line.style.transform = `translateX(${x.toFixed(1)}px)`;
+    }
+  }
+
+  dispose(): void {
+    this.watch.disconnect();
+    cancelAnimationFrame(this.waiting);
+    this.clear();
+  }
+
+  private later(): void {
+    if (!this.waiting) this.waiting = requestAnimationFrame(() => ((this.waiting = 0), this.build()));
+  }
+
+  private clear(): void {
+    for (const plot of this.plots) plot.destroy();
+    this.plots = [];
+    this.lines.length = 0;
+    this.element.replaceChildren();
+  }
+
+  private build(): void {
+    this.clear();
+    const view = this.view, width = this.element.clientWidth, height = this.element.clientHeight;
+    if (!view || !view.curves.length || width < 80 || height < 60) return;
+    const p = palette(), each = Math.floor(height / 4);
+    const frames = Array.from({ length: view.window[1] - view.window[0] + 1 }, (_, i) => view.window[0] + i);
+    for (let k = 0; k < 4; k++) this.add(view, p, frames, k, width, k === 3 ? height - 3 * each : each);
+    this.show(this.frame);
+  }
+
+  private add(view: CurveView, p: Palette, frames: number[], k: number, width: number, height: number): void {
+    const data: uPlot.AlignedData = [frames], series: uPlot.Series[] = [{}], bands: uPlot.Band[] = [];
+    for (const curve of view.curves) {
+      const { values, low, high } = columns(curve, view, k);
+      if (low && high && view.bands && curve.band !== false) {
+        const i = data.length;
+        data.push(low, high);
+        series.push({ stroke: "transparent", width: 0, points: { show: false } }, { stroke: "transparent", width: 0, points: { show: false } });
+        bands.push({ series: [i + 1, i], fill: `${curve.colour}30` });
+      }
+      data.push(values);
+      series.push({ stroke: curve.colour, width: curve.dashed ? 1.6 : 1.4, dash: curve.dashed ? [5, 4] : undefined, points: { show: false }, spanGaps: false });
+    }
+    const title = k < 3 ? TITLES[k]! : view.fourth === "speed" ? "speed m/s" : "residual mm";
+    const axis = { stroke: p.faint, grid: { stroke: p.line, width: 1 }, ticks: { show: false }, font: "10px sans-serif" };
+    const plot = new uPlot(
+      {
+        width, height, series, bands, legend: { show: false }, padding: [4, 8, 0, 0],
+        cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
+        scales: { x: { time: false, range: [view.window[0], Math.max(view.window[1], view.window[0] + 1)] } },
+        axes: [{ ...axis, show: k === 3, size: 20, gap: 2 }, { ...axis, size: 50, gap: 3, label: title, labelSize: 14, labelFont: "10px sans-serif", space: 22 }],
+        hooks: { drawClear: [(u): void => shade(u, view.marked, p)] },
+      },
+      data, this.element,
+    );
+    const line = document.createElement("div");
+    line.className = "curve-line";
+    plot.over.append(line);
+    plot.over.addEventListener("pointerdown", (e) => this.down(e, plot));
+    plot.over.addEventListener("wheel", (e) => this.wheel(e, plot), { passive: false });
+    this.plots.push(plot);
+    this.lines.push(line);
+  }
+
+  private down(event: PointerEvent, plot: uPlot): void {
+    const over = plot.over, left = over.getBoundingClientRect().left;
+    const at = (e: PointerEvent): number => Math.round(plot.posToVal(e.clientX - left, "x"));
+    const from = at(event);
+    over.setPointerCapture(event.pointerId);
+    if (!event.shiftKey) this.onFrame(from);
+    const move = (e: PointerEvent): void => {
+      if (event.shiftKey) this.onStretch(Math.min(from, at(e)), Math.max(from, at(e)));
+      else this.onFrame(at(e));
+    };
+    over.addEventListener("pointermove", move);
+    over.addEventListener("pointerup", () => over.removeEventListener("pointermove", move), { once: true });
+  }
+
+  private wheel(event: WheelEvent, plot: uPlot): void {
+    event.preventDefault();
+    const [first, last] = this.view!.window, middle = plot.posToVal(event.offsetX, "x"), by = Math.exp(event.deltaY * 0.0015);
+    this.onWindow(Math.round(middle - (middle - first) * by), Math.round(middle + (last - middle) * by));
+  }
+}
+
+type Column = (number | null)[];
+
+/** What one plot shows of a path: axis k, or the fourth. */
+function columns({ path, at }: Curve, view: CurveView, k: number): { values: Column; low?: Column; high?: Column } {
+  const start = at ?? view.firstFrame, fourth = k < 3 ? null : view.fourth === "speed" ? speed(path, view.rate) : path.residual;
+  const values: Column = [], low: Column = [], high: Column = [];
+  for (let f = view.window[0]; f <= view.window[1]; f++) {
+    const i = f - start, there = i >= 0 && i < path.origin.length && path.origin[i] !== 0;
+    const value = !there ? NaN : k < 3 ? path.xyz[3 * i + k]! : view.fourth === "speed" ? fourth![i]! / 1000 : (fourth?.[i] ?? NaN);
+    const sd = there ? (path.cov ? Math.sqrt(path.cov[6 * i + [0, 3, 5][k]!]!) : path.sd[i]!) : NaN;
+    const known = Number.isFinite(value);
+    values.push(known ? value : null);
+    low.push(known && sd > 0 ? value - BAND * sd : null);
+    high.push(known && sd > 0 ? value + BAND * sd : null);
+  }
+  return k < 3 ? { values, low, high } : { values };
+}
+
+/** The marked stretch behind the curves. */
+function shade(u: uPlot, [first, last]: CurveView["marked"], p: Palette): void {
+  if (first === null && last === null) return;
+  const { left, top, width, height } = u.bbox;
+  const clamp = (x: number): number => Math.min(left + width, Math.max(left, x));
+  const a = first === null ? left : clamp(u.valToPos(first, "x", true)), b = last === null ? left + width : clamp(u.valToPos(last, "x", true));
+  u.ctx.fillStyle = `${p.select}12`;
+  u.ctx.fillRect(a, top, Math.max(1, b - a), height);
+}

@@ -1,0 +1,194 @@
+/**
+ * The one table of commands: their keys, their words, when they can be done and what they would do now. Keys, help,
+ * palette, foot and tests all read it.
+ */
+import { many, mm, percent, wayOf } from "../model/format";
+import { asked, labelRows } from "../model/labels";
+import { proposed } from "../model/problems";
+import * as acts from "../state/acts";
+import { goTo } from "../state/load";
+import { currentProblem, get, keep, playhead, set, type Screen, type State } from "../state/store";
+
+export type Group = "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
+
+export interface Command {
+  id: string;
+  /** As `chord` writes them: Ctrl+Shift+Z, Shift+N, N, ], Space. */
+  keys: readonly string[];
+  title: string;
+  group: Group;
+  /** Where it can be done; on every screen of a trial where it is not said. */
+  screens?: readonly Screen[];
+  /** Whether it can be done now. */
+  when?: (s: State) => boolean;
+  /** What it would do now, in words, for the foot; the title where absent. */
+  hint?: (s: State) => string;
+  /** Written at the foot, the lower the earlier. */
+  foot?: number;
+  run: () => void;
+}
+
+const EDITOR: readonly Screen[] = ["tracks", "gaps"];
+const hasTrial = (s: State): boolean => s.header !== null;
+const onProblem = (s: State): boolean => s.screen === "tracks" && currentProblem(s) !== null;
+const selected = (s: State): boolean => s.selected.length > 0;
+const flip = (key: "lines" | "images" | "follow" | "alone" | "bands") => (): void => set((s) => ({ [key]: !s[key] }));
+const go = (screen: Screen) => (): void => goTo(screen);
+const jumpTo = (where: (s: State) => number | null | undefined) => (): void => {
+  const frame = where(get());
+  if (frame != null) playhead.pause(), playhead.go(frame);
+};
+
+/** The event before or after the frame that is shown. */
+function event(step: 1 | -1): number | undefined {
+  const { header } = get();
+  const all = (header?.events ?? []).map((e) => Math.round(1 + e.time_s * (header?.rate ?? 1))).sort((a, b) => a - b);
+  return step > 0 ? all.find((f) => f > playhead.frame) : all.findLast((f) => f < playhead.frame);
+}
+
+function nextMarker(step: 1 | -1): void {
+  const names = [...(get().paths?.byName.keys() ?? [])], at = names.indexOf(get().selected[0] ?? "");
+  if (names.length) set({ selected: [names[(at + step + names.length) % names.length]!], instead: null });
+}
+
+function taken(n: number): Command {
+  return {
+    id: `take-${n}`, keys: [String(n)], title: `Take alternative ${n}`, group: "Problems", screens: ["tracks"],
+    when: (s) => (currentProblem(s)?.alternatives.length ?? 0) >= n, foot: n === 1 ? undefined : 10 + n,
+    hint: (s) => currentProblem(s)?.alternatives[n - 1]?.words ?? "", run: () => acts.takeNumber(n),
+  };
+}
+
+function layout(n: 1 | 2 | 3 | 4, title: string): Command {
+  return { id: `layout-${n}`, keys: [`Shift+${n}`], title, group: "View", screens: ["tracks"], run: () => (keep("layout", String(n)), set({ layout: n })) };
+}
+
+const SIDES = 4;
+
+export const COMMANDS: readonly Command[] = [
+  // Problems
+  { id: "accept", keys: ["Enter"], title: "Accept what is proposed", group: "Problems", screens: ["tracks"], when: onProblem, foot: 1, hint: (s) => proposed(currentProblem(s)!)?.words ?? "accept", run: acts.acceptProposal },
+  { id: "next", keys: ["N"], title: "Next problem", group: "Problems", screens: ["tracks"], when: hasTrial, foot: 2, hint: (s) => (currentProblem(s) ? "next problem" : s.problems?.problems.length ? `look at the first of ${many(s.problems.problems.length, "problem")}` : "no problem is left"), run: () => acts.step(1) },
+  { id: "previous", keys: ["Shift+N"], title: "Previous problem", group: "Problems", screens: ["tracks"], when: hasTrial, run: () => acts.step(-1) },
+  ...[1, 2, 3, 4, 5].map(taken),
+  { id: "right", keys: ["Y"], title: "It is right as it is", group: "Problems", screens: ["tracks"], when: onProblem, foot: 20, hint: () => "right as it is", run: acts.rightAsIs },
+  { id: "later", keys: ["-"], title: "Later", group: "Problems", screens: ["tracks"], when: onProblem, foot: 22, hint: () => "later", run: acts.putOff },
+  { id: "drop", keys: ["Delete"], title: "It is not a marker; erase the marked samples", group: "Problems", screens: ["tracks", "labels", "gaps"], when: (s) => selected(s) || onProblem(s), foot: 24, hint: (s) => (s.first !== null && s.last !== null && !s.selected[0]?.startsWith("*") ? "erase the marked samples" : "not a marker"), run: acts.notAMarker },
+  // Names
+  { id: "exchange", keys: ["X"], title: "Exchange two markers from here on, or in the marked stretch", group: "Names", screens: ["tracks"], when: (s) => s.selected.length > 1, foot: 26, hint: (s) => `exchange ${s.selected[0]} and ${s.selected[1]} from here on`, run: acts.exchange },
+  { id: "cut", keys: ["C"], title: "Cut here: mark from this frame to the end", group: "Names", screens: ["tracks"], when: selected, run: acts.cut },
+  { id: "name", keys: ["L"], title: "Name the selected track", group: "Names", screens: ["tracks", "labels", "gaps"], when: selected, foot: 28, hint: (s) => `name ${s.selected[0]}`, run: () => set({ dialog: "name" }) },
+  { id: "unname", keys: ["U"], title: "Take the name away", group: "Names", screens: ["tracks", "labels"], when: selected, run: () => acts.claim(null) },
+  { id: "sides", keys: ["Shift+X"], title: "Exchange left and right", group: "Names", screens: ["tracks", "labels"], when: (s) => (s.header?.marker_set?.pairs.length ?? 0) > 0, run: acts.exchangeSides },
+  { id: "labels-accept", keys: ["Shift+Enter"], title: "Accept all names above the limit", group: "Names", screens: ["labels"], foot: 1, hint: (s) => `name ${many(acts.sureLabels(LABEL_LIMIT).length, "track")} proposed with ${percent(LABEL_LIMIT)} or more${s.labels ? "" : " …"}`, run: () => acts.acceptLabels(LABEL_LIMIT) },
+  { id: "label-take", keys: ["Enter"], title: "Accept the name that is proposed", group: "Names", screens: ["labels"], when: (s) => proposalOf(s) !== null, foot: 2, hint: (s) => `${s.track} is ${proposalOf(s)!.name} (${percent(proposalOf(s)!.probability)})`, run: () => { const p = proposalOf(get()); if (p?.name) acts.claim(p.name, p.track); } },
+  { id: "label-next", keys: ["N"], title: "Next track to be asked about", group: "Names", screens: ["labels"], foot: 3, hint: () => "next track", run: () => nextProposal(1) },
+  { id: "label-previous", keys: ["Shift+N"], title: "Previous track to be asked about", group: "Names", screens: ["labels"], run: () => nextProposal(-1) },
+  // Gaps and places
+  { id: "fill", keys: ["G"], title: "Fill the gap here", group: "Gaps and places", screens: ["tracks"], when: (s) => selected(s), hint: () => "fill the gap here", run: () => void acts.fillGap("best") },
+  { id: "gap-fill", keys: ["Enter", "G"], title: "Fill the gap by the method shown", group: "Gaps and places", screens: ["gaps"], when: (s) => s.gap !== null, foot: 1, hint: (s) => `fill ${s.gap!.marker}, ${s.gap!.frames} frames, by ${wayOf(s.method ?? "best")}, expected ${mm(errorOf(s))} mm`, run: () => void acts.fillGap() },
+  { id: "gap-all", keys: ["Shift+Enter"], title: "Fill all gaps below the limit", group: "Gaps and places", screens: ["gaps"], foot: 2, hint: (s) => `fill all ${acts.acceptable().length} below ${s.limit} mm`, run: acts.fillAll },
+  { id: "method", keys: ["Shift+G"], title: "Next method", group: "Gaps and places", screens: ["gaps"], when: (s) => (s.candidates?.candidates.length ?? 0) > 1, foot: 3, hint: () => "next method", run: () => acts.nextMethod() },
+  { id: "open", keys: ["O"], title: "Leave the gap open", group: "Gaps and places", screens: EDITOR, when: (s) => (s.screen === "gaps" ? s.gap !== null : selected(s)), foot: 21, hint: () => "leave the gap open", run: () => void acts.fillGap("open") },
+  { id: "gap-next", keys: ["N"], title: "Next gap", group: "Gaps and places", screens: ["gaps"], foot: 4, hint: () => "next gap", run: () => nextGap(1) },
+  { id: "gap-previous", keys: ["Shift+N"], title: "Previous gap", group: "Gaps and places", screens: ["gaps"], run: () => nextGap(-1) },
+  { id: "put", keys: ["P"], title: "Put a point: by its coordinates, or by clicks in two images", group: "Gaps and places", screens: EDITOR, when: selected, foot: 30, hint: (s) => (s.clicks ? "no longer put" : `put ${s.selected[0]} in this frame`), run: () => set((s) => ({ clicks: s.clicks ? null : [] })) },
+  { id: "smooth", keys: ["M"], title: "Smooth the marked stretch", group: "Gaps and places", screens: EDITOR, when: (s) => selected(s) && s.first !== null && s.last !== null, run: acts.smooth },
+  { id: "mark-first", keys: ["["], title: "Mark from here", group: "Gaps and places", screens: EDITOR, hint: () => "mark from here", run: () => set((s) => ({ first: playhead.frame, last: s.last !== null && s.last < playhead.frame ? null : s.last })) },
+  { id: "mark-last", keys: ["]"], title: "Mark to here", group: "Gaps and places", screens: EDITOR, hint: () => "mark to here", run: () => set((s) => ({ last: playhead.frame, first: s.first !== null && s.first > playhead.frame ? null : s.first })) },
+  { id: "event", keys: ["K"], title: "Add an event here", group: "Gaps and places", screens: EDITOR, run: () => set({ dialog: "event" }) },
+  // Time
+  { id: "play", keys: ["Space"], title: "Play or pause", group: "Time", screens: EDITOR, run: () => playhead.toggle() },
+  { id: "forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: EDITOR, run: () => playhead.step(1) },
+  { id: "back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: EDITOR, run: () => playhead.step(-1) },
+  { id: "forward-10", keys: ["Shift+ArrowRight"], title: "10 frames on", group: "Time", screens: EDITOR, run: () => playhead.step(10) },
+  { id: "back-10", keys: ["Shift+ArrowLeft"], title: "10 frames back", group: "Time", screens: EDITOR, run: () => playhead.step(-10) },
+  { id: "event-next", keys: ["Ctrl+ArrowRight"], title: "Next event", group: "Time", screens: EDITOR, run: jumpTo(() => event(1)) },
+  { id: "event-back", keys: ["Ctrl+ArrowLeft"], title: "Event before", group: "Time", screens: EDITOR, run: jumpTo(() => event(-1)) },
+  { id: "start", keys: ["Home"], title: "First frame", group: "Time", screens: EDITOR, run: jumpTo((s) => s.header?.first_frame) },
+  { id: "end", keys: ["End"], title: "Last frame", group: "Time", screens: EDITOR, run: jumpTo(() => playhead.last) },
+  { id: "marker-next", keys: ["."], title: "Next marker", group: "Time", screens: EDITOR, run: () => nextMarker(1) },
+  { id: "marker-back", keys: [","], title: "Marker before", group: "Time", screens: EDITOR, run: () => nextMarker(-1) },
+  // View
+  { id: "lines", keys: ["E"], title: "Epipolar lines", group: "View", screens: EDITOR, run: flip("lines") },
+  { id: "images", keys: ["I"], title: "Images of the cameras", group: "View", screens: EDITOR, run: flip("images") },
+  { id: "follow", keys: ["Z"], title: "Follow the selected marker in the images, larger", group: "View", screens: EDITOR, run: flip("follow") },
+  { id: "focus", keys: ["F"], title: "Look at what is selected", group: "View", screens: EDITOR, when: selected, run: () => set((s) => ({ focused: s.focused + 1 })) },
+  { id: "alone", keys: ["H"], title: "Hide the others", group: "View", screens: EDITOR, run: flip("alone") },
+  { id: "bands", keys: ["B"], title: "95 % bands and ellipsoids", group: "View", screens: EDITOR, run: flip("bands") },
+  { id: "fourth", keys: ["R"], title: "Residual instead of speed", group: "View", screens: EDITOR, run: () => set((s) => ({ fourth: s.fourth === "speed" ? "residual" : "speed" })) },
+  { id: "side", keys: ["V"], title: "From the side, the front, above, or between", group: "View", screens: EDITOR, run: () => set((s) => ({ side: (s.side + 1) % SIDES })) },
+  { id: "whole", keys: ["W"], title: "Curves of the whole trial", group: "View", screens: EDITOR, run: () => { playhead.loop = null; set({ window: null }); } },
+  layout(1, "Layout: view, cameras, curves and list"), layout(2, "Layout: view and list"), layout(3, "Layout: cameras and list"), layout(4, "Layout: curves and list"),
+  // Trial
+  { id: "undo", keys: ["Ctrl+Z"], title: "Undo", group: "Trial", when: (s) => s.header?.undo != null, foot: 40, hint: () => "undo", run: () => void acts.undo() },
+  { id: "redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], title: "Redo", group: "Trial", when: (s) => s.header?.redo != null, run: () => void acts.redo() },
+  { id: "why", keys: ["Shift+W"], title: "Why: a note for the next act", group: "Trial", when: hasTrial, run: () => set({ dialog: "why" }) },
+  { id: "finish", keys: ["Shift+F"], title: "Finish: drop the unnamed, trim to common frames, write C3D", group: "Trial", when: hasTrial, run: () => set({ dialog: "finish" }) },
+  { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", when: hasTrial, run: () => set({ dialog: "sign" }) },
+  // Go to
+  { id: "home", keys: ["Alt+Shift+H"], title: "Home", group: "Go to", run: go("home") },
+  { id: "tracks", keys: ["Shift+T"], title: "Tracks", group: "Go to", when: hasTrial, run: go("tracks") },
+  { id: "labels", keys: ["Shift+L"], title: "Labels", group: "Go to", when: hasTrial, run: go("labels") },
+  { id: "gaps", keys: ["Shift+D"], title: "Gaps", group: "Go to", when: hasTrial, run: go("gaps") },
+  { id: "report", keys: ["Shift+R"], title: "Report", group: "Go to", when: hasTrial, run: go("report") },
+  { id: "history", keys: ["Shift+H"], title: "History", group: "Go to", when: hasTrial, run: go("history") },
+  { id: "commands", keys: ["Ctrl+K"], title: "Search for a command", group: "Go to", run: () => set({ dialog: "commands" }) },
+  { id: "help", keys: ["?"], title: "All keys", group: "Go to", foot: 90, hint: () => "all keys", run: () => set({ dialog: "help" }) },
+  { id: "up", keys: ["Escape"], title: "One level up", group: "Go to", run: up },
+];
+
+/** Least probability of names that are accepted all at once. */
+export const LABEL_LIMIT = 0.99;
+
+const errorOf = (s: State): number | null => s.candidates?.candidates.find((c) => c.method === s.method)?.expected_mm ?? s.gap?.expected_mm ?? null;
+const proposalOf = (s: State): { track: string; name: string | null; probability: number } | null => s.labels?.proposals.find((p) => p.track === s.track && p.name !== null && p.track !== p.name) ?? null;
+
+function nextProposal(by: 1 | -1): void {
+  const { header, labels } = get(), all = header ? asked(labelRows(header, labels)) : [], at = all.findIndex((p) => p.track === get().track);
+  const next = all[at < 0 ? (by > 0 ? 0 : all.length - 1) : (at + by + all.length) % all.length];
+  if (next) set((s) => ({ track: next.track, selected: [next.track], focused: s.focused + 1 }));
+}
+
+function nextGap(by: 1 | -1): void {
+  const all = get().gaps?.gaps ?? [], at = all.findIndex((g) => g === get().gap);
+  const next = all[at < 0 ? (by > 0 ? 0 : all.length - 1) : (at + by + all.length) % all.length];
+  if (next) void acts.lookAtGap(next);
+}
+
+/** Escape: what is open closes, then marks, then the selection, then the screen. */
+function up(): void {
+  const s = get();
+  if (s.clicks) return set({ clicks: null });
+  if (s.first !== null || s.last !== null) return set({ first: null, last: null });
+  if (s.problem || s.gap) {
+    playhead.loop = null;
+    return set({ problem: null, instead: null, window: null, gap: null, candidates: null });
+  }
+  if (s.selected.length) return set({ selected: [] });
+  goTo(s.screen === "tracks" || !s.id ? "home" : "tracks");
+}
+
+export const byId = (id: string): Command => COMMANDS.find((c) => c.id === id)!;
+
+/** Whether a command can be done now. */
+export const possible = (c: Command, s: State): boolean => (!c.screens || c.screens.includes(s.screen)) && (!c.when || c.when(s));
+
+/** What the foot says: the commands that are most likely now, with what they would do. */
+export const footLine = (s: State): { key: string; words: string; id: string }[] =>
+  COMMANDS.filter((c) => c.foot !== undefined && possible(c, s))
+    .sort((a, b) => a.foot! - b.foot!)
+    .map((c) => ({ key: c.keys[0]!, words: c.hint?.(s) ?? c.title.toLowerCase(), id: c.id }));
+
+/** Two commands that one key would mean on one screen; there must be none. */
+export function clashes(all: readonly Command[] = COMMANDS): string[] {
+  const seen = new Map<string, string>(), found: string[] = [];
+  for (const c of all)
+    for (const key of c.keys)
+      for (const screen of c.screens ?? ["home", "tracks", "labels", "gaps", "report", "history"]) {
+        const at = `${screen} ${key}`, other = seen.get(at);
+        if (other) found.push(`${at}: ${other} and ${c.id}`);
+        seen.set(at, c.id);
+      }
+  return found;
+}

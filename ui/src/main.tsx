@@ -1,0 +1,16 @@
+import { createRoot } from "react-dom/client";
+import { App } from "./App";
+import { connect } from "./api/live";
+import { onKey } from "./keys/bind";
+import { arrive } from "./state/load";
+import { followTheme } from "./state/theme";
+import "./colours.css";
+import "./tokens.css";
+import "./base.css";
+
+followTheme();
+addEventListener("keydown", onKey);
+addEventListener("hashchange", () => void arrive());
+createRoot(document.getElementById("root")!).render(<App />);
+connect();
+void arrive();

@@ -1,0 +1,26 @@
+/** Numbers as people read them. */
+export const mm = (value: number | null | undefined): string =>
+  value == null || !Number.isFinite(value) ? "–" : value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(value < 1 ? 2 : 1);
+export const percent = (p: number | null | undefined): string =>
+  p == null ? "–" : p > 0.9995 ? "> 99.9 %" : p > 0.995 ? `${(100 * p).toFixed(1)} %` : p < 0.005 ? "< 1 %" : `${Math.round(100 * p)} %`;
+export const count = (n: number | null | undefined): string => (n == null ? "–" : n.toLocaleString("en").replaceAll(",", " "));
+export const frames = (first: number, last: number): string => (first === last ? `f ${first}` : `f ${first}–${last}`);
+export const many = (n: number, one: string, more = `${one}s`): string => `${count(n)} ${n === 1 ? one : more}`;
+
+/** m:ss.mmm from the first frame of the recording. */
+export function clock(seconds: number): string {
+  const whole = Math.max(0, seconds), m = Math.floor(whole / 60);
+  return `${m}:${(whole - 60 * m).toFixed(3).padStart(6, "0")}`;
+}
+
+/** When, as short as it says enough: the time today, else the day. */
+export function when(iso: string, now = new Date()): string {
+  const at = new Date(iso);
+  const pad = (n: number): string => String(n).padStart(2, "0");
+  const day = `${at.getFullYear()}-${pad(at.getMonth() + 1)}-${pad(at.getDate())}`;
+  const time = `${pad(at.getHours())}:${pad(at.getMinutes())}`;
+  return at.toDateString() === now.toDateString() ? time : `${day} ${time}`;
+}
+
+/** A way to fill, short: a mean of several is called so. */
+export const wayOf = (method: string): string => (method.includes(" + ") ? `mean of ${method.split(" + ").length}` : method);

@@ -1,0 +1,108 @@
+/** Paths of markers as typed arrays: one record a marker, so that an edit replaces one and shares the rest. */
+import type { PathsHeader } from "../api/types";
+
+export const MISSING = 0, MEASURED = 1, FILLED = 2, EDITED = 3;
+export const ORIGINS = ["missing", "measured", "filled", "edited"] as const;
+
+/** One path of n frames: xyz (n × 3) mm, NaN where missing; sd (n) mm, of the largest axis; origin (n). */
+export interface Path {
+  readonly name: string;
+  readonly xyz: Float32Array;
+  readonly sd: Float32Array;
+  readonly origin: Uint8Array;
+  readonly cov?: Float32Array;
+  readonly residual?: Float32Array;
+  readonly cameras?: Uint8Array;
+}
+
+export interface PathSet {
+  readonly firstFrame: number;
+  readonly frames: number;
+  readonly head: string;
+  /** Chosen fills are still computed: ask again. */
+  readonly pending: boolean;
+  readonly byName: ReadonlyMap<string, Path>;
+}
+
+const WIDTH = { xyz: 12, sd: 4, origin: 1, cov: 24, residual: 4, cameras: 1 } as const;
+
+/** The paths of an answer's body: its columns one after the other, each of all markers. */
+export function decodePaths(header: PathsHeader, body: ArrayBuffer): PathSet {
+  const { names, n_frames: n } = header;
+  const at: Partial<Record<keyof typeof WIDTH, number>> = {};
+  let offset = 0;
+  for (const column of header.columns) {
+    at[column] = offset;
+    offset += WIDTH[column] * n * names.length;
+  }
+  if (offset !== body.byteLength) throw new Error(`paths of ${body.byteLength} bytes, wanted ${offset}`);
+  const floats = (column: "xyz" | "sd" | "cov" | "residual", i: number): Float32Array | undefined => {
+    const start = at[column], width = WIDTH[column] / 4;
+    if (start === undefined) return undefined;
+    const from = start + i * n * width * 4; // not always a multiple of 4 after a column of bytes
+    return from % 4 ? new Float32Array(body.slice(from, from + n * width * 4)) : new Float32Array(body, from, n * width);
+  };
+  const bytes = (column: "origin" | "cameras", i: number): Uint8Array | undefined =>
+    at[column] === undefined ? undefined : new Uint8Array(body, at[column] + i * n, n);
+  const byName = new Map(
+    names.map((name, i): [string, Path] => [
+      name,
+      {
+        name, xyz: floats("xyz", i)!, sd: floats("sd", i)!, origin: bytes("origin", i)!,
+        cov: floats("cov", i), residual: floats("residual", i), cameras: bytes("cameras", i),
+      },
+    ]),
+  );
+  return { firstFrame: header.first_frame, frames: n, head: header.head, pending: header.pending, byName };
+}
+
+/** The set with some paths replaced, and some gone. */
+export function mergePaths(whole: PathSet, some: PathSet, removed: readonly string[] = []): PathSet {
+  const byName = new Map(whole.byName);
+  for (const name of removed) byName.delete(name);
+  for (const [name, path] of some.byName) byName.set(name, path);
+  return { ...whole, head: some.head, pending: some.pending, byName };
+}
+
+/** A run of frames of one origin: start included, end excluded, counted from 0. */
+export interface Run { start: number; end: number; origin: number }
+
+/** The runs of a path, first to last. */
+export function runs(origin: Uint8Array): Run[] {
+  const found: Run[] = [];
+  for (let start = 0, i = 1; i <= origin.length; i++) {
+    if (i === origin.length || origin[i] !== origin[start]) {
+      found.push({ start, end: i, origin: origin[start]! });
+      start = i;
+    }
+  }
+  return found;
+}
+
+/** mm/s of each frame, from the frames beside it; NaN where one is missing. */
+export function speed(path: Path, rate: number): Float32Array {
+  const n = path.sd.length, out = new Float32Array(n).fill(NaN), x = path.xyz;
+  for (let i = 1; i + 1 < n; i++) {
+    const a = 3 * (i - 1), b = 3 * (i + 1);
+    out[i] = (Math.hypot(x[b]! - x[a]!, x[b + 1]! - x[a + 1]!, x[b + 2]! - x[a + 2]!) * rate) / 2;
+  }
+  return out;
+}
+
+/** mm of the step into each frame; NaN where one of the two is missing. */
+export function jump(path: Path, index: number): number {
+  const x = path.xyz, a = 3 * (index - 1), b = 3 * index;
+  return index < 1 ? NaN : Math.hypot(x[b]! - x[a]!, x[b + 1]! - x[a + 1]!, x[b + 2]! - x[a + 2]!);
+}
+
+/** Two paths with their samples exchanged in [start, end): what an exchange of names would give. */
+export function exchanged(a: Path, b: Path, start: number, end: number): [Path, Path] {
+  const swapped = (own: Path, other: Path): Path => {
+    const xyz = own.xyz.slice(), sd = own.sd.slice(), origin = own.origin.slice();
+    xyz.set(other.xyz.subarray(3 * start, 3 * end), 3 * start);
+    sd.set(other.sd.subarray(start, end), start);
+    origin.set(other.origin.subarray(start, end), start);
+    return { name: own.name, xyz, sd, origin };
+  };
+  return [swapped(a, b), swapped(b, a)];
+}

@@ -1,0 +1,34 @@
+import * as api from "../api/client";
+import { many } from "../model/format";
+import { act } from "../state/acts";
+import { say, tried } from "../state/load";
+import { get, set, useStore } from "../state/store";
+import { Modal } from "./Modal";
+import styles from "./Modal.module.css";
+
+/** Write a file of the trial as it is; nothing that was given is written over. */
+export async function write(): Promise<void> {
+  const id = get().id, written = id && (await tried(() => api.exportTrial(id)));
+  if (written) say("done", [`Written: ${written.name}`, ...written.words].join(". "));
+}
+
+export function Finish(): React.JSX.Element {
+  const { header, problems } = useStore(), unnamed = header?.tracks.filter((t) => !t.named).length ?? 0, left = problems?.errors;
+  const finish = async (e: React.FormEvent): Promise<void> => {
+    e.preventDefault();
+    set({ dialog: null });
+    if (await act({ kind: "finish" }, "Finished")) await write();
+  };
+  return (
+    <Modal title="Finish the trial">
+      <form className={styles.body} onSubmit={(e) => void finish(e)}>
+        <p>{unnamed ? `${many(unnamed, "track")} without a name ${unnamed === 1 ? "is" : "are"} left out` : "Every track has a name"}, all markers begin and end at the frames that all of them have, and a C3D is written beside the trial. One act: Ctrl+Z takes it back.</p>
+        {left != null && <p>Errors expected: <b>{left.toFixed(1)}</b>.</p>}
+        <div className={styles.actions}>
+          <button type="button" className="button" onClick={() => (set({ dialog: null }), void write())}>Only write</button>
+          <button className="button strong" autoFocus>Finish and write</button>
+        </div>
+      </form>
+    </Modal>
+  );
+}

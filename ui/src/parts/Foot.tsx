@@ -1,0 +1,22 @@
+import { CircleAlert, CircleCheck, Info } from "lucide-react";
+import { byId, footLine } from "../keys/commands";
+import { shownKey } from "../keys/bind";
+import { useStore } from "../state/store";
+import styles from "./Foot.module.css";
+
+const ICON = { done: CircleCheck, refused: CircleAlert, news: Info };
+
+/** What the next key would do, and what the last one did. */
+export function Foot(): React.JSX.Element {
+  const state = useStore(), line = footLine(state).slice(0, 9), note = state.note, Icon = ICON[note?.kind ?? "news"];
+  return (
+    <footer className={styles.foot}>
+      <ul className={styles.keys} aria-label="What keys would do now">
+        {line.map(({ key, words, id }) => (
+          <li key={id}><button type="button" onClick={byId(id).run}><kbd>{shownKey(key)}</kbd>{words}</button></li>
+        ))}
+      </ul>
+      <p className={`${styles.note} ${note ? styles[note.kind] : ""}`} role="status" data-note={note?.kind ?? ""}>{note && <><Icon size={14} aria-hidden />{note.words}</>}</p>
+    </footer>
+  );
+}

@@ -1,0 +1,83 @@
+import { ArrowLeftRight, CircleCheck, Ghost, Link2, Spline, Tag, Unlink, Users, Zap } from "lucide-react";
+import { useEffect, useRef } from "react";
+import type { Alternative, Problem } from "../api/types";
+import { count, frames, many, mm, percent } from "../model/format";
+import { asItIs, inOrder, keepOf } from "../model/problems";
+import { choose, lookAt } from "../state/acts";
+import { useStore } from "../state/store";
+import styles from "./ProblemList.module.css";
+
+const KINDS: Record<Problem["kind"], { word: string; icon: typeof Tag }> = {
+  swap: { word: "Exchange?", icon: ArrowLeftRight }, join: { word: "One marker?", icon: Link2 }, gap: { word: "Gap", icon: Spline }, ghost: { word: "Ghost?", icon: Ghost },
+  spike: { word: "Spike?", icon: Zap }, label: { word: "Name?", icon: Tag }, sides: { word: "Left and right?", icon: Users }, edit: { word: "Edit lost its place", icon: Unlink },
+};
+
+export function ProblemList(): React.JSX.Element {
+  const { problems, problem, later } = useStore(), list = useRef<HTMLDivElement>(null), all = inOrder(problems?.problems ?? [], later), worth = problems?.worth_looking ?? all.length;
+  useEffect(() => void list.current?.querySelector('[aria-current="true"]')?.scrollIntoView({ block: "nearest" }), [problem]);
+  return (
+    <section className={styles.section} aria-label="Problems">
+      <header className={styles.head}><h2>Problems</h2><span className="soft number">{worth < all.length ? `${worth} of ${all.length} worth a look` : all.length}</span></header>
+      <div ref={list} className={styles.list} tabIndex={0} role="region" aria-label="List of problems">
+        {problems && !all.length && <p className={styles.none}><CircleCheck size={26} aria-hidden />Nothing is left to look at.</p>}
+        <ol>
+          {all.map((p, i) => (
+            <li key={p.id} data-problem={p.kind} data-id={p.id}>
+              {i === worth && worth > 0 && <p className={styles.stop}>Looking on is not worth it: below, {errors(problems?.errors_left)} expected</p>}
+              {p.id === problem ? <Open problem={p} number={i + 1} /> : <Row problem={p} number={i + 1} later={later.includes(p.id)} />}
+            </li>
+          ))}
+        </ol>
+      </div>
+      {problems && <p className={styles.rule}>Errors expected: <b className="number">{problems.errors.toFixed(1)}</b>{worth ? <>, and <b className="number">{problems.errors_left.toFixed(1)}</b> when these are settled</> : ". Looking on is not worth it."}</p>}
+    </section>
+  );
+}
+
+const errors = (n: number | null | undefined): string => (n == null ? "few errors" : `${n.toFixed(1)} errors`);
+
+/** How probable, and how much is at stake. */
+function Weight({ problem: p }: { problem: Problem }): React.JSX.Element {
+  return <span className={`${styles.weight} number`}>{p.wrong !== null && <b>{percent(p.wrong)}</b>}{p.cost_mm !== null && <span>{mm(p.cost_mm)} mm</span>}</span>;
+}
+
+function Row({ problem: p, number, later }: { problem: Problem; number: number; later: boolean }): React.JSX.Element {
+  const { word, icon: Icon } = KINDS[p.kind];
+  return (
+    <button type="button" className={`${styles.row} ${later ? styles.later : ""}`} onClick={() => lookAt(p)}>
+      <span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden />
+      <span className={styles.words}><b>{word}</b> {p.tracks.slice(0, 3).join(p.kind === "join" ? " → " : p.kind === "swap" ? " ⇄ " : ", ")}<small>{frames(p.first, p.last)}{later && " · put off"}</small></span>
+      <Weight problem={p} />
+    </button>
+  );
+}
+
+/** How probable a way is, and what comes of it. */
+function Consequence({ of: a }: { of: Alternative }): React.JSX.Element | null {
+  const parts = [a.probability == null ? "" : `${percent(a.probability)} right`, a.consequence ?? "", a.cost == null ? "" : `costs ${count(a.cost < 10 ? Math.round(10 * a.cost) / 10 : Math.round(a.cost))} mm × samples`].filter(Boolean);
+  return parts.length ? <small className="number">{parts.join(" · ")}</small> : null;
+}
+
+/** The problem that is looked at: what may be wrong, and the ways to go, each with its key and what it costs. */
+function Open({ problem: p, number }: { problem: Problem; number: number }): React.JSX.Element {
+  const { word, icon: Icon } = KINDS[p.kind], none = keepOf(p) !== null;
+  return (
+    <div className={styles.open} aria-current="true">
+      <div className={styles.title}><span className={`${styles.number} number`}>{number}</span><Icon size={15} aria-hidden /><b>{word}</b><span className="soft number">{frames(p.first, p.last)}</span><Weight problem={p} /></div>
+      <p data-words>{p.words}</p>
+      <p className="soft number">{many(p.at_stake, "sample")} at stake</p>
+      <ul className={styles.ways}>
+        {p.alternatives.map((a, i) => (
+          <li key={a.key}>
+            <button type="button" className={styles.way} data-key={a.key} data-first={i === 0 ? "yes" : ""} onClick={() => void choose(p, a.key)}>
+              <kbd>{i === 0 ? "Enter" : i + 1}</kbd>
+              <span><b>{a.words}</b>{<Consequence of={a} />}</span>
+              <i className={asItIs(a) ? styles.a : styles.b} aria-hidden>{asItIs(a) ? "A" : "B"}</i>
+            </button>
+          </li>
+        ))}
+      </ul>
+      <p className={styles.more}>{none && <><kbd>Y</kbd> right as it is </>}<kbd>–</kbd> later <kbd>Space</kbd> play</p>
+    </div>
+  );
+}

@@ -1,0 +1,51 @@
+import { FileText, History, House, Orbit, Spline, Tags } from "lucide-react";
+import { goTo } from "../state/load";
+import { useStore, type Screen, type State } from "../state/store";
+import styles from "./Rail.module.css";
+
+const STEPS: readonly { screen: Screen; title: string; icon: typeof House; open?: (s: State) => number }[] = [
+  { screen: "home", title: "Home", icon: House },
+  { screen: "tracks", title: "Tracks", icon: Orbit, open: (s) => s.problems?.worth_looking ?? 0 },
+  { screen: "labels", title: "Labels", icon: Tags, open: (s) => s.header?.tracks.filter((t) => !t.named && t.samples > 0).length ?? 0 },
+  { screen: "gaps", title: "Gaps", icon: Spline, open: (s) => s.gaps?.gaps.filter((g) => g.choice === null).length ?? 0 },
+  { screen: "report", title: "Report", icon: FileText },
+  { screen: "history", title: "History", icon: History },
+];
+
+export function Rail(): React.JSX.Element {
+  const s = useStore();
+  return (
+    <nav className={styles.rail} aria-label="Steps">
+      <ul>
+        {STEPS.map(({ screen, title, icon: Icon, open }) => {
+          const left = s.header && open ? open(s) : 0, on = s.screen === screen, off = screen !== "home" && !s.id;
+          return (
+            <li key={screen}>
+              <button type="button" className={styles.step} disabled={off} aria-current={on ? "page" : undefined} onClick={() => goTo(screen)}>
+                <Icon size={17} aria-hidden />
+                {title}
+                {left > 0 && <span className={styles.count}>{left}<span className="hidden-words"> open</span></span>}
+              </button>
+            </li>
+          );
+        })}
+      </ul>
+      {s.header && s.screen !== "home" && <Left />}
+    </nav>
+  );
+}
+
+/** How many errors are expected, and what looking on would be worth: the stop rule. */
+function Left(): React.JSX.Element | null {
+  const problems = useStore((s) => s.problems);
+  if (!problems) return null;
+  return (
+    <div className={styles.left}>
+      <h3>Errors expected</h3>
+      <p className={styles.figure} data-errors={problems.errors}>{tenths(problems.errors)}</p>
+      <p className="soft">{problems.worth_looking ? `${tenths(problems.errors_left)} when the ${problems.worth_looking} worth a look are settled` : "Looking on is not worth it."}</p>
+    </div>
+  );
+}
+
+const tenths = (n: number): string => (n < 10 ? n.toFixed(1) : String(Math.round(n)));

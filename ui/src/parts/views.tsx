@@ -1,0 +1,173 @@
+/** The drawing classes in their places: what they show follows the store, the frame follows the playhead. */
+import { useEffect, useRef, useState } from "react";
+import { Cameras } from "../draw/Cameras";
+import { Curves, type Curve } from "../draw/Curves";
+import { LARGER, Scene } from "../draw/Scene";
+import { palette } from "../draw/palette";
+import type { Side } from "../draw/orbit";
+import { mm, wayOf } from "../model/format";
+import type { Path, PathSet } from "../model/paths";
+import { currentProblem, get, playhead, set, useStore, type State } from "../state/store";
+import { wantDetections } from "../state/load";
+import styles from "./views.module.css";
+
+const SIDES: readonly Side[] = ["oblique", "side", "front", "top"];
+const redraw = (): void => playhead.draw();
+
+function pick(name: string | null, more: boolean): void {
+  if (!name) return;
+  set((s) => ({ selected: more ? [...s.selected.filter((n) => n !== name), name] : [name], instead: more ? s.instead : null }));
+}
+
+/** What is drawn beside what is: a proposal, or the way to fill that is shown. */
+function insteadOf(s: State): readonly Path[] {
+  if (s.screen === "tracks") return s.instead && s.instead.problem === s.problem ? whole(s.instead.paths, s.instead.at, s.paths) : [];
+  if (s.screen !== "gaps") return [];
+  const one = s.candidates?.candidates.find((c) => c.method === s.method);
+  return one && s.candidates ? whole([candidatePath(s.candidates.marker, one.xyz, one.sd)], s.candidates.first, s.paths) : [];
+}
+
+/** A way to fill as a path of the gap's frames. */
+export function candidatePath(name: string, xyz: readonly (readonly number[])[], sd: readonly (readonly number[])[] | null): Path {
+  const n = xyz.length, cov = new Float32Array(6 * n).fill(NaN);
+  for (const [i, s] of (sd ?? []).entries()) (cov[6 * i] = s[0]! ** 2), (cov[6 * i + 3] = s[1]! ** 2), (cov[6 * i + 5] = s[2]! ** 2);
+  return { name, xyz: Float32Array.from(xyz.flat()), sd: sd ? Float32Array.from(sd.map((s) => Math.max(...s))) : new Float32Array(n).fill(NaN), origin: new Uint8Array(n).fill(2), cov };
+}
+
+/** Pieces as paths of all frames of the trial, so that the frame means the same everywhere. */
+function whole(pieces: readonly Path[], at: number, paths: PathSet | null): Path[] {
+  return pieces.map((piece) => {
+    const n = paths?.frames ?? 0, from = at - (paths?.firstFrame ?? 0);
+    if (piece.origin.length === n && from === 0) return piece;
+    const xyz = new Float32Array(3 * n).fill(NaN), sd = new Float32Array(n).fill(NaN), origin = new Uint8Array(n);
+    xyz.set(piece.xyz.subarray(0, 3 * (n - from)), 3 * from), sd.set(piece.sd.subarray(0, n - from), from), origin.set(piece.origin.subarray(0, n - from), from);
+    return { name: piece.name, xyz, sd, origin };
+  });
+}
+
+export function SceneView(): React.JSX.Element {
+  const canvas = useRef<HTMLCanvasElement>(null), over = useRef<HTMLCanvasElement>(null), [scene, setScene] = useState<Scene | null>(null), [failed, setFailed] = useState("");
+  const s = useStore(), { header, paths, selected, alone, bands, side, focused } = s, instead = insteadOf(s);
+  useEffect(() => {
+    let made: Scene;
+    try {
+      made = new Scene(canvas.current!, over.current!, redraw);
+    } catch (error) {
+      return setFailed(String(error));
+    }
+    made.onPick = pick;
+    const off = playhead.on((frame) => made.show(frame)), watch = new ResizeObserver(redraw);
+    watch.observe(canvas.current!);
+    setScene(made);
+    return () => (off(), watch.disconnect(), made.dispose());
+  }, []);
+  useEffect(() => void (scene && header && paths && scene.set(header, paths)), [scene, header, paths]);
+  useEffect(() => scene?.with({ selected, alone, ellipsoids: bands, instead }), [scene, selected, alone, bands, s.instead, s.candidates, s.method, s.screen]);
+  useEffect(() => void (side || scene?.orbit.azimuth ? scene?.side(SIDES[side]!) : null), [scene, side]);
+  useEffect(() => void (scene && focused && scene.focus(get().selected, playhead.frame)), [scene, focused]);
+  const turn = (e: React.KeyboardEvent): void => {
+    const by = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[e.key];
+    if (e.altKey && by) e.preventDefault(), e.stopPropagation(), scene?.orbit.turn(by[0]!, by[1]!);
+    if (e.key === "+") scene?.orbit.zoom(0.85);
+    if (e.key === "_") scene?.orbit.zoom(1 / 0.85);
+  };
+  return (
+    <section className={styles.view} aria-label="Three dimensions" tabIndex={0} onKeyDown={turn}>
+      <canvas ref={canvas} className={styles.fill} role="img" aria-label="Markers, their paths and the cameras in space" />
+      <canvas ref={over} className={styles.fill} aria-hidden="true" />
+      {failed ? <p className={styles.none}>This browser shows no WebGL: {failed}</p> : <SceneWords scene={scene} />}
+    </section>
+  );
+}
+
+/** What is seen, in words; and the ellipsoid's size. */
+function SceneWords({ scene }: { scene: Scene | null }): React.JSX.Element {
+  const { selected, bands, paths } = useStore(), text = useRef<HTMLSpanElement>(null);
+  useEffect(() => {
+    const off = playhead.on((frame) => {
+      const path = paths?.byName.get(selected[0] ?? ""), i = frame - (paths?.firstFrame ?? 0);
+      text.current!.textContent = path ? (path.origin[i] ? `${path.name}  ${[0, 1, 2].map((k) => mmOf(path.xyz[3 * i + k]!)).join("  ")} mm  ± ${mm(path.sd[i]! * 1.96)}` : `${path.name}  missing here`) : "";
+    });
+    playhead.draw();
+    return off;
+  }, [selected, paths, scene]);
+  return <p className={styles.words}><span ref={text} className="number" />{selected.length > 0 && bands && <span className="soft"> · 95 % ellipsoid × {LARGER}</span>}</p>;
+}
+
+const mmOf = (v: number): string => v.toFixed(1);
+
+export function CurvesView(): React.JSX.Element {
+  const place = useRef<HTMLDivElement>(null), [curves, setCurves] = useState<Curves | null>(null);
+  const s = useStore(), { header, paths, selected, first, last, bands, fourth, window } = s;
+  useEffect(() => {
+    const made = new Curves(place.current!);
+    made.onFrame = (frame): void => (playhead.pause(), playhead.go(frame));
+    made.onStretch = (a, b): void => set({ first: a, last: b });
+    made.onWindow = (a, b): void => {
+      const low = Math.max(playhead.first, a), high = Math.min(playhead.last, b);
+      if (high - low > 4) set({ window: [low, high] });
+    };
+    const off = playhead.on((frame) => made.show(frame));
+    setCurves(made);
+    return () => (off(), made.dispose());
+  }, []);
+  useEffect(() => {
+    if (!curves || !header || !paths) return;
+    curves.set({ curves: curvesOf(s), firstFrame: paths.firstFrame, rate: header.rate, window: window ?? [playhead.first, playhead.last], marked: [first, last], bands, fourth });
+  }, [curves, header, paths, selected, first, last, bands, fourth, window, s.instead, s.candidates, s.method, s.screen]);
+  return (
+    <section className={styles.view} aria-label="Curves">
+      <div ref={place} className={styles.fill} role="img" aria-label={`X, Y, Z and ${fourth} of ${selected.join(" and ") || "no marker"} over time`} />
+      {!selected.length && <p className={styles.none}>Select a marker: click it in the view or its lane, or press <kbd>.</kbd></p>}
+      {selected.length > 0 && <CurveLegend />}
+    </section>
+  );
+}
+
+function curvesOf(s: State): Curve[] {
+  const p = palette(), two = [p.a, p.measured, p.filled, p.edited], one = currentProblem(s) ? two : [p.measured, p.filled, p.edited, p.accent];
+  const own: Curve[] = s.selected.slice(0, 4).flatMap((name, i) => (s.paths?.byName.has(name) ? [{ path: s.paths.byName.get(name)!, colour: one[i]! }] : []));
+  if (s.screen === "gaps" && s.candidates) {
+    const { marker, first, candidates } = s.candidates;
+    for (const c of candidates) own.push({ path: candidatePath(marker, c.xyz, c.sd), at: first, colour: c.method === s.method ? p.b : p.faint, dashed: c.method !== s.method, band: c.method === s.method });
+  } else own.push(...insteadOf(s).map((path) => ({ path, colour: p.b, dashed: true, band: false })));
+  return own;
+}
+
+function CurveLegend(): React.JSX.Element {
+  const { selected, instead, screen, candidates, method, bands } = useStore(), shown = screen === "tracks" && instead;
+  return (
+    <p className={styles.legend}>
+      <b>{selected.slice(0, 4).join(", ")}</b>{shown ? <> · <i className={styles.a} />A as it is · <i className={styles.b} />B if: {instead.words}</> : null}
+      {screen === "gaps" && candidates && method && <> · <i className={styles.fillOf} />{wayOf(method)}</>}{bands && " · shaded 95 %"}
+    </p>
+  );
+}
+
+export function CamerasView(): React.JSX.Element {
+  const place = useRef<HTMLDivElement>(null), [cameras, setCameras] = useState<Cameras | null>(null);
+  const s = useStore(), { header, paths, detected, selected, lines, images, follow, clicks } = s, instead = insteadOf(s), problem = currentProblem(s);
+  useEffect(() => {
+    const made = new Cameras(place.current!, redraw);
+    made.onPick = pick;
+    made.wanted = (frame): void => void wantDetections(frame);
+    made.onClick = (click): boolean => {
+      if (get().clicks === null) return false;
+      set((now) => ({ clicks: [...now.clicks!.filter((one) => one.camera !== click.camera), click] }));
+      return true;
+    };
+    const off = playhead.on((frame) => made.show(frame));
+    setCameras(made);
+    return () => (off(), made.dispose());
+  }, []);
+  useEffect(() => void (cameras && header && paths && cameras.set(header, paths)), [cameras, header, paths]);
+  useEffect(() => cameras?.detections(detected), [cameras, detected]);
+  useEffect(() => cameras?.with({ selected, lines, images, follow, order: problem?.images ?? [], clicks: clicks ?? [], instead }), [cameras, header, selected, lines, images, follow, clicks, problem?.id, s.instead, s.candidates, s.method]);
+  const none = header && !header.cameras.length;
+  return (
+    <section className={styles.view} aria-label="Cameras">
+      <div ref={place} className={`${styles.fill} ${styles.grid}`} data-many={header && header.cameras.length > 9 ? "yes" : ""} data-count={Math.min(12, header?.cameras.length ?? 0)} />
+      {none && <p className={styles.none}>This file came without its cameras, so there are no images to compare with.</p>}
+    </section>
+  );
+}

@@ -1,0 +1,88 @@
+import { CircleAlert, CircleCheck, CircleDashed, CircleDot, FileUp, PenLine, Play, RotateCw, Square } from "lucide-react";
+import { useState } from "react";
+import * as api from "../api/client";
+import type { TrialCard } from "../api/types";
+import { count, when } from "../model/format";
+import { goTo, say, tried } from "../state/load";
+import { set, useStore } from "../state/store";
+import styles from "./Home.module.css";
+
+const STATES: Record<TrialCard["state"], { icon: typeof Play; tone: string }> = {
+  "not run": { icon: CircleDashed, tone: "" }, tracked: { icon: CircleDot, tone: "info" }, filled: { icon: CircleDot, tone: "info" }, done: { icon: CircleCheck, tone: "good" },
+  signed: { icon: PenLine, tone: "good" }, failed: { icon: CircleAlert, tone: "bad" }, stale: { icon: RotateCw, tone: "warn" },
+};
+
+async function dropped(files: FileList): Promise<void> {
+  for (const file of files) {
+    const got = await tried(() => api.drop(file));
+    if (!got) continue;
+    set({ home: await api.home() });
+    say("done", [`${file.name} is there`, ...got.words].join(". "));
+    if (files.length === 1) goTo("tracks", got.id);
+  }
+}
+
+export function Home(): React.JSX.Element {
+  const home = useStore((s) => s.home), [over, setOver] = useState(false);
+  const onDrop = (e: React.DragEvent): void => (e.preventDefault(), setOver(false), void dropped(e.dataTransfer.files));
+  return (
+    <div className={styles.screen} onDragOver={(e) => (e.preventDefault(), setOver(true))} onDragLeave={() => setOver(false)} onDrop={onDrop} tabIndex={0} role="region" aria-label="Sessions and files">
+      <div className={styles.page}>
+        <div className={styles.top}><h1>Sessions</h1>{home && <span className="soft">Kinemark {home.version}{home.by && ` · ${home.by}`}</span>}</div>
+        {home?.sessions.map((session) => (
+          <section key={session.id} className={styles.card} aria-label={session.title}>
+            <header><h2>{session.title}</h2><span className="soft">{session.folder}</span><RunAll trials={session.trials} /></header>
+            {session.words ? <p className={styles.wrong}>{session.words}</p> : <Trials trials={session.trials} />}
+          </section>
+        ))}
+        {home && home.files.length > 0 && <section className={styles.card} aria-label="Files"><header><h2>Files</h2><span className="soft">trajectories of any system, looked at and mended the same way</span></header><Trials trials={home.files} file /></section>}
+        {home && !home.sessions.length && !home.files.length && <p className={styles.none}>There is no session here yet. <code>kinemark init FOLDER</code> makes one from recordings; or drop a file below.</p>}
+        <label className={`${styles.drop} ${over ? styles.over : ""}`}>
+          <FileUp size={22} aria-hidden /><span><b>Drop a file to look at it</b>: C3D, TDF or TRC of any system. Its swaps, spikes and gaps are listed; the file itself is never changed.</span>
+          <input type="file" className="hidden-words" accept=".c3d,.tdf,.trc" onChange={(e) => e.target.files && void dropped(e.target.files)} />
+        </label>
+      </div>
+    </div>
+  );
+}
+
+function RunAll({ trials }: { trials: readonly TrialCard[] }): React.JSX.Element | null {
+  const todo = trials.filter((t) => t.state === "not run" || t.state === "stale" || t.state === "failed");
+  if (!todo.length) return null;
+  const run = async (): Promise<void> => {
+    for (const t of todo) await tried(() => api.run(t.id));
+  };
+  return <button type="button" className="button" onClick={() => void run()}><Play size={13} aria-hidden />Run {todo.length === 1 ? todo[0]!.name : `all ${todo.length} that need it`}</button>;
+}
+
+function Trials({ trials, file }: { trials: readonly TrialCard[]; file?: boolean }): React.JSX.Element {
+  return (
+    <table className={styles.table}>
+      <thead><tr><th scope="col">{file ? "File" : "Trial"}</th><th scope="col" className={styles.figure}>Frames</th><th scope="col" className={styles.figure}>Markers</th><th scope="col">State</th><th scope="col">Verdict</th><th scope="col" className={styles.figure}>Problems</th><th scope="col" className={styles.figure}>Edits</th><th scope="col">Last</th><th scope="col"><span className="hidden-words">Run</span></th></tr></thead>
+      <tbody>{trials.map((t) => <Trial key={t.id} trial={t} file={file} />)}</tbody>
+    </table>
+  );
+}
+
+function Trial({ trial: t, file }: { trial: TrialCard; file?: boolean }): React.JSX.Element {
+  const job = useStore((s) => s.jobs[t.id]), running = job?.state === "running", { icon: Icon, tone } = STATES[t.state];
+  return (
+    <tr>
+      <th scope="row"><button type="button" className={styles.name} onClick={() => goTo("tracks", t.id)}>{t.name}</button></th>
+      <td className={styles.figure}>{count(t.frames)}</td>
+      <td className={styles.figure}>{t.markers == null ? "–" : `${t.named ?? 0}/${t.markers}`}</td>
+      <td>{running ? <Progress share={job.progress ?? 0} words={`${job.stage} ${job.seconds_left != null ? `${Math.ceil(job.seconds_left)} s left` : ""}`} /> : <span className={`pill ${tone}`} title={t.words || undefined}><Icon size={12} aria-hidden />{t.state}</span>}</td>
+      <td>{t.verdict || <span className="soft">–</span>}</td>
+      <td className={styles.figure}>{t.problems == null ? "–" : t.problems > 0 ? <b>{t.problems}</b> : t.problems}</td>
+      <td className={styles.figure}>{t.edits || <span className="soft">0</span>}</td>
+      <td className="soft">{t.last ? `${t.last.by} ${when(t.last.at)}` : ""}</td>
+      <td className={styles.run}>{!file && (running
+        ? <button type="button" className="icon-button" aria-label={`Cancel the run of ${t.name}`} title="Cancel" onClick={() => void tried(() => api.cancel(t.id))}><Square size={13} aria-hidden /></button>
+        : <button type="button" className="icon-button" aria-label={`Run ${t.name}`} title="Run" onClick={() => void tried(() => api.run(t.id))}><Play size={14} aria-hidden /></button>)}</td>
+    </tr>
+  );
+}
+
+const Progress = ({ share, words }: { share: number; words: string }): React.JSX.Element => (
+  <span className={styles.progress}><progress max={1} value={share} aria-label="Progress of the run" /><small className="number">{Math.round(100 * share)} % {words}</small></span>
+);

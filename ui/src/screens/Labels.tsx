@@ -1,0 +1,103 @@
+/** Names: the marker set as a figure, what automatic labelling proposes, and the lengths of the links. */
+import { ArrowLeftRight, Check, Tag } from "lucide-react";
+import { useEffect, useRef } from "react";
+import type { Proposal } from "../api/types";
+import { Figure } from "../parts/Figure";
+import { SceneView } from "../parts/views";
+import { Waiting } from "../parts/Waiting";
+import { LABEL_LIMIT } from "../keys/commands";
+import { many, mm, percent } from "../model/format";
+import { labelRows } from "../model/labels";
+import { acceptLabels, claim, exchangeSides, sureLabels } from "../state/acts";
+import { set, useStore } from "../state/store";
+import styles from "./Labels.module.css";
+
+export function Labels(): React.JSX.Element {
+  const { header, labels } = useStore();
+  if (!header) return <Waiting />;
+  return (
+    <div className={styles.screen}>
+      <section className={styles.figure} aria-label="Marker set">
+        <header className={styles.head}><h1>Labels</h1><span className="soft">{header.marker_set ? header.marker_set.name || many(header.marker_set.names.length, "marker") : "no marker set"}</span></header>
+        {header.marker_set ? <Figure set={header.marker_set} /> : <p className={styles.none}>The session names no marker set. <code>[markers] set = …</code> in session.toml shows it here, and names are then proposed.</p>}
+        <Sides />
+      </section>
+      <section className={styles.tracks} aria-label="Tracks and names">
+        <Accept />
+        {labels?.words && <p className={styles.words}>{labels.words}</p>}
+        <Proposals />
+      </section>
+      <section className={styles.right} aria-label="View and links">
+        <div className={styles.scene}><SceneView /></div>
+        <Links />
+      </section>
+    </div>
+  );
+}
+
+function Sides(): React.JSX.Element | null {
+  const { header, labels } = useStore();
+  if (!header?.marker_set?.pairs.length) return null;
+  return (
+    <div className={styles.sides}>
+      {labels?.sides && <p>{labels.sides}</p>}
+      <button type="button" className="button" onClick={exchangeSides}><ArrowLeftRight size={14} aria-hidden />Exchange left and right<kbd>⇧ X</kbd></button>
+    </div>
+  );
+}
+
+function Accept(): React.JSX.Element {
+  const n = useStore(() => sureLabels(LABEL_LIMIT).length);
+  return (
+    <div className={styles.accept}>
+      <h2>Tracks</h2>
+      <button type="button" className="button strong" disabled={!n} onClick={() => acceptLabels(LABEL_LIMIT)}><Check size={14} aria-hidden />Accept {n} of {percent(LABEL_LIMIT)} or more<kbd>⇧ Enter</kbd></button>
+    </div>
+  );
+}
+
+/** Tracks that ask come first: those without a name, then those whose name is unsure. */
+function Proposals(): React.JSX.Element {
+  const labels = useStore((s) => s.labels), header = useStore((s) => s.header), place = useRef<HTMLDivElement>(null), track = useStore((s) => s.track);
+  useEffect(() => void place.current?.querySelector('[aria-current="true"]')?.scrollIntoView({ block: "nearest" }), [track]);
+  const rows = header ? labelRows(header, labels) : [];
+  return <div ref={place} className={styles.list} tabIndex={0} role="region" aria-label="Names of tracks"><ul>{rows.map((p) => <Row key={p.track} of={p} />)}</ul></div>;
+}
+
+function Row({ of: p }: { of: Proposal }): React.JSX.Element {
+  const on = useStore((s) => s.track === p.track), unnamed = p.track.startsWith("*"), other = p.name !== null && p.name !== p.track, sure = Number.isFinite(p.probability);
+  return (
+    <li className={styles.row} aria-current={on} data-track={p.track}>
+      <button type="button" className={styles.name} onClick={() => set((s) => ({ track: p.track, selected: [p.track], focused: s.focused + 1 }))}>
+        <b>{p.track}</b>
+        {other && <span className={styles.proposal}>→ {p.name}</span>}
+        {!other && unnamed && <span className="soft">no name is proposed</span>}
+      </button>
+      {sure && <span className={`${styles.sure} number`}><meter min={0} max={1} low={0.6} high={0.9} optimum={1} value={p.probability} aria-label="Probability" />{percent(p.probability)}</span>}
+      {p.runner_up && (p.probability < 0.999 || unnamed) && <small className="soft">else {p.runner_up}</small>}
+      <span className={styles.acts}>
+        {other && p.name && <button type="button" className="button" onClick={() => claim(p.name, p.track)}>{p.name}</button>}
+        <button type="button" className="icon-button" aria-label={`Another name for ${p.track}`} title="Another name (L)" onClick={() => set({ track: p.track, selected: [p.track], dialog: "name" })}><Tag size={14} aria-hidden /></button>
+      </span>
+    </li>
+  );
+}
+
+function Links(): React.JSX.Element {
+  const labels = useStore((s) => s.labels), links = [...(labels?.links ?? [])].sort((a, b) => Number(b.stretched) - Number(a.stretched));
+  return (
+    <div className={styles.links} tabIndex={0} role="region" aria-label="Lengths of links">
+      <table>
+        <thead><tr><th scope="col">Link</th><th scope="col">Length</th><th scope="col">Stated</th><th scope="col">State</th></tr></thead>
+        <tbody>
+          {links.map((l) => (
+            <tr key={`${l.a} ${l.b}`} className={l.stretched ? styles.stretched : ""} onClick={() => set((s) => ({ selected: [l.a, l.b], focused: s.focused + 1 }))}>
+              <th scope="row">{l.a} – {l.b}</th><td className="number">{mm(l.mean_mm)} ± {mm(l.sd_mm)} mm</td><td className="number">{l.stated_mm === null ? "–" : `${mm(l.stated_mm)} mm`}</td><td>{l.stretched ? <b>stretched</b> : "steady"}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      {labels && !links.length && <p className="soft">There are no links between markers that are there.</p>}
+    </div>
+  );
+}

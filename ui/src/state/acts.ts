@@ -1,0 +1,287 @@
+/** What a person does to a trial. Acts are sent one after another, each on the head that the one before gave. */
+import * as api from "../api/client";
+import type { Act, ActDone, GapRow, Problem } from "../api/types";
+import { percent } from "../model/format";
+import { decodePaths, type PathSet } from "../model/paths";
+import { actOf, asItIs, dropOf, inOrder, keepOf, nextAfter, proposed, stepProblem } from "../model/problems";
+import { fetchChanged, fresh, refetch, refreshProblems, say, take } from "./load";
+import { currentProblem, get, playhead, set, still, useStore } from "./store";
+
+/** s before and after a problem that playing goes round in; the design's. */
+const ROUND_S = 0.4;
+/** s of curves beside a problem; chosen. */
+const BESIDE_S = 1.2;
+
+let queue: Promise<unknown> = Promise.resolve();
+
+/** Say an act. Gives what it did, null where it was refused. */
+export function act(what: Act, words = ""): Promise<ActDone | null> {
+  const next = queue.then(() => send(what, words));
+  queue = next.catch(() => null);
+  return next;
+}
+
+async function send(what: Act, words: string): Promise<ActDone | null> {
+  const { id, header, why } = get();
+  if (!id || !header) return null;
+  set((s) => ({ busy: s.busy + 1 }));
+  try {
+    const done = await api.act(id, header.head, what, why);
+    await fetchChanged(done.changed, done.removed);
+    take(done.header);
+    set({ instead: null, detected: null, why: "", join: null, savedAt: new Date().toISOString() });
+    said(done, words);
+    await Promise.all([refreshProblems(), fresh()]);
+    return done;
+  } catch (error) {
+    await refused(error);
+    return null;
+  } finally {
+    set((s) => ({ busy: s.busy - 1 }));
+    playhead.draw();
+  }
+}
+
+function said(done: ActDone, words: string): void {
+  const lost = done.outcomes.find((one) => one.outcome !== "held");
+  const what = words || done.outcomes.map((one) => one.words).join("; ") || "Done";
+  if (lost) say("news", `${what}: ${lost.outcome}${lost.reason ? `, ${lost.reason}` : ""}.`);
+  else say("done", `${what}.`);
+}
+
+async function refused(error: unknown): Promise<void> {
+  if (error instanceof api.Refused && error.status === 409) {
+    await refetch();
+    say("refused", "The trial had gone on in another window; it is shown as it is now, and what you just did was not done. Do it again if it is still right.");
+  } else say("refused", error instanceof Error ? error.message : String(error));
+}
+
+export const undo = (): Promise<unknown> => act({ kind: "undo" }, "Undone");
+export const redo = (): Promise<unknown> => act({ kind: "redo" }, "Done again");
+
+/** Look at a problem: its frames go round, its markers are selected, both ways are drawn. */
+export function lookAt(problem: Problem): void {
+  const rate = get().header?.rate ?? 100, beside = Math.round(BESIDE_S * rate), round = Math.round(ROUND_S * rate);
+  playhead.pause();
+  playhead.loop = [Math.max(playhead.first, problem.frame - round), Math.min(playhead.last, problem.frame + round)];
+  const window: [number, number] = [Math.max(playhead.first, Math.min(problem.first, problem.frame) - beside), Math.min(playhead.last, Math.min(problem.last, problem.frame + 4 * beside) + beside)];
+  const there = problem.tracks.filter((name) => get().paths?.byName.has(name));
+  set((s) => ({ problem: problem.id, selected: there, instead: null, first: null, last: null, window, focused: s.focused + 1, join: null, follow: true }));
+  playhead.go(problem.frame);
+  if (!still() && (problem.kind === "swap" || problem.kind === "sides")) playhead.play();
+  void drawInstead(problem);
+}
+
+/** Ask what the first other way would give, and draw it beside what is. */
+async function drawInstead(problem: Problem): Promise<void> {
+  const other = problem.alternatives.find((a) => a.act !== null && !asItIs(a)), id = get().id;
+  if (!other?.act || !id) return;
+  try {
+    const shown = await api.preview(id, other.act);
+    const { paths } = shown, set_ = decodePart(paths);
+    if (get().problem === problem.id) set({ instead: { problem: problem.id, key: other.key, paths: [...set_.byName.values()], at: paths.first_frame, words: other.words } });
+  } catch {
+    // what cannot be shown beforehand is still said in words
+  }
+}
+
+/** Paths of a message: base64 of the columns that `paths` has, over all frames of the trial. */
+export function decodePart(part: { names: string[]; first_frame: number; n_frames: number; xyz: string; sd: string; origin: string }): PathSet {
+  const bytes = [part.xyz, part.sd, part.origin].map((text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)));
+  const body = new Uint8Array(bytes.reduce((n, b) => n + b.length, 0));
+  let at = 0;
+  for (const b of bytes) body.set(b, at), (at += b.length);
+  const columns = ["xyz", "sd", "origin"] as const;
+  return decodePaths({ names: part.names, first_frame: part.first_frame, n_frames: part.n_frames, columns: [...columns], view: "edited", head: "", pending: false }, body.buffer);
+}
+
+export function step(by: 1 | -1): void {
+  const s = get();
+  if (!s.problems) return soon(by);
+  const next = stepProblem(inOrder(s.problems.problems, s.later), s.problem, by);
+  if (next) lookAt(next);
+  else say("news", "There is nothing to look at.");
+}
+
+/** The step that was asked for before the problems were there. */
+function soon(by: 1 | -1): void {
+  say("news", "The problems are still being looked for …");
+  const off = useStore.subscribe((now) => {
+    if (!now.problems) return;
+    off();
+    step(by);
+  });
+}
+
+/** Take an alternative of the problem that is looked at; then the next one comes by itself. */
+export async function choose(problem: Problem, key: string): Promise<void> {
+  const taken = problem.alternatives.find((a) => a.key === key);
+  if (!taken) return;
+  const before = inOrder(get().problems?.problems ?? [], get().later);
+  const done = await act(actOf(problem, taken), taken.words);
+  if (!done || get().problem !== problem.id) return;
+  const { problems, later } = get(), next = nextAfter(before, problem.id, inOrder(problems?.problems ?? [], later));
+  if (next && (problems?.worth_looking ?? 0) > 0) lookAt(next);
+  else finishLooking();
+}
+
+function finishLooking(): void {
+  playhead.loop = null;
+  set({ problem: null, instead: null, window: null });
+}
+
+export function acceptProposal(): void {
+  const p = currentProblem(get());
+  const taken = p && proposed(p);
+  if (p && taken) void choose(p, taken.key);
+}
+
+export function takeNumber(n: number): void {
+  const p = currentProblem(get()), taken = p?.alternatives[n - 1];
+  if (p && taken) void choose(p, taken.key);
+}
+
+export function rightAsIs(): void {
+  const p = currentProblem(get());
+  const keep = p && keepOf(p);
+  if (p && keep) void choose(p, keep.key);
+  else if (p) void act({ kind: "review", problem: p.id, right: true }, "Right as it is").then((done) => done && step(1));
+}
+
+export function putOff(): void {
+  const p = currentProblem(get());
+  if (!p) return;
+  set((s) => ({ later: [...s.later, p.id] }));
+  step(1);
+}
+
+/** The marked stretch, as acts have it: null follows the path as far as it goes. */
+export const stretch = (): { first: number | null; last: number | null } => ({ first: get().first, last: get().last });
+
+export function claim(name: string | null, track = get().selected[0]): void {
+  if (track) void act({ kind: "claim", track, name, ...stretch(), at: playhead.frame }, name ? `${track} is ${name}` : `${track} has no name here`);
+}
+
+/** Not a marker: the way the problem offers, else what is selected. */
+export function notAMarker(): void {
+  const p = currentProblem(get()), drop = p && dropOf(p), name = get().selected[0];
+  if (p && drop) return void choose(p, drop.key);
+  const { first, last } = get();
+  if (name && first !== null && last !== null && !name.startsWith("*")) void act({ kind: "erase", marker: name, first, last }, `Samples of ${name} erased`);
+  else claim(null);
+}
+
+export function exchange(): void {
+  const [a, b] = get().selected, { first, last } = get();
+  if (!a || !b) return say("news", "Select two markers first: click one, then the other with Ctrl.");
+  void act({ kind: "exchange", a, b, first: first ?? playhead.frame, last }, `${a} and ${b} exchanged from frame ${first ?? playhead.frame} on`);
+}
+
+export function exchangeSides(): void {
+  void act({ kind: "sides", ...stretch() }, "Left and right exchanged");
+}
+
+/** Cut here: from this frame on is one stretch, to be named or taken away. */
+export function cut(): void {
+  const track = get().header?.tracks.find((t) => t.name === get().selected[0]);
+  if (!track) return say("news", "Select a marker first.");
+  set({ first: playhead.frame, last: null });
+  say("news", `${track.name} is marked from frame ${playhead.frame} on: L names that piece, U takes its name away, Del says it is no marker`);
+}
+
+/** How two pieces go together, before one name is given to both. */
+export async function askJoin(track: string, name: string): Promise<void> {
+  const id = get().id;
+  set({ join: null });
+  if (!id || !get().paths?.byName.has(name) || name === track) return;
+  try {
+    const { join } = await api.preview(id, { kind: "claim", track, name, ...stretch(), at: playhead.frame });
+    if (join) set({ join: { track, name, join } });
+  } catch {
+    // the act itself will say why it cannot be
+  }
+}
+
+export function gapHere(): GapRow | null {
+  const { gap, selected, paths } = get(), name = selected[0], path = name ? paths?.byName.get(name) : undefined;
+  if (get().screen === "gaps" && gap) return gap;
+  if (!path || !paths || !name) return null;
+  let a = playhead.frame - paths.firstFrame, b = a;
+  if (path.origin[a] === 1 || path.origin[a] === 3) return null;
+  while (a > 0 && path.origin[a - 1] === path.origin[b]) a--;
+  while (b + 1 < paths.frames && path.origin[b + 1] === path.origin[a]) b++;
+  return { marker: name, first: a + paths.firstFrame, last: b + paths.firstFrame, frames: b - a + 1, method: null, expected_mm: null, others: [], cameras_alone: [], state: "open", choice: null, words: "" };
+}
+
+export async function fillGap(method = get().method ?? "best"): Promise<void> {
+  const gap = gapHere();
+  if (!gap) return say("news", "There is no gap of the selected marker in this frame.");
+  const rows = get().gaps?.gaps ?? [], at = rows.findIndex((g) => g.marker === gap.marker && g.first === gap.first);
+  const words = method === "open" ? `${gap.marker} is left open` : `${gap.marker}: ${gap.frames} frames filled by ${method}`;
+  const done = await act({ kind: "gap", marker: gap.marker, first: gap.first, last: gap.last, method: sayable(method) }, words);
+  if (!done || get().screen !== "gaps") return;
+  const left = get().gaps?.gaps ?? [], next = [...rows.slice(at + 1), ...rows.slice(0, at)].map((g) => left.find((l) => l.marker === g.marker && l.first === g.first && undecided(l))).find(Boolean);
+  if (next) void lookAtGap(next);
+}
+
+/** A method as it can be said; a mean of several, which only filling itself makes, is the best there is. */
+const sayable = (method: string | null | undefined): string => (method === "open" || get().header?.methods.includes(method ?? "") ? method! : "best");
+
+/** Whether nobody has said yet what becomes of a gap. */
+export const undecided = (g: GapRow): boolean => g.choice == null;
+
+export const acceptable = (): GapRow[] => (get().gaps?.gaps ?? []).filter((g) => undecided(g) && g.method != null && g.expected_mm != null && g.expected_mm <= get().limit);
+
+/** All gaps whose expected error is below the limit, in one act. */
+export function fillAll(): void {
+  const some = acceptable();
+  if (!some.length) return say("news", `No undecided gap has an expected error below ${get().limit} mm.`);
+  const acts = some.map((g) => ({ kind: "gap" as const, marker: g.marker, first: g.first, last: g.last, method: sayable(g.method) }));
+  void act({ kind: "several", acts }, `${some.length} gaps filled, each by the method with the least expected error`);
+}
+
+export async function lookAtGap(gap: GapRow): Promise<void> {
+  const id = get().id, beside = Math.max(20, gap.frames);
+  set((s) => ({ gap, selected: [gap.marker], method: gap.choice === "open" ? gap.method : (gap.choice ?? gap.method), candidates: null, first: gap.first, last: gap.last, window: [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)], focused: s.focused + 1, follow: true }));
+  playhead.pause();
+  playhead.loop = [Math.max(playhead.first, gap.first - beside), Math.min(playhead.last, gap.last + beside)];
+  playhead.go(Math.round((gap.first + gap.last) / 2));
+  for (let tries = 0; id && tries < 40; tries++) {
+    const candidates = await api.gap(id, gap.marker, gap.first).catch(() => null);
+    if (!candidates || get().gap?.marker !== gap.marker || get().gap?.first !== gap.first) return;
+    set((s) => ({ candidates, method: s.method ?? candidates.best ?? candidates.candidates[0]?.method ?? null }));
+    if (!candidates.pending) return;
+    await new Promise((done) => setTimeout(done, 250));
+  }
+}
+
+export function nextMethod(by = 1): void {
+  const all = get().candidates?.candidates ?? [];
+  if (!all.length) return;
+  const at = all.findIndex((c) => c.method === get().method);
+  set({ method: all[(at + by + all.length) % all.length]!.method });
+}
+
+/** Names that automatic labelling is sure enough of, for tracks that have none. */
+export function sureLabels(limit: number): { track: string; name: string }[] {
+  return (get().labels?.proposals ?? []).flatMap((p) => (p.name && p.track.startsWith("*") && p.probability >= limit ? [{ track: p.track, name: p.name }] : []));
+}
+
+export function acceptLabels(limit: number): void {
+  const some = sureLabels(limit);
+  if (!some.length) return say("news", `No track without a name has one proposed with ${percent(limit)} or more.`);
+  void act({ kind: "several", acts: some.map((one) => ({ kind: "claim" as const, ...one })) }, `${some.length} tracks named`);
+}
+
+export function putHere(xyz: [number, number, number] | null): void {
+  const { selected, clicks } = get(), marker = selected[0];
+  if (!marker) return say("news", "Select the marker that is to be put here first.");
+  const where = xyz ? { xyz } : { clicks: [...(clicks ?? [])] };
+  void act({ kind: "put", marker, frame: playhead.frame, ...where }, `${marker} put in frame ${playhead.frame}`).then((done) => done && set({ clicks: null }));
+}
+
+export function smooth(): void {
+  const { selected, first, last } = get(), marker = selected[0];
+  if (!marker || first === null || last === null) return say("news", "Select a marker and mark a stretch with [ and ] first.");
+  void act({ kind: "smooth", marker, first, last, cutoff_hz: 6 }, `${marker} smoothed below 6 Hz in frames ${first}–${last}`);
+}

@@ -1,0 +1,141 @@
+/** Getting what a screen shows, and going from one to another. The place is kept in the fragment of the address. */
+import * as api from "../api/client";
+import type { Gaps, TrialHeader } from "../api/types";
+import { mergePaths } from "../model/paths";
+import { get, OF_TRIAL, playhead, SCREENS, set, type Screen } from "./store";
+
+/** With chosen fills, so that what is drawn is what a run would write. */
+const VIEW = "filled";
+/** ms after which what was still being computed is asked for again; chosen. */
+const AGAIN_MS = 400;
+/** Frames of detections that are fetched at a time, so many before the one that is looked at; chosen: 60 markers in 8
+ * cameras are 1 MB. */
+const AHEAD = 240, BEFORE = 60;
+
+/** Do it; what is refused is said, and null is given. */
+export async function tried<T>(work: () => Promise<T>): Promise<T | null> {
+  set((s) => ({ busy: s.busy + 1 }));
+  try {
+    return await work();
+  } catch (error) {
+    say("refused", error instanceof Error ? error.message : String(error));
+    return null;
+  } finally {
+    set((s) => ({ busy: s.busy - 1 }));
+  }
+}
+
+export const say = (kind: "done" | "refused" | "news", words: string): void => set({ note: { kind, words, at: Date.now() } });
+
+export function goTo(screen: Screen, id: string | null = get().id): void {
+  const target = screen === "home" || !id ? "#/" : `#/trial/${encodeURIComponent(id)}/${screen}`;
+  if (location.hash === target) void arrive();
+  else location.hash = target;
+}
+
+/** Show what the address says. */
+export async function arrive(): Promise<void> {
+  const [, , id, name] = location.hash.split("/"), screen = SCREENS.find((one) => one === name) ?? "tracks";
+  set({ dialog: null, note: null });
+  if (!id) {
+    set({ screen: "home" });
+    const home = await tried(api.home);
+    if (home) set({ home });
+    return;
+  }
+  const trial = decodeURIComponent(id);
+  if (get().id !== trial || !get().header) {
+    set({ ...OF_TRIAL, id: trial, screen });
+    await openTrial(trial);
+  }
+  set({ screen });
+  await fresh();
+}
+
+async function openTrial(id: string): Promise<void> {
+  const [header, paths] = (await tried(() => Promise.all([api.trial(id), api.paths(id, VIEW)]))) ?? [];
+  if (!header || !paths || get().id !== id) return;
+  playhead.set(header.first_frame, header.n_frames, header.rate);
+  set({ header, paths, savedAt: header.last?.at ?? null });
+  if (paths.pending) askAgain(id, [...paths.byName.keys()], header.head);
+  await refreshProblems();
+}
+
+/** What the screen that is on shows besides the trial itself. */
+export async function fresh(): Promise<void> {
+  const { id, screen } = get();
+  if (!id) return;
+  if (screen === "gaps") {
+    const gaps = await tried(() => api.gaps(id));
+    if (gaps && get().id === id) takeGaps(gaps, id);
+  } else if (screen === "labels") {
+    const labels = await tried(() => api.labels(id));
+    if (labels && get().id === id) set({ labels });
+  } else if (screen === "history") {
+    const history = await tried(() => api.history(id));
+    if (history && get().id === id) set({ history });
+  }
+}
+
+/** The table of gaps; asked for again while some are judged. */
+function takeGaps(gaps: Gaps, id: string): void {
+  set((s) => ({ gaps, gap: gaps.gaps.find((g) => g.marker === s.gap?.marker && g.first === s.gap.first) ?? null, limit: s.gaps ? s.limit : gaps.limit_mm }));
+  if (gaps.pending) setTimeout(() => void (get().id === id && get().screen === "gaps" && api.gaps(id).then((again) => takeGaps(again, id)).catch(() => null)), AGAIN_MS);
+}
+
+export async function refreshProblems(): Promise<void> {
+  const id = get().id;
+  const problems = id && (await tried(() => api.problems(id)));
+  if (problems && get().id === id) set({ problems });
+}
+
+/** The trial as it is now on the server, where the journal has gone on without this page. */
+export async function refetch(): Promise<void> {
+  const id = get().id;
+  if (!id) return;
+  const got = await tried(() => Promise.all([api.trial(id), api.paths(id, VIEW)]));
+  if (!got || get().id !== id) return;
+  take(got[0]);
+  set({ paths: got[1], detected: null, instead: null });
+  await Promise.all([refreshProblems(), fresh()]);
+}
+
+/** The header after an act; the selection loses what is there no more. */
+export function take(header: TrialHeader): void {
+  const names = new Set(header.tracks.map((track) => track.name));
+  set((s) => ({ header, savedAt: header.last?.at ?? s.savedAt, selected: s.selected.filter((name) => names.has(name)) }));
+}
+
+export async function fetchChanged(changed: readonly string[], removed: readonly string[]): Promise<void> {
+  const { id, paths } = get();
+  if (!id || !paths) return;
+  const some = changed.length ? await api.paths(id, VIEW, changed) : { ...paths, byName: new Map() };
+  if (get().id !== id) return;
+  set((s) => ({ paths: mergePaths(s.paths ?? some, some, removed) }));
+  if (changed.length && some.pending) askAgain(id, changed, some.head);
+}
+
+/** Fetch markers again whose fills were not there yet, as long as nothing else is said. */
+function askAgain(id: string, markers: readonly string[], head: string): void {
+  setTimeout(() => {
+    if (get().id === id && get().header?.head === head) void fetchChanged(markers, []).catch(() => null);
+  }, AGAIN_MS);
+}
+
+let asking: readonly [number, number] | null = null;
+
+/** The detections about a frame; asked for once. */
+export async function wantDetections(frame: number): Promise<void> {
+  const { id, header } = get();
+  if (!id || !header || (asking && frame >= asking[0] && frame <= asking[1])) return;
+  const first = Math.max(header.first_frame, frame - BEFORE), last = Math.min(header.first_frame + header.n_frames - 1, first + AHEAD);
+  asking = [first, last];
+  try {
+    const detected = await api.detections(id, first, last);
+    if (get().id === id) set({ detected });
+  } catch {
+    // the frame is drawn without them, and they are asked for again with the next frame
+  } finally {
+    asking = null;
+  }
+}

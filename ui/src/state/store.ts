@@ -1,0 +1,104 @@
+/** What the page knows and what the person looks at. Not the frame: that is the playhead's. */
+import { create } from "zustand";
+import type { Click } from "../draw/Cameras";
+import type { Detected } from "../model/detections";
+import type { Path, PathSet } from "../model/paths";
+import { Playhead } from "../model/playhead";
+import type { GapCandidates, GapRow, Gaps, History, Home, Job, Join, Labels, Problem, Problems, TrialHeader } from "../api/types";
+
+export const SCREENS = ["home", "tracks", "labels", "gaps", "report", "history"] as const;
+export type Screen = (typeof SCREENS)[number];
+export type Dialog = "help" | "commands" | "name" | "why" | "finish" | "sign" | "event" | null;
+export type Theme = "auto" | "light" | "dark";
+export type Layout = 1 | 2 | 3 | 4;
+
+/** What a proposal would give, drawn beside what is. */
+export interface Instead { problem: string; key: string; paths: readonly Path[]; at: number; words: string }
+export interface Note { kind: "done" | "refused" | "news"; words: string; at: number }
+
+export interface State {
+  screen: Screen;
+  home: Home | null;
+  id: string | null;
+  header: TrialHeader | null;
+  paths: PathSet | null;
+  detected: Detected | null;
+  problems: Problems | null;
+  gaps: Gaps | null;
+  labels: Labels | null;
+  history: History | null;
+  jobs: Readonly<Record<string, Job>>;
+  connected: boolean;
+  busy: number;
+  note: Note | null;
+  savedAt: string | null;
+
+  problem: string | null;
+  later: readonly string[];
+  instead: Instead | null;
+  selected: readonly string[];
+  first: number | null;
+  last: number | null;
+  join: { track: string; name: string; join: Join } | null;
+  clicks: readonly Click[] | null;
+  gap: GapRow | null;
+  candidates: GapCandidates | null;
+  method: string | null;
+  track: string | null;
+  limit: number;
+  why: string;
+
+  dialog: Dialog;
+  layout: Layout;
+  theme: Theme;
+  letters: boolean;
+  lines: boolean;
+  images: boolean;
+  follow: boolean;
+  alone: boolean;
+  bands: boolean;
+  fourth: "speed" | "residual";
+  side: number;
+  focused: number;
+  window: readonly [number, number] | null;
+}
+
+function kept<T extends string>(key: string, usual: T): T {
+  try {
+    return (localStorage.getItem(`kinemark.${key}`) as T | null) ?? usual;
+  } catch {
+    return usual; // storage may be forbidden
+  }
+}
+
+export function keep(key: string, value: string): void {
+  try {
+    localStorage.setItem(`kinemark.${key}`, value);
+  } catch {
+    // then it is asked for again next time
+  }
+}
+
+/** What is of one trial, and forgotten with it. */
+export const OF_TRIAL = {
+  header: null, paths: null, detected: null, problems: null, gaps: null, labels: null, history: null, savedAt: null, problem: null, later: [],
+  instead: null, selected: [], first: null, last: null, join: null, clicks: null, gap: null, candidates: null, method: null, track: null, why: "",
+  alone: false, window: null,
+} satisfies Partial<State>;
+
+export const useStore = create<State>()(() => ({
+  ...OF_TRIAL,
+  screen: "home", home: null, id: null, jobs: {}, connected: true, busy: 0, note: null, limit: 5,
+  dialog: null, layout: Number(kept("layout", "1")) as Layout, theme: kept<Theme>("theme", "auto"), letters: kept("letters", "on") === "on",
+  lines: true, images: true, follow: false, bands: true, fourth: "speed", side: 0, focused: 0,
+}));
+
+export const playhead = new Playhead();
+export const get = useStore.getState;
+export const set = useStore.setState;
+
+/** Whether nothing may move by itself: asked for by the system, or for pictures. */
+export const still = (): boolean =>
+  new URLSearchParams(location.search).has("still") || matchMedia("(prefers-reduced-motion: reduce)").matches;
+
+export const currentProblem = (s: State): Problem | null => (s.screen === "tracks" && s.problems?.problems.find((p) => p.id === s.problem)) || null;

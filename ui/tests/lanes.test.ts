@@ -1,0 +1,34 @@
+import { describe, expect, it } from "vitest";
+import { frameAt, painted, pieces, placeOf, rowOrder } from "../src/model/lanes";
+import { HEADER, path, set } from "./support";
+
+describe("pieces of a lane", () => {
+  it("cover the whole width, one after the other", () => {
+    const all = pieces(Uint8Array.from([1, 1, 0, 2, 2, 3]), 60);
+    expect(all.map((p) => [p.x, p.width, p.origin])).toEqual([[0, 20, 1], [20, 10, 0], [30, 20, 2], [50, 10, 3]]);
+  });
+
+  it("show a gap of one frame in a hundred thousand, and paint it last", () => {
+    const origin = new Uint8Array(100_000).fill(1);
+    origin[50_000] = 0;
+    const gap = painted(pieces(origin, 1000)).at(-1)!;
+    expect(gap.origin).toBe(0);
+    expect(gap.width).toBeGreaterThanOrEqual(1);
+  });
+});
+
+describe("places and frames", () => {
+  it("are each other's inverse", () => {
+    for (const frame of [11, 12, 500, 1010]) expect(frameAt(placeOf(frame, 777, 11, 1000), 777, 11, 1000)).toBe(frame);
+  });
+
+  it("stay within the trial", () => {
+    expect(frameAt(-50, 100, 11, 6)).toBe(11);
+    expect(frameAt(900, 100, 11, 6)).toBe(16);
+  });
+});
+
+it("rows are in the order of the marker set, then other names, then tracks without one", () => {
+  const paths = set(["*3", "RKNE", "extra", "LKNE"].map((name) => path(name, [1, 1, 1, 1, 1, 1])));
+  expect(rowOrder(HEADER, paths)).toEqual(["LKNE", "RKNE", "extra", "*3"]);
+});

@@ -1,0 +1,64 @@
+import { describe, expect, it } from "vitest";
+import { decodeDetections, detectedIn } from "../src/model/detections";
+import { decodePaths, exchanged, jump, mergePaths, runs, speed } from "../src/model/paths";
+import { path, set } from "./support";
+
+function body(...parts: (Float32Array | Uint8Array | Uint32Array | Int32Array)[]): ArrayBuffer {
+  const bytes = parts.flatMap((p) => [...new Uint8Array(p.buffer, p.byteOffset, p.byteLength)]);
+  return Uint8Array.from(bytes).buffer;
+}
+
+describe("paths as they come", () => {
+  const header = { view: "edited" as const, names: ["A", "B"], first_frame: 5, n_frames: 3, columns: ["xyz", "sd", "origin", "residual"] as const, head: "h", pending: false };
+  const xyz = Float32Array.from({ length: 18 }, (_, i) => i), sd = Float32Array.from([1, 2, 3, 4, 5, 6]), origin = Uint8Array.from([1, 0, 1, 1, 1, 2]);
+  const residual = Float32Array.from([6, 5, 4, 3, 2, 1]);
+
+  it("are read column by column, also where floats follow bytes", () => {
+    const got = decodePaths({ ...header, columns: [...header.columns] }, body(xyz, sd, origin, residual)), b = got.byName.get("B")!;
+    expect([...b.xyz]).toEqual([9, 10, 11, 12, 13, 14, 15, 16, 17]);
+    expect([...b.sd]).toEqual([4, 5, 6]);
+    expect([...b.origin]).toEqual([1, 1, 2]);
+    expect([...b.residual!]).toEqual([3, 2, 1]);
+  });
+
+  it("are refused where bytes are missing", () => {
+    expect(() => decodePaths({ ...header, columns: [...header.columns] }, body(xyz, sd))).toThrow(/wanted/);
+  });
+});
+
+describe("a set of paths", () => {
+  it("shares what an edit did not change", () => {
+    const a = path("A", [1, 1, 1, 1, 1, 1]), b = path("B", [1, 1, 1, 1, 1, 1]), now = mergePaths(set([a, b]), set([path("A", [1, 0, 1, 1, 1, 1])]), ["gone"]);
+    expect(now.byName.get("B")).toBe(b);
+    expect(now.byName.get("A")).not.toBe(a);
+  });
+
+  it("exchanged twice is as it was", () => {
+    const a = path("A", [1, 1, 1, 1, 1, 1]), b = path("B", [0, 2, 2, 2, 2, 0]), [c, d] = exchanged(...exchanged(a, b, 2, 5), 2, 5);
+    expect([...c.origin]).toEqual([...a.origin]);
+    expect([...d.xyz]).toEqual([...b.xyz]);
+  });
+});
+
+it("runs follow one another and cover all frames", () => {
+  const all = runs(Uint8Array.from([1, 1, 0, 0, 2]));
+  expect(all).toEqual([{ start: 0, end: 2, origin: 1 }, { start: 2, end: 4, origin: 0 }, { start: 4, end: 5, origin: 2 }]);
+});
+
+it("speed and jumps are those of the samples, and nothing beside a gap", () => {
+  const p = path("A", [1, 1, 1, 0, 1, 1]), step = Math.hypot(1, 10);
+  expect(speed(p, 100)[1]).toBeCloseTo(100 * step, 3);
+  expect(speed(p, 100)[2]).toBeNaN();
+  expect(jump(p, 1)).toBeCloseTo(step, 4);
+  expect(jump(p, 4)).toBeNaN();
+});
+
+it("detections are found by camera and frame", () => {
+  const counts = Uint32Array.from([1, 0, 2, 1]), uv = Float32Array.from([1, 2, 3, 4, 5, 6, 7, 8]), track = Int32Array.from([0, 1, -1, 2]), validity = Uint8Array.from([0, 0, 1, 0]);
+  const all = decodeDetections({ cameras: ["a", "b"], first: 7, last: 8, detections: 4, head: "" }, body(counts, uv, track, validity));
+  expect(detectedIn(all, 0, 7)).toEqual([0, 1]);
+  expect(detectedIn(all, 0, 8)).toEqual([1, 1]);
+  expect(detectedIn(all, 1, 7)).toEqual([1, 3]);
+  expect(detectedIn(all, 1, 9)).toEqual([0, 0]);
+  expect(all.track[2]).toBe(-1);
+});

@@ -53,9 +53,9 @@ def _sure(figures: Any, document: OpenDocument) -> list[Proposal]:
 
 def _unsure(figures: Any, document: OpenDocument) -> list[Proposal]:
     """Tracks without a name that labelling has one for, by the track that has their samples now."""
-    found = []
+    found: list[Proposal] = []
     for one in figures["unsure"]:
-        track = _track_at(document.now.trajectories, one)
+        track = _track_at(document.now.trajectories, one, {other.track for other in found})
         if track is not None:
             found.append(
                 Proposal(
@@ -69,11 +69,17 @@ def _unsure(figures: Any, document: OpenDocument) -> list[Proposal]:
     return found
 
 
-def _track_at(trajectories: Trajectories, one: Any) -> str | None:
-    """The unnamed trajectory whose samples are those of a proposal, by first and last frame."""
+def _track_at(trajectories: Trajectories, one: Any, taken: set[str]) -> str | None:
+    """The unnamed trajectory whose samples are those of a proposal, by first and last frame; both are in one order."""
+    wanted = one["first_frame"], one["last_frame"]
     for path in trajectories:
         seen = np.flatnonzero(path.origin)
-        if path.name.startswith("*") and len(seen) and [int(seen[0]), int(seen[-1])] == list(one["frames"]):
+        if (
+            path.name.startswith("*")
+            and path.name not in taken
+            and len(seen)
+            and (int(seen[0]), int(seen[-1])) == wanted
+        ):
             return path.name
     return None
 

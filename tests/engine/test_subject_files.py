@@ -59,5 +59,9 @@ def test_prefixes_are_as_the_file_says_them(files):
     said = [Parameter.text("NAMES", ["Anna", "Ben"]), Parameter.text("LABEL_PREFIXES", ["S1_", "S2_"])]
     with_names = with_parameters(doc, "SUBJECTS", said)
     assert prefixes_of(with_names) == {} == prefixes_of("no C3D")
+    names = ["Anna:LKNE", "Ben:LKNE", "*1"]
+    written = with_prefixes(doc, ("Anna", "Ben"), names)
+    assert prefixes_of(written) == {"Anna": "Anna:", "Ben": "Ben:"} and with_prefixes(written, ("Anna", "Ben"), names) is written
+    assert with_prefixes(doc, ("Anna",), ["LKNE"]) is doc
     used = with_parameters(with_names, "SUBJECTS", [Parameter.whole("USES_PREFIXES", 1)])
     assert prefixes_of(used) == {"Anna": "S1_", "Ben": "S2_"}

@@ -162,7 +162,9 @@ class TrialEntry(Strict):
         """Results go into a folder of this name."""
         reserved = name in RESERVED or name.endswith(TEMPLATE_ENDING)
         if not name.isprintable() or Path(name).name != name or len(name) > 100 or reserved:
-            raise ValueError(f"the name must be one that a folder can have, and not {', '.join((*RESERVED, f'*{TEMPLATE_ENDING}'))}")
+            raise ValueError(
+                f"the name must be one that a folder can have, and not {', '.join((*RESERVED, f'*{TEMPLATE_ENDING}'))}"
+            )
         return name
 
     @model_validator(mode="after")

@@ -69,5 +69,6 @@ def check_subject_of(trial: str, subject: str | None, subjects: Iterable[str]) -
     known = list(subjects)
     if subject is not None and subject not in known:
         raise ValueError(
-            f"trial {trial!r} is of {subject!r}, who is none of label.subjects{guess(subject, known)}; there {are(known)}"
+            f"trial {trial!r} is of {subject!r}, who is none of label.subjects{guess(subject, known)}; "
+            f"there {are(known)}"
         )

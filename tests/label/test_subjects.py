@@ -72,4 +72,4 @@ def test_statements_tell_twins_apart_by_the_neighbours_of_what_was_stated():
     both = together(walk(7), walk(7), np.array([0.0, 900.0, 0.0]))
     template = learn_template(walk(1))
     found = label_subjects(both, {"A": template, "B": template}, stated={"A:LKNE": "A:LKNE", "B:SACR": "B:SACR"})
-    assert found.labels.names == both.names
+    assert found.labels.names == both.names and found.undecided == () and set(found.labels.state) == {"sure"}

@@ -4,7 +4,7 @@ The subjects are named one after the other, in every order, each among the track
 anew among all that the others are not sure of, as a limb that passes by is another's. Of the orders that is kept whose
 sum of scores (`sweeps.total_score`), each by its subject's own template, is greatest. Two subjects whose templates fit
 each other's bodies as well, to what two quadruples are worth, cannot be told apart: their names are as likely the other
-way round, and are not sure.
+way round, and are not sure, unless a person stated a marker of either.
 """
 
 from __future__ import annotations
@@ -90,7 +90,8 @@ def label_subjects(
     facts = _Facts.of(tracks, templates, stated)
     found = [_in_turn(tracks, templates, order, method, facts) for order in permutations(templates)]
     best = max(found, key=lambda each: sum(_score(tracks, each[s], templates[s]) for s in templates))
-    undecided = tuple(pair for pair in combinations(templates, 2) if _alike(tracks, best, templates, *pair))
+    free = [(a, b) for a, b in combinations(templates, 2) if not any((*facts.own[a].values(), *facts.own[b].values()))]
+    undecided = tuple(pair for pair in free if _alike(tracks, best, templates, *pair))
     of = {s: _doubted(one, any(s in pair for pair in undecided)) for s, one in best.items()}
     return SubjectLabels(with_stated(_together(of, len(tracks)), tracks, stated), of, undecided)
 

@@ -49,6 +49,6 @@ def template_files_key(root: Path, settings: Settings) -> str:
     """Of the contents of all files that `[label]` and `[label.subjects]` name."""
     label = settings.label
     assert label is not None  # else nobody asks
-    each = (label, *settings.label_subjects.values())
-    files = [file for one in each for file in (*one.template, *one.static)] + ([label.names] if label.names else [])
+    files = [*label.template, *label.static, *([label.names] if label.names else [])]
+    files += [file for one in settings.label_subjects.values() for file in (*one.template, *one.static)]
     return digest(file_key(*(root / file for file in files)))

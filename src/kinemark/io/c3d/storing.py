@@ -21,6 +21,7 @@ from .document import C3D, with_parameters
 from .numbers import ByteOrder
 from .parameter_tables import matched, rows_from, with_numbers, with_text
 from .parameters import Parameter
+from .points import point_names
 from .rotations import with_rotations
 from .sample_table import with_table
 from .storing_analog import with_analog, with_plates
@@ -80,7 +81,9 @@ def stored(
     doc = with_events(with_plates(doc, trial.plates), trial)
     doc, about_poses = with_rotations(doc, source, trial.poses, shift=first - source.first_frame)
     doc = with_about(with_table(doc, trial.trajectories), trial.about)
-    doc = with_prefixes(doc, subjects_in(trial.about), trial.trajectories.names)
+    had = point_names(source)  # of a file that has prefixes without saying so, they stay unsaid
+    new = [name for name in trial.trajectories.names if name not in had]
+    doc = with_prefixes(doc, subjects_in(trial.about), new)
     changed = doc.points.shape != source.points.shape or doc.analog.shape != source.analog.shape
     return with_counts(doc) if changed or not own else doc, (*about_signals, *about_analog, *about_poses)
 

@@ -9,6 +9,7 @@ from kinemark.apps.cli import app
 from kinemark.data import KinemarkError, Trajectories, Trial
 from kinemark.engine.subject_templates import Known, of_subject, templates_of_subjects
 from kinemark.io.c3d import Parameter, prefixes_of, read_document, with_parameters
+from kinemark.io.c3d.subject import with_prefixes
 from kinemark.io.trial import read_trial, write_trial
 from kinemark.synth import walking, with_markers
 
@@ -36,6 +37,7 @@ def test_the_command_names_both_with_their_prefix(files):
         app(["label", str(files / "new.c3d"), *said, "-o", str(files / "out.c3d")])
     assert not end.value.code
     found = read_trial(files / "out.c3d").trajectories
+    assert prefixes_of(read_document(files / "out.c3d")) == {"Anna": "Anna:", "Ben": "Ben:"}
     truth = (*walk(7, before="Anna:"), *walk(8, 0.85, 800.0, "Ben:"))
     assert {name for name in found.names if name[0] != "*"} == {path.name for path in truth}
     for path in truth:
@@ -59,5 +61,10 @@ def test_prefixes_are_as_the_file_says_them(files):
     said = [Parameter.text("NAMES", ["Anna", "Ben"]), Parameter.text("LABEL_PREFIXES", ["S1_", "S2_"])]
     with_names = with_parameters(doc, "SUBJECTS", said)
     assert prefixes_of(with_names) == {} == prefixes_of("no C3D")
+    names = ["Anna:LKNE", "Ben:LKNE", "*1"]
+    stated = with_prefixes(doc, ("Anna", "Ben"), names)
+    assert prefixes_of(stated) == {"Anna": "Anna:", "Ben": "Ben:"}
+    assert with_prefixes(stated, ("Anna", "Ben"), names) is stated
+    assert with_prefixes(doc, ("Anna",), ["LKNE"]) is doc
     used = with_parameters(with_names, "SUBJECTS", [Parameter.whole("USES_PREFIXES", 1)])
     assert prefixes_of(used) == {"Anna": "S1_", "Ben": "S2_"}

@@ -53,3 +53,23 @@ def test_a_subject_who_is_not_there_has_no_names_and_nobody_is_refused():
     assert {name[:2] for name in found.labels.names if name} == {"A:"} and found.of["B"].names == (None,) * 15
     with pytest.raises(KinemarkError, match="wanted 1 to 4"):
         label_subjects(walk(7), {})
+
+
+def test_what_was_stated_of_a_subject_is_kept_and_no_other_subject_takes_it():
+    """A marker of B is stated to be A's knee, one of A to be B's, and one to be nobody's."""
+    both = together(walk(7), walk(8, 15, 0.85), np.array([200.0, 700.0, 0.0]))
+    stated = {"B:LKNE": "A:LKNE", "A:RTOE": "B:RTOE", "A:SACR": None}
+    found = label_subjects(both, {"A": learn_template(walk(1)), "B": learn_template(walk(2, 15, 0.85))}, stated=stated)
+    told = dict(zip(both.names, found.labels.names, strict=True))
+    assert {track: told[track] for track in stated} == stated
+    assert told["A:LKNE"] != "A:LKNE" and told["B:RTOE"] != "B:RTOE"
+    rest = [name for name in both.names if name not in stated and name not in ("A:LKNE", "B:RTOE")]
+    assert all(told[name] in (name, None) for name in rest) and sum(told[name] is None for name in rest) <= 4
+
+
+def test_statements_tell_twins_apart_by_the_neighbours_of_what_was_stated():
+    """Nothing else could: none of their names is sure without, and those that were stated are sure with it."""
+    both = together(walk(7), walk(7), np.array([0.0, 900.0, 0.0]))
+    template = learn_template(walk(1))
+    found = label_subjects(both, {"A": template, "B": template}, stated={"A:LKNE": "A:LKNE", "B:SACR": "B:SACR"})
+    assert found.labels.names == both.names and found.undecided == () and set(found.labels.state) == {"sure"}

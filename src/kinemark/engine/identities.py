@@ -15,7 +15,7 @@ from .settings import Settings, TrialEntry
 
 def stated_identity(settings: Settings, entry: TrialEntry | None = None) -> Identity:
     """What the session's file says of a trial, or of the session."""
-    subject, date = settings.subject, settings.date
+    subject, date = settings.subject or ", ".join(settings.subjects_of(entry)), settings.date
     if entry is not None:
         subject, date = entry.subject or subject, entry.date or date
     return Identity(subject or "", date.isoformat() if date else "")

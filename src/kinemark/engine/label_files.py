@@ -90,7 +90,8 @@ def label_file(
         by_figure = template.figure_alone
     else:
         each = {name: one.template for name, one in template.items()}
-        labels, switches = label_subjects(tracks, each, method=method).labels, ()
+        labels, switches = label_subjects(tracks, each, method=method, stated=facts).labels, ()
+        trial = replace(trial, about={**trial.about, "subject": ", ".join(template)})
         by_figure = any(one.figure_alone for one in template.values())
     if labels.refused:
         raise KinemarkError(f"{source} is not labelled. {text_of(labels.refused)} {advice_of(labels.refused)}")

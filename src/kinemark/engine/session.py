@@ -14,7 +14,7 @@ from typing import Any
 
 from ..data import KinemarkError, Rig
 from .digitising import Digitising
-from .naming.templates import TEMPLATE, keep_template, session_template
+from .naming.templates import keep_templates, templates_of_trial
 from .open_trial import OpenTrial, earlier_trials
 from .progress import Cancel, Progress, silent
 from .session_gait import read_gait, update_gait
@@ -135,8 +135,7 @@ class Session(Workspace):
         """Write what the session's trials show of the subject, where they were to be named."""
         if self.settings.label is not None:
             earlier = earlier_trials(self, None, self.calibrate())
-            if known := session_template(self.root, self.settings, earlier):
-                keep_template(self.results / TEMPLATE, self.settings, known)
+            keep_templates(self.results, self.settings, templates_of_trial(self.root, self.settings, earlier))
 
     def digitising(self, name: str, rig: Rig) -> Digitising:
         """What an operator needs to digitise a trial.

@@ -135,7 +135,8 @@ def _fill(inputs: TrialInputs, records: Records) -> Fills:
     assert method is not None  # else there is no such stage
     rays = Rays.left_by(tracks_of(records), records["detect"], inputs.rig)
     measured = edited.trajectories
-    filled = fill_recording(measured, rays, method=method, static=static_of(inputs.earlier), choices=edited.choices)
+    static = static_of(inputs.earlier, inputs.settings.subjects_of(inputs.source.of.entry))
+    filled = fill_recording(measured, rays, method=method, static=static, choices=edited.choices)
     before = with_placed(measured, filled.gaps)
     return Fills.between(before, filled.trajectories, tuple(json.dumps(asdict(gap)) for gap in filled.gaps))
 

@@ -64,6 +64,10 @@ class LabelsData(TypedDict):
     """Those of them that were claimed in the journal of edits."""
     switches: NotRequired[list[SwitchData]]
     """Where tracks were cut, as they went over from one marker to another."""
+    subjects: NotRequired[list[str]]
+    """Several, whose names stand before those of their markers, as in `A:LKNE`; those of whom something is known."""
+    undecided: NotRequired[list[list[str]]]
+    """Pairs of subjects that cannot be told apart, so that none of their names is sure."""
 
 
 @documented

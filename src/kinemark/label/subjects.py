@@ -4,7 +4,7 @@ The subjects are named one after the other, in every order, each among the track
 anew among all that the others are not sure of, as a limb that passes by is another's. Of the orders that is kept whose
 sum of scores (`sweeps.total_score`), each by its subject's own template, is greatest. Two subjects whose templates fit
 each other's bodies as well, to what two quadruples are worth, cannot be told apart: their names are as likely the other
-way round, and are not sure.
+way round, and are not sure, unless a person stated a marker of either.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import combinations, permutations
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ from .decided_sides import UNDECIDED
 from .evidence import PairScore
 from .label import label
 from .labels import Labels, State
+from .stated import with_stated
 from .stretches import stretches_of
 from .sweeps import total_score
 from .template import Template
@@ -44,36 +46,68 @@ class SubjectLabels(NamedTuple):
     undecided: tuple[tuple[str, str], ...]
 
 
-def label_subjects(tracks: Trajectories, templates: Mapping[str, Template], *, method: Any = None) -> SubjectLabels:
+class _Facts(NamedTuple):
+    """What a person stated.
+
+    Attributes:
+        own: subject → track → marker, without the subject before it. others: subject → (T) tracks that are not its.
+    """
+
+    own: dict[str, dict[str, str | None]]
+    others: dict[str, Bools]
+
+    @classmethod
+    def of(cls, tracks: Trajectories, subjects: Mapping[str, Any], stated: Mapping[str, str | None]) -> _Facts:
+        """Of statements such as `A:LKNE`; what is stated to be no marker, or of nobody here, is no subject's."""
+        own: dict[str, dict[str, str | None]] = {s: {} for s in subjects}
+        for track, name in stated.items():
+            s, _, bare = (name or "").partition(":")
+            if s in own:
+                own[s][track] = bare
+        return cls(own, {s: np.array([t in stated and t not in own[s] for t in tracks.names], bool) for s in own})
+
+
+def label_subjects(
+    tracks: Trajectories,
+    templates: Mapping[str, Template],
+    *,
+    method: Any = None,
+    stated: Mapping[str, str | None] = MappingProxyType({}),
+) -> SubjectLabels:
     """Which marker of which subject each track is.
 
     Args:
         tracks: of a recording with all of them.
         templates: subject → what is known of the subject's markers.
         method: one of `LABEL`.
+        stated: track → `A:LKNE` that a person stated, None for no marker; facts by which the others are found.
 
     Raises:
         KinemarkError: there are no tracks, or no or too many subjects.
     """
     if not 1 <= len(templates) <= MOST:
         raise KinemarkError(f"There are {len(templates)} subjects, wanted 1 to {MOST}. Label the others apart.")
-    found = [_in_turn(tracks, templates, order, method) for order in permutations(templates)]
+    facts = _Facts.of(tracks, templates, stated)
+    found = [_in_turn(tracks, templates, order, method, facts) for order in permutations(templates)]
     best = max(found, key=lambda each: sum(_score(tracks, each[s], templates[s]) for s in templates))
-    undecided = tuple(pair for pair in combinations(templates, 2) if _alike(tracks, best, templates, *pair))
+    free = [(a, b) for a, b in combinations(templates, 2) if not any((*facts.own[a].values(), *facts.own[b].values()))]
+    undecided = tuple(pair for pair in free if _alike(tracks, best, templates, *pair))
     of = {s: _doubted(one, any(s in pair for pair in undecided)) for s, one in best.items()}
-    return SubjectLabels(_together(of, len(tracks)), of, undecided)
+    return SubjectLabels(with_stated(_together(of, len(tracks)), tracks, stated), of, undecided)
 
 
 def _in_turn(
-    tracks: Trajectories, templates: Mapping[str, Template], order: tuple[str, ...], method: Any
+    tracks: Trajectories, templates: Mapping[str, Template], order: tuple[str, ...], method: Any, facts: _Facts
 ) -> dict[str, Labels]:
     """Each subject among what the others left: first in this order, then among what they are not sure of."""
     of: dict[str, Labels] = {}
     for s in order:
-        of[s] = _among(tracks, _taken(of, ("sure", "unsure"), len(tracks)), templates[s], method)
+        taken = facts.others[s] | _taken(of, ("sure", "unsure"), len(tracks))
+        of[s] = _among(tracks, taken, templates[s], method, facts.own[s])
     for s in order:
         others = {other: one for other, one in of.items() if other != s}
-        of[s] = _among(tracks, _taken(others, ("sure",), len(tracks)), templates[s], method)
+        taken = facts.others[s] | _taken(others, ("sure",), len(tracks))
+        of[s] = _among(tracks, taken, templates[s], method, facts.own[s])
     return of
 
 
@@ -82,12 +116,16 @@ def _taken(of: Mapping[str, Labels], states: tuple[State, ...], n: int) -> Bools
     return np.array([any(one.state[t] in states for one in of.values()) for t in range(n)], bool)
 
 
-def _among(tracks: Trajectories, taken: Bools, template: Template, method: Any) -> Labels:
-    """Labels of all tracks, from a labelling of those that are free."""
-    free = np.flatnonzero(~taken & np.isfinite(tracks.xyz[..., 0]).any(1)).tolist()
+def _among(
+    tracks: Trajectories, taken: Bools, template: Template, method: Any, stated: Mapping[str, str | None]
+) -> Labels:
+    """Labels of all tracks, from a labelling of those that are free, and of those that were stated to be its own."""
+    own = np.array([name in stated for name in tracks.names], bool)
+    free = np.flatnonzero((~taken | own) & np.isfinite(tracks.xyz[..., 0]).any(1)).tolist()
     if not free:
         return _none(len(tracks))
-    found = label(replace(tracks, paths=tuple(tracks.paths[t] for t in free)), template, method=method)
+    among = replace(tracks, paths=tuple(tracks.paths[t] for t in free))
+    found = label(among, template, method=method, stated=stated)
     where = {t: k for k, t in enumerate(free)}
 
     def spread(values: Any, blank: Any) -> tuple[Any, ...]:
@@ -108,7 +146,7 @@ def _none(n: int) -> Labels:
 def _score(tracks: Trajectories, found: Labels, template: Template) -> float:
     """Nats a frame of a subject's names by its template."""
     number = {name: a for a, name in enumerate(template.names)}
-    label_of = np.array([-1 if name is None else number[name] for name in found.names])
+    label_of = np.array([-1 if name is None else number.get(name, -1) for name in found.names])
     return total_score(stretches_of(tracks, template.size), label_of, PairScore.of_template(template))[0]
 
 
@@ -138,6 +176,7 @@ def _together(of: Mapping[str, Labels], n: int) -> Labels:
     subjects = list(of)
     p: Floats = np.array([of[s].probability for s in subjects])
     best = [subjects[int(k)] for k in p.argmax(0)]
+    there = [one for one in of.values() if any(one.names)] or list(of.values())
 
     def called(s: str, name: str | None) -> str | None:
         return None if name is None else f"{s}:{name}"
@@ -148,8 +187,8 @@ def _together(of: Mapping[str, Labels], n: int) -> Labels:
         state=tuple(of[s].state[t] for t, s in enumerate(best)),
         runner_up=tuple(called(s, of[s].runner_up[t]) for t, s in enumerate(best)),
         margin=np.array([of[s].margin[t] for t, s in enumerate(best)]),
-        fit=min(one.fit for one in of.values()),
-        placed=min(one.placed for one in of.values()),
+        fit=min(one.fit for one in there),
+        placed=min(one.placed for one in there),
         refused=_refused(of),
         against=tuple(of[s].against[t] for t, s in enumerate(best)),
         undecided=next((one.undecided for one in of.values() if one.undecided is not None), None),

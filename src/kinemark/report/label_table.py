@@ -22,6 +22,8 @@ def label_line(labels: Mapping[str, Any]) -> str:
         parts.append(f"Named by {listed(labels['sources'])}.")
     if labels["fit"] is not None:
         parts.append(f"The trial scores {number(labels['fit'], 2)} of what these score on their own data.")
+    if labels.get("undecided"):
+        parts.append(f"Not told apart: {'; '.join(listed(pair) for pair in labels['undecided'])}.")
     if labels.get("stated"):
         parts.append(f"{count(labels['stated'], 'track')} named by hand.")
     if labels.get("ghosts_removed"):

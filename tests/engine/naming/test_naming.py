@@ -6,8 +6,12 @@ import pytest
 from kinemark.data import Cloud, KinemarkError, MarkerTrajectory, Tracks, Trajectories, make_finding
 from kinemark.data.edits import Claim
 from kinemark.edit import stretch_of
+from kinemark.engine.naming import Earlier
 from kinemark.engine.naming.claims import claimed_tracks
+from kinemark.engine.naming.label_stage import static_of
+from kinemark.engine.naming.named_tracks import LEARNT
 from kinemark.engine.naming.naming import ghost_tracks, with_names
+from kinemark.io.records import save
 from kinemark.io.stated_names_csv import read_stated_names
 
 
@@ -68,3 +72,17 @@ def test_claims_cut_tracks_where_they_begin_and_end_and_the_later_one_counts():
     assert counts == [10, 20, 30, 10, 50, 60]
     twice = claimed_tracks(tracks, [claim(1, "LKNE"), claim(2, "LKNE")], None, world="w")
     assert twice.stated == {"*2": "LKNE"}
+
+
+def test_a_static_trial_of_another_subject_places_no_marker_of_these(tmp_path):
+    for name, markers in (("first", ("A:HEE", "A:TOE")), ("second", ("B:HEE", "A:KNE"))):
+        (tmp_path / name).mkdir()
+        paths = tuple(MarkerTrajectory.measured(marker, np.zeros((2, 3))) for marker in markers)
+        save(tmp_path / name / LEARNT, Trajectories(paths, 50.0))
+    earlier = [Earlier(name, "static", tmp_path / name, "key") for name in ("first", "second")]
+
+    def names(*subjects):
+        found = static_of(earlier, subjects)
+        return None if found is None else found.names
+
+    assert names("B") == ("B:HEE",) and names("A") == names() == ("A:HEE", "A:TOE") and names("C") is None

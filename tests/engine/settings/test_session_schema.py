@@ -37,6 +37,10 @@ RIGHT = {
     "infinite": text(BY_POINTS, "[calibrate]\nreject = inf"),
     "digitise": text(more='[digitise]\nmarkers = ["A", "B"]\nreference = "B"'),
     "fill": text(more='[fill]\nmethod = "kalman"\nmode = "forward"\nlimit_mm = 5\nends = true'),
+    "subjects": text(
+        more='[label]\ngrow = false\n[label.subjects.A]\ntemplate = ["a.c3d"]\n[label.subjects.B-2]\nheight_mm = 1400\n'
+        'marker_set = "kiss-15"'
+    ),
     "auto": text(more='[fill]\ncandidates = ["linear", "body"]'),
     "stages": text(
         more='[detect]\nmethod = "kiss_scanning"\nthreshold = 40\n[match]\nsearch_band = 1\n'
@@ -56,6 +60,8 @@ WRONG = {
     "at a bound": text(more="[track]\ngate = 0"),
     "beyond a bound": text(more="[detect]\nthreshold = 255"),
     "no whole number": text(more="[detect]\nmin_area = 2.5"),
+    "a subject's key": text(more='[label.subjects.A]\nsubject = "A"'),
+    "a subject's height": text(more="[label.subjects.A]\nheight_mm = 0"),
     "no choice": text(more='[track]\nmethod = "extrapolation_ladder"\n[match]\npairs = "some"'),
     "an element": text(more='[track]\nmethod = "swamidas"\nlinks = [[0, 1]]\nlengths = [0.0]'),
     "no pair": text(more='[track]\nmethod = "swamidas"\nlinks = [[0, 1, 2]]'),

@@ -9,7 +9,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from ...label import Labelling
 from ..keys import digest, file_key
 from ..settings import Settings, TrialEntry
 
@@ -46,7 +45,10 @@ def before(settings: Settings, entry: TrialEntry | None) -> tuple[TrialEntry, ..
     return tuple(one for one in first if settings.label.grow or one.kind != "motion")
 
 
-def template_files_key(root: Path, label: Labelling) -> str:
-    """Of the contents of all files that `[label]` names."""
-    files = (*label.template, *label.static, *((label.names,) if label.names else ()))
+def template_files_key(root: Path, settings: Settings) -> str:
+    """Of the contents of all files that `[label]` and `[label.subjects]` name."""
+    label = settings.label
+    assert label is not None  # else nobody asks
+    files = [*label.template, *label.static, *([label.names] if label.names else [])]
+    files += [file for one in settings.label_subjects.values() for file in (*one.template, *one.static)]
     return digest(file_key(*(root / file for file in files)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from ...data import Detections, Tracks, Trajectories
@@ -14,7 +15,7 @@ from .claims import claimed_tracks
 from .earlier import ABSENT, Earlier, template_files_key
 from .named_tracks import NamedTracks, load_learnt
 from .naming import name_tracks, numbered, stated_by_recording
-from .templates import session_template, worn
+from .templates import prefix_of, templates_of_trial, worn
 
 
 def given_of(of: Recording, earlier: Sequence[Earlier], claims: Sequence[Claim]) -> tuple[Any, ...]:
@@ -22,7 +23,9 @@ def given_of(of: Recording, earlier: Sequence[Earlier], claims: Sequence[Claim])
     label = of.settings.label
     assert label is not None  # else there is no such stage
     before = [(one.name, one.kind, one.key) for one in earlier]
-    given = template_files_key(of.root, label), worn(of.root, of.settings), before
+    several = {s: worn(of.root, of.settings.of_subject(s)) for s in of.settings.label_subjects}
+    apart = (of.settings.label_subjects, of.settings.subjects_of(of.entry), several) if several else ()
+    given = template_files_key(of.root, of.settings), worn(of.root, of.settings), before, *apart
     return (*given, claims, world_key(of.rig)) if claims else given
 
 
@@ -48,10 +51,10 @@ def name_trial(
     assert label is not None  # else there is no such stage
     if named is not None:
         return stated_by_recording(tracks, named)
-    template = session_template(of.root, of.settings, earlier)
+    templates = templates_of_trial(of.root, of.settings, earlier, of.entry)
     first = of.frames[0] if of.frames else 1
     claimed = claimed_tracks(numbered(tracks, first), claims, detections, world=world_key(of.rig))
-    found = name_tracks(tracks, template, how=label, stated=_stated(of), first_frame=first, claimed=claimed)
+    found = name_tracks(tracks, templates, how=label, stated=_stated(of), first_frame=first, claimed=claimed)
     return found._replace(figures={**found.figures, "claimed": len(claimed.stated)})
 
 
@@ -63,11 +66,17 @@ def _stated(of: Recording) -> tuple[StatedName, ...]:
     return tuple(one for one in read_stated_names(of.root / label.names) if one.trial == of.entry.name)
 
 
-def static_of(earlier: Sequence[Earlier]) -> Trajectories | None:
-    """The markers of the session's first static trial that has names; None where there is none."""
+def static_of(earlier: Sequence[Earlier], subjects: Sequence[str] = ()) -> Trajectories | None:
+    """The markers of the session's first static trial that has names; None where there is none.
+
+    Args:
+        earlier: the trials before another. subjects: of several, those of that other, whose markers are wanted.
+    """
+    prefixes = tuple(map(prefix_of, subjects)) or ("",)
     for one in earlier:
         if one.kind == "static" and one.key != ABSENT:
             learnt = load_learnt(one.folder)
-            if len(learnt):
-                return learnt
+            own = tuple(path for path in learnt if path.name.startswith(prefixes))
+            if own:
+                return replace(learnt, paths=own)
     return None

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,14 +13,14 @@ from ...data.array_types import Bools, Ints
 from ...data.track_trajectories import trajectories_of
 from ...findings.labels import label_figures, label_findings
 from ...io.stated_names_csv import StatedName
-from ...label import Labelling, Switch, label_switching, learn_template, named
+from ...label import Labelling, Labels, Switch, label_subjects, label_switching, learn_template, named
 from ...label.pooled import contradiction
 from ...label.stated import with_stated
 from ...label.subject_template import FEWEST
 from .claims import ClaimedTracks
 from .named_tracks import NamedTracks
 from .statements import facts_of, labels_of_facts
-from .templates import SessionTemplate
+from .templates import SessionTemplate, markers_of, prefix_of
 
 ACCEPTED = 0.9
 """Share of what could have a name that must have a sure one, for a trial to be learnt from; chosen."""
@@ -33,7 +33,7 @@ taken for a ghost; chosen."""
 
 def name_tracks(
     tracks: Tracks,
-    by: SessionTemplate | None,
+    by: Mapping[str, SessionTemplate],
     *,
     how: Labelling,
     stated: Sequence[StatedName] = (),
@@ -46,7 +46,7 @@ def name_tracks(
 
     Args:
         tracks: of a trial.
-        by: the template, where there is one.
+        by: what is known of each subject, as `templates_of_trial` has it; none where nothing is.
         how: what the session says of labelling.
         stated: what a person said of this trial.
         first_frame: number of the first frame in the recording.
@@ -55,26 +55,26 @@ def name_tracks(
     points, claims = claimed or ClaimedTracks(numbered(tracks, first_frame), {})
     facts = facts_of(points, stated)
     known = facts.of | claims  # what was claimed is later
-    switches: tuple[Switch, ...] = ()
-    if by and len(points) and np.isfinite(points.xyz).any():
-        points, labels, _, switches = label_switching(points, by.template, method=how.method, stated=known)
-    else:
-        labels = with_stated(labels_of_facts(len(points)), points, known)
+    points, labels, switches, undecided = _labelled(points, by, how, known)
     done = named(points, labels, unsure=how.unsure)
     joined = rows_of(done, len(tracks.cloud))
     ghosts = ghost_tracks(tracks, joined, sum(not name.startswith("*") for name in done.names))
-    figures = label_figures(points, labels, done, by.template.names if by else (), by.sources if by else ())
+    expected = [prefix_of(s) + name for s, one in by.items() for name in one.template.names]
+    sources = list(dict.fromkeys(source for one in by.values() for source in one.sources))
+    figures = label_figures(points, labels, done, expected, sources)
     figures["ghosts_removed"] = len(ghosts)
     figures["stated"] = len(known)
     figures["switches"] = [{"frame": one.frame, "before": one.before, "after": one.after} for one in switches]
-    findings = [*_lost(facts.lost), *label_findings(figures, labels, template=by is not None)]
+    if any(by):
+        figures["subjects"], figures["undecided"] = list(by), [list(pair) for pair in undecided]
+    findings = [*_lost(facts.lost), *label_findings(figures, labels, template=bool(by))]
     kept = _without(joined, ghosts)
     names = _renumbered([name for k, name in enumerate(done.names) if k not in ghosts])
-    contradicts = _contradicts(done, by)
-    accepted = contradicts is None and (by is None or (not labels.refused and figures["sure_share"] >= ACCEPTED))
+    contradicts = {s: found for s, one in by.items() if (found := _contradicts(markers_of(done, s), one, s))}
+    accepted = not by or (not labels.refused and figures["sure_share"] >= ACCEPTED)
     return NamedTracks(
         Tracks(tracks.cloud, kept), names, tracker_names(tracks, kept, names), figures,
-        (*findings, *([contradicts] if contradicts else ())), learnt_of(done, accepted),
+        (*findings, *contradicts.values()), learnt_of(_without_subjects(done, contradicts), accepted),
     )  # fmt: skip
 
 
@@ -84,18 +84,43 @@ def numbered(tracks: Tracks, first_frame: int) -> Trajectories:
     return replace(trajectories_of(tracks, rows), first_frame=first_frame)
 
 
-def _contradicts(done: Trajectories, by: SessionTemplate | None) -> Finding | None:
-    """Where the named markers sit elsewhere than the template says, so that others should not learn from them."""
-    sure = [name for name in done.names if not name.startswith("*")]
-    if by is None or len(sure) < FEWEST:
-        return None
-    known = [name for name in sure if name in by.template.names]
+class _Named(NamedTuple):
+    """Tracks, cut where they go over to another marker, with labels; pairs of subjects that were not told apart."""
+
+    points: Trajectories
+    labels: Labels
+    switches: tuple[Switch, ...] = ()
+    undecided: tuple[tuple[str, str], ...] = ()
+
+
+def _labelled(
+    points: Trajectories, by: Mapping[str, SessionTemplate], how: Labelling, known: Mapping[str, str | None]
+) -> _Named:
+    """By the templates and what is known; the tracks of several subjects are not cut."""
+    if not by or not len(points) or not np.isfinite(points.xyz).any():
+        return _Named(points, with_stated(labels_of_facts(len(points)), points, known))
+    if "" in by:
+        cut = label_switching(points, by[""].template, method=how.method, stated=known)
+        return _Named(cut.tracks, cut.labels, cut.switches)
+    found = label_subjects(points, {s: one.template for s, one in by.items()}, method=how.method, stated=known)
+    return _Named(points, found.labels, (), found.undecided)
+
+
+def _without_subjects(done: Trajectories, subjects: Iterable[str]) -> Trajectories:
+    """The trial without the markers of these."""
+    prefixes = tuple(map(prefix_of, subjects))
+    return replace(done, paths=tuple(path for path in done if not path.name.startswith(prefixes)))
+
+
+def _contradicts(done: Trajectories, by: SessionTemplate, subject: str) -> Finding | None:
+    """Where a subject's markers sit elsewhere than the template says, so that others should not learn from them."""
+    known = [name for name in done.names if name in by.template.names]
     found = contradiction(by.template, learn_template(done, names=known), done) if len(known) >= FEWEST else None
     if found is None:
         return None
     return make_finding(
         "trial_contradicts_template",
-        markers=found.markers,
+        markers=[prefix_of(subject) + name for name in found.markers],
         pairs_share=found.pairs_share,
         off_mm=found.off_mm,
     )

@@ -6,23 +6,26 @@ that was kept, is taken as long as the subject's own trials do not show as many 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from ...data import MarkerSet, Trajectories
+from ...io.c3d import prefixes_of
 from ...io.marker_sets import marker_sets, read_marker_set
 from ...io.trial import read_trial
 from ...label import Template, learn_template
 from ...label.from_set import STATIC_SPREAD, figure_template, static_template
 from ...label.subject_template import SubjectTemplate, TemplateSource
-from ..settings import Settings
+from ..settings import Settings, TrialEntry
+from ..subject_templates import of_subject
 from ..template_files import ENDING, is_template, load_template, save_template
 from .earlier import ABSENT, Earlier
 from .named_tracks import load_learnt
 
 TEMPLATE = f"subject{ENDING}"
-"""Below a session's results: what its trials show of the subject."""
+"""Below a session's results: what its trials show of the subject; `subject-A.template.h5` of one of several."""
 
 
 class SessionTemplate(NamedTuple):
@@ -51,11 +54,46 @@ def worn(root: Path, settings: Settings) -> MarkerSet | None:
     return read_marker_set(settings.marker_set if known else root / settings.marker_set)
 
 
-def session_template(root: Path, settings: Settings, earlier: Sequence[Earlier]) -> SessionTemplate | None:
-    """What is known of the subject when a trial comes to be named; None where nobody says anything.
+def templates_of_trial(
+    root: Path, settings: Settings, earlier: Sequence[Earlier], entry: TrialEntry | None = None
+) -> dict[str, SessionTemplate]:
+    """Subject → what is known of it when a trial comes to be named; without those of whom nobody says anything.
+
+    The only subject of a session is called "", as nothing stands before its markers' names.
 
     Args:
         root: the session's folder. settings: of the session. earlier: the trials before this one.
+        entry: the trial, which may be of some subjects only; that of all where None.
+
+    Raises:
+        KinemarkError: a file is absent or has too few names.
+    """
+    subjects = settings.subjects_of(entry)
+    apart = {s: settings.of_subject(s) for s in subjects} if subjects else {"": settings}
+    found = {s: session_template(root, own, earlier, subject=s) for s, own in apart.items()}
+    return {s: one for s, one in found.items() if one is not None}
+
+
+def prefix_of(subject: str) -> str:
+    """What stands before the names of a subject's markers; nothing where it is the only one, ""."""
+    return f"{subject}:" if subject else ""
+
+
+def markers_of(trial: Trajectories, subject: str) -> Trajectories:
+    """The markers of one of a session's subjects, without what stands before their names."""
+    prefix = prefix_of(subject)
+    own = [path for path in trial if path.name.startswith(prefix)]
+    return replace(trial, paths=tuple(replace(path, name=path.name.removeprefix(prefix)) for path in own))
+
+
+def session_template(
+    root: Path, settings: Settings, earlier: Sequence[Earlier], *, subject: str = ""
+) -> SessionTemplate | None:
+    """What is known of a subject when a trial comes to be named; None where nobody says anything.
+
+    Args:
+        root: the session's folder. settings: of the session, as they are for this subject alone.
+        earlier: the trials before this one. subject: one of several; "" for the only one.
 
     Raises:
         KinemarkError: a file is absent or has too few names.
@@ -65,11 +103,12 @@ def session_template(root: Path, settings: Settings, earlier: Sequence[Earlier])
         return None
     names = label.markers or (marker_set.moving if marker_set else ())
     files = [file for file in label.template if not is_template(file)]
-    given = [Shown(file, read_trial(root / file).trajectories) for file in files]
-    named = [(one.kind, Shown(one.name, load_learnt(one.folder))) for one in earlier if one.key != ABSENT]
+    given = [_shown(root, file, subject) for file in files]
+    learnt = [(one, load_learnt(one.folder)) for one in earlier if one.key != ABSENT]
+    named = [(one.kind, Shown(one.name, markers_of(trial, subject))) for one, trial in learnt]
     moved = [shown for kind, shown in named if kind != "static"]
     still = [shown for kind, shown in named if kind == "static"]
-    still += [Shown(file, read_trial(root / file).trajectories) for file in label.static]
+    still += [_shown(root, file, subject) for file in label.static]
     own = _learnt(moved if label.scale else given + moved, names) or _of_static(still, names, marker_set)
     kept = [_kept(root / file) for file in label.template if is_template(file)]
     if label.scale is not None and (other := _learnt(given, names)):
@@ -88,6 +127,13 @@ def _of_static(shown: Sequence[Shown], names: Sequence[str], marker_set: MarkerS
     return SessionTemplate(
         static_template(useful[0].trial, marker_set), (useful[0].source, f"marker set {marker_set.name}")
     )
+
+
+def _shown(root: Path, file: str, subject: str) -> Shown:
+    """A file of trajectories, of several subjects with the markers of this one."""
+    trial = read_trial(root / file)
+    own = of_subject(trial.trajectories, subject, prefixes_of(trial.source)) if subject else trial.trajectories
+    return Shown(file, own)
 
 
 def _kept(path: Path) -> SessionTemplate:
@@ -110,12 +156,21 @@ def _learnt(shown: Sequence[Shown], names: Sequence[str], *, spread: float = 0.0
     return SessionTemplate(template, tuple(one.source for one in useful))
 
 
-def keep_template(path: Path, settings: Settings, known: SessionTemplate) -> None:
-    """Write what a session knows of its subject, so that others may be named by it.
+def keep_templates(results: Path, settings: Settings, known: Mapping[str, SessionTemplate]) -> None:
+    """Write what a session knows of each subject, so that others may be named by it.
+
+    Args:
+        results: the folder. settings: of the session. known: of each subject, as `templates_of_trial` has it.
 
     Raises:
         KinemarkError: the file cannot be written.
     """
+    for subject, one in known.items():
+        name = f"subject-{subject}{ENDING}" if subject else TEMPLATE
+        _keep(results / name, settings.of_subject(subject) if subject else settings, one)
+
+
+def _keep(path: Path, settings: Settings, known: SessionTemplate) -> None:
     label = settings.label
     height = label.height_mm if label and label.height_mm else float("nan")
     date = settings.date.isoformat() if settings.date else ""

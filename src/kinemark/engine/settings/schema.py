@@ -11,15 +11,19 @@ from typing import Any, get_args, get_origin
 
 from ...data.method import ONE, Declaration, Parameter, Stage, plain
 from ...detect import DETECT
+from ...label import LABEL
 from .calibration_table import WAYS
 from .method_tables import COMMON, SETTABLE, methods_of_way
 from .session_file import Settings
+from .subject_table import SubjectTable
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 OF_CAMERAS = "parameters of single cameras by their names, in place of those for all"
+
+OF_SUBJECTS = "several subjects by their names, which stand before those of their markers, as in A:LKNE"
 
 BOUNDS = {"low": "minimum", "high": "maximum", "above": "exclusiveMinimum", "below": "exclusiveMaximum"}
 
@@ -41,16 +45,25 @@ def method_schema(stage: Stage, declared: Declaration) -> dict[str, Any]:
     named = {"const": declared.name, "description": declared.summary}
     required = [] if _unnamed(stage, declared) else ["method"]
     own = {p.name: parameter_schema(p) for p in parameters}
-    cameras = {"type": "object", "additionalProperties": False, "properties": own}
-    of_cameras = {"type": "object", "description": OF_CAMERAS, "additionalProperties": cameras}
     return {
         "type": "object",
         "title": declared.name,
         "description": declared.summary,
-        "properties": {"method": named} | own | ({"cameras": of_cameras} if stage is DETECT else {}),
+        "properties": {"method": named} | own | _tables_below(stage, own),
         "required": required + [p.name for p in parameters if p.required],
         "additionalProperties": False,
     }
+
+
+def _tables_below(stage: Stage, own: dict[str, Any]) -> dict[str, Any]:
+    """The tables of single cameras, `[detect.cameras.NAME]`, or of single subjects, `[label.subjects.NAME]`."""
+    if stage is DETECT:
+        camera = {"type": "object", "additionalProperties": False, "properties": own}
+        return {"cameras": {"type": "object", "description": OF_CAMERAS, "additionalProperties": camera}}
+    if stage is LABEL:
+        subject = _without_null(SubjectTable.model_json_schema())
+        return {"subjects": {"type": "object", "description": OF_SUBJECTS, "additionalProperties": subject}}
+    return {}
 
 
 def parameter_schema(p: Parameter) -> dict[str, Any]:

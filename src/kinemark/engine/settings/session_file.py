@@ -14,6 +14,7 @@ from ...detect import DETECT, Centroids
 from ...digitise import SemiAutomatic
 from ...fill import Filling
 from ...label import Labelling
+from ...label.subjects import MOST as MOST_SUBJECTS
 from ...match import MATCH
 from ...reconstruct import RECONSTRUCT, LeastSquares
 from ...track import TRACK, matches_itself
@@ -31,6 +32,7 @@ from .method_tables import (
     methods_of_cameras,
     whole_of,
 )
+from .subject_table import SubjectTable, check_subject_of, check_subjects
 from .table import Strict
 
 A_METHOD = WithJsonSchema({"type": "object"})
@@ -46,10 +48,11 @@ RESERVED = (
     "calibrations",
     "assets",
     "index.html",
-    "subject.template.h5",
     "gait",
 )
 """What a trial cannot be called, since results are kept by these names."""
+TEMPLATE_ENDING = ".template.h5"
+"""Of what a session keeps of each subject, so that no trial can be called so either."""
 
 
 class Cameras(Strict):
@@ -157,8 +160,11 @@ class TrialEntry(Strict):
     @classmethod
     def folder(cls, name: str) -> str:
         """Results go into a folder of this name."""
-        if not name.isprintable() or Path(name).name != name or len(name) > 100 or name in RESERVED:
-            raise ValueError(f"the name must be one that a folder can have, and not {', '.join(RESERVED)}")
+        reserved = name in RESERVED or name.endswith(TEMPLATE_ENDING)
+        if not name.isprintable() or Path(name).name != name or len(name) > 100 or reserved:
+            raise ValueError(
+                f"the name must be one that a folder can have, and not {', '.join((*RESERVED, f'*{TEMPLATE_ENDING}'))}"
+            )
         return name
 
     @model_validator(mode="after")
@@ -222,6 +228,7 @@ class Settings(Strict):
         default=None, description="the markers that the subject wears: name of a shipped set, or a TOML file"
     )
     label: Annotated[InstanceOf[Labelling], A_METHOD] | None = None
+    label_subjects: SkipJsonSchema[dict[str, SubjectTable]] = Field(default_factory=dict)
     fill: Annotated[InstanceOf[Filling], A_METHOD] | None = None
     angles: AngleTable | None = Field(default=None, description="joint angles of each trial, computed last")
     gait: GaitTable | None = Field(default=None, description="one gait report of the walks, computed after the trials")
@@ -239,6 +246,48 @@ class Settings(Strict):
             return table
         rest = {key: value for key, value in detect.items() if key != "cameras"}
         return table | {"detect": rest, "detect_cameras": methods_of_cameras(rest, detect["cameras"])}
+
+    @model_validator(mode="before")
+    @classmethod
+    def subjects_apart(cls, table: Any) -> Any:
+        """`[label.subjects.NAME]`, beside `[label]` for all, becomes a subject in `label_subjects`."""
+        if not isinstance(table, dict):
+            return table
+        if "label_subjects" in table:
+            raise ValueError("label_subjects: there is no such key; a subject's go in [label.subjects.NAME]")
+        label = table.get("label")
+        if not isinstance(label, dict) or "subjects" not in label:
+            return table
+        rest = {key: value for key, value in label.items() if key != "subjects"}
+        return table | {"label": rest, "label_subjects": label["subjects"]}
+
+    @model_validator(mode="after")
+    def subjects_known(self) -> Settings:
+        """What is of one subject goes with no several, and a trial is of those that there are."""
+        if self.label is None or not self.label_subjects:
+            return self
+        check_subjects(self.label_subjects, self.label, MOST_SUBJECTS)
+        if self.subject is not None:
+            raise ValueError("subject is one, and [label.subjects] says who was recorded: leave it out")
+        if self.angles is not None or self.gait is not None:
+            raise ValueError(
+                "[angles] and [gait] are of one subject, and there are [label.subjects]: leave them out, and give the "
+                "trials' C3D files to kinemark angles and kinemark gait"
+            )
+        for trial in self.trials:
+            check_subject_of(trial.name, trial.subject, self.label_subjects)
+        return self
+
+    def subjects_of(self, entry: TrialEntry | None = None) -> tuple[str, ...]:
+        """Of several subjects, those of a trial, or of the session; none where there is one."""
+        return (entry.subject,) if entry and entry.subject and self.label_subjects else tuple(self.label_subjects)
+
+    def of_subject(self, name: str) -> Settings:
+        """The settings as they would be for one of several subjects alone."""
+        own = self.label_subjects[name]
+        assert self.label is not None  # else there are no subjects
+        alone = {"label": own.labelling(self.label), "label_subjects": {}, "subject": name}
+        return self.model_copy(update=alone | {"marker_set": own.marker_set or self.marker_set})
 
     @model_validator(mode="after")
     def cameras_known(self) -> Settings:

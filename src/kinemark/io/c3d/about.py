@@ -25,6 +25,11 @@ def about_of(doc: C3D) -> dict[str, str]:
     return ({SUBJECT: subjects} if subjects else {}) | stated
 
 
+def subjects_in(about: Mapping[str, str]) -> tuple[str, ...]:
+    """Names of the subjects, of which `about` has a text with commas between them."""
+    return tuple(name for name in about.get(SUBJECT, "").split(", ") if name)
+
+
 def with_about(doc: C3D, about: Mapping[str, str]) -> C3D:
     """The document that says this."""
     had = about_of(doc)

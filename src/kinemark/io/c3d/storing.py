@@ -15,16 +15,18 @@ import numpy as np
 from ...data import Trial
 from ...version import __version__
 from ..notes import FileNote
-from .about import with_about
+from .about import subjects_in, with_about
 from .analog_rates import on_frames
 from .document import C3D, with_parameters
 from .numbers import ByteOrder
 from .parameter_tables import matched, rows_from, with_numbers, with_text
 from .parameters import Parameter
+from .points import point_names
 from .rotations import with_rotations
 from .sample_table import with_table
 from .storing_analog import with_analog, with_plates
 from .storing_points import with_points
+from .subject import with_prefixes
 from .to_trial import events_of
 from .writing import with_counts, write_document
 
@@ -79,6 +81,9 @@ def stored(
     doc = with_events(with_plates(doc, trial.plates), trial)
     doc, about_poses = with_rotations(doc, source, trial.poses, shift=first - source.first_frame)
     doc = with_about(with_table(doc, trial.trajectories), trial.about)
+    had = point_names(source)  # of a file that has prefixes without saying so, they stay unsaid
+    new = [name for name in trial.trajectories.names if name not in had]
+    doc = with_prefixes(doc, subjects_in(trial.about), new)
     changed = doc.points.shape != source.points.shape or doc.analog.shape != source.analog.shape
     return with_counts(doc) if changed or not own else doc, (*about_signals, *about_analog, *about_poses)
 

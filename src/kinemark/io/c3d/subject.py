@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from .document import C3D
+from .document import C3D, with_parameters
+from .parameters import Parameter
 
 
 def subject_of(source: Any) -> str:
@@ -25,3 +27,19 @@ def prefixes_of(source: Any) -> dict[str, str]:
         return {}
     names, prefixes = ([text.strip() for text in source.texts("SUBJECTS", key)] for key in ("NAMES", "LABEL_PREFIXES"))
     return {name: prefix for name, prefix in zip(names, prefixes, strict=False) if name and prefix}
+
+
+def with_prefixes(doc: C3D, subjects: Sequence[str], markers: Sequence[str]) -> C3D:
+    """The document that says which subject's each marker is, where names and a colon stand before those of markers.
+
+    Args:
+        doc: a document. subjects: their names. markers: such as `A:LKNE`; where none has a subject, nothing is said.
+    """
+    prefixes = [f"{name}:" for name in subjects]
+    if not any(marker.startswith(tuple(prefixes)) for marker in markers):
+        return doc
+    if prefixes_of(doc) == dict(zip(subjects, prefixes, strict=True)):
+        return doc
+    texts = [Parameter.text("NAMES", list(subjects)), Parameter.text("LABEL_PREFIXES", prefixes)]
+    whole = [Parameter.whole("USED", len(prefixes)), Parameter.whole("USES_PREFIXES", 1)]
+    return with_parameters(doc, "SUBJECTS", [*whole, *texts])

@@ -225,7 +225,7 @@ def changes(identity: NDArray[np.int64], owner: NDArray[np.int64], frame: NDArra
 
 def result(row: Row) -> Result:
     """One row."""
-    found = name_tracks(row.tracks, row.template, how=Labelling())
+    found = name_tracks(row.tracks, {"": row.template}, how=Labelling())
     owner, frame, F = owners(row.tracks, row.xyz), row.tracks.cloud.frame, row.tracks.cloud.n_frames
     after = found.tracks.id
     name = np.array([*found.names, ""], object)[after]

@@ -9,7 +9,7 @@ leaves. With Q_ck its part of cameras c and k and u the direction of f,
     E |e_c|²      = Σ_k τ_k² |Q_ck f_k|²      + Σ_k σ_k² |Q_ck|²                           (1)
 
 are two equations a camera that are linear in τ² and σ², summed over the points with the squares of their weights
-(MINQUE; Rao 1971, "Estimation of variance and covariance components", J. Multivariate Anal. 1, 257–275), and standard
+(MINQUE; Rao 1971), and standard
 errors by the jackknife. Flickering frame times, lost and repeated images, and motion within an exposure are such.
 """
 

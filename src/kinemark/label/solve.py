@@ -74,7 +74,9 @@ def solve(
     start = _start(stretches, template, pairs, key_frames, beam)
     if start is None:
         return Solution(np.full(len(stretches), -1), 0.0, 0.0)
-    found = _from(outwards(stretches, start.frame, start.tracks, start.labels, pairs), stretches, template, pairs, least_fit)
+    found = _from(
+        outwards(stretches, start.frame, start.tracks, start.labels, pairs), stretches, template, pairs, least_fit
+    )
     if np.any(template.doubt) and 0 < found.score < TURNED * found.expected * template.own_fit:
         found = _turned(found, stretches, template, pairs, least_fit)
     after = found.after or pairs

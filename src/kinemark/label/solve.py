@@ -104,6 +104,9 @@ def _turned(found: Solution, stretches: Stretches, template: Template, pairs: Pa
     if (other == np.arange(len(other))).all():
         return found
     label = np.where(found.label >= 0, other[found.label], -1)
+    label = _settled(stretches, label, template, pairs, least_fit)
+    if total_score(stretches, label, pairs)[0] <= found.score:
+        return found
     turned = _from(label, stretches, template, pairs, least_fit)
     return turned if turned.score > found.score else found
 

@@ -11,9 +11,10 @@ from kinemark.data import KinemarkError
 from kinemark.io.marker_sets import marker_sets, read_marker_set
 from kinemark.label import figure_template, label, static_template
 from kinemark.label.anatomy import Anatomy
-from kinemark.label.decided_sides import decided_sides, mirrored
+from kinemark.label.decided_sides import decided_sides
 from kinemark.label.evidence import PairScore
 from kinemark.label.from_set import by_figure_alone
+from kinemark.label.side_pairs import mirrored
 from kinemark.label.stretches import stretches_of
 from support.named_sessions import walk as walker
 from support.wearing import body_of, moving, standing

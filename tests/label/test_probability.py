@@ -8,9 +8,10 @@ import pytest
 from kinemark.data import MarkerTrajectory, Trajectories
 from kinemark.label import label, learn_template, shredded
 from kinemark.label.calibration import Cases, calibrated_shift, cases_of, shift_of
-from kinemark.label.decided_sides import decided_sides, mirrored
+from kinemark.label.decided_sides import decided_sides
 from kinemark.label.evidence import PairScore
 from kinemark.label.margin import logistic, margins, probability
+from kinemark.label.side_pairs import mirrored
 from kinemark.label.stretches import stretches_of
 from kinemark.synth import walking, with_markers
 

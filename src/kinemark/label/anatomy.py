@@ -2,7 +2,8 @@
 
 The front is where the toes are from the heels, and the pelvis has the same front, from the sacrum or the posterior
 spines to the anterior ones; up is where all other markers are from those of the feet. So names of a body that are
-exchanged, or turned about, contradict each other even where no distance shows it.
+exchanged, or turned about, contradict each other even where no distance shows it. Each is told by the markers that are
+there: a heel and the toe of its foot, a left marker and its right one, so that an absent one turns no direction.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ HEEL, TOE, BACK, FRONT = ("HEE",), ("TOE",), ("SACR", "PSI"), ("ASI",)
 
 
 class Anatomy(NamedTuple):
-    """Labels that tell the front: of feet and of the pelvis; all others; pairs of left and right."""
+    """Labels that tell the front: of each foot and of the pelvis; all others; pairs of left and right."""
 
     heel: list[int]
     toe: list[int]
@@ -36,8 +37,10 @@ class Anatomy(NamedTuple):
     @classmethod
     def of(cls, names: Sequence[str]) -> Anatomy:
         """By how names end."""
-        heel, toe, back, front = (_ending(names, ends) for ends in (HEEL, TOE, BACK, FRONT))
-        rest = sorted({*range(len(names))} - {*heel, *toe})
+        heels, toes, back, front = (_ending(names, ends) for ends in (HEEL, TOE, BACK, FRONT))
+        rest = sorted({*range(len(names))} - {*heels, *toes})
+        feet = [(a, b) for a in heels for b in toes if names[a][:-3].upper() == names[b][:-3].upper()]
+        heel, toe = ([foot[k] for foot in feet] for k in (0, 1))
         sides = sides_by_name(names)
         left, right = ([names.index(pair[k]) for pair in sides] for k in (0, 1))
         return cls(heel, toe, back, front, rest, left, right)
@@ -47,8 +50,9 @@ class Anatomy(NamedTuple):
 
         Where there are no heels and toes, or no pelvis, that part is 0.
         """
-        front, up = _way(y, self.heel, self.toe), _way(y, [*self.heel, *self.toe], self.rest)
-        left, pelvis = _way(y, self.right, self.left), _way(y, self.back, self.front)
+        front, left = _mean(y[:, self.toe] - y[:, self.heel]), _mean(y[:, self.left] - y[:, self.right])
+        up = _mean(y[:, self.rest]) - _mean(y[:, [*self.heel, *self.toe]])
+        pelvis = _mean(y[:, self.front]) - _mean(y[:, self.back])
         return _mean_cosine(np.cross(up, front), left) + _mean_cosine(front, pelvis)
 
     def tells(self, labels: Sequence[int]) -> bool:
@@ -65,11 +69,11 @@ def _ending(names: Sequence[str], ends: tuple[str, ...]) -> list[int]:
     return [k for k, name in enumerate(names) if name.upper().endswith(ends)]
 
 
-def _way(y: Single, start: list[int], end: list[int]) -> Floats:
-    """(K, 3) from the middle of some labels to that of others; NaN where one of either is not seen."""
-    if not start or not end:
-        return np.full((len(y), 3), np.nan)
-    return np.asarray(y[:, end].mean(1) - y[:, start].mean(1), float)
+def _mean(y: Single) -> Floats:
+    """(K, 3) of places, or ways, y (K, n, 3), of those that are known; NaN where none is."""
+    known = np.isfinite(y)
+    count = known.sum(1)
+    return np.asarray(np.where(count > 0, np.where(known, y, 0.0).sum(1) / np.maximum(count, 1), np.nan), float)
 
 
 def _mean_cosine(a: Floats, b: Floats) -> float:

@@ -58,7 +58,7 @@ def arranged(stretches: Stretches, label: Ints, template: Template, pairs: PairS
     shapes, L = Shapes.of(template), len(template)
     if not shapes.known.any() or not (label >= 0).any():
         return label
-    markers = _markers(stretches, label, L)
+    markers = markers_of(stretches, label, L)
     now, best = markers.label, markers.label
     most = _sum(markers, now, shapes, pairs)
     for share in ROUNDS:
@@ -81,7 +81,7 @@ def arranged(stretches: Stretches, label: Ints, template: Template, pairs: PairS
     return np.where(markers.of >= 0, best[markers.of], label)
 
 
-def _markers(stretches: Stretches, label: Ints, L: int) -> Markers:
+def markers_of(stretches: Stretches, label: Ints, L: int) -> Markers:
     """Labels that are there, and long chains of tracks without one."""
     chain = L + _chains(stretches, label)
     long = np.array([stretches.seen[chain == c].any(0).mean() > LONG for c in range(L, chain.max() + 1)], bool)

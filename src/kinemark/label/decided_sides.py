@@ -22,7 +22,7 @@ from ..data.finding import Finding
 from .anatomy import Anatomy
 from .evidence import WRONG_HAND, PairScore
 from .exchange import FRAMES, Exchanger, best_moves
-from .side_pairs import sides_by_name
+from .side_pairs import mirrored
 from .stretches import Stretches
 from .sweeps import places
 from .template import Template
@@ -32,15 +32,6 @@ UNDECIDED = 2 * WRONG_HAND
 NEARLY = 100.0
 """Loss of the mirror image, nats a frame, beyond which no other is looked for; chosen: bodies that are known well
 lose 220 or more."""
-
-
-def mirrored(names: tuple[str, ...]) -> Ints:
-    """(L) the label of each name's other side; its own where it has none."""
-    number = {name: a for a, name in enumerate(names)}
-    out = np.arange(len(names))
-    for one, other in sides_by_name(names):
-        out[[number[one], number[other]]] = number[other], number[one]
-    return out
 
 
 class Sides(NamedTuple):

@@ -18,7 +18,8 @@ frames, c how well the track goes on from others that are a, and F the fit of th
 δ is measured on the trial itself (`calibration`).
 
 *The label.* A whole label exchanged all through the trial is invisible to its pieces. Exchanges must lose: x is the
-least that one with a loses (`exchange` (1)), and where x is 0 the other way round is as likely. Chains of labels that
+least that one with a loses (`exchange` (1)), or that a loses to a marker without name (`claims` (1)); where x is 0
+the other way round is as likely. Chains of labels that
 have all moved up one place end at one that fits badly, or at a piece of a marker, so that the worst fit f_n of the four
 nearest labels and the share n of the frames in which a is seen, of those in which the best seen is, count as well. All
 of it is by the template as it was given, as what is known after the trial was learnt from these very labels:
@@ -42,6 +43,7 @@ from numpy.typing import NDArray
 
 from ..data.array_types import Floats, Ints
 from .anatomy import Anatomy
+from .claims import lost_to_claims
 from .differences import losses
 from .evidence import PairScore, Single, frame_fit
 from .exchange import FRAMES, Exchanger
@@ -113,6 +115,7 @@ def margins(
     some = y[np.unique(np.linspace(0, len(y) - 1, min(len(y), FRAMES)).round().astype(int))]
     none = np.zeros(L), np.zeros(L)
     lost, by_difference = _exchanges(some, template, pairs, stretches.fixed) if exchanges else none
+    lost = np.minimum(lost, lost_to_claims(stretches, label, given)) if exchanges else lost
     least, second = _second(stretches, t, a, nats[t])
     found = Margins(
         least, second, share, share - own_fit[a], continuity(stretches, label, L)[t, a], lost[a],

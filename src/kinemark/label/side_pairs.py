@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import scipy
 
-from ..data.array_types import Floats
+from ..data.array_types import Floats, Ints
 
 Rule = tuple[str, str]
 RULES: tuple[Rule, ...] = (
@@ -49,6 +49,15 @@ def sides_by_name(names: Sequence[str]) -> tuple[tuple[str, str], ...]:
             if not {left, right} & ({*pairs} | {*pairs.values()}):
                 pairs[left] = right
     return tuple((name, pairs[name]) for name in names if name in pairs)
+
+
+def mirrored(names: tuple[str, ...]) -> Ints:
+    """(L) the label of each name's other side; its own where it has none."""
+    number = {name: a for a, name in enumerate(names)}
+    out = np.arange(len(names))
+    for one, other in sides_by_name(names):
+        out[[number[one], number[other]]] = number[other], number[one]
+    return out
 
 
 def _swap(rule: Rule) -> Callable[[str], str | None]:

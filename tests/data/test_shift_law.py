@@ -63,7 +63,8 @@ NO_POSITIONS = {
         io.read_marker_set io.write_marker_set label.score_switches label.cut_truth io.prefixes_of
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
         engine.calibrate_method engine.frame_of engine.source_of engine.is_da
-        engine.answered engine.beside_key engine.identifies engine.recorded_beside engine.propose_session engine.session_text engine.with_role
+        engine.answered engine.beside_key engine.identifies engine.propose_session engine.recorded_beside
+        engine.session_text engine.with_role
         engine.write_first_session engine.method_of engine.methods_text engine.check_camera_names
         engine.methods_figures engine.methods_table_markdown engine.session_schema track.matches_itself
         engine.read_settings signal.gain signal.weights synth.focal_pixels""",

@@ -76,7 +76,7 @@ setup(
             "kinemark.native._native",
             sources=[f"{FOLDER}/{name}.c" for name in ("library", "motion", "pixels", "shapes", "views")],
             depends=[f"{FOLDER}/{name}.h" for name in ("native", "pixels_by_depth", "symmetric3")],
-            extra_compile_args=["-O3", "-fno-math-errno"],  # nobody asks for errno; compilers that do not know it say so and go on
+            extra_compile_args=["-O3", "-fno-math-errno"],  # nobody asks for errno; a compiler without it goes on
             optional=True,  # without a compiler NumPy does the work
         )
     ],

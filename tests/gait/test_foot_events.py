@@ -15,22 +15,27 @@ WALKS += ["pig_gait_3plates_emg/PiG_Motion3_FF.c3d"]
 
 
 def errors(name):
-    """s, by kind: events from markers alone less those of plates."""
+    """s, by kind: events from markers alone less those of plates, and what was expected."""
     walk, at = trial(name), points(name)
     known = plate_events(walk, at)
     found = {True: [], False: []}
     alone = foot_events(replace(walk, plates=()), at)
     for event in known:
         same = [e for e in alone if (e.side, e.strike) == (event.side, event.strike)]
-        found[event.strike].append(min((e.time - event.time for e in same), key=abs))
+        near = min(same, key=lambda e: abs(e.time - event.time))
+        found[event.strike].append((near.time - event.time, near.sd))
     return found
 
 
 def test_events_from_markers_are_those_of_the_plates():
     every = [errors(name) for name in WALKS]
-    strikes, offs = (1000 * np.concatenate([one[kind] for one in every]) for kind in (True, False))
+    (strikes, strike_sd), (offs, off_sd) = (
+        1000 * np.concatenate([one[kind] for one in every if one[kind]]).T for kind in (True, False)
+    )
     assert len(strikes) > 15 and len(offs) > 15
     assert abs(np.median(strikes)) < 3 and (np.abs(strikes) < 15).mean() > 0.95
+    for off, sd in ((strikes, strike_sd), (offs, off_sd)):
+        assert 0.77 < np.sqrt(np.mean((off / sd) ** 2)) < 1.3, "expected errors are true within 30 %"
     assert abs(np.median(offs)) < 5 and (np.abs(offs) < 15).mean() > 0.8 and (np.abs(offs) < 25).all()
 
 

@@ -463,7 +463,7 @@ def test_delays_that_are_known_are_taken_into_account(tmp_path):
     said = f"[cameras]\ndelays_ms = {{ {names[1]} = 13, {names[2]} = -6 }}\nrates_hz = {{ {names[3]} = 98 }}\n"
     (tmp_path / "session.toml").write_text(SETTINGS + said)
     tracks = run(tmp_path, to="track").tracks
-    found = score(tracks, fine[:, 200::100][:, :50])
+    found = score(tracks, fine[:, 200::100][:, : tracks.cloud.n_frames])  # the slower camera sees one frame more
     assert (found.recall > 0.97, found.swaps, len(tracks)) == (True, 0, 6)
     changed(tmp_path, "= 13", "= 0")
     assert run(tmp_path, to="track").computed == ("detect", "track")  # the input is another one

@@ -21,7 +21,7 @@ class Faults:
     sides: tuple = ("LASI", "RASI", 0.40)
     pieces: tuple = (("LTIB", 0.62), ("SACR", 0.45))
     gaps: tuple = (("LTOE", 0.35, 6), ("LKNE", 0.50, 9), ("RTIB", 0.20, 5), ("RANK", 0.65, 14))
-    ghost: tuple = ("LTHI", 0.15, 0.6)
+    ghost: tuple = ("LTHI", "RKNE", 0.15, 0.6)
     spike: tuple = ("RASI", 0.85, 2, 45.0)
 
 
@@ -61,8 +61,8 @@ def blank(of, where):
     of["origin"][where], of["cameras"][where], of["detection"][where] = Origin.MISSING, 0, -1
 
 
-def ghost(columns, marker, first, last):
-    """A path that is no marker: two cameras' images of other markers meet there by chance, and not well."""
+def ghost(columns, marker, other, first, last):
+    """A path that is no marker: two cameras' images of two markers meet there by chance, and not well."""
     n = len(columns[marker]["xyz"])
     part = {name: column.copy() for name, column in columns[marker].items()}
     blank(part, slice(0, round(first * n)))
@@ -70,6 +70,9 @@ def ghost(columns, marker, first, last):
     seen = part["origin"] != Origin.MISSING
     part["xyz"][seen] += np.array([70.0, 160.0, 90.0])
     part["residual"][seen], part["cov"][seen] = 6.0, 25.0 * np.eye(3)
-    keep = np.cumsum(part["detection"] >= 0, axis=1) <= 2
-    part["detection"] = np.where(keep, part["detection"], -1)
+    own, others = part["detection"], columns[other]["detection"]
+    a = int((own >= 0).sum(0).argmax())
+    b = int(np.where(np.arange(others.shape[1]) == a, -1, (others[seen] >= 0).sum(0)).argmax())
+    part["detection"] = np.full_like(own, -1)
+    part["detection"][seen, a], part["detection"][seen, b] = own[seen, a], others[seen, b]
     return part

@@ -23,7 +23,7 @@ from metrics import Metric
 from kinemark.apps.studio.acts import act
 from kinemark.apps.studio.acts_messages import Act, ClaimAct, EraseAct, ExchangeAct, UndoAct
 from kinemark.apps.studio.desk import OpenDocument
-from kinemark.apps.studio.messages import ActBody
+from kinemark.apps.studio.edit_messages import ActBody
 from kinemark.apps.studio.paths import DEFAULT, encoded
 from kinemark.apps.studio.shelf import Place
 from kinemark.data import Camera, Detections, MarkerTrajectory, Rig, Trajectories

@@ -17,6 +17,7 @@ from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..data.strides import FootEvent
 from ..data.subject_measures import LENGTHS_MM, LETTER, SIDES, LegMeasures, Side, SubjectMeasures
+from .inverse_dynamics import GRAVITY
 from .plate_contacts import Contact
 from .reaction import Reaction
 from .segments import Z_UP
@@ -27,8 +28,6 @@ KNEE_SHARE, ANKLE_SHARE = 0.125, 0.08
 """(2), of the leg; measured on people: medians of eight subjects from 1.33 to 1.76 m whose files state both."""
 WIDTH_SD_MM = 10.0
 """Standard uncertainty of (2), mm; measured on the same subjects."""
-GRAVITY = 9.80665
-"""Of falling bodies, m/s²; conventional."""
 
 
 def estimated_measures(

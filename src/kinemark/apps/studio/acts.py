@@ -34,9 +34,9 @@ from .acts_messages import (
     UndoAct,
 )
 from .desk import OpenDocument
+from .edit_messages import ActBody, ActDone, Join, Outcome, Preview
 from .header import header, next_undo
 from .images import mosaic_of
-from .messages import ActBody, ActDone, Join, Outcome, Preview
 from .paths import differing, part
 from .problems import alternative_edits, verdict_on
 

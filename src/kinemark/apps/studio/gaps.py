@@ -16,8 +16,8 @@ from ...fill import LIMIT, Filled, FilledGap
 from ...fill.methods.stage import FILL
 from ...fill.prepared import GapFill, PreparedFill, prepare
 from .desk import OpenDocument
+from .edit_messages import Candidate, GapCandidates, GapRow, Gaps, MethodError
 from .header import finite
-from .messages import Candidate, GapCandidates, GapRow, Gaps, MethodError
 
 POOL = ThreadPoolExecutor(1, "gaps")
 """Judges gaps, one at a time, so that edits are answered at once meanwhile."""

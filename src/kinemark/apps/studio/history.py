@@ -10,8 +10,8 @@ from ...engine.journal import hash_of_entry
 from ...report.words import edit_text
 from .acts import outcome
 from .desk import OpenDocument
+from .edit_messages import Difference, Fault, History, HistoryRow, IdentityChange, SampleChange
 from .header import finite
-from .messages import Difference, Fault, History, HistoryRow, IdentityChange, SampleChange
 
 
 def history(document: OpenDocument) -> History:

@@ -9,8 +9,8 @@ import numpy as np
 from ...data import MarkerSet, Trajectories
 from ...report.words import text_of
 from .desk import OpenDocument
+from .edit_messages import Labels, LinkFound, Proposal
 from .header import finite
-from .messages import Labels, LinkFound, Proposal
 
 STRETCHED = 0.04
 """Standard deviation of a link's length, as a share of it, above which it is shown as stretched; chosen: skin moves

@@ -11,7 +11,8 @@ import numpy as np
 from ...data import MarkerTrajectory, Origin, Trajectories
 from ...data.array_types import Floats
 from .desk import OpenDocument
-from .messages import Column, PathsPart
+from .edit_messages import PathsPart
+from .messages import Column
 
 DEFAULT: tuple[Column, ...] = ("xyz", "sd", "origin")
 COLUMNS: tuple[Column, ...] = get_args(Column)

@@ -10,9 +10,9 @@ from ...data.edits import Edit, GapChoice, Verdict
 from ...engine.problems import problems
 from .acts_messages import AlternativeAct
 from .desk import OpenDocument
+from .edit_messages import Alternative, Problem, Problems
 from .gaps import judged_gaps
 from .header import finite
-from .messages import Alternative, Problem, Problems
 
 NEAR_FRAMES = 10
 """Frames beside the one to look at in which cameras are counted; chosen: a blink."""

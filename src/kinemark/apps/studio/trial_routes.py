@@ -9,6 +9,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 
 from ...data import Trajectories
 from ...engine.keys import digest
+from . import edit_messages as e
 from . import messages as m
 from .acts import act, preview
 from .desk import OpenDocument
@@ -78,13 +79,13 @@ def viewed(document: OpenDocument, view: m.View) -> tuple[Trajectories, bool]:
 
 
 @router.get("/problems")
-def get_problems(document: Document) -> m.Problems:
+def get_problems(document: Document) -> e.Problems:
     """What is probably wrong, what saves most first."""
     return listed(document)
 
 
 @router.post("/acts")
-def post_act(document: Document, body: m.ActBody, live: TheLive, desk: TheDesk) -> m.ActDone:
+def post_act(document: Document, body: e.ActBody, live: TheLive, desk: TheDesk) -> e.ActDone:
     """Say something of the trial."""
     done = act(document, body)
     live.moved(document.place.id, done.head)
@@ -92,36 +93,36 @@ def post_act(document: Document, body: m.ActBody, live: TheLive, desk: TheDesk) 
 
 
 @router.post("/preview")
-def post_preview(document: Document, body: m.PreviewBody) -> m.Preview:
+def post_preview(document: Document, body: e.PreviewBody) -> e.Preview:
     """What an act would give; nothing is written."""
     return preview(document, body.act)
 
 
 @router.get("/gaps")
-def get_gaps(document: Document) -> m.Gaps:
+def get_gaps(document: Document) -> e.Gaps:
     """All gaps, with what is known of how they can be filled."""
     return gap_table(document)
 
 
 @router.get("/gaps/{marker}/{first}")
-def get_gap(document: Document, marker: str, first: int) -> m.GapCandidates:
+def get_gap(document: Document, marker: str, first: int) -> e.GapCandidates:
     """All ways to fill one gap."""
     return candidates(document, marker, first)
 
 
 @router.get("/labels")
-def get_labels(document: Document) -> m.Labels:
+def get_labels(document: Document) -> e.Labels:
     """Names of tracks, proposed."""
     return labels(document)
 
 
 @router.get("/history")
-def get_history(document: Document) -> m.History:
+def get_history(document: Document) -> e.History:
     """What was said."""
     return history(document)
 
 
 @router.get("/diff")
-def get_difference(document: Document, of: int, other: int) -> m.Difference:
+def get_difference(document: Document, of: int, other: int) -> e.Difference:
     """How two versions differ."""
     return versions_apart(document, of, other)

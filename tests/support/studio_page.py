@@ -132,7 +132,11 @@ class Studio:
         self.page.set_default_timeout(PATIENCE_MS)
         self.asked = f"?aa=0&theme={theme}{'&still=1' if still else ''}"
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on("console", lambda said: self.errors.append(said.text) if said.type == "error" else None)
+        self.page.on("console", self._said)
+
+    def _said(self, said):
+        if said.type == "error":
+            self.errors.append(f"{said.text} {said.location['url']}")
 
     def enter(self, address):
         """By the address of the terminal, then as tests want it."""

@@ -233,7 +233,7 @@ export interface paths {
         };
         /**
          * Get Gap
-         * @description All ways to fill one gap.
+         * @description All ways to fill one gap, nothing where there is no such gap (any more).
          */
         get: operations["get_gap_api_trials__trial__gaps__marker___first__get"];
         put?: never;
@@ -335,7 +335,7 @@ export interface paths {
         put?: never;
         /**
          * Post Preview
-         * @description What an act would give; nothing is written.
+         * @description What an act would give, nothing where it cannot be (any more): said as an act, it is refused in words.
          */
         post: operations["post_preview_api_trials__trial__preview_post"];
         delete?: never;
@@ -2111,7 +2111,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["GapCandidates"];
+                    "application/json": components["schemas"]["GapCandidates"] | null;
                 };
             };
             /** @description Unprocessable Entity */
@@ -2275,7 +2275,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Preview"];
+                    "application/json": components["schemas"]["Preview"] | null;
                 };
             };
             /** @description Unprocessable Entity */

@@ -150,6 +150,20 @@ def test_a_preview_gives_what_the_act_would_and_is_written_nowhere(studio, file)
     assert join["overlap"] == 200 and not join["connectable"]
 
 
+def test_a_question_about_what_is_there_no_more_has_no_answer_and_is_no_error(studio, file):
+    """The page asks ahead, and what it asks about may be gone when the question arrives."""
+    gone = [
+        {"kind": "alternative", "problem": "swap:A:B:1", "key": "exchange"},
+        {"kind": "claim", "track": "*99", "name": "LKNE"},
+    ]
+    for act in gone:
+        answer = studio.page.post(f"{studio.trial}/preview", {"act": act})
+        assert (answer.status, answer.json()) == (200, None)
+        assert studio.act(**act).status == 422  # said, it is refused
+    answer = studio.page.get(f"{studio.trial}/gaps/LKNE/50")
+    assert (answer.status, answer.json()) == (200, None)
+
+
 def test_problems_lead_to_edits_that_mend_them(tmp_path):
     file = file_in(tmp_path, seed=3)
     studio = Studio(file)

@@ -49,7 +49,7 @@ export const home = (): Promise<Home> => json("/home");
 export const trial = (id: string): Promise<TrialHeader> => json(of(id));
 export const problems = (id: string): Promise<Problems> => json(`${of(id)}/problems`);
 export const gaps = (id: string): Promise<Gaps> => json(`${of(id)}/gaps`);
-export const gap = (id: string, marker: string, first: number): Promise<GapCandidates> =>
+export const gap = (id: string, marker: string, first: number): Promise<GapCandidates | null> =>
   json(`${of(id)}/gaps/${part(marker)}/${first}`);
 export const labels = (id: string): Promise<Labels> => json(`${of(id)}/labels`);
 export const history = (id: string): Promise<History> => json(`${of(id)}/history`);
@@ -71,7 +71,7 @@ export async function detections(id: string, first: number, last: number): Promi
 
 export const act = (id: string, head: string, what: Act, why = ""): Promise<ActDone> =>
   json(`${of(id)}/acts`, body({ head, act: what, why }));
-export const preview = (id: string, what: Act): Promise<Preview> => json(`${of(id)}/preview`, body({ act: what }));
+export const preview = (id: string, what: Act): Promise<Preview | null> => json(`${of(id)}/preview`, body({ act: what }));
 export const run = (id: string): Promise<unknown> => json(`${of(id)}/run`, body({}));
 export const cancel = async (id: string): Promise<void> => void (await asked(`${of(id)}/run`, { method: "DELETE" }));
 export const exportTrial = (id: string): Promise<{ name: string; words: string[] }> => json(`${of(id)}/export`, body({}));

@@ -78,6 +78,7 @@ async function drawInstead(problem: Problem): Promise<void> {
   if (!other?.act || !id) return;
   try {
     const shown = await api.preview(id, other.act);
+    if (!shown) return;
     const { paths } = shown, set_ = decodePart(paths);
     if (get().problem === problem.id) set({ instead: { problem: problem.id, key: other.key, paths: [...set_.byName.values()], at: paths.first_frame, words: other.words } });
   } catch {
@@ -195,8 +196,8 @@ export async function askJoin(track: string, name: string): Promise<void> {
   set({ join: null });
   if (!id || !get().paths?.byName.has(name) || name === track) return;
   try {
-    const { join } = await api.preview(id, { kind: "claim", track, name, ...stretch(), at: playhead.frame });
-    if (join) set({ join: { track, name, join } });
+    const shown = await api.preview(id, { kind: "claim", track, name, ...stretch(), at: playhead.frame });
+    if (shown?.join) set({ join: { track, name, join: shown.join } });
   } catch {
     // the act itself will say why it cannot be
   }

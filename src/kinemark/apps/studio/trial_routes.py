@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
-from ...data import Trajectories
+from ...data import KinemarkError, Trajectories
 from ...engine.keys import digest
 from . import edit_messages as e
 from . import messages as m
@@ -93,9 +94,11 @@ def post_act(document: Document, body: e.ActBody, live: TheLive, desk: TheDesk) 
 
 
 @router.post("/preview")
-def post_preview(document: Document, body: e.PreviewBody) -> e.Preview:
-    """What an act would give; nothing is written."""
-    return preview(document, body.act)
+def post_preview(document: Document, body: e.PreviewBody) -> e.Preview | None:
+    """What an act would give, nothing where it cannot be (any more): said as an act, it is refused in words."""
+    with suppress(KinemarkError):
+        return preview(document, body.act)
+    return None
 
 
 @router.get("/gaps")
@@ -105,9 +108,11 @@ def get_gaps(document: Document) -> e.Gaps:
 
 
 @router.get("/gaps/{marker}/{first}")
-def get_gap(document: Document, marker: str, first: int) -> e.GapCandidates:
-    """All ways to fill one gap."""
-    return candidates(document, marker, first)
+def get_gap(document: Document, marker: str, first: int) -> e.GapCandidates | None:
+    """All ways to fill one gap, nothing where there is no such gap (any more)."""
+    with suppress(KinemarkError):
+        return candidates(document, marker, first)
+    return None
 
 
 @router.get("/labels")

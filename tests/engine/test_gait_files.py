@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from kinemark.data import Events, KinemarkError, Trial
+from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
 from kinemark.engine.gait_files import gait_of_files
 from kinemark.engine.gait_reference import reference_of_files
 from kinemark.engine.gait_settings import GaitSettings
 from kinemark.io.c3d import write_c3d
 from kinemark.io.trial import read_trial
-from kinemark.synth import walking
+from kinemark.synth import WalkingBody, gait_laboratory, walking
 from support.plug_in_gait import ADULT
 from support.shared import shared_data
 
@@ -63,6 +64,26 @@ def test_error_bars_are_on_every_curve(walk):
     knee = next(c for c in found.curves if c.name == "LKneeAngles")
     assert (knee.measurement_sd[:, 0] > 0.5).all()
     assert {"placement", "hip centre"} <= set(found.figures["uncertainty"][0]["by_cause"])
+
+
+def test_a_motion_shows_the_hips(tmp_path):
+    leg = LegMeasures(890.0, 105.0, 72.0)
+    off = {"left": np.array([8.0, 6.0, -9.0]), "right": np.array([-9.0, 8.0, 7.0])}
+    body = WalkingBody(SubjectMeasures(leg, leg, mass_kg=70.0), hip_error_mm=off)
+    lab = gait_laboratory(body, duration_s=3.0, rate=50.0)
+    for name in ("walk", "static", "functional"):
+        write_c3d(tmp_path / f"{name}.c3d", getattr(lab, name))
+    files = {name: tmp_path / f"{name}.c3d" for name in ("static", "functional")}
+    how = GaitSettings(smoothing="none", tissue_mm=0.5, uncertainty=False)
+    measures = replace(body.measures)
+    found = gait_of_files([tmp_path / "walk.c3d"], measures=measures, folder=tmp_path / "out", settings=how, **files)
+    hip = found.trials[0].gait.limbs.left.hip
+    assert np.abs(hip - lab.limbs.left.hip).max() < 0.1  # C3D holds single precision
+    told = next(f for f in found.figures["findings"] if f["kind"] == "gait_hips_functional")
+    assert told["values"]["away_mm"] == pytest.approx(np.linalg.norm(off["right"]), abs=1.0)
+    assert "functional, from functional" in (tmp_path / "out" / "gait.html").read_text()
+    with pytest.raises(KinemarkError, match=r"static: The left hip"):
+        gait_of_files([tmp_path / "walk.c3d"], measures=measures, functional=files["static"], settings=how)
 
 
 def test_several_walks_count_together(walk):

@@ -8,7 +8,7 @@ import numpy as np
 from kinemark import gait
 from kinemark.data import Analog, ForcePlate, Trial
 from kinemark.data.subject_measures import LegMeasures, SubjectMeasures
-from kinemark.synth import walking
+from kinemark.synth import WalkingBody, walking
 from support.shift_law import Answer, law, moved, on_grid
 
 LEG = LegMeasures(890.0, 105.0, 72.0)
@@ -76,6 +76,15 @@ def _(by):
 def _(by):
     found = gait.with_static_offsets(MEASURES, at(by), flat_foot=True)
     return Answer(rest=(found.left.plantar_offset_deg, found.right.rotation_offset_deg, found.asis_mm))
+
+
+@law(gait.functional_hip, gait.with_functional_hips, mm=1e-6, share=1e-6)
+def _(by):
+    body = WalkingBody(MEASURES)
+    swung = {name: on_grid(xyz) + by for name, xyz in body.markers(body.swinging(np.arange(240) / 10.0)).items()}
+    found = gait.functional_hip(swung, "left", tissue_mm=0.1)
+    measures = gait.with_functional_hips(MEASURES, swung, tissue_mm=0.1)
+    return Answer(rest=(found.place, found.sd, np.array(measures.right.hip_mm)))
 
 
 @law(gait.standard_trial, gait.with_heels, gait.estimated_measures)

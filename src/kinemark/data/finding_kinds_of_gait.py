@@ -18,6 +18,9 @@ GAIT_KINDS = (
          "trial."),
     Kind("gait_markers_renamed", "gait", "info", "Markers of the file that were taken for the model's, as SACR = "
          "sacrum.", {"names_list": "text"}),
+    Kind("gait_hips_functional", "gait", "info", "Hip joint centres come from a motion that turns them. way: score or "
+         "spheres. Standard uncertainty along an axis; distance of the farther hip from the regression's.",
+         {"trial": "text", "way": "text", "sd_mm": "mm", "away_mm": "mm"}),
     Kind("contact_left_out", "gait", "info", "A load on a plate from which no moments follow. reason: unclear, "
          "two_feet, beside, cut or no_foot.", {"trial": "text", "plate": "count", "reason": "text"}),
     Kind("gait_without_moments", "gait", "info", "There are no moments. why: plates, mass or contacts.",

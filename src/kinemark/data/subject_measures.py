@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -32,7 +32,9 @@ class LegMeasures:
         torsion_deg: of the shank, the ankle's axis outwards from the knee's.
         sole_mm: by how much the sole is thicker below the heel than below the toes.
         plantar_offset_deg, rotation_offset_deg: of the foot to the line from ankle to toe; None: from a static trial.
-        hip_shift_mm: of the hip from where the regression has it, forward, left and up in the pelvis.
+        hip_mm: of the hip in the pelvis, forward, left and up from the middle of its front points; None: by regression.
+        hip_sd_mm: standard uncertainty of each; None: as of a regression.
+        hip_shift_mm: of the hip from where the regression, or `hip_mm`, has it.
 
     Raises:
         KinemarkError: a length is none that a person can have.
@@ -48,6 +50,8 @@ class LegMeasures:
     sole_mm: float = 0.0
     plantar_offset_deg: float | None = None
     rotation_offset_deg: float | None = None
+    hip_mm: tuple[float, float, float] | None = None
+    hip_sd_mm: tuple[float, float, float] | None = None
     hip_shift_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
@@ -124,6 +128,10 @@ class SubjectMeasures:
     def leg(self, side: Side) -> LegMeasures:
         """Of one side."""
         return self.left if side == "left" else self.right
+
+    def with_leg(self, side: Side, leg: LegMeasures) -> SubjectMeasures:
+        """The measures with another leg of one side."""
+        return replace(self, left=leg) if side == "left" else replace(self, right=leg)
 
     def arm(self, side: Side) -> ArmMeasures | None:
         """Of one side."""

@@ -33,6 +33,7 @@ from .gait_walks import (
     recorded,
     subject_gait,
     with_gait,
+    with_hips,
 )
 from .identities import identity_of_file
 
@@ -53,6 +54,7 @@ def gait_of_files(
     walks: Sequence[Path],
     *,
     static: Path | None = None,
+    functional: Path | None = None,
     measures: Path | SubjectMeasures | None = None,
     markers: Mapping[str, str] | None = None,
     reference: Path | None = None,
@@ -66,6 +68,7 @@ def gait_of_files(
     Args:
         walks: trials of one subject with named markers.
         static: a standing trial, for the feet.
+        functional: a motion that turns the hips in all directions, which shows their centres.
         measures: the subject's, or a TOML file of them; as the files state them, else estimated, where none are given.
         markers: the files' names of markers by the gait model's, where they are neither those nor usual ones.
         reference: band of controls, drawn grey, and scored against.
@@ -84,6 +87,8 @@ def gait_of_files(
     whole = [completed(_read(path, markers, settings), still) for path in walks]
     stated = measures if isinstance(measures, SubjectMeasures) or measures is None else read_measures(measures)
     known = known_measures(stated, whole, still)
+    if functional is not None:
+        known = with_hips(known, _read(functional, markers, settings), settings)
     found = subject_gait(whole, known, still, settings)
     figures = _figures(whole, found, known, static, band, settings)
     figures["identity"] = identity_of_file(whole[0].given, walks[0])
@@ -110,8 +115,9 @@ def _figures(
     subject = next((w.given.about["subject"] for w in walks if w.given.about.get("subject")), "")
     return with_words(
         gait_figures(
-            found.trials, found.curves, found.causes, subject=subject, measures=found.measures, method=how(settings),
-            static=None if static is None else static.name, reference=band, estimated=known.estimated,
+            found.trials, found.curves, found.causes, subject=subject, measures=found.measures,
+            method=how(settings, known.hips), static=None if static is None else static.name, reference=band,
+            estimated=known.estimated, hips=known.hips,
             heels=sorted({name for walk in walks for name in walk.standard.heels}), renamed=_renamed(walks),
         )
     )  # fmt: skip

@@ -12,15 +12,16 @@ from ..data import Events, KinemarkError, Signals, Trial
 from ..data.array_types import Floats
 from ..data.gait_curves import GaitCurves
 from ..data.strides import FootEvent
-from ..data.subject_measures import SubjectMeasures
-from ..findings.gait import GaitOfTrial
+from ..data.subject_measures import SIDES, SubjectMeasures
+from ..findings.gait import GaitOfTrial, HipsShown
 from ..gait import with_static_offsets
 from ..gait.emg import Emg, emg
 from ..gait.estimated_measures import WIDTH_SD_MM, estimated_measures, mass_on_plates
 from ..gait.foot_events import foot_events
+from ..gait.functional_hip import functional_hip, with_hips_of
 from ..gait.gait_cycles import emg_curves, gait_curves
 from ..gait.gait_trial import analyse_gait, inputs_of, marker_points, measured_only
-from ..gait.lower_limb import check_markers
+from ..gait.lower_limb import check_markers, lower_limbs
 from ..gait.standard_trial import StandardTrial, in_laboratory, standard_trial, with_heels
 from ..gait.time_distance import strides
 from ..gait.uncertainty import gait_uncertainty, with_uncertainty
@@ -60,10 +61,12 @@ class KnownMeasures(NamedTuple):
     Attributes:
         measures: of the subject, without offsets from the standing trial.
         estimated: what of them nobody measured: "legs", "mass".
+        hips: what a functional trial shows of them; None where there is none.
     """
 
     measures: SubjectMeasures
     estimated: tuple[str, ...] = ()
+    hips: HipsShown | None = None
 
     @property
     def width_mm(self) -> float:
@@ -134,6 +137,28 @@ def known_measures(stated: SubjectMeasures | None, walks: Sequence[Recorded], st
     mass = float(np.median(masses)) if masses else None
     measures = estimated_measures((static or walks[0]).points, mass_kg=mass)
     return KnownMeasures(measures, ("legs",) if mass is None else ("legs", "mass"))
+
+
+def with_hips(known: KnownMeasures, functional: Recorded, settings: GaitSettings) -> KnownMeasures:
+    """The measures with the hips that a motion shows.
+
+    Args:
+        known: of the subject. functional: the motion. settings: how.
+
+    Raises:
+        KinemarkError: it does not show them; the message begins with its name.
+    """
+    try:
+        found = [functional_hip(functional.points, side, tissue_mm=settings.tissue_mm) for side in SIDES]
+        points = functional.points
+        pair = [lower_limbs(points, m, hip_centre=settings.made.mechanics.hip_centre)
+                for m in (known.measures, with_hips_of(known.measures, found))]  # fmt: skip
+    except KinemarkError as error:
+        raise KinemarkError(f"{functional.name}: {error}") from None
+    away = [float(np.nanmedian(np.linalg.norm(pair[0].leg(s).hip - pair[1].leg(s).hip, axis=-1))) for s in SIDES]
+    sd = float(np.sqrt(np.mean([hip.sd**2 for hip in found])))
+    shown = HipsShown(functional.name, found[0].way, sd, max(away))
+    return known._replace(measures=with_hips_of(known.measures, found), hips=shown)
 
 
 def subject_gait(
@@ -223,10 +248,11 @@ def as_events(events: Sequence[FootEvent], start_s: float) -> Events:
     )
 
 
-def how(settings: GaitSettings) -> dict[str, Any]:
-    """What of the settings makes the method, by name."""
+def how(settings: GaitSettings, hips: HipsShown | None = None) -> dict[str, Any]:
+    """What of the settings makes the method, by name; with hips that a motion has shown."""
     names = () if settings.method == "plug_in_gait" else ("hip_centre", "inertia", "smoothing", "cutoff_hz")
-    return {"name": settings.method} | {name: getattr(settings, name) for name in (*names, "flat_foot")}
+    made = {"name": settings.method} | {name: getattr(settings, name) for name in (*names, "flat_foot")}
+    return made if hips is None else made | {"hip_centre": f"functional, from {hips.trial}"}
 
 
 def _mass(walk: Recorded) -> float | None:

@@ -47,6 +47,20 @@ class GaitOfTrial(NamedTuple):
     emg: Mapping[str, Emg]
 
 
+class HipsShown(NamedTuple):
+    """Hips that a motion has shown.
+
+    Attributes:
+        trial: its name. way: "score" or "spheres". sd_mm: standard uncertainty along an axis, of both hips.
+        away_mm: of the farther hip from where the regression has it.
+    """
+
+    trial: str
+    way: str
+    sd_mm: float
+    away_mm: float
+
+
 def gait_figures(
     trials: Sequence[GaitOfTrial],
     curves: Sequence[GaitCurves],
@@ -58,6 +72,7 @@ def gait_figures(
     static: str | None,
     reference: GaitReference | None = None,
     estimated: Sequence[str] = (),
+    hips: HipsShown | None = None,
     heels: Sequence[str] = (),
     renamed: Mapping[str, str] | None = None,
 ) -> dict[str, Any]:
@@ -67,11 +82,13 @@ def gait_figures(
         trials: results. curves: over all strides of all trials. causes: of the uncertainty, of the first trial.
         subject: name. measures: with offsets of the feet. method: its name and parameters. static: name of that trial.
         reference: band of controls. estimated: "legs" and "mass", where nobody measured them.
+        hips: that a motion has shown.
         heels: that were taken from the static trial. renamed: the files' names by the model's, where they differ.
     """
     strides = [stride for trial in trials for stride in trial.strides]
     findings = [
         *_of_files(measures, estimated, heels, renamed or {}),
+        *([] if hips is None else [make_finding("gait_hips_functional", **hips._asdict())]),
         *_findings(trials, strides, measures, static),
     ]
     uncertainty = _uncertainty(causes)

@@ -10,6 +10,7 @@ from .clinical_angles import clinical_angles, progression
 from .clinical_moments import clinical_force, clinical_moment
 from .estimated_measures import estimated_measures, mass_on_plates
 from .foot_events import foot_events
+from .functional_hip import FunctionalHip, functional_hip, with_functional_hips
 from .gait_cycles import gait_curves
 from .gait_trial import GaitTrial, analyse_gait, marker_points
 from .inverse_dynamics import GroundContact, JointLoad, five_point, five_point_slope, joint_loads
@@ -26,6 +27,7 @@ from .time_distance import strides
 __all__ = [
     "INERTIAS",
     "Contact",
+    "FunctionalHip",
     "GaitTrial",
     "GroundContact",
     "JointLoad",
@@ -46,6 +48,7 @@ __all__ = [
     "five_point",
     "five_point_slope",
     "foot_events",
+    "functional_hip",
     "gait_curves",
     "joint_loads",
     "lower_limbs",
@@ -55,6 +58,7 @@ __all__ = [
     "reaction",
     "standard_trial",
     "strides",
+    "with_functional_hips",
     "with_heels",
     "with_static_offsets",
 ]

@@ -9,8 +9,9 @@ and z up:
     shank    z from ankle to knee, y through ANK likewise; the knee's end of it is turned back by the torsion      (3)
     foot     z from TOE to ankle, y of the shank; turned by Rᵧ(−plantar offset) Rₓ(∓rotation offset)             (4)
 
-Hips lie in the pelvis by regression (`hip_centre`), knees and ankles by the chord (`segments`). The offsets of (4) are
-those of the line from HEE to TOE in a static trial, which is level with a flat foot.
+Hips lie in the pelvis by regression (`hip_centre`) or where a motion has shown them (`functional_hip`), knees and
+ankles by the chord (`segments`). The offsets of (4) are those of the line from HEE to TOE in a static trial, which is
+level with a flat foot.
 """
 
 from __future__ import annotations
@@ -147,12 +148,7 @@ def _leg(
 ) -> Leg:
     own, left = measures.leg(side), TO_THE_LEFT[side]
     thi, kne, tib, ank, _, toe = (points[LETTER[side] + name] for name in LEG_MARKERS)
-    local = {
-        "davis": lambda: davis(measures, side, asis),
-        "harrington": lambda: harrington(measures, side, asis, depth),
-        "hara": lambda: hara(measures, side),
-    }[how]()
-    hip, r = pelvis.at(local + np.array(own.hip_shift_mm)), measures.marker_diameter_mm / 2
+    hip, r = pelvis.at(_hip(measures, side, how, asis, depth)), measures.marker_diameter_mm / 2
     knee = joint_centre(hip, kne, thi, half_width_mm=own.knee_mm / 2 + r, wand_deg=own.thigh_wand_deg, outwards=left)
     thigh = upright(knee, hip - knee, left * (kne - knee))  # (2)
     ankle = joint_centre(knee, ank, tib, half_width_mm=own.ankle_mm / 2 + r, wand_deg=own.shank_wand_deg, outwards=left)
@@ -161,6 +157,19 @@ def _leg(
     offsets = (own.plantar_offset_deg or 0.0, own.rotation_offset_deg or 0.0)
     foot = Segment(bare.R @ foot_offsets(*offsets, side), bare.origin)
     return Leg(hip, thigh, shank, shank.turned_about_z(-left * own.torsion_deg), foot, bare)
+
+
+def _hip(measures: SubjectMeasures, side: Side, how: HipCentre, asis: float, depth: float) -> Floats:
+    """(3) mm in the pelvis: as known, else by regression."""
+    own = measures.leg(side)
+    if own.hip_mm is not None:
+        return np.array(own.hip_mm) + own.hip_shift_mm
+    local = {
+        "davis": lambda: davis(measures, side, asis),
+        "harrington": lambda: harrington(measures, side, asis, depth),
+        "hara": lambda: hara(measures, side),
+    }[how]()
+    return np.asarray(local + np.array(own.hip_shift_mm))
 
 
 def foot_offsets(plantar_deg: float, rotation_deg: float, side: Side) -> Floats:

@@ -5,9 +5,10 @@ A quantity y(x₁, x₂, …) of independent causes with standard uncertainties 
     u(y)² = Σᵢ Δᵢ²,   Δᵢ = [ y(xᵢ + uᵢ) − y(xᵢ − uᵢ) ] / 2                                                   (1)
 
 Causes that stay as they are through a trial are shifted in all frames at once, each along the three axes of its own
-segment: where a marker sits on its landmark (in the static trial too), the hip joint centre of the regression, widths,
-skin over bone, and where the plates lie. Noise of the markers is independent between frames, and derivatives make much
-of it, so that it is drawn at random (2): the deviation of y over `draws` trials with noise of the stated covariance.
+segment: where a marker sits on its landmark (in the static trial too), the hip joint centre, widths, skin over bone,
+and where the plates lie. A hip that a motion has shown stays in the bone where a marker of the pelvis is shifted. Noise
+of the markers is independent between frames, and derivatives make much of it, so that it is drawn at random (2): the
+deviation of y over `draws` trials with noise of the stated covariance.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from ..data import Signals, Trial
 from ..data.array_types import Floats
 from ..data.subject_measures import LETTER, SIDES, SubjectMeasures
 from .gait_trial import Inputs, gait_of, inputs_of
-from .lower_limb import LowerLimbs, lower_limbs, with_static_offsets
+from .lower_limb import LowerLimbs, lower_limbs, pelvis_of, with_static_offsets
 from .segments import Segment, within_half_turn
 
 Quantities = Mapping[str, Floats]
@@ -35,7 +36,7 @@ class GaitErrors:
 
     Attributes:
         placement_mm: of each marker on its landmark, along each axis.
-        hip_mm: of the hip joint centre by regression, along each axis.
+        hip_mm: of the hip joint centre by regression, along each axis; measures that know the hip state their own.
         width_mm: of the measured widths of knee and ankle.
         tissue_mm: how far skin moves markers of thigh and shank over the bone, along each axis.
         plate_mm: of the places of force plates among the markers, along each horizontal axis.
@@ -62,6 +63,8 @@ class GaitErrors:
 
 SEGMENT_OF = {"THI": "thigh", "KNE": "thigh", "TIB": "shank", "ANK": "shank", "HEE": "foot", "TOE": "foot"}
 """On which segment a marker of a leg sits."""
+PELVIS = ("ASI", "PSI", "ACR")
+"""Names of the pelvis' markers without their first letter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,9 +176,25 @@ def _shifting(model: _Model, name: str, walk: Floats, still: Floats | None) -> S
         static = model.static
         if static is not None and still is not None and name in static:
             static = {**static, name: static[name] + times * still}
-        return replace(model, given=model.given._replace(points=points), static=static)
+        measures = _kept_hips(model.given.measures, model.given.points, points) if name[1:] in PELVIS else None
+        given = model.given._replace(points=points, measures=measures or model.given.measures)
+        return replace(model, given=given, static=static)
 
     return shifted
+
+
+def _kept_hips(measures: SubjectMeasures, before: Mapping[str, Floats], after: Mapping[str, Floats]) -> SubjectMeasures:
+    """The measures with hips that motion has shown at the same place of the bone, though the pelvis' markers moved."""
+    (one, _), (two, _) = pelvis_of(before), pelvis_of(after)
+    out = measures
+    for side in SIDES:
+        own = measures.leg(side)
+        if own.hip_mm is not None:
+            local = np.einsum("fji,fj->fi", two.R, one.at(np.array(own.hip_mm)) - two.origin)
+            if np.isfinite(local).all(1).any():
+                x, y, z = (float(c) for c in np.nanmean(local, axis=0))
+                out = out.with_leg(side, replace(own, hip_mm=(x, y, z)))
+    return out
 
 
 def _segment(limbs: LowerLimbs, name: str) -> Segment:
@@ -189,10 +208,11 @@ def _segment(limbs: LowerLimbs, name: str) -> Segment:
 
 
 def _hips(model: _Model, sd: float) -> Iterator[Shifted]:
-    """Each hip along each axis of the pelvis."""
+    """Each hip along each axis of the pelvis, by its own standard uncertainty where it has one."""
     for side in SIDES:
+        own = model.given.measures.leg(side).hip_sd_mm or (sd, sd, sd)
         for axis in range(3):
-            shift = tuple(sd * np.eye(3)[axis])
+            shift = tuple(own[axis] * np.eye(3)[axis])
             yield _measuring(model, side, "hip_shift_mm", shift)
 
 

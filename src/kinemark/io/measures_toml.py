@@ -2,7 +2,7 @@
 
 mass_kg = 61.5, height_mm = 1720, asis_mm = 240, marker_diameter_mm = 14, head_offset_deg = 0     all may be absent
 [left]   leg_mm = 880, knee_mm = 102, ankle_mm = 68; trochanter_mm, thigh_wand_deg, shank_wand_deg, torsion_deg,
-         sole_mm, plantar_offset_deg, rotation_offset_deg may be absent
+         sole_mm, plantar_offset_deg, rotation_offset_deg; hip_mm = [x, y, z], hip_sd_mm = [x, y, z] may be absent
 [right]  the same
 [left_arm]  shoulder_mm = 45, elbow_mm = 80, wrist_mm = 55, hand_mm = 28                           may be absent
 [right_arm] the same
@@ -24,6 +24,8 @@ from .number_text import read_text
 OF_SUBJECT = ("mass_kg", "height_mm", "asis_mm", "marker_diameter_mm", "head_offset_deg")
 ARMS = ("left_arm", "right_arm")
 OF_ARM = tuple(field.name for field in fields(ArmMeasures))
+PLACES = ("hip_mm", "hip_sd_mm")
+"""Of a leg, three numbers each."""
 OF_LEG = tuple(field.name for field in fields(LegMeasures) if field.name != "hip_shift_mm")
 
 
@@ -60,7 +62,9 @@ def _leg(side: str, table: Any) -> LegMeasures:
     if not isinstance(table, Mapping):
         raise KinemarkError(f"{side} is {table!r}, wanted a table [{side}] with leg_mm, knee_mm and ankle_mm.")
     _check(f"[{side}]", table, OF_LEG, ("leg_mm", "knee_mm", "ankle_mm"))
-    numbers: dict[str, Any] = {name: _number(f"{side}.{name}", value) for name, value in table.items()}
+    numbers: dict[str, Any] = {
+        name: (_place if name in PLACES else _number)(f"{side}.{name}", value) for name, value in table.items()
+    }
     return LegMeasures(**numbers)
 
 
@@ -79,6 +83,13 @@ def _check(where: str, table: Mapping[str, Any], known: tuple[str, ...], needed:
             raise KinemarkError(f"{where} has the unknown key {key!r}.{hint}")
     if absent := [key for key in needed if key not in table]:
         raise KinemarkError(f"{where} lacks {', '.join(absent)}. Measure it, in millimetres.")
+
+
+def _place(name: str, value: Any) -> tuple[float, float, float]:
+    if not isinstance(value, list) or len(value) != 3:
+        raise KinemarkError(f"{name} is {value!r}, wanted three numbers: forward, left and up, in millimetres.")
+    x, y, z = (_number(name, part) for part in value)
+    return x, y, z
 
 
 def _number(name: str, value: Any) -> float:

@@ -92,6 +92,17 @@ class WalkingBody:
         up = np.array([0.0, 0.0, ANKLE_MM]) - legs["left"].ankle * (0, 0, 1)
         return _raised(LowerLimbs(Segment(R, np.zeros((n_frames, 3))), legs["left"], legs["right"]), up)
 
+    def swinging(self, time: Floats) -> LowerLimbs:
+        """True segments at times (F) s of the body that stands and swings its legs, as for a functional hip centre.
+
+        Each leg in turn, the left first, half of the time each: forward and back, outward, and round.
+        """
+        n, done = len(time), (time - time[0]) / max(float(np.ptp(time)), 1e-9)
+        wave = np.stack([np.full(n, 3.0), 3 * np.sin(2.1 * time), 4 * np.cos(1.7 * time)], -1)
+        pelvis = Segment(turned(wave, FOOT_SEQUENCE), np.stack([0 * time, 20 * np.sin(time), 900 + 0 * time], -1))
+        legs = {side: self._leg(pelvis, side, _swings(2 * done - k)) for k, side in enumerate(SIDES)}
+        return LowerLimbs(pelvis, legs["left"], legs["right"])
+
     def turn_of(self, time: Floats, side: Side) -> Floats:
         """(F) strides of a leg from its own foot strike; whole at each."""
         return BEGIN + np.asarray(time) / self.period + (0.0 if side == "left" else 0.5)
@@ -177,6 +188,17 @@ def _leg_angles(turns: Floats) -> Floats:
         curve(KNEE, turns), 1.0 + 3.0 * np.cos(wave - 4.0), 2.0 + 6.0 * np.sin(wave),
         curve(ANKLE, turns),
     ])  # fmt: skip
+
+
+def _swings(done: Floats) -> Floats:
+    """(7, F) deg while one leg swings, from 0 to 1 of its time: forward and back, outward, and two circles."""
+    s = np.clip(done, 0.0, 1.0)
+    first, second, third = (np.clip(3 * s - k, 0, 1) for k in range(3))
+    flexion = 35 * np.sin(4 * np.pi * first) + 25 * np.sin(4 * np.pi * third)
+    adduction = -30 * (1 - np.cos(4 * np.pi * second)) / 2 - 15 * (1 - np.cos(4 * np.pi * third))
+    bend = 10 + 15 * np.abs(np.sin(4 * np.pi * first))
+    rest = 0 * s
+    return np.stack([flexion, adduction, 8 * np.sin(6 * np.pi * s), bend, rest, rest, rest])
 
 
 def _lengths(own: LegMeasures) -> tuple[float, float]:

@@ -45,6 +45,8 @@ PLATE_MM = (480.0, 420.0)
 """Length and width of the plates; chosen: one foot's stance is on one plate."""
 SENSOR_MM = 40.0
 """How far a plate's sensors are below its surface; chosen."""
+SWINGS_S = 24.0
+"""Of the functional trial; chosen, 12 s a leg."""
 BURSTS: Mapping[str, tuple[float, float]] = {"EMG LTA": (0.6, 0.98), "EMG LGAS": (0.15, 0.5)}
 """Shares of the left stride between which a muscle is on; chosen, as of walkers."""
 
@@ -63,6 +65,7 @@ class GaitLaboratory:
     body: WalkingBody
     walk: Trial
     static: Trial
+    functional: Trial
     limbs: LowerLimbs
     signals: Signals
     events: tuple[FootEvent, ...]
@@ -82,7 +85,7 @@ def gait_laboratory(
     plate_type: int = 2,
     seed: int = 0,
 ) -> GaitLaboratory:
-    """A walk of the body over one plate for each foot, and a standing trial.
+    """A walk of the body over one plate for each foot, a standing trial, and one that swings the legs.
 
     Args:
         body: that walks; its measures state its mass.
@@ -119,10 +122,12 @@ def gait_laboratory(
     walk = Trial("walk", _trajectories(body.markers(limbs), rate, noise_mm, rng), analog, plates)
     still = body.markers(body.standing(round(rate)), walking=False)
     static = Trial("static", _trajectories(still, rate, noise_mm, rng))
+    swung = body.markers(body.swinging(np.arange(round(SWINGS_S * rate)) / rate))
+    functional = Trial("functional", _trajectories(swung, rate, noise_mm, rng))
     loads = {LETTER[side] + joint: load for side in SIDES
              for joint, load in joint_truth(body, time, side, parts).items()}  # fmt: skip
     signals = signals_of(clinical_angles(limbs), loads, ground, mass, rate=rate)
-    return GaitLaboratory(body, walk, static, limbs, signals, _events(body, duration_s), on)
+    return GaitLaboratory(body, walk, static, functional, limbs, signals, _events(body, duration_s), on)
 
 
 def ground_reactions(body: WalkingBody, time: Floats) -> dict[Side, GroundContact]:

@@ -100,6 +100,7 @@ def sensitivity(
 def gait(
     *walks: Path,
     static: Path | None = None,
+    functional: Path | None = None,
     measures: Path | None = None,
     marker: tuple[str, ...] = (),
     reference: Path | None = None,
@@ -114,6 +115,7 @@ def gait(
     Args:
         walks: trials of one subject: C3D or another file of trajectories.
         static: a standing trial, for the feet.
+        functional: a motion that turns the hips in all directions, which shows their centres.
         measures: TOML file of the subject's measures; as the files state them, else estimated, where none is given.
         marker: the file's name of one of the gait model's markers, as SACR=sacrum; may be given for each marker.
         reference: band of controls, as kinemark gait-reference writes it: drawn grey, and scored against.
@@ -127,8 +129,8 @@ def gait(
     from ...report.gait_text import gait_summary
 
     result = gait_of_files(
-        walks, static=static, measures=measures, markers=_pairs(marker), reference=reference, folder=output,
-        exports=exports, settings=settings, self_contained=self_contained,
+        walks, static=static, functional=functional, measures=measures, markers=_pairs(marker), reference=reference,
+        folder=output, exports=exports, settings=settings, self_contained=self_contained,
     )  # fmt: skip
     if json:
         print_result(result.figures)

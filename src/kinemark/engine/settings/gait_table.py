@@ -23,6 +23,9 @@ class GaitTable(Strict):
     """What `kinemark gait` is told otherwise; the session's static trial shows the feet."""
 
     trials: tuple[str, ...] = Field(default=(), description="names of the walks; all trials of motion where absent")
+    functional: str | None = Field(
+        default=None, description="name of the trial whose motion shows the hip centres; by regression where absent"
+    )
     measures: Path | dict[str, Any] | None = Field(
         default=None,
         description="of the subject: a TOML file, or [gait.measures]; as recordings state them, else estimated, where "

@@ -68,6 +68,11 @@ GAIT_WORDS = {
         "Markers were taken for the gait model's: {names_list}.",
         "If one is another marker, say which it is: --marker SACR=sacrum.",
     ),
+    "gait_hips_functional": Words(
+        "The hip joint centres are those that {trial} shows, to ±{sd_mm:0} along each axis; up to {away_mm:0} from "
+        "where the regression has them.",
+        "Where both are far apart, look whether the motion was wide and the markers of the thighs sat firmly.",
+    ),
     "contact_left_out": Words(_left_out, "Other steps count; nothing is lost."),
     "gait_without_moments": Words(_no_moments, _for_moments),
     "events_without_plates": Words(

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data import Cloud, Tracks
-from ...data.array_types import Floats, Ints
+from ...data.array_types import Bools, Floats, Ints
 from ...data.progress import tell
 from ..stage import CLOUD, TRACK
 from .active_tracks import ActiveSwamidasTracks, advance, initiate, no_tracks, predict_points
-from .constraints import Constraint, PredictedPoints, match_points
+from .angle_guide import AngleGuide
+from .constraints import Constraint, PredictedPoints, in_region, match_points
 from .learning import LearnedParameters, stated_parameters
 from .segments import allowed_points
 from .swamidas_method import DEFAULT, Swamidas
@@ -70,13 +71,18 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
     max_missed = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
     learning_frames = max(round(method.learning_time * cloud.rate), INITIATION_FRAMES)
     known, active, frames, with_points = stated_parameters(cloud, method), no_tracks(), [], 0
+    guide = None if method.model is None else AngleGuide(method.model, method, cloud.rate, learning_frames)
     for f in range(cloud.n_frames):
         tell(f, cloud.n_frames)
         rows = cloud.rows(f)
         points, mine, why = cloud.xyz[rows], identity[rows], by[rows]
         expected = predict_points(active, known.error, method.velocity_share)
+        allowed = _allowed(active, expected, points, known, method)
+        if guide and (left := guide.missing(active)).any():
+            active, expected, taken, reason = _guided(guide, active, expected, points, allowed, left, known)
+        else:
+            taken, reason = match_points(expected, points, allowed)
         frames.append(PredictedFrame(active.id, expected.xyz, expected.half))
-        taken, reason = match_points(expected, points, _allowed(active, expected, points, known, method))
         hit = taken >= 0
         mine[taken[hit]], why[taken[hit]] = active.id[hit], reason[hit]
         active = advance(active, taken, points, sd=known.sd, process_sd=process_sd)
@@ -87,7 +93,34 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
             active = initiate(active, mine[new], points[new])
         active = active.keep(active.missed <= max_missed)
         known.learn(mine, points, learning_frames, method)
+        if guide:
+            said = np.where(hit[:, None], points[taken], expected.xyz) if len(points) else expected.xyz
+            guide.advance(frames[-1].id, said, mine, points)
     return SwamidasResult(Tracks(cloud, identity), by, frames)
+
+
+def _guided(
+    guide: AngleGuide,
+    active: ActiveSwamidasTracks,
+    expected: PredictedPoints,
+    points: Floats,
+    allowed: Bools,
+    missing: Bools,
+    known: LearnedParameters,
+) -> tuple[ActiveSwamidasTracks, PredictedPoints, Ints, Ints]:
+    """Tracks and what they expect, both corrected, and the point and constraint (T) of each: those that are visible
+    first, and then those `missing` (T), where the model has them as seen from these."""
+    taken, by = np.full((2, len(missing)), -1)
+    taken[~missing], by[~missing] = match_points(expected.keep(~missing), points, allowed[~missing])
+    observed = np.where((taken >= 0)[:, None], points[taken], np.nan) if len(points) else np.full_like(active.velocity, np.nan)
+    active, expected, placed = guide.correct(active, expected, observed, known.error, known.sd)
+    free = np.ones(len(points), bool)
+    free[taken[taken >= 0]] = False
+    allowed[placed] &= in_region(expected, points)[placed]
+    again, why = match_points(expected.keep(missing), points[free], allowed[np.ix_(missing, free)])
+    taken[missing] = np.where(again >= 0, np.flatnonzero(free)[again] if free.any() else -1, -1)
+    by[missing] = why
+    return active, expected, taken, by
 
 
 def _allowed(

@@ -12,9 +12,9 @@ T the length of a cycle, frames, as in (2) of `phase`. A frame's samples y_j of 
 (an extended Kalman filter in its information form): P⁻¹ ← P⁻¹ + diag(I, 0), x ← x + P [g, 0]ᵀ, a few times over, as m
 bends. Where nothing is seen the phase goes on at its speed and its variance grows.
 
-It begins with several frames together: of 64 phases and of five speeds about 1 / T the pair is taken with the least
-squared deviation and (ln s T / SPEEDS)² (3). One frame alone would not do: an arm that bends passes each of its
-postures twice.
+It begins with several frames together: phase and speed minimise the squared deviations of (2) and (ln s T / SPEEDS)²
+(3), from the best of 64 phases and five speeds about 1 / T on. One frame alone would not do: an arm that bends passes
+each of its postures twice.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from ..data.array_types import Floats
 from .phase import INDEPENDENT_FRAMES, SPEED_CHANGE, STEPS, CycleTemplate
@@ -51,19 +52,21 @@ class PhaseState(NamedTuple):
 
 
 def begin_phase(y: Floats, template: CycleTemplate, spread: Floats, *, cycle: float) -> PhaseState:
-    """The state in the last of the first frames (F, K), F two or more, NaN where missing, by (3) and then (2)."""
-    phases, t = np.arange(STEPS) / STEPS, np.arange(len(y))
-    cost = np.empty((len(TRIED), STEPS))
-    for row, speed in zip(cost, TRIED, strict=True):
-        off = (y - template(phases[:, None] + speed / cycle * t)) / spread  # (STEPS, F, K)
-        row[:] = INDEPENDENT_FRAMES / cycle * np.nansum(off**2, axis=(1, 2)) + (np.log(speed) / SPEEDS) ** 2
-    k, b = np.unravel_index(cost.argmin(), cost.shape)
-    start = np.array([phases[b], TRIED[k] / cycle])
-    state = PhaseState(start, np.diag([1.0 / STEPS**2, (SPEEDS / cycle) ** 2]))
-    state = update_phase(state, y[0], template, spread, cycle=cycle)
-    for row in y[1:]:
-        state = update_phase(predict_phase(state, cycle=cycle), row, template, spread, cycle=cycle)
-    return state
+    """The state in the last of the first frames (F, K), F two or more, NaN where missing, by (3)."""
+    t = np.arange(len(y)) - (len(y) - 1)
+    there, weight = ~np.isnan(y), np.sqrt(INDEPENDENT_FRAMES / cycle) / spread
+
+    def off(x: Floats) -> Floats:
+        """Of (3): what phase and relative speed (2) leave."""
+        left = np.where(there, weight * (np.nan_to_num(y) - template(x[0] + x[1] / cycle * t)), 0.0)
+        return np.append(left.ravel(), np.log(x[1]) / SPEEDS)
+
+    tried = [np.array([b / STEPS, speed]) for b in range(STEPS) for speed in TRIED]
+    start = min(tried, key=lambda x: float((off(x) ** 2).sum()))
+    found = scipy.optimize.least_squares(off, start, x_scale=[0.01, 0.1], bounds=([-np.inf, 0.5], [np.inf, 2.0]))
+    scale = np.diag([1.0, 1 / cycle])
+    information = found.jac.T @ found.jac + np.diag([1e-6, 0.0])  # a template that stands still tells nothing
+    return PhaseState(scale @ found.x, scale @ np.linalg.inv(information) @ scale)
 
 
 def predict_phase(state: PhaseState, *, cycle: float) -> PhaseState:

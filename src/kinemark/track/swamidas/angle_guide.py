@@ -17,9 +17,9 @@ the variance of the model, and nothing oscillates.
 
 The box about a corrected place has the half size
 
-    h = n (e + p |v|) + 3 √(v_m + |x'|² v_φ)                                                     (1)
+    h = n (e + p |v|) + |x̂ − x_m| + 3 √(v_m + x'² v_φ)                                          (1)
 
-n the frames since the correction, v_m the variance of the place by the model's cycles, x' its change with the phase,
+n the frames since the correction, x̂ the corrected place and x_m the model's, v_m the variance of the place by the model's cycles, x' its change with the phase,
 and v_φ the variance of the phase, which grows while nothing is seen of it.
 """
 
@@ -40,6 +40,7 @@ from ...signal.phase_filter import PhaseState, begin_phase, predict_phase, updat
 from ...signal.segment_directions import directions
 from .active_tracks import ActiveSwamidasTracks
 from .constraints import PredictedPoints, half_size
+from .model_matching import match_by_model
 from .model_names import tracks_of_model
 from .swamidas_method import Swamidas
 
@@ -52,11 +53,14 @@ SIDES = 3.0
 
 
 class Corrected(NamedTuple):
-    """Tracks with their states corrected, what they expect now, and which of them (T) the model vouches for."""
+    """Tracks with their states corrected, what they expect now, and which of them (T) the model has placed; at (M, 3)
+    mm the model's markers that are visible, NaN for the others, and the phase by these."""
 
     active: ActiveSwamidasTracks
     expected: PredictedPoints
     placed: Bools
+    at: Floats
+    phase: PhaseState
 
 
 class AngleGuide:
@@ -105,13 +109,13 @@ class AngleGuide:
         at = np.where(known, observed[row], np.nan)
         seen = ~np.isnan(at[:, 0])
         missing = known[:, 0] & self.missing(active)[row] & ~seen
-        ahead = self._updated(at)
+        visible, phase = at.copy(), self._updated(at)
         at[missing] = expected.xyz[row[missing]]
-        place, spread = self._placed(at, seen, ahead.phase, ahead.variance)
+        place, spread = self._placed(at, seen, phase.phase, phase.variance)
         missing &= ~np.isnan(place[:, 0])
         wrong = missing.copy()
         if self._method.feedback == "position":
-            wrong &= self._places.wrong(at, ahead.phase)
+            wrong &= self._places.wrong(at, phase.phase)
         self._since[wrong] = 0
         state = self._fed_back(active.state, row, wrong, place, spread, sd) if wrong.any() else active.state
         at[missing] = state.x[row[missing], 0]
@@ -119,7 +123,49 @@ class AngleGuide:
             at[wrong] = place[wrong]
         half = half_size(self._since + 1, error, active.velocity[row], self._method.velocity_share)
         half += np.abs(at - place) + SIDES * np.sqrt(spread)  # (1)
-        return _corrected(active, expected, state, row[missing], at[missing], half[missing])
+        placed = np.zeros(len(active.id), bool)
+        placed[row[missing]] = True
+        expected = _moved(expected, row[missing], at[missing], state.x[row[missing], 1], half[missing])
+        return Corrected(replace(active, state=state), expected, placed, visible, phase)
+
+    def match(self, corrected: Corrected, points: Floats, inside: Bools) -> Ints:
+        """The point (T), of those that no visible marker has taken (N, 3) mm, of each track; −1 for none.
+
+        Args:
+            corrected: of `correct`.
+            points: those that are left.
+            inside: (T, N) those in the regions of acceptance of tracks that the model has placed.
+        """
+        row = self._rows(corrected.active.id)
+        mine = np.flatnonzero((row >= 0) & corrected.placed[row])  # markers of the model
+        own = row[mine]
+        before = self._known_segments(corrected.at)
+
+        def cost(taken: Ints) -> float:
+            at = corrected.at.copy()
+            at[mine] = np.where((taken >= 0)[:, None], points[taken], np.nan)
+            return self._cost(corrected.phase, at, self._known_segments(at) & ~before)
+
+        off = np.linalg.norm(points - corrected.expected.xyz[own, None], axis=-1)
+        taken = np.full(len(corrected.active.id), -1)
+        taken[own] = match_by_model(inside[own], off, cost)
+        return taken
+
+    def _known_segments(self, at: Floats) -> Bools:
+        """(S) whose ends are both known."""
+        return ~np.isnan(at[self._model.links, 0]).any(1)
+
+    def _cost(self, phase: PhaseState, at: Floats, new: Bools) -> float:
+        """The first two sums of (1) of `model_matching` for markers at (M, 3) mm that make segments (S) known."""
+        if not new.any():
+            return 0.0
+        y = np.where(np.repeat(new, 3), self._directions(at[:, None])[0], np.nan)
+        then = update_phase(phase, y, self._template, self._spread, cycle=self._cycle)
+        link, length = self._model.links[new], self._model.length[new]
+        stretch = np.linalg.norm(at[link[:, 1]] - at[link[:, 0]], axis=1) - length
+        limit = np.maximum(self._model.spread[new], self._method.model_spread * length)
+        off, change = (y - self._template(then.x[0])) / self._spread, then.x - phase.x
+        return float(np.nansum(off**2) + ((stretch / limit) ** 2).sum() + change @ np.linalg.solve(phase.P, change))
 
     def advance(self, tracks: Ints, said: Floats, identity: Ints, points: Floats) -> None:
         """Remember a frame: where tracks (T) were said to be (T, 3) mm, and its points (n, 3) mm by identity (n)."""
@@ -192,14 +238,8 @@ class AngleGuide:
         return KalmanState(x, P)
 
 
-def _corrected(
-    active: ActiveSwamidasTracks, expected: PredictedPoints, state: KalmanState, own: Ints, at: Floats, half: Floats
-) -> Corrected:
-    """Step 5: tracks `own` (n) are expected at (n, 3) mm, in boxes of this half size (n, 3) mm."""
-    xyz, velocity, halves = expected.xyz.copy(), expected.velocity.copy(), expected.half.copy()
-    xyz[own], velocity[own], halves[own] = at, state.x[own, 1], half
-    placed = np.zeros(len(active.id), bool)
-    placed[own] = True
-    return Corrected(
-        replace(active, state=state), expected._replace(xyz=xyz, half=halves, velocity=velocity), placed
-    )
+def _moved(expected: PredictedPoints, own: Ints, at: Floats, velocity: Floats, half: Floats) -> PredictedPoints:
+    """Step 5: tracks `own` (n) are expected at (n, 3) mm, with this velocity and a box of this half size (n, 3)."""
+    xyz, ways, halves = expected.xyz.copy(), expected.velocity.copy(), expected.half.copy()
+    xyz[own], ways[own], halves[own] = at, velocity, half
+    return expected._replace(xyz=xyz, velocity=ways, half=halves)

@@ -41,6 +41,7 @@ class Constraint(IntEnum):
     VELOCITY = 3
     ELIMINATION = 4
     BEGIN = 5
+    MODEL = 6
 
 
 class PredictedPoints(NamedTuple):

@@ -16,7 +16,7 @@ from ...data.array_types import Bools, Floats, Ints
 from ...data.progress import tell
 from ..stage import CLOUD, TRACK
 from .active_tracks import ActiveSwamidasTracks, advance, initiate, no_tracks, predict_points
-from .angle_guide import AngleGuide
+from .angle_guide import AngleGuide, Corrected
 from .constraints import Constraint, PredictedPoints, in_region, match_points
 from .learning import LearnedParameters, stated_parameters
 from .segments import allowed_points
@@ -78,8 +78,9 @@ def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult
         points, mine, why = cloud.xyz[rows], identity[rows], by[rows]
         expected = predict_points(active, known.error, method.velocity_share)
         allowed = _allowed(active, expected, points, known, method)
-        if guide and (left := guide.missing(active)).any():
-            active, expected, taken, reason = _guided(guide, active, expected, points, allowed, left, known)
+        if guide and guide.missing(active).any():
+            corrected, taken, reason = _guided(guide, active, expected, points, allowed, known)
+            active, expected = corrected.active, corrected.expected
         else:
             taken, reason = match_points(expected, points, allowed)
         frames.append(PredictedFrame(active.id, expected.xyz, expected.half))
@@ -105,22 +106,27 @@ def _guided(
     expected: PredictedPoints,
     points: Floats,
     allowed: Bools,
-    missing: Bools,
     known: LearnedParameters,
-) -> tuple[ActiveSwamidasTracks, PredictedPoints, Ints, Ints]:
-    """Tracks and what they expect, both corrected, and the point and constraint (T) of each: those that are visible
-    first, and then those `missing` (T), where the model has them as seen from these."""
-    taken, by = np.full((2, len(missing)), -1)
-    taken[~missing], by[~missing] = match_points(expected.keep(~missing), points, allowed[~missing])
-    observed = np.where((taken >= 0)[:, None], points[taken], np.nan) if len(points) else np.full_like(active.velocity, np.nan)
-    active, expected, placed = guide.correct(active, expected, observed, known.error, known.sd)
-    free = np.ones(len(points), bool)
-    free[taken[taken >= 0]] = False
-    allowed[placed] &= in_region(expected, points)[placed]
-    again, why = match_points(expected.keep(missing), points[free], allowed[np.ix_(missing, free)])
-    taken[missing] = np.where(again >= 0, np.flatnonzero(free)[again] if free.any() else -1, -1)
-    by[missing] = why
-    return active, expected, taken, by
+) -> tuple[Corrected, Ints, Ints]:
+    """Tracks and what they expect, corrected, and the point and constraint (T) of each: markers that are visible first,
+    then those that the model has placed as seen from these, and last those that it cannot place."""
+    visible = ~guide.missing(active)
+    taken, by = np.full(len(visible), -1), np.full(len(visible), int(Constraint.NONE))
+    taken[visible], by[visible] = match_points(expected.keep(visible), points, allowed[visible])
+    observed = np.full_like(expected.xyz, np.nan)
+    observed[taken >= 0] = points[taken[taken >= 0]]
+    corrected = guide.correct(active, expected, observed, known.error, known.sd)
+    for own, chosen in ((corrected.placed, guide.match), (~visible & ~corrected.placed, None)):
+        left = np.setdiff1d(np.arange(len(points)), taken)
+        if not own.any() or not len(left):
+            continue
+        if chosen:
+            inside = in_region(corrected.expected, points[left]) & allowed[:, left]
+            found, why = chosen(corrected, points[left], inside)[own], int(Constraint.MODEL)
+        else:
+            found, why = match_points(corrected.expected.keep(own), points[left], allowed[np.ix_(own, left)])
+        taken[own], by[own] = np.where(found >= 0, left[found], -1), np.where(found >= 0, why, 0)
+    return corrected, taken, by
 
 
 def _allowed(

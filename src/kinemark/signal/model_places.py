@@ -79,7 +79,7 @@ class ModelPlaces:
             known = known | new
 
     def _way(self, phase: float) -> Floats:
-        way = self._curve(np.float64(phase)).reshape(-1, 3)
+        way = self._curve(np.asarray(phase)).reshape(-1, 3)
         return np.asarray(way * (self._length / np.linalg.norm(way, axis=1))[:, None])
 
     def _step(self, phase: float) -> int:

@@ -65,7 +65,8 @@ def begin_phase(y: Floats, template: CycleTemplate, spread: Floats, *, cycle: fl
     start = min(tried, key=lambda x: float((off(x) ** 2).sum()))
     found = scipy.optimize.least_squares(off, start, x_scale=[0.01, 0.1], bounds=([-np.inf, 0.5], [np.inf, 2.0]))
     scale = np.diag([1.0, 1 / cycle])
-    information = found.jac.T @ found.jac + np.diag([1e-6, 0.0])  # a template that stands still tells nothing
+    jacobian = np.asarray(found.jac)
+    information = jacobian.T @ jacobian + np.diag([1e-6, 0.0])  # a template that stands still tells nothing
     return PhaseState(scale @ found.x, scale @ np.linalg.inv(information) @ scale)
 
 
@@ -75,9 +76,7 @@ def predict_phase(state: PhaseState, *, cycle: float) -> PhaseState:
     return PhaseState(A @ state.x, A @ state.P @ A.T + np.diag([0.0, SPEED_CHANGE**2 / cycle**3]))
 
 
-def update_phase(
-    state: PhaseState, y: Floats, template: CycleTemplate, spread: Floats, *, cycle: float
-) -> PhaseState:
+def update_phase(state: PhaseState, y: Floats, template: CycleTemplate, spread: Floats, *, cycle: float) -> PhaseState:
     """With the samples (K) of the frame, NaN where missing, of spread (K), by (2)."""
     there = ~np.isnan(y)
     if not there.any():

@@ -19,8 +19,9 @@ The box about a corrected place has the half size
 
     h = n (e + p |v|) + |x̂ − x_m| + 3 √(v_m + x'² v_φ)                                          (1)
 
-n the frames since the correction, x̂ the corrected place and x_m the model's, v_m the variance of the place by the model's cycles, x' its change with the phase,
-and v_φ the variance of the phase, which grows while nothing is seen of it.
+n the frames since the correction, x̂ the corrected place and x_m the model's, v_m the variance of the place by the
+model's cycles, x' its change with the phase, and v_φ the variance of the phase, which grows while nothing is seen of
+it.
 """
 
 from __future__ import annotations

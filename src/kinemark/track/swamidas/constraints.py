@@ -59,7 +59,8 @@ class PredictedPoints(NamedTuple):
 
     def keep(self, mask: Bools) -> PredictedPoints:
         """Those where `mask` (T) is true."""
-        return PredictedPoints(*(values[mask] for values in self))
+        xyz, half, velocity, last, steps = self
+        return PredictedPoints(xyz[mask], half[mask], velocity[mask], last[mask], steps[mask])
 
 
 def half_size(steps: Ints, error: Floats, velocity: Floats, share: float) -> Floats:

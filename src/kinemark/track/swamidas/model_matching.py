@@ -28,9 +28,7 @@ MOST = 500
 """Ways that are compared; with more, each track takes the nearest point in its region. Chosen: more cost time."""
 
 
-def match_by_model(
-    inside: Bools, distance: Floats, cost: Callable[[Ints], float]
-) -> Ints:
+def match_by_model(inside: Bools, distance: Floats, cost: Callable[[Ints], float]) -> Ints:
     """The point (T) of each of T tracks, −1 for none.
 
     Args:

@@ -6,6 +6,7 @@ or, for as long as none is found, with its own prediction; so the identity outli
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from .active_tracks import ActiveSwamidasTracks, advance, initiate, no_tracks, p
 from .angle_guide import AngleGuide, Corrected
 from .constraints import Constraint, PredictedPoints, in_region, match_points
 from .learning import LearnedParameters, stated_parameters
+from .own_model import own_model
 from .segments import allowed_points
 from .swamidas_method import DEFAULT, Swamidas
 
@@ -65,7 +67,17 @@ def track_swamidas(cloud: Cloud, *, method: Swamidas = DEFAULT) -> Tracks:
 
 
 def follow_points(cloud: Cloud, *, method: Swamidas = DEFAULT) -> SwamidasResult:
-    """As `track_swamidas`, with all predictions and the constraints that decided."""
+    """As `track_swamidas`, with all predictions and the constraints that decided.
+
+    Raises:
+        KinemarkError: no model can be made of the trial itself, where it is asked for.
+        ValueError: the method names a model's file that was not read.
+    """
+    if method.angle_model is not None and method.model is None:
+        if method.angle_model != "own":
+            raise ValueError(f"angle_model names {method.angle_model}, which was not read; give its content as model")
+        first = follow_points(cloud, method=replace(method, angle_model=None)).tracks
+        method = replace(method, angle_model=None, model=own_model(first, method.links))
     identity, by = np.full(len(cloud), -1), np.full(len(cloud), int(Constraint.NONE))
     process_sd = method.jerk / cloud.rate**3
     max_missed = np.inf if method.max_coasting is None else method.max_coasting * cloud.rate
@@ -122,7 +134,8 @@ def _guided(
             continue
         if chosen:
             inside = in_region(corrected.expected, points[left]) & allowed[:, left]
-            found, why = chosen(corrected, points[left], inside)[own], int(Constraint.MODEL)
+            found = chosen(corrected, points[left], inside)[own]
+            why = np.full(len(found), int(Constraint.MODEL))
         else:
             found, why = match_points(corrected.expected.keep(own), points[left], allowed[np.ix_(own, left)])
         taken[own], by[own] = np.where(found >= 0, left[found], -1), np.where(found >= 0, why, 0)

@@ -48,7 +48,7 @@ from .swamidas_method import Swamidas
 LEAST = 1e-4
 """Variance of a place at least, mm²; chosen."""
 STEP = 0.01
-"""Cycles over which the change of a place with the phase is taken: that of the model's steps."""
+"""Cycles over which the change of a place with the phase is taken; chosen: one of the model's hundred steps."""
 SIDES = 3.0
 """Standard deviations of (1): a place in a thousand lies outside; by convention."""
 

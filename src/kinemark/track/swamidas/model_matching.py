@@ -23,7 +23,7 @@ import numpy as np
 from ...data.array_types import Bools, Floats, Ints
 
 NONE = 9.0
-"""Cost of a marker without a point, of (1): three standard deviations."""
+"""Cost of a marker without a point, of (1), a pure number; chosen: that of one three standard deviations off."""
 MOST = 500
 """Ways that are compared; with more, each track takes the nearest point in its region. Chosen: more cost time."""
 

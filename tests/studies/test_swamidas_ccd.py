@@ -31,5 +31,5 @@ def test_a_flatter_target_has_less_error_of_the_centroid(study):
 def test_without_noise_both_ways_find_the_centre(study):
     centre = np.array([52.3, 47.6])
     seen = study.image(centre, 10.0, 0.0, np.random.default_rng(0))
-    np.testing.assert_allclose(study.centroid(seen), centre, atol=0.01)
-    np.testing.assert_allclose(study.edge_centre(seen, centre), centre, atol=0.1)
+    np.testing.assert_allclose(study.centroid(seen), centre, atol=0.1)  # the disc is cut at whole pixels
+    np.testing.assert_allclose(study.edge_centre(seen, centre), centre, atol=0.05)

@@ -9,10 +9,10 @@ peak, as that of a sensor that counts. Edges are where 32 rays from the brightes
 half of what is between the peak and the ground, which are read from the image; the whole is repeated from the centre
 found, until it stays. The centroid's error is the ground's pull towards the middle of the grid, and so depends on where
 targets lie, which is not told: here within 4.5 px of the middle along each coordinate, set so that the centroid's
-error at 20 % is the published one. The rest is not set. Like the published figures ours grow with the noise, those of the edges are
-far below the centroid's, and the centroid's fall with the variance. Unlike them the centroid is nearly as bad at 5 %
-(noise that is never below 0 outweighs so small a target), and edges are found to a hundredth to a twentieth of a pixel,
-least well where the target is wide and cut at whole pixels.
+error at 20 % is the published one. The rest is not set. Like the published figures ours grow with the noise, those of
+the edges are far below the centroid's, and the centroid's fall with the variance. Unlike them the centroid is nearly
+as bad at 5 % (noise that is never below 0 outweighs so small a target), and edges are found to a hundredth to a
+twentieth of a pixel, least well where the target is wide and cut at whole pixels.
 
 Run: python studies/swamidas_ccd.py [images, 300]
 """

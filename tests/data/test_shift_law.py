@@ -48,7 +48,7 @@ NO_POSITIONS = {
         data.images_of data.matches_of digitise.identified_matches digitise.identified_tracks geometry.check_cameras
         signal.assign signal.assign_nearest signal.cheapest_first""",
     "directions, rotations, angles, phases and their files": """
-        fill.component_angles fill.cycle_events fill.intervals fill.model_events geometry.nearest_rotations
+        signal.component_angles fill.cycle_events fill.intervals fill.model_events geometry.nearest_rotations
         gait.five_point gait.five_point_slope gait.gait_curves
         geometry.polar_rotations io.read_angles io.write_angles kinematics.cycles
         data.outside kinematics.inverse_cosines kinematics.principal kinematics.resampled kinematics.spans_of

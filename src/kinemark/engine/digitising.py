@@ -132,6 +132,7 @@ def digitise_camera(
             proposer=_proposer(views, method),
             refuse=refuse,
             on_answer=on_answer,
+            reopened=replay.goes_on,
         )
     except KinemarkError as error:
         raise KinemarkError(f"{answers or 'Digitising'}: {error}") from error

@@ -8,8 +8,8 @@ machine does so by itself, frame by frame.
 
        s = r − r₀                                                        (1)
 
-   and places without the shift are c = u − s (2). Where it is not present, s is that of the frame before. Whether what was
-   found is the marker is asked where that is wanted, and again of what the operator then points at, until it is right.
+   and places without the shift are c = u − s (2). Where it is not present, s is that of the frame before. Where that is
+   wanted, the operator is asked whether what was found is the marker, and again of what they then point at.
 2. **The others** are expected on a straight line through their latest two places, and looked for there (`search`).
 3. **What was not found is asked for**, in the order of the markers. "Not present" is an answer.
 4. **The operator looks at the frame** and accepts it, or goes through it marker by marker; a wrong place is put where

@@ -129,7 +129,7 @@ def digitise_camera(
             n_frames=reel.n_frames,
             method=method,
             constant=constant,
-            proposer=_proposer(views, method),
+            proposer=proposer_of(views, method),
             refuse=refuse,
             on_answer=on_answer,
             reopened=replay.goes_on,
@@ -164,7 +164,7 @@ def _answering(
     return Replay(before, otherwise=ask if operator else None, save_all=save_all), on_answer
 
 
-def _proposer(views: OtherViews | None, method: SemiAutomatic) -> Any:
+def proposer_of(views: OtherViews | None, method: SemiAutomatic) -> Any:
     """What asks the other cameras, if there are any."""
     if views is None:
         return None
@@ -217,7 +217,7 @@ def digitise_trial(
     Raises:
         KinemarkError: answers are missing, or cameras have different numbers of frames.
     """
-    reels = _reels(task)
+    reels = reels_of(task)
     n = next(iter(reels.values())).n_frames
     uv = np.full((len(task.rig), len(task.method.markers), n, 2), np.nan)
     figures: dict[str, Any] = {}
@@ -243,7 +243,7 @@ def digitise_trial(
     return uv, {"questions": sum(f["questions"] for f in figures.values()), "cameras": figures}
 
 
-def _reels(task: Digitising) -> dict[str, DigitisedFrames]:
+def reels_of(task: Digitising) -> dict[str, DigitisedFrames]:
     """The frames of all cameras, as many of each."""
     reels = {
         name: DigitisedFrames(source, method=task.detect, mask=task.mask(name)) for name, source in task.images.items()

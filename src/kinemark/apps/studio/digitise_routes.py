@@ -1,0 +1,49 @@
+"""Digitise: the question that is asked now, and answers, each kept before it counts."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request
+
+from ...engine.open_digitising import OpenDigitising
+from ...engine.session import Session
+from ...engine.session_name import FILE
+from . import detect_messages as m
+from .detect_routes import ThePlace
+from .digitise import now, open_digitising, take
+from .kept import Kept, stamp_of
+from .shelf import Place
+
+router = APIRouter(prefix="/api/trials/{trial}/digitise")
+
+
+def digitising_of(request: Request, place: Place) -> OpenDigitising:
+    """The trial that is being digitised, gone through anew where its session or its answers were changed."""
+    kept = request.app.state.digitising
+    assert isinstance(kept, Kept)
+    stamp = stamp_of(place.path / FILE)
+    opened = kept.get(place.id, stamp, lambda: open_digitising(place))
+    if opened.outdated:
+        kept.forget(place.id)
+        opened = kept.get(place.id, stamp, lambda: open_digitising(place))
+    assert isinstance(opened, OpenDigitising)
+    return opened
+
+
+@router.get("")
+def get_digitising(request: Request, place: ThePlace) -> m.DigitisingNow:
+    """Where the operator is."""
+    return _now(digitising_of(request, place), place)
+
+
+@router.post("/answers")
+def post_answer(request: Request, place: ThePlace, body: m.AnswerBody) -> m.DigitisingNow:
+    """Answer the question that is asked; 409 where somebody else has."""
+    opened = digitising_of(request, place)
+    with opened.lock:
+        take(opened, body)
+        return _now(opened, place)
+
+
+def _now(opened: OpenDigitising, place: Place) -> m.DigitisingNow:
+    with opened.lock:
+        return now(opened, place, Session.open(place.path).settings.name)

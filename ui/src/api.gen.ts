@@ -284,6 +284,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/trials/{trial}/digitise/frames/{frame}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Saved
+         * @description What is saved of a frame of the camera whose turn it is.
+         */
+        get: operations["get_saved_api_trials__trial__digitise_frames__frame__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/trials/{trial}/epipolar": {
         parameters: {
             query?: never;
@@ -962,7 +982,9 @@ export interface components {
         };
         /**
          * DigitiseQuestion
-         * @description What is asked: `at` is where the marker is or is expected; `lines`, where the other cameras see it.
+         * @description What is asked: `at` is where the marker is or is expected, `search` the side of the square that was searched, px.
+         *
+         *     `lines` are where the other cameras see it; `spots` what can be pointed at, nearest to `at` first.
          */
         DigitiseQuestion: {
             /** Ambiguous */
@@ -986,6 +1008,11 @@ export interface components {
             said: components["schemas"]["PlaceSaid"] | null;
             /** Search */
             search: number;
+            /** Spots */
+            spots: [
+                number,
+                number
+            ][];
             /** Words */
             words: string;
         };
@@ -2690,6 +2717,38 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["DigitisingNow"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_saved_api_trials__trial__digitise_frames__frame__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                frame: number;
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PlacedMarker"][];
                 };
             };
             /** @description Unprocessable Entity */

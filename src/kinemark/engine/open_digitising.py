@@ -118,6 +118,17 @@ class OpenDigitising:
         found = {self.task.rig.names[c]: self._line(c, here, seen[c]) for c in others}
         return {name: line for name, line in found.items() if len(line) > 1}
 
+    def spots(self) -> Floats:
+        """(n, 2) px what can be pointed at where a place is asked for, nearest to the one expected first."""
+        question = self.question
+        if question.phase not in (DigitisingPhase.POINT, DigitisingPhase.CORRECT):
+            return np.zeros((0, 2))
+        spots, at = self._reels[self.camera](question.frame).uv, question.uv
+        if question.proposal is not None and np.isfinite(question.proposal.uv).all():
+            at = question.proposal.uv
+        near = np.hypot(*(spots - at).T) if np.isfinite(at).all() else spots[:, 1]  # else from the top down
+        return np.asarray(spots[np.argsort(near, kind="stable")])
+
     def answer(self, answer: Answer) -> None:
         """Take an answer to the question; what cannot be used changes nothing.
 

@@ -129,6 +129,9 @@ def test_the_first_two_frames_are_asked_for_and_then_the_reference_marker(typed,
     corrected = said(studio, {"kind": "no"}, now).json()
     assert corrected["question"]["words"] == "Click where the centre of ACR1 is."
     moved = said(studio, {"kind": "point", "u": 100.5, "v": 90.25}, corrected).json()
+    assert studio.page.get(f"{studio.address}/frames/3").status == 422, "it is not saved yet"
+    saved = studio.page.get(f"{studio.address}/frames/2").json()
+    assert {marker["how"] for marker in saved} == {"pointed"} and saved[0]["name"] == "ACR1"
     assert moved["draft"][0] == {"name": "ACR1", "u": 100.5, "v": 90.25, "how": "placed"}
 
 
@@ -202,6 +205,7 @@ def test_the_other_cameras_propose_and_draw_their_lines(typed, tmp_path):
     now = all_said(studio, all_of[first[0] : sum(first)])
     question = now["question"]
     assert len(question["lines"]) == 2 and question["said"]["seen"]
+    assert question["spots"][0] == question["said"]["at"] and len(question["spots"]) >= 8
     assert np.hypot(*(np.array(question["said"]["at"]) - footage(FRAMES / 30)[2].uv[2, 0, 0])) < 1.0
     now = said(studio, {"kind": "yes"}, now).json()
     assert now["draft"][0]["how"] == "proposed"

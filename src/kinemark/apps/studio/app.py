@@ -24,7 +24,7 @@ from .messages import Refusal
 from .shelf import NotThere
 
 STATUS: dict[type[Exception], int] = {NotThere: 404, NotRun: 424, AnsweredMeanwhile: 409}
-"""Of errors of the user's that are not 422."""
+"""Of HTTP, for errors of the user's that are not 422; by definition."""
 MOST_WORDS = 20
 """Mistakes of a message that are named; chosen."""
 

@@ -153,7 +153,10 @@ class PlaceSaid(Message):
 
 
 class DigitiseQuestion(Message):
-    """What is asked: `at` is where the marker is or is expected; `lines`, where the other cameras see it."""
+    """What is asked: `at` is where the marker is or is expected, `search` the side of the square that was searched, px.
+
+    `lines` are where the other cameras see it; `spots` what can be pointed at, nearest to `at` first.
+    """
 
     phase: Phase
     frame: int
@@ -164,6 +167,7 @@ class DigitiseQuestion(Message):
     ambiguous: bool
     said: PlaceSaid | None
     lines: list[EpipolarLine]
+    spots: list[Pixel]
 
 
 class DigitisingNow(Message):

@@ -7,13 +7,15 @@ import numpy as np
 from ...data import KinemarkError
 from ...data.answers import Absent, Accept, Answer, ByHand, No, Point, Revisit, Undo, Verify, Yes
 from ...data.array_types import Floats
-from ...digitise import DigitisingPhase, MarkerStatus, Question
+from ...digitise import DigitisedFrame, DigitisingPhase, MarkerStatus, Question
 from ...engine.open_digitising import OpenDigitising
 from ...engine.session import Session
 from . import detect_messages as m
 from .messages import EpipolarLine
 from .shelf import Place
 
+MOST_SPOTS = 200
+"""That are sent; chosen: more are not stepped through."""
 PLAIN: dict[str, Answer] = {
     "absent": Absent(), "yes": Yes(), "no": No(), "save": Accept(), "verify": Verify(), "hand": ByHand(),
     "undo": Undo(),
@@ -58,16 +60,27 @@ def now(opened: OpenDigitising, place: Place, title: str) -> m.DigitisingNow:
                 name=name, width=width, height=height, tall=bool(source.interlaced), saved=opened.saved(name)
             )
         )
-    draft = [
-        m.PlacedMarker(name=name, u=_known(uv[0]), v=_known(uv[1]), how=HOW[MarkerStatus(found)])
-        for name, uv, found in zip(markers, state.draft.uv, state.draft.found, strict=True)
-    ]
     return m.DigitisingNow(
         trial=place.name, session=title, cameras=cameras, frames=opened.n_frames, camera=opened.camera,
         kept=opened.kept[opened.camera], markers=list(markers), reference=opened.task.method.reference,
-        question=_question(opened, question), draft=draft, can_undo=opened.can_undo,
+        question=_question(opened, question), draft=_placed(opened, state.draft), can_undo=opened.can_undo,
         finished=opened.finished(opened.names[-1]),
     )  # fmt: skip
+
+
+def saved_frame(opened: OpenDigitising, frame: int) -> list[m.PlacedMarker]:
+    """What is saved of a frame of the camera whose turn it is; raises a KinemarkError where nothing is."""
+    saved = opened.state.saved[frame - 1] if 1 <= frame <= opened.n_frames else None
+    if saved is None:
+        raise KinemarkError(f"Frame {frame} of {opened.camera} is not saved yet.")
+    return _placed(opened, saved)
+
+
+def _placed(opened: OpenDigitising, frame: DigitisedFrame) -> list[m.PlacedMarker]:
+    return [
+        m.PlacedMarker(name=name, u=_known(uv[0]), v=_known(uv[1]), how=HOW[MarkerStatus(found)])
+        for name, uv, found in zip(opened.task.method.markers, frame.uv, frame.found, strict=True)
+    ]
 
 
 def take(opened: OpenDigitising, body: m.AnswerBody) -> None:
@@ -105,6 +118,7 @@ def _question(opened: OpenDigitising, question: Question) -> m.DigitiseQuestion:
             EpipolarLine(camera=name, points=[(u, v) for u, v in line.tolist()])
             for name, line in opened.lines().items()
         ],
+        spots=[(u, v) for u, v in opened.spots()[:MOST_SPOTS].tolist()],
     )  # fmt: skip
 
 

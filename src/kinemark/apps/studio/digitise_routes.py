@@ -9,7 +9,7 @@ from ...engine.session import Session
 from ...engine.session_name import FILE
 from . import detect_messages as m
 from .detect_routes import ThePlace
-from .digitise import now, open_digitising, take
+from .digitise import now, open_digitising, saved_frame, take
 from .kept import Kept, stamp_of
 from .shelf import Place
 
@@ -42,6 +42,14 @@ def post_answer(request: Request, place: ThePlace, body: m.AnswerBody) -> m.Digi
     with opened.lock:
         take(opened, body)
         return _now(opened, place)
+
+
+@router.get("/frames/{frame}")
+def get_saved(request: Request, place: ThePlace, frame: int) -> list[m.PlacedMarker]:
+    """What is saved of a frame of the camera whose turn it is."""
+    opened = digitising_of(request, place)
+    with opened.lock:
+        return saved_frame(opened, frame)
 
 
 def _now(opened: OpenDigitising, place: Place) -> m.DigitisingNow:

@@ -71,7 +71,7 @@ def test_a_lost_dim_marker_is_found_and_the_threshold_written(tried):
     assert 12 < float(written[1]) < 60 and "# of the knee study" in text and 'file = "masks.toml"' in text
     studio.idle().press("Shift+Enter")
     page.get_by_text("The trial is being run.").wait_for()
-    page.get_by_text("All frames are detected as session.toml says.").wait_for()
+    page.get_by_text("The trial was run: see Tracks.").wait_for()
     page.get_by_role("button", name="Tracks").click()
     page.get_by_text("Errors expected").first.wait_for()
     trial = Session.open(folder).trial("one").run(to="detect")

@@ -8,6 +8,7 @@ import { whitePixels } from "../draw/white";
 import { many } from "../model/format";
 import { FrameBar } from "../parts/FrameBar";
 import { PictureView } from "../parts/PictureView";
+import { RunState } from "../parts/RunState";
 import { Unshown } from "../parts/Unshown";
 import * as d from "../state/detect";
 import { runTrial } from "../state/load";
@@ -202,7 +203,7 @@ function Apply({ t }: { t: d.Tried }): React.JSX.Element {
   const id = useStore((s) => s.id), job = useStore((s) => (id ? s.jobs[id] : undefined)), on = d.changed(t), running = job?.state === "running";
   return (
     <section className={`${styles.section} ${styles.apply}`} aria-label="Apply">
-      <p className="soft" role="status">{running ? `${job.stage || "Running"} ${Math.round(100 * (job.progress ?? 0))} %` : on ? "This is tried in this frame alone; nothing is written yet." : "All frames are detected as session.toml says."}</p>
+      {on ? <p className="soft" role="status">This is tried in this frame alone; nothing is written yet.</p> : <RunState otherwise="All frames are detected as session.toml says." />}
       <div className={styles.row}>
         <button type="button" className="button strong" disabled={!on} onClick={() => void d.applyDraft()}><Save size={14} aria-hidden />Apply to all<kbd>Enter</kbd></button>
         <button type="button" className="button" disabled={!on} onClick={d.forgetDraft}>Forget</button>

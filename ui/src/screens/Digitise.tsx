@@ -7,6 +7,7 @@ import { bitmapAt, label, plus, type Over, type Picture } from "../draw/Picture"
 import { fit } from "../draw/palette";
 import { FrameBar } from "../parts/FrameBar";
 import { PictureView } from "../parts/PictureView";
+import { RunState } from "../parts/RunState";
 import { Unshown } from "../parts/Unshown";
 import * as g from "../state/digitise";
 import { runTrial } from "../state/load";
@@ -122,6 +123,7 @@ function Question({ d }: { d: g.Digitised }): React.JSX.Element {
         {!looking && q.phase === "done" && <button type="button" className="button strong" onClick={() => void runTrial()}><Play size={14} aria-hidden />Run the trial</button>}
         {!looking && now.can_undo && <button type="button" className="button" onClick={() => void g.answer({ kind: "undo" })}><Undo2 size={14} aria-hidden />Undo<kbd>⌫</kbd></button>}
       </div>
+      {!looking && q.phase === "done" && <RunState otherwise={now.finished ? "All cameras are digitised." : ""} />}
       {g.pointing(d) && <p className="soft">{q.phase === "correct" ? "Click where its centre is." : "Click any white pixel of it; the centroid counts."} Or choose a spot by <kbd>,</kbd> <kbd>.</kbd> and take it by <kbd>Space</kbd>.</p>}
     </section>
   );

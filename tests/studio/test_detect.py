@@ -90,7 +90,7 @@ def test_one_camera_alone_dark_markers_and_what_cannot_be(tried):
     before = tile(page, "c0", 2)
     lost = int(page.locator("section[aria-label='c1']").get_attribute("data-markers"))
     page.get_by_label("For which cameras").select_option("c1")
-    field = page.get_by_label("Threshold, learned", exact=True)
+    field = page.get_by_label("Threshold, left open", exact=True)
     field.fill("40")
     tile(page, "c1", lost + 1)
     assert before.count() == 1, "the other camera is as it was"

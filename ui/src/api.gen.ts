@@ -925,6 +925,8 @@ export interface components {
         /**
          * Detection
          * @description How markers are detected in a trial; `words` say what there is to know before it is changed.
+         *
+         *     `learned`: what is left open is learned from each camera's recording, else it is the usual value.
          */
         Detection: {
             /** Cameras */
@@ -933,6 +935,8 @@ export interface components {
             first: number;
             /** Last */
             last: number;
+            /** Learned */
+            learned: boolean;
             /** Method */
             method: string;
             /** Parameters */

@@ -140,7 +140,7 @@ function Settings({ t }: { t: d.Tried }): React.JSX.Element {
       </label>
       <HistogramView found={d.foundOf(t, t.of ?? t.large)} onThreshold={(level) => d.tryValue("threshold", level)} />
       {t.about.parameters.map((p) => (p.flag ? <Flag key={p.name} t={t} p={p} /> : <Figure key={p.name} t={t} p={p} />))}
-      {t.about.parameters.some((p) => !p.flag && d.valueOf(t, p.name) === null) && <p className="soft"><i>Slanted</i>: {t.of ? "as for all cameras, or learned" : "learned from each camera's recording"}.</p>}
+      {t.about.parameters.some((p) => !p.flag && d.valueOf(t, p.name) === null) && <p className="soft"><i>Slanted</i>: {t.of ? "as for all cameras" : t.about.learned ? "learned from each camera's recording" : "the usual value"}.</p>}
     </section>
   );
 }
@@ -158,8 +158,8 @@ function Figure({ t, p }: { t: d.Tried; p: DetectParameter }): React.JSX.Element
     <div className={styles.figure} title={p.meaning} data-parameter={p.name} data-open={value === null ? "yes" : "no"}>
       <span>{words}</span>
       <input type="range" aria-label={`${words}, slider`} min={least} max={most} step={step} value={now} onChange={(e) => change(e.target.valueAsNumber)} />
-      <input type="number" className="field number" aria-label={value === null ? `${words}, learned` : words} min={least} max={p.high ?? undefined} step={step} value={round(now)} onChange={(e) => change(e.target.valueAsNumber)} />
-      <button type="button" className="icon-button" aria-label={`${words}: leave it open`} title={t.of ? "As for all cameras" : "Leave it open: it is learned from each camera's recording"} disabled={value === null} onClick={() => d.tryValue(p.name, null)}><RotateCcw size={13} aria-hidden /></button>
+      <input type="number" className="field number" aria-label={value === null ? `${words}, left open` : words} min={least} max={p.high ?? undefined} step={step} value={round(now)} onChange={(e) => change(e.target.valueAsNumber)} />
+      <button type="button" className="icon-button" aria-label={`${words}: leave it open`} title={t.of ? "As for all cameras" : "Leave it open"} disabled={value === null} onClick={() => d.tryValue(p.name, null)}><RotateCcw size={13} aria-hidden /></button>
     </div>
   );
 }

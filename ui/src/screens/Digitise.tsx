@@ -21,6 +21,7 @@ const LOUPE = 14, LARGER = 1.6;
 
 export function Digitise(): React.JSX.Element {
   const d = useStore((s) => s.digitise), id = useStore((s) => s.id)!, [at, setAt] = useState<[number, number] | null>(null), picture = useRef<Picture | null>(null);
+  useEffect(() => setAt(null), [d?.now.camera, d?.now.kept]); // until the cursor moves, the loupe is where the next one is expected
   if (!d) return <Unshown title="Digitise & verify" />;
   const { now } = d, camera = now.cameras.find((c) => c.name === now.camera)!, frame = d.shown ?? now.question.frame, address = api.pictureAddress(id, now.camera, frame);
   const click = (u: number, v: number): void => void (g.pointing(d) && g.answer({ kind: "point", u, v }));
@@ -172,7 +173,7 @@ function Markers({ d }: { d: g.Digitised }): React.JSX.Element {
   return (
     <section className={styles.markers} aria-label="Markers of the frame" tabIndex={0}>
       <table>
-        <thead><tr><th scope="col">Marker</th><th scope="col">u, px</th><th scope="col">v, px</th><th scope="col">{d.shown === null ? "Not saved yet" : "Saved"}</th></tr></thead>
+        <thead><tr><th scope="col">Marker</th><th scope="col">u, px</th><th scope="col">v, px</th><th scope="col">{d.shown === null && d.now.question.phase !== "done" ? "Not saved yet" : "Saved"}</th></tr></thead>
         <tbody>
           {rows.map((m) => (
             <tr key={m.name} aria-current={d.shown === null && m.name === d.now.question.marker ? "true" : undefined} data-how={m.how}>

@@ -24,11 +24,7 @@ STATES: dict[Validity, m.MarkState] = {
     Validity.VALID: "marker", Validity.TOO_SMALL: "too small", Validity.TOO_LARGE: "too large",
     Validity.NOT_ROUND: "not round", Validity.AT_EDGE: "at edge", Validity.MASKED: "masked",
 }  # fmt: skip
-ANSWERED = (
-    "An operator digitises this trial: answers that were given with another threshold may not fit any more. "
-    "Change it before the first answer."
-)
-EACH = "Each image of a trial that an operator digitises is looked at by itself: what is left open is the usual value."
+OPERATED = "An operator digitises this trial: change this before the first answer, or the answers may fit no more."
 
 
 def detection(opened: OpenDetection, place: Place) -> m.Detection:
@@ -47,7 +43,7 @@ def detection(opened: OpenDetection, place: Place) -> m.Detection:
     return m.Detection(
         trial=place.name, session=opened.session.settings.name, method=every.name, first=opened.first,
         last=opened.first + opened.n_frames - 1, parameters=_parameters(opened), cameras=cameras,
-        words=_words(opened),
+        learned=not opened.operated, words=OPERATED if opened.operated else "",
     )  # fmt: skip
 
 
@@ -138,9 +134,3 @@ def _parameters(opened: OpenDetection) -> list[m.DetectParameter]:
                 )
             )  # fmt: skip
     return found
-
-
-def _words(opened: OpenDetection) -> str:
-    if not opened.operated:
-        return ""
-    return f"{EACH} {ANSWERED}"

@@ -47,7 +47,10 @@ class DetectCamera(Message):
 
 
 class Detection(Message):
-    """How markers are detected in a trial; `words` say what there is to know before it is changed."""
+    """How markers are detected in a trial; `words` say what there is to know before it is changed.
+
+    `learned`: what is left open is learned from each camera's recording, else it is the usual value.
+    """
 
     trial: str
     session: str
@@ -56,6 +59,7 @@ class Detection(Message):
     last: int
     parameters: list[DetectParameter]
     cameras: list[DetectCamera]
+    learned: bool
     words: str = ""
 
 

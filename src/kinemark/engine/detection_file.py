@@ -8,16 +8,13 @@ from typing import Any
 
 import numpy as np
 import tomlkit
-from tomlkit.exceptions import TOMLKitError
-from tomlkit.items import Table
 
-from ..data import KinemarkError
 from ..data.array_types import Floats
 from ..data.masks import Masks
 from ..io.files import replacing
 from ..io.masks_toml import write_masks
-from ..io.number_text import read_text
 from .open_detection import Draft, OpenDetection
+from .session_file_text import parsed, table_in
 from .session_name import FILE
 from .settings import read_settings
 
@@ -34,15 +31,12 @@ def apply(opened: OpenDetection, draft: Draft) -> None:
     opened.methods(draft)
     root = opened.session.root
     file = root / FILE
-    try:
-        document = tomlkit.parse(read_text(file))
-    except TOMLKitError as error:
-        raise KinemarkError(f"{file} is not TOML: {error}. Correct that line.") from error
+    document = parsed(file)
     _detect(document, draft)
     masks = _masks_file(opened) if draft.masks else None
     if masks is not None:
         _write_masks(masks, opened, draft.masks)
-        _table(document, "masks")["file"] = (
+        table_in(document, "masks")["file"] = (
             masks.relative_to(root).as_posix() if masks.is_relative_to(root) else str(masks)
         )
     with replacing(file) as beside:
@@ -54,11 +48,11 @@ def _detect(document: Any, draft: Draft) -> None:
     """`[detect]` and its cameras."""
     if not draft.every and not draft.cameras:
         return
-    detect = _table(document, "detect")
+    detect = table_in(document, "detect")
     _set(detect, draft.every)
     for name, own in draft.cameras.items():
-        cameras = _table(detect, "cameras", within=True)
-        camera = _table(cameras, name)
+        cameras = table_in(detect, "cameras", within=True)
+        camera = table_in(cameras, name)
         _set(camera, own)
         if not len(camera):
             cameras.remove(name)
@@ -79,15 +73,6 @@ def _set(table: Any, values: Mapping[str, Any]) -> None:
 def _plain(value: Any) -> Any:
     """A number as people write it."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
-
-
-def _table(parent: Any, name: str, *, within: bool = False) -> Any:
-    """A table by its name, made where it is not there; `within`: only a heading for others."""
-    if name not in parent:
-        if not isinstance(parent, Table):  # at the end of the file, apart from what is before
-            parent.add(tomlkit.nl())
-        parent[name] = tomlkit.table(within)
-    return parent[name]
 
 
 def _masks_file(opened: OpenDetection) -> Path:

@@ -211,13 +211,33 @@ def test_the_other_cameras_propose_and_draw_their_lines(typed, tmp_path):
     assert now["draft"][0]["how"] == "proposed"
 
 
-def test_a_trial_that_nobody_digitises_says_so(tmp_path):
+def test_a_trial_that_nobody_digitises_is_set_up(tmp_path):
     folder = feeding_in(tmp_path, FRAMES)
-    text = (folder / "session.toml").read_text("utf-8")
-    (folder / "session.toml").write_text(text.replace("answers =", "# answers ="), "utf-8")
-    answer = Studio(folder)
-    refused = answer.page.get(f"{answer.trial}/digitise")
+    file = folder / "session.toml"
+    head, _, rest = file.read_text("utf-8").partition("[digitise]")
+    file.write_text(head + "[[trials]]" + rest.partition("[[trials]]")[2].replace("answers =", "# answers ="), "utf-8")
+    studio = opened(folder)
+    refused = studio.page.get(studio.address)
     assert refused.status == 422 and "Nobody digitises feeding by hand" in refused.json()["words"]
+    before = file.read_bytes()
+    for body, words in (
+        ({"markers": []}, "Name 1 to 30"),
+        ({"markers": ["A", "A"]}, "each name once"),
+        ({"markers": ["A"], "reference": "B"}, "reference is 'B'"),
+        ({"markers": ["A"] * 31}, "at most 30"),
+    ):
+        answer = studio.page.post(f"{studio.address}/setup", body)
+        assert answer.status == 422 and words in answer.json()["words"], answer.json()
+        assert file.read_bytes() == before
+    now = studio.page.post(f"{studio.address}/setup", {"markers": ["A", "REF"], "reference": "REF"}).json()
+    assert (now["markers"], now["reference"], now["confirm_reference"]) == (["A", "REF"], "REF", True)
+    assert "# the arm study, recorded in the basement" in file.read_text("utf-8")
+    now = studio.page.post(f"{studio.address}/setup", {"markers": ["B", "REF"], "reference": "REF"}).json()
+    assert now["question"]["words"] == "Where is B?"
+    assert said(studio, {"kind": "absent"}, now).status == 200
+    assert (folder / "answers" / "feeding" / "cam1.csv").is_file()
+    answer = studio.page.post(f"{studio.address}/setup", {"markers": ["C"]})
+    assert answer.status == 422 and "cam1.csv has 1 answers" in answer.json()["words"]
 
 
 def test_the_picture_is_the_frame(typed):

@@ -186,6 +186,8 @@ class DigitisingNow(Message):
     markers: list[str]
     reference: str | None
     question: DigitiseQuestion
+    confirm_reference: bool
+    take_proposals: bool
     draft: list[PlacedMarker]
     can_undo: bool
     finished: bool
@@ -218,3 +220,12 @@ class AnswerBody(Message):
     camera: str
     kept: int
     said: Annotated[PointSaid | FrameSaid | PlainSaid, Field(discriminator="kind")]
+
+
+class SetupBody(Message):
+    """The start of digitising: the markers in the order in which they are asked for, and the one that does not move."""
+
+    markers: list[Annotated[str, Field(min_length=1, max_length=100)]] = Field(max_length=30)
+    reference: str | None = None
+    confirm_reference: bool = True
+    take_proposals: bool = False

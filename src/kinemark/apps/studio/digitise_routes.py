@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request
 
+from ...engine.digitising_setup import DigitisingSetup, set_up
 from ...engine.open_digitising import OpenDigitising
 from ...engine.session import Session
 from ...engine.session_name import FILE
 from . import detect_messages as m
-from .detect_routes import ThePlace
+from .detect_routes import ThePlace, forget_session
 from .digitise import now, open_digitising, saved_frame, take
+from .home_routes import TheDesk
 from .kept import Kept, stamp_of
 from .shelf import Place
 
@@ -42,6 +44,15 @@ def post_answer(request: Request, place: ThePlace, body: m.AnswerBody) -> m.Digi
     with opened.lock:
         take(opened, body)
         return _now(opened, place)
+
+
+@router.post("/setup")
+def post_setup(request: Request, place: ThePlace, desk: TheDesk, body: m.SetupBody) -> m.DigitisingNow:
+    """Name the markers, as long as nothing was answered; written into the session."""
+    setup = DigitisingSetup(tuple(body.markers), body.reference, body.confirm_reference, body.take_proposals)
+    set_up(place.path, place.name, setup)
+    forget_session(desk, place)
+    return _now(digitising_of(request, place), place)
 
 
 @router.get("/frames/{frame}")

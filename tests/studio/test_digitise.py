@@ -8,7 +8,7 @@ from kinemark.engine.session import Session
 from kinemark.io.answers_csv import read_answers
 from support.axe import needed_axe, violations
 from support.eating import footage
-from support.feeding import NAMES, feeding_in
+from support.feeding import NAMES, feeding_in, not_set_up
 from support.studio_page import Studio, needed, served, window
 
 FRAMES, SIZE = 4, 512
@@ -181,6 +181,32 @@ def test_all_is_digitised_by_keys_alone(folder, seen, chromium_running):
         person.answered(lambda: page.keyboard.press("Backspace"))
         assert person.asked() == "Where is ELB4?"
         context.close()
+
+
+def test_a_trial_is_set_up_and_the_other_cameras_are_believed(folder, seen, chromium_running):
+    """Two cameras by hand; of the third only the reference marker is asked for."""
+    with served(not_set_up(folder)) as server:
+        context = window(chromium_running)
+        page = (studio := Studio(context, server).enter(server.address)).page
+        page.get_by_role("button", name="feeding", exact=True).click()
+        page.get_by_role("button", name="Digitise", exact=True).click()
+        page.get_by_text("Nobody digitises feeding by hand").first.wait_for()
+        page.get_by_label("Markers, in the order").fill(" ".join(NAMES))
+        page.get_by_label("Reference marker, which").select_option("REF")
+        page.get_by_label("ask in every frame").uncheck()
+        page.get_by_label("take what the other cameras say").check()
+        page.get_by_role("button", name="Begin to digitise").click()
+        page.locator("[data-phase=point]").wait_for()
+        person, pointed = Person(studio.idle(), seen), 0
+        person.until("cam3", 1, "point")
+        while person.stands()[2] != "done":
+            pointed += person.stands()[2] == "point"
+            assert person.stands()[2] == "review" or "the reference marker" in person.asked()
+            person.go_on()
+        assert pointed == 2
+        context.close()
+    text = (folder / "session.toml").read_text("utf-8")
+    assert "# the arm study" in text and "take_proposals = true" in text and "confirm_reference = false" in text
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])

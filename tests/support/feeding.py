@@ -38,3 +38,12 @@ answers = "answers/{{camera}}.csv"
         "utf-8",
     )
     return folder
+
+
+def not_set_up(folder):
+    """The session as it is before anybody says that the trial is digitised."""
+    file = folder / "session.toml"
+    head, _, rest = file.read_text("utf-8").partition("[digitise]")
+    trial = rest.partition("[[trials]]")[2].replace("answers =", "# answers =")
+    file.write_text(f"{head}[[trials]]{trial}", "utf-8")
+    return folder

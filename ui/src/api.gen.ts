@@ -304,6 +304,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/trials/{trial}/digitise/setup": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Setup
+         * @description Name the markers, as long as nothing was answered; written into the session.
+         */
+        post: operations["post_setup_api_trials__trial__digitise_setup_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/trials/{trial}/epipolar": {
         parameters: {
             query?: never;
@@ -1047,12 +1067,16 @@ export interface components {
             cameras: components["schemas"]["DigitisedCamera"][];
             /** Can Undo */
             can_undo: boolean;
+            /** Confirm Reference */
+            confirm_reference: boolean;
             /** Draft */
             draft: components["schemas"]["PlacedMarker"][];
             /** Finished */
             finished: boolean;
             /** Frames */
             frames: number;
+            /** History */
+            history: number;
             /** Kept */
             kept: number;
             /** Markers */
@@ -1062,6 +1086,8 @@ export interface components {
             reference: string | null;
             /** Session */
             session: string;
+            /** Take Proposals */
+            take_proposals: boolean;
             /** Trial */
             trial: string;
         };
@@ -1986,6 +2012,31 @@ export interface components {
             words: string;
         };
         /**
+         * SetupBody
+         * @description The start of digitising: the markers in the order in which they are asked for, and the one that does not move.
+         */
+        SetupBody: {
+            /**
+             * Confirm Reference
+             * @default true
+             */
+            confirm_reference: boolean;
+            /**
+             * History
+             * @default 2
+             */
+            history: number;
+            /** Markers */
+            markers: string[];
+            /** Reference */
+            reference?: string | null;
+            /**
+             * Take Proposals
+             * @default false
+             */
+            take_proposals: boolean;
+        };
+        /**
          * SeveralAct
          * @description Several edits in one entry, undone together; each is of the trial as it is before all of them.
          */
@@ -2753,6 +2804,41 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["PlacedMarker"][];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_setup_api_trials__trial__digitise_setup_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SetupBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DigitisingNow"];
                 };
             };
             /** @description Unprocessable Entity */

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,12 +30,14 @@ class DigitisingSetup:
         reference: the one that does not move; None where there is none.
         confirm_reference: whether it is asked about in every frame.
         take_proposals: whether what the other cameras say is taken without a question.
+        history: frames for which a hidden marker is remembered.
     """
 
     markers: tuple[str, ...]
     reference: str | None = None
     confirm_reference: bool = True
     take_proposals: bool = False
+    history: int = 2
 
 
 def set_up(root: Path, trial: str, setup: DigitisingSetup) -> None:
@@ -55,13 +57,11 @@ def set_up(root: Path, trial: str, setup: DigitisingSetup) -> None:
         _check_unanswered(session, trial, entry.answers)
     document = parsed(root / FILE)
     table = table_in(document, "digitise")
-    table["markers"] = list(setup.markers)
-    for key, value in (("reference", setup.reference), ("confirm_reference", setup.confirm_reference),
-                       ("take_proposals", setup.take_proposals)):  # fmt: skip
+    for key, value in asdict(setup).items():
         if value is None:
             table.pop(key, None)
         else:
-            table[key] = value
+            table[key] = list(value) if isinstance(value, tuple) else value
     own: Any = next(one for one in document["trials"] if one["name"] == trial)
     if "answers" not in own:
         own["answers"] = f"answers/{trial}/{{camera}}.csv"

@@ -12,7 +12,7 @@ from kinemark.engine.digitising import digitise_trial
 from kinemark.engine.session import Session
 from kinemark.io.answers_csv import read_answers
 from support.eating import Knowing, footage
-from support.feeding import NAMES, feeding_in
+from support.feeding import NAMES, feeding_in, not_set_up
 from support.studio import Studio
 
 FRAMES = 5
@@ -212,11 +212,8 @@ def test_the_other_cameras_propose_and_draw_their_lines(typed, tmp_path):
 
 
 def test_a_trial_that_nobody_digitises_is_set_up(tmp_path):
-    folder = feeding_in(tmp_path, FRAMES)
-    file = folder / "session.toml"
-    head, _, rest = file.read_text("utf-8").partition("[digitise]")
-    file.write_text(head + "[[trials]]" + rest.partition("[[trials]]")[2].replace("answers =", "# answers ="), "utf-8")
-    studio = opened(folder)
+    folder = not_set_up(feeding_in(tmp_path, FRAMES))
+    file, studio = folder / "session.toml", opened(folder)
     refused = studio.page.get(studio.address)
     assert refused.status == 422 and "Nobody digitises feeding by hand" in refused.json()["words"]
     before = file.read_bytes()
@@ -225,6 +222,7 @@ def test_a_trial_that_nobody_digitises_is_set_up(tmp_path):
         ({"markers": ["A", "A"]}, "each name once"),
         ({"markers": ["A"], "reference": "B"}, "reference is 'B'"),
         ({"markers": ["A"] * 31}, "at most 30"),
+        ({"markers": ["A"], "history": 1}, "history is 1"),
     ):
         answer = studio.page.post(f"{studio.address}/setup", body)
         assert answer.status == 422 and words in answer.json()["words"], answer.json()

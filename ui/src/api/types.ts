@@ -48,3 +48,4 @@ export type DigitisingNow = Schemas["DigitisingNow"];
 export type PlacedMarker = Schemas["PlacedMarker"];
 export type AnswerBody = Schemas["AnswerBody"];
 export type AnswerSaid = AnswerBody["said"];
+export type SetupBody = Schemas["SetupBody"];

@@ -8,6 +8,7 @@ import { fit } from "../draw/palette";
 import { FrameBar } from "../parts/FrameBar";
 import { PictureView } from "../parts/PictureView";
 import { RunState } from "../parts/RunState";
+import { StartUp } from "../parts/StartUp";
 import { Unshown } from "../parts/Unshown";
 import * as g from "../state/digitise";
 import { runTrial } from "../state/load";
@@ -22,7 +23,8 @@ const LOUPE = 14, LARGER = 1.6;
 export function Digitise(): React.JSX.Element {
   const d = useStore((s) => s.digitise), id = useStore((s) => s.id)!, [at, setAt] = useState<[number, number] | null>(null), picture = useRef<Picture | null>(null);
   useEffect(() => setAt(null), [d?.now.camera, d?.now.kept]); // until the cursor moves, the loupe is where the next one is expected
-  if (!d) return <Unshown title="Digitise & verify" />;
+  const [starting, setStarting] = useState(false), fresh = d !== null && d.now.kept === 0 && !d.now.can_undo;
+  if (!d) return <Unshown title="Digitise & verify"><StartUp now={null} done={() => setStarting(false)} /></Unshown>;
   const { now } = d, camera = now.cameras.find((c) => c.name === now.camera)!, frame = d.shown ?? now.question.frame, address = api.pictureAddress(id, now.camera, frame);
   const click = (u: number, v: number): void => void (g.pointing(d) && g.answer({ kind: "point", u, v }));
   return (
@@ -40,8 +42,8 @@ export function Digitise(): React.JSX.Element {
         <FrameBar first={1} last={now.frames} frame={frame} go={(f) => void g.showFrame(f)} />
       </section>
       <aside className={styles.side} aria-label="Question and markers">
-        <header className={styles.head}><h1>Digitise &amp; verify</h1><span className="soft">{now.session} · {now.trial}</span></header>
-        <Question d={d} />
+        <header className={styles.head}><h1>Digitise &amp; verify</h1><span className="soft">{now.session} · {now.trial}</span>{fresh && <button type="button" className="button" aria-expanded={starting} onClick={() => setStarting(!starting)}>Start up</button>}</header>
+        {starting && fresh ? <StartUp now={now} done={() => setStarting(false)} /> : <Question d={d} />}
         <div className={styles.middle}><Loupe address={address} at={loupeAt(d, at)} tall={camera.tall ? 2 : 1} /><Cameras now={now} /></div>
         <Markers d={d} />
       </aside>

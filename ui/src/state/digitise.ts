@@ -1,7 +1,7 @@
 /** Digitising: the question that the server asks, and the answers; nothing of it is kept in the page. */
 import * as api from "../api/client";
 import { Refused } from "../api/client";
-import type { AnswerSaid, DigitisingNow, PlacedMarker } from "../api/types";
+import type { AnswerSaid, DigitisingNow, PlacedMarker, SetupBody } from "../api/types";
 import { tone } from "../model/tone";
 import { get, set } from "./store";
 import { say, tried } from "./load";
@@ -22,6 +22,14 @@ const put = (some: Partial<Digitised>): void => set((s) => ({ digitise: s.digiti
 export async function loadDigitise(id: string): Promise<void> {
   const now = await tried(() => api.digitising(id));
   if (now && get().id === id) set({ digitise: { now, shown: null, saved: [], spot: 0 } });
+}
+
+/** Name the markers; digitising then begins. */
+export async function setUp(what: SetupBody): Promise<boolean> {
+  const { id } = get(), now = id && (await tried(() => api.setUpDigitising(id, what)));
+  if (!now || get().id !== id) return false;
+  set({ digitise: { now, shown: null, saved: [], spot: 0 }, note: null });
+  return true;
 }
 
 let answering = false;

@@ -188,6 +188,7 @@ class DigitisingNow(Message):
     question: DigitiseQuestion
     confirm_reference: bool
     take_proposals: bool
+    history: int
     draft: list[PlacedMarker]
     can_undo: bool
     finished: bool
@@ -229,3 +230,4 @@ class SetupBody(Message):
     reference: str | None = None
     confirm_reference: bool = True
     take_proposals: bool = False
+    history: int = 2

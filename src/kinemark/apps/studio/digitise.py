@@ -64,6 +64,7 @@ def now(opened: OpenDigitising, place: Place, title: str) -> m.DigitisingNow:
         trial=place.name, session=title, cameras=cameras, frames=opened.n_frames, camera=opened.camera,
         kept=opened.kept[opened.camera], markers=list(markers), reference=opened.task.method.reference,
         confirm_reference=opened.task.method.confirm_reference, take_proposals=opened.task.method.take_proposals,
+        history=opened.task.method.history,
         question=_question(opened, question), draft=_placed(opened, state.draft), can_undo=opened.can_undo,
         finished=opened.finished(opened.names[-1]),
     )  # fmt: skip

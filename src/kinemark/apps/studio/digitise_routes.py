@@ -49,7 +49,7 @@ def post_answer(request: Request, place: ThePlace, body: m.AnswerBody) -> m.Digi
 @router.post("/setup")
 def post_setup(request: Request, place: ThePlace, desk: TheDesk, body: m.SetupBody) -> m.DigitisingNow:
     """Name the markers, as long as nothing was answered; written into the session."""
-    setup = DigitisingSetup(tuple(body.markers), body.reference, body.confirm_reference, body.take_proposals)
+    setup = DigitisingSetup(**body.model_dump() | {"markers": tuple(body.markers)})
     set_up(place.path, place.name, setup)
     forget_session(desk, place)
     return _now(digitising_of(request, place), place)

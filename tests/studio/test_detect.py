@@ -26,7 +26,8 @@ def tried(tmp_path, chromium_running):
 
 
 def place(page, camera, u, v):
-    """Where a pixel of an image is on the screen; images are as large as their place."""
+    """Where a pixel of an image is on the screen, once it is there; images are as large as their place."""
+    page.locator(f"[data-shown*='/{camera}/']").wait_for()
     box = page.get_by_role("img", name=f"Image of {camera}").bounding_box()
     scale = min(box["width"] / SIZE[0], box["height"] / SIZE[1])
     middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2

@@ -42,6 +42,8 @@ class Person:
         return self.seen[int(camera[3:]) - 1, NAMES.index(name), int(frame) - 1]
 
     def click(self, u, v):
+        camera, frame, _, _ = self.stands()
+        self.page.locator(f"[data-shown$='/{camera}/{frame}']").wait_for()  # nobody points at what is not there yet
         box = self.page.get_by_role("img", name=re.compile("^Image of")).bounding_box()
         scale = min(box["width"], box["height"]) / SIZE
         self.page.mouse.click(

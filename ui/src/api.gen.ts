@@ -311,7 +311,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        get?: never;
+        /**
+         * Get Setup
+         * @description What may be chosen before the first answer.
+         */
+        get: operations["get_setup_api_trials__trial__digitise_setup_get"];
         put?: never;
         /**
          * Post Setup
@@ -1067,16 +1071,12 @@ export interface components {
             cameras: components["schemas"]["DigitisedCamera"][];
             /** Can Undo */
             can_undo: boolean;
-            /** Confirm Reference */
-            confirm_reference: boolean;
             /** Draft */
             draft: components["schemas"]["PlacedMarker"][];
             /** Finished */
             finished: boolean;
             /** Frames */
             frames: number;
-            /** History */
-            history: number;
             /** Kept */
             kept: number;
             /** Markers */
@@ -1086,8 +1086,6 @@ export interface components {
             reference: string | null;
             /** Session */
             session: string;
-            /** Take Proposals */
-            take_proposals: boolean;
             /** Trial */
             trial: string;
         };
@@ -2014,6 +2012,8 @@ export interface components {
         /**
          * SetupBody
          * @description The start of digitising: the markers in the order in which they are asked for, and the one that does not move.
+         *
+         *     `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all.
          */
         SetupBody: {
             /**
@@ -2026,10 +2026,14 @@ export interface components {
              * @default 2
              */
             history: number;
+            /** Last Frame */
+            last_frame?: number | null;
             /** Markers */
             markers: string[];
             /** Reference */
             reference?: string | null;
+            /** Reference Files */
+            reference_files?: string | null;
             /**
              * Take Proposals
              * @default false
@@ -2093,6 +2097,17 @@ export interface components {
             last: number;
             /** Marker */
             marker: string;
+        };
+        /**
+         * StartUp
+         * @description What may be chosen before the first answer: of so many frames, sets of reference files; and what is chosen.
+         */
+        StartUp: {
+            /** Frames */
+            frames: number;
+            now: components["schemas"]["SetupBody"];
+            /** Reference Files */
+            reference_files: string[];
         };
         /**
          * Tile
@@ -2804,6 +2819,37 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["PlacedMarker"][];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_setup_api_trials__trial__digitise_setup_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StartUp"];
                 };
             };
             /** @description Unprocessable Entity */

@@ -182,7 +182,10 @@ def proposer_of(views: OtherViews | None, method: SemiAutomatic) -> Any:
 
 
 class Digitising(NamedTuple):
-    """A trial to digitise: images and answers of its cameras, how, where the reference marker was (C, 2) px, masks."""
+    """A trial to digitise: images and answers of its cameras, how, where the reference marker was (C, 2) px, masks.
+
+    `last` is the last frame, counted from 1; all where None.
+    """
 
     images: Mapping[str, ImageSource]
     answers: Mapping[str, Path]
@@ -191,6 +194,7 @@ class Digitising(NamedTuple):
     detect: Centroids
     constants: Floats | None = None
     masks: Masks | None = None
+    last: int | None = None
 
     def mask(self, camera: str) -> NDArray[np.bool_] | None:
         """(H, W) of a camera, where it has one."""
@@ -246,7 +250,8 @@ def digitise_trial(
 def reels_of(task: Digitising) -> dict[str, DigitisedFrames]:
     """The frames of all cameras, as many of each."""
     reels = {
-        name: DigitisedFrames(source, method=task.detect, mask=task.mask(name)) for name, source in task.images.items()
+        name: DigitisedFrames(source, method=task.detect, last=task.last, mask=task.mask(name))
+        for name, source in task.images.items()
     }
     if len({reel.n_frames for reel in reels.values()}) != 1:
         found = ", ".join(f"{name} {reel.n_frames}" for name, reel in reels.items())

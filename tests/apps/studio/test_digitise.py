@@ -11,6 +11,7 @@ from kinemark.digitise import DigitisingPhase
 from kinemark.engine.digitising import digitise_trial
 from kinemark.engine.session import Session
 from kinemark.io.answers_csv import read_answers
+from kinemark.io.um2as import read_da, write_rf
 from support.eating import Knowing, footage
 from support.feeding import NAMES, feeding_in, not_set_up
 from support.studio import Studio
@@ -228,7 +229,7 @@ def test_a_trial_that_nobody_digitises_is_set_up(tmp_path):
         assert answer.status == 422 and words in answer.json()["words"], answer.json()
         assert file.read_bytes() == before
     now = studio.page.post(f"{studio.address}/setup", {"markers": ["A", "REF"], "reference": "REF"}).json()
-    assert (now["markers"], now["reference"], now["confirm_reference"]) == (["A", "REF"], "REF", True)
+    assert (now["markers"], now["reference"]) == (["A", "REF"], "REF")
     assert "# the arm study, recorded in the basement" in file.read_text("utf-8")
     now = studio.page.post(f"{studio.address}/setup", {"markers": ["B", "REF"], "reference": "REF"}).json()
     assert now["question"]["words"] == "Where is B?"
@@ -236,6 +237,35 @@ def test_a_trial_that_nobody_digitises_is_set_up(tmp_path):
     assert (folder / "answers" / "feeding" / "cam1.csv").is_file()
     answer = studio.page.post(f"{studio.address}/setup", {"markers": ["C"]})
     assert answer.status == 422 and "cam1.csv has 1 answers" in answer.json()["words"]
+
+
+def test_the_last_frame_and_the_files_of_the_thesis(tmp_path):
+    """UM²AS's start-up: where the reference marker was is read of its files, and frames after the last are left out."""
+    folder = not_set_up(feeding_in(tmp_path, FRAMES))
+    text = (folder / "session.toml").read_text("utf-8")
+    (folder / "session.toml").write_text(text.partition("[calibration.reference_marker]")[0] + "[[trials]]" +
+                                         text.partition("[[trials]]")[2], "utf-8")  # fmt: skip
+    places = footage(FRAMES / 30)[2].uv[:, 7, 0]
+    for c, place in enumerate(places):
+        write_rf(folder / f"box.rf{c + 1}", place)
+    write_rf(folder / "half.rf1", places[0])
+    studio = opened(folder)
+    start = studio.page.get(f"{studio.address}/setup").json()
+    assert (start["frames"], start["reference_files"]) == (FRAMES, ["box"])
+    wanted = {"markers": list(NAMES), "reference": "REF", "confirm_reference": False, "last_frame": 3}
+    refused = studio.page.post(f"{studio.address}/setup", wanted | {"reference_files": "../box"})
+    assert refused.status == 422 and "there are box" in refused.json()["words"]
+    now = studio.page.post(f"{studio.address}/setup", wanted | {"reference_files": "box"}).json()
+    assert now["frames"] == 3
+    task = Session.open(folder).digitising("feeding", Session.open(folder).calibrate().rig)
+    np.testing.assert_allclose(task.constants, places, atol=1e-6)
+    again = studio.page.get(f"{studio.address}/setup").json()["now"]
+    assert again == wanted | {"take_proposals": False, "history": 2, "reference_files": None}
+    digitise_trial(task, operator=operators())
+    done = Session.open(folder).run()["feeding"]
+    assert done.trajectories.n_frames == 3 and done.trajectories.names == NAMES
+    assert read_da(folder / "results" / "feeding" / "feeding.da1").shape == (8, 3, 2)
+    assert now_of(studio)["finished"]
 
 
 def test_the_picture_is_the_frame(typed):

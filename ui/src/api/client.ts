@@ -3,7 +3,7 @@ import { decodeDetections, type Detected } from "../model/detections";
 import { decodePaths, type PathSet } from "../model/paths";
 import type {
   Act, ActDone, DetectionsHeader, Difference, GapCandidates, Gaps, History, Home, Labels, PathsHeader, Preview, Problems,
-  TrialHeader, AnswerBody, DetectDraft, DetectFrame, Detection, DigitisingNow, PlacedMarker, PlaceWhy, SetupBody, WhyBody,
+  TrialHeader, AnswerBody, DetectDraft, DetectFrame, Detection, DigitisingNow, PlacedMarker, PlaceWhy, SetupBody, StartUp, WhyBody,
 } from "./types";
 
 /** The server refused: its words are for the person. `head` where the journal has gone on since. */
@@ -92,3 +92,4 @@ export const answer = (id: string, what: AnswerBody): Promise<DigitisingNow> => 
 export const savedFrame = (id: string, frame: number): Promise<PlacedMarker[]> => json(`${of(id)}/digitise/frames/${frame}`);
 export const pictureAddress = (id: string, camera: string, frame: number): string => `/api${of(id)}/pictures/${part(camera)}/${frame}`;
 export const setUpDigitising = (id: string, what: SetupBody): Promise<DigitisingNow> => json(`${of(id)}/digitise/setup`, body(what));
+export const startUp = (id: string): Promise<StartUp> => json(`${of(id)}/digitise/setup`);

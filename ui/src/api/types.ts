@@ -49,3 +49,4 @@ export type PlacedMarker = Schemas["PlacedMarker"];
 export type AnswerBody = Schemas["AnswerBody"];
 export type AnswerSaid = AnswerBody["said"];
 export type SetupBody = Schemas["SetupBody"];
+export type StartUp = Schemas["StartUp"];

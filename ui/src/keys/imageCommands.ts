@@ -40,8 +40,8 @@ export const DIGITISE_COMMANDS: readonly Command[] = [
   { id: "digitise-undo", keys: ["Backspace"], title: "Take the last answer back", group: "Digitising", screens: DIGITISE, when: (s) => s.digitise?.now.can_undo === true, foot: 5, hint: () => "take the last answer back", run: () => void g.answer({ kind: "undo" }) },
   { id: "digitise-again", keys: ["R"], title: "Look again at the saved frame that is shown", group: "Digitising", screens: DIGITISE, when: (s) => { const x = s.digitise; return x !== null && x.shown !== null && g.isSaved(x.now, x.shown); }, foot: 0, hint: (s) => `change frame ${s.digitise!.shown}`, run: () => { const shown = get().digitise?.shown; if (shown) void g.answer({ kind: "frame", frame: shown }); } },
   { id: "digitise-here", keys: ["Home"], title: "Back to the frame that is asked about", group: "Time", screens: DIGITISE, when: (s) => s.digitise?.shown != null, foot: 1, hint: () => "back to the question", run: () => void g.showFrame(get().digitise?.now.question.frame ?? 1) },
-  { id: "digitise-forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: DIGITISE, run: () => g.stepFrame(1) },
-  { id: "digitise-back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: DIGITISE, foot: 6, hint: () => "frame before", run: () => g.stepFrame(-1) },
+  { id: "digitise-forward", keys: ["ArrowRight"], title: "1 frame on", group: "Time", screens: DIGITISE, when: (s) => s.digitise !== null, run: () => g.stepFrame(1) },
+  { id: "digitise-back", keys: ["ArrowLeft"], title: "1 frame back", group: "Time", screens: DIGITISE, when: (s) => s.digitise !== null, foot: 6, hint: () => "frame before", run: () => g.stepFrame(-1) },
 ];
 
 /** Escape on these screens: what is open closes first; whether it did. */

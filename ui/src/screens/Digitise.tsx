@@ -24,7 +24,7 @@ export function Digitise(): React.JSX.Element {
   const d = useStore((s) => s.digitise), id = useStore((s) => s.id)!, [at, setAt] = useState<[number, number] | null>(null), picture = useRef<Picture | null>(null);
   useEffect(() => setAt(null), [d?.now.camera, d?.now.kept]); // until the cursor moves, the loupe is where the next one is expected
   const [starting, setStarting] = useState(false), fresh = d !== null && d.now.kept === 0 && !d.now.can_undo;
-  if (!d) return <Unshown title="Digitise & verify"><StartUp now={null} done={() => setStarting(false)} /></Unshown>;
+  if (!d) return <Unshown title="Digitise & verify"><StartUp done={() => setStarting(false)} /></Unshown>;
   const { now } = d, camera = now.cameras.find((c) => c.name === now.camera)!, frame = d.shown ?? now.question.frame, address = api.pictureAddress(id, now.camera, frame);
   const click = (u: number, v: number): void => void (g.pointing(d) && g.answer({ kind: "point", u, v }));
   return (
@@ -43,7 +43,7 @@ export function Digitise(): React.JSX.Element {
       </section>
       <aside className={styles.side} aria-label="Question and markers">
         <header className={styles.head}><h1>Digitise &amp; verify</h1><span className="soft">{now.session} · {now.trial}</span>{fresh && <button type="button" className="button" aria-expanded={starting} onClick={() => setStarting(!starting)}>Start up</button>}</header>
-        {starting && fresh ? <StartUp now={now} done={() => setStarting(false)} /> : <Question d={d} />}
+        {starting && fresh ? <StartUp done={() => setStarting(false)} /> : <Question d={d} />}
         <div className={styles.middle}><Loupe address={address} at={loupeAt(d, at)} tall={camera.tall ? 2 : 1} /><Cameras now={now} /></div>
         <Markers d={d} />
       </aside>

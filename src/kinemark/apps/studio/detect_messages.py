@@ -186,9 +186,6 @@ class DigitisingNow(Message):
     markers: list[str]
     reference: str | None
     question: DigitiseQuestion
-    confirm_reference: bool
-    take_proposals: bool
-    history: int
     draft: list[PlacedMarker]
     can_undo: bool
     finished: bool
@@ -224,10 +221,23 @@ class AnswerBody(Message):
 
 
 class SetupBody(Message):
-    """The start of digitising: the markers in the order in which they are asked for, and the one that does not move."""
+    """The start of digitising: the markers in the order in which they are asked for, and the one that does not move.
+
+    `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all.
+    """
 
     markers: list[Annotated[str, Field(min_length=1, max_length=100)]] = Field(max_length=30)
     reference: str | None = None
     confirm_reference: bool = True
     take_proposals: bool = False
     history: int = 2
+    last_frame: int | None = None
+    reference_files: str | None = Field(default=None, max_length=200)
+
+
+class StartUp(Message):
+    """What may be chosen before the first answer: of so many frames, sets of reference files; and what is chosen."""
+
+    frames: int
+    reference_files: list[str]
+    now: SetupBody

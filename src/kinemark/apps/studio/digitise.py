@@ -41,8 +41,8 @@ def open_digitising(place: Place) -> OpenDigitising:
     entry = session.trial(place.name).entry
     if entry.images is None or entry.answers is None:
         raise KinemarkError(
-            f"Nobody digitises {place.name} by hand: its markers are found by themselves. Where they cannot be, name "
-            f'them in [digitise], and give the trial answers = "{place.name}/{{camera}}.csv".'
+            f"Nobody digitises {place.name} by hand: its markers are found by themselves. Where they cannot be, say "
+            "which markers an operator points at."
         )
     return OpenDigitising(session.digitising(place.name, session.calibrate().rig))
 
@@ -63,8 +63,6 @@ def now(opened: OpenDigitising, place: Place, title: str) -> m.DigitisingNow:
     return m.DigitisingNow(
         trial=place.name, session=title, cameras=cameras, frames=opened.n_frames, camera=opened.camera,
         kept=opened.kept[opened.camera], markers=list(markers), reference=opened.task.method.reference,
-        confirm_reference=opened.task.method.confirm_reference, take_proposals=opened.task.method.take_proposals,
-        history=opened.task.method.history,
         question=_question(opened, question), draft=_placed(opened, state.draft), can_undo=opened.can_undo,
         finished=opened.finished(opened.names[-1]),
     )  # fmt: skip

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 from fastapi import APIRouter, Request
 
-from ...engine.digitising_setup import DigitisingSetup, set_up
+from ...engine.digitising_setup import DigitisingSetup, choices, set_up
 from ...engine.open_digitising import OpenDigitising
 from ...engine.session import Session
 from ...engine.session_name import FILE
@@ -44,6 +46,14 @@ def post_answer(request: Request, place: ThePlace, body: m.AnswerBody) -> m.Digi
     with opened.lock:
         take(opened, body)
         return _now(opened, place)
+
+
+@router.get("/setup")
+def get_setup(place: ThePlace) -> m.StartUp:
+    """What may be chosen before the first answer."""
+    found = choices(place.path, place.name)
+    now = m.SetupBody(**asdict(found.now) | {"markers": list(found.now.markers)})
+    return m.StartUp(frames=found.frames, reference_files=list(found.reference_files), now=now)
 
 
 @router.post("/setup")

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..data import KinemarkError
-from ..data.array_types import Bools, Floats, GreyLevels
+from ..data.array_types import Bools, Floats, GreyLevels, Ints
 from ..data.masks import Masks
 from ..data.method import Method
 from ..detect import Blobs, Centroids, combined_masks, detect_frames
@@ -113,6 +113,22 @@ class _Learned(NamedTuple):
     ground: Ground | None
 
 
+class _Remembered:
+    """A recording whose frames that are learned from are decoded once, however often something is tried."""
+
+    def __init__(self, source: ImageSource | Excerpt) -> None:
+        self._source, self._known = source, dict[bytes, tuple[Ints, GreyLevels]]()
+        self.n_frames, self.v_offset, self.batches = source.n_frames, source.v_offset, source.batches
+        self.frames_at = source.frames_at
+
+    def frames_near(self, wanted: Ints) -> tuple[Ints, GreyLevels]:
+        """As that of `FrameSource`."""
+        key = wanted.tobytes()
+        if key not in self._known:
+            self._known[key] = self._source.frames_near(wanted)
+        return self._known[key]
+
+
 class OpenDetection:
     """The images of a trial, and its detection.
 
@@ -142,6 +158,7 @@ class OpenDetection:
         self._exact: dict[str, ExactImages] = {}
         self._locks = {name: threading.Lock() for name in self.sources}
         self._learned: dict[tuple[str, Method], _Learned] = {}
+        self._recordings: dict[str, _Remembered] = {}
 
     def image(self, camera: str, frame: int) -> GreyLevels:
         """(H, W) of a frame by its number in the recording, as it was recorded.
@@ -242,7 +259,7 @@ class OpenDetection:
             fields = 0.5 if self.sources[camera].interlaced else 1.0
             return _Learned(replace(method, aspect=method.aspect or fields), None)
         if key not in self._learned:
-            source = self._recording(self.sources[camera])
+            source = self._recording(camera)
             found, ground = for_camera(method, source)
             ready: Method | None = found
             if getattr(found, "relative_threshold", None) is not None:
@@ -259,8 +276,11 @@ class OpenDetection:
     def _under(images: GreyLevels, ground: Ground | None, batch: int) -> GreyLevels:
         return images if ground is None else ground.taken_from(images, batch * BATCH)
 
-    def _recording(self, source: ImageSource) -> ImageSource | Excerpt:
+    def _recording(self, camera: str) -> _Remembered:
         """The stretch that a run would learn from."""
-        if self._excerpt is None:
-            return source
-        return Excerpt(source, self.first - 1, self.first - 1 + self.n_frames)
+        if camera not in self._recordings:
+            source = self.sources[camera]
+            whole = self._excerpt is None
+            first = self.first - 1
+            self._recordings[camera] = _Remembered(source if whole else Excerpt(source, first, first + self.n_frames))
+        return self._recordings[camera]

@@ -322,7 +322,11 @@ export interface paths {
          * @description Name the markers, as long as nothing was answered; written into the session.
          */
         post: operations["post_setup_api_trials__trial__digitise_setup_post"];
-        delete?: never;
+        /**
+         * Delete Setup
+         * @description Nobody digitises the trial, as long as nothing was answered.
+         */
+        delete: operations["delete_setup_api_trials__trial__digitise_setup_delete"];
         options?: never;
         head?: never;
         patch?: never;
@@ -2101,11 +2105,15 @@ export interface components {
         /**
          * StartUp
          * @description What may be chosen before the first answer: of so many frames, sets of reference files; and what is chosen.
+         *
+         *     `operated`: whether the trial is one that an operator digitises.
          */
         StartUp: {
             /** Frames */
             frames: number;
             now: components["schemas"]["SetupBody"];
+            /** Operated */
+            operated: boolean;
             /** Reference Files */
             reference_files: string[];
         };
@@ -2886,6 +2894,35 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["DigitisingNow"];
                 };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    delete_setup_api_trials__trial__digitise_setup_delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description Unprocessable Entity */
             422: {

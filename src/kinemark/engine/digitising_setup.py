@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import tomlkit
+from tomlkit import TOMLDocument
 
 from ..data import KinemarkError
 from ..io.answers_csv import read_answers
@@ -49,11 +50,15 @@ class DigitisingSetup:
 
 @dataclass(frozen=True, slots=True)
 class DigitisingChoices:
-    """What may be chosen: of so many frames; names of sets of `.rf` files; and what is chosen now."""
+    """What may be chosen: of so many frames; names of sets of `.rf` files; and what is chosen now.
+
+    `operated`: whether the trial is one that an operator digitises.
+    """
 
     frames: int
     reference_files: tuple[str, ...]
     now: DigitisingSetup
+    operated: bool
 
 
 def choices(root: Path, trial: str) -> DigitisingChoices:
@@ -72,7 +77,8 @@ def choices(root: Path, trial: str) -> DigitisingChoices:
         now = DigitisingSetup(
             method.markers, method.reference, method.confirm_reference, method.take_proposals, method.history, last
         )
-    return DigitisingChoices(min(s.n_frames for s in sources.values()), _reference_sets(root, len(cameras)), now)
+    shortest = min(source.n_frames for source in sources.values())
+    return DigitisingChoices(shortest, _reference_sets(root, len(cameras)), now, entry.answers is not None)
 
 
 def set_up(root: Path, trial: str, setup: DigitisingSetup) -> None:
@@ -94,13 +100,39 @@ def set_up(root: Path, trial: str, setup: DigitisingSetup) -> None:
         marks = table_in(document["calibration"], "reference_marker")
         for name, place in _reference_places(root, setup.reference_files, _cameras(session)).items():
             marks[name] = [place]
-    own: Any = next(one for one in document["trials"] if one["name"] == trial)
+    own = _table_of(document, trial)
     if "answers" not in own:
         own["answers"] = f"answers/{trial}/{{camera}}.csv"
     if setup.last_frame is not None:
         own["frames"] = [1, setup.last_frame]
     else:
         own.pop("frames", None)
+    _write(root, document)
+
+
+def leave_off(root: Path, trial: str) -> None:
+    """Nobody digitises the trial: its markers are found by themselves, as long as no answer was given.
+
+    Raises:
+        KinemarkError: one was, or the file cannot be written.
+    """
+    session = Session.open(root)
+    entry = _entry(session, trial)
+    if entry.answers is None:
+        return
+    _check_unanswered(session, trial, entry.answers)
+    document = parsed(root / FILE)
+    _table_of(document, trial).pop("answers")
+    _write(root, document)
+
+
+def _table_of(document: TOMLDocument, trial: str) -> Any:
+    """A trial's own table."""
+    trials: Any = document["trials"]
+    return next(one for one in trials if one["name"] == trial)
+
+
+def _write(root: Path, document: TOMLDocument) -> None:
     with replacing(root / FILE) as beside:
         beside.write_text(tomlkit.dumps(document), "utf-8")
         read_settings(beside)  # raises before anything is replaced

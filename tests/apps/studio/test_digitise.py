@@ -233,10 +233,15 @@ def test_a_trial_that_nobody_digitises_is_set_up(tmp_path):
     assert "# the arm study, recorded in the basement" in file.read_text("utf-8")
     now = studio.page.post(f"{studio.address}/setup", {"markers": ["B", "REF"], "reference": "REF"}).json()
     assert now["question"]["words"] == "Where is B?"
+    assert studio.page.request("DELETE", f"{studio.address}/setup").status == 204
+    assert now_of(studio)["words"].startswith("Nobody") and "\nanswers" not in file.read_text("utf-8")
+    now = studio.page.post(f"{studio.address}/setup", {"markers": ["1", "REF"], "reference": "REF"}).json()
+    assert now["question"]["words"] == "Where is marker 1?"
     assert said(studio, {"kind": "absent"}, now).status == 200
     assert (folder / "answers" / "feeding" / "cam1.csv").is_file()
     answer = studio.page.post(f"{studio.address}/setup", {"markers": ["C"]})
     assert answer.status == 422 and "cam1.csv has 1 answers" in answer.json()["words"]
+    assert studio.page.request("DELETE", f"{studio.address}/setup").status == 422
 
 
 def test_the_last_frame_and_the_files_of_the_thesis(tmp_path):

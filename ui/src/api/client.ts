@@ -93,3 +93,4 @@ export const savedFrame = (id: string, frame: number): Promise<PlacedMarker[]> =
 export const pictureAddress = (id: string, camera: string, frame: number): string => `/api${of(id)}/pictures/${part(camera)}/${frame}`;
 export const setUpDigitising = (id: string, what: SetupBody): Promise<DigitisingNow> => json(`${of(id)}/digitise/setup`, body(what));
 export const startUp = (id: string): Promise<StartUp> => json(`${of(id)}/digitise/setup`);
+export const leaveDigitising = async (id: string): Promise<void> => void (await asked(`${of(id)}/digitise/setup`, { method: "DELETE" }));

@@ -19,7 +19,7 @@ import styles from "./Detect.module.css";
 const INK: Record<Mark["state"], string> = { marker: "#4ade9a", "too small": "#f6c453", "too large": "#ff8b6b", "not round": "#8fc7ff", "at edge": "#d8a6ff", masked: "#a9b4be" };
 const SHORT: Record<Mark["state"], string> = { marker: "marker", "too small": "too small", "too large": "too large", "not round": "not round", "at edge": "at the edge", masked: "masked" };
 /** px of the screen that a ring is wider than its marker. */
-const ROOM = 4;
+const ROOM = 2.5;
 /** px of the screen a pixel, from which reasons are written beside their marks; chosen: nearer they would cover the image. */
 const NAMED = 0.4;
 

@@ -4,7 +4,7 @@ import { Refused } from "../api/client";
 import type { AnswerSaid, DigitisingNow, PlacedMarker, SetupBody } from "../api/types";
 import { tone } from "../model/tone";
 import { get, set } from "./store";
-import { say, tried } from "./load";
+import { goTo, say, tried } from "./load";
 
 export interface Digitised {
   now: DigitisingNow;
@@ -30,6 +30,14 @@ export async function setUp(what: SetupBody): Promise<boolean> {
   if (!now || get().id !== id) return false;
   set({ digitise: { now, shown: null, saved: [], spot: 0 }, note: null });
   return true;
+}
+
+/** Nobody digitises the trial after all. */
+export async function leaveOff(): Promise<void> {
+  const { id } = get();
+  if (!id || (await tried(() => api.leaveDigitising(id).then(() => true))) === null) return;
+  set({ digitise: null });
+  goTo("detect");
 }
 
 let answering = false;

@@ -236,8 +236,12 @@ class SetupBody(Message):
 
 
 class StartUp(Message):
-    """What may be chosen before the first answer: of so many frames, sets of reference files; and what is chosen."""
+    """What may be chosen before the first answer: of so many frames, sets of reference files; and what is chosen.
+
+    `operated`: whether the trial is one that an operator digitises.
+    """
 
     frames: int
     reference_files: list[str]
     now: SetupBody
+    operated: bool

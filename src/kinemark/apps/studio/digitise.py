@@ -124,13 +124,13 @@ def _question(opened: OpenDigitising, question: Question) -> m.DigitiseQuestion:
 
 def spoken(opened: OpenDigitising, question: Question) -> str:
     """A question as a screen puts it."""
-    name, reference = question.name, opened.task.method.reference
+    name, reference = _called(question), opened.task.method.reference
     if question.phase is DigitisingPhase.POINT:
-        what = f"the reference marker, {name}" if name == reference else name
+        what = f"the reference marker, {question.name}" if question.name == reference else name
         why = " Two images would do." if question.ambiguous else ""
         return f"Where is {what}?{why}{_proposed(question)}"
     return {
-        DigitisingPhase.REFERENCE: f"Is this the reference marker, {name}?",
+        DigitisingPhase.REFERENCE: f"Is this the reference marker, {question.name}?",
         DigitisingPhase.REVIEW: "Have successfully detected all markers. Look at them, then save the frame.",
         DigitisingPhase.VERIFY: _verified(question),
         DigitisingPhase.CORRECT: f"Click where the centre of {name} is.",
@@ -140,7 +140,13 @@ def spoken(opened: OpenDigitising, question: Question) -> str:
 
 def _verified(question: Question) -> str:
     missing = np.isnan(question.uv).any()
-    return f"{question.name} is not present. Is that right?" if missing else f"Is this {question.name}?"
+    name = _called(question)
+    return f"{name[:1].upper()}{name[1:]} is not present. Is that right?" if missing else f"Is this {name}?"
+
+
+def _called(question: Question) -> str:
+    """A marker that has a number for a name is said to be one."""
+    return f"marker {question.name}" if question.name.isdecimal() else question.name
 
 
 def _proposed(question: Question) -> str:

@@ -6,7 +6,7 @@ from dataclasses import asdict
 
 from fastapi import APIRouter, Request
 
-from ...engine.digitising_setup import DigitisingSetup, choices, set_up
+from ...engine.digitising_setup import DigitisingSetup, choices, leave_off, set_up
 from ...engine.open_digitising import OpenDigitising
 from ...engine.session import Session
 from ...engine.session_name import FILE
@@ -53,7 +53,8 @@ def get_setup(place: ThePlace) -> m.StartUp:
     """What may be chosen before the first answer."""
     found = choices(place.path, place.name)
     now = m.SetupBody(**asdict(found.now) | {"markers": list(found.now.markers)})
-    return m.StartUp(frames=found.frames, reference_files=list(found.reference_files), now=now)
+    files = list(found.reference_files)
+    return m.StartUp(frames=found.frames, reference_files=files, now=now, operated=found.operated)
 
 
 @router.post("/setup")
@@ -63,6 +64,13 @@ def post_setup(request: Request, place: ThePlace, desk: TheDesk, body: m.SetupBo
     set_up(place.path, place.name, setup)
     forget_session(desk, place)
     return _now(digitising_of(request, place), place)
+
+
+@router.delete("/setup", status_code=204)
+def delete_setup(place: ThePlace, desk: TheDesk) -> None:
+    """Nobody digitises the trial, as long as nothing was answered."""
+    leave_off(place.path, place.name)
+    forget_session(desk, place)
 
 
 @router.get("/frames/{frame}")

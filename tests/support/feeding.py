@@ -8,9 +8,9 @@ NAMES = ("ACR1", "ACR2", "ARM3", "ELB4", "WRU5", "WRR6", "MC37", "REF")
 REFERENCE = "REF"
 
 
-def feeding_in(folder, frames, *, cameras=3, confirm=False, rate=30.0):
+def feeding_in(folder, frames, *, cameras=3, confirm=False, rate=30.0, seed=1):
     """A folder with videos, their calibration and `session.toml`; gives it."""
-    rig, _, sight, images = footage(frames / rate)
+    rig, _, sight, images = footage(frames / rate, seed)
     folder.mkdir(parents=True, exist_ok=True)
     for c in range(cameras):
         write_video(folder / f"cam{c + 1}.mkv", images[c][:frames], rate)

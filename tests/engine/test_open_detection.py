@@ -35,6 +35,7 @@ def opened(tmp_path_factory):
         ("[detect]\nrelative_threshold = 0.4", "", 180),
         ("[detect]\nmethod = 'kiss_scanning'", "", 180),
         ("[cameras]\ninterlaced = true", "", 90),
+        ("[cameras]\ninterlaced = true\n[detect]\nbackground = 'subtract'", "frames = [4, 31]", 90),
         ("[masks]\nfile = 'masks.toml'", "", 180),
     ],
 )

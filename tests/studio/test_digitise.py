@@ -221,6 +221,10 @@ def test_axe_finds_nothing_whatever_is_asked(folder, seen, chromium_running, the
         studio.page.get_by_role("button", name="Digitise", exact=True).click()
         studio.page.locator("[data-phase]").wait_for()
         person, found = Person(studio.idle(), seen), {}
+        studio.page.get_by_role("button", name="Start up").click()
+        studio.page.get_by_role("button", name="Find them by themselves").wait_for()
+        found["start up"] = violations(studio.page)
+        studio.page.get_by_role("button", name="Start up").click()
         for phase, keys in {"point": "", "review": "", "verify": "v", "correct": "n"}.items():
             if phase == "review":
                 person.until("cam1", 1, "review")

@@ -5,10 +5,10 @@ import re
 
 import pytest
 
-from support.studio_page import AXE, Studio, window
+from support.axe import needed_axe, violations
+from support.studio_page import Studio, window
 
-SCREENS = ("home", "tracks", "labels", "gaps", "report", "history")
-LEVELS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
+SCREENS = ("home", "tracks", "detect", "labels", "gaps", "report", "history")
 DIALOGS = {
     "?": "Keys",
     "Control+k": "Search or command",
@@ -25,20 +25,9 @@ def lines(folder):
     return [json.loads(line) for line in path.read_text("utf-8").splitlines()] if path.is_file() else []
 
 
-def violations(page):
-    """What axe finds, each with where it is."""
-    page.evaluate(AXE.read_text("utf-8"))
-    found = page.evaluate("levels => axe.run({runOnly: {type: 'tag', values: levels}})", LEVELS)
-    return [
-        f"{one['id']}: {one['nodes'][0]['html'][:160]} {one['nodes'][0]['failureSummary'][:200]}"
-        for one in found["violations"]
-    ]
-
-
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_every_screen_opens_without_an_error_and_axe_finds_nothing(folder, walk, chromium_running, theme):
-    if not AXE.is_file():
-        pytest.skip("needs axe-core: python3 dev.py studio")
+    needed_axe()
     from support.studio_page import served
 
     with served(folder, "--faults") as server:
@@ -56,6 +45,7 @@ def test_every_screen_opens_without_an_error_and_axe_finds_nothing(folder, walk,
             found[screen] = violations(studio.page)
         for key, title in DIALOGS.items():
             studio.page.get_by_role("button", name=re.compile("^Tracks")).click()
+            studio.page.locator("main[data-screen=tracks]").wait_for()
             studio.idle().press(key)
             studio.page.get_by_role("dialog", name=re.compile(re.escape(title))).wait_for()
             found[title] = violations(studio.page)

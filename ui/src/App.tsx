@@ -6,6 +6,8 @@ import { Foot } from "./parts/Foot";
 import { Head } from "./parts/Head";
 import { Rail } from "./parts/Rail";
 import { Transport } from "./parts/Transport";
+import { Detect } from "./screens/Detect";
+import { Digitise } from "./screens/Digitise";
 import { Gaps } from "./screens/Gaps";
 import { History } from "./screens/History";
 import { Home } from "./screens/Home";
@@ -14,7 +16,7 @@ import { Report } from "./screens/Report";
 import { Tracks } from "./screens/Tracks";
 import { playhead, useStore, type Screen } from "./state/store";
 
-const SCREENS: Record<Screen, () => React.JSX.Element> = { home: Home, tracks: Tracks, labels: Labels, gaps: Gaps, report: Report, history: History };
+const SCREENS: Record<Screen, () => React.JSX.Element> = { home: Home, detect: Detect, digitise: Digitise, tracks: Tracks, labels: Labels, gaps: Gaps, report: Report, history: History };
 
 /** Buttons that were clicked give the keys back; whoever tabs to them keeps them. */
 function blurClicked(event: React.MouseEvent): void {

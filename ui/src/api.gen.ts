@@ -124,6 +124,86 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/trials/{trial}/detect": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Detection
+         * @description How markers are detected, as the session says it.
+         */
+        get: operations["get_detection_api_trials__trial__detect_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/detect/apply": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Apply
+         * @description Write what was tried into the session, whose trials are stale then.
+         */
+        post: operations["post_apply_api_trials__trial__detect_apply_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/detect/frame": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Frame
+         * @description What would be found in a frame; nothing is written.
+         */
+        post: operations["post_frame_api_trials__trial__detect_frame_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/detect/why": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Why
+         * @description Why there is a marker or none at a place; nothing is written.
+         */
+        post: operations["post_why_api_trials__trial__detect_why_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/trials/{trial}/detections": {
         parameters: {
             query?: never;
@@ -159,6 +239,94 @@ export interface paths {
         put?: never;
         post?: never;
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/digitise": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Digitising
+         * @description Where the operator is.
+         */
+        get: operations["get_digitising_api_trials__trial__digitise_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/digitise/answers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Answer
+         * @description Answer the question that is asked; 409 where somebody else has.
+         */
+        post: operations["post_answer_api_trials__trial__digitise_answers_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/digitise/frames/{frame}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Saved
+         * @description What is saved of a frame of the camera whose turn it is.
+         */
+        get: operations["get_saved_api_trials__trial__digitise_frames__frame__get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/digitise/setup": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Setup
+         * @description What may be chosen before the first answer.
+         */
+        get: operations["get_setup_api_trials__trial__digitise_setup_get"];
+        put?: never;
+        /**
+         * Post Setup
+         * @description Name the markers, as long as nothing was answered; written into the session.
+         */
+        post: operations["post_setup_api_trials__trial__digitise_setup_post"];
+        /**
+         * Delete Setup
+         * @description Nobody digitises the trial, as long as nothing was answered.
+         */
+        delete: operations["delete_setup_api_trials__trial__digitise_setup_delete"];
         options?: never;
         head?: never;
         patch?: never;
@@ -316,6 +484,26 @@ export interface paths {
          * @description Samples as `PathsHeader` says; all trajectories where none is named.
          */
         get: operations["get_paths_api_trials__trial__paths_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/trials/{trial}/pictures/{camera}/{frame}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Picture
+         * @description The whole image of a camera in a frame, as it was recorded; deeper ones as 8 bits.
+         */
+        get: operations["get_picture_api_trials__trial__pictures__camera___frame__get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -496,6 +684,47 @@ export interface components {
             problem: string;
         };
         /**
+         * AnswerBody
+         * @description An answer, of whoever sees so many answers kept of this camera.
+         */
+        AnswerBody: {
+            /** Camera */
+            camera: string;
+            /** Kept */
+            kept: number;
+            /** Said */
+            said: components["schemas"]["PointSaid"] | components["schemas"]["FrameSaid"] | components["schemas"]["PlainSaid"];
+        };
+        /**
+         * CameraFound
+         * @description What is found in a camera's image; `limits` as they were used, `refused` why nothing could be.
+         *
+         *     `histogram` counts pixels by 256 grey levels; threshold in these.
+         */
+        CameraFound: {
+            /** Ground */
+            ground: boolean;
+            /** Histogram */
+            histogram: number[];
+            /** Inverted */
+            inverted: boolean;
+            /** Limits */
+            limits: {
+                [key: string]: number;
+            };
+            /** Marks */
+            marks: components["schemas"]["Mark"][];
+            /** Name */
+            name: string;
+            /**
+             * Refused
+             * @default
+             */
+            refused: string;
+            /** Threshold */
+            threshold: number | null;
+        };
+        /**
          * CameraRow
          * @description A camera: x_cam = R X + t; K and distortion (k1 k2 p1 p2 k3) lead to px; (0, 0) is the first pixel's centre.
          */
@@ -619,6 +848,138 @@ export interface components {
             v: number;
         };
         /**
+         * DetectCamera
+         * @description A camera: its images, what `[detect.cameras.NAME]` says, masks; `tall` where lines are of a field.
+         */
+        DetectCamera: {
+            /** Height */
+            height: number;
+            /** Masks */
+            masks: [
+                number,
+                number
+            ][][];
+            /** Name */
+            name: string;
+            /** Own */
+            own: {
+                [key: string]: number | boolean | null;
+            };
+            /** Tall */
+            tall: boolean;
+            /** Width */
+            width: number;
+        };
+        /**
+         * DetectDraft
+         * @description What is tried: parameters for all cameras, for single ones, and masks; null leaves a parameter open.
+         */
+        DetectDraft: {
+            /**
+             * Cameras
+             * @default {}
+             */
+            cameras: {
+                [key: string]: {
+                    [key: string]: number | boolean | null;
+                };
+            };
+            /**
+             * Every
+             * @default {}
+             */
+            every: {
+                [key: string]: number | boolean | null;
+            };
+            /**
+             * Masks
+             * @default {}
+             */
+            masks: {
+                [key: string]: [
+                    number,
+                    number
+                ][][];
+            };
+        };
+        /**
+         * DetectFrame
+         * @description What is found in a frame, in every camera.
+         */
+        DetectFrame: {
+            /** Cameras */
+            cameras: components["schemas"]["CameraFound"][];
+            /** Frame */
+            frame: number;
+        };
+        /**
+         * DetectFrameBody
+         * @description A frame, and what is tried in it.
+         */
+        DetectFrameBody: {
+            /**
+             * @default {
+             *       "cameras": {},
+             *       "every": {},
+             *       "masks": {}
+             *     }
+             */
+            draft: components["schemas"]["DetectDraft"];
+            /** Frame */
+            frame: number;
+        };
+        /**
+         * DetectParameter
+         * @description A parameter of `[detect]`: what kind it is, its range, its meaning, and what the session says.
+         */
+        DetectParameter: {
+            /** Flag */
+            flag: boolean;
+            /** High */
+            high: number | null;
+            /** Low */
+            low: number | null;
+            /** Meaning */
+            meaning: string;
+            /** Name */
+            name: string;
+            /** Stated */
+            stated: number | boolean | null;
+            /** Unit */
+            unit: string;
+            /** Whole */
+            whole: boolean;
+        };
+        /**
+         * Detection
+         * @description How markers are detected in a trial; `words` say what there is to know before it is changed.
+         *
+         *     `learned`: what is left open is learned from each camera's recording, else it is the usual value.
+         */
+        Detection: {
+            /** Cameras */
+            cameras: components["schemas"]["DetectCamera"][];
+            /** First */
+            first: number;
+            /** Last */
+            last: number;
+            /** Learned */
+            learned: boolean;
+            /** Method */
+            method: string;
+            /** Parameters */
+            parameters: components["schemas"]["DetectParameter"][];
+            /** Session */
+            session: string;
+            /** Trial */
+            trial: string;
+            /**
+             * Words
+             * @default
+             */
+            words: string;
+        };
+        /**
          * DetectionsHeader
          * @description What the body of `/detections` holds: in header `X-Kinemark-Detections`.
          *
@@ -650,6 +1011,87 @@ export interface components {
             other: number;
             /** Samples */
             samples: components["schemas"]["SampleChange"][];
+        };
+        /**
+         * DigitiseQuestion
+         * @description What is asked: `at` is where the marker is or is expected, `search` the side of the square that was searched, px.
+         *
+         *     `lines` are where the other cameras see it; `spots` what can be pointed at, nearest to `at` first.
+         */
+        DigitiseQuestion: {
+            /** Ambiguous */
+            ambiguous: boolean;
+            /** At */
+            at: [
+                number,
+                number
+            ] | null;
+            /** Frame */
+            frame: number;
+            /** Lines */
+            lines: components["schemas"]["EpipolarLine"][];
+            /** Marker */
+            marker: string;
+            /**
+             * Phase
+             * @enum {string}
+             */
+            phase: "point" | "reference" | "review" | "verify" | "correct" | "done";
+            said: components["schemas"]["PlaceSaid"] | null;
+            /** Search */
+            search: number;
+            /** Spots */
+            spots: [
+                number,
+                number
+            ][];
+            /** Words */
+            words: string;
+        };
+        /**
+         * DigitisedCamera
+         * @description How far a camera is digitised.
+         */
+        DigitisedCamera: {
+            /** Height */
+            height: number;
+            /** Name */
+            name: string;
+            /** Saved */
+            saved: number;
+            /** Tall */
+            tall: boolean;
+            /** Width */
+            width: number;
+        };
+        /**
+         * DigitisingNow
+         * @description Where an operator is: `kept` counts the answers of this camera, and must be said with the next one.
+         */
+        DigitisingNow: {
+            /** Camera */
+            camera: string;
+            /** Cameras */
+            cameras: components["schemas"]["DigitisedCamera"][];
+            /** Can Undo */
+            can_undo: boolean;
+            /** Draft */
+            draft: components["schemas"]["PlacedMarker"][];
+            /** Finished */
+            finished: boolean;
+            /** Frames */
+            frames: number;
+            /** Kept */
+            kept: number;
+            /** Markers */
+            markers: string[];
+            question: components["schemas"]["DigitiseQuestion"];
+            /** Reference */
+            reference: string | null;
+            /** Session */
+            session: string;
+            /** Trial */
+            trial: string;
         };
         /**
          * Dropped
@@ -790,6 +1232,19 @@ export interface components {
             kind: "finish";
             /** Last */
             last?: number | null;
+        };
+        /**
+         * FrameSaid
+         * @description Look again at a saved frame.
+         */
+        FrameSaid: {
+            /** Frame */
+            frame: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "frame";
         };
         /**
          * GapAct
@@ -1111,6 +1566,27 @@ export interface components {
             said: components["schemas"]["Job"] | components["schemas"]["TrialMoved"];
         };
         /**
+         * Mark
+         * @description A detection: centre and rectangle, px; why it is none; `merged` where markers lie on each other.
+         */
+        Mark: {
+            /** Height */
+            height: number;
+            /** Merged */
+            merged: boolean;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "marker" | "too small" | "too large" | "not round" | "at edge" | "masked";
+            /** U */
+            u: number;
+            /** V */
+            v: number;
+            /** Width */
+            width: number;
+        };
+        /**
          * MarkerSetRow
          * @description A marker set; places are forward, left, up in shares of height; faces are the views of the figure.
          */
@@ -1241,6 +1717,77 @@ export interface components {
             sd: string;
             /** Xyz */
             xyz: string;
+        };
+        /**
+         * PlaceSaid
+         * @description What other cameras say of a missing marker; the place is null where it is only known to be hidden.
+         */
+        PlaceSaid: {
+            /** At */
+            at: [
+                number,
+                number
+            ] | null;
+            /** Seen */
+            seen: boolean;
+        };
+        /**
+         * PlaceWhy
+         * @description Why there is a marker or none; the parameter that decided, and with which value it would be one.
+         */
+        PlaceWhy: {
+            /**
+             * Parameter
+             * @default
+             */
+            parameter: string;
+            /** Value */
+            value?: number | null;
+            /** Words */
+            words: string;
+        };
+        /**
+         * PlacedMarker
+         * @description A marker of the frame, before it is saved; u and v are null where it is not present, or not known yet.
+         */
+        PlacedMarker: {
+            /**
+             * How
+             * @enum {string}
+             */
+            how: "open" | "not present" | "automatic" | "pointed" | "placed" | "proposed" | "ambiguous";
+            /** Name */
+            name: string;
+            /** U */
+            u: number | null;
+            /** V */
+            v: number | null;
+        };
+        /**
+         * PlainSaid
+         * @description All other answers.
+         */
+        PlainSaid: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "absent" | "hand" | "no" | "save" | "undo" | "verify" | "yes";
+        };
+        /**
+         * PointSaid
+         * @description A pixel of the marker; where a place is corrected, the very place.
+         */
+        PointSaid: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "point";
+            /** U */
+            u: number;
+            /** V */
+            v: number;
         };
         /**
          * Preview
@@ -1467,6 +2014,37 @@ export interface components {
             words: string;
         };
         /**
+         * SetupBody
+         * @description The start of digitising: the markers in the order in which they are asked for, and the one that does not move.
+         *
+         *     `reference_files` names UM²AS's files of its place; null: the first frame says it. `last_frame` is null for all.
+         */
+        SetupBody: {
+            /**
+             * Confirm Reference
+             * @default true
+             */
+            confirm_reference: boolean;
+            /**
+             * History
+             * @default 2
+             */
+            history: number;
+            /** Last Frame */
+            last_frame?: number | null;
+            /** Markers */
+            markers: string[];
+            /** Reference */
+            reference?: string | null;
+            /** Reference Files */
+            reference_files?: string | null;
+            /**
+             * Take Proposals
+             * @default false
+             */
+            take_proposals: boolean;
+        };
+        /**
          * SeveralAct
          * @description Several edits in one entry, undone together; each is of the trial as it is before all of them.
          */
@@ -1523,6 +2101,21 @@ export interface components {
             last: number;
             /** Marker */
             marker: string;
+        };
+        /**
+         * StartUp
+         * @description What may be chosen before the first answer: of so many frames, sets of reference files; and what is chosen.
+         *
+         *     `operated`: whether the trial is one that an operator digitises.
+         */
+        StartUp: {
+            /** Frames */
+            frames: number;
+            now: components["schemas"]["SetupBody"];
+            /** Operated */
+            operated: boolean;
+            /** Reference Files */
+            reference_files: string[];
         };
         /**
          * Tile
@@ -1716,6 +2309,28 @@ export interface components {
             kind: "undo";
             /** Of */
             of?: number | null;
+        };
+        /**
+         * WhyBody
+         * @description A place in an image, and what is tried.
+         */
+        WhyBody: {
+            /** Camera */
+            camera: string;
+            /**
+             * @default {
+             *       "cameras": {},
+             *       "every": {},
+             *       "masks": {}
+             *     }
+             */
+            draft: components["schemas"]["DetectDraft"];
+            /** Frame */
+            frame: number;
+            /** U */
+            u: number;
+            /** V */
+            v: number;
         };
     };
     responses: never;
@@ -1923,6 +2538,142 @@ export interface operations {
             };
         };
     };
+    get_detection_api_trials__trial__detect_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Detection"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_apply_api_trials__trial__detect_apply_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DetectDraft"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Detection"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_frame_api_trials__trial__detect_frame_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DetectFrameBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DetectFrame"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_why_api_trials__trial__detect_why_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["WhyBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PlaceWhy"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
     get_detections_api_trials__trial__detections_get: {
         parameters: {
             query: {
@@ -1979,6 +2730,199 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["Difference"];
                 };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_digitising_api_trials__trial__digitise_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DigitisingNow"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_answer_api_trials__trial__digitise_answers_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["AnswerBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DigitisingNow"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_saved_api_trials__trial__digitise_frames__frame__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                frame: number;
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PlacedMarker"][];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_setup_api_trials__trial__digitise_setup_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StartUp"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_setup_api_trials__trial__digitise_setup_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SetupBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DigitisingNow"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    delete_setup_api_trials__trial__digitise_setup_delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description Unprocessable Entity */
             422: {
@@ -2241,6 +3185,39 @@ export interface operations {
                 };
                 content: {
                     "application/octet-stream": string;
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_picture_api_trials__trial__pictures__camera___frame__get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                camera: string;
+                frame: number;
+                trial: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": string;
                 };
             };
             /** @description Unprocessable Entity */

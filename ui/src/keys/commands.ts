@@ -2,14 +2,15 @@
  * The one table of commands: their keys, their words, when they can be done and what they would do now. Keys, help,
  * palette, foot and tests all read it.
  */
+import { DETECT_COMMANDS, DIGITISE_COMMANDS, imageUp } from "./imageCommands";
 import { many, mm, percent, wayOf } from "../model/format";
 import { asked, labelRows } from "../model/labels";
 import { proposed } from "../model/problems";
 import * as acts from "../state/acts";
 import { goTo } from "../state/load";
-import { currentProblem, get, keep, playhead, set, type Screen, type State } from "../state/store";
+import { currentProblem, get, keep, playhead, SCREENS, set, type Screen, type State } from "../state/store";
 
-export type Group = "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
+export type Group = "Detection" | "Digitising" | "Time" | "Problems" | "Names" | "Gaps and places" | "View" | "Go to" | "Trial";
 
 export interface Command {
   id: string;
@@ -127,6 +128,10 @@ export const COMMANDS: readonly Command[] = [
   { id: "finish", keys: ["Shift+F"], title: "Finish: drop the unnamed, trim to common frames, write C3D", group: "Trial", when: hasTrial, run: () => set({ dialog: "finish" }) },
   { id: "sign", keys: ["Shift+S"], title: "Sign the trial as it is", group: "Trial", when: hasTrial, run: () => set({ dialog: "sign" }) },
   // Go to
+  ...DETECT_COMMANDS,
+  ...DIGITISE_COMMANDS,
+  { id: "detect", keys: ["Alt+Shift+D"], title: "Detect", group: "Go to", when: (s) => s.id !== null, run: go("detect") },
+  { id: "digitise", keys: ["Alt+Shift+G"], title: "Digitise & verify", group: "Go to", when: (s) => s.id !== null, run: go("digitise") },
   { id: "home", keys: ["Alt+Shift+H"], title: "Home", group: "Go to", run: go("home") },
   { id: "tracks", keys: ["Shift+T"], title: "Tracks", group: "Go to", when: hasTrial, run: go("tracks") },
   { id: "labels", keys: ["Shift+L"], title: "Labels", group: "Go to", when: hasTrial, run: go("labels") },
@@ -159,6 +164,7 @@ function nextGap(by: 1 | -1): void {
 /** Escape: what is open closes, then marks, then the selection, then the screen. */
 function up(): void {
   const s = get();
+  if (imageUp()) return;
   if (s.clicks) return set({ clicks: null });
   if (s.first !== null || s.last !== null) return set({ first: null, last: null });
   if (s.problem || s.gap) {
@@ -166,7 +172,7 @@ function up(): void {
     return set({ problem: null, instead: null, window: null, gap: null, candidates: null });
   }
   if (s.selected.length) return set({ selected: [] });
-  goTo(s.screen === "tracks" || !s.id ? "home" : "tracks");
+  goTo(s.screen === "tracks" || !s.header ? "home" : "tracks");
 }
 
 export const byId = (id: string): Command => COMMANDS.find((c) => c.id === id)!;
@@ -185,7 +191,7 @@ export function clashes(all: readonly Command[] = COMMANDS): string[] {
   const seen = new Map<string, string>(), found: string[] = [];
   for (const c of all)
     for (const key of c.keys)
-      for (const screen of c.screens ?? ["home", "tracks", "labels", "gaps", "report", "history"]) {
+      for (const screen of c.screens ?? SCREENS) {
         const at = `${screen} ${key}`, other = seen.get(at);
         if (other) found.push(`${at}: ${other} and ${c.id}`);
         seen.set(at, c.id);

@@ -1,10 +1,12 @@
-import { FileText, History, House, Orbit, Spline, Tags } from "lucide-react";
+import { FileText, History, House, MousePointerClick, Orbit, ScanSearch, Spline, Tags } from "lucide-react";
 import { goTo } from "../state/load";
 import { useStore, type Screen, type State } from "../state/store";
 import styles from "./Rail.module.css";
 
 const STEPS: readonly { screen: Screen; title: string; icon: typeof House; open?: (s: State) => number }[] = [
   { screen: "home", title: "Home", icon: House },
+  { screen: "detect", title: "Detect", icon: ScanSearch },
+  { screen: "digitise", title: "Digitise", icon: MousePointerClick },
   { screen: "tracks", title: "Tracks", icon: Orbit, open: (s) => s.problems?.worth_looking ?? 0 },
   { screen: "labels", title: "Labels", icon: Tags, open: (s) => s.header?.tracks.filter((t) => !t.named && t.samples > 0).length ?? 0 },
   { screen: "gaps", title: "Gaps", icon: Spline, open: (s) => s.gaps?.gaps.filter((g) => g.choice === null).length ?? 0 },

@@ -2,10 +2,14 @@
 import * as api from "../api/client";
 import type { Gaps, TrialHeader } from "../api/types";
 import { mergePaths } from "../model/paths";
+import { loadDetect } from "./detect";
+import { loadDigitise } from "./digitise";
 import { get, OF_TRIAL, playhead, SCREENS, set, type Screen } from "./store";
 
 /** With chosen fills, so that what is drawn is what a run would write. */
 const VIEW = "filled";
+/** Screens that show images, of trials that were not run yet too. */
+const BEFORE_RUN: readonly Screen[] = ["detect", "digitise"];
 /** ms after which what was still being computed is asked for again; chosen. */
 const AGAIN_MS = 400;
 /** Frames of detections that are fetched at a time, so many before the one that is looked at; chosen: 60 markers in 8
@@ -35,7 +39,7 @@ export function goTo(screen: Screen, id: string | null = get().id): void {
 
 /** Show what the address says. */
 export async function arrive(): Promise<void> {
-  const [, , id, name] = location.hash.split("/"), screen = SCREENS.find((one) => one === name) ?? "tracks";
+  const here = location.hash, [, , id, name] = here.split("/"), screen = SCREENS.find((one) => one === name) ?? "tracks";
   set({ dialog: null, note: null });
   if (!id) {
     set({ screen: "home" });
@@ -44,12 +48,19 @@ export async function arrive(): Promise<void> {
     return;
   }
   const trial = decodeURIComponent(id);
-  if (get().id !== trial || !get().header) {
+  if (get().id !== trial || (!get().header && !BEFORE_RUN.includes(screen))) {
     set({ ...OF_TRIAL, id: trial, screen });
-    await openTrial(trial);
+    if (!BEFORE_RUN.includes(screen)) await openTrial(trial);
+    if (location.hash !== here) return; // somebody went on while it was opened
   }
   set({ screen });
   await fresh();
+}
+
+/** Run the trial that is looked at; how it goes on is told by itself. */
+export async function runTrial(): Promise<void> {
+  const { id } = get();
+  if (id && (await tried(() => api.run(id)))) say("news", "The trial is being run.");
 }
 
 async function openTrial(id: string): Promise<void> {
@@ -65,7 +76,9 @@ async function openTrial(id: string): Promise<void> {
 export async function fresh(): Promise<void> {
   const { id, screen } = get();
   if (!id) return;
-  if (screen === "gaps") {
+  if (screen === "detect") await loadDetect(id);
+  else if (screen === "digitise") await loadDigitise(id);
+  else if (screen === "gaps") {
     const gaps = await tried(() => api.gaps(id));
     if (gaps && get().id === id) takeGaps(gaps, id);
   } else if (screen === "labels") {

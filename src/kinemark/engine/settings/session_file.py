@@ -174,8 +174,10 @@ class TrialEntry(Strict):
             raise ValueError(f"trial {self.name!r} wants either images or detections")
         if self.frames is not None and self.frames[0] > self.frames[1]:
             raise ValueError(f"trial {self.name!r} has frames = {list(self.frames)}: give the first, then the last")
-        if self.frames is not None and self.answers is not None:
-            raise ValueError(f"trial {self.name!r} is digitised from its first frame on: leave out frames")
+        if self.frames is not None and self.answers is not None and self.frames[0] != 1:
+            raise ValueError(
+                f"trial {self.name!r} is digitised from its first frame on: say frames = [1, {self.frames[1]}]"
+            )
         if self.answers is not None and self.images is None:
             raise ValueError(f"trial {self.name!r} has answers, which are of images, and has none")
         return self

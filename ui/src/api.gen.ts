@@ -64,6 +64,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/recordings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Folders
+         * @description Folders that hold recordings and no session.
+         */
+        get: operations["get_folders_api_recordings_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/recordings/{folder}/proposal": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Proposal
+         * @description What a folder's recordings propose, with what was said; nothing is written.
+         */
+        post: operations["post_proposal_api_recordings__folder__proposal_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/recordings/{folder}/session": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Post Session
+         * @description Write the first session.toml, never over one that is there.
+         */
+        post: operations["post_session_api_recordings__folder__session_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/trials/{trial}": {
         parameters: {
             query?: never;
@@ -494,6 +554,28 @@ export interface components {
             kind: "alternative";
             /** Problem */
             problem: string;
+        };
+        /**
+         * Asked
+         * @description What no file tells. Numbers from `least` to `most`, or one of `choices`; `wrong` says why an answer is none.
+         */
+        Asked: {
+            /** Answer */
+            answer: string;
+            /** Choices */
+            choices: string[];
+            /** Key */
+            key: string;
+            /** Least */
+            least: number;
+            /** Most */
+            most: number;
+            /** Optional */
+            optional: boolean;
+            /** Words */
+            words: string;
+            /** Wrong */
+            wrong: string;
         };
         /**
          * CameraRow
@@ -1111,6 +1193,16 @@ export interface components {
             said: components["schemas"]["Job"] | components["schemas"]["TrialMoved"];
         };
         /**
+         * MadeSession
+         * @description The session that was made, and its trials.
+         */
+        MadeSession: {
+            /** Session */
+            session: string;
+            /** Trials */
+            trials: string[];
+        };
+        /**
          * MarkerSetRow
          * @description A marker set; places are forward, left, up in shares of height; faces are the views of the figure.
          */
@@ -1169,6 +1261,28 @@ export interface components {
             tiles: components["schemas"]["Tile"][];
             /** Width */
             width: number;
+        };
+        /**
+         * NewFolder
+         * @description A folder that holds recordings and no session; `folder` is its place below the roots, to be read.
+         */
+        NewFolder: {
+            /** Folder */
+            folder: string;
+            /** Id */
+            id: string;
+            /** Title */
+            title: string;
+            /** Words */
+            words: string;
+        };
+        /**
+         * NewFolders
+         * @description All of them.
+         */
+        NewFolders: {
+            /** Folders */
+            folders: components["schemas"]["NewFolder"][];
         };
         /**
          * Outcome
@@ -1352,6 +1466,52 @@ export interface components {
             track: string;
         };
         /**
+         * ProposedSession
+         * @description What a folder's recordings propose, with what the person said of them.
+         *
+         *     `way` is the recording that calibrates, by its id; `text` the session.toml that would be written; `lacking` why it
+         *     cannot be yet, empty where it can.
+         */
+        ProposedSession: {
+            /** Cameras */
+            cameras: string[];
+            /** Cameras Why */
+            cameras_why: string;
+            /** Date */
+            date: string;
+            /**
+             * Fields
+             * @enum {string}
+             */
+            fields: "whole" | "top" | "bottom";
+            /** Fields Why */
+            fields_why: string;
+            /** Folder */
+            folder: string;
+            /** Id */
+            id: string;
+            /** Lacking */
+            lacking: string;
+            /** Name */
+            name: string;
+            /** Notes */
+            notes: string[];
+            /** Questions */
+            questions: components["schemas"]["Asked"][];
+            /** Rate */
+            rate: number | null;
+            /** Rate Why */
+            rate_why: string;
+            /** Recordings */
+            recordings: components["schemas"]["RecordingRow"][];
+            /** Roles */
+            roles: components["schemas"]["RoleRow"][];
+            /** Text */
+            text: string;
+            /** Way */
+            way: string;
+        };
+        /**
          * PutAct
          * @description A marker is here: a place, mm, or clicks in two images or more. `sd` mm per axis.
          */
@@ -1378,6 +1538,36 @@ export interface components {
                 number,
                 number
             ] | null;
+        };
+        /**
+         * RecordingRow
+         * @description A recording that was found; `file` is its place in the folder, to be read; `why` says why it has its role.
+         */
+        RecordingRow: {
+            /** Cameras */
+            cameras: string[];
+            /** Content */
+            content: string;
+            /** File */
+            file: string;
+            /** Frames */
+            frames: number | null;
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            /** Rate */
+            rate: number | null;
+            role: components["schemas"]["Role"];
+            /** Size */
+            size: [
+                number,
+                number
+            ] | null;
+            /** Unequal */
+            unequal: boolean;
+            /** Why */
+            why: string;
         };
         /**
          * RedoAct
@@ -1416,6 +1606,21 @@ export interface components {
             right: boolean;
         };
         /**
+         * Role
+         * @description What a recording is for.
+         * @enum {string}
+         */
+        Role: "trial" | "static" | "wand" | "l_frame" | "control_frame" | "control_points" | "single_marker" | "linearisation" | "empty" | "calibration" | "file" | "unused";
+        /**
+         * RoleRow
+         * @description What a recording may be for.
+         */
+        RoleRow: {
+            key: components["schemas"]["Role"];
+            /** Words */
+            words: string;
+        };
+        /**
          * RunBody
          * @description How far to run a trial.
          */
@@ -1425,6 +1630,32 @@ export interface components {
              * @default write
              */
             to: string;
+        };
+        /**
+         * SaidOfRecordings
+         * @description What the person says instead of the proposal: recordings by their ids, answers by the keys of questions.
+         */
+        SaidOfRecordings: {
+            /** Answers */
+            answers?: {
+                [key: string]: string;
+            };
+            /** Date */
+            date?: string | null;
+            /** Fields */
+            fields?: ("whole" | "top" | "bottom") | null;
+            /** Name */
+            name?: string | null;
+            /** Names */
+            names?: {
+                [key: string]: string;
+            };
+            /** Rate */
+            rate?: number | null;
+            /** Roles */
+            roles?: {
+                [key: string]: components["schemas"]["Role"];
+            };
         };
         /**
          * SampleChange
@@ -1806,6 +2037,105 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Job"][];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    get_folders_api_recordings_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NewFolders"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_proposal_api_recordings__folder__proposal_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                folder: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SaidOfRecordings"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProposedSession"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refusal"];
+                };
+            };
+        };
+    };
+    post_session_api_recordings__folder__session_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                folder: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SaidOfRecordings"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MadeSession"];
                 };
             };
             /** @description Unprocessable Entity */

@@ -13,7 +13,15 @@ from starlette.exceptions import HTTPException
 from ...data import KinemarkError
 from ...engine.journal import StaleJournal
 from ...version import __version__
-from . import export_routes, home_routes, image_routes, live, page_routes, trial_routes
+from . import (
+    export_routes,
+    home_routes,
+    image_routes,
+    live,
+    new_session_routes,
+    page_routes,
+    trial_routes,
+)
 from .desk import Desk, NotRun
 from .limits import Limits
 from .messages import Refusal
@@ -32,6 +40,7 @@ def studio_app(desk: Desk) -> FastAPI:
     app.state.desk, app.state.live = desk, live.Live(desk)
     for part in (home_routes, trial_routes, image_routes, export_routes, live, page_routes):
         app.include_router(part.router)
+    app.include_router(new_session_routes.router)
     app.add_exception_handler(KinemarkError, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)
     app.add_exception_handler(HTTPException, _other)

@@ -14,6 +14,7 @@ from ...data import KinemarkError
 from ...engine.journal import StaleJournal
 from ...version import __version__
 from . import (
+    camera_routes,
     export_routes,
     home_routes,
     image_routes,
@@ -41,6 +42,7 @@ def studio_app(desk: Desk) -> FastAPI:
     for part in (home_routes, trial_routes, image_routes, export_routes, live, page_routes):
         app.include_router(part.router)
     app.include_router(new_session_routes.router)
+    app.include_router(camera_routes.router)
     app.add_exception_handler(KinemarkError, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)
     app.add_exception_handler(HTTPException, _other)

@@ -9,7 +9,7 @@ from typing import Any
 from fastapi.openapi.utils import get_openapi
 from pydantic.json_schema import models_json_schema
 
-from . import edit_messages, messages, new_session_messages
+from . import camera_messages, edit_messages, messages, new_session_messages
 from .app import studio_app
 from .desk import Desk
 from .shelf import Shelf
@@ -17,7 +17,7 @@ from .shelf import Shelf
 FILE = Path(__file__).parents[4] / "ui" / "openapi.json"
 REF = "#/components/schemas/{model}"
 RECORDS = [
-    one for module in (messages, edit_messages, new_session_messages) for one in vars(module).values()
+    one for module in (messages, edit_messages, new_session_messages, camera_messages) for one in vars(module).values()
     if isinstance(one, type) and issubclass(one, messages.Message)
 ]  # fmt: skip
 """All of the contract: some travel in headers or over the socket, where OpenAPI has no place for them."""

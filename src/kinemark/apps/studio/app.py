@@ -14,6 +14,7 @@ from ...data import KinemarkError
 from ...engine.journal import StaleJournal
 from ...version import __version__
 from . import (
+    angle_routes,
     camera_routes,
     export_routes,
     home_routes,
@@ -43,6 +44,7 @@ def studio_app(desk: Desk) -> FastAPI:
         app.include_router(part.router)
     app.include_router(new_session_routes.router)
     app.include_router(camera_routes.router)
+    app.include_router(angle_routes.router)
     app.add_exception_handler(KinemarkError, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)
     app.add_exception_handler(HTTPException, _other)

@@ -40,7 +40,7 @@ def test_the_marker_is_found_from_a_click_beside(marker, seed, wide):
     joint, turn = worst_angle(found, at)
     for beside in (-NEAR, 0, NEAR):
         cause = spike_cause(found, model=UM2AS, joint=joint, turn=turn, index=at + beside)
-        assert cause.marker == marker and at <= cause.index < at + wide
+        assert cause.marker == marker and at <= cause.at < at + wide
         assert cause.change_deg > 3 * max(change for _, change in cause.others)
 
 

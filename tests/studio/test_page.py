@@ -7,7 +7,7 @@ import pytest
 
 from support.studio_page import AXE, Studio, window
 
-SCREENS = ("home", "tracks", "labels", "gaps", "report", "history")
+SCREENS = ("home", "new", "cameras", "tracks", "labels", "gaps", "angles", "report", "history")
 LEVELS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
 DIALOGS = {
     "?": "Keys",
@@ -47,7 +47,14 @@ def test_every_screen_opens_without_an_error_and_axe_finds_nothing(folder, walk,
         for screen in SCREENS:
             if screen == "home":
                 studio.page.get_by_role("button", name="walk01", exact=True).wait_for()
+            elif screen == "new":
+                studio.page.get_by_role("button", name="New session …").click()
+            elif screen == "cameras":
+                studio.page.get_by_role("button", name="Home", exact=True).click()
+                studio.page.get_by_role("button", name=re.compile("^Cameras of")).click()
+                studio.page.locator("[data-grade]").wait_for()
             elif screen == "tracks":
+                studio.page.get_by_role("button", name="Home", exact=True).click()
                 studio.open()
             else:
                 studio.page.get_by_role("button", name=re.compile(f"^{screen.title()}")).click()

@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import KinemarkError, MarkerTrajectory, Trajectories
 from ..data.array_types import Floats
@@ -33,12 +32,12 @@ class SpikeCause(NamedTuple):
     """Where an angle leapt and why.
 
     Attributes:
-        index: of the frame, from 0. off_deg: how far the angle is from its own bridge there, deg.
+        at: index of the frame, from 0. off_deg: how far the angle is from its own bridge there, deg.
         marker: the one that made it, as the trial calls it; change_deg: by how much the angle is less without its leap.
         others: the other markers and what they change, deg, the largest first.
     """
 
-    index: int
+    at: int
     off_deg: float
     marker: str
     change_deg: float
@@ -120,7 +119,7 @@ def _core(n: int, at: int) -> slice:
 def _parabola(values: Floats, at: int) -> Floats:
     """(F, k) by the parabola through values (F, k) beside a frame; NaN where too few are known."""
     n, core = len(values), _core(len(values), at)
-    beside: NDArray[np.bool_] = np.isfinite(values).all(1)
+    beside = np.array(np.isfinite(values).all(1))
     beside[core] = False
     beside[: max(0, core.start - BESIDE)] = False
     beside[core.stop + BESIDE :] = False

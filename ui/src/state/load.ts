@@ -2,6 +2,7 @@
 import * as api from "../api/client";
 import type { Gaps, TrialHeader } from "../api/types";
 import { mergePaths } from "../model/paths";
+import { arriveAtSession, cameraAddress, fetchAngles, sessionOf } from "./sessions";
 import { get, OF_TRIAL, playhead, SCREENS, set, type Screen } from "./store";
 
 /** With chosen fills, so that what is drawn is what a run would write. */
@@ -28,7 +29,8 @@ export async function tried<T>(work: () => Promise<T>): Promise<T | null> {
 export const say = (kind: "done" | "refused" | "news", words: string): void => set({ note: { kind, words, at: Date.now() } });
 
 export function goTo(screen: Screen, id: string | null = get().id): void {
-  const target = screen === "home" || !id ? "#/" : `#/trial/${encodeURIComponent(id)}/${screen}`;
+  if (screen === "cameras" && sessionOf()) return void (location.hash = cameraAddress(sessionOf()!));
+  const target = screen === "new" ? "#/new" : screen === "home" || !id ? "#/" : `#/trial/${encodeURIComponent(id)}/${screen}`;
   if (location.hash === target) void arrive();
   else location.hash = target;
 }
@@ -37,6 +39,7 @@ export function goTo(screen: Screen, id: string | null = get().id): void {
 export async function arrive(): Promise<void> {
   const [, , id, name] = location.hash.split("/"), screen = SCREENS.find((one) => one === name) ?? "tracks";
   set({ dialog: null, note: null });
+  if (await arriveAtSession(location.hash.split("/")[1], id)) return;
   if (!id) {
     set({ screen: "home" });
     const home = await tried(api.home);
@@ -65,6 +68,7 @@ async function openTrial(id: string): Promise<void> {
 export async function fresh(): Promise<void> {
   const { id, screen } = get();
   if (!id) return;
+  if (screen === "angles") return fetchAngles();
   if (screen === "gaps") {
     const gaps = await tried(() => api.gaps(id));
     if (gaps && get().id === id) takeGaps(gaps, id);

@@ -6,7 +6,7 @@ import type { Path, PathSet } from "../model/paths";
 import { Playhead } from "../model/playhead";
 import type { GapCandidates, GapRow, Gaps, History, Home, Job, Join, Labels, Problem, Problems, TrialHeader } from "../api/types";
 
-export const SCREENS = ["home", "tracks", "labels", "gaps", "report", "history"] as const;
+export const SCREENS = ["home", "new", "cameras", "tracks", "labels", "gaps", "angles", "report", "history"] as const;
 export type Screen = (typeof SCREENS)[number];
 export type Dialog = "help" | "commands" | "name" | "why" | "finish" | "sign" | "event" | null;
 export type Theme = "auto" | "light" | "dark";

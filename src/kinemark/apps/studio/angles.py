@@ -79,8 +79,8 @@ def spike(document: OpenDocument, body: a.SpikeBody) -> a.Spike:
         trajectories, model=basis.model, joint=body.joint, turn=body.turn,
         index=body.frame - trajectories.first_frame, template=basis.template, method=method,
     )  # fmt: skip
-    camera, off, seen = worst_image(document, found.marker, found.index)
-    frame = found.index + trajectories.first_frame
+    camera, off, seen = worst_image(document, found.marker, found.at)
+    frame = found.at + trajectories.first_frame
     words = f"{found.marker} made it in frame {frame}: without its leap the angle is {found.change_deg:.1f}° another. "
     return a.Spike(
         frame=frame, marker=found.marker, change_deg=found.change_deg, camera=camera, residual_px=off,

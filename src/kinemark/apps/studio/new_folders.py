@@ -19,7 +19,7 @@ OTHERS = (".tdf", ".da1", ".h5")
 CALIBRATING = (*WAYS, Role.L_FRAME, Role.GRID, Role.CALIBRATION)
 """What recordings of a session are for, besides trials."""
 CAMERAS_DEEP = 2
-"""Folders below a session's that its recordings may lie in: of a trial, and of a camera."""
+"""Folders below a session's that its recordings may lie in: of a trial, and of a camera; by convention."""
 
 
 class Held(NamedTuple):

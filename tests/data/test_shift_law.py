@@ -37,7 +37,8 @@ NO_POSITIONS = {
         calibrate.rows_of_points calibrate.straightness calibrate.thinned calibrate.unknown_optics
         calibrate.wand_points detect.combined_masks detect.detect detect.detect_frames detect.detect_nearest
         detect.detect_scanning detect.learn_masks detect.propose digitise.clicked digitise.identified
-        digitise.find_markers digitise.nearest_free io.open_images io.read_da io.read_da_set io.read_detections_csv
+        digitise.find_markers digitise.nearest_free digitise.threshold_of io.open_images io.read_da io.read_da_set
+        io.read_detections_csv
         io.read_rf io.write_da io.write_detections_csv io.write_rf""",
     "cameras found from images alone, in a world of their own": """
         calibrate.calibrate_points calibrate.calibrate_sticks calibrate.calibrate_wand calibrate.start""",
@@ -63,7 +64,8 @@ NO_POSITIONS = {
         io.read_marker_set io.write_marker_set label.score_switches label.cut_truth io.prefixes_of
         sensitivity.climb sensitivity.placed_points sensitivity.sample sensitivity.typical
         engine.calibrate_method engine.frame_of engine.source_of engine.is_da
-        engine.answered engine.beside_key engine.identifies engine.propose_session engine.recorded_beside
+        engine.answered engine.beside_key engine.earlier_calibrations engine.last_calibration engine.with_facts
+        engine.identifies engine.propose_session engine.recorded_beside
         engine.session_text engine.with_role
         engine.write_first_session engine.method_of engine.methods_text engine.check_camera_names
         engine.methods_figures engine.methods_table_markdown engine.session_schema track.matches_itself

@@ -8,7 +8,7 @@ import pytest
 from support.axe import needed_axe, violations
 from support.studio_page import Studio, window
 
-SCREENS = ("home", "tracks", "detect", "labels", "gaps", "report", "history")
+SCREENS = ("home", "new", "cameras", "tracks", "detect", "labels", "gaps", "angles", "report", "history")
 DIALOGS = {
     "?": "Keys",
     "Control+k": "Search or command",
@@ -36,7 +36,14 @@ def test_every_screen_opens_without_an_error_and_axe_finds_nothing(folder, walk,
         for screen in SCREENS:
             if screen == "home":
                 studio.page.get_by_role("button", name="walk01", exact=True).wait_for()
+            elif screen == "new":
+                studio.page.get_by_role("button", name="New session …").click()
+            elif screen == "cameras":
+                studio.page.get_by_role("button", name="Home", exact=True).click()
+                studio.page.get_by_role("button", name=re.compile("^Cameras of")).click()
+                studio.page.locator("[data-grade]").wait_for()
             elif screen == "tracks":
+                studio.page.get_by_role("button", name="Home", exact=True).click()
                 studio.open()
             else:
                 studio.page.get_by_role("button", name=re.compile(f"^{screen.title()}")).click()

@@ -36,8 +36,8 @@ export function wordsOf(said: unknown): { words: string | null; head: string | n
   return detail ? wordsOf(detail) : { words: null, head: null };
 }
 
-const json = async <T>(path: string, init?: RequestInit): Promise<T> => (await (await asked(path, init)).json()) as T;
-const body = (value: unknown, method = "POST"): RequestInit => ({
+export const json = async <T>(path: string, init?: RequestInit): Promise<T> => (await (await asked(path, init)).json()) as T;
+export const body = (value: unknown, method = "POST"): RequestInit => ({
   method,
   headers: { "Content-Type": "application/json" },
   body: JSON.stringify(value),

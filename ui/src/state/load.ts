@@ -4,6 +4,7 @@ import type { Gaps, TrialHeader } from "../api/types";
 import { mergePaths } from "../model/paths";
 import { loadDetect } from "./detect";
 import { loadDigitise } from "./digitise";
+import { arriveAtSession, cameraAddress, fetchAngles, sessionOf } from "./sessions";
 import { get, OF_TRIAL, playhead, SCREENS, set, type Screen } from "./store";
 
 /** With chosen fills, so that what is drawn is what a run would write. */
@@ -32,7 +33,8 @@ export async function tried<T>(work: () => Promise<T>): Promise<T | null> {
 export const say = (kind: "done" | "refused" | "news", words: string): void => set({ note: { kind, words, at: Date.now() } });
 
 export function goTo(screen: Screen, id: string | null = get().id): void {
-  const target = screen === "home" || !id ? "#/" : `#/trial/${encodeURIComponent(id)}/${screen}`;
+  if (screen === "cameras" && sessionOf()) return void (location.hash = cameraAddress(sessionOf()!));
+  const target = screen === "new" ? "#/new" : screen === "home" || !id ? "#/" : `#/trial/${encodeURIComponent(id)}/${screen}`;
   if (location.hash === target) void arrive();
   else location.hash = target;
 }
@@ -41,6 +43,7 @@ export function goTo(screen: Screen, id: string | null = get().id): void {
 export async function arrive(): Promise<void> {
   const here = location.hash, [, , id, name] = here.split("/"), screen = SCREENS.find((one) => one === name) ?? "tracks";
   set({ dialog: null, note: null });
+  if (await arriveAtSession(location.hash.split("/")[1], id)) return;
   if (!id) {
     set({ screen: "home" });
     const home = await tried(api.home);
@@ -76,6 +79,7 @@ async function openTrial(id: string): Promise<void> {
 export async function fresh(): Promise<void> {
   const { id, screen } = get();
   if (!id) return;
+  if (screen === "angles") return fetchAngles();
   if (screen === "detect") await loadDetect(id);
   else if (screen === "digitise") await loadDigitise(id);
   else if (screen === "gaps") {

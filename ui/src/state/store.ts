@@ -8,7 +8,7 @@ import type { Tried } from "./detect";
 import type { Digitised } from "./digitise";
 import type { GapCandidates, GapRow, Gaps, History, Home, Job, Join, Labels, Problem, Problems, TrialHeader } from "../api/types";
 
-export const SCREENS = ["home", "detect", "digitise", "tracks", "labels", "gaps", "report", "history"] as const;
+export const SCREENS = ["home", "new", "cameras", "detect", "digitise", "tracks", "labels", "gaps", "angles", "report", "history"] as const;
 export type Screen = (typeof SCREENS)[number];
 export type Dialog = "help" | "commands" | "name" | "why" | "finish" | "sign" | "event" | null;
 export type Theme = "auto" | "light" | "dark";

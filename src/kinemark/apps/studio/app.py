@@ -15,7 +15,19 @@ from ...engine.journal import StaleJournal
 from ...engine.open_detection import OpenDetection
 from ...engine.open_digitising import OpenDigitising
 from ...version import __version__
-from . import detect_routes, digitise_routes, export_routes, home_routes, image_routes, live, page_routes, trial_routes
+from . import (
+    angle_routes,
+    camera_routes,
+    detect_routes,
+    digitise_routes,
+    export_routes,
+    home_routes,
+    image_routes,
+    live,
+    new_session_routes,
+    page_routes,
+    trial_routes,
+)
 from .desk import Desk, NotRun
 from .digitise import AnsweredMeanwhile
 from .kept import Kept
@@ -41,6 +53,9 @@ def studio_app(desk: Desk) -> FastAPI:
         home_routes, trial_routes, image_routes, detect_routes, digitise_routes, export_routes, live, page_routes,
     ):  # fmt: skip
         app.include_router(part.router)
+    app.include_router(new_session_routes.router)
+    app.include_router(camera_routes.router)
+    app.include_router(angle_routes.router)
     app.add_exception_handler(KinemarkError, _refused)
     app.add_exception_handler(RequestValidationError, _malformed)
     app.add_exception_handler(HTTPException, _other)

@@ -34,6 +34,9 @@ SWEEPS = 6
 """Rounds of exchange at most; chosen: it ends by itself after two to four."""
 APART_MM = 400.0
 """Least distance of two cameras that are placed; chosen."""
+EQUAL = 1e-5
+"""Share by which two costs may differ and count as one, so that rounding does not choose; chosen above that of single
+precision."""
 
 
 class Candidates(NamedTuple):
@@ -111,5 +114,5 @@ def _best(
         return None
     known = base + found.information[:, others].sum(1)
     seen = count + found.seen[others].sum(0)
-    costs = cost(known[:, None] + found.information, seen + found.seen, weight)
-    return int(np.where(near, np.inf, costs).argmin())
+    costs = np.where(near, np.inf, cost(known[:, None] + found.information, seen + found.seen, weight))
+    return int((costs <= costs.min() * (1 + EQUAL)).argmax())

@@ -57,7 +57,7 @@ class CameraPlan(NamedTuple):
     """A placement and what it will measure.
 
     rig: the cameras, those given first; given: how many those are; prediction: of the rig; following: the camera that
-    should come next, and the prediction with it; both None where none was given place; candidates: how many were judged.
+    should come next, and the prediction with it; both None where no place is left; candidates: how many were judged.
     """
 
     rig: Rig
@@ -72,7 +72,11 @@ class CameraPlan(NamedTuple):
 
 
 def plan_cameras(
-    room: Room, sensor: Sensor, planning: Planning = Planning(), *, given: Rig | None = None  # noqa: B008  frozen
+    room: Room,
+    sensor: Sensor,
+    planning: Planning = Planning(),
+    *,
+    given: Rig | None = None,
 ) -> CameraPlan:
     """Cameras for a volume: where they should stand, what they will measure, and where one more should stand.
 
@@ -99,7 +103,8 @@ def plan_cameras(
     chosen = choose(found, weight, new, given=stand)
     if len(chosen) < new:
         raise KinemarkError(
-            f"There is place for {len(chosen)} of {new} cameras only. Allow more heights or distances, or ask for fewer."
+            f"There is place for {len(chosen)} of {new} cameras only. Allow more heights or "
+            "distances, or ask for fewer."
         )
     rig = _rig(given, [found.cameras[k] for k in chosen], room)
     after = judged_with(stand, found, chosen)
@@ -123,9 +128,7 @@ def _predict(rig: Rig, room: Room, sensor: Sensor, planning: Planning, bodies: S
 def _bodies(room: Room, planning: Planning) -> tuple[Subject, ...]:
     if planning.subject_mm == 0:
         return ()
-    found = walks(
-        room, diameter_mm=planning.diameter_mm, height_mm=planning.subject_mm, markers=planning.markers
-    )
+    found = walks(room, diameter_mm=planning.diameter_mm, height_mm=planning.subject_mm, markers=planning.markers)
     if not np.isfinite(found[0].xyz).any():
         raise KinemarkError(
             "No marker of the walking subject comes into the volume. Give a volume that reaches down to the floor "
@@ -164,9 +167,7 @@ def _judged_candidates(
     return judged(cameras, np.array(seen), _finite(xyz), centroid_sd=planning.centroid_px)
 
 
-def _judged_given(
-    given: Rig, sensor: Sensor, planning: Planning, bodies: Sequence[Subject], xyz: Floats
-) -> Candidates:
+def _judged_given(given: Rig, sensor: Sensor, planning: Planning, bodies: Sequence[Subject], xyz: Floats) -> Candidates:
     views = [
         _seen(camera, sensor, planning, bodies, [free_of_limbs(camera.centre, body) for body in bodies], xyz)
         for camera in given
@@ -191,13 +192,16 @@ def _seen(
 ) -> Bools:
     """(N) which of the places of `_sites` a camera measures."""
     n = len(xyz) - sum(len(body) * body.n_frames for body in bodies)
-    alone = seen_alone(camera, xyz[:n], diameter_mm=planning.diameter_mm, least_px=sensor.least_px)
-    return np.concatenate([alone, seen_on_bodies(camera, bodies, free, least_px=sensor.least_px)])
+    alone: Bools = seen_alone(camera, xyz[:n], diameter_mm=planning.diameter_mm, least_px=sensor.least_px)
+    on_bodies: Bools = seen_on_bodies(camera, bodies, free, least_px=sensor.least_px)
+    seen: Bools = np.concatenate([alone, on_bodies])
+    return seen
 
 
 def _finite(xyz: Floats) -> Floats:
     """Places that are not there as zeros, where nothing is seen."""
-    return np.where(np.isfinite(xyz).all(1)[:, None], xyz, 0.0)
+    there: Bools = np.asarray(np.isfinite(xyz).all(1))
+    return np.where(there[:, None], xyz, 0.0)
 
 
 def _rig(given: Rig, new: Sequence[Camera], room: Room) -> Rig:

@@ -8,9 +8,10 @@ the body, limbs hide markers and images run together (`sight`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..calibrate.quality import (
     VolumeMap,
@@ -30,9 +31,12 @@ from .sight import free_of_limbs, seen_alone, seen_on_bodies
 
 
 class BodyCoverage(NamedTuple):
-    """A walking body of M markers at F instants: names (M); views (M, F) how many cameras measure each marker, −1 where
-    it is outside the volume; sd (M, F) mm of one axis, NaN with fewer than two; without (C, 2): without each camera, the
-    share of samples that two measure, and the median of sd."""
+    """A walking body of M markers at F instants.
+
+    names (M); views (M, F) how many cameras measure each marker, −1 where it is outside the volume; sd (M, F) mm of one
+    axis, NaN with fewer than two; without (C, 2): without each camera, the share of samples that two measure, and the
+    median of sd.
+    """
 
     names: tuple[str, ...]
     views: Ints
@@ -65,9 +69,7 @@ def predict(
         least_px: diameter of the smallest image that is detected.
         centroid_sd: standard deviation of a centroid along u and v, px.
     """
-    return Prediction(
-        _volume(rig, room, diameter_mm, least_px, centroid_sd), _body(rig, bodies, least_px, centroid_sd)
-    )
+    return Prediction(_volume(rig, room, diameter_mm, least_px, centroid_sd), _body(rig, bodies, least_px, centroid_sd))
 
 
 def _volume(rig: Rig, room: Room, diameter_mm: float, least_px: float, centroid_sd: float) -> VolumeMap:
@@ -119,7 +121,7 @@ def _seen_views(rig: Rig, xyz: Floats, seen: Bools, centroid_sd: float) -> Camer
     return CameraViews(information, noise, pull, seen)
 
 
-def _by_marker(values: np.ndarray, bodies: Sequence[Subject]) -> np.ndarray:  # type: ignore[type-arg]
+def _by_marker(values: NDArray[Any], bodies: Sequence[Subject]) -> NDArray[Any]:
     """(M, F of all bodies) of values that stand body after body (N)."""
     ends = np.cumsum([body.xyz.shape[0] * body.n_frames for body in bodies])[:-1]
     parts = [part.reshape(len(body), -1) for part, body in zip(np.split(values, ends), bodies, strict=True)]

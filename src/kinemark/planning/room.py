@@ -88,7 +88,9 @@ class Room:
                     "negative."
                 )
         if not (self.walls[1] > self.walls[0]).all():
-            raise KinemarkError(f"The room's walls are {self.walls.tolist()} mm. Give least x and y, then the greatest.")
+            raise KinemarkError(
+                f"The room's walls are {self.walls.tolist()} mm. Give least x and y, then the greatest."
+            )
 
     @property
     def longer(self) -> int:

@@ -64,7 +64,5 @@ def seen_on_body(camera: Camera, subject: Subject, free: Bools, *, least_px: flo
 
 def seen_on_bodies(camera: Camera, bodies: Sequence[Subject], free: Sequence[Bools], *, least_px: float) -> Bools:
     """(N) the same of several subjects, one after the other."""
-    each = [
-        seen_on_body(camera, body, own, least_px=least_px).ravel() for body, own in zip(bodies, free, strict=True)
-    ]
+    each = [seen_on_body(camera, body, own, least_px=least_px).ravel() for body, own in zip(bodies, free, strict=True)]
     return np.concatenate([*each, np.zeros(0, np.bool_)])

@@ -13,10 +13,12 @@ from ..synth import Subject, walking, with_markers
 from ..synth.subjects import Capsules
 from .room import Room
 
+MOST_MARKERS = 100
+"""On the body; chosen: whole-body sets have 39 to 60, and finding places for many more takes long."""
 FRAMES = 12
 """Instants of each passage that are looked at; chosen."""
 SPEED_MM_S = 1100.0
-"""Of the pelvis; chosen: the usual speed of `synth.walking`."""
+"""Of the pelvis; chosen: that of `synth.walking`."""
 
 
 def walks(
@@ -34,10 +36,10 @@ def walks(
     Raises:
         KinemarkError: a measure is not positive, or so many markers do not fit on the body.
     """
-    if not (diameter_mm > 0 and height_mm > 0 and markers >= 1 and frames >= 1):
+    if not (diameter_mm > 0 and height_mm > 0 and 1 <= markers <= MOST_MARKERS and frames >= 1):
         raise KinemarkError(
             f"The marker's diameter is {diameter_mm:g} mm, the subject {height_mm:g} mm high with {markers} markers; "
-            "wanted more than nothing of each."
+            f"wanted more than nothing of each, and at most {MOST_MARKERS} markers."
         )
     low, high = room.volume
     duration = (high - low)[room.longer] / SPEED_MM_S

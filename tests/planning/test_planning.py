@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinemark.data import KinemarkError, Rig
+from kinemark.data import KinemarkError, Rig, make_finding
 from kinemark.engine.camera_plan import camera_plan
 from kinemark.engine.plan_settings import PlanSettings
 from kinemark.io.rig_toml import read_rig_toml, write_rig_toml
 from kinemark.planning import Planning, Room, Sensor, plan_cameras, predict, walks
 from kinemark.planning.sight import run_together
-from kinemark.report.words import headline_of
+from kinemark.report.words import headline_of, with_words
 from kinemark.synth import look_at, observe, ring
 from kinemark.synth.score import score
 from kinemark.track.simultaneous import track_detections
@@ -158,8 +158,18 @@ def test_a_plan_is_written_as_rig_figures_and_page(tmp_path):
     assert np.array_equal(rig.volume, [[0, 0, 0], [1500, 1000, 1500]])
     page = (tmp_path / "plan/plan.html").read_text("utf-8")
     assert headline_of(figures["verdict"]).replace("'", "&#39;") in page and "cam3" in page
+    assert (tmp_path / "plan/assets").is_dir() and len(page) < 100_000, "the drawing library lies beside the page"
     with pytest.raises(KinemarkError, match="would be overwritten"):
         camera_plan(tmp_path / "plan", settings=replace(settings, given=tmp_path / "plan/plan.toml"))
     write_rig_toml(tmp_path / "stands.toml", rig)
     more = camera_plan(tmp_path / "plan", settings=replace(settings, given=tmp_path / "stands.toml", cameras=4))
     assert [c["given"] for c in more.figures["cameras"]] == [True, True, True, False]
+
+
+@pytest.mark.parametrize(("after", "said"), [(0.99, "One more camera would raise"), (0.97, "Three or more measure 97")])
+def test_what_one_more_camera_brings_is_not_called_a_rise_where_it_is_none(after, said):
+    found = make_finding(
+        "plan_following", three_share=0.97, three_share_after=after,
+        sd_median_mm=0.15, sd_median_after_mm=0.13,
+    )  # fmt: skip
+    assert said in with_words({"findings": [found.as_dict()]})["findings"][0]["text"]

@@ -17,6 +17,7 @@ from ..findings.plan_figures import plan_figures
 from ..findings.quality import write_quality
 from ..io.rig_toml import read_rig_toml, write_rig_toml
 from ..planning import Planning, Room, Sensor, plan_cameras
+from ..report.drawing_library import assets_for
 from ..report.plan_page import write_plan_page
 from ..report.words import with_words
 from .plan_settings import PlanSettings
@@ -33,12 +34,14 @@ def camera_plan(
     folder: pathlib.Path | str,
     *,
     settings: PlanSettings = PlanSettings(),  # noqa: B008  frozen
+    self_contained: bool = False,
 ) -> PlanResult:
     """Plan cameras and write rig file, figures and page.
 
     Args:
         folder: of the results; it is made, and a plan that it holds is written anew.
         settings: what is asked for.
+        self_contained: the page holds the drawing library.
 
     Raises:
         KinemarkError: a setting cannot be used, no camera has a place, or the folder holds the cameras that are given.
@@ -56,7 +59,8 @@ def camera_plan(
     folder.mkdir(parents=True, exist_ok=True)
     write_rig_toml(file, plan.rig)
     write_quality(folder / "plan.json", figures)
-    write_plan_page(folder / "plan.html", figures=figures, plan=plan)
+    assets = None if self_contained else assets_for(folder)
+    write_plan_page(folder / "plan.html", figures=figures, plan=plan, assets=assets)
     return PlanResult(figures, folder)
 
 

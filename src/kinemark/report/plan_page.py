@@ -29,18 +29,19 @@ UP = 2
 """The axis of a plan that points upwards, z; by definition."""
 
 
-def write_plan_page(path: Path | str, *, figures: dict[str, Any], plan: CameraPlan) -> None:
-    """Write the page, whole or not at all; the drawing library is inside.
+def write_plan_page(path: Path | str, *, figures: dict[str, Any], plan: CameraPlan, assets: Path | None = None) -> None:
+    """Write the page, whole or not at all.
 
     Args:
         path: of the page, usually `plan.html`.
         figures: of `plan_figures` of the same plan.
         plan: what is drawn.
+        assets: folder of the drawing library that the page names; inside the page where None.
 
     Raises:
         KinemarkError: the folder cannot be written.
     """
-    write_text(path, plan_page(figures=figures, plan=plan, library=drawing_library(path, None)))
+    write_text(path, plan_page(figures=figures, plan=plan, library=drawing_library(path, assets)))
 
 
 def plan_page(*, figures: dict[str, Any], plan: CameraPlan, library: DrawingLibrary | None = None) -> str:

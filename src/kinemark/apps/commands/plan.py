@@ -8,13 +8,14 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ...engine.plan_settings import PlanSettings
-from ..output import Json, print_result
+from ..output import Json, SelfContained, print_result
 
 
 def plan(
     folder: Path = Path("plan"),
     *,
     settings: Annotated[PlanSettings | None, Parameter(name="*")] = None,
+    self_contained: SelfContained = False,
     json: Json = False,
 ) -> None:
     """Say where cameras should stand for a volume and a subject, how exact they will be, and what one more would bring.
@@ -24,10 +25,11 @@ def plan(
     Args:
         folder: of the results.
         settings: what is asked for.
+        self_contained: put the drawing library into the page, for mailing.
         json: print the figures for a machine.
     """
     from ...engine.camera_plan import camera_plan
     from ...report.plan_text import plan_summary
 
-    result = camera_plan(folder, settings=settings or PlanSettings())
+    result = camera_plan(folder, settings=settings or PlanSettings(), self_contained=self_contained)
     print_result(result.figures if json else f"{plan_summary(result.figures)}\nresults:  {result.folder}/plan.html")

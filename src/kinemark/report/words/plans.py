@@ -34,6 +34,14 @@ def _error(found: Finding) -> str:
     )
 
 
+def _following(found: Finding) -> str:
+    before, after = fill("{three_share}", found), fill("{three_share_after}", found)
+    sd = "take σ from {sd_median_mm} to {sd_median_after_mm}."
+    if before == after:
+        return fill(f"One more camera would {sd} Three or more measure {{three_share}} without it.", found)
+    return fill(f"One more camera would raise what three or more measure from {before} to {after}, and {sd}", found)
+
+
 PLAN_WORDS = {
     "plan_covers": Words(
         _covers,
@@ -44,10 +52,7 @@ PLAN_WORDS = {
         "Of the empty volume {two_share} is seen by two cameras or more, {three_share} by three or more; σ is "
         "{sd_median_mm} there."
     ),
-    "plan_following": Words(
-        "One more camera would raise what three or more measure from {three_share} to {three_share_after}, and take σ "
-        "from {sd_median_mm} to {sd_median_after_mm}."
-    ),
+    "plan_following": Words(_following),
     "plan_camera_most_missed": Words(
         "{Cameras} would be missed most: without it two or more measure {two_share}, and σ is {sd_median_mm}."
     ),

@@ -75,6 +75,7 @@ def weighted_points(
     rig: Rig,
     *,
     guess: Floats | None = None,
+    cov: Floats | None = None,
     errors: ImageErrors = DEFAULT_ERRORS,
 ) -> Cloud:
     """One point for each match, in the same order, not finite where it has none.
@@ -87,6 +88,7 @@ def weighted_points(
         rig: the cameras.
         guess: (P, 3) mm, where the points are thought to be, to within some noise of the images; None: the linear
             solution, which takes longer.
+        cov: (P, C, 2, 2) px², of the image that each camera has of each point; None: as the detections state.
         errors: of the images.
     """
     seen: Bools = matches.detection >= 0
@@ -97,7 +99,7 @@ def weighted_points(
         uv = uv - _sphere_offsets(rig, guess, errors.marker_diameter)  # (3)
         guess = guess if steps == 1 else _linear(rig, uv)
     area = np.where(seen, detections.area[matches.detection], np.nan)
-    cov = centroid_cov(detections.cov[matches.detection], rig, guess, uv, errors.centroid_sd)
+    cov = centroid_cov(detections.cov[matches.detection] if cov is None else cov, rig, guess, uv, errors.centroid_sd)
     variances = np.einsum("pcii->pci", cov)  # a view of both, in every image
     variances += (hidden_variance(rig, guess, area) + errors.model_sd**2)[..., None]
     point = _robust(rig, guess, uv, cov, errors.degrees_of_freedom, steps)

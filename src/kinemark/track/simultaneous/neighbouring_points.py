@@ -41,7 +41,7 @@ class TrackPoints(NamedTuple):
     xyz: Floats
     cov: Floats
 
-    def take(self, which: Bools | slice) -> TrackPoints:
+    def take(self, which: Bools | Ints) -> TrackPoints:
         """Only these."""
         return TrackPoints(self.frame[which], self.id[which], self.xyz[which], self.cov[which])
 

@@ -148,17 +148,8 @@ def _first_pass(
 ) -> FirstPass:
     """The tracks that are confirmed, their points solved, before any is stitched."""
     T = 1 / detections.rate
-    least = max(method.min_duration / T, 4)
-    every = run(working.images, detections.rate, method)
-    every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
-    sure = _evidence(_kept_associations(every, least), images, working, method) > SURE
-    rivalled = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
-    seen = _kept_associations(rivalled.associations, least)
-    every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # takes much memory, only that of `seen` is needed
-    speaks, own = _evidence(seen, images, working, method), _unshared(seen, images)
-    speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
-    speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
-    every, seen = (one._replace(id=rivalled.pieces(one.id, one.frame)) for one in (every, seen))
+    every, seen, speaks = _followed(detections.rate, images, working, method)
+    own = _unshared(seen, images)
     shared = np.zeros(len(images.uv), bool)
     shared[seen.detection[seen.shared & (seen.detection >= 0)]] = True
     solver = _solver(detections, shared, working, errors)
@@ -167,6 +158,28 @@ def _first_pass(
     good = usable_points(cloud, rig, margin=None) & _precise_enough(cloud, own.sum(0), method)
     good &= (speaks > SURE)[seen.id]
     return FirstPass(every, speaks, shared, cloud.keep(good), seen.id[good])
+
+
+def _followed(
+    rate: float, images: Images, working: Working, method: Simultaneous
+) -> tuple[Associations, Associations, Floats]:
+    """The associations of all tracks, without their `cov`; those of tracks that have enough; the evidence (N) of each.
+
+    What this needs in between takes much memory, and ends with it.
+    """
+    T = 1 / rate
+    least = max(method.min_duration / T, 4)
+    every = run(working.images, rate, method)
+    every = every.take(~_without_evidence(every, _unshared(every, images), least, method))
+    sure = _evidence(_kept_associations(every, least), images, working, method) > SURE
+    rivalled = without_rivalled(every, working.images, fundamentals(working.images.P), T, method)
+    seen = _kept_associations(rivalled.associations, least)
+    every = rivalled.associations._replace(cov=np.zeros((3, 3, 0)))  # only that of `seen` is needed
+    speaks = _evidence(seen, images, working, method)
+    speaks[: len(sure)] *= sure[: len(speaks)]  # what a track was without its stretches makes no marker of the rest
+    speaks = np.pad(speaks, (0, len(rivalled.whole()) - len(speaks)))[rivalled.whole()]
+    every, seen = (one._replace(id=rivalled.pieces(one.id, one.frame)) for one in (every, seen))
+    return every, seen, speaks
 
 
 class Solver(NamedTuple):
@@ -180,13 +193,14 @@ class Solver(NamedTuple):
     lasting: float = 0.0
     timing: Floats | None = None
 
-    @property
-    def cov(self) -> Floats:
-        """(D, 2, 2) px² of the images."""
+    def cov(self, detection: Ints) -> Floats:
+        """(P, C, 2, 2) px² of the images `detection` (P, C)."""
+        variance = self.variance[detection][..., None, None]
         if self.timing is None:
-            return np.asarray(self.variance[:, None, None] * np.eye(2))
-        across = np.maximum(self.variance - (self.timing**2).sum(1), LEAST)
-        return np.asarray(across[:, None, None] * np.eye(2) + self.timing[:, :, None] * self.timing[:, None])
+            return np.asarray(variance * np.eye(2))
+        flow = self.timing[detection][..., None]
+        across = np.maximum(variance - (flow**2).sum(-2, keepdims=True), LEAST)
+        return np.asarray(across * np.eye(2) + flow * flow.swapaxes(-1, -2))
 
 
 class Working(NamedTuple):
@@ -253,13 +267,17 @@ def _with_second_pass(
     good = usable_points(new, solver.rig, margin=None) & _precise_enough(
         new, ((detection >= 0) & ~images.merged[detection]).sum(0), method
     )
-    frame, ids = np.concatenate([cloud.frame, new.frame]), np.concatenate([ids, found.id[order]])
-    left = np.flatnonzero(np.concatenate([kept, good]))
-    left = left[np.argsort(frame[left], kind="stable")]
-    start = np.searchsorted(frame[left], np.arange(cloud.n_frames + 1))
-    names = ("xyz", "cov", "residual", "detection")
-    columns = (np.concatenate([getattr(cloud, name), getattr(new, name)])[left] for name in names)
-    return Cloud(cloud.rate, start, *columns), ids[left]
+    frame, ids = (
+        np.concatenate([cloud.frame[kept], new.frame[good]]),
+        np.concatenate([ids[kept], found.id[order][good]]),
+    )
+    by_frame = np.argsort(frame, kind="stable")
+    start = np.searchsorted(frame[by_frame], np.arange(cloud.n_frames + 1))
+    columns = (
+        np.concatenate([getattr(cloud, name)[kept], getattr(new, name)[good]])[by_frame]
+        for name in ("xyz", "cov", "residual", "detection")
+    )
+    return Cloud(cloud.rate, start, *columns), ids[by_frame]
 
 
 def _evidence(seen: Associations, images: Images, working: Working, method: Simultaneous) -> Floats:
@@ -312,18 +330,23 @@ def _variance(shared: Bools, images: Images, noise: Noise) -> Floats:
 
 def _solved(frame: Ints, detection: Ints, guess: Floats, solver: Solver) -> Cloud:
     """The points of detections (C, P), one to one, with guesses (3, P) mm of their positions."""
-    parts = []
-    detections = replace(solver.detections, cov=solver.cov)
-    for first in range(0, max(len(frame), 1), AT_ONCE):
+    n, n_frames = len(frame), solver.detections.n_frames
+    xyz, cov, residual = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty(n)
+    for first in range(0, n, AT_ONCE):
         part = slice(first, first + AT_ONCE)
-        matches = Matches(frame[part], detection[:, part].T, np.zeros(len(frame[part])), detections.n_frames)
+        matches = Matches(frame[part], detection[:, part].T, np.zeros(len(frame[part])), n_frames)
         near = np.ascontiguousarray(guess[:, part].T)
-        parts.append(weighted_points(matches, detections, solver.rig, guess=near, errors=solver.errors))
-    start = np.searchsorted(frame, np.arange(detections.n_frames + 1))
-    columns = (
-        np.concatenate([getattr(one, name) for one in parts]) for name in ("xyz", "cov", "residual", "detection")
-    )
-    return Cloud(detections.rate, start, *columns)
+        points = weighted_points(
+            matches,
+            solver.detections,
+            solver.rig,
+            guess=near,
+            cov=solver.cov(matches.detection),
+            errors=solver.errors,
+        )
+        xyz[part], cov[part], residual[part] = points.xyz, points.cov, points.residual
+    start = np.searchsorted(frame, np.arange(n_frames + 1))
+    return Cloud(solver.detections.rate, start, xyz, cov, residual, np.ascontiguousarray(detection.T))
 
 
 def _with_smoothed(

@@ -83,8 +83,8 @@ def second_pass(points: TrackPoints, detection: Ints, images: Images, T: float, 
             break
         known = known.plus(new.take(good))
         detection = np.concatenate([detection, associated[:, good]], 1)
-    new = np.arange(int(kept.sum()), len(known.id))
-    return SecondPass(kept, known.take(new), detection[:, new])  # copies, as all of `known` would stay with a slice
+    rows = np.arange(int(kept.sum()), len(known.id))
+    return SecondPass(kept, known.take(rows), detection[:, rows])  # copies, as all of `known` would stay with a slice
 
 
 def _wrong(points: TrackPoints, sound: Bools, detection: Ints, images: Images, T: float, method: Simultaneous) -> Bools:

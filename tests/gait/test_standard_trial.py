@@ -95,3 +95,19 @@ def test_heels_that_only_standing_wore_sit_on_the_feet():
         off = np.linalg.norm(found.xyz - marker_points(stepping())[name], axis=1)
         assert np.nanmedian(off) < 12.0 and (found.origin == Origin.FILLED).all()
     assert with_heels(standard_trial(stepping()), marker_points(stood)).heels == ()
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_foot_that_is_never_seen_keeps_nobody_from_the_other_leg():
+    walk = stepping()
+    lost = tuple(
+        replace(p, xyz=np.full_like(p.xyz, np.nan), origin=np.full_like(p.origin, Origin.MISSING))
+        if p.name in ("LHEE", "LTOE") else p
+        for p in walk.trajectories
+    )  # fmt: skip
+    found = analyse_gait(replace(walk, trajectories=replace(walk.trajectories, paths=lost)), MEASURES).loads
+    whole = analyse_gait(walk, MEASURES).loads
+    assert not np.isfinite(found["LAnkle"].moment).any()
+    known = np.isfinite(found["RAnkle"].moment)  # not while somebody may stand on the plate
+    assert known.any()
+    np.testing.assert_array_equal(found["RAnkle"].moment[known], whole["RAnkle"].moment[known])

@@ -102,22 +102,24 @@ def joint_loads(
     rotation_derivative: Derivative = five_point,
     up: Floats = Z_UP,
 ) -> dict[str, JointLoad]:
-    """Ankle, knee and hip by (1) to (3); NaN in four frames at each end and where a marker is missing.
+    """Ankle, knee and hip by (1) to (3); NaN in four frames at each end, where a marker is missing, and
+    everywhere where the foot's length is unknown.
 
     Args:
         leg, pelvis: over F frames.
         contact: of this foot with the floor.
-        mass_kg: of the body. foot_mm: length of the foot, along which its centre of mass lies.
+        mass_kg: of the body. foot_mm: length of the foot, along which its centre of mass lies; NaN
+            where nobody knows it.
         rate: frames a second.
         inertia: of foot, shank and thigh.
         rotation_derivative: (4) or (5).
         up: of the laboratory.
 
     Raises:
-        KinemarkError: mass or length of the foot is unknown.
+        KinemarkError: the mass is unknown.
     """
-    if not (mass_kg > 0 and foot_mm > 0):
-        raise KinemarkError("Moments want the subject's mass, and HEE and TOE for the length of the foot.")
+    if not mass_kg > 0:
+        raise KinemarkError("Moments want the subject's mass: give mass_kg in the measures.")
     dt = 1.0 / rate
     toes = leg.ankle - foot_mm * leg.foot.R[..., 2]
     shank_mm, thigh_mm = (mean_length(a - b) for a, b in ((leg.knee, leg.ankle), (leg.hip, leg.knee)))

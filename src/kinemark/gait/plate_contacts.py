@@ -100,7 +100,8 @@ class _Foot(NamedTuple):
         middle = (heel + toe) / 2
         speed = np.linalg.norm(np.gradient(middle, axis=0), axis=1) * rate if len(middle) > 1 else np.zeros(len(middle))
         length = np.linalg.norm(toe - heel, axis=1)
-        return cls(heel, toe, middle, speed < STANDING_MM_S, float(np.nanmedian(length)) if len(length) else np.nan)
+        known = length[np.isfinite(length)]
+        return cls(heel, toe, middle, speed < STANDING_MM_S, float(np.median(known)) if len(known) else np.nan)
 
 
 def _judged(plate: int, reaction: Reaction, first: int, stop: int, feet: Mapping[Side, _Foot], up: Floats) -> Contact:

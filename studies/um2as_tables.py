@@ -189,7 +189,7 @@ def through(uv: Floats, lens: float) -> Floats:
 WHY = """
   The thesis takes table 4.1 for the 0.5 px that lens and quantisation leave. Such errors make a quarter of it, and of
   either sign. A barrel distortion of some 10 px at the image's edge makes all of it, with its sign; the bar of section
-  4.1 does not show one, because it turns about the image's middle, where a lens changes a length alike in all attitudes."""
+  4.1 does not show one, as it turns about the image's middle, where a lens changes a length alike in all attitudes."""
 
 
 def nearest_marker() -> None:
@@ -207,7 +207,7 @@ def nearest_marker() -> None:
     print("  share of the area hidden " + "".join(f"{100 * h:8.1f} %" for h in hidden) + f"     → {BALL_PX / 2:g} px")
     print("  px                       " + "".join(f"{segment_offset(h) * BALL_PX / 2:10.2f}" for h in hidden))
     print(
-        f"With {CALIBRATION_PX} px of lens and quantisation: {BALL_PX / 2 + CALIBRATION_PX:g} px (thesis: {MARKER_PX:g})"
+        f"With {CALIBRATION_PX} px of lens and quantisation {BALL_PX / 2 + CALIBRATION_PX:g} px (thesis: {MARKER_PX:g})"
     )
 
 

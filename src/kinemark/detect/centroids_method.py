@@ -96,9 +96,9 @@ class Centroids(Method):
     )  # fmt: skip
     centroid: Literal["grey", "white"] = parameter(
         "grey",
-        meaning="grey: every pixel counts by how bright it is; white: the mean of the white pixels, of which one counts "
-        "like another (KISS eq. 2, UM²AS 3.4). What overlaps or is hidden is fitted all the same, unless max_discs is 1 "
-        "and correct_occlusion false",
+        meaning="grey: every pixel counts by how bright it is; white: the mean of the white pixels, of which each "
+        "counts alike (KISS eq. 2, UM²AS 3.4); what overlaps or is hidden is fitted all the same, unless max_discs is "
+        "1 and correct_occlusion false",
     )
     max_discs: int = parameter(
         3, former="most_discs", unit="discs", low=1, high=MOST_DISCS,

@@ -1,4 +1,4 @@
-"""Bounds on the error of a camera's eleven parameters: the one of a textbook that UM²AS could not use, and two that hold.
+"""Bounds on the error of a camera's eleven parameters: a textbook's that UM²AS could not use, and two that hold.
 
 Control points moved by R px in any directions change A L = b (UM²AS eq. 4.6; (2) of `dlt_samples`) by δA and δb. Where
 the unmoved points fit, A L = b exactly, and (UM²AS eq. 4.7, from Usmani 1991)

@@ -3,10 +3,10 @@
     python studies/accuracy_kiss.py [rounds, 5]
 
 The conditions of the paper: six cameras with fields of 752 × 291 px, whose lines lie two pixels apart; markers of 25
-mm, a control volume of 1.4 × 2.4 × 2 m, the mean of an image's white pixels for its centroid, the lens linearised with a
-grid and cameras calibrated with the DLT from 24 surveyed markers; tests as of its sections 3.3 and 5.1. What the paper
-does not tell is assumed: cameras 4.2 m from the middle with 770 px of focal length across and 385 down, which just see
-the volume; a barrel of k1 = −0.12; a survey good to 0.5 mm; images blurred by 0.7 px, with noise of 2 grey levels.
+mm; a control volume of 1.4 × 2.4 × 2 m; the mean of an image's white pixels for its centroid; the lens linearised with
+a grid, and cameras calibrated with the DLT from 24 surveyed markers; tests as of its sections 3.3 and 5.1. What the
+paper does not tell is assumed: cameras 4.2 m from the middle with 770 px of focal length across and 385 down, which
+just see the volume; a barrel of k1 = −0.12; a survey good to 0.5 mm; images blurred by 0.7 px, noise of 2 grey levels.
 
 The noise of centroids is not assumed but measured, in fields of such markers drawn at random places of the volume and
 found by KISS's own detection, and by Kinemark's. Errors of white pixels depend on where a marker meets the pixels; they

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from kinemark.apps import um2as as um2as_cli
 from kinemark.apps.cli import app
@@ -83,6 +84,19 @@ def test_the_whole_menu_from_images_to_angles(recorded, capsys, monkeypatch):
     subject = footage(FRAMES / 30)[1]
     assert np.abs(read_tdc(folder / "feed.tdc") - subject.xyz).max() < 1.0
     assert np.abs(read_angles(folder / "feed.shd") - subject.angles.deg[0]).max() < 1.5
+
+
+def test_white_pixels_give_the_centroids_of_the_thesis(recorded, capsys, monkeypatch):
+    folder, balls = recorded
+    monkeypatch.chdir(folder)
+    at = ("--at", f"{balls[0][8][0]:.0f} {balls[0][8][1]:.0f}")
+    command("um2as", "reference", "box1.png", "white.rf1", *at, "--white-pixels")
+    command("um2as", "snap", "box1.png", "white.png")
+    capsys.readouterr()
+    groups = ndimage.label(next(open_images(folder / "white.png").frames()) > 0, np.ones((3, 3)))[0]
+    u, v = np.rint(balls[0][8]).astype(int)
+    mean = ndimage.center_of_mass(groups == groups[v, u])[::-1]
+    np.testing.assert_allclose(read_rf(folder / "white.rf1"), mean, atol=1e-6)
 
 
 def test_an_operator_types_stops_and_goes_on(recorded, capsys, monkeypatch, tmp_path):

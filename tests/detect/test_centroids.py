@@ -64,6 +64,29 @@ def test_the_covariance_holds_for_blur_photon_noise_and_pixels_alone(blur, noise
     assert 0.6 < normalised.mean() < 1.4
 
 
+@pytest.mark.parametrize("diameter", [5, 8, 12])
+@pytest.mark.parametrize("inverted", [False, True])
+def test_white_centroids_are_the_means_of_the_white_pixels(diameter, inverted):
+    images, truth = discs(300, diameter, 0.5, 3.0, np.random.default_rng(20 + diameter))
+    shown = 255 - images if inverted else images
+    method = Centroids(threshold=195 if inverted else 60, inverted=inverted, centroid="white")
+    found = detect_frames(shown, method=method)
+    assert (found.counts == 1).all()
+    means = np.array([ndimage.center_of_mass(image > 60)[::-1] for image in images])
+    np.testing.assert_allclose(found.uv, means, atol=1e-12)
+    assert found.area.tolist() == (images > 60).sum((1, 2)).tolist()
+    normalised = np.einsum("ni,nij,nj->n", found.uv - truth, np.linalg.inv(found.cov), found.uv - truth) / 2
+    assert 0.3 < normalised.mean() < 1.8  # 0.35 to 1.75 times the mean over radii
+
+
+def test_white_centroids_take_grey_levels_for_nothing():
+    images, _ = discs(50, 8, 0.5, 0.0, np.random.default_rng(3))
+    method = Centroids(threshold=60, centroid="white")
+    shaded = np.where(images > 60, np.minimum(images, 61 + np.arange(images.shape[2]) % 90), images).astype(np.uint8)
+    np.testing.assert_array_equal(detect_frames(images, method=method).uv, detect_frames(shaded, method=method).uv)
+    assert (detect_frames(images).uv != detect_frames(shaded).uv).all()
+
+
 def test_no_phase_of_the_pixel_grid_biases_the_centroid():
     """A threshold cutting the rim pulls a centroid towards the pixel's middle: error against phase has a slope."""
     images, truth = discs(300, 8, 0.5, 0.0, np.random.default_rng(1))

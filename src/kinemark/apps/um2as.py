@@ -7,6 +7,7 @@ Files end in the number of their camera: box.cp1, box.rf1 and feeding.da1 are of
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -27,6 +28,10 @@ um2as = App(name="um2as", help=__doc__)  # the menu of figures 3.3 to 3.20
 
 Threshold = Annotated[float, Parameter(help="Grey level above which a pixel is white, 0 to 255.")]
 Inverted = Annotated[bool, Parameter(negative="", help="Threshold type inverted: black markers on a white background.")]
+WhitePixels = Annotated[
+    bool,
+    Parameter(negative="", help="Centroids are the means of the white pixels, as those of UM²AS; no disc is fitted."),
+]
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print the figures for a machine.")]
 Many = Parameter(consume_multiple=True, negative="")
 WHITE = 253  # grey level of 8 bits of a marker in the picture; chosen
@@ -40,6 +45,7 @@ def snap(
     frame: int = 1,
     threshold: Threshold = 60.0,
     inverted: Inverted = False,
+    white_pixels: WhitePixels = False,
 ) -> None:
     """Snap Image, Image Threshold: turn a frame into black and white, and list its markers.
 
@@ -52,7 +58,7 @@ def snap(
     """
     from ..io.images import write_png
 
-    found = _image_markers(images, frame, threshold, inverted)
+    found = _image_markers(images, frame, threshold, inverted, white_pixels)
     if output is not None:
         write_png(output, np.where(found.owner >= 0, WHITE, 0).astype(np.uint8))
     rows = [f"{k + 1:4d} {u:12.7f} {v:12.7f}" for k, (u, v) in enumerate(found.uv)]
@@ -68,6 +74,7 @@ def reference(
     frame: int = 1,
     threshold: Threshold = 60.0,
     inverted: Inverted = False,
+    white_pixels: WhitePixels = False,
 ) -> None:
     """Reference Marker: digitise the marker that never moves, and keep its place.
 
@@ -82,7 +89,7 @@ def reference(
     from ..io.um2as import camera_number, write_rf
 
     camera_number(output, "rf")
-    uv = pointed(_image_markers(image, frame, threshold, inverted), "the reference marker", at)
+    uv = pointed(_image_markers(image, frame, threshold, inverted, white_pixels), "the reference marker", at)
     write_rf(output, uv)
     say(f"{output} is written: {uv[0]:.7f} {uv[1]:.7f}")
 
@@ -98,6 +105,7 @@ def calibrate(
     frame: int = 1,
     threshold: Threshold = 60.0,
     inverted: Inverted = False,
+    white_pixels: WhitePixels = False,
 ) -> None:
     """Calibration Parameters: point at the control balls, and get the eleven parameters of the camera.
 
@@ -116,7 +124,7 @@ def calibrate(
     from ..io.um2as import camera_number
 
     camera = camera_number(output, "cp")
-    found = _image_markers(image, frame, threshold, inverted)
+    found = _image_markers(image, frame, threshold, inverted, white_pixels)
     n = len(at) if at else len(table(measured)[1])
     uv = np.array([pointed(found, f"control ball {i + 1}", at[i] if at else None) for i in range(n)]).reshape(-1, 2)
     _, off = calibrate_file(measured, output, uv, made=_date(made) if camera == 1 else None)
@@ -136,6 +144,7 @@ def digitise_file(
     every: int = 1,
     threshold: Threshold = 60.0,
     inverted: Inverted = False,
+    white_pixels: WhitePixels = False,
     answers: Path | None = None,
     save_all: Annotated[bool, Parameter(negative="")] = False,
     confirm_reference: Annotated[bool, Parameter(negative="")] = False,
@@ -176,7 +185,8 @@ def digitise_file(
 
     method = _semi_automatic(markers, reference, confirm_reference=confirm_reference, take_proposals=take_proposals)
     camera = camera_number(output, "da")
-    reel = DigitisedFrames(open_images(images), method=_centroids(threshold, inverted), every=every, last=last_frame)
+    detection = _centroids(threshold, inverted, white_pixels)
+    reel = DigitisedFrames(open_images(images), method=detection, every=every, last=last_frame)
     done = digitise_camera(
         reel,
         method=method,
@@ -313,7 +323,7 @@ def _views(camera: int, calibration: list[Path], others: list[Path], markers: in
     return OtherViews(rig, wanted.index(f"cam{camera}"), whole)
 
 
-def _image_markers(images: Path, frame: int, threshold: float, inverted: bool) -> ImageMarkers:
+def _image_markers(images: Path, frame: int, threshold: float, inverted: bool, white_pixels: bool) -> ImageMarkers:
     from ..digitise import find_markers
     from ..engine.sources import frame_of
     from ..io.images import open_images
@@ -321,16 +331,19 @@ def _image_markers(images: Path, frame: int, threshold: float, inverted: bool) -
     source = open_images(images)
     if not 1 <= frame <= source.n_frames:
         raise KinemarkError(f"{images} has no frame {frame}, but 1 to {source.n_frames}. Name another.")
-    return find_markers(frame_of(source, frame - 1), method=_centroids(threshold, inverted))
+    return find_markers(frame_of(source, frame - 1), method=_centroids(threshold, inverted, white_pixels))
 
 
-def _centroids(threshold: float, inverted: bool) -> Centroids:
+def _centroids(threshold: float, inverted: bool, white_pixels: bool) -> Centroids:
     from ..detect import Centroids
 
     try:
-        return Centroids(threshold=threshold, inverted=inverted)
+        method = Centroids(threshold=threshold, inverted=inverted)
     except ValueError as error:
         raise KinemarkError(f"{error}.") from error
+    if not white_pixels:
+        return method
+    return replace(method, centroid="white", max_discs=1, correct_occlusion=False)
 
 
 def _date(text: str | None) -> date:

@@ -12,7 +12,7 @@ from .background_noise import ROUNDING, background
 from .blobs import Blobs, joined
 from .centroids_method import Centroids, grey_scale
 from .grouping import PixelGroups, group_runs
-from .moments import Moments, measure, outline_centroids
+from .moments import Moments, measure, outline_centroids, white_moments
 from .pixel_runs import find_runs
 from .saturation import without_clipped
 from .separate import Suspects, separated, suspects
@@ -72,8 +72,10 @@ def _whole(
 ) -> Blobs:
     """Each group as one marker at its grey-weighted centroid, save for what is too large to be a marker."""
     n, height, width = images.shape
-    shot = method.shot_noise * grey_scale(images.dtype)
     validity = judge(groups, height=height, width=width, method=method)
+    if method.centroid == "white":
+        return _of_moments(white_moments(images, groups), groups, validity, n)
+    shot = method.shot_noise * grey_scale(images.dtype)
     marker = validity != Validity.TOO_LARGE
     some = groups if marker.all() else groups.keep(marker)
     fine = measure(
@@ -81,15 +83,20 @@ def _whole(
     )
     if not marker.all():
         fine = _with_large(fine, groups, marker, height)
-    blobs = Blobs(
+    blobs = _of_moments(fine, groups, validity, n)
+    return without_clipped(images, groups, blobs, ground=ground, variance=variance, shot=shot)
+
+
+def _of_moments(moments: Moments, groups: PixelGroups, validity: NDArray[np.uint8], n: int) -> Blobs:
+    """The groups of n frames, each with its moments."""
+    return Blobs(
         counts=np.bincount(groups.frame, minlength=n),
-        **fine._asdict(),
+        **moments._asdict(),
         width=(groups.right - groups.left + 1).astype(np.float64),
         height=(groups.bottom - groups.top + 1).astype(np.float64),
         validity=validity,
         merged=np.zeros(len(validity), np.bool_),
     )
-    return without_clipped(images, groups, blobs, ground=ground, variance=variance, shot=shot)
 
 
 def _with_large(fine: Moments, groups: PixelGroups, marker: NDArray[np.bool_], height: int) -> Moments:

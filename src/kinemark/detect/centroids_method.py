@@ -94,6 +94,12 @@ class Centroids(Method):
         meaning="height of a round marker's image by its width; None: 0.5 for the fields of interlaced video, else "
         "1",
     )  # fmt: skip
+    centroid: Literal["grey", "white"] = parameter(
+        "grey",
+        meaning="grey: every pixel counts by how bright it is; white: the mean of the white pixels, of which each "
+        "counts alike (KISS eq. 2, UM²AS 3.4); what overlaps or is hidden is fitted all the same, unless max_discs is "
+        "1 and correct_occlusion false",
+    )
     max_discs: int = parameter(
         3, former="most_discs", unit="discs", low=1, high=MOST_DISCS,
         meaning="overlapping markers are told apart up to this many in a group; 1: not at all",

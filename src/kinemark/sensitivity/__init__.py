@@ -6,6 +6,7 @@ limits its accuracy.
 """
 
 from .observed_errors import Shown, shown
+from .parameter_bound import ParameterBound, first_order_bound, parameter_bound
 from .propagation import (
     Kinematics,
     Spread,
@@ -39,6 +40,7 @@ __all__ = [
     "LinearisedErrors",
     "LostCamera",
     "Moved",
+    "ParameterBound",
     "Ranking",
     "Rigid",
     "Sampled",
@@ -51,6 +53,7 @@ __all__ = [
     "calibration_experiment",
     "climb",
     "cycle_weights",
+    "first_order_bound",
     "gather",
     "gather_named",
     "laboratory",
@@ -58,6 +61,7 @@ __all__ = [
     "marker",
     "marker_experiment",
     "mean_spread",
+    "parameter_bound",
     "placed_points",
     "rank",
     "rig_points",
